@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "mpm/base/parameters.hpp"
+
+#include <algorithm>
+
+namespace mpm {
+
+bool Range::contains(double x) const {
+    return (openBelow ? x > lowest : x >= lowest) && (openAbove ? x < highest : x <= highest);
+}
+
+std::string Range::text() const {
+    const double infinity = std::numeric_limits<double>::infinity();
+    if (lowest == 0 && highest == infinity) return openBelow ? "a positive number" : "zero or a positive number";
+    return message("a number in ", openBelow ? "(" : "[", lowest, ", ", highest, openAbove ? ")" : "]");
+}
+
+namespace {
+
+template <class T> const T* as(const Value& v) { return std::get_if<T>(&v); }
+
+// Numbers convert upwards only: an int is a double, a double is not an int.
+bool number(const Value& v, double& out) {
+    if (auto d = as<double>(v)) return out = *d, true;
+    if (auto i = as<int>(v)) return out = *i, true;
+    return false;
+}
+
+std::string shown(const Value& v) {
+    if (auto b = as<bool>(v)) return *b ? "True" : "False";
+    if (auto s = as<std::string>(v)) return "'" + *s + "'";
+    if (auto a = as<std::vector<double>>(v)) return place(*a);
+    double x = 0;
+    number(v, x);
+    return message(x);
+}
+
+std::string joined(const std::vector<std::string>& words) {
+    std::string all;
+    for (auto& w : words) all += (all.empty() ? "'" : ", '") + w + "'";
+    return all;
+}
+
+struct Assign {
+    const std::string who;
+    const Parameter& p;
+    const Value& given;
+
+    [[noreturn]] void refuse(const std::string& allowed) const {
+        throw InputError(who + ": " + p.name + " = " + shown(given) + " is not allowed; give " + allowed +
+                         (p.unit.empty() || p.unit == "-" ? "" : " (" + p.unit + ")"));
+    }
+    void checkNumber(double x) const {
+        if (p.isAngle && std::isfinite(x) && !p.range.contains(x) && std::abs(x) <= 90)
+            throw InputError(message(who, ": ", p.name, " = ", x, " is in radians; did you mean radians(", x, ")?"));
+        if (!std::isfinite(x) || !p.range.contains(x)) refuse(p.range.text());
+    }
+    void operator()(double* target) const {
+        double x = 0;
+        if (!number(given, x)) refuse(p.range.text());
+        checkNumber(x);
+        *target = x;
+    }
+    void operator()(int* target) const {
+        auto i = as<int>(given);
+        if (!i) refuse("a whole number");
+        if (!p.range.contains(*i)) refuse(p.range.text());
+        *target = *i;
+    }
+    void operator()(bool* target) const {
+        auto b = as<bool>(given);
+        if (!b) refuse("True or False");
+        *target = *b;
+    }
+    void operator()(std::string* target) const {
+        auto s = as<std::string>(given);
+        if (!s) refuse(p.choices.empty() ? "a string" : "one of " + joined(p.choices));
+        if (!p.choices.empty() && std::find(p.choices.begin(), p.choices.end(), *s) == p.choices.end())
+            refuse("one of " + joined(p.choices));
+        *target = *s;
+    }
+    void operator()(std::vector<double>* target) const {
+        double x = 0;
+        std::vector<double> all;
+        if (auto a = as<std::vector<double>>(given))
+            all = *a;
+        else if (number(given, x))
+            all = {x};
+        else
+            refuse("a sequence of numbers");
+        for (double entry : all) checkNumber(entry);
+        *target = all;
+    }
+};
+
+// The allowed name that shares most letters in order with the misspelt one.
+std::string nearest(const std::string& name, const std::vector<std::string>& names) {
+    auto distance = [](const std::string& a, const std::string& b) {
+        std::vector<size_t> row(b.size() + 1);
+        for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+        for (size_t i = 1; i <= a.size(); ++i) {
+            size_t diagonal = row[0]++;
+            for (size_t j = 1; j <= b.size(); ++j) {
+                const size_t up = row[j];
+                const bool same = std::tolower(a[i - 1]) == std::tolower(b[j - 1]);
+                row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (same ? 0 : 1)});
+                diagonal = up;
+            }
+        }
+        return row[b.size()];
+    };
+    std::string best;
+    size_t least = name.size() / 2 + 1;
+    for (auto& n : names)
+        if (distance(name, n) < least) least = distance(name, n), best = n;
+    return best;
+}
+
+} // namespace
+
+void Configurable::set(const std::string& name, const Value& value) {
+    std::vector<std::string> names;
+    for (auto& p : parameters()) {
+        if (p.name == name) return std::visit(Assign{className(), p, value}, p.target);
+        names.push_back(p.name);
+    }
+    const std::string close = nearest(name, names);
+    throw InputError(className() + " has no attribute '" + name + "'" +
+                     (close.empty() ? "" : "; did you mean '" + close + "'?") + " (allowed: " + joined(names) + ")");
+}
+
+Value Configurable::value(const std::string& name) {
+    for (auto& p : parameters())
+        if (p.name == name) return std::visit([](auto* target) { return Value(*target); }, p.target);
+    throw InputError(className() + " has no attribute '" + name + "'");
+}
+
+} // namespace mpm

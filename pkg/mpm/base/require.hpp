@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Errors at the boundary: who, what was given, what is allowed, what to do.
+#pragma once
+
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace mpm {
+
+// A wrong input: Python sees a ValueError.
+struct InputError : std::invalid_argument {
+    using std::invalid_argument::invalid_argument;
+};
+
+// A state that cannot be continued: Python sees a RuntimeError.
+struct RunError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+template <class... Parts> std::string message(const Parts&... parts) {
+    std::ostringstream out;
+    out.precision(6);
+    (out << ... << parts);
+    return out.str();
+}
+
+template <class... Parts> void require(bool holds, const Parts&... parts) {
+    if (!holds) throw InputError(message(parts...));
+}
+
+template <class Vector> std::string place(const Vector& x) {
+    std::ostringstream out;
+    out.precision(6);
+    out << "(";
+    for (int k = 0; k < int(x.size()); ++k) out << (k ? ", " : "") << x[k];
+    out << ")";
+    return out.str();
+}
+
+} // namespace mpm

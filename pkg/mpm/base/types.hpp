@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Small fixed-size types shared by the whole solver.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+// For the small functions inside particle loops, which cost more to call than to run.
+#define MPM_INLINE [[gnu::always_inline]] inline
+
+namespace mpm {
+
+template <int Dim> using Vec = Eigen::Matrix<double, Dim, 1>;
+template <int Dim> using Mat = Eigen::Matrix<double, Dim, Dim>;
+template <int Dim> using Index = std::array<int, Dim>;
+
+// 2^Dim: nodes of a cell, corners of an APDI domain.
+template <int Dim> constexpr int corners = 1 << Dim;
+
+// Four doubles that the compiler keeps in one vector register where the machine has one.
+typedef double Quad __attribute__((vector_size(32)));
+
+// W lanes of nodal or particle data that are weighted together: one multiply-add treats mass,
+// momentum and force of a node alike. W is a multiple of four.
+template <int W> struct Pack {
+    Quad part[W / 4];
+
+    MPM_INLINE double operator[](int lane) const { return part[lane / 4][lane % 4]; }
+    MPM_INLINE void set(int lane, double value) { part[lane / 4][lane % 4] = value; }
+
+    MPM_INLINE static Pack zero() {
+        Pack z;
+        for (int k = 0; k < W / 4; ++k) z.part[k] = Quad{0, 0, 0, 0};
+        return z;
+    }
+    MPM_INLINE Pack& operator+=(const Pack& other) {
+        for (int k = 0; k < W / 4; ++k) part[k] += other.part[k];
+        return *this;
+    }
+    // this += s * other
+    MPM_INLINE void add(double s, const Pack& other) {
+        for (int k = 0; k < W / 4; ++k) part[k] += s * other.part[k];
+    }
+};
+
+template <int W> MPM_INLINE Pack<W> operator*(double s, const Pack<W>& a) {
+    Pack<W> r;
+    for (int k = 0; k < W / 4; ++k) r.part[k] = s * a.part[k];
+    return r;
+}
+
+constexpr int lanesFor(int n) { return n <= 4 ? 4 : 8; }
+
+} // namespace mpm

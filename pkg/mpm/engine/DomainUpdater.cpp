@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Step 5: velocity gradient, deformation, volume, stress, and the vertices of the domains.
+#include "mpm/engine/Engine.hpp"
+#include "mpm/engine/Stages.hpp"
+
+#include <Eigen/LU>
+
+namespace mpm {
+
+namespace {
+
+// F <- (I + dt L) F for particles [begin, end); in plane strain only the in-plane block changes.
+template <int Dim> void deform(Particles<Dim>& particles, double dt, int begin, int end) {
+    const double* L[Dim * Dim];
+    double* F[Dim * Dim];
+    for (int i = 0; i < Dim; ++i)
+        for (int j = 0; j < Dim; ++j) {
+            L[Dim * i + j] = particles.velocityGradient.plane(Dim * i + j);
+            F[Dim * i + j] = particles.deformationGradient.plane(3 * i + j);
+        }
+    for (int p = begin; p < end; ++p) {
+        Mat<Dim> l, f;
+        for (int i = 0; i < Dim; ++i)
+            for (int j = 0; j < Dim; ++j) l(i, j) = L[Dim * i + j][p], f(i, j) = F[Dim * i + j][p];
+        const Mat<Dim> g = f + dt * l * f;
+        for (int i = 0; i < Dim; ++i)
+            for (int j = 0; j < Dim; ++j) F[Dim * i + j][p] = g(i, j);
+    }
+}
+
+// Replaces tr L by its volume-weighted mean over the particles of a cell, so that a cell has one
+// volumetric strain increment (F-bar in the manner of de Souza Neto et al. 1996). One thread.
+template <int Dim> void averageVolumeStrain(Body<Dim>& body, const Grid<Dim>& grid, std::vector<double>* trace) {
+    const auto& particles = body.particles;
+    std::vector<int> cell(particles.size());
+    std::vector<double> volume(grid.count, 0.0), rate(grid.count, 0.0);
+    for (int p = 0; p < particles.size(); ++p) {
+        cell[p] = 0;
+        for (int k = 0; k < Dim; ++k)
+            cell[p] += int(std::floor(grid.inCells(particles.position.plane(k)[p], k))) * grid.strides[k];
+        double divergence = 0;
+        for (int k = 0; k < Dim; ++k) divergence += particles.velocityGradient.plane((Dim + 1) * k)[p];
+        volume[cell[p]] += particles.volume.plane()[p];
+        rate[cell[p]] += particles.volume.plane()[p] * divergence;
+        (*trace)[p] = divergence;
+    }
+    for (int p = 0; p < particles.size(); ++p) (*trace)[p] = rate[cell[p]] / volume[cell[p]] - (*trace)[p];
+}
+
+} // namespace
+
+class DomainUpdater : public EngineOf<DomainUpdater> {
+  public:
+    std::string className() const override { return "DomainUpdater"; }
+    std::string doc() const override {
+        return "Updates velocity gradient, deformation, volume and stress of the particles, and moves the vertices.\n\n"
+               "L = sum v_i (x) grad phi,  F <- (I + dt L) F,  V = J V0 (uGIMP) or the polygon area (APDI), stress by the\n"
+               "material; vertices move with the same nodal velocity. Raises RuntimeError for a domain that is too\n"
+               "distorted, or converts it (APDI: onDistortion).";
+    }
+
+    template <int Dim> void act(Scene<Dim>& scene) {
+        const bool early = scene.scheme == Scheme::USF;
+        parallel(scene.threads, [&](Team& team) {
+            if (early)
+                for (auto& field : scene.grid.fields)
+                    velocityFrom(team, scene, field, scene.time, [&](int node, int k) {
+                        return field.sum[node][NodalField<Dim>::momentum + k];
+                    });
+            for (auto& body : scene.bodies) update(team, scene, *body);
+            if (early)
+                sumOnNodes(team, scene, true);
+            else
+                for (auto& body : scene.bodies) body->domains->advance(team, scene.dt);
+        });
+        for (size_t b = 0; b < scene.bodies.size(); ++b) resolveDistortion(scene, *scene.bodies[b]);
+    }
+
+  private:
+    OrderedSum work_;
+    std::vector<double> change_; // of tr L by averaging
+
+    template <int Dim> void update(Team& team, Scene<Dim>& scene, Body<Dim>& body) {
+        auto& particles = body.particles;
+        body.domains->takeGradient(team, scene.grid.fields[body.velocityField].velocity.data());
+        if (body.fbar)
+            team.once([&] {
+                change_.assign(particles.size(), 0.0);
+                averageVolumeStrain(body, scene.grid, &change_);
+            });
+        work_.add(team, particles.size(), [&](int begin, int end) {
+            deform(particles, scene.dt, begin, end);
+            body.domains->volumes(begin, end, scene.dt);
+            return stress(body, scene.dt, begin, end);
+        });
+        team.once([&] { body.internalWork += work_.total(); });
+    }
+
+    // Stress update of particles [begin, end); returns their internal work V sigma : D dt, with the mean
+    // of old and new stress.
+    template <int Dim> double stress(Body<Dim>& body, double dt, int begin, int end) const {
+        auto& particles = body.particles;
+        const int n = end - begin;
+        double ratio[chunkSize], before[chunkSize], averaged[Dim][chunkSize];
+        MaterialPoints<Dim> points{};
+        points.count = n, points.dt = dt, points.volumeRatio = ratio;
+        for (int c = 0; c < Dim * Dim; ++c) points.velocityGradient[c] = particles.velocityGradient.plane(c) + begin;
+        for (int c = 0; c < 9; ++c) {
+            points.deformationGradient[c] = particles.deformationGradient.plane(c) + begin;
+            points.stress[c] = particles.stress.plane(c) + begin;
+        }
+        std::vector<double*> state;
+        for (Field& variable : particles.state) state.push_back(variable.plane() + begin);
+        points.state = state.data();
+        for (int i = 0; i < n; ++i)
+            ratio[i] = particles.volume.plane()[begin + i] / particles.initialVolume.plane()[begin + i];
+        power(points, before);
+        if (body.fbar)
+            for (int k = 0; k < Dim; ++k) {
+                const double* L = points.velocityGradient[(Dim + 1) * k];
+                for (int i = 0; i < n; ++i) averaged[k][i] = L[i] + change_[begin + i] / Dim;
+                points.velocityGradient[(Dim + 1) * k] = averaged[k];
+            }
+        body.material->update(points);
+        double after[chunkSize], work = 0;
+        for (int k = 0; k < Dim; ++k)
+            points.velocityGradient[(Dim + 1) * k] = particles.velocityGradient.plane((Dim + 1) * k) + begin;
+        power(points, after);
+        const double* V = particles.volume.plane() + begin;
+        for (int i = 0; i < n; ++i) work += 0.5 * (before[i] + after[i]) * V[i] * dt;
+        return work;
+    }
+
+    // sigma : L, sigma symmetric.
+    template <int Dim> static void power(const MaterialPoints<Dim>& q, double* result) {
+        for (int p = 0; p < q.count; ++p) result[p] = 0;
+        for (int i = 0; i < Dim; ++i)
+            for (int j = 0; j < Dim; ++j) {
+                const double *s = q.stress[i <= j ? 3 * i + j : 3 * j + i], *L = q.velocityGradient[Dim * i + j];
+                for (int p = 0; p < q.count; ++p) result[p] += s[p] * L[p];
+            }
+    }
+
+    template <int Dim> void resolveDistortion(Scene<Dim>& scene, Body<Dim>& body) const {
+        const std::vector<Distorted> all = body.domains->distorted();
+        if (all.empty()) return;
+        if (!body.type->converts()) {
+            const int p = all.front().particle;
+            throw RunError(message("step ", scene.step, ": domain of particle ", body.particles.id.integers()[p], " in '",
+                                   body.name, "' at ", place(vectorAt<Dim>(body.particles.position, p)),
+                                   all.front().quality <= 0 ? " is inverted" : " is nearly inverted", " (smallest corner ",
+                                   100 * all.front().quality, " % of its area); use UGIMP there, or ",
+                                   body.type->className(), "(onDistortion=\"convert\")"));
+        }
+        convert(*body.convertsTo, body, all);
+    }
+
+    // Replaces domains by uGIMP particles of the same mass, momentum, volume and stress.
+    template <int Dim> static void convert(Body<Dim>& to, Body<Dim>& from, const std::vector<Distorted>& all) {
+        std::vector<Piece<Dim>> pieces;
+        std::vector<int> gone;
+        for (const Distorted& d : all) {
+            const auto parts = from.domains->split(d.particle, to.domains->halfSize());
+            pieces.insert(pieces.end(), parts.begin(), parts.end());
+            gone.push_back(d.particle);
+        }
+        auto &target = to.particles, &source = from.particles;
+        const int first = target.size();
+        target.resize(first + int(pieces.size()));
+        target.hasBodyForce |= source.hasBodyForce;
+        const auto targets = target.fields(), sources = source.fields();
+        int64_t next = 0;
+        for (int p = 0; p < first; ++p) next = std::max(next, target.id.integers()[p] + 1);
+        for (size_t i = 0; i < pieces.size(); ++i) {
+            const int p = first + int(i), parent = pieces[i].parent;
+            for (size_t f = 0; f < targets.size(); ++f)
+                for (int c = 0; c < targets[f]->components(); ++c)
+                    targets[f]->plane(c)[p] = sources[f]->plane(c)[parent];
+            target.id.integers()[p] = next++;
+            for (Field* extensive : {&target.mass, &target.volume, &target.initialVolume})
+                extensive->plane()[p] *= pieces[i].fraction;
+            // The polygon area differs from J V0 by O(dt); uGIMP's volume is J V0 and must not jump.
+            double F[9];
+            for (int c = 0; c < 9; ++c) F[c] = target.deformationGradient.plane(c)[p];
+            const double J = Eigen::Map<const Mat<3>>(F).determinant();
+            if (J > 0) target.initialVolume.plane()[p] = target.volume.plane()[p] / J;
+            for (int k = 0; k < Dim; ++k) {
+                const double shift = pieces[i].position[k] - target.position.plane(k)[p];
+                target.position.plane(k)[p] += shift;
+                target.reference.plane(k)[p] += shift;
+            }
+        }
+        from.domains->remove(gone);
+        from.converted += int(gone.size());
+        to.domains->grown();
+        to.massesChanged();
+    }
+};
+
+MPM_REGISTER(Engine, DomainUpdater);
+
+} // namespace mpm

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Driven parts of bodies: the nodes whose mass is mostly driven take the velocity of the drive. The driven
+// part is looked up anew in every step: a part defined by height must not dive with the body.
+#pragma once
+
+#include "mpm/state/Scene.hpp"
+
+#include <algorithm>
+
+namespace mpm {
+
+// Numbers of the particles that a drive holds now; sets the drive's centre to their centre of mass.
+template <int Dim> std::vector<int> drivenPart(const Body<Dim>& body, Constraint& drive) {
+    std::vector<int> part;
+    const auto& particles = body.particles;
+    double mass = 0, centre[3] = {0, 0, 0};
+    for (int p = 0; p < particles.size(); ++p) {
+        bool inside = drive.ids.empty() || std::binary_search(drive.ids.begin(), drive.ids.end(), particles.id.integers()[p]);
+        for (int k = 0; k < Dim && inside && drive.ids.empty(); ++k) {
+            const double x = particles.position.plane(k)[p];
+            inside = x > drive.lower[k] && x <= drive.upper[k];
+        }
+        if (!inside) continue;
+        const double m = particles.mass.plane()[p];
+        part.push_back(p), mass += m;
+        for (int k = 0; k < Dim; ++k) centre[k] += m * particles.position.plane(k)[p];
+    }
+    for (int k = 0; k < 3; ++k) drive.centre[k] = mass > 0 ? centre[k] / mass : 0;
+    return part;
+}
+
+// nodalMass: scratch, zero on entry and exit.
+template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& nodalMass) {
+    for (auto held = scene.driven.rbegin(); held != scene.driven.rend(); ++held)
+        scene.holder[held->axis][held->node] = held->before;
+    scene.driven.clear();
+    std::vector<int> touched;
+    for (int c = 0; c < int(scene.constraints.size()); ++c) {
+        Constraint& drive = *scene.constraints[c];
+        if (!drive.drivesBody() || !drive.active) continue;
+        nodalMass.resize(scene.grid.count, 0.0);
+        const Body<Dim>& body = *scene.body(drive.body);
+        touched.clear();
+        body.domains->addMass(drivenPart(body, drive), nodalMass.data(), touched);
+        const auto& sum = scene.grid.fields[body.velocityField].sum;
+        for (int node : touched) {
+            const bool mostly = body.inertiaScale * nodalMass[node] > 0.5 * sum[node][NodalField<Dim>::mass];
+            for (int k = 0; k < Dim && mostly; ++k)
+                if (!std::isnan(drive.velocity[k])) {
+                    scene.driven.push_back({node, k, scene.holder[k][node]});
+                    scene.holder[k][node] = short(c);
+                }
+            nodalMass[node] = 0;
+        }
+    }
+}
+
+} // namespace mpm

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Step 3: the equation of motion on the nodes.
+#include "mpm/engine/Engine.hpp"
+#include "mpm/engine/Stages.hpp"
+
+namespace mpm {
+
+class GridSolver : public EngineOf<GridSolver> {
+  public:
+    std::vector<double> gravity;
+    double damping = 0;
+
+    std::string className() const override { return "GridSolver"; }
+    std::string doc() const override {
+        return "Solves the equation of motion on the nodes, with gravity, local damping and prescribed velocities.\n\n"
+               "f_k <- f_k [1 - damping sgn(f_k v_k)] per component, v at mid-step (Cundall's local non-viscous damping\n"
+               "in the form used by YADE), not where a velocity is prescribed;  a = f/m,  v <- v + dt a.";
+    }
+    std::vector<Parameter> attributes() override {
+        return {{"gravity", "m/s2", "Acceleration of gravity, one component per axis; acts on the unscaled mass.", &gravity},
+                {"damping", "-", "Local non-viscous damping coefficient.", &damping, Range{0, 1, false, true}}};
+    }
+
+    void prepare(Scene<2>& scene) override { checkGravity(scene); }
+    void prepare(Scene<3>& scene) override { checkGravity(scene); }
+
+    template <int Dim> void act(Scene<Dim>& scene) {
+        const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
+        partial_.assign(size_t(slabs) * (n + 1), Tally{});
+        const double least = scene.leastMass();
+        parallel(scene.threads, [&](Team& team) {
+            for (auto& field : scene.grid.fields)
+                team.forEach(slabs, [&](int slab) {
+                    Tally* tally = &partial_[size_t(slab) * (n + 1)];
+                    scene.grid.forNodes(slab, [&](int node) { solve(scene, field, node, least, tally); });
+                });
+        });
+        addUp(scene);
+    }
+
+  private:
+    // Reaction, moment and work of one constraint in one slab; the last entry of a slab collects energies.
+    struct Tally {
+        double force[3] = {0, 0, 0}, moment[3] = {0, 0, 0}, work = 0, gravity = 0, damping = 0;
+        int nodes = 0;
+    };
+    std::vector<Tally> partial_;
+
+    template <int Dim> void checkGravity(Scene<Dim>&) {
+        if (gravity.empty()) gravity.assign(Dim, 0.0);
+        require(int(gravity.size()) == Dim, "GridSolver: gravity has ", gravity.size(), " components; give ", Dim,
+                " for this scene");
+    }
+
+    template <int Dim>
+    void solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, double least, Tally* tally) const {
+        using NF = NodalField<Dim>;
+        const auto& sum = field.sum[node];
+        auto motion = NF::Motion::zero();
+        const double m = sum[NF::mass], dt = scene.dt;
+        if (m > least)
+            for (int k = 0; k < Dim; ++k) {
+                const double weight = sum[NF::weightMass] * gravity[k];
+                double f = sum[NF::force + k] + weight, v = sum[NF::momentum + k] / m, a;
+                const int c = scene.holder[k][node];
+                if (c < 0) {
+                    const double resisting = damping * std::copysign(std::abs(f), v + 0.5 * dt * f / m);
+                    a = (f - resisting) / m;
+                    v += dt * a;
+                    tally[scene.constraints.size()].damping += resisting * (v - 0.5 * dt * a) * dt;
+                } else { // momentum and force are both replaced, or the FLIP increment leaks
+                    v = scene.prescribed(c, k, scene.time + dt);
+                    a = (v - scene.prescribed(c, k, scene.time)) / dt;
+                    react(scene, node, k, m * a - f, v, tally[c]);
+                }
+                tally[scene.constraints.size()].gravity += weight * v * dt;
+                motion.set(k, v);
+                motion.set(Dim + k, a);
+            }
+        field.motion[node] = motion;
+        for (int k = 0; k < Dim; ++k) field.velocity[node].set(k, motion[k]);
+    }
+
+    template <int Dim>
+    static void react(const Scene<Dim>& scene, int node, int axis, double force, double v, Tally& t) {
+        const Vec<Dim> x = scene.grid.nodePosition(node);
+        const double* centre = scene.constraints[scene.holder[axis][node]]->centre;
+        double arm[3] = {0, 0, 0};
+        for (int k = 0; k < Dim; ++k) arm[k] = x[k] - centre[k];
+        t.force[axis] += force;
+        t.moment[(axis + 1) % 3] += arm[(axis + 2) % 3] * force;
+        t.moment[(axis + 2) % 3] -= arm[(axis + 1) % 3] * force;
+        t.work += force * v * scene.dt;
+        ++t.nodes;
+    }
+
+    template <int Dim> void addUp(Scene<Dim>& scene) {
+        const int n = int(scene.constraints.size());
+        for (int c = 0; c <= n; ++c) {
+            Tally total;
+            for (size_t i = c; i < partial_.size(); i += n + 1) {
+                for (int k = 0; k < 3; ++k)
+                    total.force[k] += partial_[i].force[k], total.moment[k] += partial_[i].moment[k];
+                total.work += partial_[i].work, total.gravity += partial_[i].gravity;
+                total.damping += partial_[i].damping, total.nodes += partial_[i].nodes;
+            }
+            if (c == n) {
+                scene.energies.gravity += total.gravity, scene.energies.damping += total.damping;
+                continue;
+            }
+            Constraint& constraint = *scene.constraints[c];
+            std::copy(total.force, total.force + 3, constraint.reaction);
+            std::copy(total.moment, total.moment + 3, constraint.moment);
+            constraint.work += total.work, constraint.heldNodes = total.nodes;
+        }
+    }
+};
+
+MPM_REGISTER(Engine, GridSolver);
+
+} // namespace mpm

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Step 4: the particles take the motion of the nodes; under MUSL the new momentum is mapped back at once.
+#include "mpm/engine/Engine.hpp"
+#include "mpm/engine/Stages.hpp"
+
+namespace mpm {
+
+class GridToParticle : public EngineOf<GridToParticle> {
+  public:
+    double flip = 1;
+
+    std::string className() const override { return "GridToParticle"; }
+    std::string doc() const override {
+        return "Moves the particles with the nodes, and under MUSL maps their new momentum back to the nodes.\n\n"
+               "v_p <- flip (v_p + dt sum phi a_i) + (1 - flip) sum phi v_i,  x_p <- x_p + dt sum phi v_i;\n"
+               "MUSL: v_i <- sum phi m_p v_p / m_i with the weights of the step's start (Sulsky et al. 1995).";
+    }
+    std::vector<Parameter> attributes() override {
+        return {{"flip", "-", "Blend: 1 is FLIP, 0 is PIC.", &flip, Range::between(0, 1)}};
+    }
+
+    template <int Dim> void act(Scene<Dim>& scene) {
+        parallel(scene.threads, [&](Team& team) {
+            for (auto& body : scene.bodies)
+                body->domains->takeMotion(team, scene.grid.fields[body->velocityField].motion.data(), scene.dt, flip);
+            if (scene.scheme == Scheme::USF)
+                for (auto& body : scene.bodies) body->domains->advance(team, scene.dt);
+            if (scene.scheme == Scheme::MUSL) remap(team, scene);
+        });
+    }
+
+  private:
+    template <int Dim> static void remap(Team& team, Scene<Dim>& scene) {
+        for (auto& field : scene.grid.fields)
+            forActiveNodes(team, scene, [&](int node) { field.velocity[node] = Pack<4>::zero(); });
+        for (auto& body : scene.bodies)
+            body->domains->addMomentum(team, scene.grid.fields[body->velocityField].velocity.data(), body->inertiaScale);
+        for (auto& field : scene.grid.fields)
+            velocityFrom(team, scene, field, scene.time + scene.dt,
+                         [&](int node, int k) { return field.velocity[node][k]; });
+    }
+};
+
+MPM_REGISTER(Engine, GridToParticle);
+
+} // namespace mpm

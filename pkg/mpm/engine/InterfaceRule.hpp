@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Resolution at the interface of the hybrid method: where a mesh meets uGIMP particles (within one cell),
+// its edges must not be longer than a cell. Edges of twice the cell were measured to falsify the stress
+// there by 24-89 %.
+#pragma once
+
+#include "mpm/state/Scene.hpp"
+
+namespace mpm {
+
+struct InterfaceFault {
+    bool found = false;
+    std::string meshed, boxes; // names of the bodies
+    std::string where;
+    double edge = 0; // m
+};
+
+// limit: longest edge allowed, in cells.
+template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double limit);
+
+} // namespace mpm

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Step 1 and 2: where the particles are, and their mass, momentum and forces on the nodes.
+#include "mpm/engine/Driving.hpp"
+#include "mpm/engine/Engine.hpp"
+#include "mpm/engine/Stages.hpp"
+
+namespace mpm {
+
+class ParticleToGrid : public EngineOf<ParticleToGrid> {
+  public:
+    std::string className() const override { return "ParticleToGrid"; }
+    std::string doc() const override {
+        return "Finds the particles in the grid and sums their mass, momentum and forces on the nodes.\n\n"
+               "m_i = sum phi m_p,  p_i = sum phi m_p v_p,  f_i = - sum V_p sigma_p grad phi + sum phi m_p b_p.\n"
+               "Raises RuntimeError when a particle or vertex is outside the grid.";
+    }
+
+    template <int Dim> void act(Scene<Dim>& scene) {
+        parallel(scene.threads, [&](Team& team) {
+            team.once([&] {
+                typename Grid<Dim>::Extent none;
+                none.first.fill(1 << 30), none.last.fill(-(1 << 30));
+                scene.grid.extents.assign(scene.grid.slabs(), none);
+            });
+            for (auto& body : scene.bodies) {
+                body->domains->locate(team);
+                team.once([&] { body->domains->order.markExtents(scene.grid); });
+            }
+            if (team.failed()) return;
+            sumOnNodes(team, scene, scene.scheme != Scheme::USF);
+        });
+        holdDrivenNodes(scene, drivenMass_);
+    }
+
+  private:
+    std::vector<double> drivenMass_;
+};
+
+MPM_REGISTER(Engine, ParticleToGrid);
+
+} // namespace mpm

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The loop over engines.
+#include "mpm/state/Scene.hpp"
+
+#include "mpm/engine/Engine.hpp"
+
+#include <chrono>
+
+namespace mpm {
+
+template <int Dim> void Scene<Dim>::prepare() {
+    require(!bodies.empty(), "Scene: there is no body; add one with scene.add(name, region, material, type)");
+    driven.clear();
+    for (int k = 0; k < Dim; ++k) holder[k].assign(grid.count, -1);
+    for (size_t c = 0; c < constraints.size(); ++c) {
+        const Constraint& constraint = *constraints[c];
+        if (constraint.drivesBody()) body(constraint.body);
+        if (!constraint.active) continue;
+        for (int node : constraint.nodes)
+            for (int k = 0; k < Dim; ++k)
+                if (!std::isnan(constraint.velocity[k])) holder[k][node] = short(c);
+    }
+    for (auto& engine : engines) engine->finish(), engine->prepare(*this);
+    require(!engines.empty(), "Scene: there are no engines; leave scene.engines alone for the default chain");
+}
+
+template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
+    using Clock = std::chrono::steady_clock;
+    const auto since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
+    const auto start = Clock::now();
+    size_t lastStage = 0; // the clock moves on after it, so that callbacks at the end see the new time
+    for (size_t e = 0; e < engines.size(); ++e)
+        if (engines[e]->isStage() && !engines[e]->dead) lastStage = e;
+    long taken = 0;
+    for (; taken < steps; ++taken) {
+        if (taken > 0 && since(start) >= seconds) break;
+        for (auto& body : bodies) body->domains->step = step;
+        for (size_t e = 0; e < engines.size(); ++e) {
+            Engine& engine = *engines[e];
+            const auto begin = Clock::now();
+            const auto tick = [&] {
+                if (e == lastStage) time += dt, ++step;
+            };
+            try {
+                if (!engine.dead) engine.action(*this), engine.seconds += since(begin), ++engine.calls;
+            } catch (...) { // what ends a step at its last stage (a distorted domain) has made all of it
+                tick();
+                throw;
+            }
+            tick();
+        }
+    }
+    return taken;
+}
+
+template class Scene<2>;
+template class Scene<3>;
+
+} // namespace mpm

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The contract of a constitutive model. A material is one file: it derives from MaterialOf<Class>,
+// lists its parameters and state variables, updates the stress of a run of particles, and registers.
+#pragma once
+
+#include "mpm/base/parameters.hpp"
+#include "mpm/base/registry.hpp"
+#include "mpm/base/types.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace mpm {
+
+// A run of particles handed to a material. Every component is an array over the particles of the run
+// (planar storage), so that a loop over them vectorises. Tension positive, kPa.
+//
+// Components of a 3x3 tensor are numbered 3*i + j. In plane strain (Dim = 2) the components xz, yz,
+// zx, zy are zero and need not be read or written; zz is stored and must be updated. The stress is
+// symmetric: write both xy and yx (xz and zx, yz and zy in 3D); read the upper triangle.
+template <int Dim> struct MaterialPoints {
+    int count;
+    double dt;
+    const double* velocityGradient[Dim * Dim]; // L_ij at Dim*i + j, 1/s (after anti-locking, if any)
+    const double* deformationGradient[9];      // F after the step, F_n+1 = (I + dt L) F_n
+    const double* volumeRatio;                 // J after the step: current over initial volume
+    double* stress[9];                         // in: at the start of the step; out: at its end
+    double* const* state;                      // state[k][p]: state variable k, see Material::stateVariables
+};
+
+struct StateVariable {
+    std::string name, unit, doc;
+    double initial = 0;
+};
+
+class Material : public Configurable {
+  public:
+    double density = notGiven; // Mg/m3, of the initial configuration
+
+    virtual std::vector<StateVariable> stateVariables() const { return {}; }
+
+    virtual void update(const MaterialPoints<2>& points) const = 0;
+    virtual void update(const MaterialPoints<3>& points) const = 0;
+
+    // Lame constants {lambda, mu} of the elastic response, kPa: critical time step and hourglass control.
+    virtual std::array<double, 2> lame() const = 0;
+
+    // Sets the state variables (one value each) that belong to a given Cauchy stress at F = I. Models
+    // whose stress follows from F alone throw InputError for a stress that is not zero.
+    virtual void stateFromStress(const double stress[9], double* state) const = 0;
+
+    double waveSpeed() const { return std::sqrt((lame()[0] + 2 * lame()[1]) / density); }
+};
+
+// Forwards both dimensions to one template text: template <int Dim> void stress(const MaterialPoints<Dim>&) const.
+template <class Derived> class MaterialOf : public Material {
+  public:
+    void update(const MaterialPoints<2>& points) const override {
+        static_cast<const Derived*>(this)->template stress<2>(points);
+    }
+    void update(const MaterialPoints<3>& points) const override {
+        static_cast<const Derived*>(this)->template stress<3>(points);
+    }
+};
+
+// Isotropic elastic constants, given as lame = (lambda, mu) or as young and poisson; the others follow.
+class Elasticity {
+  public:
+    std::vector<double> lame;                    // kPa
+    double young = notGiven, poisson = notGiven; // kPa, -
+
+    std::vector<Parameter> parameters();
+    // Completes the constants and checks them; who = the material's class name.
+    void finish(const std::string& who);
+
+    double lambda() const { return lame[0]; }
+    double mu() const { return lame[1]; }
+    double bulk() const { return lame[0] + 2.0 / 3.0 * lame[1]; }
+
+  private:
+    std::vector<double> completed_; // lambda, mu, young, poisson at the last finish(): what changed since?
+};
+
+} // namespace mpm

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The contract of a particle type. A ParticleType holds the user's choices; for every body it makes
+// Domains, which own the geometry of the body's particle domains and its transfers to and from the grid.
+// Dispatch is one virtual call per body and stage; every such call is made by all threads of a team.
+#pragma once
+
+#include "mpm/base/parameters.hpp"
+#include "mpm/base/registry.hpp"
+#include "mpm/state/BlockOrder.hpp"
+#include "mpm/state/Particles.hpp"
+
+#include <functional>
+#include <limits>
+#include <memory>
+
+namespace mpm {
+
+// What a body is made from: a lattice of equal boxes, or a mesh.
+template <int Dim> struct Geometry {
+    std::vector<Vec<Dim>> positions; // lattice: centres of the domains
+    Vec<Dim> halfSize;               // lattice: half edges of a domain
+    std::vector<Vec<Dim>> points;    // mesh: vertices
+    std::vector<int> cells;          // mesh: corners of every domain (VTK order)
+    std::vector<int> slaves;         // mesh: hanging vertices,
+    std::vector<int> masters;        //       their four masters each (-1: unused)
+    std::vector<double> weights;     //       and the weights of these
+};
+
+// A domain that is too distorted to go on with.
+struct Distorted {
+    int particle;
+    double quality; // smallest corner area over domain area: 1 for a parallelogram, <= 0 concave
+};
+
+// A small uGIMP-like piece of a domain: what conversion hands over.
+template <int Dim> struct Piece {
+    int parent;
+    Vec<Dim> position;
+    double fraction; // of the parent's volume and mass
+};
+
+template <int Dim> class Domains {
+  public:
+    using NF = NodalField<Dim>;
+
+    Domains(Particles<Dim>& particles, const Grid<Dim>& grid) : particles(particles), grid(grid) {}
+    virtual ~Domains() = default;
+
+    // --- making -------------------------------------------------------------------------------------
+    // Creates the particles: position, volume, id; and the domains.
+    virtual void build(const Geometry<Dim>& geometry) = 0;
+    virtual void restored() {} // after fields and tables were read from a checkpoint
+    virtual std::vector<Field*> fields() { return {}; }
+    virtual std::vector<std::pair<std::string, std::vector<int>*>> tables() {
+        return {{"blockStart", &order.start}, {"blockOrder", &order.order}};
+    }
+
+    // --- the step, in this order --------------------------------------------------------------------
+    // Cell and local position of everything that transfers, bounds, re-sorting; once per step.
+    virtual void locate(Team& team) = 0;
+    // Node += phi * {mass, momentum, body force} - V sigma grad phi.
+    virtual void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) = 0;
+    // Node += phi * momentum, with the velocities after G2P and the weights of the step's start (MUSL).
+    virtual void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale) = 0;
+    // Particle velocity and position from nodal velocity and acceleration; flip = 1: FLIP, 0: PIC.
+    virtual void takeMotion(Team& team, const typename NF::Motion* nodes, double dt, double flip) = 0;
+    // Velocity gradient of the particles, and whatever the domain moves with.
+    virtual void takeGradient(Team& team, const typename NF::Velocity* nodes) = 0;
+    // Volume of particles [begin, end) after the step; F is that after the step.
+    virtual void volumes(int begin, int end, double dt) = 0;
+    // Moves the domains; last in the step.
+    virtual void advance(Team&, double /*dt*/) {}
+
+    // --- besides the step ---------------------------------------------------------------------------
+    // Node += -V tensor grad phi + internal stiffness of the domain against unit-time motion: the elastic
+    // operator of the critical time step. `tensor`: planes 3*i + j.
+    virtual void addForce(Team& team, typename NF::Velocity* nodes, const double* const tensor[9]) = 0;
+    // nodal[node] += phi * mass of the given particles; nodes that were at zero are appended to `touched`.
+    // One thread.
+    virtual void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const = 0;
+    // Weights and gradients of one particle, by the plain definition.
+    virtual void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const = 0;
+    // Half size of the box drawn for a particle, or zero where corners() says more.
+    virtual Vec<Dim> halfSize() const { return Vec<Dim>::Zero(); }
+    // Corner numbers (VTK order) of every domain into vertexPositions(), or nullptr for boxes.
+    virtual const std::vector<int>* corners_() const { return nullptr; }
+    virtual Field* vertexPositions() { return nullptr; }
+    virtual Field* vertexVelocities() { return nullptr; }
+    // Node += share of a force on one vertex.
+    virtual void addVertexForce(int /*vertex*/, const Vec<Dim>& /*force*/, typename NF::Sum*) const {}
+
+    // Distorted domains found in volumes(); empty for types that cannot distort.
+    virtual std::vector<Distorted> distorted() const { return {}; }
+    virtual std::vector<Piece<Dim>> split(int /*particle*/, const Vec<Dim>& /*halfSize*/) const { return {}; }
+    virtual void remove(const std::vector<int>& /*sorted particles*/) {}
+    virtual void grown() {} // after particles were appended
+    // Nodal-resolution diagnostics: 1 and 0 for types without.
+    virtual double minJacobian() const { return std::numeric_limits<double>::quiet_NaN(); }
+    virtual double hourglass() const { return 0; }
+    // Longest edge of a domain, m.
+    virtual double longestEdge(int p) const = 0;
+    virtual size_t bytes() const { return 0; }
+
+    Particles<Dim>& particles;
+    const Grid<Dim>& grid;
+    BlockOrder<Dim> order;
+    std::string bodyName;
+    long step = 0;
+    std::array<double, 2> lame{0, 0}; // of the body's material, kPa (hourglass stiffness)
+};
+
+class ParticleType : public Configurable {
+  public:
+    // Whether bodies are meshed (shared vertices) or a lattice of boxes.
+    virtual bool isMeshed() const = 0;
+    // Whether distorted domains become uGIMP particles instead of ending the run.
+    virtual bool converts() const { return false; }
+    virtual std::unique_ptr<Domains<2>> make(Particles<2>&, const Grid<2>&) const = 0;
+    virtual std::unique_ptr<Domains<3>> make(Particles<3>&, const Grid<3>&) const = 0;
+};
+
+} // namespace mpm

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Points (particles or vertices) grouped by blocks of grid slabs. A block is scattered by one thread;
+// blocks of one colour touch disjoint nodes. A point may wander `Grid::wander` slabs out of its block
+// before the grouping is made anew, so the grouping is part of the state (and of a checkpoint).
+#pragma once
+
+#include "mpm/state/Grid.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace mpm {
+
+template <int Dim> class BlockOrder {
+  public:
+    std::vector<int> start; // first point of each block, and one past the last
+    std::vector<int> order; // point numbers; empty: points are stored in this order already
+
+    int blocks() const { return int(start.size()) - 1; }
+    int at(int i) const { return order.empty() ? i : order[i]; }
+
+    // Groups points by block, by cell within a block, and by number within a cell.
+    void group(const Grid<Dim>& grid, const std::vector<int>& cell) {
+        order.resize(cell.size());
+        std::iota(order.begin(), order.end(), 0);
+        std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return cell[a] < cell[b]; });
+        start.assign(grid.blocks() + 1, 0);
+        for (int c : cell) ++start[grid.slabOf(c) / grid.slabsPerBlock + 1];
+        for (size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
+    }
+
+    // Finds the cell of every point by find(point) -> lowest node of its support, notes what part of the
+    // grid is touched, and says whether the grouping still holds. `support`: nodes per direction.
+    template <class Find> void locate(Team& team, const Grid<Dim>& grid, int support, Find&& find) {
+        team.once([&] {
+            touched_.assign(blocks(), {});
+            runs_.assign(blocks(), 0);
+            support_ = support;
+        });
+        team.forEach(blocks(), [&](int b) {
+            Touched t;
+            int runs = 0, last = -1;
+            for (int i = start[b]; i < start[b + 1]; ++i) {
+                const int cell = find(at(i));
+                if (cell == last) continue;
+                ++runs, last = cell;
+                const Index<Dim> index = grid.indices(cell);
+                for (int k = 0; k < Dim; ++k) {
+                    t.first[k] = std::min(t.first[k], index[k]);
+                    t.last[k] = std::max(t.last[k], index[k]);
+                }
+            }
+            touched_[b] = t, runs_[b] = runs;
+        });
+    }
+
+    // A point left the neighbourhood of its block.
+    bool broken(const Grid<Dim>& grid) const {
+        for (int b = 0; b < blocks(); ++b)
+            if (start[b] < start[b + 1] &&
+                (touched_[b].first[Dim - 1] < b * grid.slabsPerBlock - grid.wander ||
+                 touched_[b].last[Dim - 1] >= (b + 1) * grid.slabsPerBlock + grid.wander))
+                return true;
+        return false;
+    }
+
+    // Number of stretches of equal cells; grows as neighbours in memory drift apart.
+    int runs() const { return std::accumulate(runs_.begin(), runs_.end(), 0); }
+
+    void markExtents(Grid<Dim>& grid) const {
+        for (int b = 0; b < blocks(); ++b)
+            for (int slab = touched_[b].first[Dim - 1]; slab <= touched_[b].last[Dim - 1] + support_ - 1; ++slab) {
+                auto& extent = grid.extents[slab];
+                for (int k = 0; k < Dim - 1; ++k) {
+                    extent.first[k] = std::min(extent.first[k], touched_[b].first[k]);
+                    extent.last[k] = std::max(extent.last[k], touched_[b].last[k] + support_ - 1);
+                }
+            }
+    }
+
+  private:
+    struct Touched { // lowest and highest support corner of the block's points; none: first > last
+        Index<Dim> first, last;
+        Touched() { first.fill(1 << 30), last.fill(-(1 << 30)); }
+    };
+    std::vector<Touched> touched_;
+    std::vector<int> runs_;
+    int support_ = 0;
+};
+
+} // namespace mpm

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// A named set of particles with one particle type and one material.
+#pragma once
+
+#include "mpm/material/Material.hpp"
+#include "mpm/particle/Domains.hpp"
+
+namespace mpm {
+
+template <int Dim> class Body {
+  public:
+    std::string name;
+    std::shared_ptr<Material> material;
+    std::shared_ptr<ParticleType> type;
+    Particles<Dim> particles;
+    std::unique_ptr<Domains<Dim>> domains;
+    double inertiaScale = 1;           // factor on the inertial mass, not on the weight
+    bool fbar = false;                 // cell-mean volumetric strain increment in the stress update
+    int velocityField = 0;             // which of the grid's velocity fields the body moves with
+    Body* convertsTo = nullptr;        // takes the particles of domains that became too distorted
+    int converted = 0;                 // domains converted so far
+    double internalWork = 0;           // kJ (2D: per metre), int V sigma : D dt
+    double largestInertialMass = 0;    // Mg
+
+    Body(const std::string& name, std::shared_ptr<Material> material, std::shared_ptr<ParticleType> type,
+         const Grid<Dim>& grid)
+        : name(name), material(material), type(type), domains(type->make(particles, grid)) {
+        domains->bodyName = name;
+        domains->lame = material->lame();
+        for (const StateVariable& v : material->stateVariables()) particles.state.emplace_back(v.name, v.unit, v.doc);
+    }
+    Body(const Body&) = delete;
+
+    // Makes the particles from a lattice or a mesh, at rest and free of stress.
+    void build(const Geometry<Dim>& geometry) {
+        domains->build(geometry);
+        initialise(0);
+        massesChanged();
+    }
+
+    // Mass and state variables of the particles from number `first` on.
+    void initialise(int first) {
+        const auto variables = material->stateVariables();
+        for (int p = first; p < particles.size(); ++p) {
+            particles.mass.plane()[p] = material->density * particles.initialVolume.plane()[p];
+            for (size_t k = 0; k < variables.size(); ++k) particles.state[k].plane()[p] = variables[k].initial;
+        }
+    }
+
+    void massesChanged() {
+        largestInertialMass = 0;
+        for (int p = 0; p < particles.size(); ++p)
+            largestInertialMass = std::max(largestInertialMass, inertiaScale * particles.mass.plane()[p]);
+    }
+
+    // Gives particle p a Cauchy stress, and the material's state that belongs to it.
+    void setStress(int p, const double stress[9]) {
+        std::vector<double> state(particles.state.size() + 1);
+        for (size_t k = 0; k < particles.state.size(); ++k) state[k] = particles.state[k].plane()[p];
+        material->stateFromStress(stress, state.data());
+        for (int c = 0; c < 9; ++c) particles.stress.plane(c)[p] = stress[c];
+        for (size_t k = 0; k < particles.state.size(); ++k) particles.state[k].plane()[p] = state[k];
+    }
+};
+
+} // namespace mpm

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// A prescribed nodal velocity: on nodes given once (a face of the grid, a region), or on the nodes whose
+// mass is mostly that of a driven part of a body. Its reaction force and moment are outputs.
+#pragma once
+
+#include "mpm/base/types.hpp"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace mpm {
+
+class Constraint {
+  public:
+    std::string name;
+    std::vector<double> velocity; // m/s, one per axis; NaN: free in that direction
+    double ramp = 0;              // s, over which the velocity grows from zero; 0: at once
+    bool active = true;
+
+    std::vector<int> nodes; // fixed set of nodes; not used when a body is driven
+
+    std::string body; // driven body; empty: none
+    // Driven part: particles inside this box, looked up anew in every step, or the ids below.
+    std::vector<double> lower, upper;
+    std::vector<int64_t> ids;
+
+    // Outputs of the last step: what the constraint exerts on the material.
+    double reaction[3] = {0, 0, 0}; // kN (2D: kN/m)
+    double moment[3] = {0, 0, 0};   // kN m, about `centre`
+    double centre[3] = {0, 0, 0};   // m; of a driven part: its centre of mass
+    double work = 0;                // kJ since the start
+    int heldNodes = 0;
+
+    bool drivesBody() const { return !body.empty(); }
+
+    // Prescribed velocity along an axis at a time after the constraint began.
+    double velocityAt(int axis, double time) const {
+        if (time <= 0) return 0;
+        return velocity[axis] * (ramp > 0 && time < ramp ? time / ramp : 1.0);
+    }
+    double began = 0; // s, time from which the ramp counts
+};
+
+} // namespace mpm

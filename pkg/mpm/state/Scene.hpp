@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Everything a step works on: grid, bodies, constraints, the clock, and the chain of engines.
+#pragma once
+
+#include "mpm/state/Body.hpp"
+#include "mpm/state/Constraint.hpp"
+
+#include <array>
+
+namespace mpm {
+
+class Engine;
+
+// When the stress is updated in a step: before the forces (USF), at its end with the velocity of the
+// solution (USL), or at its end with the velocity re-mapped from the particles (MUSL, the default).
+// Sulsky et al. 1995; Bardenhagen 2002.
+enum class Scheme { MUSL, USF, USL };
+
+struct Energies {
+    double gravity = 0;   // work of gravity and body forces, kJ
+    double loads = 0;     // work of boundary loads
+    double damping = 0;   // energy taken out by local damping
+};
+
+template <int Dim> class Scene {
+  public:
+    explicit Scene(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell) : grid(lower, upper, cell) {}
+    Scene(const Scene&) = delete;
+
+    Grid<Dim> grid;
+    std::vector<std::unique_ptr<Body<Dim>>> bodies;
+    std::vector<std::shared_ptr<Constraint>> constraints;
+    std::vector<std::shared_ptr<Engine>> engines;
+    Scheme scheme = Scheme::MUSL;
+    double time = 0, dt = 0;
+    long step = 0;
+    int threads = 1;
+    Energies energies;
+
+    // Which constraint holds each component of a node, -1: none. Fixed sets of nodes are entered by
+    // prepare(), driven ones anew in every step by ParticleToGrid (see engine/Driving.hpp).
+    std::array<std::vector<short>, Dim> holder;
+    struct Held {
+        int node, axis;
+        short before; // the holder that a drive took over from
+    };
+    std::vector<Held> driven;
+
+    Body<Dim>* body(const std::string& name) {
+        for (auto& b : bodies)
+            if (b->name == name) return b.get();
+        throw InputError("there is no body named '" + name + "'");
+    }
+
+    int particleCount() const {
+        int n = 0;
+        for (auto& b : bodies) n += b->particles.size();
+        return n;
+    }
+
+    // A node with less mass than this takes no part.
+    double leastMass() const {
+        double largest = 0;
+        for (auto& b : bodies) largest = std::max(largest, b->largestInertialMass);
+        return 1e-12 * largest;
+    }
+
+    // Checks the chain and enters the static constraints; before the first step and after every change.
+    void prepare();
+    // Takes up to `steps` steps, and no new one after `seconds` of wall time; returns how many it took.
+    long advance(long steps, double seconds);
+
+    // Velocity of the nodes as prescribed, at time t.
+    double prescribed(int constraint, int axis, double t) const {
+        const Constraint& c = *constraints[constraint];
+        return c.velocityAt(axis, t - c.began);
+    }
+};
+
+} // namespace mpm

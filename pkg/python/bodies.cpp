@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Bodies: their arrays as zero-copy views, their making and their restoring.
+#include "python.hpp"
+
+#include "mpm/state/Scene.hpp"
+
+namespace mpm::python {
+
+namespace {
+
+bp::dict described(const Field& field) {
+    bp::dict d;
+    d["name"] = field.name, d["unit"] = field.unit, d["doc"] = field.doc;
+    d["shape"] = listOf(field.shape), d["size"] = field.size();
+    return d;
+}
+
+template <int Dim> std::vector<Vec<Dim>> points(const bp::object& array) {
+    const std::vector<double> flat = numbers<double>(array);
+    std::vector<Vec<Dim>> all(flat.size() / Dim);
+    for (size_t i = 0; i < all.size(); ++i)
+        for (int k = 0; k < Dim; ++k) all[i][k] = flat[Dim * i + k];
+    return all;
+}
+
+template <int Dim> struct Bind {
+    using B = Body<Dim>;
+
+    static Field& fieldOf(B& body, const std::string& name, bool domain) {
+        for (Field* field : domain ? body.domains->fields() : body.particles.fields())
+            if (field->name == name) return *field;
+        throw InputError("body '" + body.name + "' has no field '" + name + "'");
+    }
+
+    static void buildLattice(B& body, const bp::object& positions, const bp::object& halfSize) {
+        Geometry<Dim> g;
+        g.positions = points<Dim>(positions);
+        g.halfSize = points<Dim>(halfSize).at(0);
+        body.build(g);
+    }
+    static void buildMesh(B& body, const bp::object& vertices, const bp::object& cells, const bp::object& slaves,
+                          const bp::object& masters, const bp::object& weights) {
+        Geometry<Dim> g;
+        g.points = points<Dim>(vertices);
+        g.cells = numbers<int>(cells);
+        g.slaves = numbers<int>(slaves), g.masters = numbers<int>(masters), g.weights = numbers<double>(weights);
+        body.build(g);
+    }
+
+    static bp::list fields(B& body, bool domain) {
+        bp::list all;
+        for (Field* f : domain ? body.domains->fields() : body.particles.fields()) all.append(described(*f));
+        return all;
+    }
+    static ArrayView view(B& body, const std::string& name, bool domain) {
+        if (name == "bodyForce") body.particles.hasBodyForce = true;
+        return ArrayView(fieldOf(body, name, domain));
+    }
+    static bool hasBodyForce(B& body) { return body.particles.hasBodyForce; }
+
+    static bp::dict tables(B& body) {
+        bp::dict d;
+        for (auto& [name, table] : body.domains->tables()) d[name] = listOf(*table);
+        return d;
+    }
+    static void setTable(B& body, const std::string& name, const bp::object& values) {
+        for (auto& [known, table] : body.domains->tables())
+            if (known == name) *table = numbers<int>(values);
+    }
+    static void resize(B& body, int n) { body.particles.resize(n); }
+    static void resizeDomainField(B& body, const std::string& name, int n) { fieldOf(body, name, true).resize(n); }
+    static void restored(B& body) { body.domains->restored(), body.massesChanged(); }
+
+    static void setStress(B& body, const bp::object& stress) {
+        const std::vector<double> given = numbers<double>(stress);
+        require(int(given.size()) == 9 * body.particles.size(), "body '", body.name, "': stress must have the shape (",
+                body.particles.size(), ", 3, 3)");
+        for (int p = 0; p < body.particles.size(); ++p) body.setStress(p, &given[9 * p]);
+    }
+    static bp::object cornerTable(B& body) {
+        const auto* table = body.domains->corners_();
+        return table ? bp::object(listOf(*table)) : bp::object();
+    }
+    static bp::tuple halfSize(B& body) {
+        bp::list l;
+        for (int k = 0; k < Dim; ++k) l.append(body.domains->halfSize()[k]);
+        return bp::tuple(l);
+    }
+    // Weights of a particle by the plain definition: (node position, phi, gradient) each.
+    static bp::list weights(B& body, int p) {
+        require(p >= 0 && p < body.particles.size(), "weights: particle ", p, " does not exist");
+        Team team;
+        body.domains->locate(team);
+        team.rethrow();
+        bp::list all;
+        body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
+            bp::list x, g;
+            const Vec<Dim> at = body.domains->grid.nodePosition(node);
+            for (int k = 0; k < Dim; ++k) x.append(at[k]), g.append(gradient[k]);
+            all.append(bp::make_tuple(bp::tuple(x), phi, bp::tuple(g)));
+        });
+        return all;
+    }
+    static void setInertiaScale(B& body, double scale) {
+        require(scale > 0, "body '", body.name, "': inertiaScale = ", scale, "; give a positive number");
+        body.inertiaScale = scale;
+        body.massesChanged();
+    }
+    static double bytes(B& body) { return double(body.particles.bytes() + body.domains->bytes()); }
+    static double minJacobian(B& body) { return body.domains->minJacobian(); }
+    static double hourglass(B& body) { return body.domains->hourglass(); }
+    static int count(B& body) { return body.particles.size(); }
+    static std::shared_ptr<Material> material(B& body) { return body.material; }
+    static std::shared_ptr<ParticleType> type(B& body) { return body.type; }
+
+    static void expose(const char* name) {
+        bp::class_<B, boost::noncopyable>(name, bp::no_init)
+            .def_readonly("name", &B::name)
+            .add_property("material", material)
+            .add_property("type", type)
+            .add_property("count", count)
+            .add_property("inertiaScale", bp::make_getter(&B::inertiaScale), setInertiaScale)
+            .def_readwrite("fbar", &B::fbar)
+            .def_readwrite("converted", &B::converted)
+            .def_readwrite("internalWork", &B::internalWork)
+            .add_property("hasBodyForce", hasBodyForce)
+            .add_property("halfSize", halfSize)
+            .add_property("bytes", bytes)
+            .add_property("minJacobian", minJacobian)
+            .add_property("hourglass", hourglass)
+            .def("buildLattice", buildLattice)
+            .def("buildMesh", buildMesh)
+            .def("fields", fields)
+            .def("view", view)
+            .def("tables", tables)
+            .def("setTable", setTable)
+            .def("resize", resize)
+            .def("resizeDomainField", resizeDomainField)
+            .def("restored", restored)
+            .def("massesChanged", &B::massesChanged)
+            .def("setStress", setStress)
+            .def("corners", cornerTable)
+            .def("weights", weights);
+    }
+};
+
+} // namespace
+
+void exposeBodies() {
+    Bind<2>::expose("Body2");
+    Bind<3>::expose("Body3");
+}
+
+} // namespace mpm::python

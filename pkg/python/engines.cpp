@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Engines, constraints, and the engine that calls back into Python.
+#include "python.hpp"
+
+#include "mpm/engine/Engine.hpp"
+
+namespace mpm::python {
+
+namespace {
+
+// Calls a Python function every `iterPeriod` steps, or every `virtPeriod` seconds of scene time. Whether a
+// call is due follows from step and time alone, so that a restarted run calls at the same steps.
+class PythonEngine : public EngineOf<PythonEngine> {
+  public:
+    int iterPeriod = 0;
+    double virtPeriod = 0;
+
+    explicit PythonEngine(const bp::object& call) : call_(call) {}
+    ~PythonEngine() override {
+        Locked lock;
+        call_ = bp::object();
+    }
+    std::string className() const override { return "PythonEngine"; }
+    bool isStage() const override { return false; }
+    std::vector<Parameter> attributes() override {
+        return {{"iterPeriod", "-", "Steps between calls; 0: not by steps.", &iterPeriod, Range::between(0, 1e9)},
+                {"virtPeriod", "s", "Scene time between calls; 0: not by time.", &virtPeriod, Range::notNegative()}};
+    }
+    template <int Dim> void act(Scene<Dim>& scene) {
+        const bool bySteps = iterPeriod > 0 && scene.step % iterPeriod == 0;
+        const auto periods = [&](double t) { return std::floor(t / virtPeriod); };
+        const bool byTime = virtPeriod > 0 && periods(scene.time + 0.5 * scene.dt) > periods(scene.time - 0.5 * scene.dt);
+        if (!bySteps && !byTime) return;
+        Locked lock;
+        call_();
+    }
+
+  private:
+    bp::object call_;
+};
+
+bp::list three(const double (&values)[3]) { return listOf(std::vector<double>(values, values + 3)); }
+
+std::vector<double> vectorFrom(const bp::object& o) {
+    std::vector<double> v;
+    for (long i = 0; i < bp::len(o); ++i) v.push_back(bp::extract<double>(o[i]));
+    return v;
+}
+
+} // namespace
+
+void exposeEngines() {
+    bp::class_<Engine, std::shared_ptr<Engine>, bp::bases<Configurable>, boost::noncopyable>("Engine", bp::no_init)
+        .def_readwrite("seconds", &Engine::seconds)
+        .def_readwrite("calls", &Engine::calls);
+    bp::def("makeEngine", &Registry<Engine>::make);
+    bp::def("engineNames", +[] { return listOf(Registry<Engine>::names()); });
+    bp::def("makePythonEngine", +[](const bp::object& call) -> std::shared_ptr<Engine> { return std::make_shared<PythonEngine>(call); });
+
+    using C = Constraint;
+    bp::class_<C, std::shared_ptr<C>>("Constraint")
+        .def_readwrite("name", &C::name)
+        .def_readwrite("ramp", &C::ramp)
+        .def_readwrite("active", &C::active)
+        .def_readwrite("body", &C::body)
+        .def_readwrite("work", &C::work)
+        .def_readwrite("began", &C::began)
+        .def_readonly("heldNodes", &C::heldNodes)
+        .add_property("velocity", +[](const C& c) { return listOf(c.velocity); },
+                      +[](C& c, const bp::object& v) { c.velocity = vectorFrom(v); })
+        .add_property("lower", +[](const C& c) { return listOf(c.lower); },
+                      +[](C& c, const bp::object& v) { c.lower = vectorFrom(v); })
+        .add_property("upper", +[](const C& c) { return listOf(c.upper); },
+                      +[](C& c, const bp::object& v) { c.upper = vectorFrom(v); })
+        .add_property("nodes", +[](const C& c) { return listOf(c.nodes); },
+                      +[](C& c, const bp::object& v) { c.nodes = numbers<int>(v); })
+        .add_property("ids", +[](const C& c) { return listOf(c.ids); },
+                      +[](C& c, const bp::object& v) { c.ids = numbers<int64_t>(v); })
+        .add_property("centre", +[](const C& c) { return three(c.centre); },
+                      +[](C& c, const bp::object& v) {
+                          const auto x = vectorFrom(v);
+                          for (size_t k = 0; k < x.size() && k < 3; ++k) c.centre[k] = x[k];
+                      })
+        .add_property("reaction", +[](const C& c) { return three(c.reaction); })
+        .add_property("moment", +[](const C& c) { return three(c.moment); });
+}
+
+} // namespace mpm::python

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Materials, particle types, and the single-point driver.
+#include "python.hpp"
+
+#include "mpm/particle/Domains.hpp"
+#include "mpm/material/Material.hpp"
+
+#include <Eigen/LU>
+
+namespace mpm::python {
+
+namespace {
+
+// One material point, deformed by hand: the same code as in a scene.
+class MaterialPoint {
+  public:
+    MaterialPoint(std::shared_ptr<Material> material, const bp::object& stress) : material_(material) {
+        const std::vector<double> given = numbers<double>(stress);
+        require(given.size() == 9, "MaterialPoint: stress must be 3x3");
+        std::copy(given.begin(), given.end(), stress_);
+        for (const StateVariable& v : material->stateVariables()) state_.push_back(v.initial);
+        state_.push_back(0);
+        material_->stateFromStress(stress_, state_.data());
+        for (int i = 0; i < 9; ++i) F_[i] = i % 4 == 0;
+    }
+
+    void gradient(const bp::object& velocityGradient, double dt) {
+        const std::vector<double> given = numbers<double>(velocityGradient);
+        require(given.size() == 9, "MaterialPoint: the velocity gradient must be 3x3");
+        require(dt > 0, "MaterialPoint: dt = ", dt, " s; give a positive number");
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> L(given.data());
+        Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(F_);
+        F = (F + dt * L * F).eval();
+        const double J = F.determinant();
+        require(J > 0, "MaterialPoint: the step turns the point inside out (J = ", J, "); take a smaller increment");
+        MaterialPoints<3> points{};
+        points.count = 1, points.dt = dt, points.volumeRatio = &J;
+        std::vector<double*> state;
+        for (double& s : state_) state.push_back(&s);
+        points.state = state.data();
+        for (int i = 0; i < 9; ++i)
+            points.velocityGradient[i] = &given[i], points.deformationGradient[i] = F_ + i, points.stress[i] = stress_ + i;
+        material_->update(points);
+    }
+
+    bp::list stress() const { return listOf(std::vector<double>(stress_, stress_ + 9)); }
+    bp::list deformationGradient() const { return listOf(std::vector<double>(F_, F_ + 9)); }
+    bp::dict state() const {
+        bp::dict d;
+        const auto variables = material_->stateVariables();
+        for (size_t k = 0; k < variables.size(); ++k) d[variables[k].name] = state_[k];
+        return d;
+    }
+
+  private:
+    std::shared_ptr<Material> material_;
+    double stress_[9], F_[9];
+    std::vector<double> state_;
+};
+
+bp::tuple lame(const Material& m) { return bp::make_tuple(m.lame()[0], m.lame()[1]); }
+
+bp::list stateVariables(const Material& m) {
+    bp::list all;
+    for (const StateVariable& v : m.stateVariables()) all.append(bp::make_tuple(v.name, v.unit, v.doc));
+    return all;
+}
+
+} // namespace
+
+void exposeMaterials() {
+    bp::class_<Material, std::shared_ptr<Material>, bp::bases<Configurable>, boost::noncopyable>("Material", bp::no_init)
+        .add_property("lameConstants", lame)
+        .add_property("waveSpeed", &Material::waveSpeed)
+        .def("stateVariables", stateVariables);
+    bp::def("makeMaterial", &Registry<Material>::make);
+    bp::def("materialNames", +[] { return listOf(Registry<Material>::names()); });
+
+    bp::class_<ParticleType, std::shared_ptr<ParticleType>, bp::bases<Configurable>, boost::noncopyable>("ParticleType",
+                                                                                                      bp::no_init)
+        .add_property("isMeshed", &ParticleType::isMeshed)
+        .add_property("converts", &ParticleType::converts);
+    bp::def("makeParticleType", &Registry<ParticleType>::make);
+    bp::def("particleTypeNames", +[] { return listOf(Registry<ParticleType>::names()); });
+
+    bp::class_<MaterialPoint>("MaterialPoint", bp::init<std::shared_ptr<Material>, bp::object>())
+        .def(bp::init<const MaterialPoint&>())
+        .def("gradient", &MaterialPoint::gradient)
+        .add_property("stress", &MaterialPoint::stress)
+        .add_property("deformationGradient", &MaterialPoint::deformationGradient)
+        .add_property("state", &MaterialPoint::state);
+}
+
+} // namespace mpm::python

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Attributes of materials, particle types and engines, from their parameter lists.
+#include "python.hpp"
+
+namespace mpm::python {
+
+Value valueFrom(const bp::object& given) {
+    PyObject* o = given.ptr();
+    if (PyBool_Check(o)) return o == Py_True;
+    if (PyUnicode_Check(o)) return std::string(bp::extract<std::string>(given));
+    if (PyFloat_Check(o)) return PyFloat_AsDouble(o);
+    if (PyIndex_Check(o)) {
+        const long n = PyLong_AsLong(bp::object(bp::handle<>(PyNumber_Index(o))).ptr());
+        if (n == -1 && PyErr_Occurred()) bp::throw_error_already_set();
+        return int(n);
+    }
+    if (PySequence_Check(o)) {
+        std::vector<double> values;
+        for (long i = 0; i < bp::len(given); ++i) {
+            const bp::object entry = given[i];
+            const double x = PyFloat_AsDouble(entry.ptr());
+            if (PyErr_Occurred()) bp::throw_error_already_set();
+            values.push_back(x);
+        }
+        return values;
+    }
+    const double x = PyFloat_AsDouble(o); // numpy.float32 and the like
+    if (PyErr_Occurred()) bp::throw_error_already_set();
+    return x;
+}
+
+bp::object objectFrom(const Value& value) {
+    if (auto a = std::get_if<std::vector<double>>(&value)) return bp::tuple(listOf(*a));
+    return std::visit(
+        [](const auto& v) {
+            if constexpr (std::is_same_v<std::decay_t<decltype(v)>, std::vector<double>>)
+                return bp::object();
+            else
+                return bp::object(v);
+        },
+        value);
+}
+
+namespace {
+
+void set(Configurable& object, const std::string& name, const bp::object& value) { object.set(name, valueFrom(value)); }
+
+bp::object value(Configurable& object, const std::string& name) {
+    const Value v = object.value(name);
+    if (auto x = std::get_if<double>(&v); x && std::isnan(*x)) return bp::object(); // not given: None
+    return objectFrom(v);
+}
+
+bp::list parameters(Configurable& object) {
+    bp::list all;
+    for (const Parameter& p : object.parameters()) {
+        bp::dict d;
+        d["name"] = p.name;
+        d["unit"] = p.unit;
+        d["doc"] = p.doc;
+        d["default"] = value(object, p.name);
+        d["isVector"] = std::holds_alternative<std::vector<double>*>(p.target);
+        d["isNumber"] = std::holds_alternative<double*>(p.target) || std::holds_alternative<int*>(p.target);
+        d["allowed"] = p.range.text();
+        d["choices"] = listOf(p.choices);
+        all.append(d);
+    }
+    return all;
+}
+
+} // namespace
+
+void exposeParameters() {
+    bp::class_<Configurable, std::shared_ptr<Configurable>, boost::noncopyable>("Configurable", bp::no_init)
+        .def("set", set)
+        .def("value", value)
+        .def("parameters", parameters)
+        .def("finish", &Configurable::finish)
+        .add_property("className", &Configurable::className)
+        .add_property("doc", &Configurable::doc);
+}
+
+} // namespace mpm::python

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "python.hpp"
+
+#include "mpm/engine/CriticalTimeStep.hpp"
+#include "mpm/engine/Engine.hpp"
+#include "mpm/engine/InterfaceRule.hpp"
+
+namespace mpm::python {
+
+namespace {
+
+template <int Dim> Vec<Dim> vec(const bp::object& o) {
+    Vec<Dim> v;
+    for (int k = 0; k < Dim; ++k) v[k] = bp::extract<double>(o[k]);
+    return v;
+}
+template <class Vector> bp::tuple tupleOf(const Vector& v) {
+    bp::list l;
+    for (size_t k = 0; k < size_t(v.size()); ++k) l.append(v[k]);
+    return bp::tuple(l);
+}
+
+template <int Dim> struct Bind {
+    using S = Scene<Dim>;
+    using ByReference = bp::return_internal_reference<>;
+
+    static std::shared_ptr<S> make(const bp::object& lower, const bp::object& upper, const bp::object& cell) {
+        return std::make_shared<S>(vec<Dim>(lower), vec<Dim>(upper), vec<Dim>(cell));
+    }
+    static Body<Dim>& addBody(S& scene, const std::string& name, std::shared_ptr<Material> material,
+                              std::shared_ptr<ParticleType> type) {
+        for (auto& b : scene.bodies)
+            require(b->name != name, "Scene: there is a body named '", name, "' already; give another name");
+        scene.bodies.push_back(std::make_unique<Body<Dim>>(name, material, type, scene.grid));
+        return *scene.bodies.back();
+    }
+    // The body added last, if it cannot be made after all.
+    static void dropBody(S& scene) { scene.bodies.pop_back(); }
+    static void convertTo(S& scene, const std::string& from, const std::string& to) {
+        scene.body(from)->convertsTo = scene.body(to);
+    }
+    static void setEngines(S& scene, const bp::object& list) {
+        scene.engines.clear();
+        for (long i = 0; i < bp::len(list); ++i)
+            scene.engines.push_back(bp::extract<std::shared_ptr<Engine>>(list[i])());
+    }
+    static void setConstraints(S& scene, const bp::object& list) {
+        scene.constraints.clear();
+        for (long i = 0; i < bp::len(list); ++i)
+            scene.constraints.push_back(bp::extract<std::shared_ptr<Constraint>>(list[i])());
+    }
+    static std::string scheme(const S& scene) {
+        return scene.scheme == Scheme::MUSL ? "MUSL" : scene.scheme == Scheme::USF ? "USF" : "USL";
+    }
+    static void setScheme(S& scene, const std::string& name) {
+        require(name == "MUSL" || name == "USF" || name == "USL", "Scene: scheme = '", name,
+                "' is not allowed; give one of 'MUSL', 'USF', 'USL'");
+        scene.scheme = name == "MUSL" ? Scheme::MUSL : name == "USF" ? Scheme::USF : Scheme::USL;
+    }
+    static long advance(S& scene, long steps, double seconds) {
+        Unlocked others;
+        return scene.advance(steps, seconds);
+    }
+    static bp::tuple critical(S& scene, double tolerance, int most) {
+        CriticalStep c;
+        {
+            Unlocked others;
+            c = criticalTimeStep(scene, tolerance, most);
+        }
+        return bp::make_tuple(c.dt, c.iterations, c.stiffest);
+    }
+    static bp::object interfaceFault(const S& scene, double limit) {
+        const InterfaceFault f = checkInterface(scene, limit);
+        return f.found ? bp::object(bp::make_tuple(f.meshed, f.boxes, f.where, f.edge)) : bp::object();
+    }
+    static bp::dict energies(const S& scene) {
+        bp::dict d;
+        d["gravity"] = scene.energies.gravity, d["loads"] = scene.energies.loads, d["damping"] = scene.energies.damping;
+        return d;
+    }
+    static void setEnergies(S& scene, const bp::dict& d) {
+        scene.energies.gravity = bp::extract<double>(d["gravity"]);
+        scene.energies.loads = bp::extract<double>(d["loads"]);
+        scene.energies.damping = bp::extract<double>(d["damping"]);
+    }
+    // Sums of the last ParticleToGrid, for checks: mass, momentum and force over all nodes.
+    static bp::tuple nodalTotals(const S& scene) {
+        std::array<double, 1 + 2 * Dim> total{};
+        for (const auto& field : scene.grid.fields)
+            for (int slab = 0; slab < scene.grid.slabs(); ++slab)
+                scene.grid.forNodes(slab, [&](int node) {
+                    for (size_t k = 0; k < total.size(); ++k) total[k] += field.sum[node][int(k)];
+                });
+        return tupleOf(total);
+    }
+    // The momentum that enters the solution of a node, and what the solution made of it.
+    static bp::list nodalValues(const S& scene) {
+        bp::list all;
+        for (const auto& field : scene.grid.fields)
+            for (int slab = 0; slab < scene.grid.slabs(); ++slab)
+                scene.grid.forNodes(slab, [&](int node) {
+                    bp::list row;
+                    row.append(node);
+                    for (int k = 0; k < 1 + 2 * Dim; ++k) row.append(field.sum[node][k]);
+                    for (int k = 0; k < 2 * Dim; ++k) row.append(field.motion[node][k]);
+                    all.append(row);
+                });
+        return all;
+    }
+    static int nodeCount(const S& s) { return s.grid.count; }
+    static bp::tuple nodes(const S& s) { return tupleOf(s.grid.nodes); }
+    static bp::tuple lower(const S& s) { return tupleOf(s.grid.lower); }
+    static bp::tuple upper(const S& s) { return tupleOf(s.grid.upper); }
+    static bp::tuple cell(const S& s) { return tupleOf(s.grid.cell); }
+
+    static void expose(const char* name) {
+        bp::class_<S, std::shared_ptr<S>, boost::noncopyable>(name, bp::no_init)
+            .def("__init__", bp::make_constructor(make))
+            .def_readwrite("time", &S::time)
+            .def_readwrite("dt", &S::dt)
+            .def_readwrite("step", &S::step)
+            .def_readwrite("threads", &S::threads)
+            .add_property("scheme", scheme, setScheme)
+            .add_property("energies", energies, setEnergies)
+            .add_property("lower", lower)
+            .add_property("upper", upper)
+            .add_property("cell", cell)
+            .add_property("nodes", nodes)
+            .add_property("nodeCount", nodeCount)
+            .def("addBody", addBody, ByReference())
+            .def("dropBody", dropBody)
+            .def("convertTo", convertTo)
+            .def("setEngines", setEngines)
+            .def("setConstraints", setConstraints)
+            .def("prepare", &S::prepare)
+            .def("advance", advance)
+            .def("criticalTimeStep", critical)
+            .def("interfaceFault", interfaceFault)
+            .def("nodalTotals", nodalTotals)
+            .def("nodalValues", nodalValues);
+    }
+};
+
+} // namespace
+
+void exposeScenes() {
+    Bind<2>::expose("Scene2");
+    Bind<3>::expose("Scene3");
+}
+
+} // namespace mpm::python

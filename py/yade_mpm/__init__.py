@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Material point method for large deformation of soils and solids.
+
+Units: Mg, m, s, kPa (2D: per metre of thickness); tension positive; angles in radians.
+"""
+from . import _core
+from .body import Body, BodyPart
+from .checkpoint import load
+from .engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner
+from .materials import Material, MaterialPoint
+from .mesh import Mesh, meshFromArrays, meshFromFile
+from .particles import ParticleType
+from .regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
+from .scene import Scene
+
+from . import engines as _engines, materials as _materials, particles as _particles
+
+globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
+
+__version__ = "0.1.0"

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bodies: named sets of particles, whose fields are NumPy views of the solver's memory."""
+import numpy as np
+
+from .regions import Region
+
+
+class Body:
+    """Set of particles with one particle type and one material, made by `Scene.add`.
+
+    Every field is an attribute: position (N, dim), velocity (N, dim), stress (N, 3, 3), deformationGradient
+    (N, 3, 3), mass, volume, initialVolume, id (N,), velocityGradient, bodyForce, reference, and the state
+    variables of the material; `fields()` lists them with unit and meaning. They are views: writing to
+    them changes the particles. uGIMP particles are re-sorted now and then as they move, which reorders
+    all fields alike; `id` tells who is who.
+    """
+
+    def __init__(self, scene, core, type_, material, region=None, mesh=None):
+        self._scene, self.core, self.type, self.material, self.region, self.mesh = scene, core, type_, material, region, mesh
+        self._fields = {f["name"] for f in core.fields(False)}
+
+    name = property(lambda self: self.core.name, doc="Name of the body.")
+    count = property(lambda self: self.core.count, doc="Number of particles.")
+    converted = property(lambda self: self.core.converted, doc="Domains converted to uGIMP particles so far.")
+    minJacobian = property(lambda self: self.core.minJacobian,
+                           doc="Smallest corner Jacobian of the domains over their initial volume; nan for uGIMP.")
+    hourglassAmplitude = property(lambda self: self.core.hourglass,
+                                  doc="Largest hourglass amplitude of the domains over their edge, -.")
+    bytesPerParticle = property(lambda self: self.core.bytes / max(1, self.count), doc="Memory, bytes per particle.")
+
+    def __len__(self):
+        return self.count
+
+    def __repr__(self):
+        return f"<Body '{self.name}': {self.count} {type(self.type).__name__} particles of {type(self.material).__name__}>"
+
+    def fields(self):
+        """List of dicts (name, unit, doc, shape, size) of all particle fields."""
+        return list(self.core.fields(False))
+
+    def __getattr__(self, name):
+        if not name.startswith("_") and name in self._fields:
+            return np.asarray(self.core.view(name, False))
+        raise AttributeError(f"body '{self.__dict__['core'].name}' has no attribute '{name}'; fields: "
+                             f"{', '.join(sorted(self._fields))}")
+
+    def __setattr__(self, name, value):
+        if name in self.__dict__.get("_fields", ()):
+            if name == "stress":
+                self.setStress(value)
+            else:
+                np.asarray(self.core.view(name, False))[...] = _finite(self, name, value)
+            return
+        object.__setattr__(self, name, value)
+
+    def __dir__(self):
+        return [*super().__dir__(), *self._fields]
+
+    @property
+    def displacement(self):
+        """Position less the reference position, m (N, dim)."""
+        return self.position - self.reference
+
+    def zeroDisplacement(self):
+        """Counts displacement from where the particles are now."""
+        self.reference[...] = self.position
+
+    def setStress(self, stress):
+        """Gives the particles a Cauchy stress, and the material the state that belongs to it.
+
+        stress : (N, 3, 3) or broadcastable, kPa, tension positive, symmetric. Raises ValueError for a wrong
+        shape, a value that is not finite, or a material whose stress follows from its deformation alone.
+        """
+        stress = _finite(self, "stress", np.broadcast_to(stress, (self.count, 3, 3)))
+        if not np.allclose(stress, stress.swapaxes(1, 2)):
+            raise ValueError(f"body '{self.name}': stress must be symmetric")
+        self.core.setStress(np.ascontiguousarray(stress, float))
+
+    @property
+    def inertiaScale(self):
+        """Factor on the inertial mass (not on the weight), -."""
+        return self.core.inertiaScale
+
+    @inertiaScale.setter
+    def inertiaScale(self, value):
+        self.core.inertiaScale = float(value)
+
+    @property
+    def fbar(self):
+        """Whether the volumetric strain increment of the stress update is averaged over a cell."""
+        return self.core.fbar
+
+    @fbar.setter
+    def fbar(self, value):
+        self.core.fbar = bool(value)
+
+    @property
+    def halfSize(self):
+        """Half edges of the box domains, m (dim); zero for meshed domains."""
+        return np.array(self.core.halfSize)
+
+    @property
+    def vertices(self):
+        """Positions of the vertices of meshed domains, m (Nv, dim); a view."""
+        return np.asarray(self.core.view("vertexPosition", True))
+
+    @property
+    def cells(self):
+        """Corner numbers of every meshed domain (N, 4 or 8), counter-clockwise, VTK order."""
+        corners = self.core.corners()
+        return None if corners is None else np.array(corners, dtype=int).reshape(self.count, -1)
+
+    def corners(self):
+        """Corner positions of every domain, m (N, 4 or 8, dim): of the mesh, or of the box around each particle."""
+        if self.cells is not None:
+            return self.vertices[self.cells]
+        dim = self._scene.dim
+        unit = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], float)
+        if dim == 3:
+            unit = np.array([(*xy, z) for z in (-1, 1) for xy in unit])
+        return self.position[:, None] + unit * self.halfSize
+
+    def weights(self, particle):
+        """Weights of one particle: list of (node position, phi, gradient of phi)."""
+        return list(self.core.weights(int(particle)))
+
+    # --- parts, for driving ---
+    def above(self, height):
+        """Part of the body above a height (along the last axis), looked up anew in every step."""
+        return BodyPart(self, lower=height)
+
+    def below(self, height):
+        """Part of the body below a height (along the last axis), looked up anew in every step."""
+        return BodyPart(self, upper=height)
+
+    def inside(self, region):
+        """The particles that are inside a region now; they stay the same in the run."""
+        if not isinstance(region, Region):
+            raise TypeError(f"body '{self.name}': inside() takes a region, got {region!r}")
+        return BodyPart(self, ids=self.id[region.contains(self.position)])
+
+    def all(self):
+        """All particles of the body."""
+        return BodyPart(self)
+
+
+class BodyPart:
+    """Part of a body: by height, or a fixed set of particle ids."""
+
+    def __init__(self, body, lower=None, upper=None, ids=None):
+        self.body, self.lower, self.upper = body, lower, upper
+        self.ids = None if ids is None else np.sort(np.asarray(ids, np.int64))
+        if ids is not None and len(self.ids) == 0:
+            raise ValueError(f"body '{body.name}': no particle is in that region; move or widen it")
+
+
+def _finite(body, name, value):
+    array = np.asarray(value, dtype=float)
+    if not np.isfinite(array).all():
+        raise ValueError(f"body '{body.name}': {name} holds a value that is not finite")
+    return array

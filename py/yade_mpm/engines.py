@@ -1,0 +1,295 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Engines of the step, as registered in pkg/mpm/engine, prescribed motions, and callbacks."""
+import builtins
+import sys
+
+import numpy as np
+
+from . import _core
+from .attributes import Attributed, _plain, makeClass, makeClasses
+from .body import BodyPart
+from .mesh import boundaryFacets
+from .regions import Region
+
+FACES = {2: {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)},
+         3: {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}}
+
+
+class Engine(Attributed):
+    """Base of all engines: `label` names one, `dead` leaves it out."""
+
+    seconds = property(lambda self: self.core.seconds, doc="Wall time spent in this engine, s.")
+    calls = property(lambda self: self.core.calls, doc="How often the engine acted.")
+
+    def bind(self, scene):
+        """Called before a run; engines that need the scene look things up here."""
+
+
+_generated = makeClasses(_core.engineNames(), _core.makeEngine, Engine)
+
+
+class Prescribed:
+    """A prescribed velocity; base of `Drive` and `Hold`.
+
+    Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D), both
+    exerted by the constraint on the material (2D: per metre), and `work` kJ since the start.
+    """
+
+    def __init__(self, velocity, ramp, name):
+        self.core = _core.Constraint()
+        self._velocity = _velocity(type(self).__name__, velocity)
+        self.dim = len(self._velocity)
+        self.core.name, self.core.velocity = name, self._velocity
+        if not (isinstance(ramp, (int, float)) and ramp >= 0):
+            raise ValueError(f"{type(self).__name__}: ramp = {ramp!r} is not allowed; give zero or a positive time in s")
+        self.core.ramp = float(ramp)
+
+    name = property(lambda self: self.core.name, doc="Name, used for histories.")
+    ramp = property(lambda self: self.core.ramp, doc="Time over which the velocity grows from zero, s.")
+    work = property(lambda self: self.core.work, doc="Work done on the material since the start, kJ.")
+    heldNodes = property(lambda self: self.core.heldNodes, doc="Number of nodal components held in the last step.")
+    centre = property(lambda self: np.array(self.core.centre)[: self.dim], doc="Point that `moment` refers to, m.")
+
+    @property
+    def velocity(self):
+        """Prescribed velocity, m/s, one component per axis, None where free; may be changed between steps."""
+        return tuple(None if np.isnan(v) else v for v in self.core.velocity)
+
+    @velocity.setter
+    def velocity(self, value):
+        self.core.velocity = self._velocity = _velocity(type(self).__name__, value)
+
+    @property
+    def reaction(self):
+        """Force on the material in the last step, kN (2D: kN/m)."""
+        return np.array(self.core.reaction)[: self.dim]
+
+    @property
+    def moment(self):
+        """Moment on the material about `centre` in the last step, kN m."""
+        return self.core.moment[2] if self.dim == 2 else np.array(self.core.moment)
+
+
+class Drive(Prescribed):
+    """Moves a part of a body with a prescribed velocity and measures the force that takes.
+
+    Parameters
+    ----------
+    part : part of a body: `body.above(y)`, `body.below(y)` (looked up anew in every step), `body.inside(region)`,
+        `body.all()`, or a body.
+    velocity : m/s, one component per axis; None leaves a direction free.
+    ramp : s, time over which the velocity grows from zero; default 0.
+    name : for histories; default "drive".
+
+    Nodes whose mass is to more than one half driven take the velocity.
+    """
+
+    def __init__(self, part, velocity, ramp=0.0, name="drive"):
+        super().__init__(velocity, ramp, name)
+        part = part.all() if hasattr(part, "all") and not isinstance(part, BodyPart) else part
+        if not isinstance(part, BodyPart):
+            raise TypeError(f"Drive: part = {part!r}; give a body or a part of one, e.g. pile.above(12)")
+        self.part = part
+        far = 1e300
+        self.core.body = part.body.name
+        lower, upper = [-far] * self.dim, [far] * self.dim
+        lower[-1] = -far if part.lower is None else float(part.lower)
+        upper[-1] = far if part.upper is None else float(part.upper)
+        self.core.lower, self.core.upper = lower, upper
+        if part.ids is not None:
+            self.core.ids = part.ids
+
+    def bind(self, scene):
+        if len(self._velocity) != scene.dim:
+            raise ValueError(f"Drive: velocity has {len(self._velocity)} components; give {scene.dim}")
+        if not any(self.part.body is b for b in scene.bodies):
+            raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
+
+
+class Hold(Prescribed):
+    """Prescribes the velocity of nodes: of a face of the grid or inside a region.
+
+    Parameters
+    ----------
+    where : name of a face ("left", "right", "bottom", "top"; in 3D also "front", "back") or a region. Nodes on and
+        behind a face are held.
+    velocity : m/s, one component per axis; None leaves a direction free; default: all zero.
+    ramp : s, time over which the velocity grows from zero; default 0.
+    name : for histories; default the name of the face or "hold".
+    """
+
+    def __init__(self, where, velocity, ramp=0.0, name=None):
+        if not isinstance(where, (str, Region)):
+            raise TypeError(f"Hold: where = {where!r}; give the name of a face or a region")
+        super().__init__(velocity, ramp, name or (where if isinstance(where, str) else "hold"))
+        self.where = where
+
+    def bind(self, scene):
+        if len(self._velocity) != scene.dim:
+            raise ValueError(f"Hold: velocity has {len(self._velocity)} components; give {scene.dim}")
+        nodes = scene.faceNodes(self.where) if isinstance(self.where, str) else scene.nodesInside(self.where)
+        if len(nodes) == 0:
+            raise ValueError(f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell size)")
+        self.core.nodes = np.ascontiguousarray(nodes, np.int32)
+        self.core.centre = list(scene.nodePositions()[nodes].mean(axis=0))
+
+
+class GridSolver(_generated["GridSolver"]):
+    __doc__ = _generated["GridSolver"].__doc__ + """
+roller : faces of the grid where the normal velocity is zero, e.g. ("left", "right").
+fixed : faces where all velocity is zero, e.g. ("bottom",).
+hold : `Hold` or list of them.
+drive : `Drive` or list of them.
+Where several apply to a node, the later in this order wins: roller, fixed, hold, drive."""
+
+    def __init__(self, roller=(), fixed=(), hold=(), drive=(), **attributes):
+        super().__init__(**attributes)
+        self._roller, self._fixed = _names("roller", roller), _names("fixed", fixed)
+        self._hold, self._drive = _listOf(Hold, "hold", hold), _listOf(Drive, "drive", drive)
+        self._faces = {}
+
+    roller = property(lambda self: self._roller, doc="Faces with zero normal velocity.")
+    fixed = property(lambda self: self._fixed, doc="Faces with zero velocity.")
+    hold = property(lambda self: self._hold, doc="List of prescribed motions of nodes.")
+
+    @property
+    def drive(self):
+        """The only `Drive`, or the list of them."""
+        return self._drive[0] if len(self._drive) == 1 else self._drive
+
+    def constraints(self, scene):
+        """All prescribed motions of the scene, in the order in which later ones win."""
+        faces = []
+        for face in self._roller + self._fixed:
+            if face not in FACES[scene.dim]:
+                raise ValueError(f"GridSolver: there is no face '{face}'; faces are {', '.join(FACES[scene.dim])}")
+            velocity = [0.0] * scene.dim
+            if face in self._roller and face not in self._fixed:
+                velocity = [0.0 if k == FACES[scene.dim][face][0] else None for k in range(scene.dim)]
+            if face not in self._faces:
+                self._faces[face] = Hold(face, velocity)
+            if not any(h is self._faces[face] for h in faces):
+                faces.append(self._faces[face])
+        everything = faces + self._hold + self._drive
+        names = [c.name for c in everything]
+        for c in everything:
+            if names.count(c.name) > 1:
+                raise ValueError(f"GridSolver: two prescribed motions are named '{c.name}'; give each a name of its own")
+        return everything
+
+
+class BoundaryLoad(_generated["BoundaryLoad"]):
+    __doc__ = _generated["BoundaryLoad"].__doc__ + """
+body : the loaded APDI body.
+where : region; facets whose centre is inside are loaded (default: all boundary facets)."""
+
+    def __init__(self, body, where=None, **attributes):
+        if isinstance(body, str):  # from a checkpoint: the facets are given
+            super().__init__(body=body, **attributes)
+            return
+        if body.mesh is None:
+            raise ValueError(f"BoundaryLoad: '{body.name}' has no boundary facets; loads need an APDI body")
+        facets, owners = boundaryFacets(body.mesh)
+        if where is not None:
+            inside = where.contains(body.mesh.points[facets].mean(axis=1))
+            facets, owners = facets[inside], owners[inside]
+        if len(facets) == 0:
+            raise ValueError(f"BoundaryLoad: no boundary facet of '{body.name}' is inside {where!r}; widen the region")
+        pairs = [(owner, _facetNumber(body.mesh.cells[owner], facet)) for facet, owner in zip(facets, owners)]
+        super().__init__(body=body.name, facets=np.array(pairs, float).ravel(), **attributes)
+
+
+def _facetNumber(cell, facet):
+    """Which facet of a cell has these vertices."""
+    from .mesh import _FACETS
+    dim = 2 if len(cell) == 4 else 3
+    for number, corners in enumerate(_FACETS[dim]):
+        if set(cell[list(corners)]) == set(facet):
+            return number
+    raise AssertionError("a boundary facet belongs to its owner")
+
+
+class Callback(Engine):
+    """Base of engines that call back into Python: every `iterPeriod` steps or every `virtPeriod` s of scene time."""
+
+    def __init__(self, iterPeriod=0, virtPeriod=0.0, **attributes):
+        object.__setattr__(self, "core", _core.makePythonEngine(self._call))
+        for name, value in dict(attributes, iterPeriod=iterPeriod, virtPeriod=float(virtPeriod)).items():
+            self.core.set(name, _plain(value))
+        self._scene = None
+
+    def bind(self, scene):
+        self._scene = scene
+
+    def _call(self):
+        self.act(self._scene)
+
+    def act(self, scene):
+        """What to do; the scene is at rest between two engines meanwhile."""
+        raise NotImplementedError
+
+
+class PyRunner(Callback):
+    """Calls a Python function every `iterPeriod` steps or every `virtPeriod` seconds of scene time.
+
+    Parameters
+    ----------
+    command : function of no argument, or of the scene; or a string that is executed in __main__, with `scene` defined.
+    iterPeriod : steps between calls. virtPeriod : scene time between calls, s. One of the two is needed.
+    """
+
+    def __init__(self, command, iterPeriod=0, virtPeriod=0.0, **attributes):
+        if not (callable(command) or isinstance(command, str)):
+            raise TypeError(f"PyRunner: command = {command!r}; give a function or a string")
+        if not iterPeriod and not virtPeriod:
+            raise ValueError("PyRunner: give iterPeriod (steps) or virtPeriod (s)")
+        super().__init__(iterPeriod, virtPeriod, **attributes)
+        self._command = command
+        self._wantsScene = callable(command) and _takesArgument(command)
+
+    command = property(lambda self: self._command, doc="What is called.")
+
+    def act(self, scene):
+        if isinstance(self._command, str):
+            exec(self._command, dict(vars(sys.modules["__main__"]), scene=scene))
+        elif self._wantsScene:
+            self._command(scene)
+        else:
+            self._command()
+
+
+def _takesArgument(function):
+    import inspect
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except ValueError:
+        return False
+    return any(p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in parameters)
+
+
+def _velocity(who, velocity):
+    values = [np.nan if v is None else v for v in velocity] if not isinstance(velocity, builtins.str) else None
+    if values is None or len(values) not in (2, 3) or not all(isinstance(v, (int, float, np.number)) for v in values) \
+            or any(v is not None and not np.isfinite(v) for v in velocity):
+        raise ValueError(f"{who}: velocity = {velocity!r} is not allowed; give one number (m/s) or None per axis")
+    return [float(v) for v in values]
+
+
+def _names(what, names):
+    if isinstance(names, str):
+        names = (names,)
+    if not all(isinstance(n, str) for n in names):
+        raise TypeError(f"GridSolver: {what} = {names!r}; give names of faces, e.g. ('left', 'right')")
+    return list(names)
+
+
+def _listOf(kind, what, given):
+    given = [given] if isinstance(given, kind) else list(given)
+    for one in given:
+        if not isinstance(one, kind):
+            raise TypeError(f"GridSolver: {what} = {one!r}; give mpm.{kind.__name__}(...)")
+    return given
+
+
+classes = {**_generated, "GridSolver": GridSolver, "BoundaryLoad": BoundaryLoad, "PyRunner": PyRunner}
+globals().update({name: c for name, c in classes.items() if name not in ("GridSolver", "BoundaryLoad")})

@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Regular lattices of particles inside regions, and the check that bodies do not overlap.
+
+A region whose edges are not multiples of the particle spacing would silently overlap its
+neighbour or leave a gap; it is refused here, before anything runs.
+"""
+from itertools import product
+
+import numpy as np
+
+from .regions import formatNumber, formatPoint
+
+_EDGE_TOLERANCE = 1e-6  # of the spacing
+
+
+def latticePoints(region, lower, upper, spacing, name):
+    """Centres of the lattice cells inside a region, first axis fastest.
+
+    region: Region. lower, upper: (dim,) corners of the grid; the lattice is anchored at lower.
+    spacing: edge of a lattice cell, a number or (dim,). name: of the body, for errors.
+    Returns (N, dim). Raises ValueError if the region reaches outside the grid, if one of its
+    axis-aligned edges is not a multiple of the spacing from lower, or if no point is inside.
+    """
+    lower = np.asarray(lower, float)
+    spacing = asSpacing(spacing, region.dim, name)
+    return lower + (cellsInside(region, lower, upper, spacing, name) + 0.5) * spacing
+
+
+def cellsInside(region, lower, upper, spacing, name):
+    """Numbers (N, dim) int of the lattice cells whose centre is inside.
+
+    Arguments, order and errors are those of `latticePoints`.
+    """
+    spacing = asSpacing(spacing, region.dim, name)
+    lower, upper = _asGrid(lower, upper, region, name)
+    _requireInside(region, lower, upper, spacing, name)
+    for axis, coordinate in region.edges():
+        _requireMultiple(axis, coordinate, lower[axis], spacing[axis], name)
+    start, end = region.bounds()
+    first = np.floor((start - lower) / spacing + _EDGE_TOLERANCE).astype(int)
+    last = np.ceil((end - lower) / spacing - _EDGE_TOLERANCE).astype(int)
+    ranges = [np.arange(a, b) for a, b in zip(first, last)]
+    numbers = np.stack(np.meshgrid(*ranges, indexing="ij"), axis=-1)
+    numbers = numbers.transpose(*reversed(range(region.dim)), region.dim).reshape(-1, region.dim)
+    numbers = numbers[region.contains(lower + (numbers + 0.5) * spacing, closed=False)]
+    if not len(numbers):
+        raise ValueError(f"'{name}': empty body: {region!r} holds no centre of a lattice of spacing "
+                         f"{_formatSpacing(spacing)}; enlarge the region or lower the spacing")
+    return numbers
+
+
+def asSpacing(spacing, dim, name):
+    """Spacing as (dim,) array; raises ValueError unless it is one or dim positive numbers."""
+    array = np.asarray(spacing, float)
+    if array.shape not in ((), (dim,)) or not np.all((array > 0) & np.isfinite(array)):
+        raise ValueError(f"'{name}': spacing = {spacing!r} must be one positive number or {dim} of them")
+    return np.broadcast_to(array, (dim,)).copy()
+
+
+def checkOverlap(nameA, positionsA, halfSizeA, nameB, positionsB, halfSizeB):
+    """Refuse two bodies of which any two box-shaped particle domains overlap; touching is fine.
+
+    name: of each body. positions: (N, dim) centres. halfSize: number, (dim,) or (N, dim).
+    Raises ValueError naming both bodies and one place if domains overlap by more than 1e-6 of
+    the smallest half size.
+    """
+    a, halfA = _asBoxes(positionsA, halfSizeA)
+    b, halfB = _asBoxes(positionsB, halfSizeB)
+    if not len(a) or not len(b):
+        return
+    hits = firstNear(a, halfA, b, halfB, -1e-6 * min(halfA.min(), halfB.min()))
+    overlapping = np.flatnonzero(hits >= 0)
+    if len(overlapping):
+        i, j = overlapping[0], hits[overlapping[0]]
+        start = np.maximum(a[i] - halfA[i], b[j] - halfB[j])
+        end = np.minimum(a[i] + halfA[i], b[j] + halfB[j])
+        place = ((start + end) / 2).round(9)
+        raise ValueError(f"bodies '{nameA}' and '{nameB}' overlap at {formatPoint(place)} "
+                         f"({len(overlapping)} particles of '{nameA}'); subtract one region from the other")
+
+
+def firstNear(positionsA, halfSizeA, positionsB, halfSizeB, reach):
+    """For each box of A the number of some box of B closer to it than reach, or -1.
+
+    positions: (N, dim) centres. halfSize: number, (dim,) or (N, dim). reach: Euclidean distance
+    between the boxes; a negative one asks for boxes that overlap by more than -reach in every direction.
+    Returns (NA,) int. Boxes are binned on a lattice as wide as the largest pair; its cost grows
+    with the number of boxes per bin.
+    """
+    a, halfA = _asBoxes(positionsA, halfSizeA)
+    b, halfB = _asBoxes(positionsB, halfSizeB)
+    found = np.full(len(a), -1)
+    if not len(a) or not len(b):
+        return found
+    width = halfA.max(axis=0) + halfB.max(axis=0) + max(reach, 0.0)
+    near = np.flatnonzero(np.all((a > b.min(axis=0) - width) & (a < b.max(axis=0) + width), axis=1))
+    if not len(near):
+        return found
+    # The origin leaves a free bin on every side, so that neighbour numbers never wrap round.
+    origin = b.min(axis=0) - 3 * width
+    strides = _strides(np.floor((b.max(axis=0) - origin) / width).astype(int) + 4)
+    binsB = np.floor((b - origin) / width).astype(int) @ strides
+    order = np.argsort(binsB, kind="stable")
+    binsA = np.floor((a[near] - origin) / width).astype(int) @ strides
+    for offset in product((0, -1, 1), repeat=a.shape[1]):
+        pending = np.flatnonzero(found[near] < 0)
+        wanted = binsA[pending] + np.dot(offset, strides)
+        begin = np.searchsorted(binsB, wanted, "left", sorter=order)
+        end = np.searchsorted(binsB, wanted, "right", sorter=order)
+        for rank in range(int(np.max(end - begin, initial=0))):
+            some = begin + rank < end
+            i, j = near[pending[some]], order[begin[some] + rank]
+            isNear = _boxDistance(a[i] - b[j], halfA[i] + halfB[j]) < reach
+            found[i[isNear]] = j[isNear]
+    return found
+
+
+def _boxDistance(between, halfSum):
+    """Distance of two boxes; if they overlap, minus the smallest overlap over the directions."""
+    gaps = np.abs(between) - halfSum
+    return np.linalg.norm(np.maximum(gaps, 0), axis=1) + np.minimum(gaps.max(axis=1), 0)
+
+
+def _strides(counts):
+    return np.concatenate(([1], np.cumprod(counts[:-1])))
+
+
+def _asBoxes(positions, halfSize):
+    positions, halfSize = np.asarray(positions, float), np.asarray(halfSize, float)
+    if positions.ndim != 2 or positions.shape[1] not in (2, 3):
+        raise ValueError(f"positions has shape {positions.shape}; (N, 2) or (N, 3) is needed")
+    if halfSize.shape not in ((), positions.shape[1:], positions.shape):
+        raise ValueError(f"halfSize has shape {halfSize.shape}; one number, {positions.shape[1:]} "
+                         f"or {positions.shape} is needed")
+    return positions, np.broadcast_to(halfSize, positions.shape)
+
+
+def _asGrid(lower, upper, region, name):
+    lower, upper = np.asarray(lower, float), np.asarray(upper, float)
+    if lower.shape != (region.dim,) or upper.shape != (region.dim,):
+        raise ValueError(f"'{name}': {region!r} is {region.dim}D, but the grid corners have shapes "
+                         f"{lower.shape} and {upper.shape}; give both the same number of coordinates")
+    return lower, upper
+
+
+def _requireInside(region, lower, upper, spacing, name):
+    start, end = region.bounds()
+    slack = _EDGE_TOLERANCE * spacing
+    if np.any(start < lower - slack) or np.any(end > upper + slack):
+        grid = f"box({formatPoint(lower)}, {formatPoint(upper)})"
+        raise ValueError(f"'{name}': the region reaches outside the grid: it spans {formatPoint(start)} to "
+                         f"{formatPoint(end)}, the grid is {grid}; shrink it or cut it with '& {grid}'")
+
+
+def _requireMultiple(axis, coordinate, anchor, spacing, name):
+    steps = (coordinate - anchor) / spacing
+    if abs(steps - round(steps)) <= _EDGE_TOLERANCE:
+        return
+    below, above = (f"{anchor + k * spacing:.9g}" for k in (np.floor(steps), np.ceil(steps)))
+    raise ValueError(f"'{name}': edge {'xyz'[axis]} = {coordinate:.9g} is not a multiple of the spacing "
+                     f"{spacing:.9g} from the grid corner {anchor:.9g}; move it to {below} or {above}, "
+                     "or change the spacing")
+
+
+def _formatSpacing(spacing):
+    return formatNumber(spacing[0]) if np.all(spacing == spacing[0]) else formatPoint(spacing)

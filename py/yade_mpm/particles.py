@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Particle types, as registered in pkg/mpm/particle, and how a region becomes particles or a mesh."""
+import numpy as np
+
+from . import _core
+from .attributes import Attributed, makeClasses
+from .lattice import asSpacing, latticePoints
+from .mesh import Mesh, meshFromArrays, meshFromFile, meshRegion, refineNear
+from .regions import Region
+
+
+class ParticleType(Attributed):
+    """Base of all particle types. A type that is not meshed is a lattice of boxes, `perCell` per cell and direction."""
+
+    def geometry(self, region, scene, name):
+        """Positions (N, dim) and half size (dim) of the boxes that fill a region."""
+        if not isinstance(region, Region):
+            raise TypeError(f"body '{name}': {type(self).__name__} particles fill a region, e.g. box((0, 0), (1, 1)); "
+                            f"got {region!r}")
+        cell = np.array(scene.core.cell)
+        spacing = cell / np.broadcast_to(self.perCell, cell.shape) if len(self.perCell) in (1, scene.dim) else None
+        if spacing is None:
+            raise ValueError(f"body '{name}': perCell = {self.perCell} has {len(self.perCell)} numbers; give 1 or {scene.dim}")
+        return latticePoints(region, scene.lower, scene.upper, spacing, name), spacing / 2
+
+
+class MeshedType(ParticleType):
+    """Base of types whose domains share vertices.
+
+    Besides the attributes of the type:
+    size : edge of a domain, m (default: the cell size).
+    matched : a uGIMP body; the domains within one cell of it get the spacing of its particles.
+    """
+
+    def __init__(self, size=None, matched=None, **attributes):
+        super().__init__(**attributes)
+        self._size, self._matched = size, matched
+
+    size = property(lambda self: self._size, doc="Edge of a domain, m; None: the cell size.")
+    matched = property(lambda self: self._matched, doc="Body that the neighbouring domains are refined to.")
+
+    def geometry(self, region, scene, name):
+        """Mesh of a region, of (points, cells), or of a mesh file."""
+        if isinstance(region, Mesh):
+            return region
+        if isinstance(region, (str, bytes)) or hasattr(region, "__fspath__"):
+            return meshFromFile(region, name)
+        if isinstance(region, tuple) and len(region) == 2:
+            return meshFromArrays(*region, name)
+        if not isinstance(region, Region):
+            raise TypeError(f"body '{name}': give a region, (points, cells), or the name of a mesh file; got {region!r}")
+        size = asSpacing(scene.core.cell if self.size is None else self.size, scene.dim, name)
+        mesh = meshRegion(region, scene.lower, scene.upper, size, name)
+        return mesh if self.matched is None else self._match(mesh, size, scene, name)
+
+    def _match(self, mesh, size, scene, name):
+        near = self.matched
+        if not hasattr(near, "halfSize") or near.type.core.isMeshed:
+            raise TypeError(f"body '{name}': matched = {near!r}; give a body of uGIMP particles that was added before")
+        ratio = size / (2 * near.halfSize)
+        if not np.allclose(ratio, round(ratio[0])) or round(ratio[0]) < 1:
+            raise ValueError(f"body '{name}': size = {size} m is not a multiple of the particle spacing "
+                             f"{2 * near.halfSize} m of '{near.name}'; change size or perCell")
+        return refineNear(mesh, near.position, near.halfSize, float(min(scene.core.cell)), int(round(ratio[0])))
+
+
+classes = {}
+for _name, _class in makeClasses(_core.particleTypeNames(), _core.makeParticleType, ParticleType).items():
+    if _core.makeParticleType(_name).isMeshed:
+        _class = type(_name, (MeshedType,), {**{k: v for k, v in vars(_class).items() if not k.startswith("__weak")},
+                                             "__doc__": _class.__doc__ + "\n" + MeshedType.__doc__.split("\n\n", 1)[1]})
+    classes[_name] = _class
+globals().update(classes)

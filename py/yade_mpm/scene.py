@@ -1,0 +1,428 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The scene: grid, bodies, engines, clock, and the run."""
+import threading
+
+import numpy as np
+
+from . import _core, checkpoint
+from .body import Body
+from .engines import FACES, Engine, classes
+from .lattice import checkOverlap
+from .materials import Material
+from .particles import ParticleType, classes as particleClasses
+from .regions import Region
+from .running import Run
+
+DT_SAFETY = 0.8       # of the critical step, when dt is left out
+DT_PERIOD = 5000      # steps between estimates of the critical step
+INTERFACE_RUN = 1.5   # cells; longest APDI edge beside uGIMP while running (1 when the scene is built)
+
+
+class Scene:
+    """Everything a run works on.
+
+    Parameters
+    ----------
+    lower, upper : corners of the grid, m; two numbers each make a plane-strain scene (per metre of thickness), three a
+        3D scene. Ghost nodes outside are added by the solver.
+    cell : cell size, m; one number or one per axis. upper - lower must be a multiple of it.
+    scheme : "MUSL" (default), "USF" or "USL": when the stress is updated in a step (Sulsky et al. 1995).
+    threads : number of threads; default: chosen by the number of particles, at most OMP_NUM_THREADS. The results are
+        the same bits for any number.
+
+    Raises ValueError for a grid that is not made of whole cells.
+    """
+
+    def __init__(self, lower, upper, cell, scheme="MUSL", threads=None):
+        self.lower, self.upper = _corner("lower", lower), _corner("upper", upper)
+        self.dim = len(self.lower)
+        if len(self.upper) != self.dim:
+            raise ValueError(f"Scene: lower has {self.dim} components, upper {len(self.upper)}; give 2 or 3 for both")
+        cell = np.broadcast_to(np.asarray(cell, float), (self.dim,)) if np.size(cell) in (1, self.dim) else None
+        if cell is None:
+            raise ValueError(f"Scene: cell has the wrong number of components; give 1 or {self.dim}")
+        make = _core.Scene2 if self.dim == 2 else _core.Scene3
+        self.core = make(list(self.lower), list(self.upper), list(cell))
+        self.cell = cell
+        self.core.scheme = scheme
+        self.bodies = []
+        self.allowUnstable = False
+        self.dtCritical = None   # s, as estimated last
+        self.stiffest = None     # body in which the fastest mode moves most
+        self._dt, self._threads, self._engines, self._run = None, threads, None, None
+        self._constraints = []
+        if threads is not None and not (isinstance(threads, int) and threads >= 1):
+            raise ValueError(f"Scene: threads = {threads!r} is not allowed; give a whole number from 1 on")
+
+    def __repr__(self):
+        return (f"<Scene {self.dim}D, {' x '.join(str(n - 5) for n in self.core.nodes)} cells, {len(self.bodies)} bodies, "
+                f"{self.particleCount} particles, t = {self.time:g} s>")
+
+    # --- bodies ---------------------------------------------------------------------------------------
+    def add(self, name, region, material, type, inertiaScale=1.0, fbar=False):
+        """Adds a body and returns it.
+
+        name : used in messages, results and checkpoints.
+        region : Region; for APDI also (points (Nv, dim), cells (Nc, 4 or 8)), or the name of a mesh file.
+        material : e.g. mpm.LinearElastic(...). type : e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).
+        inertiaScale : factor on the inertial mass, not on the weight; default 1.
+        fbar : average the volumetric strain increment over a cell in the stress update; default False.
+
+        Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies that
+        overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
+        """
+        if not isinstance(material, Material):
+            raise TypeError(f"body '{name}': material = {material!r}; give e.g. mpm.LinearElastic(...)")
+        if not isinstance(type, ParticleType):
+            raise TypeError(f"body '{name}': type = {type!r}; give e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=...)")
+        if isinstance(region, Region) and region.dim != self.dim:
+            raise ValueError(f"body '{name}': the region is {region.dim}D, the scene {self.dim}D")
+        geometry = type.geometry(region, self, name)
+        self._checkInside(name, geometry)
+        body = self._newBody(name, material, type, region if isinstance(region, Region) else None, inertiaScale, fbar)
+        try:
+            self._build(body, geometry)
+            for other in self.bodies[:-1]:
+                checkOverlap(other.name, *_boxes(other), name, *_boxes(body))
+        except Exception:
+            self.bodies.pop()
+            self.core.dropBody()
+            raise
+        if type.core.converts:
+            self._addConverted(body)
+        return body
+
+    def _newBody(self, name, material, type, region, inertiaScale, fbar):
+        core = self.core.addBody(str(name), material.core, type.core)
+        body = Body(self, core, type, material, region)
+        self.bodies.append(body)
+        self._dirty()
+        try:
+            body.inertiaScale, body.fbar = inertiaScale, fbar
+        except Exception:
+            self.bodies.pop()
+            self.core.dropBody()
+            raise
+        return body
+
+    def _build(self, body, geometry):
+        if isinstance(geometry, tuple):
+            positions, halfSize = geometry
+            body.core.buildLattice(_array(positions), _array(halfSize))
+        else:
+            body.mesh = geometry
+            body.core.buildMesh(_array(geometry.points), _array(geometry.cells, np.int32), _array(geometry.slaves, np.int32),
+                                _array(geometry.masters, np.int32), _array(geometry.masterWeights))
+
+    def _addConverted(self, body):
+        """The body that takes over domains of `body` that become too distorted; empty at first."""
+        spacing = self.cell / 2 if body.type.matched is None else 2 * body.type.matched.halfSize
+        other = self._newBody(body.name + " (converted)", body.material, particleClasses["UGIMP"](), None,
+                              body.inertiaScale, body.fbar)
+        other.core.buildLattice(np.zeros((0, self.dim)), _array(spacing / 2))
+        self.core.convertTo(body.name, other.name)
+
+    def _checkInside(self, name, geometry):
+        positions = geometry[0] if isinstance(geometry, tuple) else geometry.points
+        tolerance = 1e-9 * self.cell
+        outside = ((positions < self.lower - tolerance) | (positions > self.upper + tolerance)).any(axis=1)
+        if outside.any():
+            at = positions[np.argmax(outside)]
+            raise ValueError(f"body '{name}': {'particle' if isinstance(geometry, tuple) else 'vertex'} at {_place(at)} is outside "
+                             f"the grid {_place(self.lower)} to {_place(self.upper)}; enlarge the grid or move the body")
+
+    def __getitem__(self, name):
+        for body in self.bodies:
+            if body.name == name:
+                return body
+        raise KeyError(f"there is no body named '{name}'; bodies: {', '.join(b.name for b in self.bodies)}")
+
+    particleCount = property(lambda self: sum(b.count for b in self.bodies), doc="Number of particles of all bodies.")
+
+    # --- nodes ----------------------------------------------------------------------------------------
+    def nodePositions(self):
+        """Positions of all grid nodes, ghosts included, m (Nn, dim); first axis fastest."""
+        axes = [self.lower[k] + (np.arange(self.core.nodes[k]) - 2) * self.cell[k] for k in range(self.dim)]
+        return np.stack([a.ravel(order="F") for a in np.meshgrid(*axes, indexing="ij")], axis=1)
+
+    def faceNodes(self, face):
+        """Numbers of the nodes on and behind a face of the grid."""
+        if face not in FACES[self.dim]:
+            raise ValueError(f"there is no face '{face}'; faces are {', '.join(FACES[self.dim])}")
+        axis, side = FACES[self.dim][face]
+        x = self.nodePositions()[:, axis]
+        tolerance = 1e-6 * self.cell[axis]
+        return np.flatnonzero(x <= self.lower[axis] + tolerance if side == 0 else x >= self.upper[axis] - tolerance)
+
+    def nodesInside(self, region):
+        """Numbers of the nodes inside a region."""
+        return np.flatnonzero(region.contains(self.nodePositions()))
+
+    # --- engines and clock ----------------------------------------------------------------------------
+    @property
+    def engines(self):
+        """The chain of engines; assign a list to change it. Default: ParticleToGrid, GridSolver, GridToParticle,
+        DomainUpdater (USF: DomainUpdater before GridSolver)."""
+        if self._engines is None:
+            self.engines = [classes[n]() for n in ("ParticleToGrid", "GridSolver", "GridToParticle", "DomainUpdater")]
+        return self._engines
+
+    @engines.setter
+    def engines(self, engines):
+        engines = list(engines)
+        for engine in engines:
+            if not isinstance(engine, Engine):
+                raise TypeError(f"Scene: {engine!r} is not an engine")
+        if self.scheme == "USF":
+            engines = _inUSFOrder(engines)
+        self._engines = engines
+        self._dirty()
+
+    @property
+    def scheme(self):
+        """"MUSL", "USF" or "USL"."""
+        return self.core.scheme
+
+    @scheme.setter
+    def scheme(self, name):
+        if self._engines is not None:
+            raise ValueError("Scene: set the scheme before the engines")
+        self.core.scheme = name
+
+    time = property(lambda self: self.core.time, doc="Scene time, s.")
+    steps = property(lambda self: self.core.step, doc="Number of steps taken.")
+
+    @property
+    def dt(self):
+        """Time step, s. Left out: 0.8 of the critical step, estimated anew every 5000 steps."""
+        return self._dt if self._dt is not None else (self.core.dt or None)
+
+    @dt.setter
+    def dt(self, value):
+        if value is not None and not (isinstance(value, (int, float, np.number)) and 0 < value < np.inf):
+            raise ValueError(f"Scene: dt = {value!r} s is not allowed; give a positive number, or None for an automatic step")
+        self._dt = None if value is None else float(value)
+        self._checked = False
+
+    @property
+    def threads(self):
+        """Number of threads in use."""
+        return self._threads or (1 if self.particleCount < 2000 else _core.availableThreads())
+
+    @threads.setter
+    def threads(self, value):
+        self._threads = value
+
+    def criticalTimeStep(self, tolerance=1e-4, iterations=300):
+        """Largest stable time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid operator.
+
+        tolerance : relative change of the eigenvalue over ten iterations at which to stop. Also sets `dtCritical`
+        and `stiffest`. Source: spectral bound of the central-difference scheme; Lanczos iteration.
+        """
+        self._prepareChain()
+        self.dtCritical, self.dtIterations, self.stiffest = self.core.criticalTimeStep(tolerance, iterations)
+        return self.dtCritical
+
+    # --- initial state --------------------------------------------------------------------------------
+    def initialStress(self, surface, K0, gravity=9.81, bodies=None, unitWeight=None):
+        """Geostatic stress below a level surface: sigma_v = -gamma z, sigma_h = -K0 gamma z, z the depth.
+
+        surface : height of the ground surface (last axis), m. K0 : earth pressure coefficient at rest, -.
+        gravity : m/s2. unitWeight : gamma, kN/m3; default: density of each body times gravity.
+        bodies : which; default: all that do not rise above the surface.
+        Raises ValueError when nothing lies below the surface or layers of different weight need `unitWeight`.
+        """
+        if not (np.isfinite(K0) and K0 >= 0):
+            raise ValueError(f"initialStress: K0 = {K0!r} is not allowed; give zero or a positive number")
+        ground = bodies or [b for b in self.bodies if b.count and b.position[:, -1].max() < surface]
+        if not ground:
+            raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")
+        weights = {b.material.density * gravity for b in ground} if unitWeight is None else {unitWeight}
+        if len(weights) > 1:
+            raise ValueError(f"initialStress: the bodies weigh {sorted(weights)} kN/m3; give unitWeight, or set body.stress")
+        for body in ground:
+            vertical = -weights.copy().pop() * (surface - body.position[:, -1])
+            stress = np.zeros((body.count, 3, 3))
+            up = self.dim - 1
+            for k in range(3):
+                stress[:, k, k] = vertical * (1.0 if k == up else K0)
+            body.setStress(stress)
+
+    def settle(self, damping=0.7, tolerance=1e-3, maxSteps=200000, checkEvery=200, progress=None):
+        """Lets gravity settle with heavy damping, then stops all motion and counts displacement from there.
+
+        Ends when the largest out-of-balance nodal force falls below `tolerance` times the mean internal force.
+        Returns the number of steps. Raises RuntimeError if that takes more than maxSteps.
+        """
+        solver = next(e for e in self.engines if hasattr(e, "damping"))
+        before, solver.damping = solver.damping, damping
+        taken, ratio = 0, np.inf
+        try:
+            while ratio > tolerance:
+                if taken >= maxSteps:
+                    raise RuntimeError(f"settle: still out of balance by {ratio:.2g} of the mean force after {taken} steps; "
+                                       f"raise maxSteps, or check that the bodies are supported")
+                self.run(steps=checkEvery, progress=False if progress is None else progress)
+                taken += checkEvery
+                ratio = self.unbalancedForce()
+        finally:
+            solver.damping = before
+        for body in self.bodies:
+            body.velocity[...] = 0
+            body.zeroDisplacement()
+        return taken
+
+    def unbalancedForce(self):
+        """Largest free nodal out-of-balance force over the mean internal nodal force, from the last step, -."""
+        d = self.dim
+        rows = np.array(self.core.nodalValues())
+        mass, force, acceleration = rows[:, 1], rows[:, 2 + d:2 + 2 * d], rows[:, 2 + 3 * d:2 + 4 * d]
+        internal = np.linalg.norm(force, axis=1)
+        return float(np.linalg.norm(mass[:, None] * acceleration, axis=1).max() / max(internal[internal > 0].mean(), 1e-300))
+
+    # --- running --------------------------------------------------------------------------------------
+    def run(self, until=None, steps=None, background=False, progress=None, checkpointFile=None):
+        """Runs to a time or for a number of steps.
+
+        until : scene time to reach, s; or steps : number of steps. One of the two.
+        background : return at once; `pause()` stops, `wait()` waits and raises what went wrong.
+        progress : show progress; default: yes for a run of more than 2 s.
+        checkpointFile : where Ctrl-C, SIGTERM and errors leave the state; default: beside the recorder's file, or
+            yade_mpm.checkpoint.h5.
+
+        Before the first step the scene is checked: ValueError for a time step above the critical one (unless
+        `allowUnstable`), an interface that is too coarse, or constraints that hold nothing. During the run RuntimeError
+        for particles outside the grid and distorted domains, after the state was saved. KeyboardInterrupt and
+        SystemExit(143) after Ctrl-C and SIGTERM, likewise.
+        """
+        if self.running:
+            raise RuntimeError("Scene: a run is going on in the background; pause() it first")
+        if (until is None) == (steps is None):
+            raise ValueError("run: give either until (s) or steps")
+        if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 0):
+            raise ValueError(f"run: steps = {steps!r} is not allowed; give a whole number")
+        if until is not None and not until > self.time:
+            raise ValueError(f"run: until = {until:g} s is not after the scene's time {self.time:g} s")
+        self.prepare()
+        self._run = Run(self, until, steps, progress, checkpointFile)
+        if background:
+            self._run.start()
+        else:
+            self._run.loop()
+
+    def step(self):
+        """Takes one step."""
+        if not self._prepared:
+            self.prepare()
+        self.core.advance(1, 1e9)
+
+    running = property(lambda self: self._run is not None and self._run.isAlive(), doc="Whether a background run is going on.")
+
+    def pause(self):
+        """Ends a background run after the step it is in."""
+        if self._run is not None:
+            self._run.stop()
+            self._run.wait()
+
+    def wait(self):
+        """Waits for a background run and raises what went wrong in it."""
+        if self._run is not None:
+            self._run.wait()
+
+    def prepare(self):
+        """Checks the scene and makes it ready to step; `run` does it."""
+        self._prepareChain()
+        self._checkInterface(1 + 1e-9 if self.steps == 0 else INTERFACE_RUN)
+        for body in self.bodies:
+            for field in body.fields():
+                if field["name"] != "bodyForce" and not np.isfinite(getattr(body, field["name"])).all():
+                    raise ValueError(f"body '{body.name}': {field['name']} holds a value that is not finite")
+        if not self._checked:
+            self.checkTimeStep()
+        self.core.threads = self.threads
+        self._prepared = True
+
+    def checkTimeStep(self):
+        """Estimates the critical step; takes 0.8 of it if dt was left out, refuses a dt above it otherwise."""
+        self.core.threads = self.threads
+        if self._dt is not None and self.allowUnstable and self.dtCritical is not None:
+            self.core.dt = self._dt
+            return
+        critical = self.criticalTimeStep()
+        if self._dt is None:
+            if not critical > 0:
+                raise ValueError("Scene: no critical time step can be found (every node is held); give scene.dt")
+            self.core.dt = DT_SAFETY * critical
+        elif self._dt > critical > 0 and not self.allowUnstable:
+            raise ValueError(f"dt = {self._dt:.3g} s exceeds the critical step {critical:.3g} s of this scene (stiffest: "
+                             f"'{self.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid")
+        else:
+            self.core.dt = self._dt
+        self._checked = True
+
+    def _dirty(self):
+        self._prepared = self._checked = False
+
+    def _prepareChain(self):
+        engines = self.engines
+        for engine in engines:
+            engine.bind(self)
+        solvers = [e for e in engines if hasattr(e, "constraints")]
+        constraints = [c for solver in solvers for c in solver.constraints(self)]
+        for constraint in constraints:
+            constraint.bind(self)
+        self._constraints = constraints
+        self.core.setConstraints([c.core for c in constraints])
+        self.core.setEngines([e.core for e in engines])
+        self.core.prepare()
+
+    def _checkInterface(self, limit):
+        fault = self.core.interfaceFault(limit)
+        if fault is not None:
+            meshed, boxes, where, edge = fault
+            raise ValueError(f"interface of '{meshed}' and '{boxes}' near {where}: an edge of {edge:.6g} m is longer than the "
+                             f"cell {min(self.cell):.6g} m within one cell of uGIMP particles; refine '{meshed}' there, e.g. "
+                             f"APDI(size=..., matched=...)")
+
+    # --- results --------------------------------------------------------------------------------------
+    constraints = property(lambda self: list(self._constraints), doc="All prescribed motions, faces included.")
+
+    def timing(self):
+        """Dict engine -> (seconds, calls) since the scene was made."""
+        return {(e.label or type(e).__name__): (e.seconds, e.calls) for e in self.engines}
+
+    def save(self, file):
+        """Writes a checkpoint (HDF5) from which `mpm.load` continues with the same bits. Raises OSError."""
+        checkpoint.save(self, file)
+
+
+def _inUSFOrder(engines):
+    """DomainUpdater before GridSolver: the stress is updated first."""
+    kinds = [type(e).__name__ for e in engines]
+    if {"DomainUpdater", "GridSolver"} <= set(kinds) and kinds.index("DomainUpdater") > kinds.index("GridSolver"):
+        updater = engines.pop(kinds.index("DomainUpdater"))
+        engines.insert(kinds.index("GridSolver"), updater)
+    return engines
+
+
+def _boxes(body):
+    """Centres and half sizes of boxes that lie inside the domains of a body, for the check of overlaps."""
+    if body.cells is None:
+        return body.position, body.halfSize
+    corners = body.corners()
+    return body.position, 0.5 * np.abs(corners - body.position[:, None]).min(axis=1)
+
+
+def _array(values, dtype=np.float64):
+    return np.ascontiguousarray(values, dtype=dtype)
+
+
+def _corner(what, values):
+    array = np.asarray(values, float)
+    if array.shape not in ((2,), (3,)) or not np.isfinite(array).all():
+        raise ValueError(f"Scene: {what} = {values!r} is not allowed; give two (plane strain) or three numbers, m")
+    return array
+
+
+def _place(x):
+    return "(" + ", ".join(f"{v:.6g}" for v in x) + ")"

@@ -65,7 +65,11 @@ template <int Dim> struct Bind {
     }
     static void setTable(B& body, const std::string& name, const bp::object& values) {
         for (auto& [known, table] : body.domains->tables())
-            if (known == name) *table = numbers<int>(values);
+            if (known == name) {
+                *table = numbers<int>(values);
+                return;
+            }
+        throw InputError("body '" + body.name + "' has no table '" + name + "'");
     }
     static void resize(B& body, int n) { body.particles.resize(n); }
     static void resizeDomainField(B& body, const std::string& name, int n) { fieldOf(body, name, true).resize(n); }
@@ -102,7 +106,7 @@ template <int Dim> struct Bind {
         return all;
     }
     static void setInertiaScale(B& body, double scale) {
-        require(scale > 0, "body '", body.name, "': inertiaScale = ", scale, "; give a positive number");
+        require(scale > 0 && std::isfinite(scale), "body '", body.name, "': inertiaScale = ", scale, "; give a positive number");
         body.inertiaScale = scale;
         body.massesChanged();
     }
@@ -123,6 +127,7 @@ template <int Dim> struct Bind {
             .def_readwrite("fbar", &B::fbar)
             .def_readwrite("converted", &B::converted)
             .def_readwrite("internalWork", &B::internalWork)
+            .def_readwrite("largestInertialMass", &B::largestInertialMass)
             .add_property("hasBodyForce", hasBodyForce)
             .add_property("halfSize", halfSize)
             .add_property("bytes", bytes)

@@ -40,6 +40,9 @@ class PythonEngine : public EngineOf<PythonEngine> {
 };
 
 bp::list three(const double (&values)[3]) { return listOf(std::vector<double>(values, values + 3)); }
+void setThree(double (&values)[3], const bp::object& given) {
+    for (long k = 0; k < bp::len(given) && k < 3; ++k) values[k] = bp::extract<double>(given[k]);
+}
 
 std::vector<double> vectorFrom(const bp::object& o) {
     std::vector<double> v;
@@ -65,7 +68,7 @@ void exposeEngines() {
         .def_readwrite("body", &C::body)
         .def_readwrite("work", &C::work)
         .def_readwrite("began", &C::began)
-        .def_readonly("heldNodes", &C::heldNodes)
+        .def_readwrite("heldNodes", &C::heldNodes)
         .add_property("velocity", +[](const C& c) { return listOf(c.velocity); },
                       +[](C& c, const bp::object& v) { c.velocity = vectorFrom(v); })
         .add_property("lower", +[](const C& c) { return listOf(c.lower); },
@@ -77,12 +80,11 @@ void exposeEngines() {
         .add_property("ids", +[](const C& c) { return listOf(c.ids); },
                       +[](C& c, const bp::object& v) { c.ids = numbers<int64_t>(v); })
         .add_property("centre", +[](const C& c) { return three(c.centre); },
-                      +[](C& c, const bp::object& v) {
-                          const auto x = vectorFrom(v);
-                          for (size_t k = 0; k < x.size() && k < 3; ++k) c.centre[k] = x[k];
-                      })
-        .add_property("reaction", +[](const C& c) { return three(c.reaction); })
-        .add_property("moment", +[](const C& c) { return three(c.moment); });
+                      +[](C& c, const bp::object& v) { setThree(c.centre, v); })
+        .add_property("reaction", +[](const C& c) { return three(c.reaction); },
+                      +[](C& c, const bp::object& v) { setThree(c.reaction, v); })
+        .add_property("moment", +[](const C& c) { return three(c.moment); },
+                      +[](C& c, const bp::object& v) { setThree(c.moment, v); });
 }
 
 } // namespace mpm::python

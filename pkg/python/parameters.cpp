@@ -10,9 +10,14 @@ Value valueFrom(const bp::object& given) {
     if (PyUnicode_Check(o)) return std::string(bp::extract<std::string>(given));
     if (PyFloat_Check(o)) return PyFloat_AsDouble(o);
     if (PyIndex_Check(o)) {
-        const long n = PyLong_AsLong(bp::object(bp::handle<>(PyNumber_Index(o))).ptr());
+        const bp::object index{bp::handle<>(PyNumber_Index(o))};
+        int overflow = 0;
+        const long n = PyLong_AsLongAndOverflow(index.ptr(), &overflow);
         if (n == -1 && PyErr_Occurred()) bp::throw_error_already_set();
-        return int(n);
+        if (!overflow && n == int(n)) return int(n);
+        const double x = PyLong_AsDouble(index.ptr());
+        if (PyErr_Occurred()) bp::throw_error_already_set();
+        return x;
     }
     if (PySequence_Check(o)) {
         std::vector<double> values;
@@ -43,7 +48,36 @@ bp::object objectFrom(const Value& value) {
 
 namespace {
 
-void set(Configurable& object, const std::string& name, const bp::object& value) { object.set(name, valueFrom(value)); }
+// A value of a type that no attribute has: None, a dict, a nested list ...
+[[noreturn]] void refuse(Configurable& object, const std::string& name, const bp::object& value) {
+    const std::string shown = bp::extract<std::string>(bp::object(bp::handle<>(PyObject_Repr(value.ptr()))));
+    for (const Parameter& p : object.parameters()) {
+        if (p.name != name) continue;
+        const bool isVector = std::holds_alternative<std::vector<double>*>(p.target);
+        const bool isNumber = std::holds_alternative<double*>(p.target) || std::holds_alternative<int*>(p.target);
+        throw InputError(object.className() + ": " + name + " = " + shown + " is not allowed; give " +
+                         (isVector ? "a sequence of numbers" : isNumber ? p.range.text() : "a string, or True or False"));
+    }
+    object.set(name, false); // throws: there is no such attribute
+    throw InputError(object.className() + ": " + name);
+}
+
+void set(Configurable& object, const std::string& name, const bp::object& value) {
+    Value plain;
+    try {
+        plain = valueFrom(value);
+    } catch (const bp::error_already_set&) {
+        PyErr_Clear();
+        refuse(object, name, value);
+    }
+    object.set(name, plain);
+}
+
+// Back to "not given", for numbers.
+void clear(Configurable& object, const std::string& name) {
+    for (const Parameter& p : object.parameters())
+        if (auto number = std::get_if<double*>(&p.target); number && p.name == name) **number = notGiven;
+}
 
 bp::object value(Configurable& object, const std::string& name) {
     const Value v = object.value(name);
@@ -73,6 +107,7 @@ bp::list parameters(Configurable& object) {
 void exposeParameters() {
     bp::class_<Configurable, std::shared_ptr<Configurable>, boost::noncopyable>("Configurable", bp::no_init)
         .def("set", set)
+        .def("clear", clear)
         .def("value", value)
         .def("parameters", parameters)
         .def("finish", &Configurable::finish)

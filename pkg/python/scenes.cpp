@@ -39,6 +39,11 @@ template <int Dim> struct Bind {
     static void convertTo(S& scene, const std::string& from, const std::string& to) {
         scene.body(from)->convertsTo = scene.body(to);
     }
+    // Elastic constants may have been changed since the last run; hourglass control has a copy.
+    static void prepare(S& scene) {
+        for (auto& body : scene.bodies) body->domains->lame = body->material->lame();
+        scene.prepare();
+    }
     static void setEngines(S& scene, const bp::object& list) {
         scene.engines.clear();
         for (long i = 0; i < bp::len(list); ++i)
@@ -132,7 +137,7 @@ template <int Dim> struct Bind {
             .def("convertTo", convertTo)
             .def("setEngines", setEngines)
             .def("setConstraints", setConstraints)
-            .def("prepare", &S::prepare)
+            .def("prepare", prepare)
             .def("advance", advance)
             .def("criticalTimeStep", critical)
             .def("interfaceFault", interfaceFault)

@@ -4,7 +4,21 @@
 A material, particle type or engine registered in C++ appears here as a class with keyword arguments,
 checked attributes and a docstring; no other file names it.
 """
+import difflib
+
 import numpy as np
+
+
+class Guarded:
+    """Object that takes no public attribute its class does not have: AttributeError, with the nearest name."""
+
+    def __setattr__(self, name, value):
+        if not name.startswith("_") and name not in self.__dict__ and not hasattr(type(self), name):
+            known = [n for n in {*self.__dict__, *dir(type(self))} if not n.startswith("_")]
+            near = difflib.get_close_matches(name, known, 1)
+            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'"
+                                 + (f"; did you mean '{near[0]}'?" if near else ""))
+        object.__setattr__(self, name, value)
 
 
 class Attributed:
@@ -15,11 +29,13 @@ class Attributed:
 
     _make = None  # name -> C++ object
     _coreName = None
+    _usedBy = None  # name of the body made with it
+    _fixed = ()     # attributes that cannot change from then on; None: all
 
     def __init__(self, **attributes):
         object.__setattr__(self, "core", type(self)._make(type(self)._coreName))
         for name, value in attributes.items():
-            self.core.set(name, _plain(value))
+            self._assign(name, value)
         self.core.finish()
 
     def __setattr__(self, name, value):
@@ -27,14 +43,28 @@ class Attributed:
             object.__setattr__(self, name, value)
             return
         before = getattr(self, name) if name in self.attributeNames() else None
-        self.core.set(name, _plain(value))
+        self._assign(name, value)
         try:
             self.core.finish()
+            self._refuseFixed(name, before)
         except ValueError:
-            if before is not None:
-                self.core.set(name, before)
-                self.core.finish()
+            self._assign(name, before)
+            self.core.finish()
             raise
+
+    def _assign(self, name, value):
+        """Gives the core a value; None takes it back where the default is "not given"."""
+        if value is None and self._make is not None and name in self.attributeNames() \
+                and self._make(self._coreName).value(name) is None:
+            self.core.clear(name)
+        else:
+            self.core.set(name, _plain(value))
+
+    def _refuseFixed(self, name, before):
+        isFixed = self._usedBy is not None and (self._fixed is None or name in self._fixed)
+        if isFixed and getattr(self, name) != before:
+            raise ValueError(f"{type(self).__name__}: {name} = {before!r} cannot change any more, the particles of "
+                             f"'{self._usedBy}' were made with it; set it before scene.add")
 
     def __getattr__(self, name):
         if name.startswith("_") or name == "core":

@@ -10,6 +10,8 @@ from .attributes import Attributed, makeClasses
 class Material(Attributed):
     """Base of all materials."""
 
+    _fixed = ("density",)  # the particles have their mass
+
     @property
     def waveSpeed(self):
         """Speed of compression waves, m/s."""

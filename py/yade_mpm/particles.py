@@ -12,6 +12,8 @@ from .regions import Region
 class ParticleType(Attributed):
     """Base of all particle types. A type that is not meshed is a lattice of boxes, `perCell` per cell and direction."""
 
+    _fixed = None  # all: the domains are built
+
     def geometry(self, region, scene, name):
         """Positions (N, dim) and half size (dim) of the boxes that fill a region."""
         if not isinstance(region, Region):

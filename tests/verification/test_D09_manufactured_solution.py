@@ -51,7 +51,7 @@ class Solution:
 
     def __init__(self, type_, A, N, scheme="USL", force=bodyForce):
         h = 1 / N
-        scene = mpm.Scene(lower=(0, 0), upper=(1, 1), cell=h, scheme=scheme)
+        scene = mpm.Scene(lower=(0, 0), upper=(1, 1), cell=h, scheme=scheme, threads=1)
         material = mpm.NeoHookean(density=DENSITY, young=YOUNG, poisson=POISSON)
         type_ = mpm.APDI(size=h / 2, hourglass=0) if type_ == "APDI" else mpm.UGIMP(perCell=2)
         body = scene.add("block", box((0, 0), (1, 1)), material, type_)

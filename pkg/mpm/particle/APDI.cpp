@@ -99,24 +99,23 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     }
 
     void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
-        const bool hourglass = withForce && hourglassCoefficient_ > 0;
+        hourglassNow_ = withForce && hourglassCoefficient_ > 0;
         Base::addSum(team, nodes, inertiaScale, withForce);
-        if (!hourglass) return;
-        auto force = [&](int p, const Corners<Dim>& X) -> HourglassAmplitude<Dim> { return hourglassOf(p, X); };
-        addHourglass<NF::sumLanes>(team, nodes, NF::force, force);
     }
 
     void addForce(Team& team, typename NF::Velocity* nodes, const double* const tensor[9]) override {
         Base::addForce(team, nodes, tensor);
         if (hourglassCoefficient_ <= 0) return;
-        auto force = [&](int p, const Corners<Dim>& X) -> HourglassAmplitude<Dim> {
-            const Corners<Dim> V = cornersOf(p, V_);
-            const Shape<Dim> shape = shapeOf(p);
-            HourglassAmplitude<Dim> h = hourglassPattern<Dim>(V), pattern = hourglassPattern<Dim>(X);
-            for (int a = 0; a < NC; ++a) h -= V.col(a) * (shape.g[a].transpose() * pattern);
-            return h;
-        };
-        addHourglass<4>(team, nodes, 0, force);
+        const Gather X(corner_, X_), V(corner_, V_);
+        scatterCorners<4>(team, nodes, [&](int p, Pack<4>* corner) {
+            const Shape<Dim> shape = shapeOf(p, X);
+            const Corners<Dim> v = V(p);
+            const HourglassAmplitude<Dim> pattern = hourglassPattern<Dim>(X(p));
+            HourglassAmplitude<Dim> rate = hourglassPattern<Dim>(v);
+            for (int a = 0; a < NC; ++a) rate -= v.col(a) * (shape.g[a].transpose() * pattern);
+            for (int a = 0; a < NC; ++a) corner[a] = Pack<4>::zero();
+            addHourglass(shape, pattern, rate, 0, corner);
+        });
     }
 
     // Vertices move with the velocity field that enters the velocity gradient.
@@ -132,8 +131,9 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     // The volume is the polygon area (polyhedron volume) itself; J V0 differs from it by O(dt).
     void volumes(int begin, int end, double dt) override {
         double* volume = particles.volume.plane();
+        const Gather position(corner_, X_), velocity(corner_, V_);
         for (int p = begin; p < end; ++p) {
-            const Corners<Dim> X = cornersOf(p) + dt * cornersOf(p, V_);
+            const Corners<Dim> X = position(p) + dt * velocity(p);
             const Shape<Dim> shape(X);
             volume[p] = shape.volume;
             double least = shape.w[0];
@@ -167,7 +167,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
 
     void addVertexForce(int v, const Vec<Dim>& force, typename NF::Sum* nodes) const override {
         throughMasters(v, 1.0, [&](int vertex, double share) {
-            hat(vertex, [&](int node, double S) {
+            Hat(*this)(vertex, [&](int node, double S) {
                 for (int k = 0; k < Dim; ++k)
                     nodes[node].set(NF::force + k, nodes[node][NF::force + k] + share * S * force[k]);
             });
@@ -197,7 +197,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     double hourglass() const override {
         double largest = 0;
         for (int p = 0; p < particles.size(); ++p) {
-            const HourglassAmplitude<Dim> h = hourglassOf(p, cornersOf(p));
+            const HourglassAmplitude<Dim> h = hourglassPattern<Dim>(cornersOf(p)) - hourglassOfDeformation(p);
             largest = std::max(largest, h.colwise().norm().maxCoeff() /
                                             std::pow(particles.volume.plane()[p], 1.0 / Dim));
         }
@@ -287,30 +287,39 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
         const Shape<Dim> shape(cornersOf(p));
         for (int a = 0; a < NC; ++a)
             throughMasters(corner_[NC * p + a], 1.0, [&](int v, double share) {
-                hat(v, [&](int node, double S) { each(node, share * shape.w[a] * S, Vec<Dim>(share * S * shape.g[a])); });
+                Hat(*this)(v, [&](int node, double S) { each(node, share * shape.w[a] * S, Vec<Dim>(share * S * shape.g[a])); });
             });
     }
 
     template <int W, bool grads = true, class Load> void scatter(Team& team, Pack<W>* nodes, Load&& load) {
-        scatterCorners<W>(team, nodes, [&](int p, Pack<W>* corner) {
-            const Shape<Dim> shape = shapeOf(p);
+        const Gather X(corner_, X_);
+        const bool hourglass = grads && W == NF::sumLanes && hourglassNow_;
+        scatterCorners<W>(team, nodes, [&](int p, Pack<W>* corner) __attribute__((always_inline)) {
+            const Shape<Dim> shape = shapeOf(p, X);
             Pack<W> P = Pack<W>::zero(), Q[Dim];
             for (auto& q : Q) q = Pack<W>::zero();
             load(p, P, Q);
+#pragma GCC unroll 8
             for (int a = 0; a < NC; ++a) {
                 corner[a] = shape.w[a] * P;
                 if (grads)
                     for (int k = 0; k < Dim; ++k) corner[a].add(shape.g[a][k], Q[k]);
             }
+            if (hourglass) {
+                const HourglassAmplitude<Dim> pattern = hourglassPattern<Dim>(X(p));
+                addHourglass(shape, pattern, pattern - hourglassOfDeformation(p), NF::force, corner);
+            }
         });
+        hourglassNow_ = false;
     }
 
     template <int W, bool grads, class Store> void gather(Team& team, const Pack<W>* nodes, Store&& store) {
         Pack<W>* vertex = vertices<W>();
+        const Hat hat(*this);
         team.chunks(X_.size(), [&](int begin, int end) {
             for (int v = begin; v < end; ++v) {
                 Pack<W> sum = Pack<W>::zero();
-                hat(v, [&](int node, double S) { sum.add(S, nodes[node]); });
+                hat(v, [&](int node, double S) __attribute__((always_inline)) { sum.add(S, nodes[node]); });
                 vertex[v] = sum;
             }
         });
@@ -322,13 +331,16 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
                     vertex[slave] = sum;
                 });
             });
+        const Gather X(corner_, X_);
+        const int* corners = corner_.data();
         team.chunks(particles.size(), [&](int begin, int end) {
             for (int p = begin; p < end; ++p) {
-                const Shape<Dim> shape = shapeOf(p);
+                const Shape<Dim> shape = shapeOf(p, X);
                 Pack<W> value = Pack<W>::zero(), gradient[Dim];
                 for (auto& g : gradient) g = Pack<W>::zero();
+#pragma GCC unroll 8
                 for (int a = 0; a < NC; ++a) {
-                    const Pack<W>& N = vertex[corner_[NC * p + a]];
+                    const Pack<W> N = vertex[corners[NC * p + a]];
                     value.add(shape.w[a], N);
                     if (grads)
                         for (int k = 0; k < Dim; ++k) gradient[k].add(shape.g[a][k], N);
@@ -339,36 +351,58 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     }
 
   private:
-    Corners<Dim> cornersOf(int p) const { return cornersOf(p, X_); }
-    Corners<Dim> cornersOf(int p, const Field& field) const {
-        Corners<Dim> X;
-        for (int a = 0; a < NC; ++a)
-            for (int k = 0; k < Dim; ++k) X(k, a) = field.plane(k)[corner_[NC * p + a]];
-        return X;
-    }
-    Shape<Dim> shapeOf(int p) const {
+    // Corner values of a domain from a field over the vertices; pointers hoisted out of the loops.
+    struct Gather {
+        const int* corner;
+        const double* plane[Dim];
+
+        Gather(const std::vector<int>& corners, const Field& field) : corner(corners.data()) {
+            for (int k = 0; k < Dim; ++k) plane[k] = field.plane(k);
+        }
+        MPM_INLINE Corners<Dim> operator()(int p) const {
+            Corners<Dim> values;
+#pragma GCC unroll 8
+            for (int a = 0; a < NC; ++a)
+#pragma GCC unroll 3
+                for (int k = 0; k < Dim; ++k) values(k, a) = plane[k][corner[NC * p + a]];
+            return values;
+        }
+    };
+    Corners<Dim> cornersOf(int p) const { return Gather(corner_, X_)(p); }
+
+    MPM_INLINE Shape<Dim> shapeOf(int p, const Gather& X) const {
         if constexpr (Dim == 3)
             return shapes_[p];
         else
-            return Shape<Dim>(cornersOf(p));
+            return Shape<Dim>(X(p));
     }
 
     template <int W> Pack<W>* vertices() { return reinterpret_cast<Pack<W>*>(sum_.data()); }
 
-    // f(node, S) for the nodes of the cell a vertex is in, S the hat function.
-    template <class F> void hat(int v, F&& f) const {
-        for (int n = 0; n < NC; ++n) {
-            int node = cell_[v];
-            double S = 1;
-            for (int k = 0; k < Dim; ++k) {
-                const double c = local_.plane(k)[v];
-                const int upper = n >> k & 1;
-                S *= upper ? c : 1 - c;
-                node += upper * grid.strides[k];
+    // hat(v, f) calls f(node, S) for the nodes of the cell that vertex v is in, S the hat function.
+    struct Hat {
+        const int* cell;
+        const double* local[Dim];
+        int offset[NC];
+
+        explicit Hat(const MeshDomains& d) : cell(d.cell_.data()) {
+            for (int k = 0; k < Dim; ++k) local[k] = d.local_.plane(k);
+            for (int n = 0; n < NC; ++n) {
+                offset[n] = 0;
+                for (int k = 0; k < Dim; ++k) offset[n] += (n >> k & 1) * d.grid.strides[k];
             }
-            f(node, S);
         }
-    }
+        template <class F> MPM_INLINE void operator()(int v, F&& f) const {
+            double c[Dim][2];
+            for (int k = 0; k < Dim; ++k) c[k][1] = local[k][v], c[k][0] = 1 - c[k][1];
+#pragma GCC unroll 8
+            for (int n = 0; n < NC; ++n) {
+                double S = c[0][n & 1];
+                for (int k = 1; k < Dim; ++k) S *= c[k][n >> k & 1];
+                f(cell[v] + offset[n], S);
+            }
+        }
+    };
 
     // f(vertex, share): the vertex itself, or its masters if it hangs.
     template <class F> void throughMasters(int v, double share, F&& f) const {
@@ -392,6 +426,8 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     // hand theirs to their masters (the transpose of how they take velocity).
     template <int W, class Fill> void scatterCorners(Team& team, Pack<W>* nodes, Fill&& fill) {
         Pack<W>* vertex = vertices<W>();
+        const Hat hat(*this);
+        const int* corners = corner_.data();
         team.chunks(X_.size(), [&](int begin, int end) { std::fill(vertex + begin, vertex + end, Pack<W>::zero()); });
         for (const auto& colour : colours_)
             team.forEach(int(colour.size()), [&](int i) {
@@ -399,7 +435,8 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
                 for (int p = colour[i] * pieceSize; p < end; ++p) {
                     Pack<W> corner[NC];
                     fill(p, corner);
-                    for (int a = 0; a < NC; ++a) vertex[corner_[NC * p + a]] += corner[a];
+#pragma GCC unroll 8
+                    for (int a = 0; a < NC; ++a) vertex[corners[NC * p + a]] += corner[a];
                 }
             });
         if (!slaves_.empty())
@@ -412,42 +449,37 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
         team.twoColours(order.blocks(), [&](int b) {
             for (int i = order.start[b]; i < order.start[b + 1]; ++i) {
                 const int v = order.order[i];
-                hat(v, [&](int node, double S) { nodes[node].add(S, vertex[v]); });
+                const Pack<W> value = vertex[v];
+                hat(v, [&](int node, double S) __attribute__((always_inline)) { nodes[node].add(S, value); });
             }
         });
     }
 
-    // Hourglass amplitude: the corner pattern less what the deformation makes of the initial pattern.
-    HourglassAmplitude<Dim> hourglassOf(int p, const Corners<Dim>& X) const {
-        HourglassAmplitude<Dim> h = hourglassPattern<Dim>(X);
+    // What the deformation makes of the hourglass pattern of the undeformed domain.
+    HourglassAmplitude<Dim> hourglassOfDeformation(int p) const {
+        HourglassAmplitude<Dim> h = HourglassAmplitude<Dim>::Zero();
         for (int m = 0; m < hourglassModes<Dim>; ++m)
             for (int i = 0; i < Dim; ++i)
                 for (int j = 0; j < Dim; ++j)
-                    h(i, m) -= particles.deformationGradient.plane(3 * i + j)[p] * hourglass0_.plane(Dim * m + j)[p];
+                    h(i, m) += particles.deformationGradient.plane(3 * i + j)[p] * hourglass0_.plane(Dim * m + j)[p];
         return h;
     }
 
     // Stiffness form of Flanagan & Belytschko 1981: f_a = -k h gamma_a with gamma_a = G_a/2^Dim - g_a . (pattern
     // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
     // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
-    template <int W, class Amplitude>
-    void addHourglass(Team& team, Pack<W>* nodes, int lane, Amplitude&& amplitude) {
-        const double modulus = hourglassCoefficient_ * (2.0 / 3.0) * (Base::lame[0] + 3 * Base::lame[1]);
-        scatterCorners<W>(team, nodes, [&](int p, Pack<W>* corner) {
-            const Corners<Dim> X = cornersOf(p);
-            const Shape<Dim> shape = shapeOf(p);
-            double sum = 0;
-            for (int a = 0; a < NC; ++a) sum += shape.g[a].squaredNorm();
-            const double k = modulus * shape.volume * sum;
-            const HourglassAmplitude<Dim> h = amplitude(p, X), pattern = hourglassPattern<Dim>(X);
-            for (int a = 0; a < NC; ++a) {
-                Vec<Dim> force = Vec<Dim>::Zero();
-                for (int m = 0; m < hourglassModes<Dim>; ++m)
-                    force -= k * (hourglassSign(Dim, m, a) / NC - shape.g[a].dot(pattern.col(m))) * h.col(m);
-                corner[a] = Pack<W>::zero();
-                for (int i = 0; i < Dim; ++i) corner[a].set(lane + i, force[i]);
-            }
-        });
+    template <int W>
+    void addHourglass(const Shape<Dim>& shape, const HourglassAmplitude<Dim>& pattern, const HourglassAmplitude<Dim>& h,
+                      int lane, Pack<W>* corner) const {
+        double sum = 0;
+        for (int a = 0; a < NC; ++a) sum += shape.g[a].squaredNorm();
+        const double k = hourglassCoefficient_ * (2.0 / 3.0) * (Base::lame[0] + 3 * Base::lame[1]) * shape.volume * sum;
+        for (int a = 0; a < NC; ++a) {
+            Vec<Dim> force = Vec<Dim>::Zero();
+            for (int m = 0; m < hourglassModes<Dim>; ++m)
+                force -= k * (hourglassSign(Dim, m, a) / NC - shape.g[a].dot(pattern.col(m))) * h.col(m);
+            for (int i = 0; i < Dim; ++i) corner[a].set(lane + i, corner[a][lane + i] + force[i]);
+        }
     }
 
     // Pieces that share a vertex get different colours, so that each colour may run in parallel.
@@ -527,7 +559,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     std::vector<Shape<Dim>> shapes_;
     std::vector<double> quality_;
     std::atomic<bool> anyDistorted_{false};
-    bool broken_ = false;
+    bool broken_ = false, hourglassNow_ = false;
 };
 
 class APDI : public ParticleType {

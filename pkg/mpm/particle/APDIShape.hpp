@@ -14,7 +14,7 @@ namespace mpm {
 template <int Dim> using Corners = Eigen::Matrix<double, Dim, corners<Dim>>; // one column per corner
 
 // Sign of local coordinate `axis` at corner a.
-inline double cornerSign(int a, int axis) {
+constexpr double cornerSign(int a, int axis) {
     if (axis == 2) return a < 4 ? -1 : 1;
     const int b = a % 4;
     return axis == 0 ? (b == 1 || b == 2 ? 1 : -1) : (b >= 2 ? 1 : -1);
@@ -38,7 +38,7 @@ template <int Dim> struct Shape {
     double volume;
 
     Shape() = default;
-    explicit Shape(const Corners<Dim>& X) {
+    MPM_INLINE explicit Shape(const Corners<Dim>& X) {
         if constexpr (Dim == 2)
             *this = closedForm(X);
         else
@@ -72,7 +72,7 @@ template <int Dim> struct Shape {
     }
 
     // The same in closed form for quadrilaterals: the production path.
-    static Shape closedForm(const Corners<2>& X) {
+    MPM_INLINE static Shape closedForm(const Corners<2>& X) {
         Shape s;
         const auto x = X.row(0), y = X.row(1);
         const double V = 0.5 * ((x[2] - x[0]) * (y[3] - y[1]) - (x[3] - x[1]) * (y[2] - y[0]));
@@ -122,6 +122,7 @@ template <int Dim> double smallestCorner(const Corners<Dim>& X) {
 
 template <> inline double smallestCorner<2>(const Corners<2>& X) {
     double least = 1e300;
+#pragma GCC unroll 4
     for (int a = 0; a < 4; ++a) {
         const Vec<2> in = X.col(a) - X.col((a + 3) % 4), out = X.col((a + 1) % 4) - X.col(a);
         least = std::min(least, in[0] * out[1] - in[1] * out[0]);
@@ -132,7 +133,7 @@ template <> inline double smallestCorner<2>(const Corners<2>& X) {
 // Patterns of corner motion that leave the averaged gradient g_a at zero: one in 2D, four in 3D.
 template <int Dim> constexpr int hourglassModes = Dim == 2 ? 1 : 4;
 
-inline double hourglassSign(int dim, int mode, int a) {
+constexpr double hourglassSign(int dim, int mode, int a) {
     if (dim == 2 || mode == 0) return cornerSign(a, 0) * cornerSign(a, 1);
     if (mode == 1) return cornerSign(a, 1) * cornerSign(a, 2);
     if (mode == 2) return cornerSign(a, 2) * cornerSign(a, 0);
@@ -142,9 +143,10 @@ inline double hourglassSign(int dim, int mode, int a) {
 // Amplitude of each pattern in a set of corner positions or velocities: column m = 1/2^Dim sum_a G_ma X_a.
 template <int Dim> using HourglassAmplitude = Eigen::Matrix<double, Dim, hourglassModes<Dim>>;
 
-template <int Dim> HourglassAmplitude<Dim> hourglassPattern(const Corners<Dim>& X) {
+template <int Dim> MPM_INLINE HourglassAmplitude<Dim> hourglassPattern(const Corners<Dim>& X) {
     HourglassAmplitude<Dim> h = HourglassAmplitude<Dim>::Zero();
     for (int m = 0; m < hourglassModes<Dim>; ++m)
+#pragma GCC unroll 8
         for (int a = 0; a < corners<Dim>; ++a) h.col(m) += hourglassSign(Dim, m, a) / corners<Dim> * X.col(a);
     return h;
 }

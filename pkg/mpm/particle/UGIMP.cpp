@@ -179,11 +179,12 @@ template <int Dim> class BoxDomains : public Transfers<BoxDomains<Dim>, Dim> {
         }
     };
 
-    // BoxAxis by axis from the last to the first: of the value part A and the gradient parts B_k only those
+    // Axis by axis from the last to the first: of the value part A and the gradient parts B_k only those
     // with k <= axis are still to be weighted.
     template <int axis, int W, bool grads>
     MPM_INLINE void spread(const Stencil& stencil, const Pack<W>& A, const Pack<W>* B, Pack<W>* sum) const {
         const BoxWeights& w = stencil[axis];
+#pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
             Pack<W> a = w.S[i] * A;
             if (grads) a.add(w.G[i], B[axis]);
@@ -203,6 +204,7 @@ template <int Dim> class BoxDomains : public Transfers<BoxDomains<Dim>, Dim> {
         const BoxWeights& w = stencil[axis];
         value = Pack<W>::zero();
         for (int k = 0; k <= axis; ++k) gradient[k] = Pack<W>::zero();
+#pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
             Pack<W> v, g[Dim];
             if constexpr (axis == 0)
@@ -218,6 +220,7 @@ template <int Dim> class BoxDomains : public Transfers<BoxDomains<Dim>, Dim> {
 
     // Adds the sums of a support to its nodes and clears them.
     template <int axis, int W> MPM_INLINE void flush(Pack<W>* node, Pack<W>* sum) const {
+#pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
             if constexpr (axis == 0)
                 node[i] += sum[i], sum[i] = Pack<W>::zero();

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""D2: weights of APDI domains.
+
+Set-up: random convex quadrilaterals and random hexahedra as user meshes; weights by `body.weights`.
+Reference: 2 x 2 (x 2) Gauss quadrature of N_a and grad N_a, written here in NumPy, times the hat function at the corners;
+the identities sum phi = 1, sum grad phi = 0, sum x_i phi = centroid, sum x_i (x) grad phi = I.
+Source: Kiriyama & Higo 2016; Takegawa, Higo, Uchiyama, Kiriyama, Michino, Eq. (1).
+Tolerance: 1e-13, gradients relative to 1/edge. Triangles are not offered: a mesh of them is refused.
+"""
+from itertools import product
+
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+
+SIGNS = {2: np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])}
+SIGNS[3] = np.array([(*s, z) for z in (-1, 1) for s in SIGNS[2]])
+ELASTIC = dict(density=1, young=1, poisson=0)
+
+
+def quadrature(X):
+    """w (corners), g (corners, dim), V of a domain with corners X (corners, dim)."""
+    dim = X.shape[1]
+    signs = SIGNS[dim]
+    w, g, V = np.zeros(len(X)), np.zeros(X.shape), 0.0
+    for point in product((-1, 1), repeat=dim):
+        factors = (1 + signs * np.array(point) / np.sqrt(3)) / 2
+        N = factors.prod(axis=1)
+        dN = np.stack([signs[:, k] / 2 * np.delete(factors, k, axis=1).prod(axis=1) for k in range(dim)], axis=1)
+        J = X.T @ dN  # J_ij = dx_i / dxi_j
+        detJ = np.linalg.det(J)
+        w += N * detJ
+        g += dN @ np.linalg.inv(J) * detJ
+        V += detJ
+    return w / V, g / V, V
+
+
+def hats(X, nodes, h):
+    """S_i(X_a), (nodes, corners)."""
+    return np.maximum(0, 1 - np.abs(nodes[:, None] - X[None]) / h).prod(axis=2)
+
+
+def summed(body, particle):
+    """Weights of a particle with the pairs of corner and node summed up: nodes, phi, gradient."""
+    nodes, phi, gradient = (np.array(a) for a in zip(*body.weights(particle)))
+    unique, index = np.unique(nodes.round(9), axis=0, return_inverse=True)
+    index = index.ravel()
+    total, slope = np.zeros(len(unique)), np.zeros(unique.shape)
+    np.add.at(total, index, phi)
+    np.add.at(slope, index, gradient)
+    return unique, total, slope
+
+
+def randomQuads(count):
+    """Corners (count, 4, 2) of convex quadrilaterals, counter-clockwise, edges about 0.4."""
+    rng = np.random.default_rng(7)
+    found = []
+    while len(found) < count:
+        angle = np.sort(rng.uniform(0, 2 * np.pi, 4))
+        X = rng.uniform(1, 3, 2) + rng.uniform(0.2, 0.5) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        X += rng.uniform(-0.1, 0.1, X.shape)
+        edges = np.roll(X, -1, axis=0) - X
+        corner = np.cross(np.roll(edges, 1, axis=0), edges)
+        if corner.min() > 0.15 * np.abs(corner).max():
+            found.append(X)
+    return np.array(found)
+
+
+def randomHexahedra(count):
+    rng = np.random.default_rng(8)
+    X = rng.uniform(1, 3, (count, 1, 3)) + 0.25 * SIGNS[3] + rng.uniform(-0.07, 0.07, (count, 8, 3))
+    return X  # faces are not plane
+
+
+def bodyOf(X, cell, lower=0, upper=4):
+    """Body whose domain p has the corners X[p]."""
+    dim = X.shape[2]
+    scene = mpm.Scene(lower=[lower] * dim, upper=[upper] * dim, cell=cell)
+    cells = np.arange(X.shape[0] * X.shape[1]).reshape(X.shape[:2])
+    return scene.add("domains", (X.reshape(-1, dim), cells), mpm.LinearElastic(**ELASTIC), mpm.APDI())
+
+
+def check(body, X, h):
+    dim = X.shape[2]
+    for p in range(len(X)):
+        nodes, phi, gradient = summed(body, p)
+        w, g, V = quadrature(X[p])
+        S = hats(X[p], nodes, h)
+        scale = np.abs(g).max()
+        assert np.abs(phi - S @ w).max() <= 1e-13
+        assert np.abs(gradient - S @ g).max() <= 1e-13 * scale
+        assert abs(phi.sum() - 1) <= 1e-13
+        assert np.abs(gradient.sum(axis=0)).max() <= 1e-13 * scale
+        assert np.abs(nodes.T @ gradient - np.eye(dim)).max() <= 1e-12 * scale
+        assert np.abs(phi @ nodes - w @ X[p]).max() <= 1e-12
+        assert abs(body.volume[p] / V - 1) <= 1e-13
+        assert np.abs(body.position[p] - w @ X[p]).max() <= 1e-13  # the exact centroid
+
+
+@pytest.mark.parametrize("h", [1.0, 0.25])
+def test_weights_of_quadrilaterals_are_those_of_the_quadrature(h):
+    X = randomQuads(1000)
+    check(bodyOf(X, h), X, h)
+
+
+@pytest.mark.parametrize("h", [1.0, 0.25])
+def test_weights_of_hexahedra_are_those_of_the_quadrature(h):
+    X = randomHexahedra(100)
+    check(bodyOf(X, h), X, h)
+
+
+def test_corner_weights_of_a_quadrilateral_are_exact():
+    """All moments of the polygon, by Green's theorem: area, centroid, and g_a = (1/V) dV/dX_a."""
+    for X in randomQuads(50):
+        w, g, V = quadrature(X)
+        Y = np.roll(X, -1, axis=0)
+        cross = X[:, 0] * Y[:, 1] - Y[:, 0] * X[:, 1]
+        assert V == pytest.approx(0.5 * cross.sum(), rel=1e-13)
+        assert w @ X == pytest.approx(((X + Y) * cross[:, None]).sum(axis=0) / (6 * V), rel=1e-13)
+        before, after = np.roll(X, 1, axis=0), np.roll(X, -1, axis=0)
+        dV = 0.5 * np.stack([after[:, 1] - before[:, 1], before[:, 0] - after[:, 0]], axis=1)
+        assert g == pytest.approx(dV / V, rel=1e-12, abs=1e-12)
+
+
+def test_a_concave_corner_gets_no_weight():
+    """(0,0), (1,0), (0.25,0.25), (0,1): V = 0.25 and w_3 = 0 exactly; the program refuses the domain."""
+    X = np.array([(0, 0), (1, 0), (0.25, 0.25), (0, 1)])
+    w, _, V = quadrature(X)
+    assert V == pytest.approx(0.25, abs=1e-15)
+    assert w[2] == pytest.approx(0, abs=1e-15)
+    with pytest.raises(ValueError, match="concave"):
+        bodyOf(X[None] + 1.0, 1.0)
+
+
+def test_weights_of_a_box_are_a_quarter_per_corner():
+    X = np.array([[(1.1, 1.2), (1.6, 1.2), (1.6, 1.9), (1.1, 1.9)]])
+    nodes, phi, gradient = summed(bodyOf(X, 1.0), 0)
+    one = tuple(np.flatnonzero((nodes == (1, 1)).all(axis=1)))[0]
+    assert phi[one] == pytest.approx(0.25 * (0.9 + 0.4) * (0.8 + 0.1), abs=1e-15)
+    assert gradient[one, 0] == pytest.approx((0.4 - 0.9) / 0.5 * 0.5 * (0.8 + 0.1), abs=1e-15)
+
+
+def test_apdi_and_ugimp_differ_in_weight_and_agree_in_gradient():
+    """x = 0, l = 0.25 h: 0.875 for uGIMP, 0.75 for APDI along each axis; so 0.765625 and 0.5625 in 2D."""
+    square = np.array([[(1.75, 1.75), (2.25, 1.75), (2.25, 2.25), (1.75, 2.25)]])
+    nodes, phi, _ = summed(bodyOf(square, 1.0), 0)
+    assert phi[(nodes == (2, 2)).all(axis=1)] == pytest.approx([0.75**2], abs=1e-15)
+    aside = square + (0.1, 0)  # straddling: S(0.1) = 0.855 for uGIMP
+    nodes, _, gradient = summed(bodyOf(aside, 1.0), 0)
+    assert gradient[nodes[:, 0] == 2, 0].sum() == pytest.approx(-0.4, abs=1e-15)  # as in the table of D1
+
+
+def test_domains_may_span_several_cells():
+    X = np.array([[(0.6, 0.55), (3.3, 0.8), (3.4, 3.2), (0.7, 2.9)]])
+    check(bodyOf(X, 0.5), X, 0.5)
+
+
+def test_a_vertex_outside_the_grid_is_refused():
+    X = np.array([[(3.2, 1.0), (4.2, 1.0), (4.2, 2.0), (3.2, 2.0)]])
+    with pytest.raises(ValueError, match=r"'domains': vertex at \(4.2, 1\) is outside the grid"):
+        bodyOf(X, 1.0)
+
+
+def test_triangles_are_refused():
+    scene = mpm.Scene(lower=(0, 0), upper=(4, 4), cell=1.0)
+    points = np.array([(1, 1), (2, 1), (1, 2)], float)
+    with pytest.raises(ValueError):
+        scene.add("triangle", (points, np.array([(0, 1, 2)])), mpm.LinearElastic(**ELASTIC), mpm.APDI())
+
+
+def test_control_corners_in_another_order_miss():
+    X = randomQuads(3)
+    with pytest.raises(AssertionError):
+        check(bodyOf(X, 1.0), X[:, ::-1], 1.0)

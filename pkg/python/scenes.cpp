@@ -94,7 +94,11 @@ template <int Dim> struct Bind {
         for (const auto& field : scene.grid.fields)
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
                 scene.grid.forNodes(slab, [&](int node) {
-                    for (size_t k = 0; k < total.size(); ++k) total[k] += field.sum[node][int(k)];
+                    total[0] += field.sum[node][NodalField<Dim>::mass];
+                    for (int k = 0; k < Dim; ++k) {
+                        total[1 + k] += field.sum[node][NodalField<Dim>::momentum + k];
+                        total[1 + Dim + k] += field.sum[node][NodalField<Dim>::force + k];
+                    }
                 });
         return tupleOf(total);
     }
@@ -106,7 +110,8 @@ template <int Dim> struct Bind {
                 scene.grid.forNodes(slab, [&](int node) {
                     bp::list row;
                     row.append(node);
-                    for (int k = 0; k < 1 + 2 * Dim; ++k) row.append(field.sum[node][k]);
+                    for (int k = 0; k < 1 + Dim; ++k) row.append(field.sum[node][k]);
+                    for (int k = 0; k < Dim; ++k) row.append(field.sum[node][NodalField<Dim>::force + k]);
                     for (int k = 0; k < 2 * Dim; ++k) row.append(field.motion[node][k]);
                     all.append(row);
                 });

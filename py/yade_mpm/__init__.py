@@ -12,6 +12,9 @@ from .mesh import Mesh, meshFromArrays, meshFromFile
 from .particles import ParticleType
 from .regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
 from .scene import Scene
+from . import diagnostics
+from .history import History
+from .recorder import Recorder
 
 from . import engines as _engines, materials as _materials, particles as _particles
 

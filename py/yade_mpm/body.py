@@ -2,10 +2,11 @@
 """Bodies: named sets of particles, whose fields are NumPy views of the solver's memory."""
 import numpy as np
 
+from .attributes import Guarded
 from .regions import Region
 
 
-class Body:
+class Body(Guarded):
     """Set of particles with one particle type and one material, made by `Scene.add`.
 
     Every field is an attribute: position (N, dim), velocity (N, dim), stress (N, 3, 3), deformationGradient
@@ -16,7 +17,8 @@ class Body:
     """
 
     def __init__(self, scene, core, type_, material, region=None, mesh=None):
-        self._scene, self.core, self.type, self.material, self.region, self.mesh = scene, core, type_, material, region, mesh
+        self.__dict__.update(_scene=scene, core=core, type=type_, material=material, region=region, mesh=mesh)
+        self._convertsTo = None  # name of the body that takes over distorted domains
         self._fields = {f["name"] for f in core.fields(False)}
 
     name = property(lambda self: self.core.name, doc="Name of the body.")
@@ -49,9 +51,13 @@ class Body:
             if name == "stress":
                 self.setStress(value)
             else:
-                np.asarray(self.core.view(name, False))[...] = _finite(self, name, value)
+                view = np.asarray(self.core.view(name, False))
+                view[...] = _finite(self, name, value, view.shape)
+                self.core.massesChanged()
             return
-        object.__setattr__(self, name, value)
+        if name in ("type", "material", "region"):
+            raise AttributeError(f"body '{self.name}': {name} cannot change once the body is made")
+        super().__setattr__(name, value)
 
     def __dir__(self):
         return [*super().__dir__(), *self._fields]
@@ -71,7 +77,7 @@ class Body:
         stress : (N, 3, 3) or broadcastable, kPa, tension positive, symmetric. Raises ValueError for a wrong
         shape, a value that is not finite, or a material whose stress follows from its deformation alone.
         """
-        stress = _finite(self, "stress", np.broadcast_to(stress, (self.count, 3, 3)))
+        stress = _finite(self, "stress", stress, (self.count, 3, 3))
         if not np.allclose(stress, stress.swapaxes(1, 2)):
             raise ValueError(f"body '{self.name}': stress must be symmetric")
         self.core.setStress(np.ascontiguousarray(stress, float))
@@ -83,6 +89,8 @@ class Body:
 
     @inertiaScale.setter
     def inertiaScale(self, value):
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+            raise ValueError(f"body '{self.name}': inertiaScale = {value!r}; give a positive number")
         self.core.inertiaScale = float(value)
 
     @property
@@ -92,6 +100,8 @@ class Body:
 
     @fbar.setter
     def fbar(self, value):
+        if not isinstance(value, (bool, np.bool_)):
+            raise ValueError(f"body '{self.name}': fbar = {value!r}; give True or False")
         self.core.fbar = bool(value)
 
     @property
@@ -154,8 +164,15 @@ class BodyPart:
             raise ValueError(f"body '{body.name}': no particle is in that region; move or widen it")
 
 
-def _finite(body, name, value):
-    array = np.asarray(value, dtype=float)
+def _finite(body, name, value, shape):
+    """Value as an array that is finite and fits a shape."""
+    try:
+        array = np.broadcast_to(np.asarray(value, dtype=float), shape)
+    except (TypeError, ValueError):
+        raise ValueError(f"body '{body.name}': what was given as {name} does not fit; give numbers of the shape {shape}, "
+                         f"or one entry for all particles") from None
     if not np.isfinite(array).all():
         raise ValueError(f"body '{body.name}': {name} holds a value that is not finite")
+    if name in ("mass", "volume", "initialVolume") and not (array > 0).all():
+        raise ValueError(f"body '{body.name}': {name} must be positive")
     return array

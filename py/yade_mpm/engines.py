@@ -2,12 +2,13 @@
 """Engines of the step, as registered in pkg/mpm/engine, prescribed motions, and callbacks."""
 import builtins
 import sys
+import weakref
 
 import numpy as np
 
 from . import _core
-from .attributes import Attributed, _plain, makeClass, makeClasses
-from .body import BodyPart
+from .attributes import Attributed, Guarded, _plain, makeClasses
+from .body import Body, BodyPart
 from .mesh import boundaryFacets
 from .regions import Region
 
@@ -28,7 +29,7 @@ class Engine(Attributed):
 _generated = makeClasses(_core.engineNames(), _core.makeEngine, Engine)
 
 
-class Prescribed:
+class Prescribed(Guarded):
     """A prescribed velocity; base of `Drive` and `Hold`.
 
     Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D), both
@@ -36,14 +37,23 @@ class Prescribed:
     """
 
     def __init__(self, velocity, ramp, name):
-        self.core = _core.Constraint()
+        object.__setattr__(self, "core", _core.Constraint())
         self._velocity = _velocity(type(self).__name__, velocity)
-        self.dim = len(self._velocity)
-        self.core.name, self.core.velocity = name, self._velocity
-        if not (isinstance(ramp, (int, float)) and ramp >= 0):
+        self._hasBegun = False
+        if not isinstance(name, str):
+            raise TypeError(f"{type(self).__name__}: name = {name!r}; give a string")
+        if not (isinstance(ramp, (int, float, np.number)) and 0 <= ramp < np.inf):
             raise ValueError(f"{type(self).__name__}: ramp = {ramp!r} is not allowed; give zero or a positive time in s")
-        self.core.ramp = float(ramp)
+        self.core.name, self.core.velocity, self.core.ramp = name, self._velocity, float(ramp)
 
+    def bind(self, scene):
+        """Called before a run: the ramp counts from the first one."""
+        if self.dim != scene.dim:
+            raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
+        if not self._hasBegun:
+            self.core.began, self._hasBegun = scene.time, True
+
+    dim = property(lambda self: len(self._velocity), doc="Number of axes, 2 or 3.")
     name = property(lambda self: self.core.name, doc="Name, used for histories.")
     ramp = property(lambda self: self.core.ramp, doc="Time over which the velocity grows from zero, s.")
     work = property(lambda self: self.core.work, doc="Work done on the material since the start, kJ.")
@@ -57,7 +67,10 @@ class Prescribed:
 
     @velocity.setter
     def velocity(self, value):
-        self.core.velocity = self._velocity = _velocity(type(self).__name__, value)
+        values = _velocity(type(self).__name__, value)
+        if len(values) != self.dim:
+            raise ValueError(f"{type(self).__name__}: velocity has {len(values)} components; give {self.dim}")
+        self.core.velocity = self._velocity = values
 
     @property
     def reaction(self):
@@ -86,10 +99,10 @@ class Drive(Prescribed):
 
     def __init__(self, part, velocity, ramp=0.0, name="drive"):
         super().__init__(velocity, ramp, name)
-        part = part.all() if hasattr(part, "all") and not isinstance(part, BodyPart) else part
+        part = part.all() if isinstance(part, Body) else part
         if not isinstance(part, BodyPart):
             raise TypeError(f"Drive: part = {part!r}; give a body or a part of one, e.g. pile.above(12)")
-        self.part = part
+        object.__setattr__(self, "part", part)
         far = 1e300
         self.core.body = part.body.name
         lower, upper = [-far] * self.dim, [far] * self.dim
@@ -100,8 +113,7 @@ class Drive(Prescribed):
             self.core.ids = part.ids
 
     def bind(self, scene):
-        if len(self._velocity) != scene.dim:
-            raise ValueError(f"Drive: velocity has {len(self._velocity)} components; give {scene.dim}")
+        super().bind(scene)
         if not any(self.part.body is b for b in scene.bodies):
             raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
 
@@ -113,7 +125,7 @@ class Hold(Prescribed):
     ----------
     where : name of a face ("left", "right", "bottom", "top"; in 3D also "front", "back") or a region. Nodes on and
         behind a face are held.
-    velocity : m/s, one component per axis; None leaves a direction free; default: all zero.
+    velocity : m/s, one component per axis; None leaves a direction free.
     ramp : s, time over which the velocity grows from zero; default 0.
     name : for histories; default the name of the face or "hold".
     """
@@ -122,11 +134,10 @@ class Hold(Prescribed):
         if not isinstance(where, (str, Region)):
             raise TypeError(f"Hold: where = {where!r}; give the name of a face or a region")
         super().__init__(velocity, ramp, name or (where if isinstance(where, str) else "hold"))
-        self.where = where
+        object.__setattr__(self, "where", where)
 
     def bind(self, scene):
-        if len(self._velocity) != scene.dim:
-            raise ValueError(f"Hold: velocity has {len(self._velocity)} components; give {scene.dim}")
+        super().bind(scene)
         nodes = scene.faceNodes(self.where) if isinstance(self.where, str) else scene.nodesInside(self.where)
         if len(nodes) == 0:
             raise ValueError(f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell size)")
@@ -187,8 +198,14 @@ where : region; facets whose centre is inside are loaded (default: all boundary 
         if isinstance(body, str):  # from a checkpoint: the facets are given
             super().__init__(body=body, **attributes)
             return
+        if not isinstance(body, Body):
+            raise TypeError(f"BoundaryLoad: body = {body!r}; give a body, as scene.add returns it")
+        if not (where is None or isinstance(where, Region)):
+            raise TypeError(f"BoundaryLoad: where = {where!r}; give a region, e.g. box((0, 2), (1, 3))")
         if body.mesh is None:
-            raise ValueError(f"BoundaryLoad: '{body.name}' has no boundary facets; loads need an APDI body")
+            raise ValueError(f"BoundaryLoad: '{body.name}' " + (
+                "lost its first mesh when domains were converted; make loads before that" if body.type.core.isMeshed else
+                "has no boundary facets; loads need an APDI body"))
         facets, owners = boundaryFacets(body.mesh)
         if where is not None:
             inside = where.contains(body.mesh.points[facets].mean(axis=1))
@@ -210,11 +227,16 @@ def _facetNumber(cell, facet):
 
 
 class Callback(Engine):
-    """Base of engines that call back into Python: every `iterPeriod` steps or every `virtPeriod` s of scene time."""
+    """Base of engines that call back into Python: every `iterPeriod` steps or every `virtPeriod` s of scene time.
+
+    A class that adds `spec()`, a dict of constructor arguments that JSON can hold, is restored from checkpoints.
+    """
 
     def __init__(self, iterPeriod=0, virtPeriod=0.0, **attributes):
-        object.__setattr__(self, "core", _core.makePythonEngine(self._call))
-        for name, value in dict(attributes, iterPeriod=iterPeriod, virtPeriod=float(virtPeriod)).items():
+        # The solver refers to the object weakly: a cycle through it would never be collected.
+        method = weakref.WeakMethod(self._call)
+        object.__setattr__(self, "core", _core.makePythonEngine(lambda: method()()))
+        for name, value in dict(attributes, iterPeriod=iterPeriod, virtPeriod=virtPeriod).items():
             self.core.set(name, _plain(value))
         self._scene = None
 
@@ -222,7 +244,20 @@ class Callback(Engine):
         self._scene = scene
 
     def _call(self):
+        self._scene._acting = self
         self.act(self._scene)
+        self._scene._acting = None
+
+    def stepsToCall(self, scene):
+        """After so many steps a call may have been made, and certainly not before: the run looks then whether to stop."""
+        dt, steps = scene.core.dt, 1 << 30
+        if self.iterPeriod > 0:
+            past = scene.steps % self.iterPeriod
+            steps = self.iterPeriod - past if past else 1
+        if self.virtPeriod > 0:
+            past = scene.time % self.virtPeriod
+            steps = min(steps, max(1, int((self.virtPeriod - past) / dt) - 1) if past > dt else 1)
+        return steps
 
     def act(self, scene):
         """What to do; the scene is at rest between two engines meanwhile."""
@@ -249,6 +284,12 @@ class PyRunner(Callback):
 
     command = property(lambda self: self._command, doc="What is called.")
 
+    def spec(self):
+        """Constructor arguments for a checkpoint; a function cannot be stored: TypeError."""
+        if not isinstance(self._command, str):
+            raise TypeError("a function cannot be stored")
+        return {"command": self._command, "iterPeriod": self.iterPeriod, "virtPeriod": self.virtPeriod}
+
     def act(self, scene):
         if isinstance(self._command, str):
             exec(self._command, dict(vars(sys.modules["__main__"]), scene=scene))
@@ -268,23 +309,23 @@ def _takesArgument(function):
 
 
 def _velocity(who, velocity):
-    values = [np.nan if v is None else v for v in velocity] if not isinstance(velocity, builtins.str) else None
-    if values is None or len(values) not in (2, 3) or not all(isinstance(v, (int, float, np.number)) for v in values) \
-            or any(v is not None and not np.isfinite(v) for v in velocity):
+    given = list(velocity) if isinstance(velocity, (list, tuple, np.ndarray)) else []
+    numbers = [v for v in given if v is not None]
+    if len(given) not in (2, 3) or not all(isinstance(v, (int, float, np.number)) and np.isfinite(v) for v in numbers):
         raise ValueError(f"{who}: velocity = {velocity!r} is not allowed; give one number (m/s) or None per axis")
-    return [float(v) for v in values]
+    return [np.nan if v is None else float(v) for v in given]
 
 
 def _names(what, names):
     if isinstance(names, str):
         names = (names,)
-    if not all(isinstance(n, str) for n in names):
+    if not (isinstance(names, (list, tuple)) and all(isinstance(n, str) for n in names)):
         raise TypeError(f"GridSolver: {what} = {names!r}; give names of faces, e.g. ('left', 'right')")
     return list(names)
 
 
 def _listOf(kind, what, given):
-    given = [given] if isinstance(given, kind) else list(given)
+    given = list(given) if isinstance(given, (list, tuple)) else [given]
     for one in given:
         if not isinstance(one, kind):
             raise TypeError(f"GridSolver: {what} = {one!r}; give mpm.{kind.__name__}(...)")

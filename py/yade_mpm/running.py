@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """One run of a scene: the loop, its progress, and what happens when it is interrupted or fails."""
+import atexit
 import math
 import os
 import signal
 import sys
 import threading
 import time
+
+from . import checkpoint
 
 SLICE = 0.1  # s of wall time between looks at signals and the progress bar
 
@@ -18,12 +21,17 @@ class Run:
         self.last = None if steps is None else scene.steps + steps
         self.progress = Progress(scene, progress, self)
         self.error, self.signal = None, None
+        self._callsBefore = {e: e.calls for e in scene.engines}
         self._stop = threading.Event()
         self._thread = None
 
     # --- in the background ---
     def start(self):
+        """Begins a background run. SIGTERM and the end of the program leave its state in a checkpoint too."""
         self._thread = threading.Thread(target=self._background, name="yade_mpm run", daemon=True)
+        if threading.current_thread() is threading.main_thread():
+            self._before = signal.signal(signal.SIGTERM, self._terminate)
+        atexit.register(self._leave)
         self._thread.start()
 
     def _background(self):
@@ -31,19 +39,50 @@ class Run:
             self.loop()
         except BaseException as error:  # raised again by wait()
             self.error = error
+        atexit.unregister(self._leave)
 
     def isAlive(self):
         return self._thread is not None and self._thread.is_alive()
+
+    def isThisThread(self):
+        return threading.current_thread() is self._thread
 
     def stop(self):
         self._stop.set()
 
     def wait(self):
-        if self._thread is not None:
+        """Waits for the end of a background run and raises its error; Ctrl-C ends the run and leaves a checkpoint."""
+        if self._thread is None or self.isThisThread():
+            return
+        try:
             self._thread.join()
+        except KeyboardInterrupt:
+            self._cutOff()
+            raise
+        if signal.getsignal(signal.SIGTERM) == self._terminate and threading.current_thread() is threading.main_thread():
+            signal.signal(signal.SIGTERM, self._before or signal.SIG_DFL)
         if self.error is not None:
             error, self.error = self.error, None
             raise error
+
+    def _terminate(self, number, frame):
+        signal.signal(number, self._before or signal.SIG_DFL)
+        if not self.isAlive():
+            os.kill(os.getpid(), number)  # not ours any more
+            return
+        self._cutOff()
+        raise SystemExit(128 + number)
+
+    def _leave(self):
+        if self.isAlive():
+            self._cutOff()
+
+    def _cutOff(self):
+        """Ends a background run after the slice it is in, and saves."""
+        self.stop()
+        self._thread.join()
+        if self.error is None:
+            self._saveInterrupted()
 
     # --- the loop ---
     def stepsLeft(self):
@@ -53,33 +92,46 @@ class Run:
         return max(0, math.ceil((self.until - self.scene.time) / self.scene.core.dt - 1e-6))
 
     def loop(self):
-        from .scene import DT_PERIOD
-        scene = self.scene
+        """Takes the steps. KeyboardInterrupt and SystemExit(143) after signals, or what went wrong: the state is saved then."""
         handlers = self._catchSignals()
         try:
-            while self.stepsLeft() > 0 and not self._stop.is_set():
-                scene.core.advance(min(self.stepsLeft(), DT_PERIOD - scene.steps % DT_PERIOD), SLICE)
-                if scene.steps % DT_PERIOD == 0:
-                    self._reestimate()
-                self.progress.update()
-                if self.signal is not None:
-                    self._interrupted()
-        except Exception as error:
+            self._takeSteps()
+            if self.signal is not None:
+                self._saveInterrupted()
+        except BaseException as error:
             self._failed(error)
             raise
         finally:
+            self.scene._acting = None
             self.progress.close()
             for number, handler in handlers.items():
-                signal.signal(number, handler)
-            for engine in scene.engines:
+                signal.signal(number, handler or signal.SIG_DFL)
+            for engine in self.scene.engines:
                 if hasattr(engine, "flush"):
                     engine.flush()
+        if self.signal == signal.SIGTERM:
+            raise SystemExit(128 + signal.SIGTERM)
+        if self.signal is not None:
+            raise KeyboardInterrupt
+
+    def _takeSteps(self):
+        from .scene import DT_PERIOD
+        scene = self.scene
+        while self.stepsLeft() > 0 and self.signal is None and not self._stop.is_set():
+            if scene.steps > 0 and scene.steps % DT_PERIOD == 0 and scene._estimatedAt != scene.steps:
+                self._reestimate()
+            callbacks = [e.stepsToCall(scene) for e in scene.engines if hasattr(e, "stepsToCall")]
+            scene.core.advance(min([self.stepsLeft(), DT_PERIOD - scene.steps % DT_PERIOD, *callbacks]), SLICE)
+            self.progress.update()
 
     def _reestimate(self):
         from .scene import DT_SAFETY, INTERFACE_RUN
         scene = self.scene
         scene._checkInterface(INTERFACE_RUN)
-        critical = scene.criticalTimeStep()
+        critical = scene._estimate()
+        scene._estimatedAt = scene.steps
+        if not critical > 0:
+            return  # every node is held: nothing to go by
         if scene._dt is None:
             scene.core.dt = DT_SAFETY * critical
         elif scene._dt > critical and not scene.allowUnstable:
@@ -95,29 +147,37 @@ class Run:
             self.signal = number
         return {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
 
-    def _interrupted(self):
-        file = self._save()
+    def _saveInterrupted(self):
+        """A checkpoint and a message; a file that cannot be written makes another message, no error."""
         self.progress.close()
-        print(f"interrupted at step {self.scene.steps}, t = {self.scene.time:g} s; the state is in {file} "
-              f"(continue with yade_mpm.load)", file=sys.stderr)
-        if self.signal == signal.SIGTERM:
-            raise SystemExit(143)
-        raise KeyboardInterrupt
+        at = f"interrupted at step {self.scene.steps}, t = {self.scene.time:g} s"
+        try:
+            print(f"{at}; the state is in {self._save()} (continue with yade_mpm.load)", file=sys.stderr)
+        except Exception as error:
+            print(f"{at}; the state could not be saved: {error}", file=sys.stderr)
 
     def _failed(self, error):
+        """The state as the error left it, beside the last checkpoint, and a message."""
+        reason = f" ({error})" if self._thread is not None else ""  # else the traceback tells
+        self.progress.close()
+        at = f"the run failed at step {self.scene.steps}, t = {self.scene.time:g} s{reason}"
         try:
-            file = self._save(".failed")
-            print(f"the run failed at step {self.scene.steps}, t = {self.scene.time:g} s; the state is in {file}", file=sys.stderr)
+            print(f"{at}; the state is in {self._save('.failed', self._isMidStep())}", file=sys.stderr)
         except Exception as second:
-            print(f"the run failed, and the state could not be saved: {second}", file=sys.stderr)
+            print(f"{at}, and the state could not be saved: {second}", file=sys.stderr)
 
-    def _save(self, suffix=""):
+    def _isMidStep(self):
+        """Whether the error came between the stages of a step: from a callback there, or from a stage."""
+        taken = {type(e).__name__: e.calls - self._callsBefore.get(e, 0) for e in self.scene.engines}
+        return self.scene.isMidStep() or taken.get("ParticleToGrid") != taken.get("GridSolver")
+
+    def _save(self, suffix="", midStep=False):
         file = self.checkpointFile
         if file is None:
             names = [e.file for e in self.scene.engines if getattr(e, "file", None)]
             file = (os.path.splitext(names[0])[0] if names else "yade_mpm") + ".checkpoint.h5"
-        root, ending = os.path.splitext(file)
-        self.scene.save(root + suffix + ending)
+        root, ending = os.path.splitext(os.fspath(file))
+        checkpoint.save(self.scene, root + suffix + ending, midStep)
         return root + suffix + ending
 
 

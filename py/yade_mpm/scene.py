@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The scene: grid, bodies, engines, clock, and the run."""
-import threading
-
 import numpy as np
 
 from . import _core, checkpoint
+from .attributes import Guarded
 from .body import Body
-from .engines import FACES, Engine, classes
+from .engines import FACES, Callback, Engine, GridSolver, classes
 from .lattice import checkOverlap
 from .materials import Material
 from .particles import ParticleType, classes as particleClasses
@@ -16,9 +15,10 @@ from .running import Run
 DT_SAFETY = 0.8       # of the critical step, when dt is left out
 DT_PERIOD = 5000      # steps between estimates of the critical step
 INTERFACE_RUN = 1.5   # cells; longest APDI edge beside uGIMP while running (1 when the scene is built)
+MOST_THREADS = 1024
 
 
-class Scene:
+class Scene(Guarded):
     """Everything a run works on.
 
     Parameters
@@ -34,25 +34,27 @@ class Scene:
     """
 
     def __init__(self, lower, upper, cell, scheme="MUSL", threads=None):
-        self.lower, self.upper = _corner("lower", lower), _corner("upper", upper)
-        self.dim = len(self.lower)
-        if len(self.upper) != self.dim:
-            raise ValueError(f"Scene: lower has {self.dim} components, upper {len(self.upper)}; give 2 or 3 for both")
-        cell = np.broadcast_to(np.asarray(cell, float), (self.dim,)) if np.size(cell) in (1, self.dim) else None
-        if cell is None:
-            raise ValueError(f"Scene: cell has the wrong number of components; give 1 or {self.dim}")
-        make = _core.Scene2 if self.dim == 2 else _core.Scene3
-        self.core = make(list(self.lower), list(self.upper), list(cell))
-        self.cell = cell
-        self.core.scheme = scheme
-        self.bodies = []
-        self.allowUnstable = False
-        self.dtCritical = None   # s, as estimated last
-        self.stiffest = None     # body in which the fastest mode moves most
-        self._dt, self._threads, self._engines, self._run = None, threads, None, None
+        lower, upper = _corner("lower", lower), _corner("upper", upper)
+        dim = len(lower)
+        if len(upper) != dim:
+            raise ValueError(f"Scene: lower has {dim} components, upper {len(upper)}; give 2 or 3 for both")
+        cell = _cell(cell, dim)
+        make = _core.Scene2 if dim == 2 else _core.Scene3
+        self.__dict__.update(
+            lower=lower, upper=upper, dim=dim, cell=cell, core=make(list(lower), list(upper), list(cell)), bodies=[],
+            allowUnstable=False,
+            dtCritical=None,  # s, as estimated last
+            dtIterations=None,
+            stiffest=None,    # body in which the fastest mode moves most
+        )
+        self._dt, self._threads, self._engines, self._run = None, None, None, None
         self._constraints = []
-        if threads is not None and not (isinstance(threads, int) and threads >= 1):
-            raise ValueError(f"Scene: threads = {threads!r} is not allowed; give a whole number from 1 on")
+        self._prepared, self._checked, self._checkedState = False, False, None
+        self._estimatedAt = -1   # step at which the critical step was estimated last
+        self._acting = None      # callback that is at work
+        self._settling = None    # damping to go back to after settle()
+        self.scheme = scheme
+        self.threads = threads
 
     def __repr__(self):
         return (f"<Scene {self.dim}D, {' x '.join(str(n - 5) for n in self.core.nodes)} cells, {len(self.bodies)} bodies, "
@@ -71,6 +73,9 @@ class Scene:
         Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies that
         overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
         """
+        self._refuseWhileRunning("add")
+        if not (isinstance(name, str) and name):
+            raise TypeError(f"Scene: name = {name!r} of a body; give a string")
         if not isinstance(material, Material):
             raise TypeError(f"body '{name}': material = {material!r}; give e.g. mpm.LinearElastic(...)")
         if not isinstance(type, ParticleType):
@@ -78,6 +83,8 @@ class Scene:
         if isinstance(region, Region) and region.dim != self.dim:
             raise ValueError(f"body '{name}': the region is {region.dim}D, the scene {self.dim}D")
         geometry = type.geometry(region, self, name)
+        if not isinstance(geometry, tuple) and geometry.dim != self.dim:
+            raise ValueError(f"body '{name}': the mesh is {geometry.dim}D, the scene {self.dim}D")
         self._checkInside(name, geometry)
         body = self._newBody(name, material, type, region if isinstance(region, Region) else None, inertiaScale, fbar)
         try:
@@ -85,25 +92,30 @@ class Scene:
             for other in self.bodies[:-1]:
                 checkOverlap(other.name, *_boxes(other), name, *_boxes(body))
         except Exception:
-            self.bodies.pop()
-            self.core.dropBody()
+            self._drop(body)
             raise
         if type.core.converts:
             self._addConverted(body)
         return body
 
     def _newBody(self, name, material, type, region, inertiaScale, fbar):
-        core = self.core.addBody(str(name), material.core, type.core)
+        core = self.core.addBody(name, material.core, type.core)
         body = Body(self, core, type, material, region)
         self.bodies.append(body)
         self._dirty()
         try:
             body.inertiaScale, body.fbar = inertiaScale, fbar
         except Exception:
-            self.bodies.pop()
-            self.core.dropBody()
+            self._drop(body)
             raise
+        material._usedBy = type._usedBy = name
         return body
+
+    def _drop(self, body):
+        """Takes back the body added last; whoever still has it finds it empty, not dangling."""
+        self.bodies.pop()
+        self.core.dropBody()
+        body.__dict__.update(core=None, _fields=())
 
     def _build(self, body, geometry):
         if isinstance(geometry, tuple):
@@ -120,7 +132,11 @@ class Scene:
         other = self._newBody(body.name + " (converted)", body.material, particleClasses["UGIMP"](), None,
                               body.inertiaScale, body.fbar)
         other.core.buildLattice(np.zeros((0, self.dim)), _array(spacing / 2))
+        self._convertTo(body, other)
+
+    def _convertTo(self, body, other):
         self.core.convertTo(body.name, other.name)
+        body._convertsTo = other.name
 
     def _checkInside(self, name, geometry):
         positions = geometry[0] if isinstance(geometry, tuple) else geometry.points
@@ -187,6 +203,8 @@ class Scene:
     def scheme(self, name):
         if self._engines is not None:
             raise ValueError("Scene: set the scheme before the engines")
+        if not isinstance(name, str):
+            raise ValueError(f"Scene: scheme = {name!r} is not allowed; give one of 'MUSL', 'USF', 'USL'")
         self.core.scheme = name
 
     time = property(lambda self: self.core.time, doc="Scene time, s.")
@@ -199,10 +217,11 @@ class Scene:
 
     @dt.setter
     def dt(self, value):
-        if value is not None and not (isinstance(value, (int, float, np.number)) and 0 < value < np.inf):
+        isNumber = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+        if value is not None and not (isNumber and 0 < value < np.inf):
             raise ValueError(f"Scene: dt = {value!r} s is not allowed; give a positive number, or None for an automatic step")
         self._dt = None if value is None else float(value)
-        self._checked = False
+        self._dirty()
 
     @property
     def threads(self):
@@ -211,7 +230,12 @@ class Scene:
 
     @threads.setter
     def threads(self, value):
-        self._threads = value
+        isCount = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+        if value is not None and not (isCount and 1 <= value <= MOST_THREADS):
+            raise ValueError(f"Scene: threads = {value!r} is not allowed; give a whole number from 1 to {MOST_THREADS}, "
+                             f"or None for a choice by the number of particles")
+        self._threads = None if value is None else int(value)
+        self._prepared = False
 
     def criticalTimeStep(self, tolerance=1e-4, iterations=300):
         """Largest stable time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid operator.
@@ -219,6 +243,12 @@ class Scene:
         tolerance : relative change of the eigenvalue over ten iterations at which to stop. Also sets `dtCritical`
         and `stiffest`. Source: spectral bound of the central-difference scheme; Lanczos iteration.
         """
+        self._refuseWhileRunning("criticalTimeStep")
+        if self.isMidStep():
+            raise RuntimeError("criticalTimeStep: the scene is in the middle of a step; put the callback at the end of the engines")
+        return self._estimate(tolerance, iterations)
+
+    def _estimate(self, tolerance=1e-4, iterations=300):
         self._prepareChain()
         self.dtCritical, self.dtIterations, self.stiffest = self.core.criticalTimeStep(tolerance, iterations)
         return self.dtCritical
@@ -254,8 +284,8 @@ class Scene:
         Ends when the largest out-of-balance nodal force falls below `tolerance` times the mean internal force.
         Returns the number of steps. Raises RuntimeError if that takes more than maxSteps.
         """
-        solver = next(e for e in self.engines if hasattr(e, "damping"))
-        before, solver.damping = solver.damping, damping
+        solver = self._solver("settle")
+        self._settling, solver.damping = solver.damping, damping
         taken, ratio = 0, np.inf
         try:
             while ratio > tolerance:
@@ -266,19 +296,25 @@ class Scene:
                 taken += checkEvery
                 ratio = self.unbalancedForce()
         finally:
-            solver.damping = before
+            solver.damping, self._settling = self._settling, None
         for body in self.bodies:
             body.velocity[...] = 0
             body.zeroDisplacement()
         return taken
 
     def unbalancedForce(self):
-        """Largest free nodal out-of-balance force over the mean internal nodal force, from the last step, -."""
+        """Largest free nodal out-of-balance force over the mean internal nodal force, from the last step, -.
+
+        Infinite where nothing but inertia acts against a force.
+        """
         d = self.dim
         rows = np.array(self.core.nodalValues())
         mass, force, acceleration = rows[:, 1], rows[:, 2 + d:2 + 2 * d], rows[:, 2 + 3 * d:2 + 4 * d]
         internal = np.linalg.norm(force, axis=1)
-        return float(np.linalg.norm(mass[:, None] * acceleration, axis=1).max() / max(internal[internal > 0].mean(), 1e-300))
+        largest = np.linalg.norm(mass[:, None] * acceleration, axis=1).max()
+        if not internal.any():
+            return np.inf if largest > 0 else 0.0
+        return float(largest / internal[internal > 0].mean())
 
     # --- running --------------------------------------------------------------------------------------
     def run(self, until=None, steps=None, background=False, progress=None, checkpointFile=None):
@@ -295,14 +331,19 @@ class Scene:
         for particles outside the grid and distorted domains, after the state was saved. KeyboardInterrupt and
         SystemExit(143) after Ctrl-C and SIGTERM, likewise.
         """
-        if self.running:
-            raise RuntimeError("Scene: a run is going on in the background; pause() it first")
+        self._refuseWhileRunning("run")
+        if self._acting is not None:
+            raise RuntimeError("run: a step is going on; a callback cannot run the scene")
         if (until is None) == (steps is None):
             raise ValueError("run: give either until (s) or steps")
         if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 0):
             raise ValueError(f"run: steps = {steps!r} is not allowed; give a whole number")
+        if until is not None and not (isinstance(until, (int, float, np.number)) and until < np.inf):
+            raise ValueError(f"run: until = {until!r} is not allowed; give a time in s")
         if until is not None and not until > self.time:
             raise ValueError(f"run: until = {until:g} s is not after the scene's time {self.time:g} s")
+        if checkpointFile is not None:
+            checkpoint.checkWritable(checkpointFile)
         self.prepare()
         self._run = Run(self, until, steps, progress, checkpointFile)
         if background:
@@ -311,18 +352,44 @@ class Scene:
             self._run.loop()
 
     def step(self):
-        """Takes one step."""
-        if not self._prepared:
+        """Takes one step. The critical step is estimated before the first one only."""
+        self._refuseWhileRunning("step")
+        if self._acting is not None:
+            raise RuntimeError("step: a step is going on; a callback cannot step the scene")
+        if not self._prepared or self._checkedState != self._stabilityState():
             self.prepare()
-        self.core.advance(1, 1e9)
+        try:
+            self.core.advance(1, 1e9)
+        finally:
+            self._acting = None
 
     running = property(lambda self: self._run is not None and self._run.isAlive(), doc="Whether a background run is going on.")
 
     def pause(self):
-        """Ends a background run after the step it is in."""
+        """Ends a run: of a background run waits for the end of a slice of 0.1 s; in a callback, after this step."""
         if self._run is not None:
             self._run.stop()
             self._run.wait()
+
+    def isMidStep(self):
+        """Whether a callback is at work between two stages of a step, where the state is neither old nor new."""
+        if self._acting is None:
+            return False
+        stages = [e for e in self.engines if not isinstance(e, Callback) and not e.dead]
+        before = self.engines[: self.engines.index(self._acting)] if self._acting in self.engines else []
+        done = [e for e in stages if e in before]
+        changes = [e for e in done if type(e).__name__ != "ParticleToGrid"]
+        return bool(changes) and len(done) < len(stages)
+
+    def _refuseWhileRunning(self, what):
+        if self.running and not self._run.isThisThread():
+            raise RuntimeError(f"{what}: a run is going on in the background; pause() it first")
+
+    def _solver(self, who):
+        for engine in self.engines:
+            if isinstance(engine, GridSolver):
+                return engine
+        raise ValueError(f"{who}: there is no GridSolver among the engines")
 
     def wait(self):
         """Waits for a background run and raises what went wrong in it."""
@@ -332,12 +399,10 @@ class Scene:
     def prepare(self):
         """Checks the scene and makes it ready to step; `run` does it."""
         self._prepareChain()
-        self._checkInterface(1 + 1e-9 if self.steps == 0 else INTERFACE_RUN)
         for body in self.bodies:
-            for field in body.fields():
-                if field["name"] != "bodyForce" and not np.isfinite(getattr(body, field["name"])).all():
-                    raise ValueError(f"body '{body.name}': {field['name']} holds a value that is not finite")
-        if not self._checked:
+            _checkFields(body)
+        self._checkInterface(1 + 1e-9 if self.steps == 0 else INTERFACE_RUN)
+        if not (self._checked and self._checkedState == self._stabilityState()):
             self.checkTimeStep()
         self.core.threads = self.threads
         self._prepared = True
@@ -347,8 +412,9 @@ class Scene:
         self.core.threads = self.threads
         if self._dt is not None and self.allowUnstable and self.dtCritical is not None:
             self.core.dt = self._dt
+            self._isChecked()
             return
-        critical = self.criticalTimeStep()
+        critical = self._estimate()
         if self._dt is None:
             if not critical > 0:
                 raise ValueError("Scene: no critical time step can be found (every node is held); give scene.dt")
@@ -358,7 +424,14 @@ class Scene:
                              f"'{self.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid")
         else:
             self.core.dt = self._dt
-        self._checked = True
+        self._isChecked()
+
+    def _isChecked(self):
+        self._checked, self._checkedState, self._estimatedAt = True, self._stabilityState(), self.steps
+
+    def _stabilityState(self):
+        """What the critical step depends on and may be changed between runs."""
+        return (self._dt, self.allowUnstable, [(tuple(b.material.lameConstants), b.inertiaScale) for b in self.bodies])
 
     def _dirty(self):
         self._prepared = self._checked = False
@@ -392,7 +465,14 @@ class Scene:
         return {(e.label or type(e).__name__): (e.seconds, e.calls) for e in self.engines}
 
     def save(self, file):
-        """Writes a checkpoint (HDF5) from which `mpm.load` continues with the same bits. Raises OSError."""
+        """Writes a checkpoint (HDF5) from which `mpm.load` continues with the same bits.
+
+        Raises OSError when the file cannot be written, RuntimeError in the middle of a step (in a callback between
+        two stages) or while a run is going on in the background.
+        """
+        self._refuseWhileRunning("save")
+        if self.isMidStep():
+            raise RuntimeError("save: the scene is in the middle of a step; put the callback at the end of the engines")
         checkpoint.save(self, file)
 
 
@@ -417,8 +497,32 @@ def _array(values, dtype=np.float64):
     return np.ascontiguousarray(values, dtype=dtype)
 
 
+def _checkFields(body):
+    """Refuses values that are not finite, and mass or volume that is not positive."""
+    names = [(f["name"], False) for f in body.core.fields(False)] + [(f["name"], True) for f in body.core.fields(True)]
+    for name, ofDomains in names:
+        if name == "bodyForce" and not body.core.hasBodyForce:
+            continue
+        values = np.asarray(body.core.view(name, ofDomains))
+        if not np.isfinite(values).all():
+            number = np.argwhere(~np.isfinite(values))[0][0]
+            raise ValueError(f"body '{body.name}': {name} holds a value that is not finite (entry {number}); mend it")
+        if name in ("mass", "volume", "initialVolume") and not (values > 0).all():
+            raise ValueError(f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend it")
+
+
+def _cell(cell, dim):
+    try:
+        return np.broadcast_to(np.asarray(cell, float), (dim,)).copy()
+    except (TypeError, ValueError):
+        raise ValueError(f"Scene: cell = {cell!r} is not allowed; give one number, or {dim}, m") from None
+
+
 def _corner(what, values):
-    array = np.asarray(values, float)
+    try:
+        array = np.asarray(values, float)
+    except (TypeError, ValueError):
+        array = np.zeros(0)
     if array.shape not in ((2,), (3,)) or not np.isfinite(array).all():
         raise ValueError(f"Scene: {what} = {values!r} is not allowed; give two (plane strain) or three numbers, m")
     return array

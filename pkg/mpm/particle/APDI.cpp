@@ -296,14 +296,15 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
         const bool hourglass = grads && W == NF::sumLanes && hourglassNow_;
         scatterCorners<W>(team, nodes, [&](int p, Pack<W>* corner) __attribute__((always_inline)) {
             const Shape<Dim> shape = shapeOf(p, X);
-            Pack<W> P = Pack<W>::zero(), Q[Dim];
-            for (auto& q : Q) q = Pack<W>::zero();
+            Pack<W> P = Pack<W>::zero();
+            Pack<4> Q[Dim];
+            for (auto& q : Q) q = Pack<4>::zero();
             load(p, P, Q);
 #pragma GCC unroll 8
             for (int a = 0; a < NC; ++a) {
                 corner[a] = shape.w[a] * P;
                 if (grads)
-                    for (int k = 0; k < Dim; ++k) corner[a].add(shape.g[a][k], Q[k]);
+                    for (int k = 0; k < Dim; ++k) corner[a].addLast(shape.g[a][k], Q[k]);
             }
             if (hourglass) {
                 const HourglassAmplitude<Dim> pattern = hourglassPattern<Dim>(X(p));

@@ -2,7 +2,8 @@
 // What is transferred, written once for all particle types. A type supplies two loops, where P, Q_k and N
 // are packs (mass, momentum, force ... side by side):
 //
-//   scatter<W>(team, nodes, load):  node_i += sum_p ( phi_ip P_p + sum_k d_k phi_ip Q_pk ),  load(p, P, Q)
+//   scatter<W>(team, nodes, load):  node_i += sum_p ( phi_ip P_p + sum_k d_k phi_ip Q_pk ),  load(p, P, Q);
+//                                   Q_k has four lanes, those of the force: the last of P
 //   gather<W, grads>(team, nodes, store):  store(p, sum_i phi_ip N_i, { sum_i d_k phi_ip N_i }_k)
 //
 // and the plain weights of one particle, eachWeight(p, f(node, phi, grad phi)).
@@ -21,7 +22,7 @@ template <class Derived, int Dim> class Transfers : public Domains<Dim> {
 
     void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
         const Planes q(particles);
-        auto load = [&](int p, typename NF::Sum& P, typename NF::Sum* Q) __attribute__((always_inline)) {
+        auto load = [&](int p, typename NF::Sum& P, Pack<4>* Q) __attribute__((always_inline)) {
             const double m = inertiaScale * q.mass[p];
             P.set(NF::mass, m);
             P.set(NF::weightMass, q.mass[p]);
@@ -31,14 +32,14 @@ template <class Derived, int Dim> class Transfers : public Domains<Dim> {
             if (!withForce) return;
             for (int k = 0; k < Dim; ++k)
                 for (int i = 0; i < Dim; ++i)
-                    Q[k].set(NF::force + i, -q.volume[p] * q.stress[i <= k ? 3 * i + k : 3 * k + i][p]);
+                    Q[k].set(i, -q.volume[p] * q.stress[i <= k ? 3 * i + k : 3 * k + i][p]);
         };
         derived().template scatter<NF::sumLanes>(team, nodes, load);
     }
 
     void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale) override {
         const Planes q(particles);
-        auto load = [&](int p, typename NF::Velocity& P, typename NF::Velocity*) __attribute__((always_inline)) {
+        auto load = [&](int p, typename NF::Velocity& P, Pack<4>*) __attribute__((always_inline)) {
             const double m = inertiaScale * q.mass[p];
             for (int i = 0; i < Dim; ++i) P.set(i, m * q.velocity[i][p]);
         };

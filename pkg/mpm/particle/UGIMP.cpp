@@ -134,8 +134,9 @@ template <int Dim> class BoxDomains : public Transfers<BoxDomains<Dim>, Dim> {
             for (int p = order.start[b]; p < end;) {
                 const int cell = cells[p];
                 do {
-                    Pack<W> P = Pack<W>::zero(), Q[Dim];
-                    for (auto& q : Q) q = Pack<W>::zero();
+                    Pack<W> P = Pack<W>::zero();
+                    Pack<4> Q[Dim];
+                    for (auto& q : Q) q = Pack<4>::zero();
                     load(p, P, Q);
                     spread<Dim - 1, W, grads>(stencils(p), P, Q, sum);
                 } while (++p < end && cells[p] == cell);
@@ -182,18 +183,20 @@ template <int Dim> class BoxDomains : public Transfers<BoxDomains<Dim>, Dim> {
     // Axis by axis from the last to the first: of the value part A and the gradient parts B_k only those
     // with k <= axis are still to be weighted.
     template <int axis, int W, bool grads>
-    MPM_INLINE void spread(const Stencil& stencil, const Pack<W>& A, const Pack<W>* B, Pack<W>* sum) const {
+    MPM_INLINE void spread(const Stencil& stencil, const Pack<W>& A, const Pack<4>* B, Pack<W>* sum) const {
         const BoxWeights& w = stencil[axis];
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
-            Pack<W> a = w.S[i] * A;
-            if (grads) a.add(w.G[i], B[axis]);
             if constexpr (axis == 0) {
-                sum[i] += a;
+                sum[i].add(w.S[i], A);
+                if (grads) sum[i].addLast(w.G[i], B[0]);
             } else {
-                Pack<W> b[axis];
-                if (grads)
+                Pack<W> a = w.S[i] * A;
+                Pack<4> b[axis];
+                if (grads) {
+                    a.addLast(w.G[i], B[axis]);
                     for (int k = 0; k < axis; ++k) b[k] = w.S[i] * B[k];
+                }
                 spread<axis - 1, W, grads>(stencil, a, b, sum + i * power(3, axis));
             }
         }

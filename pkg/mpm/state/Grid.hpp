@@ -14,9 +14,10 @@ namespace mpm {
 // Nodal data of one velocity field. Bodies that share a velocity field stick together; contact between
 // bodies will give each contact group its own.
 template <int Dim> struct NodalField {
-    // What particles give: mass, momentum, force, and weight mass (mass without inertial scaling).
-    static constexpr int mass = 0, momentum = 1, force = 1 + Dim, weightMass = 1 + 2 * Dim;
-    static constexpr int sumLanes = lanesFor(2 + 2 * Dim), motionLanes = lanesFor(2 * Dim);
+    // What particles give: mass, momentum, force, and weight mass (mass without inertial scaling). The
+    // force has the last four lanes to itself (and the weight mass in 3D): only it has a gradient part.
+    static constexpr int mass = 0, momentum = 1, force = 4, weightMass = Dim == 2 ? 3 : 7;
+    static constexpr int sumLanes = 8, motionLanes = Dim == 2 ? 4 : 8;
     using Sum = Pack<sumLanes>;
     using Motion = Pack<motionLanes>; // velocity, acceleration: what particles take
     using Velocity = Pack<4>;         // the velocity that enters the velocity gradient

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Numbers that tell how a run is doing, each a function of a scene.
+
+In 2D masses, forces and energies are per metre of thickness.
+"""
+import numpy as np
+
+
+# --- mass, momentum, energy -----------------------------------------------------------------------------
+def mass(scene):
+    """Mass of all particles, sum m, Mg; without inertial scaling."""
+    return float(sum(body.mass.sum() for body in scene.bodies))
+
+
+def momentum(scene):
+    """Momentum, sum s m v, Mg m/s (dim,), with the inertial mass (s: inertiaScale of the body)."""
+    return sum((body.inertiaScale * (body.mass @ body.velocity) for body in scene.bodies), np.zeros(scene.dim))
+
+
+def kineticEnergy(scene):
+    """Kinetic energy, sum 1/2 s m v.v, kJ, with the inertial mass (s: inertiaScale of the body)."""
+    return float(sum(0.5 * body.inertiaScale * (body.mass @ (body.velocity**2).sum(axis=1)) for body in scene.bodies))
+
+
+def internalWork(scene):
+    """Work of the stresses since the start, int sum V sigma : D dt, kJ: elastic energy and plastic dissipation."""
+    return float(sum(body.core.internalWork for body in scene.bodies))
+
+
+def externalWork(scene):
+    """Work of gravity, body forces, boundary loads and prescribed motions since the start, kJ."""
+    energies = scene.core.energies
+    return float(energies["gravity"] + energies["loads"] + sum(c.work for c in scene.constraints))
+
+
+def dampedEnergy(scene):
+    """Energy taken out by local damping since the start, kJ."""
+    return float(scene.core.energies["damping"])
+
+
+def energyError(scene, initialKineticEnergy=0.0, relative=False):
+    """What is missing in the energy balance, W_ext - W_damp - W_int - (E_kin - E_kin,0), kJ.
+
+    initialKineticEnergy : E_kin,0 at the start, kJ; default 0.
+    relative : divide by |W_ext| + W_damp + |W_int| + E_kin + E_kin,0; 0 where all are zero.
+
+    Positive: energy was lost in the transfers, in hourglass control or in conversions. Velocities belong to the middle
+    of steps, so dt/2 dE_kin/dt is always part of it; that oscillates and does not add up.
+    """
+    kinetic, external = kineticEnergy(scene), externalWork(scene)
+    internal, damped = internalWork(scene), dampedEnergy(scene)
+    error = external - damped - internal - (kinetic - initialKineticEnergy)
+    if not relative:
+        return error
+    scale = abs(external) + damped + abs(internal) + kinetic + initialKineticEnergy
+    return error / scale if scale > 0 else 0.0
+
+
+def kineticRatio(scene):
+    """Kinetic energy over the work done, E_kin / (|W_gravity| + |W_loads| + sum |W_c|), -; nan before any work is done.
+
+    W_c is the work of one prescribed motion. Small values (a few percent) mean that a run is quasi-static.
+    """
+    energies = scene.core.energies
+    done = abs(energies["gravity"]) + abs(energies["loads"]) + sum(abs(c.work) for c in scene.constraints)
+    return kineticEnergy(scene) / done if done > 0 else float("nan")
+
+
+# --- domains --------------------------------------------------------------------------------------------
+def minJacobian(scene):
+    """Smallest corner Jacobian of all APDI domains over their initial volume, -; nan without APDI domains."""
+    values = [body.minJacobian for body in scene.bodies if _isMeshed(body) and body.count]
+    return float(min(values)) if values else float("nan")
+
+
+def hourglassAmplitude(scene):
+    """Largest hourglass amplitude of all APDI domains over their edge, -; nan without APDI domains."""
+    values = [body.hourglassAmplitude for body in scene.bodies if _isMeshed(body) and body.count]
+    return float(max(values)) if values else float("nan")
+
+
+def invertedCount(scene):
+    """Number of APDI domains with a corner Jacobian <= 0, and of uGIMP particles with det F <= 0."""
+    return sum(_inverted(body) for body in scene.bodies if body.count)
+
+
+def convertedCount(scene):
+    """Number of APDI domains that were converted to uGIMP particles so far."""
+    return sum(body.converted for body in scene.bodies)
+
+
+def cornerJacobians(corners):
+    """Jacobian at every corner of quadrilaterals or hexahedra: the volume spanned by the edges that meet there.
+
+    corners : (N, 4, 2) or (N, 8, 3), m, VTK order. Returns (N, 4 or 8), m2 or m3.
+    """
+    dim = corners.shape[2]
+    unit = _unitCorners(dim)
+    jacobians = np.empty(corners.shape[:2])
+    for a, here in enumerate(unit):
+        edges = []
+        for axis in range(dim):
+            there = here.copy()
+            there[axis] *= -1
+            b = int(np.flatnonzero((unit == there).all(axis=1))[0])
+            edges.append((corners[:, b] - corners[:, a]) * there[axis])
+        jacobians[:, a] = np.linalg.det(np.stack(edges, axis=1))
+    return jacobians
+
+
+# --- forces ---------------------------------------------------------------------------------------------
+def sectionForce(body, height, thickness=None):
+    """Normal force in a horizontal section of a body, N = sum sigma_vv V_slice / h, kN, tension positive.
+
+    height : of the section (last axis), m. thickness : h of the slice around it that is averaged over, m; default:
+    one cell of the grid. V_slice is the share of a particle's volume that lies in the slice by the vertical extent
+    of its domain, so that a uniform stress gives stress times area at any height. 0 where the body has no material.
+
+    Raises ValueError for a thickness that is not positive.
+    """
+    h = float(body._scene.cell[-1] if thickness is None else thickness)
+    if not h > 0:
+        raise ValueError(f"sectionForce: thickness = {thickness!r} m is not allowed; give a positive number")
+    if not body.count:
+        return 0.0
+    bottom, top = _verticalExtent(body)
+    inside = np.minimum(top, height + h / 2) - np.maximum(bottom, height - h / 2)
+    share = np.clip(inside, 0, None) / (top - bottom)
+    up = body._scene.dim - 1
+    return float((share * body.volume) @ body.stress[:, up, up] / h)
+
+
+# --- inside ---------------------------------------------------------------------------------------------
+def _isMeshed(body):
+    return body.type.core.isMeshed
+
+
+def _inverted(body):
+    if not _isMeshed(body):
+        return int((np.linalg.det(body.deformationGradient) <= 0).sum())
+    if body.minJacobian > 0:
+        return 0
+    return int((cornerJacobians(body.corners()) <= 0).any(axis=1).sum())
+
+
+def _verticalExtent(body):
+    """Lowest and highest point of every domain, m."""
+    if not _isMeshed(body):
+        y, half = body.position[:, -1], body.halfSize[-1]
+        return y - half, y + half
+    y = body.corners()[:, :, -1]
+    return y.min(axis=1), y.max(axis=1)
+
+
+def _unitCorners(dim):
+    """Corners of the cube from -1 to 1 in VTK order."""
+    square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    return square if dim == 2 else np.array([(*xy, z) for z in (-1, 1) for xy in square])

@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Time histories: reactions, energies and diagnostics as columns in memory, in CSV, and in the recorder's file."""
+import math
+import os
+import time
+
+import numpy as np
+
+from . import diagnostics
+from .engines import FACES, Callback, Hold
+from .recorder import Recorder, checkPeriod, extend
+
+FLUSH = 5.0  # s of wall time at most between writes
+
+_standard = {  # name -> (unit in 3D, function of the scene)
+    "time": ("s", lambda scene: scene.time),
+    "step": ("-", lambda scene: scene.steps),
+    "dt": ("s", lambda scene: scene.dt),
+    "dtCritical": ("s", lambda scene: math.nan if scene.dtCritical is None else scene.dtCritical),
+    "particles": ("-", lambda scene: scene.particleCount),
+    "mass": ("Mg", diagnostics.mass),
+    "kineticEnergy": ("kJ", diagnostics.kineticEnergy),
+    "internalWork": ("kJ", diagnostics.internalWork),
+    "externalWork": ("kJ", diagnostics.externalWork),
+    "dampedEnergy": ("kJ", diagnostics.dampedEnergy),
+    "kineticRatio": ("-", diagnostics.kineticRatio),
+    "minJacobian": ("-", diagnostics.minJacobian),
+    "hourglassAmplitude": ("-", diagnostics.hourglassAmplitude),
+    "invertedCount": ("-", diagnostics.invertedCount),
+    "convertedCount": ("-", diagnostics.convertedCount),
+}
+_extensive = ("kN", "kN m", "kJ", "Mg", "Mg m/s")  # per metre of thickness in 2D
+
+
+class History(Callback):
+    """Samples reactions, energies and diagnostics every period; `history["time"]` is a NumPy array.
+
+    Parameters
+    ----------
+    period : scene time between rows, s; or iterPeriod : steps between rows. One of the two is needed.
+    file : name of a CSV file with one column each and the units in the header; default: none. Besides, the columns go
+        to /history (/history/`label` if the engine has a label) of the file of the first Recorder of the scene.
+    columns : dict name -> function of the scene that returns a number, or such an expression as text in which `scene`
+        and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}. A checkpoint can keep only text;
+        give functions again after loading (`history.columns["toe"] = ...`), the column is nan until then.
+    average : reactions and moments are means over the time since the row before instead of values of the last step.
+        Default True: explicit dynamics makes the value of one step noisy.
+    sampleEvery : steps between the samples that are averaged; default 10. One sample takes about 10 us.
+    state : rows of the run that is to be continued; given by checkpoints. The files are made to hold just these.
+
+    Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces): NAME.fx,
+    NAME.fy (, NAME.fz) and NAME.work, for drives and holds also the moment NAME.mz (3D: mx, my, mz); mass, momentum.x ...,
+    kineticEnergy, internalWork, externalWork, dampedEnergy, energyError, kineticRatio, minJacobian, hourglassAmplitude,
+    invertedCount, convertedCount (see `yade_mpm.diagnostics`). A value that does not exist is nan.
+
+    Rows are written at the end of a run and every 5 s of wall time. Raises ValueError for arguments that are not
+    allowed, TypeError for a column that is no function, OSError for a file that cannot be written; all before the first
+    step.
+    """
+
+    def __init__(self, period=0.0, iterPeriod=0, file=None, columns=None, average=True, sampleEvery=10, state=None,
+                 **attributes):
+        checkPeriod("History", period, iterPeriod)
+        if not (isinstance(sampleEvery, int) and sampleEvery >= 1):
+            raise ValueError(f"History: sampleEvery = {sampleEvery!r} is not allowed; give a whole number of steps from 1 on")
+        self._iterPeriod, self._average, self._sampleEvery = int(iterPeriod), bool(average), sampleEvery
+        steps = iterPeriod
+        if average:  # samples fall on the steps of the rows
+            steps = math.gcd(self._iterPeriod, sampleEvery) if iterPeriod else sampleEvery
+        super().__init__(steps, period, **attributes)
+        self._file = None if file is None else os.fspath(file)
+        self._columns = Columns(columns or {})
+        self._data, self._units, self._count = {}, {}, 0
+        self._sums, self._samples = {}, 0
+        self._initialEnergy = None
+        self._header, self._inFile = None, 0       # of the CSV file as it is
+        self._recorder, self._inRecorder = None, 0
+        self._flushed = time.monotonic()
+        if state is not None:
+            self._restore(state)
+
+    file = property(lambda self: self._file, doc="Name of the CSV file, or None.")
+    columns = property(lambda self: self._columns, doc="Dict of the columns that the user added.")
+    average = property(lambda self: self._average, doc="Whether reactions are means over the period.")
+    sampleEvery = property(lambda self: self._sampleEvery, doc="Steps between the samples that are averaged.")
+    names = property(lambda self: list(self._data), doc="Names of the columns.")
+    units = property(lambda self: dict(self._units), doc="Dict name -> unit.")
+
+    def __repr__(self):
+        known = {k: v for k, v in self.spec().items() if k != "state" and v not in (None, "", 0, False, {})}
+        return f"History({', '.join(f'{k}={v!r}' for k, v in known.items())})"
+
+    def __len__(self):
+        return self._count
+
+    def __getitem__(self, name):
+        """Column as an array (rows,)."""
+        if name not in self._data:
+            raise KeyError(f"there is no column '{name}'; columns: {', '.join(self._data)}")
+        return np.array(self._data[name])
+
+    def spec(self):
+        """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew, rows included."""
+        columns = {name: c if isinstance(c, str) else None for name, c in self._columns.items()}
+        return dict(period=self.virtPeriod, iterPeriod=self._iterPeriod, file=self._file, columns=columns,
+                    average=self._average, sampleEvery=self._sampleEvery, state=self._state(),
+                    label=self.label, dead=self.dead)
+
+    def _state(self):
+        """Rows so far and the samples since the last one, as plain types."""
+        return dict(data=self._data, units=self._units, sums=self._sums, samples=self._samples,
+                    initialEnergy=self._initialEnergy)
+
+    def _restore(self, state):
+        self._data = {name: list(column) for name, column in state["data"].items()}
+        self._count = max((len(column) for column in self._data.values()), default=0)
+        self._units, self._sums = dict(state["units"]), dict(state["sums"])
+        self._samples, self._initialEnergy = state["samples"], state["initialEnergy"]
+
+    # --- engine ---
+    def bind(self, scene):
+        super().bind(scene)
+        others = [e for e in scene.engines if isinstance(e, History) and e is not self]
+        if any(e.label == self.label or (self._file and e.file == self._file) for e in others):
+            raise ValueError("History: two histories have the same label or file; give each its own")
+        if not self._count and not self._samples:
+            self._initialEnergy = diagnostics.kineticEnergy(scene)
+        if self._file is not None:
+            _checkWritable(self._file)
+
+    def act(self, scene):
+        if self._average:
+            self._sample(scene)
+        if not self._average or self._rowIsDue(scene):
+            self._row(scene)
+            if time.monotonic() - self._flushed > FLUSH:
+                self.flush()
+
+    def stepsToCall(self, scene):
+        """No call ever stops the run: it need not look after each."""
+        return 1 << 30
+
+    def flush(self):
+        """Writes the rows that are not in the files yet."""
+        self._flushed = time.monotonic()
+        if self._count:
+            self._writeCSV()
+            self._writeRecorder()
+
+    # --- sampling ---
+    def _rowIsDue(self, scene):
+        if self._iterPeriod:
+            return scene.steps % self._iterPeriod == 0
+        t, half, period = scene.time, 0.5 * scene.core.dt, self.core.value("virtPeriod")
+        return math.floor((t + half) / period) > math.floor((t - half) / period)
+
+    def _sample(self, scene):
+        sums = self._sums
+        for c in scene._constraints:
+            core, name = c.core, c.core.name
+            fx, fy, fz = core.reaction
+            mx, my, mz = core.moment
+            total = sums.get(name)
+            if total is None:
+                sums[name] = [fx, fy, fz, mx, my, mz]
+            else:
+                sums[name] = [total[0] + fx, total[1] + fy, total[2] + fz, total[3] + mx, total[4] + my, total[5] + mz]
+        self._samples += 1
+
+    def _row(self, scene):
+        row = {}
+        for name, (unit, function) in _standard.items():
+            row[name] = (unit, function(scene))
+            if name == "particles":
+                row.update(self._motions(scene))
+            elif name == "mass":
+                row.update((f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", diagnostics.momentum(scene)))
+            elif name == "dampedEnergy":
+                row["energyError"] = ("kJ", diagnostics.energyError(scene, self._initialEnergy))
+        for name in self._columns:
+            row[name] = ("", self._columns.value(name, scene))
+        self._append({name: (_perMetre(unit) if scene.dim == 2 else unit, value) for name, (unit, value) in row.items()})
+        self._sums, self._samples = {}, 0
+
+    def _motions(self, scene):
+        """Reaction, moment and work of every prescribed motion."""
+        row, dim = {}, scene.dim
+        for c in scene._constraints:
+            six = [*c.core.reaction, *c.core.moment]
+            if self._average:
+                six = [total / self._samples for total in self._sums[c.name]]
+            row.update((f"{c.name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[:dim], six))
+            if not (isinstance(c, Hold) and c.where in FACES[dim] and c.name == c.where):
+                row.update((f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in ((2,) if dim == 2 else (0, 1, 2)))
+            row[f"{c.name}.work"] = ("kJ", c.work)
+        return row
+
+    def _append(self, row):
+        for name, (unit, value) in row.items():
+            if name not in self._data:
+                self._data[name], self._units[name] = [math.nan] * self._count, unit
+            self._data[name].append(value if isinstance(value, int) else float(value))
+        self._count += 1
+        for column in self._data.values():  # of motions that are gone
+            if len(column) < self._count:
+                column.append(math.nan)
+
+    # --- files ---
+    def _writeCSV(self):
+        if self._file is None:
+            return
+        header = ",".join(f"{name} [{unit}]" if unit else name for name, unit in self._units.items())
+        if header == self._header:
+            with open(self._file, "a", encoding="utf-8") as f:
+                f.write(self._lines(self._inFile))
+        else:
+            with open(self._file + ".part", "w", encoding="utf-8") as f:
+                f.write(header + "\n" + self._lines(0))
+            os.replace(self._file + ".part", self._file)
+        self._header, self._inFile = header, self._count
+
+    def _lines(self, first):
+        rows = zip(*(column[first:] for column in self._data.values()))
+        return "".join(",".join(map(str, row)) + "\n" for row in rows)
+
+    def _writeRecorder(self):
+        recorder = next((e for e in self._scene.engines if isinstance(e, Recorder) and e._path is not None), None)
+        if recorder is None:
+            return
+        if recorder is not self._recorder:
+            self._recorder, self._inRecorder = recorder, 0
+        with recorder.appending() as h5:
+            group = h5.require_group(f"history/{self.label}" if self.label else "history")
+            for name, column in self._data.items():
+                known = self._inRecorder if name in group else 0
+                extend(group, name, np.array(column[known:]), known, unit=self._units[name])
+        self._inRecorder = self._count
+
+
+class Columns(dict):
+    """Columns that the user adds: name -> function of the scene, expression as text, or None (nan)."""
+
+    def __init__(self, columns):
+        super().__init__()
+        self._code = {}
+        for name, column in dict(columns).items():
+            self[name] = column
+
+    def __setitem__(self, name, column):
+        if not (column is None or callable(column) or isinstance(column, str)):
+            raise TypeError(f"History: column '{name}' = {column!r}; give a function of the scene, or an expression as text")
+        if isinstance(name, str) and any(mark in name for mark in ',"\n'):
+            raise ValueError(f"History: the name of column {name!r} may hold no comma, quote or line end")
+        if isinstance(column, str):
+            self._code[name] = compile(column, f"<column {name}>", "eval")
+        super().__setitem__(name, column)
+
+    def value(self, name, scene):
+        """The value of a column now; whatever it raises ends the run."""
+        column = self[name]
+        if column is None:
+            return math.nan
+        if isinstance(column, str):
+            return float(eval(self._code[name], {"scene": scene, "diagnostics": diagnostics, "np": np}))
+        return float(column(scene))
+
+
+def _perMetre(unit):
+    return unit + "/m" if unit in _extensive else unit
+
+
+def _checkWritable(file):
+    """Raises OSError if a file cannot be made; leaves one that is there as it is."""
+    if os.path.isdir(file):
+        raise IsADirectoryError(f"History: '{file}' is a folder; give the name of a file")
+    try:
+        with open(file + ".part", "w", encoding="utf-8"):
+            pass
+        os.remove(file + ".part")
+    except OSError as error:
+        raise OSError(f"History: '{file}' cannot be written ({error}); give a file in a folder that exists and may be "
+                      f"written to") from None

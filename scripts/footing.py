@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A rough rigid footing on cohesive ground (phi = 0): Prandtl's bearing capacity, and volumetric locking.
+
+Plane strain, weightless, half of the problem: 20 x 10 m of ground, footing of half width a = 3 m at its upper left, with
+rollers at the sides and a fixed base. G = 0.1 GPa, K = 0.2 GPa, c = 0.1 MPa. Exact limit q = (2 + pi) c = 514.16 kPa
+(Prandtl 1920). Isochoric plastic flow locks the particles of one cell: the load is too high and keeps growing.
+`--fbar` averages the volumetric strain over a cell, which gives the plateau back.
+
+The footing is held grid nodes of the surface. The velocity falls to zero over the cell beside the last one, so the edge of
+the footing is the middle of that cell; cells of 6 m / (an odd number) put it at a = 3 m.
+
+Units: Mg, m, s, kPa, per metre of thickness.
+
+    python scripts/footing.py --fbar                   # cells of 0.4 m
+    python scripts/footing.py --fbar --cell 0.2857142857
+    python scripts/footing.py --compare                # without and with F-bar in one picture
+    python scripts/footing.py --smoke
+"""
+import argparse
+import json
+import os
+import time
+from math import pi
+
+import numpy as np
+import yade_mpm as mpm
+from yade_mpm import box, plot
+
+WIDTH, DEPTH, HALF_WIDTH = 20.0, 10.0, 3.0         # m
+SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0  # kPa, kPa, kPa, Mg/m3 (inertia only)
+PRANDTL = (2 + pi) * COHESION
+
+
+def parser():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), default="ugimp", help="particle types (default %(default)s)")
+    p.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain")
+    p.add_argument("--cell", type=float, default=0.4, help="cell size, m (default %(default)s)")
+    p.add_argument("--rate", type=float, default=0.02, help="settlement rate, m/s (default %(default)s)")
+    p.add_argument("--settlement", type=float, default=0.12, help="final settlement, m (default %(default)s)")
+    p.add_argument("--compare", action="store_true", help="run without and with F-bar and draw both curves")
+    p.add_argument("--smoke", action="store_true", help="coarse and fast: cells of 2/3 m, twice the rate")
+    p.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    p.add_argument("--out", default=os.path.join("results", "footing"), help="folder of the results (default %(default)s)")
+    return p
+
+
+def arguments(given=None):
+    a = parser().parse_args(given)
+    if a.smoke:
+        a.cell, a.rate = 2 / 3, 0.04
+    return a
+
+
+def effectiveHalfWidth(cell):
+    """Half width of the footing as held nodes make it, m: to the middle of the cell beside the last one."""
+    return (np.floor(HALF_WIDTH / cell - 0.5 + 1e-6) + 0.5) * cell
+
+
+def build(a):
+    """The scene: ground and footing (without output)."""
+    scene = mpm.Scene(lower=(0, 0), upper=(WIDTH, DEPTH + 2 * a.cell), cell=a.cell, threads=a.threads)
+    clay = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=(BULK - 2 / 3 * SHEAR, SHEAR), cohesion=COHESION,
+                                        frictionAngle=0.0, dilatancyAngle=0.0)
+    ground = box((0, 0), (WIDTH, DEPTH))
+    if a.types == "ugimp":
+        scene.add("ground", ground, clay, mpm.UGIMP(perCell=2), fbar=a.fbar)
+    elif a.types == "apdi":
+        scene.add("ground", ground, clay, mpm.APDI(size=a.cell / 2), fbar=a.fbar)
+    else:  # uGIMP where the edge of the footing shears the ground most
+        edge = round(HALF_WIDTH / a.cell) * a.cell
+        zone = box((0, DEPTH - 5 * a.cell), (edge + 3 * a.cell, DEPTH))
+        near = scene.add("near ground", zone, clay, mpm.UGIMP(perCell=2), fbar=a.fbar)
+        scene.add("far ground", ground - zone, clay, mpm.APDI(size=a.cell, matched=near), fbar=a.fbar)
+    last = effectiveHalfWidth(a.cell) - 0.5 * a.cell
+    nodes = box((-3 * a.cell, DEPTH - 0.1 * a.cell), (last + 0.1 * a.cell, DEPTH + 3 * a.cell))
+    footing = mpm.Hold(nodes, velocity=(0.0, -a.rate), ramp=0.1 * a.settlement / a.rate, name="footing")
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(damping=0.7, roller=("left", "right"), fixed=("bottom",), hold=footing),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    return scene
+
+
+def run(a, out=None):
+    """Pushes the footing down; returns (summary, scene, settlement (m), pressure (kPa))."""
+    began = time.monotonic()
+    scene = build(a)
+    ramp = next(c for c in scene.engines[1].hold).ramp
+    until = a.settlement / a.rate + 0.5 * ramp
+    history = mpm.History(period=until / 200, file=None if out is None else os.path.join(out, "history.csv"))
+    scene.engines = scene.engines + [history]
+    scene.run(until=until)
+    t = history["time"]
+    settlement = a.rate * np.where(t < ramp, t**2 / (2 * ramp), t - 0.5 * ramp)
+    pressure = -history["footing.fy"] / effectiveHalfWidth(a.cell)
+    return summarise(a, scene, settlement, pressure, time.monotonic() - began), scene, settlement, pressure
+
+
+def summarise(a, scene, settlement, pressure, wall):
+    late = settlement > 0.75 * settlement[-1]
+    slope = np.polyfit(settlement[late], pressure[late], 1)[0]
+    start = (settlement > 0) & (pressure < 0.4 * PRANDTL)
+    stiffness = np.polyfit(settlement[start], pressure[start], 1)[0]
+    return {
+        "arguments": vars(a),
+        "particles": scene.particleCount,
+        "steps": scene.steps,
+        "dt": scene.dt,
+        "wallSeconds": wall,
+        "effectiveHalfWidth": effectiveHalfWidth(a.cell),
+        "reference": PRANDTL,
+        "pressure": float(pressure[late].mean()),
+        "error": float(pressure[late].mean() / PRANDTL - 1),
+        "finalError": float(pressure[-1] / PRANDTL - 1),
+        "slopeOverElastic": float(slope / stiffness),
+        "plateau": bool(abs(slope) < 0.01 * stiffness),
+    }
+
+
+def drawCurves(curves, file):
+    """Load-settlement curves; curves is a list of (label, settlement, pressure)."""
+    figure, ax = plot.plt.subplots(figsize=(5.2, 3.8), layout="constrained")
+    for label, settlement, pressure in curves:
+        ax.plot(1e3 * settlement, pressure, label=label)
+    ax.axhline(PRANDTL, color="k", lw=0.9, ls="--")
+    ax.text(1e3 * curves[0][1][-1], PRANDTL, "(2 + π) c", va="bottom", ha="right")
+    ax.set(xlabel="settlement (mm)", ylabel="mean pressure under the footing (kPa)", xlim=(0, None), ylim=(0, None))
+    ax.legend(loc="lower right")
+    plot.save(figure, file)
+
+
+def drawGround(scene, file):
+    figure, ax = plot.plt.subplots(figsize=(7.6, 4.0), layout="constrained")
+    strain = np.concatenate([b.plasticShearStrain for b in scene.bodies if b.count])
+    limit = np.quantile(strain, 0.98)
+    coloured = plot.Snapshot(scene, "plasticShearStrain").draw(ax, limit)
+    ax.plot([0, HALF_WIDTH], [DEPTH, DEPTH], "C0-", lw=3)
+    ax.set(xlabel="x (m)", ylabel="y (m)")
+    figure.colorbar(coloured, ax=ax, label="plastic shear strain (-)", extend="max", shrink=0.7)
+    plot.save(figure, file)
+
+
+def main():
+    a = arguments()
+    os.makedirs(a.out, exist_ok=True)
+    curves, summaries = [], []
+    for fbar in ([False, True] if a.compare else [a.fbar]):
+        one = argparse.Namespace(**{**vars(a), "fbar": fbar})
+        summary, scene, settlement, pressure = run(one, a.out)
+        name = "with F-bar" if fbar else "without F-bar"
+        curves.append((f"{a.types}, {name}", settlement, pressure))
+        summaries.append(summary)
+        drawGround(scene, os.path.join(a.out, "ground_fbar.png" if fbar else "ground.png"))
+        print(f"{a.types}, {name}: {summary['pressure']:.1f} kPa ({summary['error']:+.1%} of {PRANDTL:.1f} kPa, at the end "
+              f"{summary['finalError']:+.1%}), {'a plateau' if summary['plateau'] else 'no plateau'} (slope "
+              f"{summary['slopeOverElastic']:.2%} of the elastic one); {summary['particles']} particles, "
+              f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s", flush=True)
+    drawCurves(curves, os.path.join(a.out, "load_settlement.png"))
+    with open(os.path.join(a.out, "summary.json"), "w") as file:
+        json.dump(summaries if a.compare else summaries[0], file, indent=1)
+    print(f"results in {a.out}/")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A sheet pile is pressed into c-phi soil: the headline problem of the hybrid element-particle method.
+
+Plane strain, 30 x 12 m of soil, an elastic pile of 10 m that stands 1 m deep at the start and is pushed down at a
+constant rate by its part above the ground. uGIMP particles round the pile, APDI domains elsewhere, a ring of APDI domains
+matched to the particles where they meet. Material constants, time step, damping and rates are the published ones
+(Takegawa, Higo, Uchiyama, Kiriyama, Michino); the geometry is not published and is this project's own.
+
+Units: Mg, m, s, kPa, per metre of thickness.
+"""
+import argparse
+import json
+import os
+import platform
+import resource
+import time
+from math import ceil, radians
+
+import numpy as np
+import yade_mpm as mpm
+from yade_mpm import box, diagnostics, plot
+from yade_mpm.surface import groundSurface
+
+WIDTH, DEPTH, FREE = 30.0, 12.0, 12.0     # m: soil, and free grid above it
+PILE_LENGTH, EMBEDDED = 10.0, 1.0         # m
+ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5         # m: uGIMP zone, and how far it reaches below the final tip
+GRAVITY, K0 = 9.81, 0.43
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--types", choices=("hybrid", "ugimp", "apdi"), default="hybrid", help="particle types of the soil")
+    parser.add_argument("--cell", type=float, default=0.25, help="cell size, m (default 0.25)")
+    parser.add_argument("--rate", type=float, default=0.1, help="penetration rate, m/s (default 0.1; published 0.01)")
+    parser.add_argument("--until", type=float, help="scene time, s (default: 4 m of penetration)")
+    parser.add_argument("--ramp", type=float, default=0.0, help="time over which the rate grows from zero, s")
+    parser.add_argument("--psi", type=float, default=10.0, help="dilatancy angle, degrees (default 10, published)")
+    parser.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain in the soil (not published)")
+    parser.add_argument("--dt", type=float, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
+    parser.add_argument("--on-distortion", choices=("stop", "convert"), default="stop", help="what distorted APDI domains do")
+    parser.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, 1 m/s, 20,000 steps")
+    parser.add_argument("--compare", action="store_true", help="also run all-uGIMP and draw both side by side")
+    parser.add_argument("--resume", metavar="CHECKPOINT", help="continue from a checkpoint of this scene")
+    parser.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    parser.add_argument("--out", help="folder of the results (default results/sheet_pile)")
+    given = parser.parse_args()
+    if given.smoke:
+        given.cell, given.rate, given.ramp, given.until = 0.5, 1.0, 0.5, given.until or 4.0
+    if given.rate <= 0 or given.cell <= 0:
+        parser.error("--rate and --cell must be positive")
+    given.until = given.until or 4.0 / given.rate + 0.5 * given.ramp
+    given.penetration = given.rate * (given.until - 0.5 * min(given.ramp, given.until))
+    if EMBEDDED + given.penetration > PILE_LENGTH - given.cell:
+        parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --until or --rate")
+    given.dt = given.dt or 2e-4 * min(1.0, given.cell / 0.25)
+    given.out = given.out or os.path.join("results", "sheet_pile")
+    return given
+
+
+def build(a):
+    """The scene: soil, pile, boundary conditions, engines (without output)."""
+    thickness = thicknessOf(a.cell)
+    middle, top = WIDTH / 2, DEPTH
+    shaft = box((middle - thickness / 2, top - EMBEDDED), (middle + thickness / 2, top - EMBEDDED + PILE_LENGTH))
+    zoneDepth = ceil((EMBEDDED + a.penetration + ZONE_BELOW) / a.cell - 1e-9) * a.cell
+    soil = box((0, 0), (WIDTH, top)) - shaft
+    zone = box((middle - ZONE_WIDTH / 2, top - zoneDepth), (middle + ZONE_WIDTH / 2, top)) - shaft
+
+    steel = mpm.LinearElastic(density=7.85, lame=(4.20e7, 2.80e7))
+    ground = mpm.MohrCoulombDruckerPrager(density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5,
+                                          frictionAngle=radians(30), dilatancyAngle=radians(a.psi))
+
+    scene = mpm.Scene(lower=(0, 0), upper=(WIDTH, DEPTH + FREE), cell=a.cell, threads=a.threads)
+    if a.types == "hybrid":
+        near = scene.add("near soil", zone, ground, mpm.UGIMP(perCell=2), fbar=a.fbar)
+        scene.add("far soil", soil - zone, ground, mpm.APDI(size=a.cell, matched=near, onDistortion=a.on_distortion),
+                  fbar=a.fbar)
+    elif a.types == "ugimp":
+        scene.add("soil", soil, ground, mpm.UGIMP(perCell=2), fbar=a.fbar)
+    else:
+        scene.add("soil", soil, ground, mpm.APDI(size=a.cell / 2, onDistortion=a.on_distortion), fbar=a.fbar)
+    # The inertia of the pile, not its weight, is scaled so that the published time step is stable.
+    pile = scene.add("pile", shaft, steel, mpm.UGIMP(perCell=2), inertiaScale=16)
+
+    scene.initialStress(surface=top, K0=K0, gravity=GRAVITY)
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed=("bottom",),
+                       drive=mpm.Drive(pile.above(top), velocity=(0, -a.rate), ramp=a.ramp)),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    scene.dt = a.dt
+    return scene
+
+
+def thicknessOf(cell):
+    """A pile thinner than a cell would be far too stiff in bending."""
+    return max(0.25, cell)
+
+
+def allUGIMP(cell):
+    """Soil particles of the same scene with uGIMP everywhere."""
+    return round((WIDTH * DEPTH - thicknessOf(cell) * EMBEDDED) / (cell / 2) ** 2)
+
+
+def soilBodies(scene):
+    return [b for b in scene.bodies if b.name != "pile"]
+
+
+def run(a, out):
+    """Runs the scene of the arguments and leaves its results in a folder; returns the summary."""
+    os.makedirs(out, exist_ok=True)
+    if a.resume:
+        scene = mpm.load(a.resume)
+    else:
+        scene = build(a)
+        scene.engines = scene.engines + [
+            mpm.Recorder(os.path.join(out, "sheet_pile.h5"), period=a.until / 40),
+            mpm.History(period=a.until / 800, file=os.path.join(out, "history.csv"), 
+                        columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})"}),
+        ]
+    history = next(e for e in scene.engines if isinstance(e, mpm.History))
+    pile = scene["pile"]
+    tip = pile.inside(box((0, DEPTH - EMBEDDED), (WIDTH, DEPTH - EMBEDDED + a.cell))).ids if not a.resume else None
+    scene.prepare()
+    print(f"{a.types}: {sum(b.count for b in soilBodies(scene))} soil and {pile.count} pile particles, dt = {scene.dt:.3g} s "
+          f"(critical {scene.dtCritical:.3g} s), {round(a.until / scene.dt)} steps, {scene.threads} threads", flush=True)
+    depths = [f * a.penetration for f in (0.25, 0.5, 0.75, 1.0)]
+    snapshots, began, firstStep = [], time.monotonic(), scene.steps
+    for depth in depths:
+        moment = a.until * depth / a.penetration if not a.ramp else depth / a.rate + 0.5 * a.ramp
+        if moment > scene.time:
+            scene.run(until=min(moment, a.until), checkpointFile=os.path.join(out, "checkpoint.h5"))
+            snapshots.append((depth, plot.Snapshot(scene, "plasticShearStrain")))
+    wall = time.monotonic() - began
+    history.flush()
+    summary = summarise(a, scene, history, wall, scene.steps - firstStep, tip)
+    summary["files"] = draw(a, out, scene, history, snapshots, summary)
+    with open(os.path.join(out, "summary.json"), "w") as file:
+        json.dump(summary, file, indent=1)
+    return summary, scene, history
+
+
+def resistanceCurve(a, scene, history):
+    """Depth of further penetration (m) and resistance (kN/m): the force of the drive less weight and inertia.
+
+    Raw means over the history's period, and their moving average over one cell of penetration.
+    """
+    t = history["time"]
+    depth = a.rate * np.where(t < a.ramp, t**2 / (2 * a.ramp) if a.ramp else t, t - 0.5 * a.ramp)
+    weight = scene["pile"].mass.sum() * GRAVITY
+    raw = weight - history["drive.fy"]
+    return depth, raw, movingAverage(depth, raw, a.cell)
+
+
+def movingAverage(x, y, width):
+    """Mean of y over [x - width/2, x + width/2], cut at the ends."""
+    total = np.concatenate([[0], np.cumsum(y)])
+    first = np.searchsorted(x, x - width / 2, side="left")
+    last = np.searchsorted(x, x + width / 2, side="right")
+    return (total[last] - total[first]) / (last - first)
+
+
+def summarise(a, scene, history, wall, steps, tip):
+    soil, pile = soilBodies(scene), scene["pile"]
+    depth, _, smooth = resistanceCurve(a, scene, history)
+    surface = groundSurface(scene, soil, DEPTH)
+    heave, trough = surface.areas(DEPTH)
+    settled = depth > a.cell
+    ratios = history["kineticRatio"][settled]
+    balance = reactionBalance(a, scene, history)
+    soilCount = sum(b.count for b in soil)
+    tipDrift = None
+    if tip is not None:
+        at = np.isin(pile.id, tip)
+        tipDrift = float(abs((pile.position[at, 0] - pile.reference[at, 0]).mean()) / thicknessOf(a.cell))
+    meshed = [b for b in soil if b.cells is not None]
+    return {
+        "arguments": {k: v for k, v in vars(a).items()},
+        "versions": {"yade_mpm": mpm.__version__, "python": platform.python_version(), "numpy": np.__version__,
+                     "compiler": mpm._core.compiler},
+        "threads": scene.threads,
+        "particles": {b.name: {"type": type(b.type).__name__, "count": b.count} for b in scene.bodies},
+        "soilParticles": soilCount,
+        "allUGIMPSoilParticles": allUGIMP(a.cell),
+        "soilParticleRatio": soilCount / allUGIMP(a.cell),
+        "steps": scene.steps,
+        "dt": scene.dt,
+        "dtCritical": scene.dtCritical,
+        "wallSeconds": wall,
+        "nsPerParticleStep": wall / max(1, steps) / scene.particleCount * 1e9,
+        "peakMemoryBytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
+        "timing": {k: round(v[0], 3) for k, v in scene.timing().items()},
+        "penetration": float(depth[-1]),
+        "resistance": {f"{d:.1f}": float(np.interp(d, depth, smooth)) for d in np.arange(0.5, depth[-1] + 1e-6, 0.5)},
+        "heaveArea": heave,
+        "troughArea": trough,
+        "displacedArea": thicknessOf(a.cell) * float(depth[-1]),
+        "surfaceHighest": float(np.nanmax(surface.y) - DEPTH),
+        "minJacobian": min([b.minJacobian for b in meshed], default=None),
+        "invertedDomains": int(diagnostics.invertedCount(scene)),
+        "convertedDomains": sum(b.converted for b in scene.bodies),
+        "hourglassMax": float(max([b.hourglassAmplitude for b in meshed], default=0.0)),
+        "kineticEnergyRatioMax": float(ratios.max()) if len(ratios) else None,
+        "reactionBalanceMax": balance,
+        "isolatedSurfaceParticles": surface.isolated,
+        "surfaceContinuous": surface.continuous,
+        "surfaceSingleValued": surface.singleValued,
+        "tipDrift": tipDrift,
+    }
+
+
+def reactionBalance(a, scene, history):
+    """Largest difference of the resistance at the drive and at the base, moving averages over one cell, over their size.
+
+    The base feels what the drive pushes: reaction of the base = weight of soil and pile - force of the drive.
+    """
+    depth, _, atDrive = resistanceCurve(a, scene, history)
+    weight = sum(b.mass.sum() for b in soilBodies(scene)) * GRAVITY
+    atBase = movingAverage(depth, history["bottom.fy"] - weight, a.cell)
+    inside = (depth > a.cell) & (depth < depth[-1] - a.cell / 2)
+    return float((np.abs(atDrive - atBase)[inside] / np.abs(atDrive[inside]).max()).max()) if inside.any() else None
+
+
+def draw(a, out, scene, history, snapshots, summary):
+    """CSV files and pictures; returns their names."""
+    depth, raw, smooth = resistanceCurve(a, scene, history)
+    np.savetxt(os.path.join(out, "resistance.csv"), np.column_stack([depth, raw, smooth]), delimiter=",", comments="",
+               header="penetration_m,resistance_kN_per_m,resistance_over_one_cell_kN_per_m", fmt="%.8g")
+    surface = groundSurface(scene, soilBodies(scene), DEPTH)
+    np.savetxt(os.path.join(out, "surface.csv"), np.column_stack([surface.x, surface.y, surface.explicit]), delimiter=",",
+               comments="", header="x_m,y_m,is_mesh_vertex", fmt="%.8g")
+    limit = 0.5
+    window = (WIDTH / 2 - 5, WIDTH / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
+    figure, axes = plot.plt.subplots(1, len(snapshots), figsize=(3.4 * len(snapshots), 3.9), sharey=True, squeeze=False,
+                                     layout="constrained")
+    for ax, (d, snapshot) in zip(axes[0], snapshots):
+        coloured = snapshot.draw(ax, limit, window=window)
+        ax.set_title(f"{d:.2g} m")
+        ax.set_xlabel("x (m)")
+    axes[0][0].set_ylabel("y (m)")
+    figure.colorbar(coloured, ax=axes, label="plastic shear strain (-)", extend="max", shrink=0.8)
+    plot.save(figure, os.path.join(out, "domains.png"))
+
+    figure, ax = plot.plt.subplots(figsize=(4.2, 4.6), layout="constrained")
+    ax.plot(raw, depth, color="0.8", lw=0.6, label="mean over each sample")
+    ax.plot(smooth, depth, color="C3", lw=1.6, label="mean over one cell")
+    ax.set(xlabel="penetration resistance (kN/m)", ylabel="further penetration (m)", xlim=(0, 1.25 * smooth.max()))
+    ax.invert_yaxis()
+    ax.legend()
+    plot.save(figure, os.path.join(out, "resistance.png"))
+
+    figure, ax = plot.plt.subplots(figsize=(6.4, 2.8), layout="constrained")
+    ax.axhline(DEPTH, color="0.7", lw=0.8, ls="--", label="initial")
+    ax.plot(surface.x, np.where(surface.explicit, surface.y, np.nan), "k-", lw=1.4, label="mesh vertices (APDI)")
+    ax.plot(surface.x, np.where(surface.explicit, np.nan, surface.y), ".", ms=3, color="C3", label="highest particles (uGIMP)")
+    ax.set(xlabel="x (m)", ylabel="ground surface y (m)",
+           title=f"heave {summary['heaveArea']:.2f} m², trough {summary['troughArea']:.2f} m², "
+                 f"displaced by the pile {summary['displacedArea']:.2f} m²")
+    ax.legend(fontsize=8)
+    plot.save(figure, os.path.join(out, "surface.png"))
+    return ["sheet_pile.h5", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]
+
+
+def compare(a, hybrid, other):
+    """Picture and numbers of hybrid beside all-uGIMP."""
+    (s1, scene1, h1), (s2, scene2, h2) = hybrid, other
+    d1, _, r1 = resistanceCurve(a, scene1, h1)
+    d2, _, r2 = resistanceCurve(a, scene2, h2)
+    difference = np.abs(r1 / np.interp(d1, d2, r2) - 1)
+    reach = d1 > a.cell
+    result = {"soilParticles": [s1["soilParticles"], s2["soilParticles"]],
+              "wallSeconds": [s1["wallSeconds"], s2["wallSeconds"]],
+              "wallRatio": s1["wallSeconds"] / s2["wallSeconds"],
+              "isolatedSurfaceParticles": [s1["isolatedSurfaceParticles"], s2["isolatedSurfaceParticles"]],
+              "surfaceContinuous": [s1["surfaceContinuous"], s2["surfaceContinuous"]],
+              "largestDifferenceTo2m": float(difference[reach & (d1 <= 2)].max()) if (reach & (d1 <= 2)).any() else None,
+              "largestDifference": float(difference[reach].max()) if reach.any() else None,
+              "resistance": {k: [s1["resistance"][k], s2["resistance"].get(k)] for k in s1["resistance"]}}
+    figure, axes = plot.plt.subplots(1, 3, figsize=(12, 4.2), layout="constrained", width_ratios=(1, 1, 0.9))
+    window = (WIDTH / 2 - 5, WIDTH / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
+    for ax, scene, title in ((axes[0], scene1, f"hybrid, {s1['soilParticles']} soil particles"),
+                             (axes[1], scene2, f"all uGIMP, {s2['soilParticles']} soil particles")):
+        coloured = plot.Snapshot(scene, "plasticShearStrain").draw(ax, 0.5, window=window)
+        ax.set(title=title, xlabel="x (m)")
+    figure.colorbar(coloured, ax=axes[:2], label="plastic shear strain (-)", extend="max", shrink=0.7)
+    axes[2].plot(r1, d1, label="hybrid")
+    axes[2].plot(r2, d2, label="all uGIMP")
+    axes[2].set(xlabel="resistance, mean over one cell (kN/m)", ylabel="further penetration (m)", xlim=(0, None))
+    axes[2].invert_yaxis()
+    axes[2].legend()
+    plot.save(figure, os.path.join(a.out, "compare.png"))
+    with open(os.path.join(a.out, "compare.json"), "w") as file:
+        json.dump(result, file, indent=1)
+    return result
+
+
+def main():
+    a = arguments()
+    first = run(a, a.out)
+    print_(first[0], a.out)
+    if a.compare:
+        b = argparse.Namespace(**{**vars(a), "types": "ugimp", "resume": None})
+        second = run(b, os.path.join(a.out, "ugimp"))
+        print_(second[0], os.path.join(a.out, "ugimp"))
+        result = compare(a, first, second)
+        print(f"hybrid against all uGIMP: {result['soilParticles'][0] / result['soilParticles'][1]:.1%} of the soil particles, "
+              f"{result['wallRatio']:.2f} of the wall time, resistance within {result['largestDifferenceTo2m']:.1%} up to 2 m "
+              f"and {result['largestDifference']:.1%} overall; see {os.path.join(a.out, 'compare.png')}")
+
+
+def print_(summary, out):
+    resistance = ", ".join(f"{k} m: {v:.0f}" for k, v in summary["resistance"].items())
+    print(f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s ({summary['nsPerParticleStep']:.0f} ns per particle-step); "
+          f"resistance in kN/m at {resistance}; results in {out}/")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A strip load on an elastic half-plane: vertical stress under its centre.
+
+A pressure q acts on a strip of width 2b on the ground, through the edges of APDI domains. Plane strain, no weight; the half
+of 40 b x 40 b right of the axis is meshed, with rollers at its sides and base. Local damping brings the rest. Closed form on
+the axis of a half-plane without end, at depth z: sigma_z / q = (alpha + sin alpha) / pi, alpha = 2 atan(b / z) (Boussinesq,
+in Poulos & Davis 1974, Elastic solutions for soil and rock mechanics, sect. 3.1); the base at 40 b raises the deeper values.
+
+Units: Mg, m, s, kPa, per metre of thickness; b = 1 m.
+
+    python scripts/strip_load.py                       # 4 cells per b, 51,200 domains
+    python scripts/strip_load.py --smoke               # 2 cells per b, 20 b x 20 b
+"""
+import argparse
+import json
+import os
+import time
+
+import numpy as np
+import yade_mpm as mpm
+from yade_mpm import box, plot
+
+B, Q = 1.0, 10.0                        # m: half width of the strip; kPa
+YOUNG, POISSON, DENSITY = 1e5, 0.3, 2.0  # kPa, -, Mg/m3: strains of 1e-4, so that the geometry does not matter
+DEPTHS = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
+
+
+def parser():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--cell", type=float, default=0.25, help="cell size, m (default %(default)s)")
+    p.add_argument("--size", type=float, help="edge of the APDI domains, m (default: half a cell)")
+    p.add_argument("--extent", type=float, default=40.0, help="width and depth of the ground, m (default %(default)s)")
+    p.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, extent 20 m")
+    p.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    p.add_argument("--out", default=os.path.join("results", "strip_load"), help="folder of the results (default %(default)s)")
+    return p
+
+
+def arguments(given=None):
+    a = parser().parse_args(given)
+    if a.smoke:
+        a.cell, a.extent = 0.5, 20.0
+    return a
+
+
+def closedForm(depth):
+    """sigma_z / q on the axis of the half-plane; depth in units of b."""
+    alpha = 2 * np.arctan(1 / depth)
+    return (alpha + np.sin(alpha)) / np.pi
+
+
+def build(a):
+    """The scene: the right half of the ground, loaded from x = 0 to b; the surface is y = 0."""
+    half = a.extent / 2
+    scene = mpm.Scene(lower=(0, -a.extent), upper=(half, 2 * a.cell), cell=a.cell, threads=a.threads)
+    rock = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
+    ground = scene.add("ground", box((0, -a.extent), (half, 0)), rock, mpm.APDI(size=a.size or a.cell / 2))
+    strip = box((0, -1e-3 * a.cell), (B, 1e-3 * a.cell))
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.BoundaryLoad(ground, where=strip, pressure=Q, ramp=4 * a.extent / rock.waveSpeed),
+        mpm.GridSolver(damping=0.7, roller=("left", "right", "bottom")),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    return scene
+
+
+def axisProfile(scene):
+    """Depth over b and sigma_z / q of the domains along the axis (compression positive)."""
+    ground = scene["ground"]
+    x, y = ground.position.T
+    axis = x < 1.5 * x.min()
+    order = np.argsort(-y[axis])
+    return -y[axis][order] / B, -ground.stress[axis, 1, 1][order] / Q
+
+
+def run(a, tolerance=1e-3):
+    """Loads the ground and lets it come to rest; returns (summary, scene)."""
+    began = time.monotonic()
+    scene = build(a)
+    load = next(e for e in scene.engines if isinstance(e, mpm.BoundaryLoad))
+    scene.run(until=load.ramp)
+    scene.settle(damping=0.7, tolerance=tolerance)
+    reached, exact = np.interp(DEPTHS, *axisProfile(scene)), closedForm(DEPTHS)
+    base = next(c for c in scene.constraints if c.name == "bottom")
+    return {
+        "arguments": vars(a),
+        "domains": scene.particleCount,
+        "steps": scene.steps,
+        "wallSeconds": time.monotonic() - began,
+        "unbalancedForce": scene.unbalancedForce(),
+        "baseReactionOverLoad": base.reaction[1] / (Q * B),
+        "depth": DEPTHS.tolist(),
+        "stress": reached.tolist(),
+        "closedForm": exact.tolist(),
+        "error": (reached / exact - 1).tolist(),
+    }, scene
+
+
+def draw(scene, summary, out):
+    """Bulb of vertical stress, and the axis against the closed form."""
+    ground = scene["ground"]
+    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
+    ground_ = plot.PolyCollection(ground.corners(), array=-ground.stress[:, 1, 1] / Q, cmap="inferno_r", edgecolors="face", linewidths=0.1)
+    ground_.set_clim(0, 1)
+    left.add_collection(ground_)
+    left.plot([0, B], [0.06, 0.06], "C0-", lw=3, clip_on=False)
+    left.set(xlim=(0, 5), ylim=(-6, 0.1), aspect="equal", xlabel="x / b", ylabel="y / b")
+    figure.colorbar(ground_, ax=left, label="vertical stress / q")
+    depth, stress = axisProfile(scene)
+    z = np.linspace(0.05, 8, 200)
+    right.plot(closedForm(z), z, "k-", lw=1, label="half-plane, closed form")
+    right.plot(stress[depth < 8], depth[depth < 8], "C3.", ms=4, label="domains on the axis")
+    right.set(xlabel="vertical stress / q", ylabel="depth / b", xlim=(0, 1.05), ylim=(8, 0))
+    right.legend(loc="lower right")
+    plot.save(figure, os.path.join(out, "strip_load.png"))
+
+
+def main():
+    a = arguments()
+    os.makedirs(a.out, exist_ok=True)
+    summary, scene = run(a)
+    with open(os.path.join(a.out, "summary.json"), "w") as file:
+        json.dump(summary, file, indent=1)
+    draw(scene, summary, a.out)
+    print(f"{summary['domains']} domains, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
+    print("  z/b  sigma_z/q  closed form    error")
+    for row in zip(DEPTHS, summary["stress"], summary["closedForm"], summary["error"]):
+        print("{:5.1f} {:10.4f} {:12.4f} {:8.1%}".format(*row))
+    print(f"base reaction / load {summary['baseReactionOverLoad']:.4f}; results in {a.out}/")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A run continued from a checkpoint gives the same bits as one that never stopped."""
+import json
+import os
+import subprocess
+import sys
+from math import radians
+
+import h5py
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+import yade_mpm.scene
+from yade_mpm import box
+
+PERIOD = 20  # steps between estimates of the time step; the runs below cross several
+
+
+def soil():
+    return mpm.MohrCoulombDruckerPrager(density=1.5, young=1e4, poisson=0.3, cohesion=5.0, frictionAngle=radians(30),
+                                        dilatancyAngle=radians(5))
+
+
+@pytest.fixture(autouse=True)
+def inItsOwnFolder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def hybrid(scheme="MUSL", threads=None):
+    """uGIMP soil beside a matched APDI ring, an elastic pile driven into it, a block that falls through the grid."""
+    scene = mpm.Scene((0, 0), (4, 6), 0.25, scheme=scheme, threads=threads)
+    near = scene.add("near", box((1.25, 0.5), (2.75, 2)), soil(), mpm.UGIMP(perCell=2))
+    ring = scene.add("ring", box((0, 0), (4, 2)) - box((1.25, 0.5), (2.75, 2)), near.material,
+                     mpm.APDI(size=0.25, matched=near), fbar=True)
+    pile = scene.add("pile", box((1.75, 2), (2.25, 3)), mpm.LinearElastic(density=2.0, lame=(3e4, 2e4)),
+                     mpm.UGIMP(perCell=(2, 4)), inertiaScale=4)
+    block = scene.add("block", box((3, 4.5), (3.5, 5.5)), mpm.NeoHookean(density=1.0, lame=(2e3, 1e3)), mpm.UGIMP(perCell=2))
+    block.velocity = (0.0, -12.0)
+    near.bodyForce = (0.5, 0.0)
+    drive = mpm.Drive(pile.above(2.6), velocity=(0, -2.0), ramp=0.02)
+    solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.1, roller=("left", "right"), fixed="bottom", drive=drive,
+                            hold=mpm.Hold(box((0, 0), (0.5, 0.3)), (None, 0), name="foot"))
+    scene.engines = inOrder(scheme, solver, mpm.BoundaryLoad(ring, box((0, 1.9), (1, 2.1)), pressure=3.0, ramp=0.1))
+    return scene
+
+
+def inOrder(scheme, solver, *loads):
+    update, take = mpm.DomainUpdater(), mpm.GridToParticle()
+    return [mpm.ParticleToGrid(), *([update, *loads, solver, take] if scheme == "USF" else [*loads, solver, take, update]),
+            mpm.PyRunner("scene.bodies[0].velocity[0, 0] += 1e-6", iterPeriod=7)]
+
+
+def solid(scheme="MUSL", threads=None):
+    """The same in 3D, smaller."""
+    scene = mpm.Scene((0, 0, 0), (2, 2, 4), 0.5, scheme=scheme, threads=threads)
+    floor = scene.add("floor", box((0, 0, 0), (2, 2, 0.5)), soil(), mpm.APDI(size=0.5))
+    block = scene.add("block", box((0.5, 0.5, 2.5), (1.5, 1.5, 3.5)), soil(), mpm.UGIMP(perCell=2))
+    floor.velocity, block.velocity = (0.0, 0.0, -1.5), (1.0, 0.5, -9.0)
+    solver = mpm.GridSolver(gravity=(0, 0, -9.81), roller=("left", "right", "front", "back"), fixed="bottom",
+                            drive=mpm.Drive(block.all(), velocity=(1.0, None, -9.0)))
+    scene.engines = inOrder(scheme, solver)
+    return scene
+
+
+def converting():
+    """A mesh with a vertex pulled now and then so far that its domain is given up."""
+    scene = mpm.Scene((0, 0), (2, 2), 0.25)
+    body = scene.add("soft", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(100.0, 50.0)),
+                     mpm.APDI(size=0.125, onDistortion="convert"))
+    body.velocity = (0.0, 1.0)
+    scene.engines = [*scene.engines, mpm.PyRunner("scene['soft'].vertices[9 * (scene.steps // 15)] += 0.11", iterPeriod=15)]
+    return scene
+
+
+def run(scene, steps):
+    """Runs with a short period between estimates; of the driven scenes the velocity is changed on the way."""
+    mpm.scene.DT_PERIOD = PERIOD
+    try:
+        scene.run(steps=steps, progress=False)
+    finally:
+        mpm.scene.DT_PERIOD = 5000
+
+
+def bitsOf(file):
+    """Everything in a checkpoint: dict name -> raw bytes, and the text of its description."""
+    bits = {}
+    with h5py.File(file, "r") as h5:
+        h5.visititems(lambda name, data: bits.update({name: data[...].tobytes()}) if isinstance(data, h5py.Dataset) else None)
+    return bits
+
+
+def differences(a, b):
+    return [name for name in sorted({*a, *b}) if a.get(name) != b.get(name)]
+
+
+def orderOf(scene):
+    """How the particles of the body that moves most are ordered, and grouped for the threads."""
+    return list(scene.bodies[-1].id), scene.bodies[-1].core.tables()["blockStart"]
+
+
+def continued(file, steps, out):
+    """Loads, runs and saves in a process of its own."""
+    subprocess.run([sys.executable, __file__, str(file), str(steps), str(out)], check=True, timeout=100,
+                   env=dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__))))
+    return bitsOf(out)
+
+
+@pytest.mark.parametrize("make, scheme, steps", [(hybrid, "MUSL", 25), (hybrid, "USF", 25), (hybrid, "USL", 25),
+                                                 (solid, "MUSL", 25)])
+def test_restart_in_a_new_process_continues_bitwise(tmp_path, make, scheme, steps):
+    scene = make(scheme)
+    started = orderOf(scene)
+    run(scene, steps)
+    firstStep = scene.dt
+    scene.save(tmp_path / "half.h5")
+    half = orderOf(scene)
+    run(scene, steps)
+    scene.save(tmp_path / "whole.h5")
+
+    assert started != half and half != orderOf(scene), "the particles were re-sorted in both halves"
+    assert scene.dt != firstStep, "the time step was estimated anew"
+    assert max(b.plasticShearStrain.max() for b in scene.bodies if "plasticShearStrain" in dir(b)) > 1e-4, "the soil yields"
+    whole = bitsOf(tmp_path / "whole.h5")
+    assert differences(whole, continued(tmp_path / "half.h5", steps, tmp_path / "out.h5")) == []
+
+    with h5py.File(tmp_path / "half.h5", "r+") as h5:  # the control: one unit in the last place of the largest velocity
+        velocity = h5["bodies/0/particles/velocity"]
+        largest = np.unravel_index(np.abs(velocity[...]).argmax(), velocity.shape)
+        velocity[largest] = np.nextafter(velocity[largest], np.inf)
+    assert "bodies/0/particles/velocity" in differences(whole, continued(tmp_path / "half.h5", steps, tmp_path / "out.h5"))
+
+
+def test_restart_before_and_after_a_conversion_continues_bitwise(tmp_path):
+    scene, converted = converting(), []
+    for _ in range(4):
+        scene.save(tmp_path / f"{len(converted)}.h5")
+        run(scene, 10)
+        converted.append(scene["soft"].converted)
+    scene.save(tmp_path / "whole.h5")
+    assert converted[0] == 0 and 0 < converted[1] < converted[-1], converted
+    whole = bitsOf(tmp_path / "whole.h5")
+    for k in range(4):
+        loaded = mpm.load(tmp_path / f"{k}.h5")
+        run(loaded, 40 - loaded.steps)
+        loaded.save(tmp_path / "out.h5")
+        assert differences(whole, bitsOf(tmp_path / "out.h5")) == []
+    assert mpm.load(tmp_path / "0.h5")["soft"].mesh is not None
+    assert mpm.load(tmp_path / "whole.h5")["soft"].mesh is None, "some of the domains are gone"
+
+
+def test_a_checkpoint_at_an_estimate_of_the_time_step_continues_bitwise(tmp_path):
+    """Saved by a callback in the last step before the estimate, and by the user after the run."""
+    scene = hybrid()
+    scene.engines = [*scene.engines, mpm.PyRunner(lambda s: s.save(tmp_path / "at.h5") if s.steps == PERIOD else None, iterPeriod=PERIOD,
+                                                  label="saving")]
+    run(scene, PERIOD)
+    scene.save(tmp_path / "after.h5")
+    run(scene, PERIOD)
+    for name in ("at", "after"):
+        loaded = mpm.load(tmp_path / f"{name}.h5", callbacks={"saving": None})
+        run(loaded, PERIOD)
+        assert loaded.dt == scene.dt and np.array_equal(loaded["near"].stress, scene["near"].stress)
+
+
+def test_save_in_the_middle_of_a_step_is_refused(tmp_path):
+    scene = hybrid()
+    e = scene.engines
+    for place in (2, 3, 4):
+        scene.engines = [*e[:place], mpm.PyRunner(lambda s: s.save(tmp_path / "x.h5"), iterPeriod=1), *e[place:]]
+        with pytest.raises(RuntimeError, match="save: the scene is in the middle of a step; put the callback at the end"):
+            scene.run(steps=1, checkpointFile=tmp_path / "c.h5")
+        with pytest.warns(UserWarning, match="interrupted step"):
+            mpm.load(tmp_path / "c.failed.h5", callbacks={"<lambda>": None})
+
+
+def test_outputs_and_choices_come_back(tmp_path):
+    scene = hybrid()
+    scene.allowUnstable = True
+    scene.run(steps=20)
+    scene.threads = 2
+    scene.save(tmp_path / "a.h5")
+    loaded = mpm.load(tmp_path / "a.h5")
+    assert (loaded.time, loaded.steps, loaded.dt, loaded.threads, loaded.allowUnstable, loaded.dtCritical, loaded.stiffest) == \
+        (scene.time, scene.steps, scene.dt, 2, True, scene.dtCritical, scene.stiffest)
+    assert [b.name for b in loaded.bodies] == [b.name for b in scene.bodies]
+    assert loaded["near"].material is loaded["ring"].material and loaded["ring"].type.matched is loaded["near"]
+    assert repr(loaded["ring"].region) == repr(scene["ring"].region) and loaded["ring"].fbar and loaded["pile"].inertiaScale == 4
+    a, b = (next(e for e in s.engines if isinstance(e, mpm.GridSolver)) for s in (scene, loaded))
+    for mine, theirs in zip(a.constraints(scene), b.constraints(loaded)):
+        assert (mine.name, mine.work, mine.heldNodes, mine.ramp) == (theirs.name, theirs.work, theirs.heldNodes, theirs.ramp)
+        assert np.array_equal(mine.reaction, theirs.reaction) and mine.moment == theirs.moment and mine.velocity == theirs.velocity
+    assert scene.core.energies == loaded.core.energies
+    with pytest.raises(ValueError, match="two prescribed motions"):
+        b._drive.append(b.drive)
+        loaded.prepare()
+
+
+def test_a_load_may_be_added_after_a_restart(tmp_path):
+    scene = hybrid()
+    scene.save(tmp_path / "a.h5")
+    loaded = mpm.load(tmp_path / "a.h5")
+    where = box((0, 1.9), (1, 2.1))
+    assert mpm.BoundaryLoad(loaded["ring"], where).facets == mpm.BoundaryLoad(scene["ring"], where).facets
+
+
+@pytest.mark.parametrize("attributes", [dict(lame=(9.48e3, 6.31e3)), dict(young=1e4 / 3, poisson=0.3), dict(young=7.7, poisson=1 / 3)])
+def test_elastic_constants_come_back_to_the_last_bit(tmp_path, attributes):
+    scene = mpm.Scene((0, 0), (1, 1), 0.5)
+    material = mpm.LinearElastic(density=1.0, **attributes)
+    scene.add("a", box((0, 0), (1, 1)), material, mpm.UGIMP())
+    scene.save(tmp_path / "a.h5")
+    assert mpm.load(tmp_path / "a.h5")["a"].material.attributes() == material.attributes()
+
+
+def test_a_scene_without_bodies_can_be_saved(tmp_path):
+    mpm.Scene((0, 0), (1, 1), 0.5).save(tmp_path / "a.h5")
+    assert mpm.load(tmp_path / "a.h5").bodies == []
+
+
+def smallScene():
+    scene = mpm.Scene((0, 0), (1, 1), 0.5)
+    scene.add("a", box((0, 0), (1, 1)), mpm.LinearElastic(density=1.0, lame=(1.0, 1.0)), mpm.UGIMP())
+    return scene
+
+
+class Counter(mpm.engines.Callback):
+    """A callback that can be stored."""
+
+    def __init__(self, start, **attributes):
+        super().__init__(**attributes)
+        self._count = start
+
+    def act(self, scene):
+        self._count += 1
+
+    def spec(self):
+        return {"start": self._count, "iterPeriod": self.iterPeriod}
+
+
+class Forgetful(mpm.engines.Callback):
+    """A callback that cannot."""
+
+    def act(self, scene):
+        pass
+
+
+def test_callbacks_come_back_by_spec_or_by_label(tmp_path):
+    scene, seen = smallScene(), []
+    scene.engines = [*scene.engines, Counter(3, iterPeriod=1), mpm.PyRunner(lambda: None, iterPeriod=1, label="watch"),
+                     Forgetful(iterPeriod=2)]
+    scene.run(steps=2)
+    scene.save(tmp_path / "a.h5")
+    with pytest.raises(ValueError, match=r"has the callback 'watch', which cannot be stored; give load\(file, callbacks"):
+        mpm.load(tmp_path / "a.h5")
+    with pytest.raises(TypeError, match="give an engine of the class Forgetful"):
+        mpm.load(tmp_path / "a.h5", callbacks={"watch": None, "Forgetful": print})
+    with pytest.raises(ValueError, match="has no callback 'wach'; check the labels"):
+        mpm.load(tmp_path / "a.h5", callbacks={"watch": None, "Forgetful": None, "wach": None})
+    loaded = mpm.load(tmp_path / "a.h5", callbacks={"watch": lambda s: seen.append(s.steps), "Forgetful": Forgetful(iterPeriod=2)})
+    loaded.run(steps=2)
+    assert [type(e).__name__ for e in loaded.engines[-3:]] == ["Counter", "PyRunner", "Forgetful"]
+    assert loaded.engines[-3]._count == 7 and seen == [3, 4] and loaded.engines[-2].label == "watch"
+
+
+def test_files_that_are_no_checkpoint_are_refused(tmp_path):
+    file = tmp_path / "a.h5"
+    with pytest.raises(FileNotFoundError, match="does not exist"):
+        mpm.load(file)
+    file.write_text("hello")
+    with pytest.raises(ValueError, match="is no checkpoint, or damaged: it is not an HDF5 file"):
+        mpm.load(file)
+    with h5py.File(file, "w") as h5:
+        h5["x"] = [1.0]
+    with pytest.raises(ValueError, match="is an HDF5 file, but no checkpoint"):
+        mpm.load(file)
+    smallScene().save(file)
+    with h5py.File(file, "r+") as h5:
+        h5.attrs["formatVersion"], h5.attrs["package"] = 7, "9.9"
+    with pytest.raises(ValueError, match="has format 7, written by yade_mpm 9.9; .* reads format 1; continue it with that version"):
+        mpm.load(file)
+
+
+def test_damage_is_noticed(tmp_path):
+    file = tmp_path / "a.h5"
+    smallScene().save(file)
+    whole = file.read_bytes()
+    with h5py.File(file, "r") as h5:
+        offset = h5["bodies/0/particles/position"].id.get_chunk_info(0).byte_offset
+    file.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(ValueError, match="damaged"):
+        mpm.load(file)
+    flipped = bytearray(whole)
+    flipped[offset + 5] ^= 1
+    file.write_bytes(flipped)
+    with pytest.raises(ValueError, match="is damaged: .*use an older one"):
+        mpm.load(file)
+    for gone in ("scene", "bodies/0", "bodies/0/particles/stress", "bodies/0/tables/blockStart"):
+        file.write_bytes(whole)
+        with h5py.File(file, "r+") as h5:
+            del h5[gone]
+        with pytest.raises(ValueError, match="damaged|is missing"):
+            mpm.load(file)
+
+
+@pytest.mark.parametrize("change, message", [
+    (lambda s: s["materials"][0].update({"class": "Unobtainium"}), "needs the class Unobtainium, which this installation"),
+    (lambda s: s["engines"][0].update({"class": "Warp"}), "needs the class Warp"),
+])
+def test_unknown_classes_are_named(tmp_path, change, message):
+    scene = smallScene()
+    scene.prepare()
+    scene.save(tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5", "r+") as h5:
+        spec = json.loads(bytes(h5["scene"][...]))
+        change(spec)
+        del h5["scene"]
+        h5["scene"] = np.frombuffer(json.dumps(spec).encode(), np.uint8)
+    with pytest.raises(ValueError, match=message):
+        mpm.load(tmp_path / "a.h5")
+
+
+def test_a_checkpoint_is_replaced_as_a_whole(tmp_path, monkeypatch):
+    file, scene = tmp_path / "a.h5", smallScene()
+    scene.save(file)
+    before = file.read_bytes()
+    monkeypatch.setattr(mpm.checkpoint, "_syncToDisk", lambda path: (_ for _ in ()).throw(OSError("no space left")))
+    with pytest.raises(OSError, match="could not be written: no space left"):
+        scene.save(file)
+    assert file.read_bytes() == before and os.listdir(tmp_path) == ["a.h5"]
+
+
+def test_settling_leaves_no_heavy_damping_in_a_checkpoint(tmp_path):
+    scene = smallScene()
+    scene.engines[1].damping = 0.05
+    scene.engines = [*scene.engines, mpm.PyRunner(lambda s: s.save(tmp_path / "a.h5"), iterPeriod=10, label="save")]
+    scene.settle(damping=0.8, tolerance=1e9, checkEvery=10)
+    assert scene.engines[1].damping == 0.05
+    with pytest.warns(UserWarning, match=r"was written during settle\(\): call settle\(\) again"):
+        assert mpm.load(tmp_path / "a.h5", callbacks={"save": None}).engines[1].damping == 0.05
+
+
+if __name__ == "__main__":
+    loaded = mpm.load(sys.argv[1])
+    run(loaded, int(sys.argv[2]))
+    loaded.save(sys.argv[3])

@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+from yade_mpm import box, diagnostics as d
+
+SOFT = dict(density=2.0, lame=(1e3, 1e3))
+
+
+def chain(*more, damping=0.0, gravity=(0, -9.81), **arguments):
+    solver = mpm.GridSolver(gravity=gravity, damping=damping, roller=("left", "right"), fixed=("bottom",), **arguments)
+    return [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), *more]
+
+
+def column(kind, inertiaScale=1.0):
+    """A column of 2 m x 4 m, undamped, of one particle type."""
+    scene = mpm.Scene((0, 0), (2, 6), 0.5)
+    type_ = mpm.APDI(size=0.5) if kind == "APDI" else mpm.UGIMP(perCell=2)
+    scene.add("soil", box((0, 0), (2, 4)), mpm.LinearElastic(**SOFT), type_, inertiaScale=inertiaScale)
+    scene.dt = 1e-3
+    return scene
+
+
+def test_mass_is_density_times_area_whatever_the_inertia():
+    assert d.mass(column("UGIMP", inertiaScale=16)) == pytest.approx(2 * 8, rel=1e-14)
+
+
+def test_momentum_and_kinetic_energy_of_a_uniform_velocity_use_the_inertial_mass():
+    scene = column("APDI", inertiaScale=3)
+    scene["soil"].velocity[...] = (0.5, -2)
+    assert d.momentum(scene) == pytest.approx(3 * 16 * np.array([0.5, -2]), rel=1e-14)
+    assert d.kineticEnergy(scene) == pytest.approx(0.5 * 3 * 16 * 4.25, rel=1e-14)
+
+
+@pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
+def test_energy_balances_within_one_percent_in_an_undamped_elastic_column(kind):
+    """Free oscillation under suddenly applied gravity, somewhat beyond the lowest point (half a period: 0.2 s).
+
+    What is left is what the kinetic energy changes in half a step, since velocities belong to the middle of steps.
+    """
+    scene = column(kind)
+    scene.engines = chain()
+    scene.run(steps=250, progress=False)
+    assert d.internalWork(scene) > 1 and d.externalWork(scene) > 1
+    assert abs(d.energyError(scene, relative=True)) < 0.01
+    error, kinetic = d.energyError(scene), d.kineticEnergy(scene)
+    scene.step()
+    assert error == pytest.approx(0.5 * (d.kineticEnergy(scene) - kinetic), rel=0.1)
+    scene["soil"].core.internalWork *= 0.9  # the control: 10 % of one part missing is noticed
+    assert abs(d.energyError(scene, relative=True)) > 0.02
+
+
+def test_damped_energy_closes_the_balance():
+    scene = column("APDI")
+    scene.engines = chain(damping=0.3)
+    scene.run(steps=400, progress=False)
+    scale = d.externalWork(scene)
+    assert d.dampedEnergy(scene) > 0.1 * scale
+    assert abs(d.energyError(scene)) < 0.02 * scale
+    assert abs(d.energyError(scene) + d.dampedEnergy(scene)) > 0.1 * scale
+
+
+def test_the_work_of_a_drive_closes_the_balance():
+    scene = column("UGIMP")
+    press = mpm.Drive(scene["soil"].above(3.6), (None, -0.2), ramp=0.1)
+    scene.engines = chain(gravity=(0, 0), drive=press)
+    scene.run(steps=500, progress=False)
+    assert press.work > 1 and d.externalWork(scene) == pytest.approx(press.work)
+    assert abs(d.energyError(scene)) < 0.02 * press.work
+
+
+def test_the_initial_kinetic_energy_enters_the_balance():
+    scene = column("APDI")
+    scene["soil"].velocity[:, 1] = -0.3 * scene["soil"].position[:, 1] / 4
+    scene.engines = chain(gravity=(0, 0))
+    start = d.kineticEnergy(scene)
+    scene.run(steps=150, progress=False)
+    assert d.internalWork(scene) > 0.2 * start
+    assert abs(d.energyError(scene, start)) < 0.05 * start
+    assert abs(d.energyError(scene)) > 0.9 * start
+
+
+def test_kinetic_ratio_is_nan_before_any_work_and_falls_as_a_column_settles():
+    scene = column("APDI")
+    scene.engines = chain(damping=0.5)
+    assert np.isnan(d.kineticRatio(scene))
+    scene.run(steps=30, progress=False)
+    early = d.kineticRatio(scene)
+    assert early == pytest.approx(d.kineticEnergy(scene) / scene.core.energies["gravity"], rel=1e-12)
+    scene.run(steps=1500, progress=False)
+    assert 0 <= d.kineticRatio(scene) < 1e-3 < 0.1 < early
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_corner_jacobians_of_a_box_are_its_volume_and_a_mirrored_one_is_negative(dim):
+    unit = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
+    if dim == 3:
+        unit = np.array([(*xy, z) for z in (0, 1) for xy in unit])
+    boxes = np.array([unit * [2, 3, 4][:dim], unit * [-2, 3, 4][:dim]])
+    volume = 6.0 if dim == 2 else 24.0
+    assert np.allclose(d.cornerJacobians(boxes), [[volume] * 2**dim, [-volume] * 2**dim], rtol=1e-14)
+
+
+def test_min_jacobian_agrees_with_the_corners_and_sees_one_moved_vertex():
+    scene = column("APDI")
+    body = scene["soil"]
+    assert d.minJacobian(scene) == pytest.approx(1, abs=1e-12)
+    body.vertices[body.cells[3, 2]] -= 0.2
+    expected = (d.cornerJacobians(body.corners()).min(axis=1) / body.initialVolume).min()
+    assert expected < 0.7 and d.minJacobian(scene) == pytest.approx(expected, rel=1e-12)
+
+
+def test_inverted_domains_and_particles_are_counted():
+    scene = column("APDI")
+    assert d.invertedCount(scene) == 0
+    body = scene["soil"]
+    body.vertices[body.cells[0, 0]] += 0.75  # beyond the opposite corner: this vertex belongs to one domain only
+    assert d.invertedCount(scene) == 1
+    boxes = column("UGIMP")
+    boxes["soil"].deformationGradient[[2, 5], 1, 1] = -1
+    assert d.invertedCount(boxes) == 2
+
+
+def test_converted_domains_are_counted():
+    scene = mpm.Scene((0, 0), (2, 2), 0.5)
+    body = scene.add("soil", box((0, 0), (2, 1)), mpm.LinearElastic(**SOFT), mpm.APDI(size=0.5, onDistortion="convert"))
+    scene.dt = 1e-3
+    scene.engines = chain()
+    scene.run(steps=1, progress=False)
+    assert d.convertedCount(scene) == 0
+    corner = body.cells[3]
+    body.vertices[corner[2]] += 0.51 * (body.vertices[corner[0]] - body.vertices[corner[2]])
+    scene.run(steps=1, progress=False)
+    assert d.convertedCount(scene) == body.converted >= 1
+
+
+def test_hourglass_amplitude_is_zero_in_a_linear_field_and_sees_the_pattern():
+    scene = column("APDI")
+    body = scene["soil"]
+    assert d.hourglassAmplitude(scene) == pytest.approx(0, abs=1e-12)
+    pattern = np.where((np.rint(body.vertices / 0.5).astype(int).sum(axis=1) % 2) == 0, 1.0, -1.0)
+    body.vertices[:, 0] += 0.01 * pattern
+    assert d.hourglassAmplitude(scene) > 0.01
+
+
+def test_meshless_scenes_have_no_jacobian_and_no_hourglass():
+    scene = column("UGIMP")
+    assert np.isnan(d.minJacobian(scene)) and np.isnan(d.hourglassAmplitude(scene))
+
+
+@pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
+@pytest.mark.parametrize("height", [2.0, 2.25, 1.87])
+def test_section_force_of_a_uniform_stress_is_stress_times_width_at_any_height(kind, height):
+    scene = column(kind)
+    body = scene["soil"]
+    body.setStress(np.diag([-30.0, -100.0, -30.0]))
+    assert d.sectionForce(body, height) == pytest.approx(-200, rel=1e-12)
+    assert d.sectionForce(body, height, thickness=0.3) == pytest.approx(-200, rel=1e-12)
+    assert d.sectionForce(body, 5.5) == 0
+    centres = np.abs(body.position[:, 1] - height) < 0.15  # the control: counting centres is not exact
+    assert body.volume[centres].sum() * -100 / 0.3 != pytest.approx(-200, rel=0.05)
+
+
+def test_section_force_of_a_settled_column_is_the_weight_above():
+    scene = column("UGIMP")
+    scene.engines = chain(damping=0.5, gravity=(0, -0.1))
+    scene.run(steps=2500, progress=False)
+    for height in (1.0, 2.0, 3.0):
+        assert d.sectionForce(scene["soil"], height) == pytest.approx(-0.1 * 2 * 2 * (4 - height), rel=0.01)
+
+
+def test_section_force_refuses_a_thickness_that_is_not_positive():
+    with pytest.raises(ValueError, match="thickness = 0 m is not allowed; give a positive number"):
+        d.sectionForce(column("UGIMP")["soil"], 1.0, thickness=0)

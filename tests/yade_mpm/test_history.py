@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+import csv
+import json
+import os
+
+import h5py
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+from yade_mpm import box, diagnostics
+
+
+@pytest.fixture(autouse=True)
+def inAFolderOfItsOwn(tmp_path_factory, monkeypatch):
+    """Runs that fail leave a checkpoint."""
+    monkeypatch.chdir(tmp_path_factory.mktemp("run"))
+
+
+def chain(*more, **arguments):
+    solver = mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed=("bottom",), **arguments)
+    return [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), *more]
+
+
+def makeScene():
+    """A stiff block pressed into a soft one."""
+    scene = mpm.Scene((0, 0), (2, 3), 0.5)
+    scene.add("soil", box((0, 0), (2, 1)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.APDI(size=0.5))
+    scene.add("pile", box((0.5, 1), (1.5, 2)), mpm.LinearElastic(density=2, lame=(1e4, 1e4)), mpm.UGIMP(perCell=2))
+    scene.dt = 1e-3
+    return scene
+
+
+def press(scene):
+    return mpm.Drive(scene["pile"].above(1.6), (0, -0.1), name="drive")
+
+
+def runWith(history, steps=100, before=(), scene=None):
+    scene = scene or makeScene()
+    scene.engines = chain(*before, history, drive=press(scene))
+    scene.run(steps=steps, progress=False)
+    return scene
+
+
+def readCSV(file):
+    """Header and rows of numbers."""
+    with open(file, newline="") as f:
+        header, *rows = csv.reader(f)
+    return header, [[float(v) for v in row] for row in rows]
+
+
+def assertSameColumns(one, other):
+    assert one.names == other.names and one.units == other.units
+    for name in one.names:
+        assert np.array_equal(one[name], other[name], equal_nan=True), name
+
+
+def test_rows_come_every_period_in_steps_or_time():
+    history = mpm.History(iterPeriod=25)
+    scene = runWith(history)
+    assert list(history["step"]) == [25, 50, 75, 100] and len(history) == 4
+    assert history["time"][-1] == scene.time
+    byTime = mpm.History(period=0.03)
+    runWith(byTime)
+    assert list(byTime["step"]) == [30, 60, 90]
+
+
+def test_columns_are_the_diagnostics_of_the_scene():
+    history = mpm.History(iterPeriod=50)
+    scene = runWith(history)
+    for name in ("mass", "kineticEnergy", "internalWork", "externalWork", "dampedEnergy", "kineticRatio", "minJacobian",
+                 "hourglassAmplitude", "invertedCount", "convertedCount"):
+        assert history[name][-1] == getattr(diagnostics, name)(scene), name
+    assert history["momentum.y"][-1] == diagnostics.momentum(scene)[1] != history["momentum.y"][0]
+    assert history["dt"][-1] == scene.dt and history["dtCritical"][-1] == scene.dtCritical
+    assert history["drive.work"][-1] == scene.engines[1].drive.work != 0
+    assert history["energyError"][-1] == diagnostics.energyError(scene)
+
+
+def test_units_are_per_metre_in_2d_only():
+    history = mpm.History(iterPeriod=10)
+    runWith(history, steps=10)
+    assert history.units["drive.fy"] == "kN/m" and history.units["drive.mz"] == "kN m/m" and history.units["time"] == "s"
+    scene = mpm.Scene((0, 0, 0), (1, 1, 1), 0.5)
+    scene.add("cube", box((0, 0, 0), (1, 1, 0.5)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.UGIMP(perCell=2))
+    solver = mpm.GridSolver(gravity=(0, 0, -9.81), fixed=("bottom",), hold=mpm.Hold("left", (0, None, None), name="wall"))
+    history = mpm.History(iterPeriod=5)
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), history]
+    scene.run(steps=5, progress=False)
+    assert history.units["bottom.fz"] == "kN" and history.units["mass"] == "Mg"
+    assert {"wall.mx", "wall.my", "wall.mz"} <= set(history.names) and "bottom.mx" not in history.names
+
+
+def test_reactions_are_means_of_the_samples_since_the_row_before():
+    seen = []
+    scene, history = makeScene(), mpm.History(iterPeriod=40, sampleEvery=4)
+    watch = mpm.PyRunner(lambda s: seen.append((*s.engines[1].drive.reaction, s.engines[1].drive.moment)), iterPeriod=1)
+    scene.engines = chain(watch, history, drive=press(scene))
+    scene.run(steps=80, progress=False)
+    samples = np.array(seen)[3::4].reshape(2, 10, 3)
+    for name, column in zip(("drive.fx", "drive.fy", "drive.mz"), np.moveaxis(samples.mean(axis=1), 1, 0)):
+        assert np.allclose(history[name], column, rtol=1e-12, atol=1e-12), name
+    last = np.array(seen)[39::40]  # the control: the last step alone is something else
+    assert not np.allclose(history["drive.fy"], last[:, 1], rtol=1e-3)
+    momentary = mpm.History(iterPeriod=40, average=False)
+    runWith(momentary, steps=80)
+    assert np.array_equal(momentary["drive.fy"], last[:, 1])
+
+
+def test_the_mean_force_times_the_way_is_the_work():
+    history = mpm.History(iterPeriod=100, sampleEvery=1)
+    runWith(history, steps=100)
+    assert history["drive.work"][0] == pytest.approx(-0.1 * 0.1 * history["drive.fy"][0], rel=1e-9)
+
+
+def test_samples_fall_on_the_rows_even_if_the_periods_do_not_match():
+    history = mpm.History(iterPeriod=25, sampleEvery=10)
+    runWith(history, steps=100)
+    assert list(history["step"]) == [25, 50, 75, 100]
+
+
+def test_columns_of_the_user_are_functions_or_text():
+    history = mpm.History(iterPeriod=20, columns={"toe": "scene['pile'].position[:, 1].min()",
+                                                  "N": lambda scene: diagnostics.sectionForce(scene["pile"], 1.25)})
+    scene = runWith(history, steps=60)
+    assert history["toe"][-1] == scene["pile"].position[:, 1].min()
+    assert history["N"][-1] == diagnostics.sectionForce(scene["pile"], 1.25) != 0
+    history.columns["late"] = lambda scene: 7
+    scene.run(steps=20, progress=False)
+    assert np.array_equal(history["late"], [np.nan, np.nan, np.nan, 7], equal_nan=True)
+
+
+def test_csv_holds_the_same_numbers_with_units_in_the_header(tmp_path):
+    history = mpm.History(iterPeriod=10, file=tmp_path / "a.csv")
+    scene = runWith(history, steps=30)
+    scene.run(steps=30, progress=False)  # appends
+    header, rows = readCSV(tmp_path / "a.csv")
+    assert header[0] == "time [s]" and "drive.fy [kN/m]" in header
+    assert [h.split(" [")[0] for h in header] == history.names
+    assert np.array_equal(np.array(rows).T, [history[n] for n in history.names], equal_nan=True)
+    assert len(rows) == 6 and os.listdir(tmp_path) == ["a.csv"]
+
+
+def test_csv_stays_rectangular_when_a_column_is_added(tmp_path):
+    history = mpm.History(iterPeriod=10, file=tmp_path / "a.csv")
+    scene = runWith(history, steps=20)
+    history.columns["late"] = lambda scene: 7
+    scene.run(steps=20, progress=False)
+    header, rows = readCSV(tmp_path / "a.csv")
+    assert header[-1] == "late" and {len(row) for row in rows} == {len(header)}
+    assert np.array_equal([row[-1] for row in rows], [np.nan, np.nan, 7, 7], equal_nan=True)
+
+
+@pytest.mark.parametrize("label, group", [("", "history"), ("forces", "history/forces")])
+def test_the_recorders_file_holds_the_same_columns(tmp_path, label, group):
+    history = mpm.History(iterPeriod=10, label=label)
+    scene = runWith(history, steps=30, before=[mpm.Recorder(tmp_path / "a.h5", iterPeriod=20)])
+    history.columns["late"] = lambda scene: 7
+    scene.run(steps=30, progress=False)
+    with h5py.File(tmp_path / "a.h5") as h5:
+        for name in history.names:
+            assert np.array_equal(h5[group][name], history[name], equal_nan=True), name
+            assert h5[group][name].attrs["unit"] == history.units[name]
+        assert h5["VTKHDF/Steps"].attrs["NSteps"] == 4
+
+
+def test_a_history_loaded_from_a_checkpoint_continues_bitwise_in_memory_and_files(tmp_path):
+    whole = mpm.History(iterPeriod=20, file=tmp_path / "whole.csv")
+    runWith(whole, steps=120, before=[mpm.Recorder(tmp_path / "whole.h5", iterPeriod=20)])
+
+    first = mpm.History(iterPeriod=20, file=tmp_path / "cut.csv")
+    save = mpm.PyRunner(lambda scene: scene.steps == 50 and scene.save(tmp_path / "state.h5"), iterPeriod=1, label="save")
+    scene = makeScene()  # the state is saved amid two rows, after which the files go on for a while
+    scene.engines = chain(mpm.Recorder(tmp_path / "cut.h5", iterPeriod=20), first, save, drive=press(scene))
+    scene.run(steps=90, progress=False)
+    assert len(first) == 4
+
+    scene = mpm.load(tmp_path / "state.h5", callbacks={"save": None})
+    second = scene.engines[5]
+    assert list(second["step"]) == [20, 40]
+    scene.run(steps=70, progress=False)
+    assertSameColumns(second, whole)
+    assert (tmp_path / "cut.csv").read_text() == (tmp_path / "whole.csv").read_text()
+    with h5py.File(tmp_path / "cut.h5") as h5, h5py.File(tmp_path / "whole.h5") as other:
+        assert list(h5["VTKHDF/Steps/step"]) == [0, 20, 40, 60, 80, 100, 120]
+        for name in whole.names:
+            assert np.array_equal(h5["history"][name], other["history"][name], equal_nan=True), name
+
+    scene = mpm.load(tmp_path / "state.h5", callbacks={"save": None})
+    spec = scene.engines[5].spec()
+    spec["state"].update(sums={}, samples=0)  # the control: without the samples taken so far the mean differs
+    forgetful = mpm.History(**spec)
+    scene.engines = [*scene.engines[:4], forgetful]
+    scene.run(steps=70, progress=False)
+    assert forgetful["drive.fy"][2] != whole["drive.fy"][2] and forgetful["drive.fy"][3] == whole["drive.fy"][3]
+
+
+def test_the_spec_keeps_text_columns_and_asks_for_functions_again():
+    history = mpm.History(period=0.01, columns={"t": "scene.time", "f": lambda scene: 1}, average=False, label="h")
+    other = mpm.History(**json.loads(json.dumps(history.spec())))
+    assert dict(other.columns) == {"t": "scene.time", "f": None}
+    runWith(other, steps=20)
+    assert np.array_equal(other["t"], other["time"]) and np.isnan(other["f"]).all()
+
+
+def test_a_second_history_needs_a_label():
+    with pytest.raises(ValueError, match="same label or file; give each its own"):
+        runWith(mpm.History(iterPeriod=5), before=[mpm.History(iterPeriod=7)])
+    named = mpm.History(iterPeriod=5, label="fast")
+    runWith(named, steps=10, before=[mpm.History(iterPeriod=10)])
+    assert len(named) == 2
+
+
+@pytest.mark.parametrize("arguments, error, text", [
+    (dict(), ValueError, "give one of the two, positive"),
+    (dict(period=1.0, iterPeriod=2), ValueError, "give one of the two, positive"),
+    (dict(iterPeriod=5, sampleEvery=0), ValueError, "sampleEvery = 0 is not allowed; give a whole number of steps"),
+    (dict(iterPeriod=5, columns={"a": 7}), TypeError, "column 'a' = 7; give a function of the scene, or an expression"),
+    (dict(iterPeriod=5, columns={"a,b": "1"}), ValueError, "may hold no comma"),
+    (dict(iterPeriod=5, columns={"a": "1 +"}), SyntaxError, ""),
+])
+def test_wrong_arguments_are_refused(arguments, error, text):
+    with pytest.raises(error, match=text):
+        mpm.History(**arguments)
+
+
+def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path):
+    scene = makeScene()
+    with pytest.raises(OSError, match="History: .* cannot be written .*; give a file in a folder that exists"):
+        runWith(mpm.History(iterPeriod=5, file=tmp_path / "missing" / "a.csv"), scene=scene)
+    assert scene.steps == 0
+
+
+def test_what_a_column_raises_ends_the_run():
+    with pytest.raises(ZeroDivisionError):
+        runWith(mpm.History(iterPeriod=5, columns={"bad": "1 / 0"}))
+
+
+def test_an_unknown_column_names_the_known_ones():
+    history = mpm.History(iterPeriod=5)
+    runWith(history, steps=5)
+    with pytest.raises(KeyError, match="there is no column 'drive'; columns: time, step"):
+        history["drive"]

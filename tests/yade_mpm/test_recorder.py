@@ -1,0 +1,416 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+import os
+import shutil
+
+import h5py
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+from yade_mpm import box, recorder
+
+@pytest.fixture(autouse=True)
+def inAFolderOfItsOwn(tmp_path_factory, monkeypatch):
+    """Runs that fail leave a checkpoint."""
+    monkeypatch.chdir(tmp_path_factory.mktemp("run"))
+
+
+GRAVITY = {2: (0, -9.81), 3: (0, 0, -9.81)}
+
+
+def chain(*more, dim=2):
+    solver = mpm.GridSolver(gravity=GRAVITY[dim], fixed=("bottom",))
+    return [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), *more]
+
+
+def makeScene(dim=2, onDistortion="stop"):
+    """An elastic APDI block below a c-phi uGIMP block."""
+    flat = (0, 0) if dim == 2 else (0, 0, 0)
+    wide = (2, 1) if dim == 2 else (2, 1, 1)
+    scene = mpm.Scene(flat, (2, 2) if dim == 2 else (2, 1, 2), 0.5)
+    elastic = mpm.LinearElastic(density=2, lame=(1e3, 1e3))
+    soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(1e3, 1e3), cohesion=5, frictionAngle=0.5, dilatancyAngle=0.1)
+    scene.add("low", box(flat, wide), elastic, mpm.APDI(size=0.5, onDistortion=onDistortion))
+    high = ((0.5, 1), (1.5, 1.5)) if dim == 2 else ((0.5, 0, 1), (1.5, 1, 1.5))
+    scene.add("high", box(*high), soil, mpm.UGIMP(perCell=2))
+    scene.dt = 1e-3
+    return scene
+
+
+def snapshot(scene):
+    """What a frame should hold, straight from the bodies."""
+    corners = [body.corners() for body in scene.bodies]
+    return dict(time=scene.time, steps=scene.steps,
+                corners=np.concatenate([np.pad(c, ((0, 0), (0, 0), (0, 3 - scene.dim))) for c in corners]),
+                stress=np.concatenate([b.stress.reshape(-1, 9) for b in scene.bodies]),
+                velocity=np.concatenate([np.pad(b.velocity, ((0, 0), (0, 3 - scene.dim))) for b in scene.bodies]),
+                id=np.concatenate([b.id for b in scene.bodies]),
+                body=np.concatenate([np.full(b.count, k) for k, b in enumerate(scene.bodies)]))
+
+
+def runAndWatch(scene, file, steps=30, every=10):
+    """Runs with a recorder; returns what every frame should hold."""
+    frames = [snapshot(scene)]
+    watch = mpm.PyRunner(lambda s: frames.append(snapshot(s)), iterPeriod=every)
+    scene.engines = chain(mpm.Recorder(file, iterPeriod=every), watch, dim=scene.dim)
+    scene.run(steps=steps, progress=False)
+    return frames
+
+
+def readWithH5py(file):
+    """List of dicts like `snapshot`, by the offsets of the format."""
+    frames = []
+    with h5py.File(file) as h5:
+        root, steps = h5["VTKHDF"], h5["VTKHDF/Steps"]
+        for k in range(steps.attrs["NSteps"]):
+            part = steps["PartOffsets"][k]
+            cells = root["NumberOfCells"][part]
+            points = root["Points"][steps["PointOffsets"][k]:][:root["NumberOfPoints"][part]]
+            ids = root["Connectivity"][steps["ConnectivityIdOffsets"][k]:][:root["NumberOfConnectivityIds"][part]]
+            offsets = root["Offsets"][steps["CellOffsets"][k] + part:][:cells + 1]
+            frame = {name: root["CellData"][name][at[k]:at[k] + cells] for name, at in steps["CellDataOffsets"].items()}
+            corners = np.array([points[ids[a:b]] for a, b in zip(offsets, offsets[1:])])
+            frames.append(dict(frame, corners=corners, time=steps["Values"][k], steps=steps["step"][k]))
+    return frames
+
+
+def assertSameFrames(found, expected):
+    assert len(found) == len(expected)
+    for f, e in zip(found, expected):
+        for name, value in e.items():
+            assert np.array_equal(f[name], value, equal_nan=np.asarray(value).dtype.kind == "f"), name
+
+
+def contentOf(file):
+    """All arrays of the VTKHDF group by name."""
+    content = {}
+    with h5py.File(file) as h5:
+        h5["VTKHDF"].visititems(lambda name, item: content.update({name: item[()]}) if hasattr(item, "shape") else None)
+        content["NSteps"] = h5["VTKHDF/Steps"].attrs["NSteps"]
+    return content
+
+
+def assertSameContent(one, other):
+    one, other = contentOf(one), contentOf(other)
+    assert one.keys() == other.keys()
+    for name in one:
+        assert np.array_equal(one[name], other[name], equal_nan=one[name].dtype.kind == "f"), name
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_h5py_reads_what_the_bodies_held_element_by_element(tmp_path, dim):
+    expected = runAndWatch(makeScene(dim), tmp_path / "a.h5")
+    found = readWithH5py(tmp_path / "a.h5")
+    assert [f["steps"] for f in found] == [0, 10, 20, 30]
+    assertSameFrames(found, expected)
+    expected[2]["stress"] = expected[1]["stress"]  # the control: a stale frame is noticed
+    with pytest.raises(AssertionError, match="stress"):
+        assertSameFrames(found, expected)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("compress", [0, 1])
+def test_the_vtk_reader_sees_the_same_steps_cells_and_arrays(tmp_path, dim, compress):
+    vtk = pytest.importorskip("vtk", minversion="9.3")
+    from vtk.util.numpy_support import vtk_to_numpy as asArray
+    scene, file = makeScene(dim), str(tmp_path / "a.vtkhdf")
+    scene.engines = chain(mpm.Recorder(file, iterPeriod=10, compress=compress), dim=dim)
+    scene.run(steps=20, progress=False)
+    wide = ((1.5, 1), (2, 1.5)) if dim == 2 else ((1.5, 0, 1), (2, 1, 1.5))
+    scene.add("late", box(*wide), mpm.LinearElastic(density=1, lame=(1e3, 1e3)), mpm.APDI(size=0.5))
+    scene.run(steps=20, progress=False)  # the cells are others from here on
+
+    reader = vtk.vtkHDFReader()
+    assert reader.CanReadFile(file)
+    reader.SetFileName(file)
+    reader.UpdateInformation()
+    frames = readWithH5py(file)
+    times = reader.GetOutputInformation(0).Get(vtk.vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    assert reader.GetNumberOfSteps() == len(frames) == 5 and list(times) == [f["time"] for f in frames]
+    counts = []
+    for k, frame in enumerate(frames):
+        reader.SetStep(k)
+        reader.Update()
+        grid = reader.GetOutputDataObject(0)
+        counts.append(grid.GetNumberOfCells())
+        assert {grid.GetCellType(c) for c in range(grid.GetNumberOfCells())} == {9 if dim == 2 else 12}
+        data = grid.GetCellData()
+        arrays = {data.GetArrayName(i): asArray(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
+        assert {"body", "id", "stress", "velocity", "displacement", "volumeRatio", "meanStress"} <= set(arrays)
+        for name, values in arrays.items():
+            assert np.array_equal(values, frame[name], equal_nan=values.dtype.kind == "f"), name
+        points = asArray(grid.GetPoints().GetData())
+        cells = asArray(grid.GetCells().GetConnectivityArray()).reshape(grid.GetNumberOfCells(), -1)
+        assert np.array_equal(points[cells], frame["corners"])
+    assert counts[:3] == [counts[0]] * 3 and counts[3] == counts[4] > counts[2]
+    sizes = vtk.vtkCellSizeFilter()
+    sizes.SetInputData(grid)
+    sizes.Update()
+    measured = asArray(sizes.GetOutput().GetCellData().GetArray("Area" if dim == 2 else "Volume"))
+    meshed = frame["body"] == 0  # positive: the corners are in the order that VTK wants
+    assert np.allclose(measured[meshed], scene["low"].volume, rtol=1e-3)
+    assert not np.allclose(measured[meshed], scene["low"].initialVolume, rtol=1e-6)
+
+
+def test_cells_are_written_once_while_they_stay_the_same(tmp_path):
+    runAndWatch(makeScene(), tmp_path / "a.h5")
+    with h5py.File(tmp_path / "a.h5") as h5:
+        assert len(h5["VTKHDF/NumberOfCells"]) == 1
+        assert len(h5["VTKHDF/Points"]) == 4 * h5["VTKHDF/NumberOfPoints"][0]
+
+
+def test_a_converted_domain_becomes_boxes_in_the_next_frame(tmp_path):
+    scene = makeScene(onDistortion="convert")
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=1, bodies=["low"]))
+    scene.run(steps=1, progress=False)
+    vertices, cells = scene["low"].vertices, scene["low"].cells
+    vertices[cells[3, 2]] = vertices[cells[3, 0]] + 0.51 * (vertices[cells[3, 2]] - vertices[cells[3, 0]])
+    scene.step()  # run() would refuse the long edges beside it
+    assert scene["low"].converted >= 1
+    before, after = readWithH5py(tmp_path / "a.h5")[-2:]
+    assert not (before["body"] == 1).any() and (after["body"] == 1).sum() == scene["low (converted)"].count
+    assert (after["body"] == 0).sum() == scene["low"].count < (before["body"] == 0).sum()
+
+
+def test_bodies_are_named_and_units_given(tmp_path):
+    runAndWatch(makeScene(), tmp_path / "a.h5", steps=10)
+    with h5py.File(tmp_path / "a.h5") as h5:
+        assert list(h5["VTKHDF/CellData"].attrs["bodies"]) == ["low", "high"]
+        assert h5["VTKHDF/CellData/stress"].attrs["unit"] == "kPa"
+        assert h5["VTKHDF/Steps/Values"].attrs["unit"] == "s"
+
+
+def test_state_variables_are_nan_where_a_material_has_none(tmp_path):
+    scene = makeScene()
+    soilOnly = {f["name"] for f in scene["high"].fields()} - {f["name"] for f in scene["low"].fields()}
+    assert soilOnly
+    runAndWatch(scene, tmp_path / "a.h5", steps=10)
+    frame = readWithH5py(tmp_path / "a.h5")[-1]
+    for name in soilOnly:
+        assert np.isnan(frame[name][frame["body"] == 0]).all() and np.isfinite(frame[name][frame["body"] == 1]).all()
+
+
+def test_a_variable_that_appears_later_is_nan_before(tmp_path):
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, bodies=None))
+    scene.run(steps=5, progress=False)
+    hard = mpm.NeoHookean(density=1, lame=(1e3, 1e3))
+    known = set(readWithH5py(tmp_path / "a.h5")[0])
+    late = scene.add("late", box((1.5, 1), (2, 1.5)), hard, mpm.UGIMP(perCell=1))
+    scene.run(steps=5, progress=False)
+    frames = readWithH5py(tmp_path / "a.h5")
+    assert [len(f["body"]) for f in frames] == [scene.particleCount - late.count] * 2 + [scene.particleCount]
+    for name in set(frames[0]) - known:
+        assert np.isnan(frames[0][name]).all()
+
+
+def test_fields_and_bodies_can_be_chosen(tmp_path):
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, bodies=[scene["high"]],
+                                       fields=["volume", "velocityGradient", "deviatoricStress"]))
+    scene.run(steps=5, progress=False)
+    frame = readWithH5py(tmp_path / "a.h5")[-1]
+    assert set(frame) == {"body", "id", "volume", "velocityGradient", "deviatoricStress", "corners", "time", "steps"}
+    assert frame["velocityGradient"].shape == (scene["high"].count, 9)
+    assert np.array_equal(frame["velocityGradient"][:, [0, 1, 3, 4]].reshape(-1, 2, 2), scene["high"].velocityGradient)
+    s = scene["high"].stress
+    q2 = (s[:, 0, 0] - s[:, 1, 1])**2 + (s[:, 1, 1] - s[:, 2, 2])**2 + (s[:, 2, 2] - s[:, 0, 0])**2
+    assert np.allclose(frame["deviatoricStress"]**2, q2 / 2 + 3 * s[:, 0, 1]**2)
+
+
+def test_frames_come_every_period_of_scene_time(tmp_path):
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", period=0.01))
+    scene.run(until=0.035, progress=False)
+    times = [f["time"] for f in readWithH5py(tmp_path / "a.h5")]
+    assert np.allclose(times, [0, 0.01, 0.02, 0.03], atol=0.51 * scene.dt)
+
+
+@pytest.mark.parametrize("resumedAt", [15, 20, 30])
+def test_a_restored_recorder_cuts_its_file_and_continues_to_the_same_content(tmp_path, resumedAt):
+    whole, cut = tmp_path / "whole.h5", str(tmp_path / "cut.h5")
+    runAndWatch(makeScene(), whole, steps=40)
+    scene = makeScene()
+    runAndWatch(scene, cut, steps=30)             # 30 steps are in the file,
+    spec = scene.engines[4].spec()
+    scene = makeScene()
+    scene.engines = chain()
+    scene.run(steps=resumedAt, progress=False)    # the state is older
+    scene.engines = chain(mpm.Recorder(**spec))
+    scene.prepare()
+    assert [f["steps"] for f in readWithH5py(cut)] == list(range(0, resumedAt + 1, 10))
+    scene.run(steps=40 - resumedAt, progress=False)
+    assertSameContent(cut, whole)
+
+
+def test_a_restored_recorder_without_its_file_begins_a_new_one(tmp_path):
+    scene, file = makeScene(), tmp_path / "a.h5"
+    runAndWatch(scene, file, steps=20)
+    spec = scene.engines[4].spec()
+    os.remove(file)
+    scene.engines = chain(mpm.Recorder(**spec))
+    scene.run(steps=15, progress=False)
+    assert [f["steps"] for f in readWithH5py(file)] == [20, 30]
+
+
+def test_a_file_of_another_run_is_not_continued(tmp_path):
+    runAndWatch(makeScene(), tmp_path / "a.h5", steps=10)
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(**dict(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5).spec())))
+    with pytest.raises(ValueError, match="is not the file that this run has written; move it away"):
+        scene.run(steps=10, progress=False)
+
+
+def test_the_spec_is_plain_and_makes_the_same_recorder(tmp_path):
+    import json
+    one = mpm.Recorder(tmp_path / "a.h5", period=0.5, fields=("stress",), bodies=["low"], compress=2, label="r")
+    assert mpm.Recorder(**json.loads(json.dumps(one.spec()))).spec() == one.spec()
+
+
+def test_an_old_file_stays_until_the_first_step_is_taken(tmp_path):
+    file = tmp_path / "a.h5"
+    runAndWatch(makeScene(), file, steps=10)
+    kept = contentOf(file)
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(file, iterPeriod=5))
+    scene.dt = 1.0
+    with pytest.raises(ValueError, match="exceeds the critical step"):
+        scene.run(steps=5, progress=False)
+    assert contentOf(file).keys() == kept.keys() and contentOf(file)["NSteps"] == kept["NSteps"] == 2
+    scene.dt = 1e-3
+    scene.run(steps=15, progress=False)
+    assert contentOf(file)["NSteps"] == 4 and os.listdir(tmp_path) == ["a.h5"]
+
+
+def test_the_initial_frame_holds_what_was_set_after_an_early_check(tmp_path):
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5))
+    scene.criticalTimeStep()
+    scene["high"].velocity[...] = (0, -0.25)
+    scene.run(steps=5, progress=False)
+    frame = readWithH5py(tmp_path / "a.h5")[0]
+    assert (frame["velocity"][frame["body"] == 1] == (0, -0.25, 0)).all()
+
+
+@pytest.mark.parametrize("arguments, text", [
+    (dict(), "give one of the two, positive"),
+    (dict(period=1.0, iterPeriod=5), "give one of the two, positive"),
+    (dict(period=-1.0), "give one of the two, positive"),
+    (dict(iterPeriod=2.5), "give one of the two, positive"),
+    (dict(iterPeriod=5, compress=10), "compress = 10 is not allowed; give a gzip level, 0 to 9"),
+])
+def test_wrong_arguments_are_refused(arguments, text):
+    with pytest.raises(ValueError, match=text):
+        mpm.Recorder("a.h5", **arguments)
+
+
+@pytest.mark.parametrize("arguments, text", [
+    (dict(fields=["strees"]), "there is no field 'strees'; fields: .*stress"),
+    (dict(bodies=["pile"]), "there is no body named 'pile'; bodies: low, high"),
+])
+def test_unknown_fields_and_bodies_are_refused_before_the_first_step(tmp_path, arguments, text):
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, **arguments))
+    with pytest.raises(ValueError, match=text):
+        scene.run(steps=5, progress=False)
+    assert scene.steps == 0
+
+
+@pytest.mark.parametrize("place", ["missing/a.h5", "."])
+def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path, place):
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(tmp_path / place, iterPeriod=5))
+    with pytest.raises(OSError, match="Recorder: .*give .* file"):
+        scene.run(steps=5, progress=False)
+    assert scene.steps == 0
+
+
+class Killed(BaseException):
+    pass
+
+
+@pytest.mark.parametrize("survived", [0, 1, 2, 3])
+def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(tmp_path, monkeypatch, survived):
+    """Kills the writer before its write number `survived` + 1 of a frame."""
+    scene, file = makeScene(), tmp_path / "a.h5"
+    scene.engines = chain(mpm.Recorder(file, iterPeriod=10))
+    scene.run(steps=20, progress=False)
+    shutil.copy(file, tmp_path / "before.h5")
+    writes, write = [], recorder._writeAll
+
+    def dying(*arguments):
+        if len(writes) >= survived:
+            raise Killed
+        writes.append(arguments)
+        write(*arguments)
+
+    monkeypatch.setattr(recorder, "_writeAll", dying)
+    with pytest.raises(Killed):
+        scene.run(steps=10, progress=False)
+    monkeypatch.undo()
+    hadJournal = recorder.recover(file)
+    assert hadJournal == (survived > 0)
+    assert not os.path.exists(str(file) + ".journal")
+    if not hadJournal:
+        assertSameContent(file, tmp_path / "before.h5")
+        return
+    expected = runAndWatch(makeScene(), tmp_path / "whole.h5", steps=30)
+    assertSameFrames(readWithH5py(file), expected)
+    assertSameContent(file, tmp_path / "whole.h5")
+
+
+def test_the_journal_is_what_saves_a_killed_writer(tmp_path, monkeypatch):
+    """The control of the test above: between two writes the file alone is not what it should be."""
+    scene, file = makeScene(), tmp_path / "a.h5"
+    scene.engines = chain(mpm.Recorder(file, iterPeriod=10))
+    scene.run(steps=20, progress=False)
+    count, write = [0], recorder._writeAll
+
+    def dying(*arguments):
+        count[0] += 1
+        if count[0] > 2:
+            raise Killed
+        write(*arguments)
+
+    monkeypatch.setattr(recorder, "_writeAll", dying)
+    with pytest.raises(Killed):
+        scene.run(steps=10, progress=False)
+    monkeypatch.undo()
+    try:
+        steps = [f["steps"] for f in readWithH5py(file)]
+    except Exception:
+        steps = None
+    assert steps != [0, 10, 20, 30]
+    recorder.recover(file)
+    assert [f["steps"] for f in readWithH5py(file)] == [0, 10, 20, 30]
+
+
+def test_an_error_while_a_frame_is_made_leaves_the_file_as_it_was(tmp_path):
+    runAndWatch(makeScene(), tmp_path / "a.h5", steps=10)
+    before = (tmp_path / "a.h5").read_bytes()
+    with pytest.raises(RuntimeError), recorder.appendingTo(tmp_path / "a.h5") as h5:
+        recorder.extend(h5["VTKHDF"], "Points", np.zeros((100, 3)))
+        raise RuntimeError
+    assert (tmp_path / "a.h5").read_bytes() == before
+    with recorder.appendingTo(tmp_path / "a.h5") as h5:
+        recorder.extend(h5["VTKHDF"], "Points", np.zeros((100, 3)))
+    assert (tmp_path / "a.h5").read_bytes() != before
+
+
+def test_a_paged_file_reads_back_what_was_written_across_pages(tmp_path):
+    random, file = np.random.default_rng(1), tmp_path / "a.bin"
+    mirror = bytearray(random.bytes(10000))
+    file.write_bytes(mirror)
+    with recorder.PagedFile(file) as pages:
+        for _ in range(200):
+            at, data = int(random.integers(0, 20000)), random.bytes(int(random.integers(1, 9000)))
+            mirror.extend(bytes(max(0, at + len(data) - len(mirror))))
+            mirror[at:at + len(data)] = data
+            pages.seek(at)
+            pages.write(data)
+            at, count = int(random.integers(0, len(mirror))), int(random.integers(1, 9000))
+            pages.seek(at)
+            assert pages.read(count) == bytes(mirror[at:at + count])
+        assert len(file.read_bytes()) == 10000
+        pages.commit()
+    assert file.read_bytes() == bytes(mirror)

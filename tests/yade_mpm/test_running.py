@@ -1,0 +1,320 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Nothing is lost: an error or a signal leaves a checkpoint and a message, and a non-zero exit code."""
+import gc
+import os
+import signal
+import subprocess
+import sys
+import time
+import warnings
+import weakref
+
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+import yade_mpm.scene
+from yade_mpm import box
+
+SCENE = """
+import sys, time
+import yade_mpm as mpm
+from yade_mpm import box
+scene = mpm.Scene((0, 0), (2, 2), 0.25)
+scene.add("a", box((0.5, 0), (1.5, 1)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP())
+go = mpm.PyRunner(lambda: print("go", flush=True), iterPeriod=10, label="go")
+scene.engines = [*scene.engines, go]
+"""
+
+
+@pytest.fixture(autouse=True)
+def inItsOwnFolder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def smallScene(*engines, velocity=(0.0, 0.0)):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25)
+    body = scene.add("soft", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP())
+    body.velocity = velocity
+    scene.engines = [*scene.engines, *engines]
+    return scene
+
+
+def pulledMesh(onDistortion):
+    """A mesh of which one domain has a vertex pulled almost to the opposite one."""
+    scene = mpm.Scene((0, 0), (2, 2), 0.25)
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)),
+                     mpm.APDI(size=0.25, onDistortion=onDistortion))
+    body.velocity = (0.3, -0.2)
+    body.stress = np.diag([-3.0, -5.0, -4.0])
+    body.vertices[0] += 0.16
+    scene.dt = 1e-4
+    return scene
+
+
+def process(script, **options):
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
+    return subprocess.Popen([sys.executable, "-c", SCENE + script], env=environment, text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE, **options)
+
+
+# --- signals ----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("number, codes", [(signal.SIGINT, (130, -signal.SIGINT)), (signal.SIGTERM, (143,))])
+@pytest.mark.parametrize("script", ["scene.run(steps=10**9)",
+                                    "scene.run(steps=10**9, background=True)\nscene.wait()",
+                                    "scene.run(steps=10**9, background=True)\nwhile scene.running: time.sleep(0.01)"])
+def test_signals_leave_a_checkpoint_and_an_exit_code(script, number, codes):
+    if number == signal.SIGINT and "sleep" in script:
+        pytest.skip("Ctrl-C belongs to the foreground; the end of the program saves, see below")
+    run = process(script)
+    assert run.stdout.readline() == "go\n"
+    run.send_signal(number)
+    _, message = run.communicate(timeout=30)
+    assert run.returncode in codes, message
+    assert "interrupted at step" in message and "the state is in yade_mpm.checkpoint.h5 (continue with yade_mpm.load)" in message
+    scene = mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None})
+    assert scene.steps >= 10
+    scene.run(steps=5)
+
+
+def test_the_end_of_the_program_does_not_lose_a_background_run():
+    run = process("scene.run(steps=10**9, background=True)\ntime.sleep(0.2)")
+    _, message = run.communicate(timeout=30)
+    assert "interrupted at step" in message and run.returncode == 0
+    assert mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None}).steps > 0
+
+
+def test_an_interrupt_while_nothing_can_be_written_still_interrupts(tmp_path):
+    run = process(f"import os\nscene.run(steps=10**9, checkpointFile='gone/c.h5')", cwd=tmp_path)
+    _, message = run.communicate(timeout=30)
+    assert run.returncode == 1 and "FileNotFoundError: checkpoint 'gone/c.h5': there is no folder" in message
+    (tmp_path / "gone").mkdir()
+    run = process("scene.run(steps=10**9, checkpointFile='gone/c.h5')", cwd=tmp_path)
+    assert run.stdout.readline() == "go\n"
+    (tmp_path / "gone").rmdir()
+    run.send_signal(signal.SIGTERM)
+    _, message = run.communicate(timeout=30)
+    assert run.returncode == 143 and "the state could not be saved" in message
+
+
+def test_handlers_of_the_host_come_back():
+    before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    scene = smallScene()
+    scene.run(steps=1)
+    scene.run(steps=1, background=True)
+    scene.wait()
+    assert (signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)) == before
+
+
+# --- errors -----------------------------------------------------------------------------------------------
+def test_a_particle_that_leaves_the_grid_ends_the_run_and_is_named(capsys):
+    scene = smallScene(velocity=(0.0, -20.0))
+    with pytest.raises(RuntimeError, match=r"step \d+: particle \d+ of 'soft' at \(.*\) is outside the grid \(0, 0\) to \(2, 2\); "
+                                           r"enlarge the grid"):
+        scene.run(until=1.0)
+    assert f"the run failed at step {scene.steps}" in capsys.readouterr().err
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # the state is that between two steps
+        loaded = mpm.load("yade_mpm.checkpoint.failed.h5")
+    assert loaded.steps == scene.steps and np.array_equal(loaded["soft"].position, scene["soft"].position)
+
+
+@pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
+def test_an_inverted_domain_ends_the_run_and_is_named(scheme, recwarn):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme)
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI())
+    scene.dt = 1e-4
+    scene.run(steps=3)
+    body.vertices[6] += 0.15
+    with pytest.raises(RuntimeError, match=r"step \d: domain of particle 5 in 'mesh' at \(.*\) is (nearly )?inverted .*; use UGIMP there, "
+                                           r'or APDI\(onDistortion="convert"\)'):
+        scene.run(steps=5)
+    recwarn.clear()
+    loaded = mpm.load("yade_mpm.checkpoint.failed.h5")
+    assert np.array_equal(loaded["mesh"].vertices, body.vertices)
+    assert [str(w.message)[:10] for w in recwarn] == (["checkpoint"] if scheme == "USF" else []), "USF ends it within the step"
+
+
+def test_conversion_conserves_mass_momentum_volume_and_stress():
+    stopped, converted = pulledMesh("stop"), pulledMesh("convert")
+    with pytest.raises(RuntimeError, match="inverted"):
+        stopped.run(steps=1)
+    converted.run(steps=1)
+    assert converted["mesh"].converted == 1 and converted["mesh (converted)"].count > 0
+    for before, after in zip(totals(stopped), totals(converted)):
+        assert np.allclose(before, after, rtol=1e-12, atol=1e-12 * np.abs(before).max())
+    assert converted.particleCount > stopped.particleCount, "the control: the bodies are not the same"
+
+
+def totals(scene):
+    """Mass, momentum, volume, volume times stress, and centre of mass of all bodies."""
+    sums = [0, 0, 0, 0, 0]
+    for b in scene.bodies:
+        for k, values in enumerate((b.mass, b.mass[:, None] * b.velocity, b.volume, b.volume[:, None, None] * b.stress,
+                                    b.mass[:, None] * b.position)):
+            sums[k] = sums[k] + values.sum(axis=0)
+    return sums
+
+
+def test_an_error_in_a_callback_ends_the_run(capsys):
+    def fail():
+        raise ZeroDivisionError("mine")
+    scene = smallScene(mpm.PyRunner(fail, iterPeriod=5))
+    with pytest.raises(ZeroDivisionError, match="mine"):
+        scene.run(steps=100)
+    assert scene.steps == 5 and "the run failed at step 5" in capsys.readouterr().err
+    assert mpm.load("yade_mpm.checkpoint.failed.h5", callbacks={"fail": None}).steps == 5
+    scene.engines[-1].dead = True
+    scene.run(steps=1)  # the scene is still usable
+
+
+def test_leaving_the_program_in_a_callback_saves_too():
+    run = process("go.dead = True\nscene.engines = [*scene.engines, mpm.PyRunner('sys.exit(7)', iterPeriod=4)]\nscene.run(steps=100)")
+    run.communicate(timeout=30)
+    assert run.returncode == 7
+    assert mpm.load("yade_mpm.checkpoint.failed.h5", callbacks={"go": None}).steps == 4
+
+
+def test_errors_of_a_script_give_an_exit_code():
+    run = process("scene['a'].velocity = (0.0, 100.0)\nscene.run(steps=1000)")
+    _, message = run.communicate(timeout=30)
+    assert run.returncode == 1 and "is outside the grid" in message
+
+
+def test_a_callback_cannot_run_the_scene():
+    for command in ("scene.run(steps=1)", "scene.step()"):
+        with pytest.raises(RuntimeError, match="a callback cannot"):
+            smallScene(mpm.PyRunner(command, iterPeriod=1)).run(steps=2)
+
+
+# --- runs -------------------------------------------------------------------------------------------------
+def test_a_background_run_is_waited_for_and_paused():
+    scene = smallScene()
+    scene.run(steps=50, background=True)
+    scene.wait()
+    assert scene.steps == 50 and not scene.running
+    scene.run(steps=10**9, background=True)
+    while scene.steps == 50:
+        time.sleep(0.001)
+    for forbidden in (lambda: scene.run(steps=1), scene.step, lambda: scene.save("x.h5"), scene.criticalTimeStep,
+                      lambda: scene.add("b", box((0, 0), (0.5, 0.5)), scene["soft"].material, mpm.UGIMP())):
+        with pytest.raises(RuntimeError, match="a run is going on in the background"):
+            forbidden()
+    scene.pause()
+    assert not scene.running
+    reached = scene.steps
+    time.sleep(0.05)
+    assert scene.steps == reached > 50
+
+
+def test_wait_raises_what_went_wrong_in_the_background(capsys):
+    scene = smallScene(mpm.PyRunner("1 / 0", iterPeriod=3))
+    scene.run(steps=10, background=True)
+    with pytest.raises(ZeroDivisionError):
+        scene.wait()
+    scene.wait()  # once
+    assert scene.steps == 3 and "the run failed at step 3" in capsys.readouterr().err
+    assert mpm.load("yade_mpm.checkpoint.failed.h5").steps == 3
+
+
+@pytest.mark.parametrize("period", [dict(iterPeriod=7), dict(virtPeriod=0.05)])
+@pytest.mark.parametrize("background", [False, True])
+def test_pause_in_a_callback_stops_after_that_step(period, background):
+    scene = smallScene(mpm.PyRunner(lambda s: s.pause(), **period))
+    stops = []
+    for _ in range(3):
+        scene.run(steps=10**6, background=background)
+        scene.wait()
+        stops.append(scene.steps if "iterPeriod" in period else scene.time)
+    assert np.allclose(stops, [7, 14, 21] if "iterPeriod" in period else [0.05, 0.1, 0.15], rtol=0, atol=0.5 * scene.dt)
+
+
+def test_runs_can_be_cut_in_pieces(monkeypatch):
+    monkeypatch.setattr(mpm.scene, "DT_PERIOD", 10)
+    whole, pieces = smallScene(velocity=(0.1, 0.2)), smallScene(velocity=(0.1, 0.2))
+    whole.run(steps=40)
+    for steps in (0, 3, 7, 1, 19, 10):
+        pieces.run(steps=steps)
+    assert pieces.steps == 40 and np.array_equal(whole["soft"].stress, pieces["soft"].stress) and whole.time == pieces.time
+    stepped = smallScene(velocity=(0.1, 0.2))
+    for _ in range(5):
+        stepped.step()
+    assert stepped.steps == 5
+
+
+def test_until_is_reached_and_not_passed():
+    scene = smallScene()
+    scene.dt = 1e-3
+    scene.run(until=0.05)
+    assert scene.steps == 50 and scene.time == pytest.approx(0.05)
+
+
+def test_the_ramp_of_a_later_drive_counts_from_its_first_run():
+    scene = smallScene()
+    scene.run(until=0.5)
+    drive = mpm.Drive(scene["soft"], velocity=(0.1, None), ramp=0.2)
+    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(drive=drive), mpm.GridToParticle(), mpm.DomainUpdater()]
+    start = scene.time
+    scene.run(until=start + 0.1)
+    assert scene["soft"].velocity[:, 0] == pytest.approx(0.05, rel=0.2)
+
+
+# --- views ------------------------------------------------------------------------------------------------
+def test_views_never_dangle():
+    scene = pulledMesh("convert")
+    body = scene["mesh"]
+    views = [body.position, body.stress, body.vertices, scene["mesh (converted)"].velocity]
+    copies = [v.copy() for v in views]
+    scene.run(steps=1)  # converts, hence resizes
+    assert body.count == len(copies[0]) - 1 and [len(v) for v in views] == [len(c) for c in copies]
+    kept = body.position
+    expected = kept.copy()
+    del scene, body
+    gc.collect()
+    junk = [np.full(3000, np.nan) for _ in range(300)]
+    assert np.array_equal(kept, expected) and all(np.isfinite(v).all() for v in views) and junk
+
+
+def test_a_body_keeps_its_scene_and_a_refused_body_is_empty():
+    body = smallScene()["soft"]
+    gc.collect()
+    assert body.count == 64 and body.corners().shape == (64, 4, 2)
+    seen = []
+    original = mpm.Scene._build
+    scene = smallScene()
+    try:
+        mpm.Scene._build = lambda self, body, geometry: (seen.append(body), original(self, body, geometry))
+        with pytest.raises(ValueError, match="overlap"):
+            scene.add("twice", box((0.5, 0.5), (1, 1)), scene["soft"].material, mpm.UGIMP())
+    finally:
+        mpm.Scene._build = original
+    with pytest.raises(AttributeError):
+        seen[0].count
+    assert len(scene.bodies) == 1
+
+
+def test_scenes_with_callbacks_are_freed():
+    scene = smallScene(mpm.PyRunner(lambda s: None, iterPeriod=1), mpm.PyRunner("pass", iterPeriod=1))
+    scene.run(steps=3)
+    gone = weakref.ref(scene)
+    del scene
+    gc.collect()
+    assert gone() is None
+
+
+def test_material_constants_may_be_changed_between_runs():
+    """The hourglass stiffness and the check of the time step take the new ones; a restart changes nothing."""
+    scene = pulledMesh("stop")
+    scene["mesh"].vertices[0] -= 0.1
+    scene.run(steps=2)
+    scene["mesh"].material.lame = (5e3, 5e3)
+    scene.save("a.h5")
+    loaded = mpm.load("a.h5")
+    for s in (scene, loaded):
+        s.run(steps=5)
+    assert np.array_equal(scene["mesh"].vertices, loaded["mesh"].vertices)
+    scene["mesh"].material.lame = (1e9, 1e9)
+    with pytest.raises(ValueError, match="exceeds the critical step"):
+        scene.run(steps=1)
+    with pytest.raises(ValueError, match="exceeds the critical step"):
+        scene.step()

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The results are the same bits for any number of threads."""
+import os
+import subprocess
+import sys
+from math import radians
+
+import pytest
+
+import yade_mpm as mpm
+from yade_mpm import box
+
+
+def hybrid(scheme="MUSL"):
+    """Two blocks of uGIMP soil that collapse onto a matched mesh with hanging vertices; one of them flies off."""
+    scene = mpm.Scene((0, 0), (8, 8), 0.25, scheme=scheme)
+    soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25))
+    near = scene.add("near", box((2, 2), (6, 5)), soil, mpm.UGIMP(perCell=3))
+    scene.add("floor", box((0, 0), (8, 2)), soil, mpm.APDI(size=0.25, matched=near), fbar=True)
+    flying = scene.add("flying", box((3, 5), (5, 6)), mpm.NeoHookean(density=1.0, lame=(2e3, 1e3)), mpm.UGIMP(perCell=3))
+    flying.velocity, near.velocity = (0.0, 6.0), (1.0, -1.0)
+    solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.05, roller=("left", "right"), fixed="bottom",
+                            drive=mpm.Drive(near.below(2.5), velocity=(0.5, None)))
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    return scene
+
+
+def solid(scheme="MUSL"):
+    """The same in 3D, smaller: the mesh keeps its shape functions there."""
+    scene = mpm.Scene((0, 0, 0), (3, 3, 6), 0.5, scheme=scheme)
+    soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25))
+    scene.add("floor", box((0, 0, 0), (3, 3, 2)), soil, mpm.APDI(size=0.25), fbar=True)
+    block = scene.add("block", box((0.5, 0.5, 3), (2.5, 2.5, 4.5)), soil, mpm.UGIMP(perCell=2))
+    block.velocity = (0.5, 0.5, -6.0)
+    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0, 0, -9.81), fixed=("left", "right", "front", "back", "bottom")),
+                     mpm.GridToParticle(), mpm.DomainUpdater()]
+    return scene
+
+
+def digests(name, scheme, steps):
+    """Runs a scene with 1, 2 and 3 threads, and as a control with 1 thread and one velocity off by its last bit."""
+    import hashlib
+
+    import numpy as np
+    found = []
+    for threads, isControl in ((1, False), (2, False), (3, False), (1, True)):
+        scene = globals()[name](scheme)
+        scene.threads = threads
+        if isControl:
+            scene["flying" if name == "hybrid" else "block"].velocity[0, -1] *= 1 + 2e-16
+        before = orders(scene)
+        scene.run(steps=steps, progress=False)
+        assert orders(scene) != before, "the particles were not re-sorted"
+        text = hashlib.sha256(repr([scene.dt, scene.core.energies, [c.work for c in scene.constraints]]).encode())
+        for body in scene.bodies:
+            for field in body.fields():
+                text.update(np.ascontiguousarray(getattr(body, field["name"])).tobytes())
+            if body.cells is not None:
+                text.update(np.ascontiguousarray(body.vertices).tobytes())
+        found.append(text.hexdigest())
+    return found
+
+
+def orders(scene):
+    return [(b.id.tolist(), b.core.tables()["blockStart"]) for b in scene.bodies if b.cells is None]
+
+
+@pytest.mark.parametrize("name, scheme, steps", [("hybrid", "MUSL", 200), ("hybrid", "USF", 40), ("solid", "USL", 30), ("solid", "MUSL", 60)])
+def test_threads_do_not_change_a_bit(tmp_path, name, scheme, steps):
+    # In a process of its own, where waiting threads sleep: the machine may have fewer cores than threads.
+    environment = dict(os.environ, OMP_WAIT_POLICY="passive", PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
+    out = subprocess.run([sys.executable, __file__, name, scheme, str(steps)], env=environment, capture_output=True, text=True, timeout=200,
+                         cwd=tmp_path)
+    assert out.returncode == 0, out.stderr
+    one, two, three, control = out.stdout.split()
+    assert one == two == three
+    assert control != one, "the control: one bit at the start is seen at the end"
+
+
+if __name__ == "__main__":
+    print(*digests(sys.argv[1], sys.argv[2], int(sys.argv[3])), sep="\n")

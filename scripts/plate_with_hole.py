@@ -107,8 +107,11 @@ def atHole(plate, side, reach=0.75):
     return float(np.linalg.lstsq(terms, stress[near], rcond=None)[0].sum())
 
 
-def run(a, tolerance=1e-3):
-    """Pulls the plate and lets it come to rest; returns (summary, scene)."""
+def run(a, tolerance=1e-2):
+    """Pulls the plate and lets it come to rest; returns (summary, scene).
+
+    tolerance : largest out-of-balance force over the mean internal force; the largest sits at light nodes of cut cells.
+    """
     began = time.monotonic()
     scene = build(a)
     load = next(e for e in scene.engines if isinstance(e, mpm.BoundaryLoad))

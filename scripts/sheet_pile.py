@@ -142,15 +142,22 @@ def run(a, out):
     return summary, scene, history
 
 
+def surfaceOf(scene):
+    """Ground surface; the pile and its cavity are the hole, two metres to each side."""
+    return groundSurface(scene, soilBodies(scene), DEPTH, hole=(WIDTH / 2 - 2, WIDTH / 2 + 2))
+
+
 def resistanceCurve(a, scene, history):
-    """Depth of further penetration (m) and resistance (kN/m): the force of the drive less weight and inertia.
+    """Depth of further penetration (m) and resistance (kN/m): what the soil exerts on the pile, from the force of the drive
+    and the weight and inertia of the pile.
 
     Raw means over the history's period, and their moving average over one cell of penetration.
     """
-    t = history["time"]
-    depth = a.rate * np.where(t < a.ramp, t**2 / (2 * a.ramp) if a.ramp else t, t - 0.5 * a.ramp)
-    weight = scene["pile"].mass.sum() * GRAVITY
-    raw = weight - history["drive.fy"]
+    t, pile = history["time"], scene["pile"]
+    ramping = t < a.ramp
+    depth = a.rate * np.where(ramping, t**2 / (2 * a.ramp) if a.ramp else t, t - 0.5 * a.ramp)
+    inertia = pile.inertiaScale * pile.mass.sum() * np.where(ramping, a.rate / a.ramp if a.ramp else 0.0, 0.0)
+    raw = pile.mass.sum() * GRAVITY - history["drive.fy"] - inertia
     return depth, raw, movingAverage(depth, raw, a.cell)
 
 
@@ -165,8 +172,8 @@ def movingAverage(x, y, width):
 def summarise(a, scene, history, wall, steps, tip):
     soil, pile = soilBodies(scene), scene["pile"]
     depth, _, smooth = resistanceCurve(a, scene, history)
-    surface = groundSurface(scene, soil, DEPTH)
-    heave, trough = surface.areas(DEPTH)
+    surface = surfaceOf(scene)
+    heave, trough, cavity = surface.areas(DEPTH)
     settled = depth > a.cell
     ratios = history["kineticRatio"][settled]
     balance = reactionBalance(a, scene, history)
@@ -196,6 +203,7 @@ def summarise(a, scene, history, wall, steps, tip):
         "resistance": {f"{d:.1f}": float(np.interp(d, depth, smooth)) for d in np.arange(0.5, depth[-1] + 1e-6, 0.5)},
         "heaveArea": heave,
         "troughArea": trough,
+        "cavityArea": cavity,
         "displacedArea": thicknessOf(a.cell) * float(depth[-1]),
         "surfaceHighest": float(np.nanmax(surface.y) - DEPTH),
         "minJacobian": min([b.minJacobian for b in meshed], default=None),
@@ -205,7 +213,7 @@ def summarise(a, scene, history, wall, steps, tip):
         "kineticEnergyRatioMax": float(ratios.max()) if len(ratios) else None,
         "reactionBalanceMax": balance,
         "isolatedSurfaceParticles": surface.isolated,
-        "surfaceContinuous": surface.continuous,
+        "surfaceContinuous": surface.isContinuous(a.cell),
         "surfaceSingleValued": surface.singleValued,
         "tipDrift": tipDrift,
     }
@@ -228,7 +236,7 @@ def draw(a, out, scene, history, snapshots, summary):
     depth, raw, smooth = resistanceCurve(a, scene, history)
     np.savetxt(os.path.join(out, "resistance.csv"), np.column_stack([depth, raw, smooth]), delimiter=",", comments="",
                header="penetration_m,resistance_kN_per_m,resistance_over_one_cell_kN_per_m", fmt="%.8g")
-    surface = groundSurface(scene, soilBodies(scene), DEPTH)
+    surface = surfaceOf(scene)
     np.savetxt(os.path.join(out, "surface.csv"), np.column_stack([surface.x, surface.y, surface.explicit]), delimiter=",",
                comments="", header="x_m,y_m,is_mesh_vertex", fmt="%.8g")
     limit = 0.5
@@ -256,8 +264,8 @@ def draw(a, out, scene, history, snapshots, summary):
     ax.plot(surface.x, np.where(surface.explicit, surface.y, np.nan), "k-", lw=1.4, label="mesh vertices (APDI)")
     ax.plot(surface.x, np.where(surface.explicit, np.nan, surface.y), ".", ms=3, color="C3", label="highest particles (uGIMP)")
     ax.set(xlabel="x (m)", ylabel="ground surface y (m)",
-           title=f"heave {summary['heaveArea']:.2f} m², trough {summary['troughArea']:.2f} m², "
-                 f"displaced by the pile {summary['displacedArea']:.2f} m²")
+           title=f"heave {summary['heaveArea']:.2f} m², trough {summary['troughArea']:.2f} m², cavity "
+                 f"{summary['cavityArea']:.2f} m², pile {summary['displacedArea']:.2f} m²")
     ax.legend(fontsize=8)
     plot.save(figure, os.path.join(out, "surface.png"))
     return ["sheet_pile.h5", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]

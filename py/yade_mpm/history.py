@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 from . import diagnostics
-from .engines import FACES, Callback, Hold
+from .engines import Callback, Hold
 from .recorder import Recorder, checkPeriod, extend
 
 FLUSH = 5.0  # s of wall time at most between writes
@@ -49,7 +49,7 @@ class History(Callback):
     state : rows of the run that is to be continued; given by checkpoints. The files are made to hold just these.
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces): NAME.fx,
-    NAME.fy (, NAME.fz) and NAME.work, for drives and holds also the moment NAME.mz (3D: mx, my, mz); mass, momentum.x ...,
+    NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz (3D: mx, my, mz); mass, momentum.x ...,
     kineticEnergy, internalWork, externalWork, dampedEnergy, energyError, kineticRatio, minJacobian, hourglassAmplitude,
     invertedCount, convertedCount (see `yade_mpm.diagnostics`). A value that does not exist is nan.
 
@@ -190,7 +190,7 @@ class History(Callback):
             if self._average:
                 six = [total / self._samples for total in self._sums[c.name]]
             row.update((f"{c.name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[:dim], six))
-            if not (isinstance(c, Hold) and c.where in FACES[dim] and c.name == c.where):
+            if not (isinstance(c, Hold) and isinstance(c.where, str) and c.name == c.where):  # a face
                 row.update((f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in ((2,) if dim == 2 else (0, 1, 2)))
             row[f"{c.name}.work"] = ("kJ", c.work)
         return row

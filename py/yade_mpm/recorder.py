@@ -120,6 +120,8 @@ class Recorder(Callback):
 
     # --- inside ---
     def _check(self, scene):
+        if any(isinstance(e, Recorder) and e is not self and e.file == self._file for e in scene.engines):
+            raise ValueError(f"Recorder: two recorders write to '{self._file}'; give each its own file")
         names = [b.name for b in scene.bodies]
         for name in self._bodies or ():
             if name not in names:

@@ -12,10 +12,9 @@ from .mesh import boundaryFacets
 class Surface:
     """Ground surface, left to right.
 
-    x, y : polyline, m; nan where a gap (a cavity, a body that sticks through) interrupts the ground.
-    explicit : True at points that are vertices of a mesh, False where the surface was inferred from particles.
-    continuous : whether neighbouring points of the polyline differ by less than a cell in height where both are
-        ground, and no mesh vertex is missing.
+    x, y : polyline, m; nan where no ground is connected below. explicit : True at vertices of a mesh, False where the
+    surface was inferred from particles.
+    hole : interval of x, m, in which something goes through the ground; None: nowhere.
     singleValued : whether x grows along the vertices of every mesh.
     isolated : number of particles that are connected to the main body of ground no more.
     """
@@ -23,51 +22,55 @@ class Surface:
     x: np.ndarray
     y: np.ndarray
     explicit: np.ndarray
-    continuous: bool
+    hole: tuple
     singleValued: bool
     isolated: int
 
+    def _outside(self):
+        return np.ones(len(self.x), bool) if self.hole is None else (self.x < self.hole[0]) | (self.x > self.hole[1])
+
+    def isContinuous(self, jump):
+        """Whether neighbouring points outside the hole differ by less than `jump` (m) in height, with no point missing."""
+        outside = self._outside()
+        steps = np.abs(np.diff(self.y))[outside[1:] & outside[:-1]]
+        return bool(np.isfinite(self.y[outside]).all() and (steps < jump).all())
+
     def areas(self, level):
-        """Areas above and below a level, m2: (heave, trough); trapezoidal rule, gaps left out."""
+        """Areas between surface and a level, m2: (heave above, trough below outside the hole, cavity below inside it)."""
         good = np.isfinite(self.y)
-        x, dy = self.x[good], self.y[good] - level
-        fine = np.linspace(x[0], x[-1], 20001)
-        dy = np.interp(fine, x, dy)
-        near = np.interp(fine, self.x, np.where(good, 1.0, 0.0)) > 0.5  # no area across a gap
-        step = fine[1] - fine[0]
-        return float((np.clip(dy, 0, None) * near).sum() * step), float((np.clip(-dy, 0, None) * near).sum() * step)
+        x = np.linspace(self.x[good][0], self.x[good][-1], 20001)
+        rise = np.interp(x, self.x[good], self.y[good]) - level
+        inHole = np.zeros(len(x), bool) if self.hole is None else (x >= self.hole[0]) & (x <= self.hole[1])
+        step = x[1] - x[0]
+        below = np.clip(-rise, 0, None) * step
+        return float(np.clip(rise, 0, None).sum() * step), float(below[~inHole].sum()), float(below[inHole].sum())
 
 
-def groundSurface(scene, bodies, level):
+def groundSurface(scene, bodies, level, hole=None):
     """Surface of the ground made of some bodies of a 2D scene.
 
-    bodies : those that form the ground. level : height of the initial surface, m.
+    bodies : those that form the ground. level : height of the initial surface, m. hole : interval (x0, x1), m, in which
+    something goes through the ground; it is left out of the continuity and counts as cavity in the areas.
 
-    Meshed bodies give their own boundary vertices; lattices of boxes give, for each column one particle spacing
-    wide, the top of the highest particle that is connected to the ground. Connected means: in a patch of occupied grid
-    cells (8 neighbours) that holds the most particles, meshed domains included.
+    Meshed bodies give their own boundary vertices. Lattices of boxes give, for each column one particle spacing wide
+    that is not below a mesh, the top of the highest particle that is connected to the ground: in the patch of occupied
+    grid cells (8 neighbours), meshed domains included, that holds the most particles.
     """
     if scene.dim != 2:
         raise ValueError("groundSurface: the scene is 3D; a surface line is defined in plane strain only")
+    bodies = [b for b in bodies if b.count]
     connected, isolated = _connected(scene, bodies)
-    pieces, singleValued = [], True
+    chains = [c for b in bodies if b.cells is not None for c in _topChains(b, level)]
+    singleValued = all((np.diff(c[:, 0]) > 0).all() for c in chains)
+    pieces = [(c[:, 0], c[:, 1], np.ones(len(c), bool)) for c in chains]
     for body in bodies:
-        if body.count == 0:
-            continue
         if body.cells is None:
-            pieces.append((*_columnTops(body, connected[body.name]), False))
-        else:
-            for chain in _topChains(body, level):
-                singleValued &= bool((np.diff(chain[:, 0]) > 0).all())
-                pieces.append((chain[:, 0], chain[:, 1], True))
-    x = np.concatenate([p[0] for p in pieces])
-    y = np.concatenate([p[1] for p in pieces])
-    explicit = np.concatenate([np.full(len(p[0]), p[2]) for p in pieces])
+            x, y = _columnTops(body, connected[body.name])
+            open_ = np.all([(x < c[:, 0].min()) | (x > c[:, 0].max()) for c in chains], axis=0) if chains else np.ones(len(x), bool)
+            pieces.append((x[open_], y[open_], np.zeros(open_.sum(), bool)))
+    x, y, explicit = (np.concatenate([p[k] for p in pieces]) for k in range(3))
     order = np.argsort(x, kind="stable")
-    x, y, explicit = x[order], y[order], explicit[order]
-    steps = np.abs(np.diff(y))
-    continuous = bool((steps[np.isfinite(steps)] < max(scene.cell)).all())
-    return Surface(x, y, explicit, continuous, singleValued, isolated)
+    return Surface(x[order], y[order], explicit[order], hole, singleValued, isolated)
 
 
 def _connected(scene, bodies):

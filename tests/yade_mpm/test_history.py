@@ -91,6 +91,13 @@ def test_units_are_per_metre_in_2d_only():
     assert {"wall.mx", "wall.my", "wall.mz"} <= set(history.names) and "bottom.mx" not in history.names
 
 
+def test_a_hold_in_a_region_has_force_and_moment():
+    scene, history = makeScene(), mpm.History(iterPeriod=20)
+    scene.engines = chain(history, hold=mpm.Hold(box((0, 0.4), (2, 0.6)), (None, 0), name="layer"))
+    scene.run(steps=20, progress=False)
+    assert history["layer.fy"][0] > 0 and "layer.mz" in history.names
+
+
 def test_reactions_are_means_of_the_samples_since_the_row_before():
     seen = []
     scene, history = makeScene(), mpm.History(iterPeriod=40, sampleEvery=4)

@@ -261,6 +261,16 @@ def test_a_file_of_another_run_is_not_continued(tmp_path):
         scene.run(steps=10, progress=False)
 
 
+def test_two_recorders_need_two_files(tmp_path):
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5), mpm.Recorder(tmp_path / "a.h5", iterPeriod=7))
+    with pytest.raises(ValueError, match="two recorders write to .*; give each its own file"):
+        scene.run(steps=10, progress=False)
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5), mpm.Recorder(tmp_path / "b.h5", iterPeriod=7))
+    scene.run(steps=10, progress=False)
+    assert [len(readWithH5py(tmp_path / name)) for name in ("a.h5", "b.h5")] == [3, 2]
+
+
 def test_the_spec_is_plain_and_makes_the_same_recorder(tmp_path):
     import json
     one = mpm.Recorder(tmp_path / "a.h5", period=0.5, fields=("stress",), bodies=["low"], compress=2, label="r")

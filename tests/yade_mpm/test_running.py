@@ -41,13 +41,13 @@ def smallScene(*engines, velocity=(0.0, 0.0)):
 
 
 def pulledMesh(onDistortion):
-    """A mesh of which one domain has a vertex pulled almost to the opposite one."""
+    """A mesh of four large domains, one of which has a corner pulled almost to its diagonal."""
     scene = mpm.Scene((0, 0), (2, 2), 0.25)
     body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)),
-                     mpm.APDI(size=0.25, onDistortion=onDistortion))
+                     mpm.APDI(size=0.5, onDistortion=onDistortion))
     body.velocity = (0.3, -0.2)
     body.stress = np.diag([-3.0, -5.0, -4.0])
-    body.vertices[0] += 0.16
+    body.vertices[0] += 0.247
     scene.dt = 1e-4
     return scene
 
@@ -64,8 +64,6 @@ def process(script, **options):
                                     "scene.run(steps=10**9, background=True)\nscene.wait()",
                                     "scene.run(steps=10**9, background=True)\nwhile scene.running: time.sleep(0.01)"])
 def test_signals_leave_a_checkpoint_and_an_exit_code(script, number, codes):
-    if number == signal.SIGINT and "sleep" in script:
-        pytest.skip("Ctrl-C belongs to the foreground; the end of the program saves, see below")
     run = process(script)
     assert run.stdout.readline() == "go\n"
     run.send_signal(number)
@@ -141,9 +139,11 @@ def test_conversion_conserves_mass_momentum_volume_and_stress():
         stopped.run(steps=1)
     converted.run(steps=1)
     assert converted["mesh"].converted == 1 and converted["mesh (converted)"].count > 0
+    assert converted.particleCount == stopped.particleCount - 1 + 9, "nine particles took the place of a domain"
     for before, after in zip(totals(stopped), totals(converted)):
-        assert np.allclose(before, after, rtol=1e-12, atol=1e-12 * np.abs(before).max())
-    assert converted.particleCount > stopped.particleCount, "the control: the bodies are not the same"
+        scale = np.abs(before).max()
+        assert np.abs(after - before).max() <= 1e-12 * scale
+        assert np.abs(after * (1 + 1e-11) - before).max() > 1e-12 * scale, "the control"
 
 
 def totals(scene):
@@ -305,7 +305,7 @@ def test_scenes_with_callbacks_are_freed():
 def test_material_constants_may_be_changed_between_runs():
     """The hourglass stiffness and the check of the time step take the new ones; a restart changes nothing."""
     scene = pulledMesh("stop")
-    scene["mesh"].vertices[0] -= 0.1
+    scene["mesh"].vertices[0] -= 0.2
     scene.run(steps=2)
     scene["mesh"].material.lame = (5e3, 5e3)
     scene.save("a.h5")

@@ -58,11 +58,12 @@ template <int Dim> class Scene {
         return n;
     }
 
-    // A node with less mass than this takes no part.
+    // A node with less mass than this takes no part. Towards the end of its support the weight of uGIMP falls with the
+    // square of the overlap, its gradient linearly: a node left out at 1e-12 would still count 1e-6 in a gradient.
     double leastMass() const {
         double largest = 0;
         for (auto& b : bodies) largest = std::max(largest, b->largestInertialMass);
-        return 1e-12 * largest;
+        return 1e-30 * largest;
     }
 
     // Checks the chain and enters the static constraints; before the first step and after every change.

@@ -1,0 +1,405 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bad input is refused before the first step, by an error that says who, what was given, what is allowed, what to do."""
+import os
+import re
+import subprocess
+import sys
+from math import inf, nan, radians
+
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+from yade_mpm import box, sphere
+
+LAME = (1e3, 1e3)
+UNIT = box((0, 0), (1, 1))
+
+
+@pytest.fixture(autouse=True)
+def inItsOwnFolder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def elastic(**attributes):
+    return mpm.LinearElastic(**{"density": 1.0, "lame": LAME, **attributes})
+
+
+def soil(**attributes):
+    return mpm.MohrCoulombDruckerPrager(**{"density": 1.5, "lame": LAME, "cohesion": 5.0, "frictionAngle": radians(30), **attributes})
+
+
+def emptyScene(dim=2):
+    return mpm.Scene((0,) * dim, (4,) * dim, 0.5)
+
+
+def oneBody(region=UNIT, type=None, material=None, **options):
+    scene = emptyScene()
+    scene.add("block", region, material or elastic(), type or mpm.UGIMP(), **options)
+    return scene
+
+
+def refused(message, make, kind=ValueError):
+    """make() raises an error whose text holds all parts of message, separated by ' ... '."""
+    with pytest.raises(kind, match=".*".join(re.escape(part) for part in message.split(" ... "))):
+        make()
+
+
+def cases(*rows):
+    """Rows (message, make[, kind]) as parameters, named by their message."""
+    return pytest.mark.parametrize("message, make, kind", [pytest.param(*row, *([ValueError] if len(row) == 2 else []), id=row[0][:60])
+                                                            for row in rows])
+
+
+@cases(
+    ("LinearElastic: density = -1 is not allowed; give a positive number (Mg/m3)", lambda: elastic(density=-1)),
+    ("LinearElastic: density = 0 is not allowed", lambda: elastic(density=0)),
+    ("LinearElastic: density = nan is not allowed", lambda: elastic(density=nan)),
+    ("LinearElastic: density = inf is not allowed", lambda: elastic(density=inf)),
+    ("LinearElastic: density = 'heavy' is not allowed; give a positive number", lambda: elastic(density="heavy")),
+    ("LinearElastic: density = (1, 2) is not allowed; give a positive number", lambda: elastic(density=(1, 2))),
+    ("LinearElastic: density = {'a': 1} is not allowed; give a positive number", lambda: elastic(density={"a": 1})),
+    ("LinearElastic: density = True is not allowed", lambda: elastic(density=True)),
+    ("LinearElastic: density is required; give density in Mg/m3", lambda: mpm.LinearElastic(lame=LAME)),
+    ("LinearElastic: density is required", lambda: elastic(density=None)),
+    ("LinearElastic has no attribute 'densty'; did you mean 'density'? (allowed: 'density', 'lame', 'young', 'poisson')",
+     lambda: mpm.LinearElastic(densty=1.0, lame=LAME)),
+    ("poisson = 0.6 ... (-1, 0.5)", lambda: mpm.LinearElastic(density=1, young=1e3, poisson=0.6)),
+    ("poisson = 0.5 ...  (-1, 0.5)", lambda: mpm.LinearElastic(density=1, young=1e3, poisson=0.5)),
+    ("young = -1000 is not allowed; give a positive number (kPa)", lambda: mpm.LinearElastic(density=1, young=-1e3, poisson=0.2)),
+    ("young = 1000 kPa is given without poisson; give both", lambda: mpm.LinearElastic(density=1, young=1e3)),
+    ("elastic constants are missing; give either lame=(lambda, mu) or young and poisson", lambda: mpm.LinearElastic(density=1)),
+    ("are given together; give either lame=(lambda, mu) or young and poisson, not both", lambda: elastic(young=1e3, poisson=0.2)),
+    ("has mu = -1 kPa; give mu > 0", lambda: elastic(lame=(1, -1))),
+    ("bulk modulus lambda + 2/3 mu = -1", lambda: elastic(lame=(-3, 3))),
+    ("lame holds 3 numbers; give lame=(lambda, mu) in kPa", lambda: elastic(lame=(1, 2, 3))),
+    ("lame = [[1.0, 2.0]] is not allowed; give a sequence of numbers", lambda: elastic(lame=[[1.0, 2.0]])),
+    ("lame = (1, nan) is not allowed", lambda: elastic(lame=(1.0, nan))),
+    ("NeoHookean: density = -1 is not allowed", lambda: mpm.NeoHookean(density=-1, lame=LAME)),
+    ("NeoHookean: poisson = 0.6 is not allowed", lambda: mpm.NeoHookean(density=1, young=1e3, poisson=0.6)),
+    ("MohrCoulombDruckerPrager: frictionAngle = 30 is in radians; did you mean radians(30)?", lambda: soil(frictionAngle=30)),
+    ("MohrCoulombDruckerPrager: dilatancyAngle = 10 is in radians; did you mean radians(10)?", lambda: soil(dilatancyAngle=10)),
+    ("MohrCoulombDruckerPrager: frictionAngle = -0.1", lambda: soil(frictionAngle=-0.1)),
+    ("dilatancyAngle", lambda: soil(dilatancyAngle=radians(40))),
+    ("MohrCoulombDruckerPrager: cohesion = -1 is not allowed; give zero or a positive number (kPa)", lambda: soil(cohesion=-1)),
+    ("MohrCoulombDruckerPrager ... cohesion", lambda: mpm.MohrCoulombDruckerPrager(density=1, lame=LAME, frictionAngle=0.5)),
+    ("tensionCutOff", lambda: soil(tensionCutOff=1e3)),
+    ("coneFit = 'plainStrain' is not allowed; give one of 'planeStrain'", lambda: soil(coneFit="plainStrain")),
+    ("did you mean 'frictionAngle'?", lambda: soil(frictionangle=0.5)),
+    ("MaterialPoint: material = 3; give a material", lambda: mpm.MaterialPoint(3), TypeError),
+    ("MaterialPoint: stress has shape (2, 2); give (3, 3)", lambda: mpm.MaterialPoint(elastic(), np.zeros((2, 2)))),
+    ("MaterialPoint: stress holds a value that is not finite", lambda: mpm.MaterialPoint(elastic(), np.full((3, 3), nan))),
+    ("the strain increment must be symmetric", lambda: mpm.MaterialPoint(elastic()).strain([[0, 1e-3, 0], [0, 0, 0], [0, 0, 0]])),
+    ("MaterialPoint: dt = 0 s; give a positive number", lambda: mpm.MaterialPoint(elastic()).gradient(np.zeros((3, 3)), 0)),
+    ("turns the point inside out", lambda: mpm.MaterialPoint(elastic()).gradient(-2 * np.eye(3), 1)),
+)
+def test_materials_refuse(message, make, kind):
+    refused(message, make, kind)
+
+
+def test_every_material_checks_what_all_have():
+    for name in mpm.materials.classes:
+        make = getattr(mpm, name)
+        refused(f"{name}: density = -1 is not allowed", lambda: make(density=-1))
+        refused(f"{name} has no attribute 'nonsense' (allowed: ", lambda: make(nonsense=1))
+
+
+def test_a_refused_change_leaves_the_material_as_it_was():
+    material = soil()
+    before = material.attributes()
+    for name, value in (("frictionAngle", 30), ("tensionCutOff", 1e6), ("poisson", 0.7), ("lame", (1, -1)), ("dilatancyAngle", 1.0),
+                        ("density", None), ("frictionAngl", 0.1)):
+        refused(name, lambda: setattr(material, name, value))
+        assert material.attributes() == before
+    material.tensionCutOff = 1.0
+    material.tensionCutOff = None
+    assert material.attributes() == before
+
+
+@cases(
+    ("UGIMP: perCell = 0 is not allowed", lambda: mpm.UGIMP(perCell=0)),
+    ("UGIMP: perCell = 1.5 is not allowed; give a whole number of particles", lambda: mpm.UGIMP(perCell=1.5)),
+    ("UGIMP: perCell = -2 is not allowed", lambda: mpm.UGIMP(perCell=-2)),
+    ("UGIMP: perCell = 1e+30 is not allowed", lambda: mpm.UGIMP(perCell=10**30)),
+    ("UGIMP: perCell = nan is not allowed", lambda: mpm.UGIMP(perCell=nan)),
+    ("UGIMP: perCell takes one number or one per direction", lambda: mpm.UGIMP(perCell=(1, 2, 3, 4))),
+    ("UGIMP has no attribute 'percell'; did you mean 'perCell'?", lambda: mpm.UGIMP(percell=2)),
+    ("APDI: hourglass = 2 is not allowed; give a number in [0, 1]", lambda: mpm.APDI(hourglass=2)),
+    ("APDI: onDistortion = 'ignore' is not allowed; give one of 'stop', 'convert'", lambda: mpm.APDI(onDistortion="ignore")),
+    ("APDI: onDistortion = None is not allowed", lambda: mpm.APDI(onDistortion=None)),
+    ("APDI has no attribute 'sise'", lambda: mpm.APDI(sise=0.25)),
+    ("'block': spacing = -1 must be one positive number", lambda: oneBody(type=mpm.APDI(size=-1))),
+    ("perCell = (1.0, 2.0, 3.0) has 3 numbers; give 1 or 2", lambda: oneBody(type=mpm.UGIMP(perCell=(1, 2, 3)))),
+    ("body 'block': matched = 'near'; give a body of uGIMP particles that was added before",
+     lambda: oneBody(type=mpm.APDI(matched="near")), TypeError),
+    ("hourglass = 0.05 cannot change any more, the particles of 'block' were made with it; set it before scene.add",
+     lambda: setattr(oneBody(type=mpm.APDI())["block"].type, "hourglass", 0.5)),
+    ("density = 1.0 cannot change any more, the particles of 'block'", lambda: setattr(oneBody()["block"].material, "density", 2.0)),
+)
+def test_particle_types_refuse(message, make, kind):
+    refused(message, make, kind)
+
+
+@cases(
+    ("Scene: lower = 5 is not allowed; give two (plane strain) or three numbers", lambda: mpm.Scene(5, (1, 1), 0.5)),
+    ("Scene: upper = ('a', 1) is not allowed", lambda: mpm.Scene((0, 0), ("a", 1), 0.5)),
+    ("Scene: lower = (nan, 0) is not allowed", lambda: mpm.Scene((nan, 0), (1, 1), 0.5)),
+    ("Scene: lower has 2 components, upper 3", lambda: mpm.Scene((0, 0), (1, 1, 1), 0.5)),
+    ("Scene: lower = (0, 0), upper = (-1, 1); lower must be below upper", lambda: mpm.Scene((0, 0), (-1, 1), 0.5)),
+    ("Scene: cell = 0 m; give a positive cell size", lambda: mpm.Scene((0, 0), (1, 1), 0)),
+    ("Scene: cell = -0.5 m; give a positive cell size", lambda: mpm.Scene((0, 0), (1, 1), -0.5)),
+    ("Scene: cell = nan m; give a positive cell size", lambda: mpm.Scene((0, 0), (1, 1), nan)),
+    ("Scene: cell = (0.5, 0.5, 0.5) is not allowed; give one number, or 2", lambda: mpm.Scene((0, 0), (1, 1), (0.5, 0.5, 0.5))),
+    ("Scene: cell = 'fine' is not allowed", lambda: mpm.Scene((0, 0), (1, 1), "fine")),
+    ("is not a multiple of cell = 0.3 m; move lower or upper, or change cell", lambda: mpm.Scene((0, 0), (1, 1), 0.3)),
+    ("Scene: scheme = 'FLIP' is not allowed; give one of 'MUSL', 'USF', 'USL'", lambda: mpm.Scene((0, 0), (1, 1), 0.5, scheme="FLIP")),
+    ("Scene: scheme = 3 is not allowed", lambda: mpm.Scene((0, 0), (1, 1), 0.5, scheme=3)),
+    ("Scene: threads = 0 is not allowed; give a whole number from 1", lambda: mpm.Scene((0, 0), (1, 1), 0.5, threads=0)),
+    ("Scene: threads = -1 is not allowed", lambda: setattr(emptyScene(), "threads", -1)),
+    ("Scene: threads = 1.5 is not allowed", lambda: setattr(emptyScene(), "threads", 1.5)),
+    ("Scene: threads = 1000000 is not allowed", lambda: setattr(emptyScene(), "threads", 10**6)),
+    ("Scene: dt = 0 s is not allowed; give a positive number, or None", lambda: setattr(emptyScene(), "dt", 0)),
+    ("Scene: dt = -0.1 s is not allowed", lambda: setattr(emptyScene(), "dt", -0.1)),
+    ("Scene: dt = nan s is not allowed", lambda: setattr(emptyScene(), "dt", nan)),
+    ("Scene: dt = inf s is not allowed", lambda: setattr(emptyScene(), "dt", inf)),
+    ("Scene: dt = '1ms' s is not allowed", lambda: setattr(emptyScene(), "dt", "1ms")),
+    ("Scene has no attribute 'allowUnstabel'; did you mean 'allowUnstable'?",
+     lambda: setattr(emptyScene(), "allowUnstabel", True), AttributeError),
+    ("Scene has no attribute 'gravity'", lambda: setattr(emptyScene(), "gravity", (0, -9.81)), AttributeError),
+    ("Scene: set the scheme before the engines", lambda: lateScheme()),
+    ("Scene: 3 is not an engine", lambda: setattr(emptyScene(), "engines", [3]), TypeError),
+    ("there is no body named 'pile'; bodies: block", lambda: oneBody()["pile"], KeyError),
+    ("there is no face 'front'; faces are left, right, bottom, top", lambda: emptyScene().faceNodes("front")),
+)
+def test_the_scene_refuses(message, make, kind):
+    refused(message, make, kind)
+
+
+def lateScheme():
+    scene = emptyScene()
+    scene.engines
+    scene.scheme = "USF"
+
+
+QUAD = [(0.5, 0.5), (1, 0.5), (1, 1), (0.5, 1)]
+
+
+@cases(
+    ("body 'block': material = 'steel'; give e.g. mpm.LinearElastic", lambda: emptyScene().add("block", UNIT, "steel", mpm.UGIMP()), TypeError),
+    ("body 'block': type = ", lambda: emptyScene().add("block", UNIT, elastic(), mpm.UGIMP), TypeError),
+    ("Scene: name = None of a body; give a string", lambda: emptyScene().add(None, UNIT, elastic(), mpm.UGIMP()), TypeError),
+    ("there is a body named 'block' already; give another name",
+     lambda: oneBody().add("block", box((2, 2), (3, 3)), elastic(), mpm.UGIMP())),
+    ("body 'block': the region is 3D, the scene 2D", lambda: oneBody(sphere((1, 1, 1), 0.5))),
+    ("body 'block': UGIMP particles fill a region ... got 'all'", lambda: oneBody("all"), TypeError),
+    ("body 'block': give a region, (points, cells), or the name of a mesh file; got 3", lambda: oneBody(3, mpm.APDI()), TypeError),
+    ("block' ... multiple of", lambda: oneBody(box((0, 0), (1.1, 1)))),
+    ("'block' ... outside", lambda: oneBody(box((3, 3), (5, 5)))),
+    ("'block': empty body", lambda: oneBody(mpm.disc((1, 1), 0.01))),
+    ("body 'block': vertex at (4.5, 3.5) is outside the grid (0, 0) to (4, 4); enlarge the grid or move the body",
+     lambda: oneBody((np.array(QUAD) + 3.0 + [[0, 0], [0.5, 0], [0.5, 0], [0, 0]], [(0, 1, 2, 3)]), mpm.APDI())),
+    ("bodies 'block' and 'other' overlap at (0.625, 0.625)",
+     lambda: oneBody().add("other", box((0.5, 0.5), (2, 2)), elastic(), mpm.UGIMP())),
+    ("overlap", lambda: oneBody(type=mpm.APDI()).add("other", box((0.5, 0.5), (2, 2)), elastic(), mpm.UGIMP())),
+    ("block' ... inverted", lambda: oneBody((QUAD + [(1.5, 0.5), (1.5, 1)], [(0, 1, 2, 3), (1, 2, 5, 4)]), mpm.APDI())),
+    ("block' ... concave", lambda: oneBody(([(0, 0), (1, 0), (0.3, 0.3), (0, 1)], [(0, 1, 2, 3)]), mpm.APDI())),
+    ("block' ... finite", lambda: oneBody(([(nan, 0), (1, 0), (1, 1), (0, 1)], [(0, 1, 2, 3)]), mpm.APDI())),
+    ("block' ... count from zero", lambda: oneBody((QUAD, [(1, 2, 3, 4)]), mpm.APDI())),
+    ("body 'block': the mesh is 3D, the scene 2D",
+     lambda: oneBody(([(*p, z) for z in (0, 1) for p in QUAD], [range(8)]), mpm.APDI())),
+    ("No such file", lambda: oneBody("gone.msh", mpm.APDI()), FileNotFoundError),
+    ("body 'block': inertiaScale = 0; give a positive number", lambda: oneBody(inertiaScale=0)),
+    ("body 'block': inertiaScale = -1", lambda: oneBody(inertiaScale=-1)),
+    ("body 'block': inertiaScale = nan", lambda: oneBody(inertiaScale=nan)),
+    ("body 'block': inertiaScale = inf", lambda: oneBody(inertiaScale=inf)),
+    ("body 'block': inertiaScale = '16'; give a positive number", lambda: oneBody(inertiaScale="16")),
+    ("body 'block': fbar = 'False'; give True or False", lambda: oneBody(fbar="False")),
+    ("has no attribute 'inertiascale'; did you mean 'inertiaScale'?",
+     lambda: setattr(oneBody()["block"], "inertiascale", 2), AttributeError),
+    ("body 'block': material cannot change", lambda: setattr(oneBody()["block"], "material", soil()), AttributeError),
+    ("body 'block' has no attribute 'velocty'; fields: ", lambda: oneBody()["block"].velocty, AttributeError),
+    ("body 'block': velocity holds a value that is not finite", lambda: setattr(oneBody()["block"], "velocity", (nan, 0))),
+    ("body 'block': what was given as velocity does not fit; give numbers of the shape (16, 2)",
+     lambda: setattr(oneBody()["block"], "velocity", (1, 2, 3))),
+    ("what was given as velocity does not fit", lambda: setattr(oneBody()["block"], "velocity", "fast")),
+    ("body 'block': mass must be positive", lambda: setattr(oneBody()["block"], "mass", -1)),
+    ("body 'block': stress must be symmetric", lambda: setattr(oneBody()["block"], "stress", [[0, 1, 0], [0, 0, 0], [0, 0, 0]])),
+    ("body 'block': stress holds a value that is not finite", lambda: setattr(oneBody()["block"], "stress", np.full((3, 3), nan))),
+    ("what was given as stress does not fit; give numbers of the shape (16, 3, 3)",
+     lambda: setattr(oneBody()["block"], "stress", np.zeros((2, 2)))),
+    ("NeoHookean: an initial stress that is not zero cannot be given",
+     lambda: setattr(oneBody(material=mpm.NeoHookean(density=1, lame=LAME))["block"], "stress", np.eye(3))),
+    ("body 'block': inside() takes a region", lambda: oneBody()["block"].inside(3), TypeError),
+    ("body 'block': no particle is in that region; move or widen it", lambda: oneBody()["block"].inside(box((2, 2), (3, 3)))),
+    ("weights: particle 99 does not exist", lambda: oneBody()["block"].weights(99)),
+)
+def test_bodies_refuse(message, make, kind):
+    refused(message, make, kind)
+
+
+def test_a_refused_body_leaves_the_scene_as_it_was():
+    scene = oneBody()
+    refused("overlap", lambda: scene.add("other", UNIT, elastic(), mpm.UGIMP()))
+    assert [b.name for b in scene.bodies] == ["block"]
+    scene.add("other", box((1, 0), (2, 1)), elastic(), mpm.UGIMP())
+    scene.run(steps=1)
+
+
+@cases(
+    ("GridSolver: gravity has 3 components; give 2 for this scene", lambda: withSolver(gravity=(0, 0, -9.81)).prepare()),
+    ("GridSolver: gravity = (0, nan) is not allowed", lambda: mpm.GridSolver(gravity=(0, nan))),
+    ("GridSolver: damping = 1 is not allowed; give a number in [0, 1)", lambda: mpm.GridSolver(damping=1)),
+    ("GridSolver: damping = None is not allowed", lambda: mpm.GridSolver(damping=None)),
+    ("GridSolver has no attribute 'gravty'; did you mean 'gravity'?", lambda: mpm.GridSolver(gravty=(0, 1))),
+    ("GridToParticle: flip = 1.1 is not allowed; give a number in [0, 1]", lambda: mpm.GridToParticle(flip=1.1)),
+    ("GridSolver: there is no face 'botom'; faces are left, right, bottom, top", lambda: withSolver(fixed="botom").prepare()),
+    ("GridSolver: roller = [1]; give names of faces", lambda: mpm.GridSolver(roller=[1]), TypeError),
+    ("GridSolver: fixed = 3; give names of faces", lambda: mpm.GridSolver(fixed=3), TypeError),
+    ("GridSolver: hold = 'left'; give mpm.Hold(...)", lambda: mpm.GridSolver(hold="left"), TypeError),
+    ("GridSolver: drive = 3; give mpm.Drive(...)", lambda: mpm.GridSolver(drive=3), TypeError),
+    ("GridSolver: two prescribed motions are named 'left'", lambda: withSolver(roller="left", hold=mpm.Hold("left", (0, 0))).prepare()),
+    ("Hold: where = 3; give the name of a face or a region", lambda: mpm.Hold(3, (0, 0)), TypeError),
+    ("Hold: velocity = 5 is not allowed; give one number (m/s) or None per axis", lambda: mpm.Hold("left", 5)),
+    ("Hold: velocity = (nan, 0) is not allowed", lambda: mpm.Hold("left", (nan, 0))),
+    ("Hold: velocity has 3 components; give 2", lambda: withSolver(hold=mpm.Hold("left", (0, 0, 0))).prepare()),
+    ("Hold: no grid node is inside box((0.1, 0.1), (0.2, 0.2)); make it reach a node",
+     lambda: withSolver(hold=mpm.Hold(box((0.1, 0.1), (0.2, 0.2)), (0, 0))).prepare()),
+    ("there is no face 'front'", lambda: withSolver(hold=mpm.Hold("front", (0, 0))).prepare()),
+    ("Hold: ramp = -1 is not allowed; give zero or a positive time in s", lambda: mpm.Hold("left", (0, 0), ramp=-1)),
+    ("Hold: ramp = inf is not allowed", lambda: mpm.Hold("left", (0, 0), ramp=inf)),
+    ("Hold: name = 5; give a string", lambda: mpm.Hold("left", (0, 0), name=5), TypeError),
+    ("Drive: part = 'pile'; give a body or a part of one", lambda: mpm.Drive("pile", (0, 0)), TypeError),
+    ("Drive: velocity = 'down' is not allowed", lambda: mpm.Drive(oneBody()["block"], "down")),
+    ("Drive: velocity has 3 components; give 2", lambda: setattr(mpm.Drive(oneBody()["block"], (0, 0)), "velocity", (0, 0, 0))),
+    ("Drive: 'block' is not a body of this scene", lambda: withSolver(drive=mpm.Drive(oneBody()["block"], (0, 0))).prepare()),
+    ("Drive has no attribute 'velocty'; did you mean 'velocity'?",
+     lambda: setattr(mpm.Drive(oneBody()["block"], (0, 0)), "velocty", (1, 1)), AttributeError),
+    ("BoundaryLoad: 'block' has no boundary facets; loads need an APDI body", lambda: mpm.BoundaryLoad(oneBody()["block"])),
+    ("BoundaryLoad: body = 3; give a body", lambda: mpm.BoundaryLoad(3), TypeError),
+    ("BoundaryLoad: where = 'top'; give a region", lambda: mpm.BoundaryLoad(meshed()["block"], "top"), TypeError),
+    ("BoundaryLoad: no boundary facet of 'block' is inside box((2, 2), (3, 3)); widen the region",
+     lambda: mpm.BoundaryLoad(meshed()["block"], box((2, 2), (3, 3)))),
+    ("BoundaryLoad: pressure = nan is not allowed", lambda: mpm.BoundaryLoad(meshed()["block"], pressure=nan)),
+    ("BoundaryLoad: traction has 3 components; give 2", lambda: loaded(traction=(0, 0, 1)).prepare()),
+    ("PyRunner: command = 3; give a function or a string", lambda: mpm.PyRunner(3, iterPeriod=1), TypeError),
+    ("PyRunner: give iterPeriod (steps) or virtPeriod (s)", lambda: mpm.PyRunner("pass")),
+    ("iterPeriod = 1.5 is not allowed; give a whole number", lambda: mpm.PyRunner("pass", iterPeriod=1.5)),
+    ("iterPeriod = -1 is not allowed", lambda: mpm.PyRunner("pass", iterPeriod=-1)),
+    ("virtPeriod = nan is not allowed", lambda: mpm.PyRunner("pass", virtPeriod=nan)),
+    ("virtPeriod = 'often' is not allowed", lambda: mpm.PyRunner("pass", virtPeriod="often")),
+    ("has no attribute 'iterperiod'", lambda: mpm.PyRunner("pass", iterPeriod=1, iterperiod=3)),
+)
+def test_engines_refuse(message, make, kind):
+    refused(message, make, kind)
+
+
+def test_every_engine_refuses_unknown_attributes():
+    for name, make in mpm.engines.classes.items():
+        needed = {"BoundaryLoad": ("block",), "PyRunner": ("pass", 1)}.get(name, ())
+        refused("has no attribute 'nonsense'", lambda: make(*needed, nonsense=1))
+        refused("has no attribute 'nonsense'", lambda: setattr(make(*needed), "nonsense", 1))
+
+
+def withSolver(**options):
+    scene = oneBody()
+    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(**options), mpm.GridToParticle(), mpm.DomainUpdater()]
+    return scene
+
+
+def meshed():
+    return oneBody(type=mpm.APDI())
+
+
+def loaded(**options):
+    scene = meshed()
+    scene.engines = [mpm.ParticleToGrid(), mpm.BoundaryLoad(scene["block"], **options), *scene.engines[1:]]
+    return scene
+
+
+def changed(change, **options):
+    scene = oneBody(**options)
+    change(scene)
+    return scene
+
+
+@cases(
+    ("Scene: there is no body; add one with scene.add", lambda: emptyScene().run(steps=1)),
+    ("Scene: there are no engines", lambda: changed(lambda s: setattr(s, "engines", [])).run(steps=1)),
+    ("run: give either until (s) or steps", lambda: oneBody().run()),
+    ("run: give either until (s) or steps", lambda: oneBody().run(until=1, steps=1)),
+    ("run: steps = -1 is not allowed; give a whole number", lambda: oneBody().run(steps=-1)),
+    ("run: steps = 1.5 is not allowed", lambda: oneBody().run(steps=1.5)),
+    ("run: until = 0 s is not after the scene's time 0 s", lambda: oneBody().run(until=0)),
+    ("run: until = nan ", lambda: oneBody().run(until=nan)),
+    ("run: until = inf is not allowed", lambda: oneBody().run(until=inf)),
+    ("run: until = 'noon' is not allowed; give a time in s", lambda: oneBody().run(until="noon")),
+    ("dt = 1 s exceeds the critical step ... (stiffest: 'block'); lower dt, raise inertiaScale, or coarsen the grid",
+     lambda: changed(lambda s: setattr(s, "dt", 1.0)).run(steps=1)),
+    ("dt = 1 s exceeds the critical step", lambda: changed(lambda s: setattr(s, "dt", 1.0)).step()),
+    ("no critical time step can be found (every node is held); give scene.dt",
+     lambda: changed(lambda s: setattr(s, "engines", [mpm.ParticleToGrid(), mpm.GridSolver(hold=mpm.Hold(mpm.everywhere(2), (0, 0))),
+                                                      mpm.GridToParticle(), mpm.DomainUpdater()])).run(steps=1)),
+    ("body 'block': velocity holds a value that is not finite (entry 3); mend it",
+     lambda: changed(lambda s: s["block"].velocity.__setitem__((3, 1), nan)).run(steps=1)),
+    ("body 'block': bodyForce holds a value that is not finite", lambda: changed(lambda s: s["block"].bodyForce.fill(nan)).run(steps=1)),
+    ("body 'block': vertexPosition holds a value that is not finite",
+     lambda: changed(lambda s: s["block"].vertices.fill(inf), type=mpm.APDI()).run(steps=1)),
+    ("body 'block': mass = -1 of entry 2 is not positive; mend it", lambda: changed(lambda s: s["block"].mass.__setitem__(2, -1)).run(steps=1)),
+    ("particle ... of 'block' at (9, 9) is outside the grid (0, 0) to (4, 4)",
+     lambda: changed(lambda s: s["block"].position.fill(9)).run(steps=1), RuntimeError),
+    ("checkpoint 'gone/c.h5': there is no folder", lambda: oneBody().run(steps=1, checkpointFile="gone/c.h5"), FileNotFoundError),
+    ("checkpoint '.' is a folder; give the name of a file", lambda: oneBody().save("."), IsADirectoryError),
+    ("initialStress: K0 = -1 is not allowed; give zero or a positive number", lambda: oneBody().initialStress(1.0, K0=-1)),
+    ("initialStress: no body lies below the surface -3 m; check the level", lambda: oneBody().initialStress(-3.0, K0=0.5)),
+    ("initialStress: the bodies weigh", lambda: layers().initialStress(4.0, K0=0.5)),
+    ("settle: there is no GridSolver among the engines", lambda: changed(lambda s: setattr(s, "engines", [mpm.ParticleToGrid()])).settle()),
+    ("settle: still out of balance", lambda: withSolver(gravity=(0, -9.81)).settle(maxSteps=10, checkEvery=5), RuntimeError),
+)
+def test_a_run_refuses(message, make, kind):
+    refused(message, make, kind)
+
+
+def layers():
+    scene = oneBody()
+    scene.add("light", box((0, 1), (1, 2)), elastic(density=0.5), mpm.UGIMP())
+    return scene
+
+
+def test_an_interface_that_is_too_coarse_is_refused():
+    scene = oneBody()
+    scene.add("coarse", box((1, 0), (3, 1)), elastic(), mpm.APDI(size=1.0))
+    refused("interface of 'coarse' and 'block' near ... an edge of 1 m is longer than the cell 0.5 m within one cell of uGIMP particles; "
+            "refine 'coarse' there, e.g. APDI(size=..., matched=...)", lambda: scene.run(steps=1))
+
+
+def test_a_file_that_cannot_be_written_is_refused_and_no_part_of_it_stays(tmp_path):
+    scene = oneBody()
+    refused("there is no folder", lambda: scene.save(tmp_path / "gone" / "a.h5"), FileNotFoundError)
+    if os.getuid() != 0:
+        os.chmod(tmp_path, 0o500)
+        refused("cannot be written to; give another file", lambda: scene.save(tmp_path / "a.h5"), PermissionError)
+    assert os.listdir(tmp_path) == []
+
+
+def test_the_time_step_is_checked_again_after_every_change_that_matters():
+    scene = changed(lambda s: setattr(s, "dt", None), inertiaScale=100.0)
+    scene.run(steps=1)
+    automatic = scene.dt
+    scene.dt = automatic
+    scene.run(steps=1)
+    scene["block"].inertiaScale = 1.0
+    refused("exceeds the critical step", lambda: scene.run(steps=1))
+    scene.allowUnstable = True
+    scene.run(steps=1)
+    scene.allowUnstable = False
+    refused("exceeds the critical step", lambda: scene.run(steps=1))
+    scene.dt = None
+    scene.run(steps=1)
+    assert scene.dt == pytest.approx(automatic / 10, rel=0.05)
+
+
+@pytest.mark.parametrize("script", ["mpm.LinearElastic(density=-1, lame=(1, 1))", "mpm.Scene((0, 0), (1, 1), 0.5).run(steps=1)"])
+def test_a_script_with_bad_input_ends_with_an_exit_code(script):
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
+    out = subprocess.run([sys.executable, "-c", "import yade_mpm as mpm\n" + script], env=environment, capture_output=True, text=True)
+    assert out.returncode == 1 and "ValueError" in out.stderr

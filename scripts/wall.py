@@ -61,9 +61,10 @@ def rankine(state, z):
 
 def rankineThrust(state, tension=True):
     """Thrust, kN/m: integral of the pressure over the height, with or without its tensile part."""
-    z = np.linspace(0, HEIGHT, 100001)
-    pressure = rankine(state, z)
-    return float(np.trapezoid(pressure if tension else np.maximum(pressure, 0), z))
+    top, base = rankine(state, 0.0), rankine(state, HEIGHT)
+    if tension or top >= 0:
+        return 0.5 * (top + base) * HEIGHT
+    return 0.5 * base * HEIGHT * base / (base - top)
 
 
 def build(a, state):

@@ -66,10 +66,32 @@ template <int Dim> struct Bind {
         Unlocked others;
         return scene.advance(steps, seconds);
     }
+    // The velocity gradients and vertex velocities of the last step, which the estimate uses as its scratch
+    // space, given back at the end. The particles must be in the order that the estimate puts them in.
+    class RatesKept {
+      public:
+        explicit RatesKept(S& scene) {
+            parallel(scene.threads, [&](Team& team) {
+                for (auto& body : scene.bodies) body->domains->locate(team);
+            });
+            for (auto& body : scene.bodies) {
+                keep(body->particles.velocityGradient);
+                if (Field* velocities = body->domains->vertexVelocities()) keep(*velocities);
+            }
+        }
+        ~RatesKept() {
+            for (auto& [field, values] : kept_) std::copy(values.begin(), values.end(), field->plane());
+        }
+
+      private:
+        std::vector<std::pair<Field*, std::vector<double>>> kept_;
+        void keep(Field& f) { kept_.emplace_back(&f, std::vector<double>(f.plane(), f.plane() + f.bytes() / 8)); }
+    };
     static bp::tuple critical(S& scene, double tolerance, int most) {
         CriticalStep c;
         {
             Unlocked others;
+            const RatesKept rates(scene);
             c = criticalTimeStep(scene, tolerance, most);
         }
         return bp::make_tuple(c.dt, c.iterations, c.stiffest);

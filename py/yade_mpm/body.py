@@ -158,6 +158,9 @@ class BodyPart:
     """Part of a body: by height, or a fixed set of particle ids."""
 
     def __init__(self, body, lower=None, upper=None, ids=None):
+        for height in (lower, upper):
+            if not (height is None or isinstance(height, (int, float, np.number)) and np.isfinite(height)):
+                raise ValueError(f"body '{body.name}': a part above or below {height!r}; give a height in m")
         self.body, self.lower, self.upper = body, lower, upper
         self.ids = None if ids is None else np.sort(np.asarray(ids, np.int64))
         if ids is not None and len(self.ids) == 0:

@@ -79,6 +79,8 @@ def checkWritable(file):
         raise FileNotFoundError(f"checkpoint '{file}': there is no folder '{folder}'; make it, or give another file")
     if os.path.isdir(file):
         raise IsADirectoryError(f"checkpoint '{file}' is a folder; give the name of a file")
+    if os.path.exists(file) and not os.path.isfile(file):
+        raise OSError(f"checkpoint '{file}' is no regular file and would be replaced; give the name of a file")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise PermissionError(f"checkpoint '{file}': the folder '{folder}' cannot be written to; give another file")
 
@@ -235,8 +237,8 @@ def _warn(scene, spec, file):
 
 
 def _buildBodies(scene, spec, arrays, file):
-    from .materials import classes as materialClasses
-    materials = [_buildAttributed(_classOf(materialClasses, m, file), m["attributes"]) for m in spec["materials"]]
+    from .materials import classes as materialClasses, rebuilt
+    materials = [rebuilt(_classOf(materialClasses, m, file), m["attributes"]) for m in spec["materials"]]
     types = {}
     for entry, stored in zip(spec["bodies"], arrays):
         number = entry["type"]
@@ -306,17 +308,6 @@ def _classOf(classes, spec, file):
         raise ValueError(f"checkpoint '{file}' needs the class {spec['class']}, which this installation does not have; "
                          f"it has {', '.join(classes)}")
     return classes[spec["class"]]
-
-
-def _buildAttributed(cls, attributes):
-    """Object with exactly these attributes; of elastic constants in two forms, the one that the other follows from."""
-    exact = {name: tuple(v) if isinstance(v, list) else v for name, v in attributes.items()}
-    if not {"lame", "young"} <= set(attributes):
-        return cls(**attributes)
-    byLame = cls(**{name: v for name, v in attributes.items() if name not in ("young", "poisson")})
-    if byLame.attributes() == exact:
-        return byLame
-    return cls(**{name: v for name, v in attributes.items() if name != "lame"})
 
 
 def _buildEngine(spec, scene, callbacks, file):

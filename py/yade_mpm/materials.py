@@ -12,6 +12,10 @@ class Material(Attributed):
 
     _fixed = ("density",)  # the particles have their mass
 
+    def __reduce__(self):
+        """Copies and pickles are new materials with the same attributes."""
+        return rebuilt, (type(self), self.attributes())
+
     @property
     def waveSpeed(self):
         """Speed of compression waves, m/s."""
@@ -21,6 +25,16 @@ class Material(Attributed):
     def lameConstants(self):
         """Elastic constants (lambda, mu), kPa."""
         return self.core.lameConstants
+
+
+def rebuilt(cls, attributes):
+    """Material with exactly these attributes; of elastic constants in two forms, the one that the other follows from."""
+    if not {"lame", "young"} <= set(attributes):
+        return cls(**attributes)
+    byLame = cls(**{name: v for name, v in attributes.items() if name not in ("young", "poisson")})
+    if byLame.attributes() == {name: tuple(v) if isinstance(v, list) else v for name, v in attributes.items()}:
+        return byLame
+    return cls(**{name: v for name, v in attributes.items() if name != "lame"})
 
 
 classes = makeClasses(_core.materialNames(), _core.makeMaterial, Material)

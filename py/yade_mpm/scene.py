@@ -172,6 +172,8 @@ class Scene(Guarded):
 
     def nodesInside(self, region):
         """Numbers of the nodes inside a region."""
+        if not isinstance(region, Region):
+            raise TypeError(f"nodesInside: {region!r} is not a region, e.g. box((0, 0), (1, 1))")
         return np.flatnonzero(region.contains(self.nodePositions()))
 
     # --- engines and clock ----------------------------------------------------------------------------
@@ -185,12 +187,13 @@ class Scene(Guarded):
 
     @engines.setter
     def engines(self, engines):
-        engines = list(engines)
+        engines = list(engines) if isinstance(engines, (list, tuple)) else [engines]
         for engine in engines:
             if not isinstance(engine, Engine):
-                raise TypeError(f"Scene: {engine!r} is not an engine")
+                raise TypeError(f"Scene: {engine!r} is not an engine; give a list of engines")
         if self.scheme == "USF":
             engines = _inUSFOrder(engines)
+        _checkOrder(engines, self.scheme)
         self._engines = engines
         self._dirty()
 
@@ -244,6 +247,9 @@ class Scene(Guarded):
         and `stiffest`. Source: spectral bound of the central-difference scheme; Lanczos iteration.
         """
         self._refuseWhileRunning("criticalTimeStep")
+        if not (isinstance(iterations, (int, np.integer)) and iterations >= 1 and tolerance > 0):
+            raise ValueError(f"criticalTimeStep: tolerance = {tolerance!r}, iterations = {iterations!r} is not allowed; give a "
+                             f"positive number, and a whole number from 1 on")
         if self.isMidStep():
             raise RuntimeError("criticalTimeStep: the scene is in the middle of a step; put the callback at the end of the engines")
         return self._estimate(tolerance, iterations)
@@ -262,8 +268,14 @@ class Scene(Guarded):
         bodies : which; default: all that do not rise above the surface.
         Raises ValueError when nothing lies below the surface or layers of different weight need `unitWeight`.
         """
-        if not (np.isfinite(K0) and K0 >= 0):
-            raise ValueError(f"initialStress: K0 = {K0!r} is not allowed; give zero or a positive number")
+        for name, value, least in (("surface", surface, -np.inf), ("K0", K0, 0), ("gravity", gravity, 0),
+                                   ("unitWeight", 0 if unitWeight is None else unitWeight, 0)):
+            if not (isinstance(value, (int, float, np.number)) and np.isfinite(value) and value >= least):
+                raise ValueError(f"initialStress: {name} = {value!r} is not allowed; give "
+                                 f"{'zero or a positive number' if least == 0 else 'a number'}")
+        for body in bodies or ():
+            if not isinstance(body, Body):
+                raise TypeError(f"initialStress: {body!r} among the bodies is not a body, as scene.add returns it")
         ground = bodies or [b for b in self.bodies if b.count and b.position[:, -1].max() < surface]
         if not ground:
             raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")
@@ -398,6 +410,8 @@ class Scene(Guarded):
 
     def prepare(self):
         """Checks the scene and makes it ready to step; `run` does it."""
+        if not isinstance(self.allowUnstable, (bool, np.bool_)):
+            raise ValueError(f"Scene: allowUnstable = {self.allowUnstable!r} is not allowed; give True or False")
         self._prepareChain()
         for body in self.bodies:
             _checkFields(body)
@@ -476,13 +490,28 @@ class Scene(Guarded):
         checkpoint.save(self, file)
 
 
+_ORDER = {"MUSL": ("ParticleToGrid", "BoundaryLoad", "GridSolver", "GridToParticle", "DomainUpdater"),
+          "USF": ("ParticleToGrid", "DomainUpdater", "BoundaryLoad", "GridSolver", "GridToParticle")}
+_ORDER["USL"] = _ORDER["MUSL"]
+
+
 def _inUSFOrder(engines):
-    """DomainUpdater before GridSolver: the stress is updated first."""
+    """DomainUpdater straight after ParticleToGrid: the stress is updated first, and its forces summed before loads are added."""
     kinds = [type(e).__name__ for e in engines]
-    if {"DomainUpdater", "GridSolver"} <= set(kinds) and kinds.index("DomainUpdater") > kinds.index("GridSolver"):
+    if {"DomainUpdater", "ParticleToGrid"} <= set(kinds) and kinds.index("DomainUpdater") > kinds.index("ParticleToGrid"):
         updater = engines.pop(kinds.index("DomainUpdater"))
-        engines.insert(kinds.index("GridSolver"), updater)
+        engines.insert(kinds.index("ParticleToGrid") + 1, updater)
     return engines
+
+
+def _checkOrder(engines, scheme):
+    """Refuses stages in an order that has no meaning, or twice; others may stand anywhere."""
+    stages = [type(e).__name__ for e in engines if type(e).__name__ in _ORDER[scheme]]
+    places = [_ORDER[scheme].index(s) for s in stages]
+    isTwice = any(stages.count(s) > 1 for s in stages if s != "BoundaryLoad") or len({id(e) for e in engines}) < len(engines)
+    if isTwice or places != sorted(places):
+        raise ValueError(f"Scene: engines {', '.join(stages)} do not make a step; under {scheme} the order is "
+                         f"{', '.join(_ORDER[scheme])}, each once, loads as many as you like")
 
 
 def _boxes(body):

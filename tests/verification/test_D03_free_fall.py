@@ -103,7 +103,7 @@ def test_drift_at_constant_velocity_is_rigid(kind, dim, scheme):
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("kind", KINDS)
 def test_body_force_acts_like_gravity_along_either_axis(kind, axis):
-    """A body force (m/s2) given to the particles moves them as gravity does; it was once lost along x in APDI."""
+    """A body force (m/s2) given to the particles moves them as gravity does, along either axis."""
     force = np.zeros(2)
     force[axis] = GRAVITY[2][axis]
 

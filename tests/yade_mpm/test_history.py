@@ -114,6 +114,17 @@ def test_reactions_are_means_of_the_samples_since_the_row_before():
     assert np.array_equal(momentary["drive.fy"], last[:, 1])
 
 
+def test_a_motion_that_begins_amid_two_rows_is_averaged_over_its_own_samples():
+    seen = []
+    scene, history = makeScene(), mpm.History(iterPeriod=40, sampleEvery=4)
+    scene.engines = chain(history)
+    scene.run(steps=20, progress=False)
+    watch = mpm.PyRunner(lambda s: seen.append(s.engines[1].drive.reaction[1]), iterPeriod=4)
+    scene.engines = chain(watch, history, drive=press(scene))
+    scene.run(steps=20, progress=False)
+    assert history["drive.fy"][0] == pytest.approx(np.mean(seen), rel=1e-12) and len(seen) == 5
+
+
 def test_the_mean_force_times_the_way_is_the_work():
     history = mpm.History(iterPeriod=100, sampleEvery=1)
     runWith(history, steps=100)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bad input is refused before the first step, by an error that says who, what was given, what is allowed, what to do."""
+import copy
 import os
+import pickle
 import re
 import subprocess
 import sys
@@ -97,6 +99,14 @@ def test_materials_refuse(message, make, kind):
     refused(message, make, kind)
 
 
+def test_a_copy_of_a_material_is_independent():
+    material = elastic()
+    for other in (copy.copy(material), copy.deepcopy(material), pickle.loads(pickle.dumps(material))):
+        assert other.attributes() == material.attributes()
+        other.lame = (7.0, 8.0)
+        assert material.lame == LAME
+
+
 def test_every_material_checks_what_all_have():
     for name in mpm.materials.classes:
         make = getattr(mpm, name)
@@ -167,6 +177,13 @@ def test_particle_types_refuse(message, make, kind):
      lambda: setattr(emptyScene(), "allowUnstabel", True), AttributeError),
     ("Scene has no attribute 'gravity'", lambda: setattr(emptyScene(), "gravity", (0, -9.81)), AttributeError),
     ("Scene: set the scheme before the engines", lambda: lateScheme()),
+    ("Scene: None is not an engine; give a list of engines", lambda: setattr(emptyScene(), "engines", None), TypeError),
+    ("engines GridSolver, ParticleToGrid do not make a step; under MUSL the order is ParticleToGrid, BoundaryLoad, GridSolver, ",
+     lambda: setattr(emptyScene(), "engines", [mpm.GridSolver(), mpm.ParticleToGrid()])),
+    ("engines ParticleToGrid, GridSolver, GridSolver do not make a step",
+     lambda: setattr(emptyScene(), "engines", [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridSolver()])),
+    ("criticalTimeStep: tolerance = 0.0001, iterations = 0 is not allowed", lambda: oneBody().criticalTimeStep(iterations=0)),
+    ("nodesInside: 'left' is not a region", lambda: emptyScene().nodesInside("left"), TypeError),
     ("Scene: 3 is not an engine", lambda: setattr(emptyScene(), "engines", [3]), TypeError),
     ("there is no body named 'pile'; bodies: block", lambda: oneBody()["pile"], KeyError),
     ("there is no face 'front'; faces are left, right, bottom, top", lambda: emptyScene().faceNodes("front")),
@@ -229,6 +246,8 @@ QUAD = [(0.5, 0.5), (1, 0.5), (1, 1), (0.5, 1)]
      lambda: setattr(oneBody()["block"], "stress", np.zeros((2, 2)))),
     ("NeoHookean: an initial stress that is not zero cannot be given",
      lambda: setattr(oneBody(material=mpm.NeoHookean(density=1, lame=LAME))["block"], "stress", np.eye(3))),
+    ("body 'block': a part above or below nan; give a height in m", lambda: oneBody()["block"].above(nan)),
+    ("body 'block': a part above or below 'top'", lambda: oneBody()["block"].below("top")),
     ("body 'block': inside() takes a region", lambda: oneBody()["block"].inside(3), TypeError),
     ("body 'block': no particle is in that region; move or widen it", lambda: oneBody()["block"].inside(box((2, 2), (3, 3)))),
     ("weights: particle 99 does not exist", lambda: oneBody()["block"].weights(99)),
@@ -350,6 +369,11 @@ def changed(change, **options):
     ("checkpoint 'gone/c.h5': there is no folder", lambda: oneBody().run(steps=1, checkpointFile="gone/c.h5"), FileNotFoundError),
     ("checkpoint '.' is a folder; give the name of a file", lambda: oneBody().save("."), IsADirectoryError),
     ("initialStress: K0 = -1 is not allowed; give zero or a positive number", lambda: oneBody().initialStress(1.0, K0=-1)),
+    ("initialStress: surface = 'top' is not allowed; give a number", lambda: oneBody().initialStress("top", K0=0.5)),
+    ("initialStress: 'block' among the bodies is not a body", lambda: oneBody().initialStress(1, 0.5, bodies=["block"]), TypeError),
+    ("Scene: allowUnstable = 'no' is not allowed; give True or False",
+     lambda: changed(lambda s: setattr(s, "allowUnstable", "no")).run(steps=1)),
+    ("checkpoint 'pipe' is no regular file and would be replaced", lambda: [os.mkfifo("pipe"), oneBody().save("pipe")], OSError),
     ("initialStress: no body lies below the surface -3 m; check the level", lambda: oneBody().initialStress(-3.0, K0=0.5)),
     ("initialStress: the bodies weigh", lambda: layers().initialStress(4.0, K0=0.5)),
     ("settle: there is no GridSolver among the engines", lambda: changed(lambda s: setattr(s, "engines", [mpm.ParticleToGrid()])).settle()),

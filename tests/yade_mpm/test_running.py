@@ -242,6 +242,31 @@ def test_runs_can_be_cut_in_pieces(monkeypatch):
     assert stepped.steps == 5
 
 
+@pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
+def test_loads_act_under_every_scheme_wherever_the_updater_was_put(scheme):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme)
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.APDI())
+    scene.engines = [mpm.ParticleToGrid(), mpm.BoundaryLoad(body, traction=(1.0, 0.0)), mpm.GridSolver(), mpm.GridToParticle(),
+                     mpm.DomainUpdater()]
+    scene.run(steps=10)
+    assert (body.mass * body.velocity[:, 0]).sum() == pytest.approx(4.0 * scene.time, rel=0.02)
+
+
+def test_estimates_of_the_time_step_leave_no_trace(monkeypatch):
+    """Neither in the fields nor in the work of the loads, which is that on the vertices."""
+    monkeypatch.setattr(mpm.scene, "DT_PERIOD", 5)
+    scene = pulledMesh("stop")
+    body = scene["mesh"]
+    body.vertices[0] -= 0.247
+    body.stress = 0
+    scene.engines = [mpm.ParticleToGrid(), mpm.BoundaryLoad(body, traction=(1.0, 0.0)), *scene.engines[1:]]
+    scene.run(steps=20)
+    before = body.velocityGradient.copy(), scene.core.energies["loads"]
+    scene.criticalTimeStep()
+    assert np.array_equal(before[0], body.velocityGradient)
+    assert before[1] == pytest.approx(4.0 * 0.3 * scene.time, rel=0.05)  # force times velocity times time
+
+
 def test_until_is_reached_and_not_passed():
     scene = smallScene()
     scene.dt = 1e-3

@@ -36,8 +36,10 @@ template <int Dim> void averageVolumeStrain(Body<Dim>& body, const Grid<Dim>& gr
     std::vector<double> volume(grid.count, 0.0), rate(grid.count, 0.0);
     for (int p = 0; p < particles.size(); ++p) {
         cell[p] = 0;
-        for (int k = 0; k < Dim; ++k)
-            cell[p] += int(std::floor(grid.inCells(particles.position.plane(k)[p], k))) * grid.strides[k];
+        for (int k = 0; k < Dim; ++k) { // a particle that just left the grid is found out by the next step
+            const double c = std::floor(grid.inCells(particles.position.plane(k)[p], k));
+            cell[p] += (c > 0 ? int(std::min(c, grid.nodes[k] - 1.0)) : 0) * grid.strides[k];
+        }
         double divergence = 0;
         for (int k = 0; k < Dim; ++k) divergence += particles.velocityGradient.plane((Dim + 1) * k)[p];
         volume[cell[p]] += particles.volume.plane()[p];

@@ -20,6 +20,7 @@ template <int Dim> void Scene<Dim>::prepare() {
             for (int k = 0; k < Dim; ++k)
                 if (!std::isnan(constraint.velocity[k])) holder[k][node] = short(c);
     }
+    for (auto& body : bodies) body->domains->lame = body->material->lame(); // may have been changed since
     for (auto& engine : engines) engine->finish(), engine->prepare(*this);
     require(!engines.empty(), "Scene: there are no engines; leave scene.engines alone for the default chain");
 }

@@ -88,6 +88,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
         };
         order.locate(team, grid, 2, find);
         team.once([&] {
+            hourglassModulus_ = hourglassCoefficient_ * (2.0 / 3.0) * (Base::lame[0] + 3 * Base::lame[1]);
             broken_ = order.broken(grid);
             if (broken_) order.group(grid, cell_);
         });
@@ -96,11 +97,6 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
             team.chunks(particles.size(), [&](int begin, int end) {
                 for (int p = begin; p < end; ++p) shapes_[p] = Shape<Dim>(cornersOf(p));
             });
-    }
-
-    void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
-        hourglassNow_ = withForce && hourglassCoefficient_ > 0;
-        Base::addSum(team, nodes, inertiaScale, withForce);
     }
 
     void addForce(Team& team, typename NF::Velocity* nodes, const double* const tensor[9]) override {
@@ -114,7 +110,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
             HourglassAmplitude<Dim> rate = hourglassPattern<Dim>(v);
             for (int a = 0; a < NC; ++a) rate -= v.col(a) * (shape.g[a].transpose() * pattern);
             for (int a = 0; a < NC; ++a) corner[a] = Pack<4>::zero();
-            addHourglass(shape, pattern, rate, 0, corner);
+            addHourglass(shape, pattern, rate, corner);
         });
     }
 
@@ -291,9 +287,10 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
             });
     }
 
-    template <int W, bool grads = true, class Load> void scatter(Team& team, Pack<W>* nodes, Load&& load) {
+    template <int W, bool grads = true, class Load>
+    void scatter(Team& team, Pack<W>* nodes, Load&& load, bool internalForce = false) {
         const Gather X(corner_, X_);
-        const bool hourglass = grads && W == NF::sumLanes && hourglassNow_;
+        const bool hourglass = internalForce && hourglassCoefficient_ > 0;
         scatterCorners<W>(team, nodes, [&](int p, Pack<W>* corner) __attribute__((always_inline)) {
             const Shape<Dim> shape = shapeOf(p, X);
             Pack<W> P = Pack<W>::zero();
@@ -308,10 +305,9 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
             }
             if (hourglass) {
                 const HourglassAmplitude<Dim> pattern = hourglassPattern<Dim>(X(p));
-                addHourglass(shape, pattern, pattern - hourglassOfDeformation(p), NF::force, corner);
+                addHourglass(shape, pattern, pattern - hourglassOfDeformation(p), corner);
             }
         });
-        hourglassNow_ = false;
     }
 
     template <int W, bool grads, class Store> void gather(Team& team, const Pack<W>* nodes, Store&& store) {
@@ -457,7 +453,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     }
 
     // What the deformation makes of the hourglass pattern of the undeformed domain.
-    HourglassAmplitude<Dim> hourglassOfDeformation(int p) const {
+    MPM_INLINE HourglassAmplitude<Dim> hourglassOfDeformation(int p) const {
         HourglassAmplitude<Dim> h = HourglassAmplitude<Dim>::Zero();
         for (int m = 0; m < hourglassModes<Dim>; ++m)
             for (int i = 0; i < Dim; ++i)
@@ -470,16 +466,18 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
     // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
     template <int W>
-    void addHourglass(const Shape<Dim>& shape, const HourglassAmplitude<Dim>& pattern, const HourglassAmplitude<Dim>& h,
-                      int lane, Pack<W>* corner) const {
+    MPM_INLINE void addHourglass(const Shape<Dim>& shape, const HourglassAmplitude<Dim>& pattern,
+                                 const HourglassAmplitude<Dim>& h, Pack<W>* corner) const {
         double sum = 0;
+#pragma GCC unroll 8
         for (int a = 0; a < NC; ++a) sum += shape.g[a].squaredNorm();
-        const double k = hourglassCoefficient_ * (2.0 / 3.0) * (Base::lame[0] + 3 * Base::lame[1]) * shape.volume * sum;
-        for (int a = 0; a < NC; ++a) {
-            Vec<Dim> force = Vec<Dim>::Zero();
-            for (int m = 0; m < hourglassModes<Dim>; ++m)
-                force -= k * (hourglassSign(Dim, m, a) / NC - shape.g[a].dot(pattern.col(m))) * h.col(m);
-            for (int i = 0; i < Dim; ++i) corner[a].set(lane + i, corner[a][lane + i] + force[i]);
+        const double k = hourglassModulus_ * shape.volume * sum;
+        for (int m = 0; m < hourglassModes<Dim>; ++m) {
+            Pack<4> force = Pack<4>::zero();
+            for (int i = 0; i < Dim; ++i) force.set(i, -k * h(i, m));
+#pragma GCC unroll 8
+            for (int a = 0; a < NC; ++a)
+                corner[a].addLast(hourglassSign(Dim, m, a) / NC - shape.g[a].dot(pattern.col(m)), force);
         }
     }
 
@@ -546,6 +544,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     }
 
     const double hourglassCoefficient_;
+    double hourglassModulus_ = 0; // kPa
     Field X_{"vertexPosition", "m", "Position of the vertices.", {Dim}};
     Field X0_{"vertexReference", "m", "Position of the vertices when the body was made.", {Dim}};
     Field V_{"vertexVelocity", "m/s", "Velocity of the vertices in the last step.", {Dim}};
@@ -560,7 +559,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     std::vector<Shape<Dim>> shapes_;
     std::vector<double> quality_;
     std::atomic<bool> anyDistorted_{false};
-    bool broken_ = false, hourglassNow_ = false;
+    bool broken_ = false;
 };
 
 class APDI : public ParticleType {

@@ -3,7 +3,8 @@
 // are packs (mass, momentum, force ... side by side):
 //
 //   scatter<W>(team, nodes, load):  node_i += sum_p ( phi_ip P_p + sum_k d_k phi_ip Q_pk ),  load(p, P, Q);
-//                                   Q_k has four lanes, those of the force: the last of P
+//                                   Q_k has four lanes, those of the force: the last of P. A last argument
+//                                   says whether the domains add internal forces of their own (hourglass)
 //   gather<W, grads>(team, nodes, store):  store(p, sum_i phi_ip N_i, { sum_i d_k phi_ip N_i }_k)
 //
 // and the plain weights of one particle, eachWeight(p, f(node, phi, grad phi)).
@@ -34,7 +35,7 @@ template <class Derived, int Dim> class Transfers : public Domains<Dim> {
                 for (int i = 0; i < Dim; ++i)
                     Q[k].set(i, -q.volume[p] * q.stress[i <= k ? 3 * i + k : 3 * k + i][p]);
         };
-        derived().template scatter<NF::sumLanes>(team, nodes, load);
+        derived().template scatter<NF::sumLanes>(team, nodes, load, withForce);
     }
 
     void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale) override {

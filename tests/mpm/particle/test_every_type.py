@@ -15,7 +15,7 @@ CASES = [(name, dim) for name in mpm._core.particleTypeNames() for dim in (2, 3)
 everyType = pytest.mark.parametrize("name, dim", CASES, ids=[f"{n}-{d}D" for n, d in CASES])
 CELL = np.array([0.25, 0.2, 0.3])
 CELLS = 6
-ELASTIC = dict(density=1.6, young=1e3, poisson=0.3)
+DENSITY = 1.6
 
 
 def makeScene(dim, **arguments):
@@ -23,7 +23,7 @@ def makeScene(dim, **arguments):
     return mpm.Scene(lower=0 * cell, upper=CELLS * cell, cell=cell, threads=1, **arguments)
 
 
-def addBlock(scene, name, jitter=0.1):
+def addBlock(scene, name, jitter=0.1, young=1e3):
     """Two cells per direction in the middle of the grid, domains of half a cell, put out of order by `jitter` edges.
 
     They are also moved off the nodes by two jitters: a node that a domain barely touches has so little mass that the
@@ -33,7 +33,7 @@ def addBlock(scene, name, jitter=0.1):
     rng = np.random.default_rng(3)
     type_ = getattr(mpm, name)
     region = box(2 * cell, 4 * cell)
-    material = mpm.LinearElastic(**ELASTIC)
+    material = mpm.LinearElastic(density=DENSITY, young=young, poisson=0.3)
     if not mpm._core.makeParticleType(name).isMeshed:
         body = scene.add("block", region, material, type_())
         body.position += jitter * (2 + rng.uniform(-1, 1, body.position.shape)) * cell / 2
@@ -82,7 +82,7 @@ def test_volumes_fill_the_region_and_make_the_mass(name, dim):
     body = addBlock(makeScene(dim), name, jitter=0)
     assert body.volume.sum() == pytest.approx((2 * CELL[:dim]).prod(), rel=1e-14)
     assert body.initialVolume == pytest.approx(body.volume, rel=0, abs=0)
-    assert body.mass == pytest.approx(ELASTIC["density"] * body.volume, rel=1e-15)
+    assert body.mass == pytest.approx(DENSITY * body.volume, rel=1e-15)
 
 
 @everyType
@@ -145,6 +145,28 @@ def test_a_linear_nodal_velocity_is_taken_exactly(name, dim, scheme):
             assert np.abs(body.volume / volume - 1 - 1e-3 * b[axis]).max() <= 1e-13
             if vertices is not None:
                 assert np.abs(body.vertices - vertices - 1e-3 * vertices[:, axis, None] * b).max() <= 1e-15
+
+
+@everyType
+@pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
+def test_volume_grows_with_the_trace_of_the_velocity_gradient(name, dim, scheme):
+    """dV/dt = V tr L: domains must move with the very velocity field that enters L, under MUSL the re-mapped one."""
+    scene = makeScene(dim, scheme=scheme)
+    body = addBlock(scene, name, young=1e8)
+    rng = np.random.default_rng(6)
+    body.velocity = rng.normal(size=(body.count, dim))
+    stress = 1e6 * rng.normal(size=(body.count, 3, 3))  # the step changes the velocities by about as much as they are
+    body.stress = stress + stress.swapaxes(1, 2)
+    volume, vertices = body.volume.copy(), body.vertices.copy() if body.cells is not None else None
+    scene.dt, scene.allowUnstable = 1e-6, True
+    scene.run(steps=1, progress=False)
+    L = body.velocityGradient
+    rate = np.trace(L, axis1=1, axis2=2)
+    assert np.abs(rate).max() > 5  # control: the two velocity fields differ by something like this
+    tolerance = 10 * (scene.dt * np.abs(L).max()) ** 2  # what is of second order in a step
+    assert np.abs(body.volume / volume - 1 - scene.dt * rate).max() <= tolerance
+    if vertices is not None and scheme != "USF":
+        assert np.abs(body.vertices - vertices - scene.dt * np.asarray(body.core.view("vertexVelocity", True))).max() <= 1e-15
 
 
 def fall(name, dim, steps, g=2.0):

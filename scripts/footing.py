@@ -4,8 +4,8 @@
 
 Plane strain, weightless, half of the problem: 20 x 10 m of ground, footing of half width a = 3 m at its upper left, with
 rollers at the sides and a fixed base. G = 0.1 GPa, K = 0.2 GPa, c = 0.1 MPa. Exact limit q = (2 + pi) c = 514.16 kPa
-(Prandtl 1920). Isochoric plastic flow locks the particles of one cell: the load is too high and keeps growing.
-`--fbar` averages the volumetric strain over a cell, which gives the plateau back.
+(Prandtl 1920). Isochoric plastic flow locks the particles of one cell: the load is 5 to 20 % too high.
+`--fbar` averages the volumetric strain over a cell, which mends that.
 
 The footing is held grid nodes of the surface. The velocity falls to zero over the cell beside the last one, so the edge of
 the footing is the middle of that cell; cells of 6 m / (an odd number) put it at a = 3 m.
@@ -13,7 +13,7 @@ the footing is the middle of that cell; cells of 6 m / (an odd number) put it at
 Units: Mg, m, s, kPa, per metre of thickness.
 
     python scripts/footing.py --fbar                   # cells of 0.4 m
-    python scripts/footing.py --fbar --cell 0.2857142857
+    python scripts/footing.py --fbar --types ugimp --cell 0.2222222222
     python scripts/footing.py --compare                # without and with F-bar in one picture
     python scripts/footing.py --smoke
 """
@@ -34,7 +34,7 @@ PRANDTL = (2 + pi) * COHESION
 
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), default="ugimp", help="particle types (default %(default)s)")
+    p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), default="hybrid", help="particle types (default %(default)s)")
     p.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain")
     p.add_argument("--cell", type=float, default=0.4, help="cell size, m (default %(default)s)")
     p.add_argument("--rate", type=float, default=0.02, help="settlement rate, m/s (default %(default)s)")

@@ -12,16 +12,12 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 ORDER = [{"base"}, {"state"}, {"particle", "material"}, {"scene"}, {"engine", "io"}, {"python"}]
 LEVEL = {room: level for level, rooms in enumerate(ORDER) for room in rooms}
-# Headers that belong to another room than the folder they lie in.
-MOVED = {"state/Body.hpp": "scene", "state/Scene.hpp": "scene"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 BINDINGS = re.compile(r"Python\.h|boost/python.*|python\.hpp")
 
 
 def room(path):
     """Room of a file, given relative to pkg/mpm; None for a file of another library."""
-    if path in MOVED:
-        return MOVED[path]
     first = path.split("/")[0]
     return first if first in LEVEL and "/" in path else None
 
@@ -81,7 +77,7 @@ def test_the_package_does_not_import_what_uses_it():
 @pytest.mark.parametrize("name, line", [
     ("mpm/base/types.hpp", '#include "mpm/state/Field.hpp"'),
     ("mpm/particle/New.cpp", '#include "mpm/engine/Engine.hpp"'),
-    ("mpm/particle/New.cpp", '#include "mpm/state/Scene.hpp"'),
+    ("mpm/particle/New.cpp", '#include "mpm/scene/Scene.hpp"'),
     ("mpm/material/New.cpp", '#include "mpm/particle/Domains.hpp"'),
     ("mpm/engine/New.cpp", "#include <boost/python.hpp>"),
 ])

@@ -2,7 +2,7 @@
 // Bodies: their arrays as zero-copy views, their making and their restoring.
 #include "python.hpp"
 
-#include "mpm/state/Scene.hpp"
+#include "mpm/scene/Scene.hpp"
 
 namespace mpm::python {
 

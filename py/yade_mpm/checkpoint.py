@@ -335,7 +335,7 @@ def _callbackClasses():
 def _buildCallback(cls, spec):
     engine = cls(**spec["spec"])
     for name, value in spec["attributes"].items():
-        setattr(engine, name, value)
+        engine.core.set(name, value)
     return engine
 
 

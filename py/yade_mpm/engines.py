@@ -22,6 +22,16 @@ class Engine(Attributed):
     seconds = property(lambda self: self.core.seconds, doc="Wall time spent in this engine, s.")
     calls = property(lambda self: self.core.calls, doc="How often the engine acted.")
 
+    _isBound = False  # checked against a scene: vectors keep their length from then on
+
+    def __setattr__(self, name, value):
+        before = None if name.startswith("_") else getattr(self, name, None)
+        super().__setattr__(name, value)
+        if self._isBound and isinstance(before, tuple) and len(getattr(self, name)) != len(before):
+            given = len(getattr(self, name))
+            self.core.set(name, before)
+            raise ValueError(f"{type(self).__name__}: {name} has {given} components; give {len(before)}")
+
     def bind(self, scene):
         """Called before a run; engines that need the scene look things up here."""
 
@@ -194,7 +204,17 @@ class BoundaryLoad(_generated["BoundaryLoad"]):
 body : the loaded APDI body.
 where : region; facets whose centre is inside are loaded (default: all boundary facets)."""
 
+    _fixed = ("body", "facets")
+
+    def bind(self, scene):
+        body = scene[self.body]
+        most = body.id.max(initial=-1), 2 * scene.dim
+        pairs = np.reshape(self.facets, (-1, 2)) if len(self.facets) % 2 == 0 else np.full((1, 2), -1)
+        if ((pairs < 0) | (body.converted == 0) & (pairs > np.array(most) - (0, 1))).any() or (pairs % 1).any():
+            raise ValueError(f"BoundaryLoad: facets name domains that '{self.body}' does not have; make the load from the body")
+
     def __init__(self, body, where=None, **attributes):
+        self._usedBy = body if isinstance(body, str) else getattr(body, "name", None)
         if isinstance(body, str):  # from a checkpoint: the facets are given
             super().__init__(body=body, **attributes)
             return

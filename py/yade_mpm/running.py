@@ -133,7 +133,7 @@ class Run:
         if not critical > 0:
             return  # every node is held: nothing to go by
         if scene._dt is None:
-            scene.core.dt = DT_SAFETY * critical
+            scene.core.dt = DT_SAFETY[scene.scheme] * critical
         elif scene._dt > critical and not scene.allowUnstable:
             self.progress.say(f"warning: step {scene.steps}: dt = {scene._dt:.3g} s now exceeds the critical step "
                               f"{critical:.3g} s (stiffest: '{scene.stiffest}')")

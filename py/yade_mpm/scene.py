@@ -12,7 +12,8 @@ from .particles import ParticleType, classes as particleClasses
 from .regions import Region
 from .running import Run
 
-DT_SAFETY = 0.8       # of the critical step, when dt is left out
+# Share of the critical step when dt is left out. USL loses stability below the linear limit of its operator.
+DT_SAFETY = {"MUSL": 0.8, "USF": 0.8, "USL": 0.5}
 DT_PERIOD = 5000      # steps between estimates of the critical step
 INTERFACE_RUN = 1.5   # cells; longest APDI edge beside uGIMP while running (1 when the scene is built)
 MOST_THREADS = 1024
@@ -187,6 +188,7 @@ class Scene(Guarded):
 
     @engines.setter
     def engines(self, engines):
+        self._refuseDuringStep("engines")
         engines = list(engines) if isinstance(engines, (list, tuple)) else [engines]
         for engine in engines:
             if not isinstance(engine, Engine):
@@ -220,6 +222,7 @@ class Scene(Guarded):
 
     @dt.setter
     def dt(self, value):
+        self._refuseDuringStep("dt")
         isNumber = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
         if value is not None and not (isNumber and 0 < value < np.inf):
             raise ValueError(f"Scene: dt = {value!r} s is not allowed; give a positive number, or None for an automatic step")
@@ -315,10 +318,11 @@ class Scene(Guarded):
         return taken
 
     def unbalancedForce(self):
-        """Largest free nodal out-of-balance force over the mean internal nodal force, from the last step, -.
+        """Largest free nodal out-of-balance force over the mean internal nodal force, -; takes one step to see it.
 
         Infinite where nothing but inertia acts against a force.
         """
+        self.step()
         d = self.dim
         rows = np.array(self.core.nodalValues())
         mass, force, acceleration = rows[:, 1], rows[:, 2 + d:2 + 2 * d], rows[:, 2 + 3 * d:2 + 4 * d]
@@ -397,6 +401,12 @@ class Scene(Guarded):
         if self.running and not self._run.isThisThread():
             raise RuntimeError(f"{what}: a run is going on in the background; pause() it first")
 
+    def _refuseDuringStep(self, what):
+        self._refuseWhileRunning(what)
+        if self._acting is not None:
+            raise RuntimeError(f"{what}: a step is going on, and the change would come too late; pause() in the callback, and "
+                               f"set it between two runs")
+
     def _solver(self, who):
         for engine in self.engines:
             if isinstance(engine, GridSolver):
@@ -432,7 +442,7 @@ class Scene(Guarded):
         if self._dt is None:
             if not critical > 0:
                 raise ValueError("Scene: no critical time step can be found (every node is held); give scene.dt")
-            self.core.dt = DT_SAFETY * critical
+            self.core.dt = DT_SAFETY[self.scheme] * critical
         elif self._dt > critical > 0 and not self.allowUnstable:
             raise ValueError(f"dt = {self._dt:.3g} s exceeds the critical step {critical:.3g} s of this scene (stiffest: "
                              f"'{self.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid")
@@ -462,6 +472,8 @@ class Scene(Guarded):
         self.core.setConstraints([c.core for c in constraints])
         self.core.setEngines([e.core for e in engines])
         self.core.prepare()
+        for engine in engines:
+            engine._isBound = True
 
     def _checkInterface(self, limit):
         fault = self.core.interfaceFault(limit)

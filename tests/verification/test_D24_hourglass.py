@@ -66,7 +66,6 @@ def test_forced_pattern_is_bounded_with_control():
 
 
 @pytest.mark.parametrize("scheme", ["MUSL", "USF"])
-@pytest.mark.xfail(strict=True, reason="the velocity that moves the vertices comes from particles, which do not feel the control")
 def test_control_takes_away_an_existing_pattern(scheme):
     assert amplitudeUnderForcing(0.05, scheme) < 0.01
 

@@ -141,6 +141,13 @@ def test_step_of_a_hybrid_scene_is_that_of_a_dense_eigenvalue_solve():
     assert scene.stiffest == "boxes"
 
 
+def test_hourglass_stiffness_is_in_the_operator():
+    """It lowers the step of these domains by 0.4 % only, so it is told apart at the accuracy of the iteration, 1e-4."""
+    scene = soilBlock(mpm.APDI(size=0.25, hourglass=1))
+    assert scene.criticalTimeStep() == pytest.approx(denseCriticalStep(scene), rel=1e-4)
+    assert scene.criticalTimeStep() < 0.999 * denseCriticalStep(scene, withHourglass=False)
+
+
 def test_control_the_dense_solve_tells_a_little_more_stiffness():
     scene, stiffer = soilBlock(mpm.UGIMP(perCell=2)), soilBlock(mpm.UGIMP(perCell=2))
     stiffer["block"].material.lame = [1.05 * modulus for modulus in SOIL["lame"]]
@@ -148,7 +155,11 @@ def test_control_the_dense_solve_tells_a_little_more_stiffness():
 
 
 def shaken(type_, factor, steps, scheme="MUSL"):
-    """Largest kinetic energy in pieces of 1000 steps over that at the start, of a free block of random velocities."""
+    """Largest kinetic energy in pieces of 1000 steps over that at the start, of a free block of random velocities.
+
+    Once uGIMP boxes overhang a grid line by any amount the critical step is 18 % shorter than of the aligned block, so
+    the run warns; MUSL bears it.
+    """
     scene = mpm.Scene(lower=(0, 0), upper=(1.5, 1.5), cell=0.25, threads=1, scheme=scheme)
     body = scene.add("block", box((0.5, 0.5), (1, 1)), mpm.LinearElastic(**SOIL), type_)
     velocity = 1e-3 * np.random.default_rng(4).normal(size=body.velocity.shape)
@@ -162,11 +173,17 @@ def shaken(type_, factor, steps, scheme="MUSL"):
     return largest / start, body
 
 
+def largestStrain(body):
+    """Largest component of F^T F - I over the particles."""
+    F = body.deformationGradient
+    return np.abs(F.swapaxes(1, 2) @ F - np.eye(3)).max()
+
+
 @pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.125)], ids=["UGIMP", "APDI"])
 def test_a_run_at_nine_tenths_of_the_step_stays_bounded(type_):
     ratio, body = shaken(type_, 0.9, 100_000)
     assert ratio <= 1.1
-    assert np.abs(body.displacement).max() < 1e-3
+    assert largestStrain(body) < 1e-3  # the block may turn: MPM does not keep angular momentum
 
 
 def test_a_step_above_the_critical_one_is_refused_before_the_first_step():

@@ -312,6 +312,27 @@ def test_engines_refuse(message, make, kind):
     refused(message, make, kind)
 
 
+def test_vectors_of_an_engine_keep_their_length_once_the_scene_was_checked():
+    scene = loaded(pressure=1.0)
+    scene.run(steps=1)
+    load, solver = scene.engines[1:3]
+    for make in (lambda: setattr(solver, "gravity", (1, 2, 3)), lambda: setattr(solver, "gravity", ())):
+        refused("GridSolver: gravity has ... components; give 2", make)
+    refused("BoundaryLoad: traction has 1 components; give 2", lambda: setattr(load, "traction", 1.0))
+    refused("BoundaryLoad: facets ... cannot change any more", lambda: setattr(load, "facets", (1000, 0)))
+    solver.gravity, load.traction = (0, -9.81), (1, 0)
+    scene.run(steps=1)
+    scene.engines = [scene.engines[0], mpm.BoundaryLoad("block", facets=(1000, 0)), *scene.engines[2:]]
+    refused("BoundaryLoad: facets name domains that 'block' does not have", scene.prepare)
+
+
+def test_what_would_come_too_late_is_refused_in_a_callback():
+    for command in ("scene.dt = 1e-4", "scene.engines = []"):
+        scene = oneBody()
+        scene.engines = [*scene.engines, mpm.PyRunner(command, iterPeriod=1)]
+        refused("a step is going on, and the change would come too late", lambda: scene.run(steps=1), RuntimeError)
+
+
 def test_every_engine_refuses_unknown_attributes():
     for name, make in mpm.engines.classes.items():
         needed = {"BoundaryLoad": ("block",), "PyRunner": ("pass", 1)}.get(name, ())

@@ -12,6 +12,7 @@ bool Range::contains(double x) const {
 std::string Range::text() const {
     const double infinity = std::numeric_limits<double>::infinity();
     if (lowest == 0 && highest == infinity) return openBelow ? "a positive number" : "zero or a positive number";
+    if (lowest == -infinity && highest == infinity) return "a finite number";
     return message("a number in ", openBelow ? "(" : "[", lowest, ", ", highest, openAbove ? ")" : "]");
 }
 

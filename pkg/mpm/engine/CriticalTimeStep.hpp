@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #pragma once
 
-#include "mpm/state/Scene.hpp"
+#include "mpm/scene/Scene.hpp"
 
 namespace mpm {
 

@@ -64,11 +64,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     template <int Dim> void act(Scene<Dim>& scene) {
         const bool early = scene.scheme == Scheme::USF;
         parallel(scene.threads, [&](Team& team) {
-            if (early)
-                for (auto& field : scene.grid.fields)
-                    velocityFrom(team, scene, field, scene.time, [&](int node, int k) {
-                        return field.sum[node][NodalField<Dim>::momentum + k];
-                    });
+            if (early) velocityFromParticles(team, scene, scene.time);
             for (auto& body : scene.bodies) update(team, scene, *body);
             if (early)
                 sumOnNodes(team, scene, true);
@@ -196,6 +192,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         from.converted += int(gone.size());
         to.domains->grown();
         to.massesChanged();
+        from.massesChanged();
     }
 };
 

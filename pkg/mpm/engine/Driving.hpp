@@ -3,7 +3,7 @@
 // part is looked up anew in every step: a part defined by height must not dive with the body.
 #pragma once
 
-#include "mpm/state/Scene.hpp"
+#include "mpm/scene/Scene.hpp"
 
 #include <algorithm>
 

@@ -5,7 +5,7 @@
 
 #include "mpm/base/parameters.hpp"
 #include "mpm/base/registry.hpp"
-#include "mpm/state/Scene.hpp"
+#include "mpm/scene/Scene.hpp"
 
 namespace mpm {
 

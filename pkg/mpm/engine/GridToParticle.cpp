@@ -25,19 +25,8 @@ class GridToParticle : public EngineOf<GridToParticle> {
                 body->domains->takeMotion(team, scene.grid.fields[body->velocityField].motion.data(), scene.dt, flip);
             if (scene.scheme == Scheme::USF)
                 for (auto& body : scene.bodies) body->domains->advance(team, scene.dt);
-            if (scene.scheme == Scheme::MUSL) remap(team, scene);
+            if (scene.scheme == Scheme::MUSL) velocityFromParticles(team, scene, scene.time + scene.dt);
         });
-    }
-
-  private:
-    template <int Dim> static void remap(Team& team, Scene<Dim>& scene) {
-        for (auto& field : scene.grid.fields)
-            forActiveNodes(team, scene, [&](int node) { field.velocity[node] = Pack<4>::zero(); });
-        for (auto& body : scene.bodies)
-            body->domains->addMomentum(team, scene.grid.fields[body->velocityField].velocity.data(), body->inertiaScale);
-        for (auto& field : scene.grid.fields)
-            velocityFrom(team, scene, field, scene.time + scene.dt,
-                         [&](int node, int k) { return field.velocity[node][k]; });
     }
 };
 

@@ -4,7 +4,7 @@
 // there by 24-89 %.
 #pragma once
 
-#include "mpm/state/Scene.hpp"
+#include "mpm/scene/Scene.hpp"
 
 namespace mpm {
 

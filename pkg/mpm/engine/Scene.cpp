@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The loop over engines.
-#include "mpm/state/Scene.hpp"
+#include "mpm/scene/Scene.hpp"
 
 #include "mpm/engine/Engine.hpp"
 

@@ -2,7 +2,7 @@
 // Pieces of the step that more than one engine uses; all are called by every thread of a team.
 #pragma once
 
-#include "mpm/state/Scene.hpp"
+#include "mpm/scene/Scene.hpp"
 
 namespace mpm {
 
@@ -12,28 +12,37 @@ template <int Dim, class F> void forActiveNodes(Team& team, const Scene<Dim>& sc
 }
 
 // Sums of mass, momentum and force on the nodes, from the particles where locate() found them.
+// Hourglass control acts on the velocity that moves the vertices. Under USL that is the solution of the
+// equation of motion, and the control is a force in it. Under MUSL and USF it is a sum over particles, which
+// cannot hold the pattern; there the control enters that sum as an impulse (nodalMomentum below).
 template <int Dim> void sumOnNodes(Team& team, Scene<Dim>& scene, bool withForce) {
     for (auto& field : scene.grid.fields)
         forActiveNodes(team, scene, [&](int node) { field.sum[node] = NodalField<Dim>::Sum::zero(); });
     for (auto& body : scene.bodies)
-        body->domains->addSum(team, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale, withForce);
+        body->domains->addSum(team, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale, withForce,
+                              withForce && scene.scheme == Scheme::USL ? 1.0 : 0.0);
 }
 
-// Turns nodal momentum {p} into the velocity that enters the velocity gradient, boundary values imposed.
-template <int Dim, class Momentum>
-void velocityFrom(Team& team, Scene<Dim>& scene, NodalField<Dim>& field, double time, Momentum&& momentum) {
+// The velocity that enters the velocity gradient, from the momentum of the particles as they are now (MUSL, USF),
+// with what is prescribed at the given time.
+template <int Dim> void velocityFromParticles(Team& team, Scene<Dim>& scene, double time) {
     using NF = NodalField<Dim>;
     const double least = scene.leastMass();
-    forActiveNodes(team, scene, [&](int node) {
-        const double m = field.sum[node][NF::mass];
-        Pack<4> v = Pack<4>::zero();
-        if (m > least)
-            for (int k = 0; k < Dim; ++k) {
-                const int c = scene.holder[k][node];
-                v.set(k, c < 0 ? momentum(node, k) / m : scene.prescribed(c, k, time));
-            }
-        field.velocity[node] = v;
-    });
+    for (auto& field : scene.grid.fields)
+        forActiveNodes(team, scene, [&](int node) { field.velocity[node] = Pack<4>::zero(); });
+    for (auto& body : scene.bodies)
+        body->domains->addMomentum(team, scene.grid.fields[body->velocityField].velocity.data(), body->inertiaScale, scene.dt);
+    for (auto& field : scene.grid.fields)
+        forActiveNodes(team, scene, [&](int node) {
+            const double m = field.sum[node][NF::mass];
+            Pack<4> v = Pack<4>::zero();
+            if (m > least)
+                for (int k = 0; k < Dim; ++k) {
+                    const int c = scene.holder[k][node];
+                    v.set(k, c < 0 ? field.velocity[node][k] / m : scene.prescribed(c, k, time));
+                }
+            field.velocity[node] = v;
+        });
 }
 
 } // namespace mpm

@@ -110,7 +110,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
             HourglassAmplitude<Dim> rate = hourglassPattern<Dim>(v);
             for (int a = 0; a < NC; ++a) rate -= v.col(a) * (shape.g[a].transpose() * pattern);
             for (int a = 0; a < NC; ++a) corner[a] = Pack<4>::zero();
-            addHourglass(shape, pattern, rate, corner);
+            addHourglass(hourglassModulus_, shape, pattern, rate, corner);
         });
     }
 
@@ -288,9 +288,9 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     }
 
     template <int W, bool grads = true, class Load>
-    void scatter(Team& team, Pack<W>* nodes, Load&& load, bool internalForce = false) {
+    void scatter(Team& team, Pack<W>* nodes, Load&& load, double control = 0) {
         const Gather X(corner_, X_);
-        const bool hourglass = internalForce && hourglassCoefficient_ > 0;
+        const double modulus = control * hourglassModulus_;
         scatterCorners<W>(team, nodes, [&](int p, Pack<W>* corner) __attribute__((always_inline)) {
             const Shape<Dim> shape = shapeOf(p, X);
             Pack<W> P = Pack<W>::zero();
@@ -303,9 +303,9 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
                 if (grads)
                     for (int k = 0; k < Dim; ++k) corner[a].addLast(shape.g[a][k], Q[k]);
             }
-            if (hourglass) {
+            if (modulus > 0) {
                 const HourglassAmplitude<Dim> pattern = hourglassPattern<Dim>(X(p));
-                addHourglass(shape, pattern, pattern - hourglassOfDeformation(p), corner);
+                addHourglass(modulus, shape, pattern, pattern - hourglassOfDeformation(p), corner);
             }
         });
     }
@@ -466,12 +466,12 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
     // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
     template <int W>
-    MPM_INLINE void addHourglass(const Shape<Dim>& shape, const HourglassAmplitude<Dim>& pattern,
+    MPM_INLINE void addHourglass(double modulus, const Shape<Dim>& shape, const HourglassAmplitude<Dim>& pattern,
                                  const HourglassAmplitude<Dim>& h, Pack<W>* corner) const {
         double sum = 0;
 #pragma GCC unroll 8
         for (int a = 0; a < NC; ++a) sum += shape.g[a].squaredNorm();
-        const double k = hourglassModulus_ * shape.volume * sum;
+        const double k = modulus * shape.volume * sum;
         for (int m = 0; m < hourglassModes<Dim>; ++m) {
             Pack<4> force = Pack<4>::zero();
             for (int i = 0; i < Dim; ++i) force.set(i, -k * h(i, m));

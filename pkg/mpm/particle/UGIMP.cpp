@@ -125,7 +125,7 @@ template <int Dim> class BoxDomains : public Transfers<BoxDomains<Dim>, Dim> {
 
     // Particles in a row with the same support are summed in local accumulators before the grid is touched.
     template <int W, bool grads = true, class Load>
-    void scatter(Team& team, Pack<W>* nodes, Load&& load, bool = false) {
+    void scatter(Team& team, Pack<W>* nodes, Load&& load, double = 0) {
         const Stencils stencils(*this);
         const int* cells = particles.cell.data();
         team.twoColours(order.blocks(), [&](int b) {

@@ -2,8 +2,8 @@
 // Everything a step works on: grid, bodies, constraints, the clock, and the chain of engines.
 #pragma once
 
-#include "mpm/state/Body.hpp"
-#include "mpm/state/Constraint.hpp"
+#include "mpm/scene/Body.hpp"
+#include "mpm/scene/Constraint.hpp"
 
 #include <array>
 

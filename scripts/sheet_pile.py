@@ -18,7 +18,7 @@ from math import ceil, radians
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, diagnostics, plot
+from yade_mpm import box, plot
 from yade_mpm.surface import groundSurface
 
 WIDTH, DEPTH, FREE = 30.0, 12.0, 12.0     # m: soil, and free grid above it
@@ -182,7 +182,6 @@ def summarise(a, scene, history, wall, steps, tip):
     if tip is not None:
         at = np.isin(pile.id, tip)
         tipDrift = float(abs((pile.position[at, 0] - pile.reference[at, 0]).mean()) / thicknessOf(a.cell))
-    meshed = [b for b in soil if b.cells is not None]
     return {
         "arguments": {k: v for k, v in vars(a).items()},
         "versions": {"yade_mpm": mpm.__version__, "python": platform.python_version(), "numpy": np.__version__,
@@ -206,17 +205,23 @@ def summarise(a, scene, history, wall, steps, tip):
         "cavityArea": cavity,
         "displacedArea": thicknessOf(a.cell) * float(depth[-1]),
         "surfaceHighest": float(np.nanmax(surface.y) - DEPTH),
-        "minJacobian": min([b.minJacobian for b in meshed], default=None),
-        "invertedDomains": int(diagnostics.invertedCount(scene)),
-        "convertedDomains": sum(b.converted for b in scene.bodies),
-        "hourglassMax": float(max([b.hourglassAmplitude for b in meshed], default=0.0)),
-        "kineticEnergyRatioMax": float(ratios.max()) if len(ratios) else None,
+        "minJacobian": extreme(history["minJacobian"], np.nanmin),
+        "invertedDomains": int(history["invertedCount"].max()),
+        "convertedDomains": int(history["convertedCount"][-1]),
+        "hourglassMax": extreme(history["hourglassAmplitude"], np.nanmax),
+        "kineticEnergyRatioMax": extreme(ratios, np.nanmax),
+        "energyError": float(history["energyError"][-1]),
         "reactionBalanceMax": balance,
         "isolatedSurfaceParticles": surface.isolated,
         "surfaceContinuous": surface.isContinuous(a.cell),
         "surfaceSingleValued": surface.singleValued,
         "tipDrift": tipDrift,
     }
+
+
+def extreme(values, which):
+    """Smallest or largest value of a history (np.nanmin, np.nanmax); None where it has none."""
+    return float(which(values)) if np.isfinite(values).any() else None
 
 
 def reactionBalance(a, scene, history):
@@ -325,4 +330,7 @@ def print_(summary, out):
 
 
 if __name__ == "__main__":
-    main()
+    try:
+        main()
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None

@@ -8,7 +8,7 @@ import os as _os
 # Threads that wait at a barrier spin for a short while only, or they would take the processor from other jobs.
 # Read by GCC's OpenMP when the solver is loaded; set OMP_WAIT_POLICY or GOMP_SPINCOUNT to choose otherwise.
 if "OMP_WAIT_POLICY" not in _os.environ:
-    _os.environ.setdefault("GOMP_SPINCOUNT", "20000")
+    _os.environ.setdefault("GOMP_SPINCOUNT", "2000")
 
 from . import _core
 from .body import Body, BodyPart

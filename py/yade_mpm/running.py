@@ -22,6 +22,7 @@ class Run:
         self.progress = Progress(scene, progress, self)
         self.error, self.signal = None, None
         self._callsBefore = {e: e.calls for e in scene.engines}
+        self._warnedOfInterface = False
         self._stop = threading.Event()
         self._thread = None
 
@@ -125,9 +126,13 @@ class Run:
             self.progress.update()
 
     def _reestimate(self):
-        from .scene import DT_SAFETY, INTERFACE_RUN
+        from .scene import DT_SAFETY, INTERFACE_RUN, INTERFACE_WARN
         scene = self.scene
         scene._checkInterface(INTERFACE_RUN)
+        fault = None if self._warnedOfInterface else scene._interfaceFault(INTERFACE_WARN)
+        if fault is not None:
+            self._warnedOfInterface = True
+            self.progress.say(f"warning: step {scene.steps}: {fault}")
         critical = scene._estimate()
         scene._estimatedAt = scene.steps
         if not critical > 0:

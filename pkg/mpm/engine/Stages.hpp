@@ -12,15 +12,15 @@ template <int Dim, class F> void forActiveNodes(Team& team, const Scene<Dim>& sc
 }
 
 // Sums of mass, momentum and force on the nodes, from the particles where locate() found them.
-// Hourglass control acts on the velocity that moves the vertices. Under USL that is the solution of the
-// equation of motion, and the control is a force in it. Under MUSL and USF it is a sum over particles, which
-// cannot hold the pattern; there the control enters that sum as an impulse (nodalMomentum below).
+// Hourglass control is a force here. Under MUSL and USF it also enters the velocity that moves the vertices
+// (velocityFromParticles): that is a sum over particles, which cannot hold a pattern of single domains, so
+// the force alone would never undo one.
 template <int Dim> void sumOnNodes(Team& team, Scene<Dim>& scene, bool withForce) {
     for (auto& field : scene.grid.fields)
         forActiveNodes(team, scene, [&](int node) { field.sum[node] = NodalField<Dim>::Sum::zero(); });
     for (auto& body : scene.bodies)
         body->domains->addSum(team, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale, withForce,
-                              withForce && scene.scheme == Scheme::USL ? 1.0 : 0.0);
+                              withForce ? 1.0 : 0.0);
 }
 
 // The velocity that enters the velocity gradient, from the momentum of the particles as they are now (MUSL, USF),

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""D11, D13, D14, D17, D18: scenes of soil and rock mechanics (scripts/wall.py, strip_load.py, plate_with_hole.py, footing.py,
+column_collapse.py).
+
+Each has a coarse version that takes seconds, with the tolerance that such a grid reaches, and the full one (--slow) with the
+tolerance of good codes. Set-ups are in the docstrings of the scripts. References:
+D11 Rankine 1857 with Bell's cohesion, H = 5 m: thrust 13.46 kN/m active, 23.09 without its tension, 710.07 passive; 8 %.
+D13 strip load on an elastic half-plane, (alpha + sin alpha)/pi; 3 % down to 2 b, 6 % below (the base is at 40 b).
+D14 hole in a strip, a/W = 0.2 (Howland 1930): 3.14 and -1.11; 3 %.
+D17 Prandtl 1920: (2 + pi) c; 3 % with F-bar, 5 to 15 % too much without.
+D18 collapse of a column of bars (the set-up of Bui et al. 2008): run-out of uGIMP, hybrid and two cell sizes within 5 %.
+Controls: another friction angle, a base close below, another hole, no F-bar.
+"""
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+EARTH_PRESSURE = {"active": 13.46, "passive": 710.07}
+STRIP = {0.5: 0.9595, 1.0: 0.8183, 2.0: 0.5498, 3.0: 0.3958, 4.0: 0.3058}
+HOLE = {"side": 3.14, "crown": -1.11}
+PRANDTL = 514.159
+slow = pytest.mark.slow
+
+
+def scene(name):
+    """A fresh copy of a script, so that a test may change its constants."""
+    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def run(name, *options, states=(), **constants):
+    """Summary of a scene with the given command line, and with constants of the script changed."""
+    module = scene(name)
+    for constant, value in constants.items():
+        assert hasattr(module, constant)
+        setattr(module, constant, value)
+    return module.run(module.arguments(list(options)), *states)[0]
+
+
+# --- D11 ------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("options", [("--smoke",), pytest.param((), marks=slow), pytest.param(("--types", "apdi"), marks=slow)])
+@pytest.mark.parametrize("state", EARTH_PRESSURE)
+def test_wall_feels_the_earth_pressure_of_rankine(state, options):
+    summary = run("wall", *options, states=[state])
+    assert summary["thrust"] == pytest.approx(EARTH_PRESSURE[state], rel=0.08)
+    if state == "active":
+        assert summary["pressureThrust"] == pytest.approx(23.09, rel=0.08)
+
+
+def test_control_wall_with_less_friction_misses():
+    summary = run("wall", "--smoke", "--psi", "0", states=["passive"], FRICTION=np.radians(25))
+    assert summary["thrust"] < 0.92 * EARTH_PRESSURE["passive"]
+
+
+# --- D13 ------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("options, tolerances", [
+    (("--smoke",), (0.07, 0.03, 0.03, 0.06, 0.06)),
+    pytest.param((), (0.03, 0.03, 0.03, 0.06, 0.06), marks=slow)])
+def test_stress_below_a_strip_is_that_of_the_half_plane(options, tolerances):
+    summary = run("strip_load", *options)
+    assert summary["depth"] == list(STRIP)
+    error = np.array(summary["stress"]) / list(STRIP.values()) - 1
+    assert (np.abs(error) < tolerances).all(), error
+    assert summary["baseReactionOverLoad"] == pytest.approx(1, rel=2e-3)
+
+
+def test_control_a_base_close_below_raises_the_stress():
+    summary = run("strip_load", "--cell", "0.5", "--extent", "6")
+    assert summary["stress"][-1] > 1.06 * STRIP[4.0]
+
+
+# --- D14 ------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("options, side, crown", [(("--smoke",), 0.03, 0.12), pytest.param((), 0.03, 0.03, marks=slow)])
+def test_stress_concentrates_at_a_hole(options, side, crown):
+    summary = run("plate_with_hole", *options)
+    assert summary["concentration"]["side"] == pytest.approx(HOLE["side"], rel=side)
+    assert summary["concentration"]["crown"] == pytest.approx(HOLE["crown"], rel=crown)
+    assert summary["baseReactionOverLoad"] == pytest.approx(1, rel=5e-3)
+
+
+def test_control_a_narrow_plate_concentrates_more():
+    summary = run("plate_with_hole", "--smoke", HALF_WIDTH=1.0)
+    assert summary["concentration"]["side"] > 1.12 * HOLE["side"]
+
+
+# --- D17 ------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("options, tolerance", [
+    (("--smoke", "--types", "apdi"), 0.03),
+    (("--smoke", "--types", "ugimp"), 0.08),
+    (("--smoke", "--types", "hybrid"), 0.07),
+    pytest.param(("--types", "apdi"), 0.03, marks=slow),
+    pytest.param(("--types", "hybrid"), 0.03, marks=slow),
+    pytest.param(("--types", "ugimp", "--cell", "0.2222222222"), 0.03, marks=slow)])
+def test_footing_fails_at_the_load_of_prandtl(options, tolerance):
+    summary = run("footing", "--fbar", *options)
+    assert summary["effectiveHalfWidth"] == pytest.approx(3.0)
+    assert summary["pressure"] == pytest.approx(PRANDTL, rel=tolerance)
+    assert summary["plateau"]
+
+
+@pytest.mark.parametrize("kind", ["ugimp", "apdi", "hybrid"])
+def test_footing_locks_without_fbar(kind):
+    assert run("footing", "--smoke", "--types", kind)["pressure"] > 1.12 * PRANDTL
+
+
+@slow
+@pytest.mark.parametrize("kind", ["ugimp", "apdi", "hybrid"])
+def test_footing_without_fbar_is_too_strong_by_5_to_15_per_cent(kind):
+    assert 1.05 * PRANDTL < run("footing", "--types", kind)["pressure"] < 1.15 * PRANDTL
+
+
+# --- D18 ------------------------------------------------------------------------------------------------
+def test_column_runs_out_alike_with_meshed_core():
+    plain, hybrid = (run("column_collapse", "--smoke", "--types", kind) for kind in ("ugimp", "hybrid"))
+    assert hybrid["runout"] == pytest.approx(plain["runout"], rel=0.05)
+    assert hybrid["unmovedTop"] == pytest.approx(plain["unmovedTop"], abs=0.005)
+    for summary in (plain, hybrid):
+        assert 10 < summary["slopeDegrees"] < 19.8
+        assert summary["heightAtWall"] == pytest.approx(0.1, rel=0.01)
+
+
+def test_control_column_of_rougher_bars_runs_less_far():
+    usual, rougher = run("column_collapse", "--smoke"), run("column_collapse", "--smoke", FRICTION=np.radians(25))
+    assert rougher["runout"] < 0.9 * usual["runout"]
+
+
+@slow
+def test_column_runs_out_alike_on_two_grids():
+    summaries = [run("column_collapse", "--types", kind, "--cell", cell) for kind in ("ugimp", "hybrid") for cell in ("0.01", "0.005")]
+    runouts = [s["runout"] for s in summaries]
+    assert max(runouts) < 1.05 * min(runouts), runouts
+    assert all(10 < s["slopeDegrees"] < 19.8 for s in summaries)

@@ -109,7 +109,7 @@ def frontOf(scene, share=0.99):
     return float(np.interp(share * behind[-1], behind, x[order]))
 
 
-def surfaceOf(scene, slice_=0.005):
+def surfaceOf(scene, slice_=0.02):
     """Centres of vertical slices, m, and height of the deposit there as its mass over that of the width, m."""
     edges = np.arange(0, FLOOR + slice_ / 2, slice_)
     area = np.zeros(len(edges) - 1)
@@ -149,9 +149,9 @@ def draw(scene, snapshots, file):
 def drawSurfaces(results, file):
     figure, ax = plot.plt.subplots(figsize=(7, 2.6), layout="constrained")
     for label, (_, scene, _) in results.items():
-        ax.plot(*surfaceOf(scene), label=label, lw=1.2)
+        ax.plot(*surfaceOf(scene), "--" if "hybrid" in label else "-", label=label, lw=1.4)
     ax.plot([0, WIDTH, WIDTH], [HEIGHT, HEIGHT, 0], "k--", lw=0.6)
-    ax.set(xlabel="x (m)", ylabel="height of the deposit (m)", xlim=(0, FLOOR), ylim=(0, None))
+    ax.set(xlabel="x (m)", ylabel="height of the deposit (m)", xlim=(0, 0.55), ylim=(0, None))
     ax.legend()
     plot.save(figure, file)
 
@@ -169,8 +169,8 @@ def main():
         s, scene, snapshots = results[label]
         draw(scene, snapshots, os.path.join(a.out, f"{types}_{1e3 * cell:g}mm.png"))
         print(f"{label}: run-out {s['runout']:.3f} of the width, unmoved top {s['unmovedTop']:.3f} m, slope "
-              f"{s['slopeDegrees']:.1f} degrees, height at the wall {s['heightAtWall']:.4f} m; {sum(s['particles'].values())} particles, "
-              f"{s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
+              f"{s['slopeDegrees']:.1f} degrees, height at the wall {s['heightAtWall']:.4f} m; "
+              f"{sum(s['particles'].values())} particles, {s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
     drawSurfaces(results, os.path.join(a.out, "surfaces.png"))
     with open(os.path.join(a.out, "summary.json"), "w") as file:
         json.dump({label: r[0] for label, r in results.items()} if a.compare else results[label][0], file, indent=1)

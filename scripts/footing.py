@@ -12,8 +12,8 @@ the footing is the middle of that cell; cells of 6 m / (an odd number) put it at
 
 Units: Mg, m, s, kPa, per metre of thickness.
 
-    python scripts/footing.py --fbar                   # cells of 0.4 m
-    python scripts/footing.py --fbar --types ugimp --cell 0.2222222222
+    python scripts/footing.py --fbar                   # hybrid, cells of 2/9 m
+    python scripts/footing.py --fbar --types ugimp --cell 0.4
     python scripts/footing.py --compare                # without and with F-bar in one picture
     python scripts/footing.py --smoke
 """
@@ -36,7 +36,7 @@ def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), default="hybrid", help="particle types (default %(default)s)")
     p.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain")
-    p.add_argument("--cell", type=float, default=0.4, help="cell size, m (default %(default)s)")
+    p.add_argument("--cell", type=float, default=2 / 9, help="cell size, m (default 2/9)")
     p.add_argument("--rate", type=float, default=0.02, help="settlement rate, m/s (default %(default)s)")
     p.add_argument("--settlement", type=float, default=0.12, help="final settlement, m (default %(default)s)")
     p.add_argument("--compare", action="store_true", help="run without and with F-bar and draw both curves")
@@ -91,7 +91,8 @@ def run(a, out=None):
     scene = build(a)
     ramp = next(c for c in scene.engines[1].hold).ramp
     until = a.settlement / a.rate + 0.5 * ramp
-    history = mpm.History(period=until / 200, file=None if out is None else os.path.join(out, "history.csv"))
+    name = "history_fbar.csv" if a.fbar else "history.csv"
+    history = mpm.History(period=until / 200, file=None if out is None else os.path.join(out, name))
     scene.engines = scene.engines + [history]
     scene.run(until=until)
     t = history["time"]
@@ -127,7 +128,7 @@ def drawCurves(curves, file):
     for label, settlement, pressure in curves:
         ax.plot(1e3 * settlement, pressure, label=label)
     ax.axhline(PRANDTL, color="k", lw=0.9, ls="--")
-    ax.text(1e3 * curves[0][1][-1], PRANDTL, "(2 + π) c", va="bottom", ha="right")
+    ax.text(0, PRANDTL, " (2 + π) c", va="bottom", ha="left")
     ax.set(xlabel="settlement (mm)", ylabel="mean pressure under the footing (kPa)", xlim=(0, None), ylim=(0, None))
     ax.legend(loc="lower right")
     plot.save(figure, file)

@@ -111,31 +111,31 @@ def soilBodies(scene):
 def run(a, out):
     """Runs the scene of the arguments and leaves its results in a folder; returns the summary."""
     os.makedirs(out, exist_ok=True)
+    snapshots = []
+
+    def snapshot(scene):
+        snapshots.append((penetrationAt(a, scene.time), plot.Snapshot(scene, "plasticShearStrain")))
+
     if a.resume:
-        scene = mpm.load(a.resume)
+        scene = mpm.load(a.resume, callbacks={"snapshots": snapshot})
     else:
         scene = build(a)
         scene.engines = scene.engines + [
             mpm.Recorder(os.path.join(out, "sheet_pile.h5"), period=a.until / 40),
             mpm.History(period=a.until / 800, file=os.path.join(out, "history.csv"), 
                         columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})"}),
+            mpm.PyRunner(snapshot, virtPeriod=a.until / 4, label="snapshots"),
         ]
     history = next(e for e in scene.engines if isinstance(e, mpm.History))
     pile = scene["pile"]
-    tip = pile.inside(box((0, DEPTH - EMBEDDED), (WIDTH, DEPTH - EMBEDDED + a.cell))).ids if not a.resume else None
     scene.prepare()
     print(f"{a.types}: {sum(b.count for b in soilBodies(scene))} soil and {pile.count} pile particles, dt = {scene.dt:.3g} s "
           f"(critical {scene.dtCritical:.3g} s), {round(a.until / scene.dt)} steps, {scene.threads} threads", flush=True)
-    depths = [f * a.penetration for f in (0.25, 0.5, 0.75, 1.0)]
-    snapshots, began, firstStep = [], time.monotonic(), scene.steps
-    for depth in depths:
-        moment = a.until * depth / a.penetration if not a.ramp else depth / a.rate + 0.5 * a.ramp
-        if moment > scene.time:
-            scene.run(until=min(moment, a.until), checkpointFile=os.path.join(out, "checkpoint.h5"))
-            snapshots.append((depth, plot.Snapshot(scene, "plasticShearStrain")))
+    began, firstStep = time.monotonic(), scene.steps
+    scene.run(until=a.until, checkpointFile=os.path.join(out, "checkpoint.h5"))
     wall = time.monotonic() - began
     history.flush()
-    summary = summarise(a, scene, history, wall, scene.steps - firstStep, tip)
+    summary = summarise(a, scene, history, wall, scene.steps - firstStep)
     summary["files"] = draw(a, out, scene, history, snapshots, summary)
     with open(os.path.join(out, "summary.json"), "w") as file:
         json.dump(summary, file, indent=1)
@@ -147,6 +147,12 @@ def surfaceOf(scene):
     return groundSurface(scene, soilBodies(scene), DEPTH, hole=(WIDTH / 2 - 2, WIDTH / 2 + 2))
 
 
+def penetrationAt(a, t):
+    """Further penetration at a time, m: the rate grows from zero over the ramp."""
+    ramp = a.ramp or 1e-300
+    return a.rate * np.where(t < ramp, t**2 / (2 * ramp), t - 0.5 * a.ramp)
+
+
 def resistanceCurve(a, scene, history):
     """Depth of further penetration (m) and resistance (kN/m): what the soil exerts on the pile, from the force of the drive
     and the weight and inertia of the pile.
@@ -154,9 +160,8 @@ def resistanceCurve(a, scene, history):
     Raw means over the history's period, and their moving average over one cell of penetration.
     """
     t, pile = history["time"], scene["pile"]
-    ramping = t < a.ramp
-    depth = a.rate * np.where(ramping, t**2 / (2 * a.ramp) if a.ramp else t, t - 0.5 * a.ramp)
-    inertia = pile.inertiaScale * pile.mass.sum() * np.where(ramping, a.rate / a.ramp if a.ramp else 0.0, 0.0)
+    depth = penetrationAt(a, t)
+    inertia = pile.inertiaScale * pile.mass.sum() * np.where(t < a.ramp, a.rate / a.ramp if a.ramp else 0.0, 0.0)
     raw = pile.mass.sum() * GRAVITY - history["drive.fy"] - inertia
     return depth, raw, movingAverage(depth, raw, a.cell)
 
@@ -169,7 +174,7 @@ def movingAverage(x, y, width):
     return (total[last] - total[first]) / (last - first)
 
 
-def summarise(a, scene, history, wall, steps, tip):
+def summarise(a, scene, history, wall, steps):
     soil, pile = soilBodies(scene), scene["pile"]
     depth, _, smooth = resistanceCurve(a, scene, history)
     surface = surfaceOf(scene)
@@ -178,10 +183,8 @@ def summarise(a, scene, history, wall, steps, tip):
     ratios = history["kineticRatio"][settled]
     balance = reactionBalance(a, scene, history)
     soilCount = sum(b.count for b in soil)
-    tipDrift = None
-    if tip is not None:
-        at = np.isin(pile.id, tip)
-        tipDrift = float(abs((pile.position[at, 0] - pile.reference[at, 0]).mean()) / thicknessOf(a.cell))
+    tip = pile.reference[:, 1] < DEPTH - EMBEDDED + a.cell
+    tipDrift = float(abs(pile.displacement[tip, 0].mean()) / thicknessOf(a.cell))
     return {
         "arguments": {k: v for k, v in vars(a).items()},
         "versions": {"yade_mpm": mpm.__version__, "python": platform.python_version(), "numpy": np.__version__,

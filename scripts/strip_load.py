@@ -103,12 +103,13 @@ def draw(scene, summary, out):
     """Bulb of vertical stress, and the axis against the closed form."""
     ground = scene["ground"]
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
-    ground_ = plot.PolyCollection(ground.corners(), array=-ground.stress[:, 1, 1] / Q, cmap="inferno_r", edgecolors="face", linewidths=0.1)
-    ground_.set_clim(0, 1)
-    left.add_collection(ground_)
+    domains = plot.PolyCollection(ground.corners(), array=-ground.stress[:, 1, 1] / Q, cmap="inferno_r",
+                                  edgecolors="face", linewidths=0.1)
+    domains.set_clim(0, 1)
+    left.add_collection(domains)
     left.plot([0, B], [0.06, 0.06], "C0-", lw=3, clip_on=False)
     left.set(xlim=(0, 5), ylim=(-6, 0.1), aspect="equal", xlabel="x / b", ylabel="y / b")
-    figure.colorbar(ground_, ax=left, label="vertical stress / q")
+    figure.colorbar(domains, ax=left, label="vertical stress / q")
     depth, stress = axisProfile(scene)
     z = np.linspace(0.05, 8, 200)
     right.plot(closedForm(z), z, "k-", lw=1, label="half-plane, closed form")

@@ -8,7 +8,8 @@ K_a = 1/3, K_p = 3:
     active   gamma z K_a - 2 c sqrt(K_a): thrust 13.46 kN/m, of which the pressure alone, below 1.962 m, is 23.09 kN/m
     passive  gamma z K_p + 2 c sqrt(K_p): thrust 710.07 kN/m
 The wall is a line of grid nodes with a prescribed normal velocity, which can pull: its reaction is the thrust with
-tension. The line stays where it is while soil moves through it, with half a metre of soil behind it to feed the passive state.
+tension. The line stays where it is while soil moves through it, with half a metre of soil behind it to feed the passive state;
+that fresh soil makes the pressure at the foot of the wall lower, and higher above, than Rankine's line.
 
 Local damping must be small here: in slow plastic flow all material moves one way, and a damping of 0.7 carries part of its weight
 (active thrust 20 % too low). The ground beside the wall settles (active) or heaves (passive) by up to 3 % of H meanwhile, which

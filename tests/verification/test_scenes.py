@@ -90,12 +90,8 @@ def test_control_a_narrow_plate_concentrates_more():
 
 # --- D17 ------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("options, tolerance", [
-    (("--smoke", "--types", "apdi"), 0.03),
-    (("--smoke", "--types", "ugimp"), 0.08),
-    (("--smoke", "--types", "hybrid"), 0.07),
-    pytest.param(("--types", "apdi"), 0.03, marks=slow),
-    pytest.param(("--types", "hybrid"), 0.03, marks=slow),
-    pytest.param(("--types", "ugimp", "--cell", "0.2222222222"), 0.03, marks=slow)])
+    *[(("--smoke", "--types", kind), 0.08) for kind in ("ugimp", "apdi", "hybrid")],
+    *[pytest.param(("--types", kind), 0.03, marks=slow) for kind in ("ugimp", "apdi", "hybrid")]])
 def test_footing_fails_at_the_load_of_prandtl(options, tolerance):
     summary = run("footing", "--fbar", *options)
     assert summary["effectiveHalfWidth"] == pytest.approx(3.0)
@@ -111,14 +107,14 @@ def test_footing_locks_without_fbar(kind):
 @slow
 @pytest.mark.parametrize("kind", ["ugimp", "apdi", "hybrid"])
 def test_footing_without_fbar_is_too_strong_by_5_to_15_per_cent(kind):
-    assert 1.05 * PRANDTL < run("footing", "--types", kind)["pressure"] < 1.15 * PRANDTL
+    assert 1.05 * PRANDTL < run("footing", "--types", kind, "--cell", "0.4")["pressure"] < 1.15 * PRANDTL
 
 
 # --- D18 ------------------------------------------------------------------------------------------------
 def test_column_runs_out_alike_with_meshed_core():
     plain, hybrid = (run("column_collapse", "--smoke", "--types", kind) for kind in ("ugimp", "hybrid"))
     assert hybrid["runout"] == pytest.approx(plain["runout"], rel=0.05)
-    assert hybrid["unmovedTop"] == pytest.approx(plain["unmovedTop"], abs=0.005)
+    assert hybrid["unmovedTop"] == pytest.approx(plain["unmovedTop"], abs=0.011)  # a cell
     for summary in (plain, hybrid):
         assert 10 < summary["slopeDegrees"] < 19.8
         assert summary["heightAtWall"] == pytest.approx(0.1, rel=0.01)
@@ -131,7 +127,8 @@ def test_control_column_of_rougher_bars_runs_less_far():
 
 @slow
 def test_column_runs_out_alike_on_two_grids():
-    summaries = [run("column_collapse", "--types", kind, "--cell", cell) for kind in ("ugimp", "hybrid") for cell in ("0.01", "0.005")]
+    summaries = [run("column_collapse", "--types", kind, "--cell", cell)
+                 for kind in ("ugimp", "hybrid") for cell in ("0.01", "0.005")]
     runouts = [s["runout"] for s in summaries]
     assert max(runouts) < 1.05 * min(runouts), runouts
     assert all(10 < s["slopeDegrees"] < 19.8 for s in summaries)

@@ -5,9 +5,9 @@
 A neo-Hookean beam, 4 m long and 1 m deep, is clamped at its left end and swings freely under its own weight; it bends by
 a fifth of its length and comes back. Both components are held at the clamp. Units: kg, m, s, Pa.
 
-    python scripts/cantilever.py                      # history of the tip on the screen
-    python scripts/cantilever.py --cell 0.0625 --picture cantilever.png
-    python scripts/cantilever.py --type UGIMP         # boxes that do not turn with the beam
+    scripts/run cantilever                      # history of the tip on the screen
+    scripts/run cantilever --cell 0.0625 --picture cantilever.png
+    scripts/run cantilever --type UGIMP         # boxes that do not turn with the beam
 """
 import argparse
 

@@ -39,6 +39,7 @@ def parser():
     p.add_argument("--cell", type=float, default=2 / 9, help="cell size, m (default 2/9)")
     p.add_argument("--rate", type=float, default=0.02, help="settlement rate, m/s (default %(default)s)")
     p.add_argument("--settlement", type=float, default=0.12, help="final settlement, m (default %(default)s)")
+    p.add_argument("--damping", type=float, default=0.7, help="local damping (default %(default)s)")
     p.add_argument("--compare", action="store_true", help="run without and with F-bar and draw both curves")
     p.add_argument("--smoke", action="store_true", help="coarse and fast: cells of 2/3 m, twice the rate")
     p.add_argument("--threads", type=int, help="number of threads (default: chosen)")
@@ -78,7 +79,7 @@ def build(a):
     footing = mpm.Hold(nodes, velocity=(0.0, -a.rate), ramp=0.1 * a.settlement / a.rate, name="footing")
     scene.engines = [
         mpm.ParticleToGrid(),
-        mpm.GridSolver(damping=0.7, roller=("left", "right"), fixed=("bottom",), hold=footing),
+        mpm.GridSolver(damping=a.damping, roller=("left", "right"), fixed=("bottom",), hold=footing),
         mpm.GridToParticle(),
         mpm.DomainUpdater(),
     ]
@@ -128,7 +129,7 @@ def drawCurves(curves, file):
     for label, settlement, pressure in curves:
         ax.plot(1e3 * settlement, pressure, label=label)
     ax.axhline(PRANDTL, color="k", lw=0.9, ls="--")
-    ax.text(0, PRANDTL, " (2 + π) c", va="bottom", ha="left")
+    ax.text(0, PRANDTL + 4, " (2 + π) c", va="bottom", ha="left")
     ax.set(xlabel="settlement (mm)", ylabel="mean pressure under the footing (kPa)", xlim=(0, None), ylim=(0, None))
     ax.legend(loc="lower right")
     plot.save(figure, file)

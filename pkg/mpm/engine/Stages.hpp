@@ -19,8 +19,7 @@ template <int Dim> void sumOnNodes(Team& team, Scene<Dim>& scene, bool withForce
     for (auto& field : scene.grid.fields)
         forActiveNodes(team, scene, [&](int node) { field.sum[node] = NodalField<Dim>::Sum::zero(); });
     for (auto& body : scene.bodies)
-        body->domains->addSum(team, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale, withForce,
-                              withForce ? 1.0 : 0.0);
+        body->domains->addSum(team, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale, withForce);
 }
 
 // The velocity that enters the velocity gradient, from the momentum of the particles as they are now (MUSL, USF),

@@ -70,6 +70,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
         const int n = X_.size();
         cell_.resize(n), local_.resize(n);
         sum_.resize(size_t(n) * 2);
+        control_.assign(hourglassCoefficient_ > 0 ? n : 0, Pack<4>::zero());
         quality_.assign(particles.size(), 1.0);
         if (Dim == 3) shapes_.resize(particles.size());
         colourPieces();
@@ -103,7 +104,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
         Base::addForce(team, nodes, tensor);
         if (hourglassCoefficient_ <= 0) return;
         const Gather X(corner_, X_), V(corner_, V_);
-        scatterCorners<4>(team, nodes, [&](int p, Pack<4>* corner) {
+        scatterCorners<4, false>(team, nodes, 0.0, [&](int p, Pack<4>* corner, Pack<4>*) {
             const Shape<Dim> shape = shapeOf(p, X);
             const Corners<Dim> v = V(p);
             const HourglassAmplitude<Dim> pattern = hourglassPattern<Dim>(X(p));
@@ -273,7 +274,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     }
 
     size_t bytes() const override {
-        size_t sum = 4 * (corner_.size() + cell_.size()) + 32 * sum_.size() + 8 * quality_.size() + local_.bytes() +
+        size_t sum = 4 * (corner_.size() + cell_.size()) + 32 * (sum_.size() + control_.size()) + 8 * quality_.size() + local_.bytes() +
                      sizeof(Shape<Dim>) * shapes_.size();
         for (const Field* f : {&X_, &X0_, &V_, &hourglass0_}) sum += f->bytes();
         return sum;
@@ -288,10 +289,9 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     }
 
     template <int W, bool grads = true, class Load>
-    void scatter(Team& team, Pack<W>* nodes, Load&& load, double control = 0) {
+    void scatter(Team& team, Pack<W>* nodes, Load&& load, double controlFactor = 0) {
         const Gather X(corner_, X_);
-        const double modulus = control * hourglassModulus_;
-        scatterCorners<W>(team, nodes, [&](int p, Pack<W>* corner) __attribute__((always_inline)) {
+        auto fill = [&](int p, Pack<W>* corner, [[maybe_unused]] Pack<4>* control) __attribute__((always_inline)) {
             const Shape<Dim> shape = shapeOf(p, X);
             Pack<W> P = Pack<W>::zero();
             Pack<4> Q[Dim];
@@ -303,11 +303,16 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
                 if (grads)
                     for (int k = 0; k < Dim; ++k) corner[a].addLast(shape.g[a][k], Q[k]);
             }
-            if (modulus > 0) {
+            if (control) {
                 const HourglassAmplitude<Dim> pattern = hourglassPattern<Dim>(X(p));
-                addHourglass(modulus, shape, pattern, pattern - hourglassOfDeformation(p), corner);
+                addHourglass(hourglassModulus_, shape, pattern, pattern - hourglassOfDeformation(p), control);
             }
-        });
+        };
+        const bool isSum = W == NF::sumLanes; // the forces of the control are found here and kept for the step
+        if (isSum && hourglassCoefficient_ > 0)
+            scatterCorners<W, true>(team, nodes, controlFactor, fill);
+        else
+            scatterCorners<W, false>(team, nodes, hourglassCoefficient_ > 0 ? controlFactor : 0.0, fill);
     }
 
     template <int W, bool grads, class Store> void gather(Team& team, const Pack<W>* nodes, Store&& store) {
@@ -421,32 +426,50 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
 
     // node += sum over domains and corners of S_i(X_a) corner_a, through the vertices; hanging vertices
     // hand theirs to their masters (the transpose of how they take velocity).
-    template <int W, class Fill> void scatterCorners(Team& team, Pack<W>* nodes, Fill&& fill) {
+    // findControl: fill also gives the corner forces of hourglass control, which are kept in control_.
+    // controlFactor: what of control_ goes to the nodes (1: as a force, dt: as an impulse).
+    template <int W, bool findControl, class Fill>
+    void scatterCorners(Team& team, Pack<W>* nodes, double controlFactor, Fill&& fill) {
         Pack<W>* vertex = vertices<W>();
         const Hat hat(*this);
         const int* corners = corner_.data();
-        team.chunks(X_.size(), [&](int begin, int end) { std::fill(vertex + begin, vertex + end, Pack<W>::zero()); });
+        Pack<4>* control = control_.data();
+        team.chunks(X_.size(), [&](int begin, int end) {
+            std::fill(vertex + begin, vertex + end, Pack<W>::zero());
+            if (findControl) std::fill(control + begin, control + end, Pack<4>::zero());
+        });
         for (const auto& colour : colours_)
             team.forEach(int(colour.size()), [&](int i) {
                 const int end = std::min(particles.size(), (colour[i] + 1) * pieceSize);
                 for (int p = colour[i] * pieceSize; p < end; ++p) {
                     Pack<W> corner[NC];
-                    fill(p, corner);
+                    Pack<4> own[NC];
+                    if (findControl)
+                        for (auto& c : own) c = Pack<4>::zero();
+                    fill(p, corner, findControl ? own : nullptr);
 #pragma GCC unroll 8
-                    for (int a = 0; a < NC; ++a) vertex[corners[NC * p + a]] += corner[a];
+                    for (int a = 0; a < NC; ++a) {
+                        vertex[corners[NC * p + a]] += corner[a];
+                        if (findControl) control[corners[NC * p + a]] += own[a];
+                    }
                 }
             });
         if (!slaves_.empty())
             team.once([&] {
                 eachSlave([&](int slave, auto&& weighted) {
-                    weighted([&](int master, double w) { vertex[master].add(w, vertex[slave]); });
+                    weighted([&](int master, double w) {
+                        vertex[master].add(w, vertex[slave]);
+                        if (findControl) control[master].add(w, control[slave]);
+                    });
                     vertex[slave] = Pack<W>::zero();
+                    if (findControl) control[slave] = Pack<4>::zero();
                 });
             });
         team.twoColours(order.blocks(), [&](int b) {
             for (int i = order.start[b]; i < order.start[b + 1]; ++i) {
                 const int v = order.order[i];
-                const Pack<W> value = vertex[v];
+                Pack<W> value = vertex[v];
+                if (controlFactor != 0) value.addLast(controlFactor, control[v]);
                 hat(v, [&](int node, double S) __attribute__((always_inline)) { nodes[node].add(S, value); });
             }
         });
@@ -555,6 +578,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     std::vector<int> cell_; // of the vertices, once per step
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
     std::vector<Quad> sum_; // packs of the vertices during a transfer
+    std::vector<Pack<4>> control_; // forces of hourglass control on the vertices, kN
     std::vector<std::vector<int>> colours_;
     std::vector<Shape<Dim>> shapes_;
     std::vector<double> quality_;

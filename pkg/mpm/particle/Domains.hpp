@@ -58,10 +58,10 @@ template <int Dim> class Domains {
     // --- the step, in this order --------------------------------------------------------------------
     // Cell and local position of everything that transfers, bounds, re-sorting; once per step.
     virtual void locate(Team& team) = 0;
-    // Node += phi * {mass, momentum, body force} - V sigma grad phi + control * forces of hourglass control.
-    virtual void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce, double control) = 0;
-    // Node += phi * momentum, with the weights of the step's start, + control * forces of hourglass control.
-    virtual void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale, double control) = 0;
+    // Node += phi * {mass, momentum, body force} - V sigma grad phi + forces of hourglass control.
+    virtual void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) = 0;
+    // Node += phi * momentum + dt * forces of hourglass control, with weights and forces of the step's start.
+    virtual void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale, double dt) = 0;
     // Particle velocity and position from nodal velocity and acceleration; flip = 1: FLIP, 0: PIC.
     virtual void takeMotion(Team& team, const typename NF::Motion* nodes, double dt, double flip) = 0;
     // Velocity gradient of the particles, and whatever the domain moves with.

@@ -21,7 +21,7 @@ template <class Derived, int Dim> class Transfers : public Domains<Dim> {
     using Base::Base;
     using Base::particles;
 
-    void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce, double control) override {
+    void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
         const Planes q(particles);
         auto load = [&](int p, typename NF::Sum& P, Pack<4>* Q) __attribute__((always_inline)) {
             const double m = inertiaScale * q.mass[p];
@@ -35,16 +35,16 @@ template <class Derived, int Dim> class Transfers : public Domains<Dim> {
                 for (int i = 0; i < Dim; ++i)
                     Q[k].set(i, -q.volume[p] * q.stress[i <= k ? 3 * i + k : 3 * k + i][p]);
         };
-        derived().template scatter<NF::sumLanes>(team, nodes, load, control);
+        derived().template scatter<NF::sumLanes>(team, nodes, load, withForce);
     }
 
-    void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale, double control) override {
+    void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale, double dt) override {
         const Planes q(particles);
         auto load = [&](int p, typename NF::Velocity& P, Pack<4>*) __attribute__((always_inline)) {
             const double m = inertiaScale * q.mass[p];
             for (int i = 0; i < Dim; ++i) P.set(i, m * q.velocity[i][p]);
         };
-        derived().template scatter<4, false>(team, nodes, load, control);
+        derived().template scatter<4, false>(team, nodes, load, dt);
     }
 
     // v_p <- flip (v_p + dt a) + (1 - flip) v ;  x_p <- x_p + dt v  (v, a interpolated from the nodes).

@@ -36,6 +36,7 @@ def arguments():
     parser.add_argument("--ramp", type=float, default=0.0, help="time over which the rate grows from zero, s")
     parser.add_argument("--psi", type=float, default=10.0, help="dilatancy angle, degrees (default 10, published)")
     parser.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain in the soil (not published)")
+    parser.add_argument("--flip", type=float, default=1.0, help="FLIP share of the particle velocity (default 1: pure FLIP)")
     parser.add_argument("--dt", type=float, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
     parser.add_argument("--on-distortion", choices=("stop", "convert"), default="stop", help="what distorted APDI domains do")
     parser.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, 1 m/s, 20,000 steps")
@@ -87,7 +88,7 @@ def build(a):
         mpm.ParticleToGrid(),
         mpm.GridSolver(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed=("bottom",),
                        drive=mpm.Drive(pile.above(top), velocity=(0, -a.rate), ramp=a.ramp)),
-        mpm.GridToParticle(),
+        mpm.GridToParticle(flip=a.flip),
         mpm.DomainUpdater(),
     ]
     scene.dt = a.dt
@@ -181,7 +182,6 @@ def summarise(a, scene, history, wall, steps):
     heave, trough, cavity = surface.areas(DEPTH)
     settled = depth > a.cell
     ratios = history["kineticRatio"][settled]
-    balance = reactionBalance(a, scene, history)
     soilCount = sum(b.count for b in soil)
     tip = pile.reference[:, 1] < DEPTH - EMBEDDED + a.cell
     tipDrift = float(abs(pile.displacement[tip, 0].mean()) / thicknessOf(a.cell))
@@ -202,7 +202,9 @@ def summarise(a, scene, history, wall, steps):
         "peakMemoryBytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,
         "timing": {k: round(v[0], 3) for k, v in scene.timing().items()},
         "penetration": float(depth[-1]),
-        "resistance": {f"{d:.1f}": float(np.interp(d, depth, smooth)) for d in np.arange(0.5, depth[-1] + 1e-6, 0.5)},
+        "resistance": atHalfMetres(depth, smooth),
+        "appliedForce": atHalfMetres(depth, smooth - pile.mass.sum() * GRAVITY),
+        "resistanceAtBase": atHalfMetres(depth, baseCurve(a, scene, history)),
         "heaveArea": heave,
         "troughArea": trough,
         "cavityArea": cavity,
@@ -214,7 +216,8 @@ def summarise(a, scene, history, wall, steps):
         "hourglassMax": extreme(history["hourglassAmplitude"], np.nanmax),
         "kineticEnergyRatioMax": extreme(ratios, np.nanmax),
         "energyError": float(history["energyError"][-1]),
-        "reactionBalanceMax": balance,
+        "reactionBalanceMaxTo1.5m": reactionBalance(a, scene, history, 1.5),
+        "reactionBalanceMax": reactionBalance(a, scene, history, np.inf),
         "isolatedSurfaceParticles": surface.isolated,
         "surfaceContinuous": surface.isContinuous(a.cell),
         "surfaceSingleValued": surface.singleValued,
@@ -227,16 +230,27 @@ def extreme(values, which):
     return float(which(values)) if np.isfinite(values).any() else None
 
 
-def reactionBalance(a, scene, history):
-    """Largest difference of the resistance at the drive and at the base, moving averages over one cell, over their size.
+def atHalfMetres(depth, values):
+    """Values at each 0.5 m of penetration, by depth."""
+    return {f"{d:.1f}": float(np.interp(d, depth, values)) for d in np.arange(0.5, depth[-1] + 1e-6, 0.5)}
 
-    The base feels what the drive pushes: reaction of the base = weight of soil and pile - force of the drive.
+
+def baseCurve(a, scene, history):
+    """Resistance as the base of the soil feels it: its reaction less the weight of the soil, mean over one cell (kN/m).
+
+    At rest it equals the resistance at the drive. Inertia of the soil and net forces of local damping, which act where
+    particles rattle, make the difference.
     """
-    depth, _, atDrive = resistanceCurve(a, scene, history)
     weight = sum(b.mass.sum() for b in soilBodies(scene)) * GRAVITY
-    atBase = movingAverage(depth, history["bottom.fy"] - weight, a.cell)
-    inside = (depth > a.cell) & (depth < depth[-1] - a.cell / 2)
-    return float((np.abs(atDrive - atBase)[inside] / np.abs(atDrive[inside]).max()).max()) if inside.any() else None
+    return movingAverage(penetrationAt(a, history["time"]), history["bottom.fy"] - weight, a.cell)
+
+
+def reactionBalance(a, scene, history, reach):
+    """Largest difference of the resistances at drive and base up to a depth, over the resistance there."""
+    depth, _, atDrive = resistanceCurve(a, scene, history)
+    inside = (depth > a.cell) & (depth < min(reach, depth[-1] - a.cell / 2))
+    difference = np.abs(atDrive - baseCurve(a, scene, history)) / np.abs(atDrive)
+    return float(difference[inside].max()) if inside.any() else None
 
 
 def draw(a, out, scene, history, snapshots, summary):
@@ -260,8 +274,9 @@ def draw(a, out, scene, history, snapshots, summary):
     plot.save(figure, os.path.join(out, "domains.png"))
 
     figure, ax = plot.plt.subplots(figsize=(4.2, 4.6), layout="constrained")
-    ax.plot(raw, depth, color="0.8", lw=0.6, label="mean over each sample")
-    ax.plot(smooth, depth, color="C3", lw=1.6, label="mean over one cell")
+    ax.plot(raw, depth, color="0.8", lw=0.6, label="at the drive, mean over each sample")
+    ax.plot(smooth, depth, color="C3", lw=1.6, label="at the drive, mean over one cell")
+    ax.plot(baseCurve(a, scene, history), depth, color="k", lw=0.9, ls="--", label="at the base, mean over one cell")
     ax.set(xlabel="penetration resistance (kN/m)", ylabel="further penetration (m)", xlim=(0, 1.25 * smooth.max()))
     ax.invert_yaxis()
     ax.legend()

@@ -13,8 +13,9 @@ class GridSolver : public EngineOf<GridSolver> {
     std::string className() const override { return "GridSolver"; }
     std::string doc() const override {
         return "Solves the equation of motion on the nodes, with gravity, local damping and prescribed velocities.\n\n"
-               "f_k <- f_k [1 - damping sgn(f_k v_k)] per component, v at mid-step (Cundall's local non-viscous damping\n"
-               "in the form used by YADE), not where a velocity is prescribed;  a = f/m,  v <- v + dt a.";
+               "a = f/m,  v <- v + dt a.  Local damping (Cundall 1987, in the form of YADE) acts on the acceleration that\n"
+               "the particles take from the nodes, a_k <- a_k [1 - damping sgn(a_k v_k)] per component, v at mid-step: nodal\n"
+               "forces that no particle feels would otherwise drag, see doc/decisions/0006.";
     }
     std::vector<Parameter> attributes() override {
         return {{"gravity", "m/s2", "Acceleration of gravity, one component per axis; acts on the unscaled mass.", &gravity},
@@ -25,6 +26,7 @@ class GridSolver : public EngineOf<GridSolver> {
     void prepare(Scene<3>& scene) override { checkGravity(scene); }
 
     template <int Dim> void act(Scene<Dim>& scene) {
+        scene.damping = damping;
         const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
         partial_.assign(size_t(slabs) * (n + 1), Tally{});
         const double least = scene.leastMass();
@@ -41,7 +43,7 @@ class GridSolver : public EngineOf<GridSolver> {
   private:
     // Reaction, moment and work of one constraint in one slab; the last entry of a slab collects energies.
     struct Tally {
-        double force[3] = {0, 0, 0}, moment[3] = {0, 0, 0}, work = 0, gravity = 0, damping = 0;
+        double force[3] = {0, 0, 0}, moment[3] = {0, 0, 0}, work = 0, gravity = 0;
         int nodes = 0;
     };
     std::vector<Tally> partial_;
@@ -64,10 +66,8 @@ class GridSolver : public EngineOf<GridSolver> {
                 double f = sum[NF::force + k] + weight, v = sum[NF::momentum + k] / m, a;
                 const int c = scene.holder[k][node];
                 if (c < 0) {
-                    const double resisting = damping * std::copysign(std::abs(f), v + 0.5 * dt * f / m);
-                    a = (f - resisting) / m;
+                    a = f / m;
                     v += dt * a;
-                    tally[scene.constraints.size()].damping += resisting * (v - 0.5 * dt * a) * dt;
                 } else { // momentum and force are both replaced, or the FLIP increment leaks
                     v = scene.prescribed(c, k, scene.time + dt);
                     a = (v - scene.prescribed(c, k, scene.time)) / dt;
@@ -102,10 +102,10 @@ class GridSolver : public EngineOf<GridSolver> {
                 for (int k = 0; k < 3; ++k)
                     total.force[k] += partial_[i].force[k], total.moment[k] += partial_[i].moment[k];
                 total.work += partial_[i].work, total.gravity += partial_[i].gravity;
-                total.damping += partial_[i].damping, total.nodes += partial_[i].nodes;
+                total.nodes += partial_[i].nodes;
             }
             if (c == n) {
-                scene.energies.gravity += total.gravity, scene.energies.damping += total.damping;
+                scene.energies.gravity += total.gravity;
                 continue;
             }
             Constraint& constraint = *scene.constraints[c];

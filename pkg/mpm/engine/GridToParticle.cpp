@@ -3,6 +3,8 @@
 #include "mpm/engine/Engine.hpp"
 #include "mpm/engine/Stages.hpp"
 
+#include <numeric>
+
 namespace mpm {
 
 class GridToParticle : public EngineOf<GridToParticle> {
@@ -21,13 +23,20 @@ class GridToParticle : public EngineOf<GridToParticle> {
 
     template <int Dim> void act(Scene<Dim>& scene) {
         parallel(scene.threads, [&](Team& team) {
-            for (auto& body : scene.bodies)
-                body->domains->takeMotion(team, scene.grid.fields[body->velocityField].motion.data(), scene.dt, flip);
+            for (auto& body : scene.bodies) {
+                team.once([&] { damped_.assign(chunksOf(body->particles.size()), 0.0); });
+                body->domains->takeMotion(team, scene.grid.fields[body->velocityField].motion.data(), scene.dt, flip,
+                                          scene.damping, body->inertiaScale, damped_.data());
+                team.once([&] { scene.energies.damping += std::accumulate(damped_.begin(), damped_.end(), 0.0); });
+            }
             if (scene.scheme == Scheme::USF)
                 for (auto& body : scene.bodies) body->domains->advance(team, scene.dt);
             if (scene.scheme == Scheme::MUSL) velocityFromParticles(team, scene, scene.time + scene.dt);
         });
     }
+
+  private:
+    std::vector<double> damped_; // energy taken out by damping, per chunk of particles
 };
 
 MPM_REGISTER(Engine, GridToParticle);

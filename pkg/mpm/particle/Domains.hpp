@@ -62,8 +62,10 @@ template <int Dim> class Domains {
     virtual void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) = 0;
     // Node += phi * momentum + dt * forces of hourglass control, with weights and forces of the step's start.
     virtual void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale, double dt) = 0;
-    // Particle velocity and position from nodal velocity and acceleration; flip = 1: FLIP, 0: PIC.
-    virtual void takeMotion(Team& team, const typename NF::Motion* nodes, double dt, double flip) = 0;
+    // Particle velocity and position from nodal velocity and acceleration; flip = 1: FLIP, 0: PIC. Local damping
+    // acts on the acceleration of the particles; damped[c] takes the energy it costs particles of chunk c.
+    virtual void takeMotion(Team& team, const typename NF::Motion* nodes, double dt, double flip, double damping,
+                            double inertiaScale, double* damped) = 0;
     // Velocity gradient of the particles, and whatever the domain moves with.
     virtual void takeGradient(Team& team, const typename NF::Velocity* nodes) = 0;
     // Volume of particles [begin, end) after the step; F is that after the step.

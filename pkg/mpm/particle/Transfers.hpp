@@ -47,15 +47,22 @@ template <class Derived, int Dim> class Transfers : public Domains<Dim> {
         derived().template scatter<4, false>(team, nodes, load, dt);
     }
 
-    // v_p <- flip (v_p + dt a) + (1 - flip) v ;  x_p <- x_p + dt v  (v, a interpolated from the nodes).
-    void takeMotion(Team& team, const typename NF::Motion* nodes, double dt, double flip) override {
+    // v_p <- flip (v_p + dt a) + (1 - flip) v ;  x_p <- x_p + dt v  (v, a interpolated from the nodes), with
+    // a <- a [1 - damping sgn(a (v_p + dt a / 2))] for each component, and v less what that takes from a.
+    void takeMotion(Team& team, const typename NF::Motion* nodes, double dt, double flip, double damping,
+                    double inertiaScale, double* damped) override {
         const Planes q(particles);
         auto store = [&](int p, const typename NF::Motion& motion, const typename NF::Motion*) __attribute__((always_inline)) {
+            double power = 0;
             for (int i = 0; i < Dim; ++i) {
-                const double v = motion[i], a = motion[Dim + i];
-                q.velocity[i][p] = flip * (q.velocity[i][p] + dt * a) + (1 - flip) * v;
+                const double before = q.velocity[i][p], middle = before + 0.5 * dt * motion[Dim + i];
+                const double resisting = damping * std::copysign(std::abs(motion[Dim + i]), middle);
+                const double v = motion[i] - dt * resisting, a = motion[Dim + i] - resisting;
+                q.velocity[i][p] = flip * (before + dt * a) + (1 - flip) * v;
                 q.position[i][p] += dt * v;
+                power += resisting * (before + 0.5 * dt * a);
             }
+            damped[p / chunkSize] += inertiaScale * q.mass[p] * power * dt;
         };
         derived().template gather<NF::motionLanes, false>(team, nodes, store);
     }

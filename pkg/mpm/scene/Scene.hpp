@@ -35,6 +35,7 @@ template <int Dim> class Scene {
     double time = 0, dt = 0;
     long step = 0;
     int threads = 1;
+    double damping = 0; // local non-viscous damping, see GridSolver and GridToParticle
     Energies energies;
 
     // Which constraint holds each component of a node, -1: none. Fixed sets of nodes are entered by

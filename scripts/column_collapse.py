@@ -11,9 +11,9 @@ tension: the thin tail of the deposit is too loose, and the automatic time step 
 
 Units: Mg, m, s, kPa, per metre of thickness.
 
-    python scripts/column_collapse.py
-    python scripts/column_collapse.py --compare        # both types and two cell sizes
-    python scripts/column_collapse.py --smoke
+    scripts/run column_collapse
+    scripts/run column_collapse --compare        # both types and two cell sizes
+    scripts/run column_collapse --smoke
 """
 import argparse
 import json

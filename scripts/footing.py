@@ -12,10 +12,10 @@ the footing is the middle of that cell; cells of 6 m / (an odd number) put it at
 
 Units: Mg, m, s, kPa, per metre of thickness.
 
-    python scripts/footing.py --fbar                   # hybrid, cells of 2/9 m
-    python scripts/footing.py --fbar --types ugimp --cell 0.4
-    python scripts/footing.py --compare                # without and with F-bar in one picture
-    python scripts/footing.py --smoke
+    scripts/run footing --fbar                   # hybrid, cells of 2/9 m
+    scripts/run footing --fbar --types ugimp --cell 0.4
+    scripts/run footing --compare                # without and with F-bar in one picture
+    scripts/run footing --smoke
 """
 import argparse
 import json

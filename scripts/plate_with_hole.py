@@ -10,8 +10,8 @@ because the hole carries no force.
 
 Units: kg, m, s, Pa, per metre of thickness.
 
-    python scripts/plate_with_hole.py                  # 8 cells per radius
-    python scripts/plate_with_hole.py --smoke          # 4 cells per radius
+    scripts/run plate_with_hole                  # 8 cells per radius
+    scripts/run plate_with_hole --smoke          # 4 cells per radius
 """
 import argparse
 import json

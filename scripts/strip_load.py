@@ -9,8 +9,8 @@ in Poulos & Davis 1974, Elastic solutions for soil and rock mechanics, sect. 3.1
 
 Units: Mg, m, s, kPa, per metre of thickness; b = 1 m.
 
-    python scripts/strip_load.py                       # 4 cells per b, 51,200 domains
-    python scripts/strip_load.py --smoke               # 2 cells per b, 20 b x 20 b
+    scripts/run strip_load                       # 4 cells per b, 51,200 domains
+    scripts/run strip_load --smoke               # 2 cells per b, 20 b x 20 b
 """
 import argparse
 import json

@@ -12,14 +12,14 @@ tension. The line stays where it is while soil moves through it, with half a met
 that fresh soil makes the pressure at the foot of the wall lower, and higher above, than Rankine's line.
 
 Local damping must be small here: in slow plastic flow all material moves one way, and a damping of 0.7 carries part of its weight
-(active thrust 20 % too low). The ground beside the wall settles (active) or heaves (passive) by up to 3 % of H meanwhile, which
+(active thrust 13 % too low). The ground beside the wall settles (active) or heaves (passive) by up to 3 % of H meanwhile, which
 Rankine's numbers for the first height leave out.
 
 Units: Mg, m, s, kPa, per metre of thickness.
 
-    python scripts/wall.py                             # both states
-    python scripts/wall.py --state active --cell 0.125
-    python scripts/wall.py --smoke
+    scripts/run wall                             # both states
+    scripts/run wall --state active --cell 0.125
+    scripts/run wall --smoke
 """
 import argparse
 import json

@@ -8,7 +8,7 @@ import sys
 import threading
 import time
 
-from . import checkpoint
+from . import checkpoint, limits
 
 SLICE = 0.1  # s of wall time between looks at signals and the progress bar
 
@@ -116,20 +116,18 @@ class Run:
             raise KeyboardInterrupt
 
     def _takeSteps(self):
-        from .scene import DT_PERIOD
         scene = self.scene
         while self.stepsLeft() > 0 and self.signal is None and not self._stop.is_set():
-            if scene.steps > 0 and scene.steps % DT_PERIOD == 0 and scene._estimatedAt != scene.steps:
+            if scene.steps > 0 and scene.steps % limits.DT_PERIOD == 0 and scene._estimatedAt != scene.steps:
                 self._reestimate()
             callbacks = [e.stepsToCall(scene) for e in scene.engines if hasattr(e, "stepsToCall")]
-            scene.core.advance(min([self.stepsLeft(), DT_PERIOD - scene.steps % DT_PERIOD, *callbacks]), SLICE)
+            scene.core.advance(min([self.stepsLeft(), limits.DT_PERIOD - scene.steps % limits.DT_PERIOD, *callbacks]), SLICE)
             self.progress.update()
 
     def _reestimate(self):
-        from .scene import DT_SAFETY, INTERFACE_RUN, INTERFACE_WARN
         scene = self.scene
-        scene._checkInterface(INTERFACE_RUN)
-        fault = None if self._warnedOfInterface else scene._interfaceFault(INTERFACE_WARN)
+        scene._checkInterface(limits.INTERFACE_RUN)
+        fault = None if self._warnedOfInterface else scene._interfaceFault(limits.INTERFACE_WARN)
         if fault is not None:
             self._warnedOfInterface = True
             self.progress.say(f"warning: step {scene.steps}: {fault}")
@@ -138,7 +136,7 @@ class Run:
         if not critical > 0:
             return  # every node is held: nothing to go by
         if scene._dt is None:
-            scene.core.dt = DT_SAFETY[scene.scheme] * critical
+            scene.core.dt = limits.DT_SAFETY[scene.scheme] * critical
         elif scene._dt > critical and not scene.allowUnstable:
             self.progress.say(f"warning: step {scene.steps}: dt = {scene._dt:.3g} s now exceeds the critical step "
                               f"{critical:.3g} s (stiffest: '{scene.stiffest}')")

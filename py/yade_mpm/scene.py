@@ -2,7 +2,7 @@
 """The scene: grid, bodies, engines, clock, and the run."""
 import numpy as np
 
-from . import _core, checkpoint
+from . import _core, checkpoint, limits
 from .attributes import Guarded
 from .body import Body
 from .engines import FACES, Callback, Engine, GridSolver, classes
@@ -12,12 +12,6 @@ from .particles import ParticleType, classes as particleClasses
 from .regions import Region
 from .running import Run
 
-# Share of the critical step when dt is left out. USL loses stability below the linear limit of its operator.
-DT_SAFETY = {"MUSL": 0.8, "USF": 0.8, "USL": 0.5}
-DT_PERIOD = 5000      # steps between estimates of the critical step
-# Longest APDI edge beside uGIMP, in cells: when the scene is built, and while running as domains stretch and the interface
-# moves; from 1.5 on the run warns. Edges of two cells were measured to falsify the stress there by a quarter and more.
-INTERFACE_BUILD, INTERFACE_WARN, INTERFACE_RUN = 1 + 1e-9, 1.5, 2.0
 MOST_THREADS = 1024
 
 
@@ -427,7 +421,7 @@ class Scene(Guarded):
         self._prepareChain()
         for body in self.bodies:
             _checkFields(body)
-        self._checkInterface(INTERFACE_BUILD if self.steps == 0 else INTERFACE_RUN)
+        self._checkInterface(limits.INTERFACE_BUILD if self.steps == 0 else limits.INTERFACE_RUN)
         if not (self._checked and self._checkedState == self._stabilityState()):
             self.checkTimeStep()
         self.core.threads = self.threads
@@ -444,7 +438,7 @@ class Scene(Guarded):
         if self._dt is None:
             if not critical > 0:
                 raise ValueError("Scene: no critical time step can be found (every node is held); give scene.dt")
-            self.core.dt = DT_SAFETY[self.scheme] * critical
+            self.core.dt = limits.DT_SAFETY[self.scheme] * critical
         elif self._dt > critical > 0 and not self.allowUnstable:
             raise ValueError(f"dt = {self._dt:.3g} s exceeds the critical step {critical:.3g} s of this scene (stiffest: "
                              f"'{self.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid")

@@ -75,11 +75,11 @@ def converting():
 
 def run(scene, steps):
     """Runs with a short period between estimates; of the driven scenes the velocity is changed on the way."""
-    mpm.scene.DT_PERIOD = PERIOD
+    mpm.limits.DT_PERIOD = PERIOD
     try:
         scene.run(steps=steps, progress=False)
     finally:
-        mpm.scene.DT_PERIOD = 5000
+        mpm.limits.DT_PERIOD = 5000
 
 
 def bitsOf(file):

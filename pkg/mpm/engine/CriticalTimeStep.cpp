@@ -21,15 +21,7 @@ template <int Dim> class ElasticOperator {
 
     explicit ElasticOperator(Scene<Dim>& scene) : scene_(scene) {
         parallel(scene.threads, [&](Team& team) {
-            team.once([&] {
-                typename Grid<Dim>::Extent none;
-                none.first.fill(1 << 30), none.last.fill(-(1 << 30));
-                scene.grid.extents.assign(scene.grid.slabs(), none);
-            });
-            for (auto& body : scene.bodies) {
-                body->domains->locate(team);
-                team.once([&] { body->domains->order.markExtents(scene.grid); });
-            }
+            locateAll(team, scene);
             if (!team.failed()) sumOnNodes(team, scene, false);
         });
         std::vector<double> scratch;

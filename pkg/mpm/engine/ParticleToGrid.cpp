@@ -17,15 +17,7 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
 
     template <int Dim> void act(Scene<Dim>& scene) {
         parallel(scene.threads, [&](Team& team) {
-            team.once([&] {
-                typename Grid<Dim>::Extent none;
-                none.first.fill(1 << 30), none.last.fill(-(1 << 30));
-                scene.grid.extents.assign(scene.grid.slabs(), none);
-            });
-            for (auto& body : scene.bodies) {
-                body->domains->locate(team);
-                team.once([&] { body->domains->order.markExtents(scene.grid); });
-            }
+            locateAll(team, scene);
             if (team.failed()) return;
             sumOnNodes(team, scene, scene.scheme != Scheme::USF);
         });

@@ -11,6 +11,19 @@ template <int Dim, class F> void forActiveNodes(Team& team, const Scene<Dim>& sc
     team.forEach(scene.grid.slabs(), [&](int slab) { scene.grid.forNodes(slab, f); });
 }
 
+// Finds everything in the grid, and what part of the grid is touched.
+template <int Dim> void locateAll(Team& team, Scene<Dim>& scene) {
+    team.once([&] {
+        typename Grid<Dim>::Extent none;
+        none.first.fill(1 << 30), none.last.fill(-(1 << 30));
+        scene.grid.extents.assign(scene.grid.slabs(), none);
+    });
+    for (auto& body : scene.bodies) {
+        body->domains->locate(team);
+        team.once([&] { body->domains->order.markExtents(scene.grid); });
+    }
+}
+
 // Sums of mass, momentum and force on the nodes, from the particles where locate() found them.
 // Hourglass control is a force here. Under MUSL and USF it also enters the velocity that moves the vertices
 // (velocityFromParticles): that is a sum over particles, which cannot hold a pattern of single domains, so

@@ -119,6 +119,8 @@ def run(a, out):
 
     if a.resume:
         scene = mpm.load(a.resume, callbacks={"snapshots": snapshot})
+        if a.threads:
+            scene.threads = a.threads
     else:
         scene = build(a)
         scene.engines = scene.engines + [

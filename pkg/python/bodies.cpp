@@ -82,7 +82,7 @@ template <int Dim> struct Bind {
         for (int p = 0; p < body.particles.size(); ++p) body.setStress(p, &given[9 * p]);
     }
     static bp::object cornerTable(B& body) {
-        const auto* table = body.domains->corners_();
+        const auto* table = body.domains->cornerTable();
         return table ? bp::object(listOf(*table)) : bp::object();
     }
     static bp::tuple halfSize(B& body) {

@@ -78,7 +78,7 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
         std::vector<int> vertices;
         std::vector<Vec<Dim>> X;
         for (int a : facetCorners<Dim>(facet)) {
-            vertices.push_back((*loaded.domains->corners_())[corners<Dim> * p + a]);
+            vertices.push_back((*loaded.domains->cornerTable())[corners<Dim> * p + a]);
             X.push_back(vectorAt<Dim>(*loaded.domains->vertexPositions(), vertices.back()));
         }
         const Vec<Dim> area = areaVector(X);

@@ -64,7 +64,7 @@ template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double
     std::unique_ptr<Boxes<Dim>> boxes;
     for (auto& body : scene.bodies) {
         if (!body->type->isMeshed()) continue;
-        const auto& corner = *body->domains->corners_();
+        const auto& corner = *body->domains->cornerTable();
         for (int p = 0; p < body->particles.size(); ++p) {
             const double edge = body->domains->longestEdge(p);
             if (edge <= allowed) continue;

@@ -158,7 +158,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     }
 
     // --- besides the step ---------------------------------------------------------------------------
-    const std::vector<int>* corners_() const override { return &corner_; }
+    const std::vector<int>* cornerTable() const override { return &corner_; }
     Field* vertexPositions() override { return &X_; }
     Field* vertexVelocities() override { return &V_; }
 

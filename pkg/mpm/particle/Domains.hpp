@@ -84,8 +84,8 @@ template <int Dim> class Domains {
     virtual void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const = 0;
     // Half size of the box drawn for a particle, or zero where corners() says more.
     virtual Vec<Dim> halfSize() const { return Vec<Dim>::Zero(); }
-    // Corner numbers (VTK order) of every domain into vertexPositions(), or nullptr for boxes.
-    virtual const std::vector<int>* corners_() const { return nullptr; }
+    // Corner numbers (VTK order) of every domain into vertexPositions(); nullptr for boxes.
+    virtual const std::vector<int>* cornerTable() const { return nullptr; }
     virtual Field* vertexPositions() { return nullptr; }
     virtual Field* vertexVelocities() { return nullptr; }
     // Node += share of a force on one vertex.
@@ -96,7 +96,8 @@ template <int Dim> class Domains {
     virtual std::vector<Piece<Dim>> split(int /*particle*/, const Vec<Dim>& /*halfSize*/) const { return {}; }
     virtual void remove(const std::vector<int>& /*sorted particles*/) {}
     virtual void grown() {} // after particles were appended
-    // Nodal-resolution diagnostics: 1 and 0 for types without.
+    // Smallest corner Jacobian over initial volume, and largest hourglass amplitude over edge; types that cannot
+    // distort have none.
     virtual double minJacobian() const { return std::numeric_limits<double>::quiet_NaN(); }
     virtual double hourglass() const { return 0; }
     // Longest edge of a domain, m.

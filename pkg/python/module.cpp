@@ -14,11 +14,7 @@ BOOST_PYTHON_MODULE(_core) {
     bp::class_<ArrayView>("ArrayView", bp::no_init).add_property("__array_interface__", &ArrayView::interface);
     bp::def("availableThreads", omp_get_max_threads);
     bp::scope().attr("compiler") = "gcc " __VERSION__;
-#ifdef MPM_FLAGS
     bp::scope().attr("flags") = MPM_FLAGS;
-#else
-    bp::scope().attr("flags") = "";
-#endif
     exposeParameters();
     exposeMaterials();
     exposeBodies();

@@ -119,7 +119,7 @@ template <int Dim> struct Bind {
                     total[0] += field.sum[node][NodalField<Dim>::mass];
                     for (int k = 0; k < Dim; ++k) {
                         total[1 + k] += field.sum[node][NodalField<Dim>::momentum + k];
-                        total[1 + Dim + k] += field.sum[node][NodalField<Dim>::force + k];
+                        total[1 + Dim + k] += field.sum[node][NodalField<Dim>::force(k)];
                     }
                 });
         return tupleOf(total);
@@ -132,8 +132,9 @@ template <int Dim> struct Bind {
                 scene.grid.forNodes(slab, [&](int node) {
                     bp::list row;
                     row.append(node);
-                    for (int k = 0; k < 1 + Dim; ++k) row.append(field.sum[node][k]);
-                    for (int k = 0; k < Dim; ++k) row.append(field.sum[node][NodalField<Dim>::force + k]);
+                    row.append(field.sum[node][NodalField<Dim>::mass]);
+                    for (int k = 0; k < Dim; ++k) row.append(field.sum[node][NodalField<Dim>::momentum + k]);
+                    for (int k = 0; k < Dim; ++k) row.append(field.sum[node][NodalField<Dim>::force(k)]);
                     for (int k = 0; k < 2 * Dim; ++k) row.append(field.motion[node][k]);
                     all.append(row);
                 });

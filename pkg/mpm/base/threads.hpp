@@ -4,28 +4,120 @@
 // pieces. Hence the same bits for any number of threads.
 #pragma once
 
+#include <omp.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <mutex>
+#include <thread>
 #include <vector>
 
 namespace mpm {
 
-constexpr int chunkSize = 512; // particles per piece where the order of pieces does not matter
+constexpr int chunkSize = 128; // particles per piece where the order of pieces does not matter: few enough for the first cache
 
 inline int chunksOf(int n) { return (n + chunkSize - 1) / chunkSize; }
+
+// Pieces of work in a row, shared out so that each thread has a stretch of about the same weight: the next loop over the same
+// part of the grid then finds it in the thread's own cache.
+class Shares {
+  public:
+    template <class Weight> void set(int n, Weight&& weight) {
+        middle_.resize(n);
+        double sum = 0;
+        for (int i = 0; i < n; ++i) {
+            const double w = weight(i);
+            middle_[i] = sum + 0.5 * w, sum += w;
+        }
+        for (double& m : middle_) m = sum > 0 ? m / sum : 0;
+    }
+    int count() const { return int(middle_.size()); }
+    int owner(int piece, int threads) const { return std::min(int(middle_[piece] * threads), threads - 1); }
+
+  private:
+    std::vector<double> middle_; // of a piece, in the running sum of the weights over the total
+};
+
+// Pieces of work some of which touch the same memory: whichever threads do them, these take turns in a fixed order. The
+// pieces are coloured so that those of one colour have nothing in common, and a piece waits for the ones of lower colours
+// that it has something in common with, not for the whole colour.
+class Turns {
+  public:
+    // Pieces in a row that share memory with the one before and the one after: even ones first.
+    void line(int n) {
+        std::vector<std::vector<int>> neighbours(n);
+        for (int i = 0; i + 1 < n; ++i) neighbours[i].push_back(i + 1), neighbours[i + 1].push_back(i);
+        graph(neighbours);
+    }
+
+    // neighbours[i]: the pieces that piece i shares memory with. Returns the number of colours.
+    int graph(const std::vector<std::vector<int>>& neighbours) {
+        const int n = int(neighbours.size());
+        std::vector<int> colour(n, -1);
+        int colours = 0;
+        for (int i = 0; i < n; ++i) {
+            std::vector<char> taken(colours + 1, 0);
+            for (int other : neighbours[i])
+                if (colour[other] >= 0) taken[colour[other]] = 1;
+            colour[i] = int(std::find(taken.begin(), taken.end(), 0) - taken.begin());
+            colours = std::max(colours, colour[i] + 1);
+        }
+        sequence_.clear(), before_.assign(n, {});
+        for (int c = 0; c < colours; ++c)
+            for (int i = 0; i < n; ++i)
+                if (colour[i] == c) sequence_.push_back(i);
+        for (int i = 0; i < n; ++i)
+            for (int other : neighbours[i])
+                if (colour[other] < colour[i]) before_[i].push_back(other);
+        done_ = std::make_unique<std::atomic<long>[]>(n);
+        for (int i = 0; i < n; ++i) done_[i] = 0;
+        return colours;
+    }
+
+    int count() const { return int(sequence_.size()); }
+    Shares shares; // to be set anew when the weights of the pieces have changed
+
+  private:
+    friend class Team;
+    std::vector<int> sequence_;            // pieces in the order in which they are handed out
+    std::vector<std::vector<int>> before_; // pieces that piece i waits for
+    std::unique_ptr<std::atomic<long>[]> done_; // how many times each piece has been done
+
+    void await(int piece) const {
+        const long round = done_[piece].load(std::memory_order_relaxed);
+        for (int other : before_[piece])
+            for (int spins = 0; done_[other].load(std::memory_order_acquire) <= round; ++spins)
+                if (spins > 1000) std::this_thread::yield(); // more threads than cores
+    }
+    void finished(int piece) { done_[piece].fetch_add(1, std::memory_order_release); }
+};
 
 // All threads of one parallel region. Every thread calls the same functions in the same order; each
 // of them ends at a barrier. An exception is kept (that of the lowest piece, so it does not depend on
 // the threads either) and rethrown when the region ends.
 class Team {
   public:
-    // Calls f(i) once for each piece i in [0, n).
-    template <class F> void forEach(int n, F&& f) {
-#pragma omp for schedule(dynamic, 1)
-        for (int i = 0; i < n; ++i) guard(i, [&] { f(i); });
+    // Calls f(i) once for each piece i.
+    template <class F> void inShares(const Shares& shares, F&& f) {
+        const int me = omp_get_thread_num(), threads = omp_get_num_threads();
+        for (int i = 0; i < shares.count(); ++i)
+            if (shares.owner(i, threads) == me) guard(i, [&] { f(i); });
+#pragma omp barrier
+    }
+
+    // Calls f(i) once for each piece of `turns`.
+    template <class F> void inTurns(Turns& turns, F&& f) {
+        const int me = omp_get_thread_num(), threads = omp_get_num_threads();
+        for (int piece : turns.sequence_) {
+            if (turns.shares.owner(piece, threads) != me) continue;
+            turns.await(piece);
+            guard(piece, [&] { f(piece); });
+            turns.finished(piece);
+        }
+#pragma omp barrier
     }
 
     // Calls f(begin, end) for chunks of [0, n).
@@ -34,11 +126,6 @@ class Team {
 #pragma omp for schedule(static)
         for (int c = 0; c < pieces; ++c)
             guard(c, [&] { f(c * chunkSize, std::min(n, (c + 1) * chunkSize)); });
-    }
-
-    // Pieces of neighbouring colours may touch the same nodes, pieces of one colour never do.
-    template <class F> void twoColours(int n, F&& f) {
-        for (int colour = 0; colour < 2; ++colour) forEach((n - colour + 1) / 2, [&](int i) { f(2 * i + colour); });
     }
 
     // One thread calls f while the others wait.

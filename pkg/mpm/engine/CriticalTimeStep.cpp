@@ -17,7 +17,7 @@ namespace {
 
 template <int Dim> class ElasticOperator {
   public:
-    using Vector = std::vector<Pack<4>>; // one entry per node and velocity field
+    using NF = NodalField<Dim>;
 
     explicit ElasticOperator(Scene<Dim>& scene) : scene_(scene) {
         parallel(scene.threads, [&](Team& team) {
@@ -30,7 +30,7 @@ template <int Dim> class ElasticOperator {
         for (auto& field : scene.grid.fields)
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
                 scene.grid.forNodes(slab, [&](int node) {
-                    const double m = field.sum[node][NodalField<Dim>::mass];
+                    const double m = field.sum[node][NF::mass];
                     for (int k = 0; k < Dim; ++k)
                         if (m > least && scene.holder[k][node] < 0) {
                             dofs_.push_back({int(&field - scene.grid.fields.data()), node, k});
@@ -50,26 +50,29 @@ template <int Dim> class ElasticOperator {
     void apply(const std::vector<double>& x, std::vector<double>& y) {
         clear();
         for (int i = 0; i < size(); ++i)
-            scene_.grid.fields[dofs_[i].field].velocity[dofs_[i].node].set(dofs_[i].axis, x[i]);
+            NF::setVelocity(scene_.grid.fields[dofs_[i].field].velocity[dofs_[i].node], dofs_[i].axis, x[i]);
         parallel(scene_.threads, [&](Team& team) {
             for (size_t b = 0; b < scene_.bodies.size(); ++b) {
                 auto& body = *scene_.bodies[b];
-                body.domains->takeGradient(team, scene_.grid.fields[body.velocityField].velocity.data());
-                team.chunks(body.particles.size(), [&](int begin, int end) { elasticStress(body, stress_[b], begin, end); });
+                const auto* nodes = scene_.grid.fields[body.velocityField].velocity.data();
+                body.domains->takeVelocity(team, nodes);
+                team.chunks(body.particles.size(), [&](int begin, int end) {
+                    body.domains->takeGradient(begin, end, nodes, 0);
+                    elasticStress(body, stress_[b], begin, end);
+                });
             }
         });
-        clear();
         parallel(scene_.threads, [&](Team& team) {
             for (size_t b = 0; b < scene_.bodies.size(); ++b) {
                 auto& body = *scene_.bodies[b];
                 const double* planes[9];
                 for (int c = 0; c < 9; ++c) planes[c] = stress_[b].plane(c);
-                body.domains->addForce(team, scene_.grid.fields[body.velocityField].velocity.data(), planes);
+                body.domains->addForce(team, scene_.grid.fields[body.velocityField].sum.data(), planes);
             }
         });
         y.resize(size());
         for (int i = 0; i < size(); ++i)
-            y[i] = -scene_.grid.fields[dofs_[i].field].velocity[dofs_[i].node][dofs_[i].axis] / mass_[i];
+            y[i] = -scene_.grid.fields[dofs_[i].field].sum[dofs_[i].node][NF::force(dofs_[i].axis)] / mass_[i];
     }
 
     // Body with the largest elastic power in the motion applied last.
@@ -101,7 +104,10 @@ template <int Dim> class ElasticOperator {
     void clear() {
         for (auto& field : scene_.grid.fields)
             for (int slab = 0; slab < scene_.grid.slabs(); ++slab)
-                scene_.grid.forNodes(slab, [&](int node) { field.velocity[node] = Pack<4>::zero(); });
+                scene_.grid.forNodes(slab, [&](int node) {
+                    field.velocity[node] = NF::Velocity::zero();
+                    field.sum[node] = NF::Sum::zero();
+                });
     }
 
     static void elasticStress(Body<Dim>& body, Field& stress, int begin, int end) {

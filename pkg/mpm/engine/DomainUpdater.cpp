@@ -18,13 +18,16 @@ template <int Dim> void deform(Particles<Dim>& particles, double dt, int begin, 
             L[Dim * i + j] = particles.velocityGradient.plane(Dim * i + j);
             F[Dim * i + j] = particles.deformationGradient.plane(3 * i + j);
         }
+#pragma omp simd
     for (int p = begin; p < end; ++p) {
-        Mat<Dim> l, f;
+        double change[Dim * Dim];
         for (int i = 0; i < Dim; ++i)
-            for (int j = 0; j < Dim; ++j) l(i, j) = L[Dim * i + j][p], f(i, j) = F[Dim * i + j][p];
-        const Mat<Dim> g = f + dt * l * f;
-        for (int i = 0; i < Dim; ++i)
-            for (int j = 0; j < Dim; ++j) F[Dim * i + j][p] = g(i, j);
+            for (int j = 0; j < Dim; ++j) {
+                double sum = 0;
+                for (int k = 0; k < Dim; ++k) sum += L[Dim * i + k][p] * F[Dim * k + j][p];
+                change[Dim * i + j] = dt * sum;
+            }
+        for (int c = 0; c < Dim * Dim; ++c) F[c][p] += change[c];
     }
 }
 
@@ -64,31 +67,45 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     template <int Dim> void act(Scene<Dim>& scene) {
         const bool early = scene.scheme == Scheme::USF;
         parallel(scene.threads, [&](Team& team) {
-            if (early) velocityFromParticles(team, scene, scene.time);
+            if (early) startVelocity(team, scene);
             for (auto& body : scene.bodies) update(team, scene, *body);
             if (early)
                 sumOnNodes(team, scene, true);
             else
                 for (auto& body : scene.bodies) body->domains->advance(team, scene.dt);
         });
-        for (size_t b = 0; b < scene.bodies.size(); ++b) resolveDistortion(scene, *scene.bodies[b]);
+        for (auto& body : scene.bodies) resolveDistortion(scene, *body);
     }
 
   private:
     OrderedSum work_;
     std::vector<double> change_; // of tr L by averaging
 
+    // USF: the velocity of the particles at the start of the step.
+    template <int Dim> static void startVelocity(Team& team, Scene<Dim>& scene) {
+        clearVelocity(team, scene);
+        for (auto& body : scene.bodies)
+            body->domains->move(team, nullptr, scene.grid.fields[body->velocityField].velocity.data(),
+                                {scene.dt, 1, 0, body->inertiaScale});
+        velocityFromMomentum(team, scene, scene.time);
+    }
+
     template <int Dim> void update(Team& team, Scene<Dim>& scene, Body<Dim>& body) {
-        auto& particles = body.particles;
-        body.domains->takeGradient(team, scene.grid.fields[body.velocityField].velocity.data());
-        if (body.fbar)
+        const auto* nodes = scene.grid.fields[body.velocityField].velocity.data();
+        const int n = body.particles.size();
+        body.domains->takeVelocity(team, nodes);
+        const auto gradient = [&](int begin, int end) { body.domains->takeGradient(begin, end, nodes, scene.dt); };
+        if (body.fbar) {
+            team.chunks(n, gradient);
             team.once([&] {
-                change_.assign(particles.size(), 0.0);
+                change_.assign(n, 0.0);
                 averageVolumeStrain(body, scene.grid, &change_);
             });
-        work_.add(team, particles.size(), [&](int begin, int end) {
-            deform(particles, scene.dt, begin, end);
-            body.domains->volumes(begin, end, scene.dt);
+        }
+        work_.add(team, n, [&](int begin, int end) {
+            if (!body.fbar) gradient(begin, end);
+            deform(body.particles, scene.dt, begin, end);
+            body.domains->volumes(begin, end);
             return stress(body, scene.dt, begin, end);
         });
         team.once([&] { body.internalWork += work_.total(); });
@@ -98,10 +115,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // of old and new stress.
     template <int Dim> double stress(Body<Dim>& body, double dt, int begin, int end) const {
         auto& particles = body.particles;
-        const int n = end - begin;
-        double ratio[chunkSize], before[chunkSize], averaged[Dim][chunkSize];
+        const double *V = particles.volume.plane() + begin, *V0 = particles.initialVolume.plane() + begin;
+        double ratio[chunkSize], twice[chunkSize], averaged[Dim][chunkSize];
         MaterialPoints<Dim> points{};
-        points.count = n, points.dt = dt, points.volumeRatio = ratio;
+        points.count = end - begin, points.dt = dt, points.volumeRatio = ratio;
         for (int c = 0; c < Dim * Dim; ++c) points.velocityGradient[c] = particles.velocityGradient.plane(c) + begin;
         for (int c = 0; c < 9; ++c) {
             points.deformationGradient[c] = particles.deformationGradient.plane(c) + begin;
@@ -110,33 +127,42 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         std::vector<double*> state;
         for (Field& variable : particles.state) state.push_back(variable.plane() + begin);
         points.state = state.data();
-        for (int i = 0; i < n; ++i)
-            ratio[i] = particles.volume.plane()[begin + i] / particles.initialVolume.plane()[begin + i];
-        power(points, before);
+        for (int i = 0; i < points.count; ++i) ratio[i] = V[i] / V0[i];
+
+        MaterialPoints<Dim> averagedPoints = points;
         if (body.fbar)
             for (int k = 0; k < Dim; ++k) {
                 const double* L = points.velocityGradient[(Dim + 1) * k];
-                for (int i = 0; i < n; ++i) averaged[k][i] = L[i] + change_[begin + i] / Dim;
-                points.velocityGradient[(Dim + 1) * k] = averaged[k];
+                for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + change_[begin + i] / Dim;
+                averagedPoints.velocityGradient[(Dim + 1) * k] = averaged[k];
             }
-        body.material->update(points);
-        double after[chunkSize], work = 0;
-        for (int k = 0; k < Dim; ++k)
-            points.velocityGradient[(Dim + 1) * k] = particles.velocityGradient.plane((Dim + 1) * k) + begin;
-        power(points, after);
-        const double* V = particles.volume.plane() + begin;
-        for (int i = 0; i < n; ++i) work += 0.5 * (before[i] + after[i]) * V[i] * dt;
-        return work;
+        std::fill(twice, twice + points.count, 0.0);
+        addPower(points, twice);
+        body.material->update(averagedPoints);
+        addPower(points, twice);
+        double work = 0;
+#pragma omp simd reduction(+ : work)
+        for (int i = 0; i < points.count; ++i) work += twice[i] * V[i];
+        return 0.5 * dt * work;
     }
 
-    // sigma : L, sigma symmetric.
-    template <int Dim> static void power(const MaterialPoints<Dim>& q, double* result) {
-        for (int p = 0; p < q.count; ++p) result[p] = 0;
-        for (int i = 0; i < Dim; ++i)
-            for (int j = 0; j < Dim; ++j) {
-                const double *s = q.stress[i <= j ? 3 * i + j : 3 * j + i], *L = q.velocityGradient[Dim * i + j];
-                for (int p = 0; p < q.count; ++p) result[p] += s[p] * L[p];
-            }
+    // power += sigma : L, sigma symmetric.
+    template <int Dim> static void addPower(const MaterialPoints<Dim>& q, double* power) {
+        const int count = q.count;
+        if constexpr (Dim == 2) {
+            const double *xx = q.stress[0], *xy = q.stress[1], *yy = q.stress[4];
+            const double *Lxx = q.velocityGradient[0], *Lxy = q.velocityGradient[1], *Lyx = q.velocityGradient[2],
+                         *Lyy = q.velocityGradient[3];
+#pragma omp simd
+            for (int p = 0; p < count; ++p) power[p] += xx[p] * Lxx[p] + yy[p] * Lyy[p] + xy[p] * (Lxy[p] + Lyx[p]);
+        } else {
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j) {
+                    const double *s = q.stress[i <= j ? 3 * i + j : 3 * j + i], *L = q.velocityGradient[Dim * i + j];
+#pragma omp simd
+                    for (int p = 0; p < count; ++p) power[p] += s[p] * L[p];
+                }
+        }
     }
 
     template <int Dim> void resolveDistortion(Scene<Dim>& scene, Body<Dim>& body) const {

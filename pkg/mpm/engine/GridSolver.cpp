@@ -32,7 +32,7 @@ class GridSolver : public EngineOf<GridSolver> {
         const double least = scene.leastMass();
         parallel(scene.threads, [&](Team& team) {
             for (auto& field : scene.grid.fields)
-                team.forEach(slabs, [&](int slab) {
+                team.inShares(scene.grid.shares, [&](int slab) {
                     Tally* tally = &partial_[size_t(slab) * (n + 1)];
                     scene.grid.forNodes(slab, [&](int node) { solve(scene, field, node, least, tally); });
                 });
@@ -60,15 +60,13 @@ class GridSolver : public EngineOf<GridSolver> {
         const auto& sum = field.sum[node];
         auto motion = NF::Motion::zero();
         const double m = sum[NF::mass], dt = scene.dt;
-        if (m > least)
+        if (m > least) {
+            const double overMass = 1 / m;
             for (int k = 0; k < Dim; ++k) {
-                const double weight = sum[NF::weightMass] * gravity[k];
-                double f = sum[NF::force + k] + weight, v = sum[NF::momentum + k] / m, a;
-                const int c = scene.holder[k][node];
-                if (c < 0) {
-                    a = f / m;
-                    v += dt * a;
-                } else { // momentum and force are both replaced, or the FLIP increment leaks
+                const double weight = sum[NF::weightMass] * gravity[k], f = sum[NF::force(k)] + weight;
+                double a = f * overMass, v = sum[NF::momentum + k] * overMass + dt * a;
+                if (const int c = scene.holder[k][node]; c >= 0) {
+                    // momentum and force are both replaced, or the FLIP increment leaks
                     v = scene.prescribed(c, k, scene.time + dt);
                     a = (v - scene.prescribed(c, k, scene.time)) / dt;
                     react(scene, node, k, m * a - f, v, tally[c]);
@@ -77,8 +75,9 @@ class GridSolver : public EngineOf<GridSolver> {
                 motion.set(k, v);
                 motion.set(Dim + k, a);
             }
+        }
         field.motion[node] = motion;
-        for (int k = 0; k < Dim; ++k) field.velocity[node].set(k, motion[k]);
+        for (int k = 0; k < Dim; ++k) NF::setVelocity(field.velocity[node], k, motion[k]);
     }
 
     template <int Dim>

@@ -3,8 +3,6 @@
 #include "mpm/engine/Engine.hpp"
 #include "mpm/engine/Stages.hpp"
 
-#include <numeric>
-
 namespace mpm {
 
 class GridToParticle : public EngineOf<GridToParticle> {
@@ -22,21 +20,20 @@ class GridToParticle : public EngineOf<GridToParticle> {
     }
 
     template <int Dim> void act(Scene<Dim>& scene) {
+        const bool remaps = scene.scheme == Scheme::MUSL;
         parallel(scene.threads, [&](Team& team) {
+            if (remaps) clearVelocity(team, scene);
             for (auto& body : scene.bodies) {
-                team.once([&] { damped_.assign(chunksOf(body->particles.size()), 0.0); });
-                body->domains->takeMotion(team, scene.grid.fields[body->velocityField].motion.data(), scene.dt, flip,
-                                          scene.damping, body->inertiaScale, damped_.data());
-                team.once([&] { scene.energies.damping += std::accumulate(damped_.begin(), damped_.end(), 0.0); });
+                auto& field = scene.grid.fields[body->velocityField];
+                const Move how{scene.dt, flip, scene.damping, body->inertiaScale};
+                body->domains->move(team, field.motion.data(), remaps ? field.velocity.data() : nullptr, how);
             }
+            if (remaps) velocityFromMomentum(team, scene, scene.time + scene.dt);
             if (scene.scheme == Scheme::USF)
                 for (auto& body : scene.bodies) body->domains->advance(team, scene.dt);
-            if (scene.scheme == Scheme::MUSL) velocityFromParticles(team, scene, scene.time + scene.dt);
         });
+        for (auto& body : scene.bodies) scene.energies.damping += body->domains->dampedEnergy();
     }
-
-  private:
-    std::vector<double> damped_; // energy taken out by damping, per chunk of particles
 };
 
 MPM_REGISTER(Engine, GridToParticle);

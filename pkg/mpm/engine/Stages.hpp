@@ -8,20 +8,17 @@ namespace mpm {
 
 // f(node) for every node the particles touch, slab by slab.
 template <int Dim, class F> void forActiveNodes(Team& team, const Scene<Dim>& scene, F&& f) {
-    team.forEach(scene.grid.slabs(), [&](int slab) { scene.grid.forNodes(slab, f); });
+    team.inShares(scene.grid.shares, [&](int slab) { scene.grid.forNodes(slab, f); });
 }
 
 // Finds everything in the grid, and what part of the grid is touched.
 template <int Dim> void locateAll(Team& team, Scene<Dim>& scene) {
+    for (auto& body : scene.bodies) body->domains->locate(team);
     team.once([&] {
-        typename Grid<Dim>::Extent none;
-        none.first.fill(1 << 30), none.last.fill(-(1 << 30));
-        scene.grid.extents.assign(scene.grid.slabs(), none);
+        scene.grid.forgetExtents();
+        for (auto& body : scene.bodies) body->domains->order.markExtents(scene.grid);
+        scene.grid.shareOut();
     });
-    for (auto& body : scene.bodies) {
-        body->domains->locate(team);
-        team.once([&] { body->domains->order.markExtents(scene.grid); });
-    }
 }
 
 // Sums of mass, momentum and force on the nodes, from the particles where locate() found them.
@@ -35,25 +32,25 @@ template <int Dim> void sumOnNodes(Team& team, Scene<Dim>& scene, bool withForce
         body->domains->addSum(team, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale, withForce);
 }
 
-// The velocity that enters the velocity gradient, from the momentum of the particles as they are now (MUSL, USF),
-// with what is prescribed at the given time.
-template <int Dim> void velocityFromParticles(Team& team, Scene<Dim>& scene, double time) {
+// Before the particles add their momentum to it.
+template <int Dim> void clearVelocity(Team& team, Scene<Dim>& scene) {
+    for (auto& field : scene.grid.fields)
+        forActiveNodes(team, scene, [&](int node) { field.velocity[node] = Pack<4>::zero(); });
+}
+
+// From the momentum of the particles to the velocity that enters the velocity gradient (MUSL, USF), with what is
+// prescribed at the given time.
+template <int Dim> void velocityFromMomentum(Team& team, Scene<Dim>& scene, double time) {
     using NF = NodalField<Dim>;
     const double least = scene.leastMass();
     for (auto& field : scene.grid.fields)
-        forActiveNodes(team, scene, [&](int node) { field.velocity[node] = Pack<4>::zero(); });
-    for (auto& body : scene.bodies)
-        body->domains->addMomentum(team, scene.grid.fields[body->velocityField].velocity.data(), body->inertiaScale, scene.dt);
-    for (auto& field : scene.grid.fields)
         forActiveNodes(team, scene, [&](int node) {
             const double m = field.sum[node][NF::mass];
-            Pack<4> v = Pack<4>::zero();
-            if (m > least)
-                for (int k = 0; k < Dim; ++k) {
-                    const int c = scene.holder[k][node];
-                    v.set(k, c < 0 ? field.velocity[node][k] / m : scene.prescribed(c, k, time));
-                }
-            field.velocity[node] = v;
+            Pack<4>& v = field.velocity[node];
+            v = m > least ? (1 / m) * v : Pack<4>::zero();
+            if (m > least && scene.isHeld(node))
+                for (int k = 0; k < Dim; ++k)
+                    if (const int c = scene.holder[k][node]; c >= 0) NF::setVelocity(v, k, scene.prescribed(c, k, time));
         });
 }
 

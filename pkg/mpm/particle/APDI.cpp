@@ -8,21 +8,20 @@
 #include "mpm/particle/APDIShape.hpp"
 #include "mpm/particle/Transfers.hpp"
 
-#include <atomic>
+#include <mutex>
 
 namespace mpm {
 
 namespace {
 constexpr double worstQuality = 0.05; // smallest corner area over area below which a domain is given up
 constexpr double leastWeight = 0.02;  // a smaller corner weight would soon make a nodal mass negative
-constexpr int pieceSize = 128;        // domains per piece of the particle -> vertex stage
 } // namespace
 
-template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
+template <int Dim> class MeshDomains : public Transfers<Dim> {
   public:
-    using Base = Transfers<MeshDomains<Dim>, Dim>;
-    using NF = typename Base::NF;
-    using Base::particles, Base::grid, Base::order;
+    using Base = Transfers<Dim>;
+    using typename Base::NF, typename Base::Planes;
+    using Base::particles, Base::grid, Base::order, Base::damped_;
     static constexpr int NC = corners<Dim>;
 
     MeshDomains(Particles<Dim>& particles, const Grid<Dim>& grid, double hourglass)
@@ -69,75 +68,149 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     void restored() override {
         const int n = X_.size();
         cell_.resize(n), local_.resize(n);
-        sum_.resize(size_t(n) * 2);
-        control_.assign(hourglassCoefficient_ > 0 ? n : 0, Pack<4>::zero());
-        quality_.assign(particles.size(), 1.0);
+        vertex_.resize(n), control_.assign(n, Pack<4>::zero());
         if (Dim == 3) shapes_.resize(particles.size());
-        colourPieces();
+        cutIntoPieces();
     }
 
     // --- the step -----------------------------------------------------------------------------------
     void locate(Team& team) override {
-        double *local[Dim], *x[Dim];
-        for (int k = 0; k < Dim; ++k) local[k] = local_.plane(k), x[k] = X_.plane(k);
-        auto find = [&](int v) {
-            Vec<Dim> at;
-            for (int k = 0; k < Dim; ++k) at[k] = x[k][v];
-            const int cell = Base::support(at, 0.0, local, v);
-            if (cell < 0) Base::outside("vertex", v, at);
-            return cell_[v] = cell;
-        };
-        order.locate(team, grid, 2, find);
+        locateBlocks(team);
         team.once([&] {
             hourglassModulus_ = hourglassCoefficient_ * (2.0 / 3.0) * (Base::lame[0] + 3 * Base::lame[1]);
             broken_ = order.broken(grid);
             if (broken_) order.group(grid, cell_);
         });
-        if (broken_) order.locate(team, grid, 2, find);
+        if (broken_) locateBlocks(team);
         if constexpr (Dim == 3) // in 3D the quadrature is worth keeping for the step
             team.chunks(particles.size(), [&](int begin, int end) {
                 for (int p = begin; p < end; ++p) shapes_[p] = Shape<Dim>(cornersOf(p));
             });
     }
 
-    void addForce(Team& team, typename NF::Velocity* nodes, const double* const tensor[9]) override {
-        Base::addForce(team, nodes, tensor);
-        if (hourglassCoefficient_ <= 0) return;
-        const Gather X(corner_, X_), V(corner_, V_);
-        scatterCorners<4, false>(team, nodes, 0.0, [&](int p, Pack<4>* corner, Pack<4>*) {
-            const Shape<Dim> shape = shapeOf(p, X);
-            const Corners<Dim> v = V(p);
-            const HourglassAmplitude<Dim> pattern = hourglassPattern<Dim>(X(p));
-            HourglassAmplitude<Dim> rate = hourglassPattern<Dim>(v);
-            for (int a = 0; a < NC; ++a) rate -= v.col(a) * (shape.g[a].transpose() * pattern);
-            for (int a = 0; a < NC; ++a) corner[a] = Pack<4>::zero();
-            addHourglass(hourglassModulus_, shape, pattern, rate, corner);
+    // Domains -> vertices -> nodes.
+    void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
+        const auto stress = Base::stressPlanes();
+        const bool hasBodyForce = particles.hasBodyForce, controls = hourglassCoefficient_ > 0;
+        const Planes q(particles);
+        const DeformedPattern deformed(*this);
+        clear(team);
+        pieces(team, [&](int first, int count) {
+            const Batch d(*this, first, count);
+            Quad values[batch];
+            q.values(first, count, inertiaScale, values);
+            for (int i = 0; i < count; ++i) {
+                const int p = first + i;
+                std::array<Quad, Dim> force{};
+                if (withForce) force = q.forceColumns(p, stress.data());
+                Quad weight = Dim == 3 ? Quad{0, 0, 0, q.mass[p]} : Quad{};
+                if (hasBodyForce && withForce) weight += q.weight(p);
+                const int* corner = d.corner + NC * i;
+                MPM_UNROLL
+                for (int a = 0; a < NC; ++a) {
+                    auto& vertex = vertex_[corner[a]];
+                    vertex.part[0] += d.w[a][i] * values[i];
+                    Quad f = d.w[a][i] * weight;
+                    for (int k = 0; k < Dim; ++k) f += d.g[a][k][i] * force[k];
+                    vertex.part[1] += f;
+                }
+            }
+            if (controls) addControl(d, first, count, [deformed](int p, const double* pattern, double* h) {
+                deformed(p, h);
+                MPM_UNROLL
+                for (int m = 0; m < patternSize; ++m) h[m] = pattern[m] - h[m];
+            });
         });
+        slavesToMasters(team, [&](int from, int to, double w) { vertex_[to].add(w, vertex_[from]), control_[to].add(w, control_[from]); },
+                        [&](int slave) { vertex_[slave] = NF::Sum::zero(), control_[slave] = Pack<4>::zero(); });
+        const bool withControl = controls && withForce;
+        scatterVertices(team, nodes, [&](int v) __attribute__((always_inline)) {
+            auto sum = vertex_[v];
+            if (withControl) sum.part[1] += control_[v].part[0];
+            return sum;
+        });
+    }
+
+    // Nodes -> vertices -> domains, and back with what the domains have then. The forces of hourglass control wait on the
+    // vertices since addSum(); as an impulse they are the first part of the vertices' momentum.
+    void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum, const Move& how) override {
+        const Planes q(particles);
+        const Hat hat(*this);
+        team.chunks(X_.size(), [&](int begin, int end) {
+            for (int v = begin; v < end; ++v) {
+                if (nodes) motionAt(v) = hat.gather(v, nodes);
+                if (momentum) control_[v] = how.dt * control_[v];
+            }
+        });
+        if (nodes) mastersToSlaves(team, [&](int slave) { motionAt(slave) = NF::Motion::zero(); },
+                                   [&](int from, int to, double w) { motionAt(to).add(w, motionAt(from)); });
+        pieces(team, [&](int first, int count) {
+            const Batch d(*this, first, count);
+            if (nodes) {
+                typename NF::Motion motion[batch];
+                for (int i = 0; i < count; ++i) {
+                    const int* corner = d.corner + NC * i;
+                    motion[i] = NF::Motion::zero();
+                    MPM_UNROLL
+                    for (int a = 0; a < NC; ++a) motion[i].add(d.w[a][i], motionAt(corner[a]));
+                }
+                damped_[first / pieceSize_] += q.move(first, count, motion, how);
+            }
+            if (momentum) {
+                Quad given[batch];
+                q.momenta(first, count, how.inertiaScale, given);
+                for (int i = 0; i < count; ++i) {
+                    const int* corner = d.corner + NC * i;
+                    MPM_UNROLL
+                    for (int a = 0; a < NC; ++a) control_[corner[a]].part[0] += d.w[a][i] * given[i];
+                }
+            }
+        });
+        if (!momentum) return;
+        slavesToMasters(team, [&](int from, int to, double w) { control_[to].add(w, control_[from]); },
+                        [&](int slave) { control_[slave] = Pack<4>::zero(); });
+        scatterVertices(team, momentum, [&](int v) __attribute__((always_inline)) { return control_[v]; });
     }
 
     // Vertices move with the velocity field that enters the velocity gradient.
-    void takeGradient(Team& team, const typename NF::Velocity* nodes) override {
-        Base::takeGradient(team, nodes);
-        const Pack<4>* vertex = vertices<4>();
+    void takeVelocity(Team& team, const typename NF::Velocity* nodes) override {
+        const Hat hat(*this);
         team.chunks(X_.size(), [&](int begin, int end) {
-            for (int k = 0; k < Dim; ++k)
-                for (int v = begin; v < end; ++v) V_.plane(k)[v] = vertex[v][k];
+            for (int v = begin; v < end; ++v) {
+                const auto velocity = hat.gather(v, nodes);
+                for (int k = 0; k < Dim; ++k) V_.plane(k)[v] = velocity[NF::lane(k)];
+            }
         });
+        mastersToSlaves(team, [&](int slave) { for (int k = 0; k < Dim; ++k) V_.plane(k)[slave] = 0; },
+                        [&](int from, int to, double w) { for (int k = 0; k < Dim; ++k) V_.plane(k)[to] += w * V_.plane(k)[from]; });
     }
 
-    // The volume is the polygon area (polyhedron volume) itself; J V0 differs from it by O(dt).
-    void volumes(int begin, int end, double dt) override {
-        double* volume = particles.volume.plane();
-        const Gather position(corner_, X_), velocity(corner_, V_);
-        for (int p = begin; p < end; ++p) {
-            const Corners<Dim> X = position(p) + dt * velocity(p);
-            const Shape<Dim> shape(X);
-            volume[p] = shape.volume;
-            double least = shape.w[0];
-            for (int a = 1; a < NC; ++a) least = std::min(least, shape.w[a]);
-            const double corner = smallestCorner<Dim>(X) / shape.volume;
-            quality_[p] = shape.volume > 0 ? (least < leastWeight ? std::min(corner, 0.0) : corner) : -1.0;
-            if (!(quality_[p] > worstQuality)) anyDistorted_ = true;
+    // With the gradient comes the volume after the step: the polygon area (polyhedron volume) itself; J V0 differs from
+    // it by O(dt).
+    void takeGradient(int begin, int end, const typename NF::Velocity*, double dt) override {
+        double *volume = particles.volume.plane(), *L[Dim * Dim];
+        for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
+        for (int first = begin; first < end; first += batch) {
+            const int count = std::min(batch, end - first);
+            const Batch d(*this, first, count);
+            CornerBatch V(corner_.data() + NC * first, V_, count);
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j)
+#pragma omp simd
+                    for (int p = 0; p < count; ++p) {
+                        double sum = 0;
+                        for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * d.g[a][j][p];
+                        L[Dim * i + j][first + p] = sum;
+                    }
+            if (dt == 0) continue; // only the gradient is asked for
+            for (int a = 0; a < NC; ++a)
+                for (int k = 0; k < Dim; ++k)
+#pragma omp simd
+                    for (int p = 0; p < count; ++p) V.x[a][k][p] = d.X.x[a][k][p] + dt * V.x[a][k][p];
+            double quality[batch];
+            geometry(V, count, volume + first, quality);
+            for (int p = 0; p < count; ++p)
+                if (!(quality[p] > worstQuality)) noteDistorted({first + p, quality[p]});
         }
     }
 
@@ -166,7 +239,7 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
         throughMasters(v, 1.0, [&](int vertex, double share) {
             Hat(*this)(vertex, [&](int node, double S) {
                 for (int k = 0; k < Dim; ++k)
-                    nodes[node].set(NF::force + k, nodes[node][NF::force + k] + share * S * force[k]);
+                    nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + share * S * force[k]);
             });
         });
     }
@@ -194,20 +267,15 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
     double hourglass() const override {
         double largest = 0;
         for (int p = 0; p < particles.size(); ++p) {
-            const HourglassAmplitude<Dim> h = hourglassPattern<Dim>(cornersOf(p)) - hourglassOfDeformation(p);
-            largest = std::max(largest, h.colwise().norm().maxCoeff() /
+            HourglassAmplitude<Dim> h;
+            DeformedPattern(*this)(p, h.data());
+            largest = std::max(largest, (hourglassPattern<Dim>(cornersOf(p)) - h).colwise().norm().maxCoeff() /
                                             std::pow(particles.volume.plane()[p], 1.0 / Dim));
         }
         return largest;
     }
 
-    std::vector<Distorted> distorted() const override {
-        std::vector<Distorted> all;
-        if (!anyDistorted_) return all;
-        for (int p = 0; p < particles.size(); ++p)
-            if (!(quality_[p] > worstQuality)) all.push_back({p, quality_[p]});
-        return all;
-    }
+    std::vector<Distorted> distorted() const override { return distorted_; }
 
     // Cuts a domain into equal parts of its local coordinates, about as large as a box of the given half
     // size; volume, mass and centre of mass stay.
@@ -270,17 +338,18 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
         particles.local.resize(int(kept.size())), particles.cell.resize(kept.size());
         restored();
         regroup();
-        anyDistorted_ = false;
+        distorted_.clear();
     }
 
     size_t bytes() const override {
-        size_t sum = 4 * (corner_.size() + cell_.size()) + 32 * (sum_.size() + control_.size()) + 8 * quality_.size() + local_.bytes() +
+        size_t sum = sizeof(int) * (corner_.size() + cell_.size() + order.order.size()) +
+                     sizeof(vertex_[0]) * vertex_.size() + sizeof(control_[0]) * control_.size() + local_.bytes() +
                      sizeof(Shape<Dim>) * shapes_.size();
         for (const Field* f : {&X_, &X0_, &V_, &hourglass0_}) sum += f->bytes();
         return sum;
     }
 
-    template <class F> void eachWeight(int p, F&& each) const {
+    void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
         const Shape<Dim> shape(cornersOf(p));
         for (int a = 0; a < NC; ++a)
             throughMasters(corner_[NC * p + a], 1.0, [&](int v, double share) {
@@ -288,100 +357,141 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
             });
     }
 
-    template <int W, bool grads = true, class Load>
-    void scatter(Team& team, Pack<W>* nodes, Load&& load, double controlFactor = 0) {
-        const Gather X(corner_, X_);
-        auto fill = [&](int p, Pack<W>* corner, [[maybe_unused]] Pack<4>* control) __attribute__((always_inline)) {
-            const Shape<Dim> shape = shapeOf(p, X);
-            Pack<W> P = Pack<W>::zero();
-            Pack<4> Q[Dim];
-            for (auto& q : Q) q = Pack<4>::zero();
-            load(p, P, Q);
-#pragma GCC unroll 8
-            for (int a = 0; a < NC; ++a) {
-                corner[a] = shape.w[a] * P;
-                if (grads)
-                    for (int k = 0; k < Dim; ++k) corner[a].addLast(shape.g[a][k], Q[k]);
+    // The nodal forces of hourglass control as a stiffness: those of the motion that V_ holds, over unit time.
+    void addForce(Team& team, typename NF::Sum* nodes, const double* const tensor[9]) override {
+        const Planes q(particles);
+        clear(team);
+        pieces(team, [&](int first, int count) {
+            const Batch d(*this, first, count);
+            for (int i = 0; i < count; ++i) {
+                const std::array<Quad, Dim> force = q.forceColumns(first + i, tensor);
+                for (int a = 0; a < NC; ++a)
+                    for (int k = 0; k < Dim; ++k) vertex_[d.corner[NC * i + a]].part[1] += d.g[a][k][i] * force[k];
             }
-            if (control) {
-                const HourglassAmplitude<Dim> pattern = hourglassPattern<Dim>(X(p));
-                addHourglass(hourglassModulus_, shape, pattern, pattern - hourglassOfDeformation(p), control);
-            }
-        };
-        const bool isSum = W == NF::sumLanes; // the forces of the control are found here and kept for the step
-        if (isSum && hourglassCoefficient_ > 0)
-            scatterCorners<W, true>(team, nodes, controlFactor, fill);
-        else
-            scatterCorners<W, false>(team, nodes, hourglassCoefficient_ > 0 ? controlFactor : 0.0, fill);
-    }
-
-    template <int W, bool grads, class Store> void gather(Team& team, const Pack<W>* nodes, Store&& store) {
-        Pack<W>* vertex = vertices<W>();
-        const Hat hat(*this);
-        team.chunks(X_.size(), [&](int begin, int end) {
-            for (int v = begin; v < end; ++v) {
-                Pack<W> sum = Pack<W>::zero();
-                hat(v, [&](int node, double S) __attribute__((always_inline)) { sum.add(S, nodes[node]); });
-                vertex[v] = sum;
-            }
-        });
-        if (!slaves_.empty())
-            team.once([&] {
-                eachSlave([&](int slave, auto&& weighted) {
-                    Pack<W> sum = Pack<W>::zero();
-                    weighted([&](int master, double w) { sum.add(w, vertex[master]); });
-                    vertex[slave] = sum;
-                });
+            if (hourglassCoefficient_ <= 0) return;
+            const CornerBatch V(d.corner, V_, count);
+            addControl(d, first, count, [&](int p, const double* pattern, double* h) {
+                for (int m = 0; m < modes; ++m)
+                    for (int k = 0; k < Dim; ++k) {
+                        double sum = 0;
+                        for (int a = 0; a < NC; ++a) {
+                            double linear = 0;
+                            for (int j = 0; j < Dim; ++j) linear += d.g[a][j][p - first] * pattern[Dim * m + j];
+                            sum += (hourglassSign(Dim, m, a) / NC - linear) * V.x[a][k][p - first];
+                        }
+                        h[Dim * m + k] = sum;
+                    }
             });
-        const Gather X(corner_, X_);
-        const int* corners = corner_.data();
-        team.chunks(particles.size(), [&](int begin, int end) {
-            for (int p = begin; p < end; ++p) {
-                const Shape<Dim> shape = shapeOf(p, X);
-                Pack<W> value = Pack<W>::zero(), gradient[Dim];
-                for (auto& g : gradient) g = Pack<W>::zero();
-#pragma GCC unroll 8
-                for (int a = 0; a < NC; ++a) {
-                    const Pack<W> N = vertex[corners[NC * p + a]];
-                    value.add(shape.w[a], N);
-                    if (grads)
-                        for (int k = 0; k < Dim; ++k) gradient[k].add(shape.g[a][k], N);
-                }
-                store(p, value, gradient);
-            }
+        });
+        slavesToMasters(team, [&](int from, int to, double w) { vertex_[to].add(w, vertex_[from]), control_[to].add(w, control_[from]); },
+                        [&](int slave) { vertex_[slave] = NF::Sum::zero(), control_[slave] = Pack<4>::zero(); });
+        scatterVertices(team, nodes, [&](int v) {
+            auto sum = vertex_[v];
+            sum.part[1] += control_[v].part[0];
+            return sum;
         });
     }
 
   private:
-    // Corner values of a domain from a field over the vertices; pointers hoisted out of the loops.
-    struct Gather {
-        const int* corner;
-        const double* plane[Dim];
+    static constexpr int batch = Dim == 2 ? 64 : 32; // domains whose shapes are held at once
+    static constexpr int modes = hourglassModes<Dim>, patternSize = Dim * modes;
 
-        Gather(const std::vector<int>& corners, const Field& field) : corner(corners.data()) {
-            for (int k = 0; k < Dim; ++k) plane[k] = field.plane(k);
-        }
-        MPM_INLINE Corners<Dim> operator()(int p) const {
-            Corners<Dim> values;
-#pragma GCC unroll 8
-            for (int a = 0; a < NC; ++a)
-#pragma GCC unroll 3
-                for (int k = 0; k < Dim; ++k) values(k, a) = plane[k][corner[NC * p + a]];
-            return values;
+    // A vector at the corners of a batch of domains, from a field over the vertices.
+    struct CornerBatch {
+        double x[NC][Dim][batch];
+
+        CornerBatch(const int* corner, const Field& field, int count) {
+            for (int k = 0; k < Dim; ++k) {
+                const double* plane = field.plane(k);
+                for (int p = 0; p < count; ++p)
+                    for (int a = 0; a < NC; ++a) x[a][k][p] = plane[corner[NC * p + a]];
+            }
         }
     };
-    Corners<Dim> cornersOf(int p) const { return Gather(corner_, X_)(p); }
 
-    MPM_INLINE Shape<Dim> shapeOf(int p, const Gather& X) const {
-        if constexpr (Dim == 3)
-            return shapes_[p];
-        else
-            return Shape<Dim>(X(p));
+    // Corners and shapes of a batch of domains.
+    struct Batch {
+        const int* corner; // NC per domain
+        CornerBatch X;
+        double w[NC][batch], g[NC][Dim][batch], volume[batch];
+
+        Batch(const MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first), X(corner, d.X_, count) {
+            if constexpr (Dim == 2)
+#pragma omp simd
+                for (int p = 0; p < count; ++p) set(p, closedForm(X, p));
+            else
+                for (int p = 0; p < count; ++p) set(p, d.shapes_[first + p]);
+        }
+        template <class S> MPM_INLINE void set(int p, const S& shape) {
+            volume[p] = shape.volume;
+            for (int a = 0; a < NC; ++a) {
+                w[a][p] = shape.w[a];
+                for (int k = 0; k < Dim; ++k) g[a][k][p] = shape.g[a][k];
+            }
+        }
+    };
+
+    MPM_INLINE static QuadrilateralShape closedForm(const CornerBatch& X, int p) {
+        return {{X.x[0][0][p], X.x[1][0][p], X.x[2][0][p], X.x[3][0][p]},
+                {X.x[0][1][p], X.x[1][1][p], X.x[2][1][p], X.x[3][1][p]}};
     }
 
-    template <int W> Pack<W>* vertices() { return reinterpret_cast<Pack<W>*>(sum_.data()); }
+    // Volume, and smallest corner area over it; the latter not above 0 if a corner weight is too small.
+    static void geometry(const CornerBatch& X, int count, double* volume, double* quality) {
+        if constexpr (Dim == 2)
+#pragma omp simd
+            for (int p = 0; p < count; ++p) {
+                const QuadrilateralShape shape = closedForm(X, p);
+                volume[p] = shape.volume;
+                quality[p] = qualityOf(shape, smallestCornerOf(X, p));
+            }
+        else
+            for (int p = 0; p < count; ++p) {
+                Corners<Dim> x;
+                for (int a = 0; a < NC; ++a)
+                    for (int k = 0; k < Dim; ++k) x(k, a) = X.x[a][k][p];
+                const Shape<Dim> shape(x);
+                volume[p] = shape.volume;
+                quality[p] = qualityOf(shape, smallestCorner<Dim>(x));
+            }
+    }
 
-    // hat(v, f) calls f(node, S) for the nodes of the cell that vertex v is in, S the hat function.
+    template <class S> MPM_INLINE static double qualityOf(const S& shape, double corner) {
+        double least = shape.w[0];
+        for (int a = 1; a < NC; ++a) least = shape.w[a] < least ? shape.w[a] : least;
+        const double quality = corner / shape.volume, capped = quality < 0 ? quality : 0;
+        return shape.volume > 0 ? (least < leastWeight ? capped : quality) : -1.0;
+    }
+
+    MPM_INLINE static double smallestCornerOf(const CornerBatch& X, int p) {
+        double least = 1e300;
+        for (int a = 0; a < NC; ++a) {
+            const int before = (a + 3) % 4, after = (a + 1) % 4;
+            const double inX = X.x[a][0][p] - X.x[before][0][p], inY = X.x[a][1][p] - X.x[before][1][p];
+            const double outX = X.x[after][0][p] - X.x[a][0][p], outY = X.x[after][1][p] - X.x[a][1][p];
+            const double area = inX * outY - inY * outX;
+            least = area < least ? area : least;
+        }
+        return least;
+    }
+
+    void noteDistorted(const Distorted& d) {
+        std::lock_guard<std::mutex> lock(mutex_);
+        const auto byNumber = [](const Distorted& a, const Distorted& b) { return a.particle < b.particle; };
+        distorted_.insert(std::upper_bound(distorted_.begin(), distorted_.end(), d, byNumber), d);
+    }
+
+    Corners<Dim> cornersOf(int p) const {
+        Corners<Dim> x;
+        for (int a = 0; a < NC; ++a)
+            for (int k = 0; k < Dim; ++k) x(k, a) = X_.plane(k)[corner_[NC * p + a]];
+        return x;
+    }
+
+    // During a transfer to the particles, what a vertex takes lies where its sum was.
+    MPM_INLINE typename NF::Motion& motionAt(int v) { return reinterpret_cast<typename NF::Motion&>(vertex_[v]); }
+
+    // The cell that a vertex is in, and the hat functions of its nodes there.
     struct Hat {
         const int* cell;
         const double* local[Dim];
@@ -394,15 +504,25 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
                 for (int k = 0; k < Dim; ++k) offset[n] += (n >> k & 1) * d.grid.strides[k];
             }
         }
-        template <class F> MPM_INLINE void operator()(int v, F&& f) const {
-            double c[Dim][2];
-            for (int k = 0; k < Dim; ++k) c[k][1] = local[k][v], c[k][0] = 1 - c[k][1];
-#pragma GCC unroll 8
+        MPM_INLINE std::array<double, NC> weights(int v) const {
+            std::array<double, NC> S;
+            MPM_UNROLL
             for (int n = 0; n < NC; ++n) {
-                double S = c[0][n & 1];
-                for (int k = 1; k < Dim; ++k) S *= c[k][n >> k & 1];
-                f(cell[v] + offset[n], S);
+                S[n] = n & 1 ? local[0][v] : 1 - local[0][v];
+                for (int k = 1; k < Dim; ++k) S[n] *= n >> k & 1 ? local[k][v] : 1 - local[k][v];
             }
+            return S;
+        }
+        template <class F> void operator()(int v, F&& f) const {
+            const auto S = weights(v);
+            for (int n = 0; n < NC; ++n) f(cell[v] + offset[n], S[n]);
+        }
+        template <class Node> MPM_INLINE Node gather(int v, const Node* nodes) const {
+            const auto S = weights(v);
+            Node sum = S[0] * nodes[cell[v]];
+            MPM_UNROLL
+            for (int n = 1; n < NC; ++n) sum.add(S[n], nodes[cell[v] + offset[n]]);
+            return sum;
         }
     };
 
@@ -424,114 +544,180 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
             });
     }
 
-    // node += sum over domains and corners of S_i(X_a) corner_a, through the vertices; hanging vertices
-    // hand theirs to their masters (the transpose of how they take velocity).
-    // findControl: fill also gives the corner forces of hourglass control, which are kept in control_.
-    // controlFactor: what of control_ goes to the nodes (1: as a force, dt: as an impulse).
-    template <int W, bool findControl, class Fill>
-    void scatterCorners(Team& team, Pack<W>* nodes, double controlFactor, Fill&& fill) {
-        Pack<W>* vertex = vertices<W>();
-        const Hat hat(*this);
-        const int* corners = corner_.data();
-        Pack<4>* control = control_.data();
+    void clear(Team& team) {
         team.chunks(X_.size(), [&](int begin, int end) {
-            std::fill(vertex + begin, vertex + end, Pack<W>::zero());
-            if (findControl) std::fill(control + begin, control + end, Pack<4>::zero());
+            std::fill(&vertex_[begin], &vertex_[begin] + (end - begin), NF::Sum::zero());
+            std::fill(&control_[begin], &control_[begin] + (end - begin), Pack<4>::zero());
         });
-        for (const auto& colour : colours_)
-            team.forEach(int(colour.size()), [&](int i) {
-                const int end = std::min(particles.size(), (colour[i] + 1) * pieceSize);
-                for (int p = colour[i] * pieceSize; p < end; ++p) {
-                    Pack<W> corner[NC];
-                    Pack<4> own[NC];
-                    if (findControl)
-                        for (auto& c : own) c = Pack<4>::zero();
-                    fill(p, corner, findControl ? own : nullptr);
-#pragma GCC unroll 8
-                    for (int a = 0; a < NC; ++a) {
-                        vertex[corners[NC * p + a]] += corner[a];
-                        if (findControl) control[corners[NC * p + a]] += own[a];
-                    }
-                }
+    }
+
+    int pieceCount() const { return (particles.size() + pieceSize_ - 1) / pieceSize_; }
+
+    // f(first, count) for batches of domains; those that share a vertex take turns.
+    template <class F> void pieces(Team& team, F&& f) {
+        team.inTurns(pieces_, [&](int piece) {
+            const int end = std::min(particles.size(), (piece + 1) * pieceSize_);
+            for (int first = piece * pieceSize_; first < end; first += batch) f(first, std::min(batch, end - first));
+        });
+    }
+
+    // Hanging vertices take from their masters: clear(slave), then add(master, slave, weight).
+    template <class Clear, class Add> void mastersToSlaves(Team& team, Clear&& clear, Add&& add) {
+        if (slaves_.empty()) return;
+        team.once([&] {
+            eachSlave([&](int slave, auto&& weighted) {
+                clear(slave);
+                weighted([&](int master, double w) { add(master, slave, w); });
             });
-        if (!slaves_.empty())
-            team.once([&] {
-                eachSlave([&](int slave, auto&& weighted) {
-                    weighted([&](int master, double w) {
-                        vertex[master].add(w, vertex[slave]);
-                        if (findControl) control[master].add(w, control[slave]);
-                    });
-                    vertex[slave] = Pack<W>::zero();
-                    if (findControl) control[slave] = Pack<4>::zero();
-                });
+        });
+    }
+
+    // The transpose: they hand what they have to their masters. add(slave, master, weight), then clear(slave).
+    template <class Add, class Clear> void slavesToMasters(Team& team, Add&& add, Clear&& clear) {
+        if (slaves_.empty()) return;
+        team.once([&] {
+            eachSlave([&](int slave, auto&& weighted) {
+                weighted([&](int master, double w) { add(slave, master, w); });
+                clear(slave);
             });
-        team.twoColours(order.blocks(), [&](int b) {
-            for (int i = order.start[b]; i < order.start[b + 1]; ++i) {
-                const int v = order.order[i];
-                Pack<W> value = vertex[v];
-                if (controlFactor != 0) value.addLast(controlFactor, control[v]);
-                hat(v, [&](int node, double S) __attribute__((always_inline)) { nodes[node].add(S, value); });
+        });
+    }
+
+    // node += S value(v) over the vertices. Vertices in a row within the same cell are summed before the grid is touched.
+    template <class Node, class Value> void scatterVertices(Team& team, Node* nodes, Value&& value) {
+        const Hat hat(*this);
+        const int *vertices = order.order.data(), *cells = cell_.data();
+        team.inTurns(order.turns, [&](int b) {
+            for (int i = order.start[b], end = order.start[b + 1]; i < end;) {
+                const int cell = cells[vertices[i]];
+                Node sum[NC];
+                for (auto& s : sum) s = Node::zero();
+                do {
+                    const Node N = value(vertices[i]);
+                    const auto S = hat.weights(vertices[i]);
+                    MPM_UNROLL
+                    for (int n = 0; n < NC; ++n) sum[n].add(S[n], N);
+                } while (++i < end && cells[vertices[i]] == cell);
+                for (int n = 0; n < NC; ++n) nodes[cell + hat.offset[n]] += sum[n];
             }
         });
     }
 
     // What the deformation makes of the hourglass pattern of the undeformed domain.
-    MPM_INLINE HourglassAmplitude<Dim> hourglassOfDeformation(int p) const {
-        HourglassAmplitude<Dim> h = HourglassAmplitude<Dim>::Zero();
-        for (int m = 0; m < hourglassModes<Dim>; ++m)
-            for (int i = 0; i < Dim; ++i)
-                for (int j = 0; j < Dim; ++j)
-                    h(i, m) += particles.deformationGradient.plane(3 * i + j)[p] * hourglass0_.plane(Dim * m + j)[p];
-        return h;
-    }
+    struct DeformedPattern {
+        const double *F[Dim][Dim], *pattern[modes][Dim];
 
+        explicit DeformedPattern(const MeshDomains& d) {
+            for (int i = 0; i < Dim; ++i) {
+                for (int j = 0; j < Dim; ++j) F[i][j] = d.particles.deformationGradient.plane(3 * i + j);
+                for (int m = 0; m < modes; ++m) pattern[m][i] = d.hourglass0_.plane(Dim * m + i);
+            }
+        }
+        MPM_INLINE void operator()(int p, double* h) const {
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m)
+                MPM_UNROLL
+                for (int i = 0; i < Dim; ++i) {
+                    double sum = 0;
+                    MPM_UNROLL
+                    for (int j = 0; j < Dim; ++j) sum += F[i][j][p] * pattern[m][j][p];
+                    h[Dim * m + i] = sum;
+                }
+        }
+    };
+
+    // Forces of hourglass control on the vertices, where amplitude(p, pattern, h) gives what they resist.
     // Stiffness form of Flanagan & Belytschko 1981: f_a = -k h gamma_a with gamma_a = G_a/2^Dim - g_a . (pattern
     // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
     // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
-    template <int W>
-    MPM_INLINE void addHourglass(double modulus, const Shape<Dim>& shape, const HourglassAmplitude<Dim>& pattern,
-                                 const HourglassAmplitude<Dim>& h, Pack<W>* corner) const {
-        double sum = 0;
-#pragma GCC unroll 8
-        for (int a = 0; a < NC; ++a) sum += shape.g[a].squaredNorm();
-        const double k = modulus * shape.volume * sum;
-        for (int m = 0; m < hourglassModes<Dim>; ++m) {
-            Pack<4> force = Pack<4>::zero();
-            for (int i = 0; i < Dim; ++i) force.set(i, -k * h(i, m));
-#pragma GCC unroll 8
+    template <class Amplitude> void addControl(const Batch& d, int first, int count, Amplitude&& amplitude) {
+        double force[modes][Dim][batch], gamma[modes][NC][batch];
+#pragma omp simd
+        for (int p = 0; p < count; ++p) {
+            double pattern[patternSize], h[patternSize], sum = 0;
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m)
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) {
+                    double amount = 0;
+                    MPM_UNROLL
+                    for (int a = 0; a < NC; ++a) amount += hourglassSign(Dim, m, a) / NC * d.X.x[a][k][p];
+                    pattern[Dim * m + k] = amount;
+                }
+            amplitude(first + p, pattern, h);
+            MPM_UNROLL
             for (int a = 0; a < NC; ++a)
-                corner[a].addLast(hourglassSign(Dim, m, a) / NC - shape.g[a].dot(pattern.col(m)), force);
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
+            const double stiffness = hourglassModulus_ * d.volume[p] * sum;
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m) {
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) force[m][k][p] = -stiffness * h[Dim * m + k];
+                MPM_UNROLL
+                for (int a = 0; a < NC; ++a) {
+                    double linear = 0;
+                    MPM_UNROLL
+                    for (int k = 0; k < Dim; ++k) linear += d.g[a][k][p] * pattern[Dim * m + k];
+                    gamma[m][a][p] = hourglassSign(Dim, m, a) / NC - linear;
+                }
+            }
         }
+        for (int p = 0; p < count; ++p)
+            for (int m = 0; m < modes; ++m) {
+                const Quad f = Lanes<Dim>::vector([&](int k) { return force[m][k][p]; });
+                for (int a = 0; a < NC; ++a) control_[d.corner[NC * p + a]].part[0] += gamma[m][a][p] * f;
+            }
     }
 
-    // Pieces that share a vertex get different colours, so that each colour may run in parallel.
-    void colourPieces() {
-        const int pieces = (particles.size() + pieceSize - 1) / pieceSize;
-        std::vector<std::vector<int>> piecesAt(X_.size());
-        std::vector<int> colour(pieces, -1);
-        colours_.clear();
-        for (int piece = 0; piece < pieces; ++piece) {
-            const int begin = piece * pieceSize * NC, end = std::min(int(corner_.size()), begin + pieceSize * NC);
-            std::vector<char> taken(colours_.size() + 1, 0);
-            for (int slot = begin; slot < end; ++slot)
-                for (int other : piecesAt[corner_[slot]])
-                    if (other != piece) taken[colour[other]] = 1;
-            colour[piece] = int(std::find(taken.begin(), taken.end(), 0) - taken.begin());
-            if (colour[piece] == int(colours_.size())) colours_.emplace_back();
-            colours_[colour[piece]].push_back(piece);
-            for (int slot = begin; slot < end; ++slot)
-                if (piecesAt[corner_[slot]].empty() || piecesAt[corner_[slot]].back() != piece)
-                    piecesAt[corner_[slot]].push_back(piece);
+    // Pieces that share a vertex take turns. Longer pieces need fewer colours: in a regular mesh two are enough once a
+    // piece is as long as a row.
+    void cutIntoPieces() {
+        for (pieceSize_ = 128; pieceSize_ <= 512; pieceSize_ *= 2)
+            if (pieces_.graph(neighboursOfPieces()) <= 2) break;
+        if (pieceSize_ > 512) pieceSize_ = 256, pieces_.graph(neighboursOfPieces());
+        pieces_.shares.set(pieceCount(), [](int) { return 1; });
+    }
+
+    std::vector<std::vector<int>> neighboursOfPieces() const {
+        std::vector<std::vector<int>> neighbours(pieceCount()), at(X_.size()); // at: pieces at a vertex
+        for (size_t slot = 0; slot < corner_.size(); ++slot) {
+            const int piece = int(slot) / NC / pieceSize_;
+            auto& here = at[corner_[slot]];
+            if (std::find(here.begin(), here.end(), piece) != here.end()) continue;
+            for (int other : here) neighbours[piece].push_back(other), neighbours[other].push_back(piece);
+            here.push_back(piece);
         }
+        for (auto& list : neighbours) {
+            std::sort(list.begin(), list.end());
+            list.erase(std::unique(list.begin(), list.end()), list.end());
+        }
+        return neighbours;
+    }
+
+    void find(int begin, int end) {
+        double *x[Dim], *local[Dim];
+        for (int k = 0; k < Dim; ++k) x[k] = X_.plane(k), local[k] = local_.plane(k);
+        Base::support(begin, end, x, 0.0, cell_.data(), local, "vertex", nullptr);
+    }
+
+    typename Base::Touched extentOf(int block) const {
+        typename Base::Touched t;
+        for (int i = order.start[block]; i < order.start[block + 1]; ++i) {
+            const Index<Dim> index = grid.indices(cell_[order.order[i]]);
+            for (int k = 0; k < Dim; ++k) t.first[k] = std::min(t.first[k], index[k]), t.last[k] = std::max(t.last[k], index[k]);
+        }
+        return t;
+    }
+
+    void locateBlocks(Team& team) {
+        team.once([&] { order.prepare(2), distorted_.clear(), damped_.assign(pieceCount(), 0.0); });
+        team.chunks(X_.size(), [&](int begin, int end) { find(begin, end); });
+        team.inShares(order.turns.shares, [&](int b) { order.note(b, extentOf(b), cell_); });
     }
 
     void regroup() {
-        double* local[Dim];
-        for (int k = 0; k < Dim; ++k) local[k] = local_.plane(k);
-        for (int v = 0; v < X_.size(); ++v) {
-            cell_[v] = Base::support(vectorAt<Dim>(X_, v), 0.0, local, v);
-            if (cell_[v] < 0) Base::outside("vertex", v, vectorAt<Dim>(X_, v));
-        }
+        find(0, X_.size());
         order.group(grid, cell_);
     }
 
@@ -577,12 +763,13 @@ template <int Dim> class MeshDomains : public Transfers<MeshDomains<Dim>, Dim> {
 
     std::vector<int> cell_; // of the vertices, once per step
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
-    std::vector<Quad> sum_; // packs of the vertices during a transfer
-    std::vector<Pack<4>> control_; // forces of hourglass control on the vertices, kN
-    std::vector<std::vector<int>> colours_;
-    std::vector<Shape<Dim>> shapes_;
-    std::vector<double> quality_;
-    std::atomic<bool> anyDistorted_{false};
+    std::vector<typename NF::Sum> vertex_; // sums on the vertices during a transfer
+    std::vector<Pack<4>> control_;         // forces of hourglass control on them, kN
+    int pieceSize_ = 0;                    // domains per piece of the stage between domains and vertices
+    Turns pieces_;
+    std::vector<Shape<Dim>> shapes_;       // 3D only
+    std::vector<Distorted> distorted_;     // found in the last takeGradient(), in order
+    std::mutex mutex_;
     bool broken_ = false;
 };
 

@@ -32,13 +32,32 @@ template <int Dim> Corners<Dim> shapeGradients(const Vec<Dim>& xi) {
     return d;
 }
 
+// The shape of a quadrilateral in closed form, in plain numbers so that loops over domains vectorise.
+struct QuadrilateralShape {
+    double w[4], g[4][2], volume;
+
+    MPM_INLINE QuadrilateralShape(const std::array<double, 4>& x, const std::array<double, 4>& y) {
+        const double V = 0.5 * ((x[2] - x[0]) * (y[3] - y[1]) - (x[3] - x[1]) * (y[2] - y[0]));
+        const double a = (x[3] - x[0]) * (y[1] - y[2]) - (x[1] - x[2]) * (y[3] - y[0]);
+        const double b = (x[2] - x[3]) * (y[0] - y[1]) - (x[0] - x[1]) * (y[2] - y[3]);
+        const double half = 0.5 / V, scale = half / 12, middle = 6 * V * scale;
+        volume = V;
+        w[0] = middle - (a + b) * scale, w[1] = middle - (a - b) * scale;
+        w[2] = middle + (a + b) * scale, w[3] = middle + (a - b) * scale;
+        g[0][0] = half * (y[1] - y[3]), g[0][1] = half * (x[3] - x[1]);
+        g[1][0] = half * (y[2] - y[0]), g[1][1] = half * (x[0] - x[2]);
+        g[2][0] = -g[0][0], g[2][1] = -g[0][1];
+        g[3][0] = -g[1][0], g[3][1] = -g[1][1];
+    }
+};
+
 template <int Dim> struct Shape {
     double w[corners<Dim>];
     Vec<Dim> g[corners<Dim>];
     double volume;
 
     Shape() = default;
-    MPM_INLINE explicit Shape(const Corners<Dim>& X) {
+    explicit Shape(const Corners<Dim>& X) {
         if constexpr (Dim == 2)
             *this = closedForm(X);
         else
@@ -71,23 +90,12 @@ template <int Dim> struct Shape {
         return s;
     }
 
-    // The same in closed form for quadrilaterals: the production path.
-    MPM_INLINE static Shape closedForm(const Corners<2>& X) {
+    // The same in closed form for quadrilaterals.
+    static Shape closedForm(const Corners<2>& X) {
+        const QuadrilateralShape q({X(0, 0), X(0, 1), X(0, 2), X(0, 3)}, {X(1, 0), X(1, 1), X(1, 2), X(1, 3)});
         Shape s;
-        const auto x = X.row(0), y = X.row(1);
-        const double V = 0.5 * ((x[2] - x[0]) * (y[3] - y[1]) - (x[3] - x[1]) * (y[2] - y[0]));
-        const double a = (x[3] - x[0]) * (y[1] - y[2]) - (x[1] - x[2]) * (y[3] - y[0]);
-        const double b = (x[2] - x[3]) * (y[0] - y[1]) - (x[0] - x[1]) * (y[2] - y[3]);
-        const double scale = 1 / (24 * V), half = 0.5 / V;
-        s.volume = V;
-        s.w[0] = (6 * V - a - b) * scale;
-        s.w[1] = (6 * V - a + b) * scale;
-        s.w[2] = (6 * V + a + b) * scale;
-        s.w[3] = (6 * V + a - b) * scale;
-        s.g[0] = Vec<2>(half * (y[1] - y[3]), half * (x[3] - x[1]));
-        s.g[1] = Vec<2>(half * (y[2] - y[0]), half * (x[0] - x[2]));
-        s.g[2] = -s.g[0];
-        s.g[3] = -s.g[1];
+        s.volume = q.volume;
+        for (int a = 0; a < 4; ++a) s.w[a] = q.w[a], s.g[a] = Vec<2>(q.g[a][0], q.g[a][1]);
         return s;
     }
 

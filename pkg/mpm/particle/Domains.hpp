@@ -12,6 +12,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <numeric>
 
 namespace mpm {
 
@@ -39,6 +40,11 @@ template <int Dim> struct Piece {
     double fraction; // of the parent's volume and mass
 };
 
+// How particles follow the nodes; flip = 1: FLIP, 0: PIC. Local damping acts on the acceleration of the particles.
+struct Move {
+    double dt, flip, damping, inertiaScale;
+};
+
 template <int Dim> class Domains {
   public:
     using NF = NodalField<Dim>;
@@ -58,25 +64,27 @@ template <int Dim> class Domains {
     // --- the step, in this order --------------------------------------------------------------------
     // Cell and local position of everything that transfers, bounds, re-sorting; once per step.
     virtual void locate(Team& team) = 0;
-    // Node += phi * {mass, momentum, body force} - V sigma grad phi + forces of hourglass control.
+    // Node += phi * {momentum, mass, body force} - V sigma grad phi + forces of hourglass control.
     virtual void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) = 0;
-    // Node += phi * momentum + dt * forces of hourglass control, with weights and forces of the step's start.
-    virtual void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale, double dt) = 0;
-    // Particle velocity and position from nodal velocity and acceleration; flip = 1: FLIP, 0: PIC. Local damping
-    // acts on the acceleration of the particles; damped[c] takes the energy it costs particles of chunk c.
-    virtual void takeMotion(Team& team, const typename NF::Motion* nodes, double dt, double flip, double damping,
-                            double inertiaScale, double* damped) = 0;
-    // Velocity gradient of the particles, and whatever the domain moves with.
-    virtual void takeGradient(Team& team, const typename NF::Velocity* nodes) = 0;
-    // Volume of particles [begin, end) after the step; F is that after the step.
-    virtual void volumes(int begin, int end, double dt) = 0;
+    // Particle velocity and position from nodal velocity and acceleration (nullptr: they stay). Then
+    // node += phi * momentum + dt * forces of hourglass control, with weights and forces of the step's start
+    // (nullptr: not wanted).
+    virtual void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum, const Move& how) = 0;
+    // Energy that local damping took in the last move(), kJ.
+    double dampedEnergy() const { return std::accumulate(damped_.begin(), damped_.end(), 0.0); }
+    // The velocity that whatever the domain consists of moves with, if that is not the particle itself ...
+    virtual void takeVelocity(Team&, const typename NF::Velocity*) {}
+    // ... and from it the velocity gradient of particles [begin, end); dt = 0: nothing else.
+    virtual void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double dt) = 0;
+    // Volume of particles [begin, end) from F after the step; of meshed domains takeGradient() has found it already.
+    virtual void volumes(int /*begin*/, int /*end*/) {}
     // Moves the domains; last in the step.
     virtual void advance(Team&, double /*dt*/) {}
 
     // --- besides the step ---------------------------------------------------------------------------
-    // Node += -V tensor grad phi + internal stiffness of the domain against unit-time motion: the elastic
+    // Force of node += -V tensor grad phi + internal stiffness of the domain against unit-time motion: the elastic
     // operator of the critical time step. `tensor`: planes 3*i + j.
-    virtual void addForce(Team& team, typename NF::Velocity* nodes, const double* const tensor[9]) = 0;
+    virtual void addForce(Team& team, typename NF::Sum* nodes, const double* const tensor[9]) = 0;
     // nodal[node] += phi * mass of the given particles; nodes that were at zero are appended to `touched`.
     // One thread.
     virtual void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const = 0;
@@ -91,7 +99,7 @@ template <int Dim> class Domains {
     // Node += share of a force on one vertex.
     virtual void addVertexForce(int /*vertex*/, const Vec<Dim>& /*force*/, typename NF::Sum*) const {}
 
-    // Distorted domains found in volumes(); empty for types that cannot distort.
+    // Distorted domains found in takeGradient(); empty for types that cannot distort.
     virtual std::vector<Distorted> distorted() const { return {}; }
     virtual std::vector<Piece<Dim>> split(int /*particle*/, const Vec<Dim>& /*halfSize*/) const { return {}; }
     virtual void remove(const std::vector<int>& /*sorted particles*/) {}
@@ -110,6 +118,9 @@ template <int Dim> class Domains {
     std::string bodyName;
     long step = 0;
     std::array<double, 2> lame{0, 0}; // of the body's material, kPa (hourglass stiffness)
+
+  protected:
+    std::vector<double> damped_; // energy taken by damping, per piece of work
 };
 
 class ParticleType : public Configurable {

@@ -1,116 +1,142 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What is transferred, written once for all particle types. A type supplies two loops, where P, Q_k and N
-// are packs (mass, momentum, force ... side by side):
+// What one particle gives to its nodes and takes from them, the same for all particle types. A type supplies the loops
+// and the weights: with phi_ip and its gradient,
 //
-//   scatter<W>(team, nodes, load):  node_i += sum_p ( phi_ip P_p + sum_k d_k phi_ip Q_pk ),  load(p, P, Q);
-//                                   Q_k has four lanes, those of the force: the last of P. A last argument
-//                                   is the factor on the domains' own forces (hourglass control), 0: none
-//   gather<W, grads>(team, nodes, store):  store(p, sum_i phi_ip N_i, { sum_i d_k phi_ip N_i }_k)
-//
-// and the plain weights of one particle, eachWeight(p, f(node, phi, grad phi)).
+//   node_i += sum_p phi_ip { momentum, mass ... }_p - V_p sigma_p grad phi_ip        values(), forces()
+//   node_i += sum_p phi_ip { momentum }_p                                            momenta()
+//   v_p, x_p from sum_i phi_ip { v, a }_i                                            move()
+//   L_p = sum_i v_i (x) grad phi_ip                                                  setGradients()
 #pragma once
 
 #include "mpm/particle/Domains.hpp"
+#include "mpm/particle/Lanes.hpp"
 
 namespace mpm {
 
-template <class Derived, int Dim> class Transfers : public Domains<Dim> {
+template <int Dim> class Transfers : public Domains<Dim> {
   public:
     using Base = Domains<Dim>;
     using NF = typename Base::NF;
+    using L = Lanes<Dim>;
     using Base::Base;
     using Base::particles;
-
-    void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
-        const Planes q(particles);
-        auto load = [&](int p, typename NF::Sum& P, Pack<4>* Q) __attribute__((always_inline)) {
-            const double m = inertiaScale * q.mass[p];
-            P.set(NF::mass, m);
-            P.set(NF::weightMass, q.mass[p]);
-            for (int i = 0; i < Dim; ++i) P.set(NF::momentum + i, m * q.velocity[i][p]);
-            if (particles.hasBodyForce)
-                for (int i = 0; i < Dim; ++i) P.set(NF::force + i, q.mass[p] * q.bodyForce[i][p]);
-            if (!withForce) return;
-            for (int k = 0; k < Dim; ++k)
-                for (int i = 0; i < Dim; ++i)
-                    Q[k].set(i, -q.volume[p] * q.stress[i <= k ? 3 * i + k : 3 * k + i][p]);
-        };
-        derived().template scatter<NF::sumLanes>(team, nodes, load, withForce);
-    }
-
-    void addMomentum(Team& team, typename NF::Velocity* nodes, double inertiaScale, double dt) override {
-        const Planes q(particles);
-        auto load = [&](int p, typename NF::Velocity& P, Pack<4>*) __attribute__((always_inline)) {
-            const double m = inertiaScale * q.mass[p];
-            for (int i = 0; i < Dim; ++i) P.set(i, m * q.velocity[i][p]);
-        };
-        derived().template scatter<4, false>(team, nodes, load, dt);
-    }
-
-    // v_p <- flip (v_p + dt a) + (1 - flip) v ;  x_p <- x_p + dt v  (v, a interpolated from the nodes), with
-    // a <- a [1 - damping sgn(a (v_p + dt a / 2))] for each component, and v less what that takes from a.
-    void takeMotion(Team& team, const typename NF::Motion* nodes, double dt, double flip, double damping,
-                    double inertiaScale, double* damped) override {
-        const Planes q(particles);
-        auto store = [&](int p, const typename NF::Motion& motion, const typename NF::Motion*) __attribute__((always_inline)) {
-            double power = 0;
-            for (int i = 0; i < Dim; ++i) {
-                const double before = q.velocity[i][p], middle = before + 0.5 * dt * motion[Dim + i];
-                const double resisting = damping * std::copysign(std::abs(motion[Dim + i]), middle);
-                const double v = motion[i] - dt * resisting, a = motion[Dim + i] - resisting;
-                q.velocity[i][p] = flip * (before + dt * a) + (1 - flip) * v;
-                q.position[i][p] += dt * v;
-                power += resisting * (before + 0.5 * dt * a);
-            }
-            damped[p / chunkSize] += inertiaScale * q.mass[p] * power * dt;
-        };
-        derived().template gather<NF::motionLanes, false>(team, nodes, store);
-    }
-
-    // L_ij = sum v_i d_j phi.
-    void takeGradient(Team& team, const typename NF::Velocity* nodes) override {
-        const Planes q(particles);
-        auto store = [&](int p, const Pack<4>&, const Pack<4>* gradient) __attribute__((always_inline)) {
-            for (int i = 0; i < Dim; ++i)
-                for (int j = 0; j < Dim; ++j) q.velocityGradient[Dim * i + j][p] = gradient[j][i];
-        };
-        derived().template gather<4, true>(team, nodes, store);
-    }
-
-    void addForce(Team& team, typename NF::Velocity* nodes, const double* const tensor[9]) override {
-        const Planes q(particles);
-        auto load = [&](int p, Pack<4>&, Pack<4>* Q) __attribute__((always_inline)) {
-            for (int k = 0; k < Dim; ++k)
-                for (int i = 0; i < Dim; ++i) Q[k].set(i, -q.volume[p] * tensor[i <= k ? 3 * i + k : 3 * k + i][p]);
-        };
-        derived().template scatter<4>(team, nodes, load);
-    }
 
     void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
         const double* mass = particles.mass.plane();
         for (int p : which)
-            derived().eachWeight(p, [&](int node, double phi, const Vec<Dim>&) {
+            this->weights(p, [&](int node, double phi, const Vec<Dim>&) {
                 if (phi == 0) return;
                 if (nodal[node] == 0) touched.push_back(node);
                 nodal[node] += phi * mass[p];
             });
     }
 
-    void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
-        derived().eachWeight(p, each);
-    }
-
   protected:
-    // Plane pointers hoisted out of the loops.
+    // The arrays of the particles, hoisted out of the loops.
     struct Planes {
-        double *mass, *volume, *position[Dim], *velocity[Dim], *bodyForce[Dim], *velocityGradient[Dim * Dim], *stress[9];
+        double *mass, *volume, *position[Dim], *velocity[Dim], *bodyForce[Dim], *velocityGradient[Dim * Dim];
         explicit Planes(Particles<Dim>& p) : mass(p.mass.plane()), volume(p.volume.plane()) {
             for (int i = 0; i < Dim; ++i) {
                 position[i] = p.position.plane(i), velocity[i] = p.velocity.plane(i);
                 bodyForce[i] = p.bodyForce.plane(i);
             }
             for (int i = 0; i < Dim * Dim; ++i) velocityGradient[i] = p.velocityGradient.plane(i);
-            for (int i = 0; i < 9; ++i) stress[i] = p.stress.plane(i);
+        }
+
+        // The following fill, or read, one entry of four lanes (or a few of them) for each of `count` particles from `first`
+        // on. Value lanes of NodalField::Sum: momentum and mass; in 2D also the weight mass, which in 3D is a lane of B.
+        void values(int first, int count, double inertiaScale, Quad* out) const {
+            double* lanes = reinterpret_cast<double*>(out);
+#pragma omp simd
+            for (int i = 0; i < count; ++i) {
+                const double w = mass[first + i], m = inertiaScale * w;
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) lanes[4 * i + k] = m * velocity[k][first + i];
+                lanes[4 * i + Dim] = m;
+                if (Dim == 2) lanes[4 * i + 3] = w;
+            }
+        }
+
+        // B = - V tensor, in the lanes that its product with grad phi takes; tensor: planes 3*i + j, upper triangle.
+        void forces(int first, int count, const double* const tensor[9], typename L::Set* out) const {
+            double* lanes = reinterpret_cast<double*>(out);
+            const double *xx = tensor[0], *xy = tensor[1], *xz = tensor[2], *yy = tensor[4], *yz = tensor[5], *zz = tensor[8];
+#pragma omp simd
+            for (int i = 0; i < count; ++i) {
+                const int p = first + i;
+                const double V = -volume[p];
+                if constexpr (Dim == 2) {
+                    lanes[4 * i] = V * xx[p], lanes[4 * i + 1] = lanes[4 * i + 2] = V * xy[p], lanes[4 * i + 3] = V * yy[p];
+                } else {
+                    double* B = lanes + 12 * i;
+                    B[0] = V * xx[p], B[1] = B[4] = V * xy[p], B[2] = B[8] = V * xz[p], B[3] = mass[p];
+                    B[5] = V * yy[p], B[6] = B[9] = V * yz[p], B[10] = V * zz[p], B[7] = B[11] = 0;
+                }
+            }
+        }
+
+        // Momentum, in the lanes of NodalField::Velocity.
+        void momenta(int first, int count, double inertiaScale, Quad* out) const {
+            double* lanes = reinterpret_cast<double*>(out);
+#pragma omp simd
+            for (int i = 0; i < count; ++i) {
+                const double m = inertiaScale * mass[first + i];
+                MPM_UNROLL
+                for (int l = 0; l < 4; ++l) lanes[4 * i + l] = l < L::used ? m * velocity[L::component(l)][first + i] : 0;
+            }
+        }
+
+        // v_p <- flip (v_p + dt a) + (1 - flip) v ;  x_p <- x_p + dt v  (v, a interpolated from the nodes), with
+        // a <- a [1 - damping sgn(a (v_p + dt a / 2))] for each component, and v less what that takes from a.
+        // Returns the energy that damping took.
+        double move(int first, int count, const typename NF::Motion* motion, const Move& m) const {
+            return m.damping > 0 ? move<true>(first, count, motion, m) : move<false>(first, count, motion, m);
+        }
+
+        template <bool damped> double move(int first, int count, const typename NF::Motion* motion, const Move& how) const {
+            constexpr int stride = sizeof(typename NF::Motion) / sizeof(double);
+            const double* lanes = reinterpret_cast<const double*>(motion);
+            const double dt = how.dt, flip = how.flip, damping = how.damping;
+            double taken = 0;
+#pragma omp simd reduction(+ : taken)
+            for (int i = 0; i < count; ++i) {
+                double power = 0;
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) {
+                    double &velocity = this->velocity[k][first + i], v = lanes[stride * i + k], a = lanes[stride * i + Dim + k];
+                    const double before = velocity;
+                    if (damped) {
+                        const double resisting = damping * std::copysign(std::abs(a), before + 0.5 * dt * a);
+                        v -= dt * resisting, a -= resisting;
+                        power += resisting * (before + 0.5 * dt * a);
+                    }
+                    velocity = flip * (before + dt * a) + (1 - flip) * v;
+                    position[k][first + i] += dt * v;
+                }
+                taken += mass[first + i] * power;
+            }
+            return how.inertiaScale * dt * taken;
+        }
+
+        void setGradients(int first, int count, const typename L::Set* in) const {
+            constexpr int stride = 4 * L::quads;
+            const double* lanes = reinterpret_cast<const double*>(in);
+#pragma omp simd
+            for (int p = 0; p < count; ++p)
+                MPM_UNROLL
+                for (int c = 0; c < Dim * Dim; ++c) velocityGradient[c][first + p] = lanes[stride * p + L::laneOf(c / Dim, c % Dim)];
+        }
+
+        // The columns k of -V tensor: their products with d_k phi add up to the force.
+        MPM_INLINE std::array<Quad, Dim> forceColumns(int p, const double* const tensor[9]) const {
+            std::array<Quad, Dim> columns;
+            for (int k = 0; k < Dim; ++k)
+                columns[k] = L::vector([&](int i) { return -volume[p] * tensor[i <= k ? 3 * i + k : 3 * k + i][p]; });
+            return columns;
+        }
+
+        MPM_INLINE Quad weight(int p) const { // of the body force, in the lanes of the force
+            return L::vector([&](int i) { return mass[p] * bodyForce[i][p]; });
         }
     };
 
@@ -126,6 +152,13 @@ template <class Derived, int Dim> class Transfers : public Domains<Dim> {
         }
     }
 
+    // The step's own arrays of stress, for Planes::force.
+    std::array<const double*, 9> stressPlanes() const {
+        std::array<const double*, 9> planes;
+        for (int c = 0; c < 9; ++c) planes[c] = particles.stress.plane(c);
+        return planes;
+    }
+
     [[noreturn]] void outside(const char* what, int64_t number, const Vec<Dim>& x) const {
         throw RunError(message("step ", Base::step, ": ", what, " ", number, " of '", Base::bodyName, "' at ", place(x),
                                x.allFinite() ? " is outside the grid " : " has no finite position; grid ",
@@ -133,24 +166,51 @@ template <class Derived, int Dim> class Transfers : public Domains<Dim> {
                                "; enlarge the grid, hold the body with boundary conditions, or lower dt"));
     }
 
-    // Lowest node of a support that starts at floor(c - offset) in each direction, and the position in
-    // it; -1 if the point is more than half a cell outside the grid or not a number.
-    int support(const Vec<Dim>& x, double offset, double* const local[Dim], int point) const {
+    // Lowest nodes of the supports of points [begin, end), which start at floor(c - offset) in each direction, the
+    // positions in them, and how far they reach. Throws for the first point that is more than half a cell outside the
+    // grid or not a number.
+    using Touched = typename BlockOrder<Dim>::Touched;
+    Touched support(int begin, int end, double* const x[Dim], double offset, int* cell, double* const local[Dim],
+                    const char* what, const int64_t* number) const {
         const auto& grid = Base::grid;
-        int node = 0;
+        Touched touched;
         for (int k = 0; k < Dim; ++k) {
-            const double c = grid.inCells(x[k], k);
-            if (!(c >= grid.ghost - 0.5 && c <= grid.ghost + grid.cells[k] + 0.5)) return -1;
-            const int base = int(std::floor(c - offset));
-            local[k][point] = c - base;
-            node += base * grid.strides[k];
+            const double lowest = grid.ghost - 0.5, highest = grid.ghost + grid.cells[k] + 0.5;
+            const double origin = grid.lower[k], overCell = 1 / grid.cell[k], ghost = grid.ghost;
+            const int stride = grid.strides[k];
+            const bool isFirst = k == 0;
+            const double* at = x[k];
+            double* inside = local[k];
+            int first = 1 << 30, last = -(1 << 30), wrong = 0;
+#pragma omp simd reduction(min : first) reduction(max : last) reduction(| : wrong)
+            for (int p = begin; p < end; ++p) {
+                const double c = (at[p] - origin) * overCell + ghost, base = std::floor(c - offset);
+                inside[p] = c - base;
+                const int node = int(base);
+                wrong |= !(c >= lowest && c <= highest);
+                first = node < first ? node : first, last = node > last ? node : last;
+                cell[p] = (isFirst ? 0 : cell[p]) + stride * node;
+            }
+            if (wrong) throwOutside(begin, end, x, what, number);
+            touched.first[k] = first, touched.last[k] = last;
         }
-        return node;
+        return touched;
     }
 
   private:
-    Derived& derived() { return static_cast<Derived&>(*this); }
-    const Derived& derived() const { return static_cast<const Derived&>(*this); }
+    [[noreturn]] void throwOutside(int begin, int end, double* const x[Dim], const char* what, const int64_t* number) const {
+        const auto& grid = Base::grid;
+        for (int p = begin;; ++p) {
+            Vec<Dim> at;
+            bool isInside = true;
+            for (int k = 0; k < Dim; ++k) {
+                at[k] = x[k][p];
+                const double c = grid.inCells(at[k], k);
+                isInside &= c >= grid.ghost - 0.5 && c <= grid.ghost + grid.cells[k] + 0.5;
+            }
+            if (!isInside || p == end - 1) outside(what, number ? number[p] : p, at);
+        }
+    }
 };
 
 } // namespace mpm

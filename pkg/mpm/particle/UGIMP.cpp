@@ -7,8 +7,6 @@
 
 namespace mpm {
 
-
-
 // One direction of a box: half size l in cells, in (0, 1/2], and what follows from it and the cell size h.
 struct BoxAxis {
     double l, quarter, slope; // l, 1/(4 l), 1/(2 l h)
@@ -17,33 +15,35 @@ struct BoxAxis {
     BoxAxis(double half, double h) : l(half / h), quarter(h / (4 * half)), slope(0.5 / half) {}
 };
 
-// Weights of the three nodes that a particle reaches in one direction, and their gradients; c: position
-// in cells from the lowest of them, in [1/2, 3/2). S is the hat function averaged over the box,
-// S = 1/(2l) int hat, written without branches: `below` and `above` are the lengths of the box on the
-// outer flanks of the first and the last hat.
-struct BoxWeights {
-    double S[3], G[3];
+MPM_INLINE double positive(double x) { return x > 0 ? x : 0; }
+MPM_INLINE double clipped(double x, double highest) { return positive(x) < highest ? positive(x) : highest; }
 
-    MPM_INLINE BoxWeights(double c, const BoxAxis& axis) {
-        const double l = axis.l, below = std::min(std::max(1 + l - c, 0.0), 2 * l),
-                     above = std::min(std::max(l - 1 + c, 0.0), 2 * l);
-        S[0] = below * below * axis.quarter + std::max(0.0, 1 - l - c);
-        S[2] = above * above * axis.quarter + std::max(0.0, c - 1 - l);
-        S[1] = 1 - S[0] - S[2];
-        G[0] = -below * axis.slope;
-        G[2] = above * axis.slope;
-        G[1] = -G[0] - G[2];
+// Weights of the three nodes that each particle of a batch reaches in one direction, and their gradients. c: position
+// in cells from the lowest of them, in [1/2, 3/2). S is the hat function averaged over the box, S = 1/(2l) int hat,
+// written without branches: `below` and `above` are the lengths of the box on the outer flanks of the first and the
+// last hat.
+template <int size> struct BoxWeights {
+    double S[3][size], G[3][size];
+
+    void set(const double* position, int count, const BoxAxis& axis) {
+        const double l = axis.l, quarter = axis.quarter, slope = axis.slope;
+#pragma omp simd
+        for (int p = 0; p < count; ++p) {
+            const double c = position[p], under = 1 - c, over = c - 1;
+            const double below = clipped(l + under, 2 * l), above = clipped(l + over, 2 * l);
+            const double first = below * below * quarter + positive(under - l);
+            const double last = above * above * quarter + positive(over - l);
+            S[0][p] = first, S[1][p] = 1 - first - last, S[2][p] = last;
+            G[0][p] = -below * slope, G[1][p] = (below - above) * slope, G[2][p] = above * slope;
+        }
     }
-    BoxWeights() = default;
 };
 
-
-
-template <int Dim> class BoxDomains : public Transfers<BoxDomains<Dim>, Dim> {
+template <int Dim> class BoxDomains : public Transfers<Dim> {
   public:
-    using Base = Transfers<BoxDomains<Dim>, Dim>;
-    using NF = typename Base::NF;
-    using Base::Base, Base::particles, Base::grid, Base::order;
+    using Base = Transfers<Dim>;
+    using typename Base::L, typename Base::NF, typename Base::Planes;
+    using Base::Base, Base::particles, Base::grid, Base::order, Base::damped_;
 
     void build(const Geometry<Dim>& geometry) override {
         const Vec<Dim> half = geometry.halfSize;
@@ -67,32 +67,73 @@ template <int Dim> class BoxDomains : public Transfers<BoxDomains<Dim>, Dim> {
         return all;
     }
 
+    // --- the step -----------------------------------------------------------------------------------
     void locate(Team& team) override {
-        double *local[Dim], *position[Dim];
-        for (int k = 0; k < Dim; ++k) local[k] = particles.local.plane(k), position[k] = particles.position.plane(k);
-        auto find = [&](int p) {
-            Vec<Dim> x;
-            for (int k = 0; k < Dim; ++k) x[k] = position[k][p];
-            const int cell = Base::support(x, 0.5, local, p);
-            if (cell < 0) Base::outside("particle", particles.id.integers()[p], x);
-            return particles.cell[p] = cell;
-        };
-        order.locate(team, grid, 3, find);
+        locateBlocks(team);
         team.once([&] {
+            damped_.assign(order.blocks(), 0.0);
             sorted_ = order.broken(grid) || order.runs() > 2 * runsWhenSorted_[0] + 64;
             if (sorted_) regroup();
         });
-        if (sorted_) {
-            order.locate(team, grid, 3, find);
-            team.once([&] { runsWhenSorted_[0] = order.runs(); });
+        if (!sorted_) return;
+        locateBlocks(team);
+        team.once([&] { runsWhenSorted_[0] = order.runs(); });
+    }
+
+    void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
+        const Planes q(particles);
+        const auto stress = Base::stressPlanes();
+        const bool hasBodyForce = particles.hasBodyForce;
+        batches(team, [&](int first, int count, const Weights& w) {
+            Quad value[batch];
+            typename L::Set B[batch];
+            q.values(first, count, inertiaScale, value);
+            q.forces(first, count, stress.data(), B);
+            if (!withForce) // the weight mass of 3D is not a force
+                for (int i = 0; i < count; ++i) B[i] = L::onlyValue(B[i]);
+            scatter(nodes, first, count, w, value, B);
+            if (hasBodyForce) {
+                for (int i = 0; i < count; ++i) value[i] = q.weight(first + i);
+                scatter<1>(nodes, first, count, w, value);
+            }
+        });
+    }
+
+    void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum, const Move& how) override {
+        const Planes q(particles);
+        const int* cells = particles.cell.data();
+        batches(team, [&](int first, int count, const Weights& w, int block) {
+            if (nodes) {
+                typename NF::Motion motion[batch];
+                for (int i = 0; i < count; ++i) motion[i] = gather(nodes + cells[first + i], w, i);
+                damped_[block] += q.move(first, count, motion, how);
+            }
+            if (momentum) {
+                Quad value[batch];
+                q.momenta(first, count, how.inertiaScale, value);
+                scatter<0>(momentum, first, count, w, value);
+            }
+        });
+    }
+
+    void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double) override {
+        const Planes q(particles);
+        const int* cells = particles.cell.data();
+        for (int first = begin; first < end; first += batch) {
+            const int count = std::min(batch, end - first);
+            const Weights w(*this, first, count);
+            typename L::Set gradient[batch];
+            for (int i = 0; i < count; ++i) gradient[i] = gatherGradient(nodes + cells[first + i], w, i);
+            q.setGradients(first, count, gradient);
         }
     }
 
-    void volumes(int begin, int end, double) override {
+    void volumes(int begin, int end) override {
         const double* F[9];
         for (int i = 0; i < 9; ++i) F[i] = particles.deformationGradient.plane(i);
         double* V = particles.volume.plane();
         const double* V0 = particles.initialVolume.plane();
+#pragma omp simd
         for (int p = begin; p < end; ++p) {
             if (Dim == 2)
                 V[p] = V0[p] * (F[0][p] * F[4][p] - F[1][p] * F[3][p]) * F[8][p];
@@ -103,145 +144,184 @@ template <int Dim> class BoxDomains : public Transfers<BoxDomains<Dim>, Dim> {
         }
     }
 
+    // --- besides the step ---------------------------------------------------------------------------
+    void addForce(Team& team, typename NF::Sum* nodes, const double* const tensor[9]) override {
+        const Planes q(particles);
+        batches(team, [&](int first, int count, const Weights& w) {
+            Quad value[batch];
+            typename L::Set B[batch];
+            std::fill(value, value + count, Quad{});
+            q.forces(first, count, tensor, B);
+            scatter(nodes, first, count, w, value, B);
+        });
+    }
+
     void grown() override { regroup(); }
 
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
     double longestEdge(int) const override { return 2 * halfSize().maxCoeff(); }
 
-    template <class F> void eachWeight(int p, F&& each) const {
-        const Stencil w = Stencils(*this)(p);
+    void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
+        const Weights w(*this, p, 1);
         for (int n = 0; n < power(3, Dim); ++n) {
             int node = particles.cell[p];
             double phi = 1;
             Vec<Dim> gradient = Vec<Dim>::Ones();
             for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
+                const double S = w.axis[k].S[rest % 3][0], G = w.axis[k].G[rest % 3][0];
                 node += rest % 3 * grid.strides[k];
-                phi *= w[k].S[rest % 3];
-                for (int m = 0; m < Dim; ++m) gradient[m] *= m == k ? w[k].G[rest % 3] : w[k].S[rest % 3];
+                phi *= S;
+                for (int m = 0; m < Dim; ++m) gradient[m] *= m == k ? G : S;
             }
             each(node, phi, gradient);
         }
     }
 
-    // Particles in a row with the same support are summed in local accumulators before the grid is touched.
-    template <int W, bool grads = true, class Load>
-    void scatter(Team& team, Pack<W>* nodes, Load&& load, double = 0) {
-        const Stencils stencils(*this);
-        const int* cells = particles.cell.data();
-        team.twoColours(order.blocks(), [&](int b) {
-            Pack<W> sum[power(3, Dim)];
-            for (auto& s : sum) s = Pack<W>::zero();
-            const int end = order.start[b + 1];
-            for (int p = order.start[b]; p < end;) {
-                const int cell = cells[p];
-                do {
-                    Pack<W> P = Pack<W>::zero();
-                    Pack<4> Q[Dim];
-                    for (auto& q : Q) q = Pack<4>::zero();
-                    load(p, P, Q);
-                    spread<Dim - 1, W, grads>(stencils(p), P, Q, sum);
-                } while (++p < end && cells[p] == cell);
-                flush<Dim - 1>(nodes + cell, sum);
-            }
-        });
-    }
-
-    template <int W, bool grads, class Store> void gather(Team& team, const Pack<W>* nodes, Store&& store) {
-        const Stencils stencils(*this);
-        const int* cells = particles.cell.data();
-        team.chunks(particles.size(), [&](int begin, int end) {
-            for (int p = begin; p < end; ++p) {
-                Pack<W> value, gradient[Dim];
-                collect<Dim - 1, W, grads>(stencils(p), nodes + cells[p], value, gradient);
-                store(p, value, gradient);
-            }
-        });
-    }
-
   private:
     static constexpr int power(int base, int exponent) { return exponent == 0 ? 1 : base * power(base, exponent - 1); }
+    static constexpr int rows = power(3, Dim - 1); // of three nodes along the first axis
+    static constexpr int batch = 64;
 
-    using Stencil = std::array<BoxWeights, Dim>;
+    // Weights of a batch of particles, short enough to stay in the first cache while it is used.
+    struct Weights {
+        BoxWeights<batch> axis[Dim];
 
-    // Where the stencils of the particles come from, hoisted out of the loops.
-    struct Stencils {
-        BoxAxis axis[Dim];
-        const double* local[Dim];
-
-        explicit Stencils(const BoxDomains& d) {
-            for (int k = 0; k < Dim; ++k) {
-                axis[k] = BoxAxis(d.half_.plane()[k], d.grid.cell[k]);
-                local[k] = d.particles.local.plane(k);
-            }
+        Weights(const BoxDomains& d, int first, int count) {
+            for (int k = 0; k < Dim; ++k)
+                axis[k].set(d.particles.local.plane(k) + first, count, BoxAxis(d.half_.plane()[k], d.grid.cell[k]));
         }
-        MPM_INLINE Stencil operator()(int p) const {
-            Stencil w;
-            for (int k = 0; k < Dim; ++k) w[k] = BoxWeights(local[k][p], axis[k]);
-            return w;
+        // Of the nodes in a row, the factors from the axes across the row.
+        MPM_INLINE double across(int row, int p) const {
+            double S = axis[1].S[row % 3][p];
+            if constexpr (Dim == 3) S *= axis[2].S[row / 3][p];
+            return S;
         }
+        MPM_INLINE Quad lanesAcross(int row, int p) const {
+            Quad lanes = L::template ofAxis<1>(axis[1].S[row % 3][p], axis[1].G[row % 3][p]);
+            if constexpr (Dim == 3) lanes *= L::template ofAxis<2>(axis[2].S[row / 3][p], axis[2].G[row / 3][p]);
+            return lanes;
+        }
+        MPM_INLINE Quad lanesAlong(int i, int p) const { return L::template ofAxis<0>(axis[0].S[i][p], axis[0].G[i][p]); }
     };
 
-    // Axis by axis from the last to the first: of the value part A and the gradient parts B_k only those
-    // with k <= axis are still to be weighted.
-    template <int axis, int W, bool grads>
-    MPM_INLINE void spread(const Stencil& stencil, const Pack<W>& A, const Pack<4>* B, Pack<W>* sum) const {
-        const BoxWeights& w = stencil[axis];
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
-            if constexpr (axis == 0) {
-                sum[i].add(w.S[i], A);
-                if (grads) sum[i].addLast(w.G[i], B[0]);
-            } else {
-                Pack<W> a = w.S[i] * A;
-                Pack<4> b[axis];
-                if (grads) {
-                    a.addLast(w.G[i], B[axis]);
-                    for (int k = 0; k < axis; ++k) b[k] = w.S[i] * B[k];
-                }
-                spread<axis - 1, W, grads>(stencil, a, b, sum + i * power(3, axis));
+    MPM_INLINE int rowOffset(int row) const {
+        return row % 3 * grid.strides[1] + (Dim == 3 ? row / 3 * grid.strides[Dim - 1] : 0);
+    }
+
+    // f(first, count, weights, block) for batches of particles, by blocks in turns.
+    template <class F> void batches(Team& team, F&& f) {
+        team.inTurns(order.turns, [&](int b) {
+            for (int first = order.start[b], end = order.start[b + 1]; first < end; first += batch) {
+                const int count = std::min(batch, end - first);
+                const Weights w(*this, first, count);
+                if constexpr (std::is_invocable_v<F, int, int, const Weights&, int>)
+                    f(first, count, w, b);
+                else
+                    f(first, count, w);
             }
+        });
+    }
+
+    // Stretches of a batch that have the same support are summed before the grid is touched: f(begin, end, its first node).
+    template <class F> MPM_INLINE void stretches(int first, int count, F&& f) const {
+        const int* cells = particles.cell.data() + first;
+        for (int begin = 0, end = 0; begin < count; begin = end) {
+            while (end < count && cells[end] == cells[begin]) ++end;
+            f(begin, end, cells[begin]);
         }
     }
 
-    template <int axis, int W, bool grads>
-    MPM_INLINE void collect(const Stencil& stencil, const Pack<W>* node, Pack<W>& value, Pack<W>* gradient) const {
-        const BoxWeights& w = stencil[axis];
-        value = Pack<W>::zero();
-        for (int k = 0; k <= axis; ++k) gradient[k] = Pack<W>::zero();
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
-            Pack<W> v, g[Dim];
-            if constexpr (axis == 0)
-                v = node[i];
-            else
-                collect<axis - 1, W, grads>(stencil, node + i * grid.strides[axis], v, g);
-            value.add(w.S[i], v);
-            if (!grads) continue;
-            gradient[axis].add(w.G[i], v);
-            for (int k = 0; k < axis; ++k) gradient[k].add(w.S[i], g[k]);
-        }
+    // Quad `part` of node += phi * value.
+    template <int part, class Node>
+    MPM_INLINE void scatter(Node* nodes, int first, int count, const Weights& w, const Quad* value) const {
+        stretches(first, count, [&](int begin, int end, int cell) {
+            for (int layer = 0; layer < rows; layer += 3) {
+                Quad sum[3][3] = {};
+                for (int p = begin; p < end; ++p)
+                    MPM_UNROLL
+                    for (int row = 0; row < 3; ++row) {
+                        const Quad v = w.across(layer + row, p) * value[p];
+                        MPM_UNROLL
+                        for (int i = 0; i < 3; ++i) sum[row][i] += w.axis[0].S[i][p] * v;
+                    }
+                MPM_UNROLL
+                for (int row = 0; row < 3; ++row)
+                    for (int i = 0; i < 3; ++i) nodes[cell + rowOffset(layer + row) + i].part[part] += sum[row][i];
+            }
+        });
     }
 
-    // Adds the sums of a support to its nodes and clears them.
-    template <int axis, int W> MPM_INLINE void flush(Pack<W>* node, Pack<W>* sum) const {
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
-            if constexpr (axis == 0)
-                node[i] += sum[i], sum[i] = Pack<W>::zero();
-            else
-                flush<axis - 1>(node + i * grid.strides[axis], sum + i * power(3, axis));
+    // First Quad of node += phi * value, second one += folded products of grad phi and B; one row of nodes at a time.
+    MPM_INLINE void scatter(typename NF::Sum* nodes, int first, int count, const Weights& w, const Quad* value,
+                            const typename L::Set* B) const {
+        stretches(first, count, [&](int begin, int end, int cell) {
+            for (int row = 0; row < rows; ++row) {
+                Quad sum[3] = {};
+                typename L::Set products[3] = {L::zero(), L::zero(), L::zero()};
+                for (int p = begin; p < end; ++p) {
+                    const Quad v = w.across(row, p) * value[p], lanes = w.lanesAcross(row, p);
+                    MPM_UNROLL
+                    for (int i = 0; i < 3; ++i) {
+                        sum[i] += w.axis[0].S[i][p] * v;
+                        for (int q = 0; q < L::quads; ++q) products[i][q] += w.lanesAlong(i, p) * (lanes * B[p][q]);
+                    }
+                }
+                auto* node = nodes + cell + rowOffset(row);
+                MPM_UNROLL
+                for (int i = 0; i < 3; ++i) node[i].part[0] += sum[i], node[i].part[1] += L::fold(products[i]);
+            }
+        });
+    }
+
+    // sum phi N over the nodes of particle p of a batch.
+    template <class Node> MPM_INLINE Node gather(const Node* nodes, const Weights& w, int p) const {
+        Node sum = Node::zero();
+        MPM_UNROLL
+        for (int row = 0; row < rows; ++row) {
+            const Node* node = nodes + rowOffset(row);
+            Node along = w.axis[0].S[0][p] * node[0];
+            along.add(w.axis[0].S[1][p], node[1]);
+            along.add(w.axis[0].S[2][p], node[2]);
+            sum.add(w.across(row, p), along);
         }
+        return sum;
+    }
+
+    // sum N_i d_j phi.
+    MPM_INLINE typename L::Set gatherGradient(const typename NF::Velocity* nodes, const Weights& w, int p) const {
+        typename L::Set sum = L::zero();
+        const Quad weight[3] = {w.lanesAlong(0, p), w.lanesAlong(1, p), w.lanesAlong(2, p)};
+        MPM_UNROLL
+        for (int row = 0; row < rows; ++row) {
+            typename L::Set along = L::zero();
+            const auto* node = nodes + rowOffset(row);
+            MPM_UNROLL
+            for (int i = 0; i < 3; ++i) {
+                const auto v = L::spread(node[i]);
+                for (int q = 0; q < L::quads; ++q) along[q] += weight[i] * v[q];
+            }
+            const Quad lanes = w.lanesAcross(row, p);
+            for (int q = 0; q < L::quads; ++q) sum[q] += lanes * along[q];
+        }
+        return sum;
+    }
+
+    typename Base::Touched find(int begin, int end) {
+        double *x[Dim], *local[Dim];
+        for (int k = 0; k < Dim; ++k) x[k] = particles.position.plane(k), local[k] = particles.local.plane(k);
+        return Base::support(begin, end, x, 0.5, particles.cell.data(), local, "particle", particles.id.integers());
+    }
+
+    void locateBlocks(Team& team) {
+        team.once([&] { order.prepare(3); });
+        team.inShares(order.turns.shares, [&](int b) {
+            order.note(b, find(order.start[b], order.start[b + 1]), particles.cell);
+        });
     }
 
     // Sorts the particles by block and cell.
     void regroup() {
-        for (int p = 0; p < particles.size(); ++p) {
-            double* local[Dim];
-            for (int k = 0; k < Dim; ++k) local[k] = particles.local.plane(k);
-            const int cell = Base::support(vectorAt<Dim>(particles.position, p), 0.5, local, p);
-            if (cell < 0) Base::outside("particle", particles.id.integers()[p], vectorAt<Dim>(particles.position, p));
-            particles.cell[p] = cell;
-        }
+        find(0, particles.size());
         order.group(grid, particles.cell);
         particles.permute(order.order);
         order.order.clear();

@@ -46,6 +46,11 @@ template <int Dim> class Scene {
         short before; // the holder that a drive took over from
     };
     std::vector<Held> driven;
+    bool isHeld(int node) const {
+        bool held = false;
+        for (int k = 0; k < Dim; ++k) held |= holder[k][node] >= 0;
+        return held;
+    }
 
     Body<Dim>* body(const std::string& name) {
         for (auto& b : bodies)

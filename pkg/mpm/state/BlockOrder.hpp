@@ -16,6 +16,8 @@ template <int Dim> class BlockOrder {
     std::vector<int> start; // first point of each block, and one past the last
     std::vector<int> order; // point numbers; empty: points are stored in this order already
 
+    Turns turns;            // neighbouring blocks touch the same nodes
+
     int blocks() const { return int(start.size()) - 1; }
     int at(int i) const { return order.empty() ? i : order[i]; }
 
@@ -29,29 +31,26 @@ template <int Dim> class BlockOrder {
         for (size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
     }
 
-    // Finds the cell of every point by find(point) -> lowest node of its support, notes what part of the
-    // grid is touched, and says whether the grouping still holds. `support`: nodes per direction.
-    template <class Find> void locate(Team& team, const Grid<Dim>& grid, int support, Find&& find) {
-        team.once([&] {
-            touched_.assign(blocks(), {});
-            runs_.assign(blocks(), 0);
-            support_ = support;
-        });
-        team.forEach(blocks(), [&](int b) {
-            Touched t;
-            int runs = 0, last = -1;
-            for (int i = start[b]; i < start[b + 1]; ++i) {
-                const int cell = find(at(i));
-                if (cell == last) continue;
-                ++runs, last = cell;
-                const Index<Dim> index = grid.indices(cell);
-                for (int k = 0; k < Dim; ++k) {
-                    t.first[k] = std::min(t.first[k], index[k]);
-                    t.last[k] = std::max(t.last[k], index[k]);
-                }
-            }
-            touched_[b] = t, runs_[b] = runs;
-        });
+    // Makes room for what inspect() finds. `support`: nodes per direction.
+    void prepare(int support) {
+        if (turns.count() != blocks()) turns.line(blocks());
+        turns.shares.set(blocks(), [&](int b) { return start[b + 1] - start[b]; });
+        touched_.assign(blocks(), {});
+        runs_.assign(blocks(), 0);
+        support_ = support;
+    }
+
+    // Lowest and highest support corner of some points, in nodes; none: first > last.
+    struct Touched {
+        Index<Dim> first, last;
+        Touched() { first.fill(1 << 30), last.fill(-(1 << 30)); }
+    };
+
+    // Notes what part of the grid the points of block b touch, and counts their stretches of equal cells.
+    void note(int b, const Touched& touched, const std::vector<int>& cell) {
+        int runs = start[b] < start[b + 1];
+        for (int i = start[b] + 1; i < start[b + 1]; ++i) runs += cell[at(i)] != cell[at(i - 1)];
+        touched_[b] = touched, runs_[b] = runs;
     }
 
     // A point left the neighbourhood of its block.
@@ -79,10 +78,6 @@ template <int Dim> class BlockOrder {
     }
 
   private:
-    struct Touched { // lowest and highest support corner of the block's points; none: first > last
-        Index<Dim> first, last;
-        Touched() { first.fill(1 << 30), last.fill(-(1 << 30)); }
-    };
     std::vector<Touched> touched_;
     std::vector<int> runs_;
     int support_ = 0;

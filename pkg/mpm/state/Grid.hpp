@@ -14,13 +14,19 @@ namespace mpm {
 // Nodal data of one velocity field. Bodies that share a velocity field stick together; contact between
 // bodies will give each contact group its own.
 template <int Dim> struct NodalField {
-    // What particles give: mass, momentum, force, and weight mass (mass without inertial scaling). The
-    // force has the last four lanes to itself (and the weight mass in 3D): only it has a gradient part.
-    static constexpr int mass = 0, momentum = 1, force = 4, weightMass = Dim == 2 ? 3 : 7;
-    static constexpr int sumLanes = 8, motionLanes = Dim == 2 ? 4 : 8;
-    using Sum = Pack<sumLanes>;
-    using Motion = Pack<motionLanes>; // velocity, acceleration: what particles take
-    using Velocity = Pack<4>;         // the velocity that enters the velocity gradient
+    // Where component k of force and velocity is in its four lanes: in 2D each fills two, see particle/Lanes.hpp.
+    static constexpr int lane(int k) { return Dim == 2 ? 2 * k : k; }
+
+    // What particles give: momentum, mass, weight mass (mass without inertial scaling), and force.
+    static constexpr int momentum = 0, mass = Dim, weightMass = Dim == 2 ? 3 : 7;
+    static constexpr int force(int k) { return 4 + lane(k); }
+    using Sum = Pack<8>;
+    using Motion = Pack<Dim == 2 ? 4 : 8>; // velocity, acceleration: what particles take
+    using Velocity = Pack<4>;              // the velocity that enters the velocity gradient
+
+    static void setVelocity(Velocity& v, int k, double value) {
+        for (int l = lane(k); l < (Dim == 2 ? lane(k + 1) : lane(k) + 1); ++l) v.set(l, value);
+    }
 
     std::vector<Sum> sum;
     std::vector<Motion> motion;
@@ -86,6 +92,21 @@ template <int Dim> class Grid {
         Index<Dim> first, last; // inclusive; first > last: none
     };
     std::vector<Extent> extents;
+
+    void forgetExtents() {
+        Extent none;
+        none.first.fill(1 << 30), none.last.fill(-(1 << 30));
+        extents.assign(slabs(), none);
+    }
+
+    Shares shares; // of the slabs, by the number of their touched nodes
+    void shareOut() {
+        shares.set(slabs(), [&](int slab) {
+            double n = 1;
+            for (int k = 0; k < Dim - 1; ++k) n *= std::max(0, extents[slab].last[k] - extents[slab].first[k] + 1);
+            return n;
+        });
+    }
 
     // Calls f(node) for the touched nodes of a slab.
     template <class F> void forNodes(int slab, F&& f) const {

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The benchmark measures what it says: every figure is there, they fit together, and the soil yields meanwhile."""
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import yade_mpm as mpm
+
+BUILD = Path(mpm._core.__file__).parents[2]
+PROGRAM = BUILD / "mpm_bench"
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "bench.py"
+STAGES = ("ParticleToGrid", "GridSolver", "GridToParticle", "DomainUpdater")
+
+
+def libraryIsMissing():
+    cache = BUILD / "CMakeCache.txt"
+    return cache.exists() and "benchmark_DIR:PATH=benchmark_DIR-NOTFOUND" in cache.read_text()
+
+
+pytestmark = pytest.mark.skipif(libraryIsMissing(), reason="mpm_bench was not built: libbenchmark-dev was not installed")
+
+
+def process(*command):
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def measured(case):
+    """Counters of every repeat of a case, and what the program says of itself."""
+    result = json.loads(process(PROGRAM, f"--benchmark_filter=^{case}/", "--benchmark_repetitions=2", "--benchmark_format=json"))
+    return [line for line in result["benchmarks"] if line["run_type"] == "iteration"], result["context"]
+
+
+@pytest.mark.parametrize("case, particles", [("2D/ugimp/mcdp/2000/threads:1", 1936), ("2D/hybrid/mcdp/2000/threads:1", 1936),
+                                             ("3D/ugimp/mcdp/2000/threads:1", 1728)])
+def test_figures_are_complete_and_fit_together(case, particles):
+    repeats, context = measured(case)
+    assert len(repeats) == 2
+    for figures in repeats:
+        assert "error_message" not in figures
+        assert figures["particles"] == particles
+        stages = [figures[stage] for stage in STAGES]
+        assert min(stages) > 0
+        assert 0.5 * figures["step"] < sum(stages) < 1.05 * figures["step"]
+        # The program's own clock against that of the library, which times a step: us against ns per particle.
+        assert figures["real_time"] == pytest.approx(figures["step"] * particles / 1000, rel=0.2)
+        assert figures["overhead"] == pytest.approx((figures["step"] - sum(stages)) * particles / 1000, abs=0.01)
+        assert 200 < figures["bytesPerParticle"] < 2000
+        assert figures["yielding"] > 0.5
+    assert context["processor"] and context["compiler"] and context["flags"]
+
+
+def test_control_elastic_soil_does_not_yield():
+    repeats, _ = measured("2D/ugimp/elastic/2000/threads:1")
+    assert all(figures["yielding"] == 0 for figures in repeats)
+
+
+def test_the_table_compares_with_what_was_saved(tmp_path):
+    options = ["--filter", "2D/apdi/mcdp/2000/threads:1/", "--repeats", "2"]
+    first = process(sys.executable, SCRIPT, *options, "--save", tmp_path / "saved.json", "--baseline", tmp_path / "none.json")
+    assert "baseline: " not in first
+    second = process(sys.executable, SCRIPT, *options, "--baseline", tmp_path / "saved.json")
+    assert "baseline: this machine and compiler" in second
+    (saved,) = json.loads((tmp_path / "saved.json").read_text())["cases"]
+    row = second.splitlines()[-1].split()
+    assert row[0] == saved["case"] == "2D/apdi/mcdp/2000/threads:1"
+    assert float(row[-2]) == pytest.approx(saved["step"], abs=0.051)
+    assert float(row[-1]) == pytest.approx(float(row[5]) / saved["step"], abs=0.01)

@@ -34,7 +34,9 @@ class GridSolver : public EngineOf<GridSolver> {
             for (auto& field : scene.grid.fields)
                 team.inShares(scene.grid.shares, [&](int slab) {
                     Tally* tally = &partial_[size_t(slab) * (n + 1)];
-                    scene.grid.forNodes(slab, [&](int node) { solve(scene, field, node, least, tally); });
+                    double gravityWork = 0;
+                    scene.grid.forNodes(slab, [&](int node) { gravityWork += solve(scene, field, node, least, tally); });
+                    tally[n].gravity += gravityWork;
                 });
         });
         addUp(scene);
@@ -54,14 +56,17 @@ class GridSolver : public EngineOf<GridSolver> {
                 " for this scene");
     }
 
+    // Returns the work of gravity.
     template <int Dim>
-    void solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, double least, Tally* tally) const {
+    MPM_INLINE double solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, double least, Tally* tally) const {
         using NF = NodalField<Dim>;
         const auto& sum = field.sum[node];
         auto motion = NF::Motion::zero();
         const double m = sum[NF::mass], dt = scene.dt;
+        double work = 0;
         if (m > least) {
             const double overMass = 1 / m;
+            MPM_UNROLL
             for (int k = 0; k < Dim; ++k) {
                 const double weight = sum[NF::weightMass] * gravity[k], f = sum[NF::force(k)] + weight;
                 double a = f * overMass, v = sum[NF::momentum + k] * overMass + dt * a;
@@ -71,13 +76,14 @@ class GridSolver : public EngineOf<GridSolver> {
                     a = (v - scene.prescribed(c, k, scene.time)) / dt;
                     react(scene, node, k, m * a - f, v, tally[c]);
                 }
-                tally[scene.constraints.size()].gravity += weight * v * dt;
+                work += weight * v * dt;
                 motion.set(k, v);
                 motion.set(Dim + k, a);
             }
         }
         field.motion[node] = motion;
         for (int k = 0; k < Dim; ++k) NF::setVelocity(field.velocity[node], k, motion[k]);
+        return work;
     }
 
     template <int Dim>

@@ -68,7 +68,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     void restored() override {
         const int n = X_.size();
         cell_.resize(n), local_.resize(n);
-        vertex_.resize(n), control_.assign(n, Pack<4>::zero());
+        vertex_.resize(n);
         if (Dim == 3) shapes_.resize(particles.size());
         cutIntoPieces();
     }
@@ -90,45 +90,25 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     // Domains -> vertices -> nodes.
     void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
-        const auto stress = Base::stressPlanes();
-        const bool hasBodyForce = particles.hasBodyForce, controls = hourglassCoefficient_ > 0;
         const Planes q(particles);
+        const auto stress = Base::stressPlanes();
+        const bool hasBodyForce = particles.hasBodyForce && withForce, controls = hourglassCoefficient_ > 0;
         const DeformedPattern deformed(*this);
         clear(team);
         pieces(team, [&](int first, int count) {
-            const Batch d(*this, first, count);
-            Quad values[batch];
-            q.values(first, count, inertiaScale, values);
-            for (int i = 0; i < count; ++i) {
-                const int p = first + i;
-                std::array<Quad, Dim> force{};
-                if (withForce) force = q.forceColumns(p, stress.data());
-                Quad weight = Dim == 3 ? Quad{0, 0, 0, q.mass[p]} : Quad{};
-                if (hasBodyForce && withForce) weight += q.weight(p);
-                const int* corner = d.corner + NC * i;
-                MPM_UNROLL
-                for (int a = 0; a < NC; ++a) {
-                    auto& vertex = vertex_[corner[a]];
-                    vertex.part[0] += d.w[a][i] * values[i];
-                    Quad f = d.w[a][i] * weight;
-                    for (int k = 0; k < Dim; ++k) f += d.g[a][k][i] * force[k];
-                    vertex.part[1] += f;
-                }
-            }
-            if (controls) addControl(d, first, count, [deformed](int p, const double* pattern, double* h) {
-                deformed(p, h);
+            const Shapes d(*this, first, count);
+            FromDomains from;
+            q.values(first, count, inertiaScale, from.value);
+            withForce ? q.forceColumns(first, count, stress.data(), from.column) : from.noForce(count);
+            for (int i = 0; i < count && (Dim == 3 || hasBodyForce); ++i) from.weight[i] = q.weight(first + i, hasBodyForce);
+            if (controls) control(d, count, from, [&](int p, const double* pattern, double* h) __attribute__((always_inline)) {
+                deformed(first + p, h);
                 MPM_UNROLL
                 for (int m = 0; m < patternSize; ++m) h[m] = pattern[m] - h[m];
             });
+            addToVertices(d, count, from, Dim == 3 || hasBodyForce, controls);
         });
-        slavesToMasters(team, [&](int from, int to, double w) { vertex_[to].add(w, vertex_[from]), control_[to].add(w, control_[from]); },
-                        [&](int slave) { vertex_[slave] = NF::Sum::zero(), control_[slave] = Pack<4>::zero(); });
-        const bool withControl = controls && withForce;
-        scatterVertices(team, nodes, [&](int v) __attribute__((always_inline)) {
-            auto sum = vertex_[v];
-            if (withControl) sum.part[1] += control_[v].part[0];
-            return sum;
-        });
+        sumToNodes(team, nodes, withForce);
     }
 
     // Nodes -> vertices -> domains, and back with what the domains have then. The forces of hourglass control wait on the
@@ -138,38 +118,40 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         const Hat hat(*this);
         team.chunks(X_.size(), [&](int begin, int end) {
             for (int v = begin; v < end; ++v) {
+                if (momentum) momentumAt(v) = how.dt * controlAt(v);
                 if (nodes) motionAt(v) = hat.gather(v, nodes);
-                if (momentum) control_[v] = how.dt * control_[v];
             }
         });
         if (nodes) mastersToSlaves(team, [&](int slave) { motionAt(slave) = NF::Motion::zero(); },
                                    [&](int from, int to, double w) { motionAt(to).add(w, motionAt(from)); });
         pieces(team, [&](int first, int count) {
-            const Batch d(*this, first, count);
+            const Weights d(*this, first, count);
             if (nodes) {
                 typename NF::Motion motion[batch];
                 for (int i = 0; i < count; ++i) {
-                    const int* corner = d.corner + NC * i;
-                    motion[i] = NF::Motion::zero();
+                    auto sum = NF::Motion::zero();
                     MPM_UNROLL
-                    for (int a = 0; a < NC; ++a) motion[i].add(d.w[a][i], motionAt(corner[a]));
+                    for (int a = 0; a < NC; ++a) sum.add(d.w[a][i], motionAt(d.corner[NC * i + a]));
+                    motion[i] = sum;
                 }
                 damped_[first / pieceSize_] += q.move(first, count, motion, how);
             }
             if (momentum) {
                 Quad given[batch];
                 q.momenta(first, count, how.inertiaScale, given);
-                for (int i = 0; i < count; ++i) {
-                    const int* corner = d.corner + NC * i;
+                for (int i = 0; i < count; ++i)
                     MPM_UNROLL
-                    for (int a = 0; a < NC; ++a) control_[corner[a]].part[0] += d.w[a][i] * given[i];
-                }
+                    for (int a = 0; a < NC; ++a) momentumAt(d.corner[NC * i + a]) += d.w[a][i] * given[i];
             }
         });
         if (!momentum) return;
-        slavesToMasters(team, [&](int from, int to, double w) { control_[to].add(w, control_[from]); },
-                        [&](int slave) { control_[slave] = Pack<4>::zero(); });
-        scatterVertices(team, momentum, [&](int v) __attribute__((always_inline)) { return control_[v]; });
+        slavesToMasters(team, [&](int from, int to, double w) { momentumAt(to) += w * momentumAt(from); },
+                        [&](int slave) { momentumAt(slave) = Quad{}; });
+        scatterVertices(team, momentum, [&](int v) __attribute__((always_inline)) {
+            typename NF::Velocity given;
+            given.part[0] = momentumAt(v);
+            return given;
+        });
     }
 
     // Vertices move with the velocity field that enters the velocity gradient.
@@ -192,24 +174,27 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
         for (int first = begin; first < end; first += batch) {
             const int count = std::min(batch, end - first);
-            const Batch d(*this, first, count);
-            CornerBatch V(corner_.data() + NC * first, V_, count);
-            for (int i = 0; i < Dim; ++i)
-                for (int j = 0; j < Dim; ++j)
-#pragma omp simd
-                    for (int p = 0; p < count; ++p) {
+            const int* corner = corner_.data() + NC * first;
+            const Corner X(corner, X_, count), V(corner, V_, count);
+            double quality[batch];
+            auto one = [&](int p, auto&& shape, auto&& moved) __attribute__((always_inline)) {
+                MPM_UNROLL
+                for (int i = 0; i < Dim; ++i)
+                    MPM_UNROLL
+                    for (int j = 0; j < Dim; ++j) {
                         double sum = 0;
-                        for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * d.g[a][j][p];
+                        MPM_UNROLL
+                        for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
                         L[Dim * i + j][first + p] = sum;
                     }
-            if (dt == 0) continue; // only the gradient is asked for
-            for (int a = 0; a < NC; ++a)
-                for (int k = 0; k < Dim; ++k)
+                if (dt > 0) volume[first + p] = moved.volume, quality[p] = moved.quality;
+            };
+            if constexpr (Dim == 2)
 #pragma omp simd
-                    for (int p = 0; p < count; ++p) V.x[a][k][p] = d.X.x[a][k][p] + dt * V.x[a][k][p];
-            double quality[batch];
-            geometry(V, count, volume + first, quality);
-            for (int p = 0; p < count; ++p)
+                for (int p = 0; p < count; ++p) one(p, quadrilateral(X, p), MovedQuadrilateral(X, V, dt, p));
+            else
+                for (int p = 0; p < count; ++p) one(p, shapes_[first + p], MovedHexahedron(X, V, dt, p));
+            for (int p = 0; p < count && dt > 0; ++p)
                 if (!(quality[p] > worstQuality)) noteDistorted({first + p, quality[p]});
         }
     }
@@ -343,7 +328,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     size_t bytes() const override {
         size_t sum = sizeof(int) * (corner_.size() + cell_.size() + order.order.size()) +
-                     sizeof(vertex_[0]) * vertex_.size() + sizeof(control_[0]) * control_.size() + local_.bytes() +
+                     sizeof(vertex_[0]) * vertex_.size() + local_.bytes() +
                      sizeof(Shape<Dim>) * shapes_.size();
         for (const Field* f : {&X_, &X0_, &V_, &hourglass0_}) sum += f->bytes();
         return sum;
@@ -360,36 +345,29 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // The nodal forces of hourglass control as a stiffness: those of the motion that V_ holds, over unit time.
     void addForce(Team& team, typename NF::Sum* nodes, const double* const tensor[9]) override {
         const Planes q(particles);
+        const bool controls = hourglassCoefficient_ > 0;
         clear(team);
         pieces(team, [&](int first, int count) {
-            const Batch d(*this, first, count);
-            for (int i = 0; i < count; ++i) {
-                const std::array<Quad, Dim> force = q.forceColumns(first + i, tensor);
-                for (int a = 0; a < NC; ++a)
-                    for (int k = 0; k < Dim; ++k) vertex_[d.corner[NC * i + a]].part[1] += d.g[a][k][i] * force[k];
-            }
-            if (hourglassCoefficient_ <= 0) return;
-            const CornerBatch V(d.corner, V_, count);
-            addControl(d, first, count, [&](int p, const double* pattern, double* h) {
+            const Shapes d(*this, first, count);
+            FromDomains from;
+            std::fill(from.value, from.value + count, Quad{});
+            q.forceColumns(first, count, tensor, from.column);
+            const Corner V(d.corner, V_, count);
+            if (controls) control(d, count, from, [&](int p, const double* pattern, double* h) __attribute__((always_inline)) {
                 for (int m = 0; m < modes; ++m)
                     for (int k = 0; k < Dim; ++k) {
                         double sum = 0;
                         for (int a = 0; a < NC; ++a) {
                             double linear = 0;
-                            for (int j = 0; j < Dim; ++j) linear += d.g[a][j][p - first] * pattern[Dim * m + j];
-                            sum += (hourglassSign(Dim, m, a) / NC - linear) * V.x[a][k][p - first];
+                            for (int j = 0; j < Dim; ++j) linear += d.g[a][j][p] * pattern[Dim * m + j];
+                            sum += (hourglassSign(Dim, m, a) / NC - linear) * V.x[a][k][p];
                         }
                         h[Dim * m + k] = sum;
                     }
             });
+            addToVertices(d, count, from, false, controls);
         });
-        slavesToMasters(team, [&](int from, int to, double w) { vertex_[to].add(w, vertex_[from]), control_[to].add(w, control_[from]); },
-                        [&](int slave) { vertex_[slave] = NF::Sum::zero(), control_[slave] = Pack<4>::zero(); });
-        scatterVertices(team, nodes, [&](int v) {
-            auto sum = vertex_[v];
-            sum.part[1] += control_[v].part[0];
-            return sum;
-        });
+        sumToNodes(team, nodes, true);
     }
 
   private:
@@ -397,82 +375,102 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     static constexpr int modes = hourglassModes<Dim>, patternSize = Dim * modes;
 
     // A vector at the corners of a batch of domains, from a field over the vertices.
-    struct CornerBatch {
+    struct Corner {
         double x[NC][Dim][batch];
 
-        CornerBatch(const int* corner, const Field& field, int count) {
-            for (int k = 0; k < Dim; ++k) {
-                const double* plane = field.plane(k);
-                for (int p = 0; p < count; ++p)
-                    for (int a = 0; a < NC; ++a) x[a][k][p] = plane[corner[NC * p + a]];
-            }
+        Corner(const int* corner, const Field& field, int count) {
+            const double* plane[Dim];
+            for (int k = 0; k < Dim; ++k) plane[k] = field.plane(k);
+            for (int p = 0; p < count; ++p)
+                MPM_UNROLL
+                for (int a = 0; a < NC; ++a) {
+                    int v = corner[NC * p + a];
+                    asm("" : "+r"(v)); // plain loads: without this GCC makes vectors of the numbers and takes twice as long
+                    MPM_UNROLL
+                    for (int k = 0; k < Dim; ++k) x[a][k][p] = plane[k][v];
+                }
+        }
+    };
+
+    MPM_INLINE static QuadrilateralShape quadrilateral(const Corner& X, int p) {
+        return {{X.x[0][0][p], X.x[1][0][p], X.x[2][0][p], X.x[3][0][p]},
+                {X.x[0][1][p], X.x[1][1][p], X.x[2][1][p], X.x[3][1][p]}};
+    }
+
+    // Corner weights of a batch of domains.
+    struct Weights {
+        const int* corner; // NC per domain
+        double w[NC][batch];
+
+        Weights(const MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first) {
+            if constexpr (Dim == 2) {
+                const Corner X(corner, d.X_, count);
+#pragma omp simd
+                for (int p = 0; p < count; ++p) set(p, quadrilateral(X, p));
+            } else
+                for (int p = 0; p < count; ++p) set(p, d.shapes_[first + p]);
+        }
+        template <class S> MPM_INLINE void set(int p, const S& shape) {
+            MPM_UNROLL
+            for (int a = 0; a < NC; ++a) w[a][p] = shape.w[a];
         }
     };
 
     // Corners and shapes of a batch of domains.
-    struct Batch {
+    struct Shapes {
         const int* corner; // NC per domain
-        CornerBatch X;
+        Corner X;
         double w[NC][batch], g[NC][Dim][batch], volume[batch];
 
-        Batch(const MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first), X(corner, d.X_, count) {
+        Shapes(const MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first), X(corner, d.X_, count) {
             if constexpr (Dim == 2)
 #pragma omp simd
-                for (int p = 0; p < count; ++p) set(p, closedForm(X, p));
+                for (int p = 0; p < count; ++p) set(p, quadrilateral(X, p));
             else
                 for (int p = 0; p < count; ++p) set(p, d.shapes_[first + p]);
         }
         template <class S> MPM_INLINE void set(int p, const S& shape) {
             volume[p] = shape.volume;
+            MPM_UNROLL
             for (int a = 0; a < NC; ++a) {
                 w[a][p] = shape.w[a];
+                MPM_UNROLL
                 for (int k = 0; k < Dim; ++k) g[a][k][p] = shape.g[a][k];
             }
         }
     };
 
-    MPM_INLINE static QuadrilateralShape closedForm(const CornerBatch& X, int p) {
-        return {{X.x[0][0][p], X.x[1][0][p], X.x[2][0][p], X.x[3][0][p]},
-                {X.x[0][1][p], X.x[1][1][p], X.x[2][1][p], X.x[3][1][p]}};
-    }
+    // A domain after its vertices have moved: volume, and smallest corner area over it; the latter not above 0 if a corner
+    // weight is too small.
+    struct MovedQuadrilateral {
+        double volume, quality;
 
-    // Volume, and smallest corner area over it; the latter not above 0 if a corner weight is too small.
-    static void geometry(const CornerBatch& X, int count, double* volume, double* quality) {
-        if constexpr (Dim == 2)
-#pragma omp simd
-            for (int p = 0; p < count; ++p) {
-                const QuadrilateralShape shape = closedForm(X, p);
-                volume[p] = shape.volume;
-                quality[p] = qualityOf(shape, smallestCornerOf(X, p));
-            }
-        else
-            for (int p = 0; p < count; ++p) {
-                Corners<Dim> x;
-                for (int a = 0; a < NC; ++a)
-                    for (int k = 0; k < Dim; ++k) x(k, a) = X.x[a][k][p];
-                const Shape<Dim> shape(x);
-                volume[p] = shape.volume;
-                quality[p] = qualityOf(shape, smallestCorner<Dim>(x));
-            }
-    }
+        MPM_INLINE MovedQuadrilateral(const Corner& X, const Corner& V, double dt, int p) {
+            std::array<double, 4> x, y;
+            MPM_UNROLL
+            for (int a = 0; a < 4; ++a) x[a] = X.x[a][0][p] + dt * V.x[a][0][p], y[a] = X.x[a][1][p] + dt * V.x[a][1][p];
+            const QuadrilateralShape shape(x, y);
+            volume = shape.volume, quality = qualityOf(shape, mpm::smallestCorner(x, y));
+        }
+    };
+    struct MovedHexahedron {
+        double volume, quality;
+
+        MovedHexahedron(const Corner& X, const Corner& V, double dt, int p) {
+            Corners<Dim> x;
+            for (int a = 0; a < NC; ++a)
+                for (int k = 0; k < Dim; ++k) x(k, a) = X.x[a][k][p] + dt * V.x[a][k][p];
+            const Shape<Dim> shape(x);
+            volume = shape.volume, quality = qualityOf(shape, mpm::smallestCorner<Dim>(x));
+        }
+    };
 
     template <class S> MPM_INLINE static double qualityOf(const S& shape, double corner) {
         double least = shape.w[0];
+        MPM_UNROLL
         for (int a = 1; a < NC; ++a) least = shape.w[a] < least ? shape.w[a] : least;
         const double quality = corner / shape.volume, capped = quality < 0 ? quality : 0;
         return shape.volume > 0 ? (least < leastWeight ? capped : quality) : -1.0;
-    }
-
-    MPM_INLINE static double smallestCornerOf(const CornerBatch& X, int p) {
-        double least = 1e300;
-        for (int a = 0; a < NC; ++a) {
-            const int before = (a + 3) % 4, after = (a + 1) % 4;
-            const double inX = X.x[a][0][p] - X.x[before][0][p], inY = X.x[a][1][p] - X.x[before][1][p];
-            const double outX = X.x[after][0][p] - X.x[a][0][p], outY = X.x[after][1][p] - X.x[a][1][p];
-            const double area = inX * outY - inY * outX;
-            least = area < least ? area : least;
-        }
-        return least;
     }
 
     void noteDistorted(const Distorted& d) {
@@ -488,8 +486,63 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         return x;
     }
 
-    // During a transfer to the particles, what a vertex takes lies where its sum was.
+    // What a vertex holds during a transfer. From the domains: the value lanes of NodalField::Sum, then force (in 3D with the
+    // weight mass after it) and force of hourglass control, one lane per component; both fit into one Quad in 2D. Towards the
+    // domains: the motion in the first lanes, and in the last four the momentum that comes back, as in NodalField::Velocity.
+    using Vertex = Pack<Dim == 2 ? 8 : 12>;
+    static constexpr int last = Dim == 2 ? 1 : 2, controlLane = Dim == 2 ? 2 : 0; // the Quad of the control, its lane there
+
     MPM_INLINE typename NF::Motion& motionAt(int v) { return reinterpret_cast<typename NF::Motion&>(vertex_[v]); }
+    MPM_INLINE Quad& momentumAt(int v) { return vertex_[v].part[last]; }
+    MPM_INLINE Quad controlAt(int v) const {
+        return Lanes<Dim>::vector([&](int k) { return vertex_[v].part[last][controlLane + k]; });
+    }
+
+    // What a batch of domains gives to its vertices.
+    struct FromDomains {
+        Quad value[batch], weight[batch]; // times w: the value lanes, and what goes with the force
+        Quad column[batch][Dim];          // times g_k: -V sigma_k
+        Quad control[batch][modes];       // times gamma: forces against the hourglass patterns, in the lanes of the control
+        double gamma[modes][NC][batch];
+
+        void noForce(int count) {
+            for (int p = 0; p < count; ++p)
+                for (Quad& c : column[p]) c = Quad{};
+        }
+    };
+
+    MPM_INLINE void addToVertices(const Shapes& d, int count, const FromDomains& from, bool hasWeight, bool controls) {
+        for (int i = 0; i < count; ++i)
+            MPM_UNROLL
+            for (int a = 0; a < NC; ++a) {
+                Vertex& vertex = vertex_[d.corner[NC * i + a]];
+                vertex.part[0] += d.w[a][i] * from.value[i];
+                Quad sum = vertex.part[1];
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) sum += d.g[a][k][i] * from.column[i][k];
+                if (hasWeight) sum += d.w[a][i] * from.weight[i];
+                if (Dim == 2 && controls) sum += from.gamma[0][a][i] * from.control[i][0];
+                vertex.part[1] = sum;
+                if (Dim == 3 && controls)
+                    for (int m = 0; m < modes; ++m) vertex.part[last] += from.gamma[m][a][i] * from.control[i][m];
+            }
+    }
+
+    // Then the nodes take it; the forces of hourglass control stay on the vertices, too.
+    void sumToNodes(Team& team, typename NF::Sum* nodes, bool withControl) {
+        slavesToMasters(team, [&](int from, int to, double w) { vertex_[to].add(w, vertex_[from]); },
+                        [&](int slave) { vertex_[slave] = Vertex::zero(); });
+        const double factor = withControl ? 1 : 0;
+        scatterVertices(team, nodes, [&](int v) __attribute__((always_inline)) {
+            const Vertex& vertex = vertex_[v];
+            const Quad f = vertex.part[1], c = vertex.part[last];
+            typename NF::Sum sum;
+            sum.part[0] = vertex.part[0];
+            sum.part[1] = Lanes<Dim>::vector([&](int k) { return f[k] + factor * c[controlLane + k]; });
+            if (Dim == 3) sum.set(NF::weightMass, f[3]);
+            return sum;
+        });
+    }
 
     // The cell that a vertex is in, and the hat functions of its nodes there.
     struct Hat {
@@ -546,8 +599,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     void clear(Team& team) {
         team.chunks(X_.size(), [&](int begin, int end) {
-            std::fill(&vertex_[begin], &vertex_[begin] + (end - begin), NF::Sum::zero());
-            std::fill(&control_[begin], &control_[begin] + (end - begin), Pack<4>::zero());
+            std::fill(&vertex_[begin], &vertex_[begin] + (end - begin), Vertex::zero());
         });
     }
 
@@ -630,10 +682,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // Stiffness form of Flanagan & Belytschko 1981: f_a = -k h gamma_a with gamma_a = G_a/2^Dim - g_a . (pattern
     // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
     // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
-    template <class Amplitude> void addControl(const Batch& d, int first, int count, Amplitude&& amplitude) {
-        double force[modes][Dim][batch], gamma[modes][NC][batch];
-#pragma omp simd
-        for (int p = 0; p < count; ++p) {
+    template <class Amplitude> void control(const Shapes& d, int count, FromDomains& from, Amplitude&& amplitude) const {
+        auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
+            double* lanes = reinterpret_cast<double*>(from.control);
             double pattern[patternSize], h[patternSize], sum = 0;
             MPM_UNROLL
             for (int m = 0; m < modes; ++m)
@@ -644,7 +695,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                     for (int a = 0; a < NC; ++a) amount += hourglassSign(Dim, m, a) / NC * d.X.x[a][k][p];
                     pattern[Dim * m + k] = amount;
                 }
-            amplitude(first + p, pattern, h);
+            amplitude(p, pattern, h);
             MPM_UNROLL
             for (int a = 0; a < NC; ++a)
                 MPM_UNROLL
@@ -653,21 +704,21 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             MPM_UNROLL
             for (int m = 0; m < modes; ++m) {
                 MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) force[m][k][p] = -stiffness * h[Dim * m + k];
+                for (int l = 0; l < 4; ++l) {
+                    const int k = l - controlLane;
+                    lanes[4 * (modes * p + m) + l] = k >= 0 && k < Dim ? -stiffness * h[Dim * m + k] : 0;
+                }
                 MPM_UNROLL
                 for (int a = 0; a < NC; ++a) {
                     double linear = 0;
                     MPM_UNROLL
                     for (int k = 0; k < Dim; ++k) linear += d.g[a][k][p] * pattern[Dim * m + k];
-                    gamma[m][a][p] = hourglassSign(Dim, m, a) / NC - linear;
+                    from.gamma[m][a][p] = hourglassSign(Dim, m, a) / NC - linear;
                 }
             }
-        }
-        for (int p = 0; p < count; ++p)
-            for (int m = 0; m < modes; ++m) {
-                const Quad f = Lanes<Dim>::vector([&](int k) { return force[m][k][p]; });
-                for (int a = 0; a < NC; ++a) control_[d.corner[NC * p + a]].part[0] += gamma[m][a][p] * f;
-            }
+        };
+#pragma omp simd
+        for (int p = 0; p < count; ++p) one(p);
     }
 
     // Pieces that share a vertex take turns. Longer pieces need fewer colours: in a regular mesh two are enough once a
@@ -763,8 +814,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     std::vector<int> cell_; // of the vertices, once per step
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
-    std::vector<typename NF::Sum> vertex_; // sums on the vertices during a transfer
-    std::vector<Pack<4>> control_;         // forces of hourglass control on them, kN
+    std::vector<Vertex> vertex_; // during a transfer
     int pieceSize_ = 0;                    // domains per piece of the stage between domains and vertices
     Turns pieces_;
     std::vector<Shape<Dim>> shapes_;       // 3D only

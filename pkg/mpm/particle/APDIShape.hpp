@@ -128,12 +128,13 @@ template <int Dim> double smallestCorner(const Corners<Dim>& X) {
     return least;
 }
 
-template <> inline double smallestCorner<2>(const Corners<2>& X) {
+MPM_INLINE double smallestCorner(const std::array<double, 4>& x, const std::array<double, 4>& y) {
     double least = 1e300;
-#pragma GCC unroll 4
+    MPM_UNROLL
     for (int a = 0; a < 4; ++a) {
-        const Vec<2> in = X.col(a) - X.col((a + 3) % 4), out = X.col((a + 1) % 4) - X.col(a);
-        least = std::min(least, in[0] * out[1] - in[1] * out[0]);
+        const int before = (a + 3) % 4, after = (a + 1) % 4;
+        const double area = (x[a] - x[before]) * (y[after] - y[a]) - (y[a] - y[before]) * (x[after] - x[a]);
+        least = area < least ? area : least;
     }
     return least;
 }

@@ -46,12 +46,13 @@ template <int Dim> class Transfers : public Domains<Dim> {
         // The following fill, or read, one entry of four lanes (or a few of them) for each of `count` particles from `first`
         // on. Value lanes of NodalField::Sum: momentum and mass; in 2D also the weight mass, which in 3D is a lane of B.
         void values(int first, int count, double inertiaScale, Quad* out) const {
+            const Planes q = *this;
             double* lanes = reinterpret_cast<double*>(out);
 #pragma omp simd
             for (int i = 0; i < count; ++i) {
-                const double w = mass[first + i], m = inertiaScale * w;
+                const double w = q.mass[first + i], m = inertiaScale * w;
                 MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) lanes[4 * i + k] = m * velocity[k][first + i];
+                for (int k = 0; k < Dim; ++k) lanes[4 * i + k] = m * q.velocity[k][first + i];
                 lanes[4 * i + Dim] = m;
                 if (Dim == 2) lanes[4 * i + 3] = w;
             }
@@ -61,6 +62,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
         void forces(int first, int count, const double* const tensor[9], typename L::Set* out) const {
             double* lanes = reinterpret_cast<double*>(out);
             const double *xx = tensor[0], *xy = tensor[1], *xz = tensor[2], *yy = tensor[4], *yz = tensor[5], *zz = tensor[8];
+            const double *volume = this->volume, *mass = this->mass;
 #pragma omp simd
             for (int i = 0; i < count; ++i) {
                 const int p = first + i;
@@ -77,12 +79,13 @@ template <int Dim> class Transfers : public Domains<Dim> {
 
         // Momentum, in the lanes of NodalField::Velocity.
         void momenta(int first, int count, double inertiaScale, Quad* out) const {
+            const Planes q = *this;
             double* lanes = reinterpret_cast<double*>(out);
 #pragma omp simd
             for (int i = 0; i < count; ++i) {
-                const double m = inertiaScale * mass[first + i];
+                const double m = inertiaScale * q.mass[first + i];
                 MPM_UNROLL
-                for (int l = 0; l < 4; ++l) lanes[4 * i + l] = l < L::used ? m * velocity[L::component(l)][first + i] : 0;
+                for (int l = 0; l < 4; ++l) lanes[4 * i + l] = l < L::used ? m * q.velocity[L::component(l)][first + i] : 0;
             }
         }
 
@@ -94,6 +97,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
         }
 
         template <bool damped> double move(int first, int count, const typename NF::Motion* motion, const Move& how) const {
+            const Planes q = *this; // pointers of its own: the compiler need not fear that the loop overwrites them
             constexpr int stride = sizeof(typename NF::Motion) / sizeof(double);
             const double* lanes = reinterpret_cast<const double*>(motion);
             const double dt = how.dt, flip = how.flip, damping = how.damping;
@@ -103,7 +107,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
                 double power = 0;
                 MPM_UNROLL
                 for (int k = 0; k < Dim; ++k) {
-                    double &velocity = this->velocity[k][first + i], v = lanes[stride * i + k], a = lanes[stride * i + Dim + k];
+                    double &velocity = q.velocity[k][first + i], v = lanes[stride * i + k], a = lanes[stride * i + Dim + k];
                     const double before = velocity;
                     if (damped) {
                         const double resisting = damping * std::copysign(std::abs(a), before + 0.5 * dt * a);
@@ -111,32 +115,45 @@ template <int Dim> class Transfers : public Domains<Dim> {
                         power += resisting * (before + 0.5 * dt * a);
                     }
                     velocity = flip * (before + dt * a) + (1 - flip) * v;
-                    position[k][first + i] += dt * v;
+                    q.position[k][first + i] += dt * v;
                 }
-                taken += mass[first + i] * power;
+                taken += q.mass[first + i] * power;
             }
             return how.inertiaScale * dt * taken;
         }
 
         void setGradients(int first, int count, const typename L::Set* in) const {
             constexpr int stride = 4 * L::quads;
+            const Planes q = *this;
             const double* lanes = reinterpret_cast<const double*>(in);
 #pragma omp simd
             for (int p = 0; p < count; ++p)
                 MPM_UNROLL
-                for (int c = 0; c < Dim * Dim; ++c) velocityGradient[c][first + p] = lanes[stride * p + L::laneOf(c / Dim, c % Dim)];
+                for (int c = 0; c < Dim * Dim; ++c) q.velocityGradient[c][first + p] = lanes[stride * p + L::laneOf(c / Dim, c % Dim)];
         }
 
-        // The columns k of -V tensor: their products with d_k phi add up to the force.
-        MPM_INLINE std::array<Quad, Dim> forceColumns(int p, const double* const tensor[9]) const {
-            std::array<Quad, Dim> columns;
-            for (int k = 0; k < Dim; ++k)
-                columns[k] = L::vector([&](int i) { return -volume[p] * tensor[i <= k ? 3 * i + k : 3 * k + i][p]; });
-            return columns;
+        // The columns k of -V tensor, one lane per component: their products with d_k phi add up to the force.
+        void forceColumns(int first, int count, const double* const tensor[9], Quad (*out)[Dim]) const {
+            const double* V = volume + first;
+            const double* planes[Dim][Dim];
+            for (int l = 0; l < Dim; ++l)
+                for (int k = 0; k < Dim; ++k) planes[l][k] = tensor[l <= k ? 3 * l + k : 3 * k + l] + first;
+            double* lanes = reinterpret_cast<double*>(out);
+#pragma omp simd
+            for (int i = 0; i < count; ++i)
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k)
+                    MPM_UNROLL
+                    for (int l = 0; l < 4; ++l)
+                        lanes[4 * (Dim * i + k) + l] =
+                            l < Dim ? -V[i] * planes[l][k][i] : 0;
         }
 
-        MPM_INLINE Quad weight(int p) const { // of the body force, in the lanes of the force
-            return L::vector([&](int i) { return mass[p] * bodyForce[i][p]; });
+        // Body force, one lane per component; in 3D the weight mass comes last.
+        MPM_INLINE Quad weight(int p, bool hasBodyForce) const {
+            Quad w{0, 0, 0, Dim == 3 ? mass[p] : 0};
+            for (int k = 0; k < Dim && hasBodyForce; ++k) w[k] = mass[p] * bodyForce[k][p];
+            return w;
         }
     };
 

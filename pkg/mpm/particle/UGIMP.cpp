@@ -93,7 +93,10 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                 for (int i = 0; i < count; ++i) B[i] = L::onlyValue(B[i]);
             scatter(nodes, first, count, w, value, B);
             if (hasBodyForce) {
-                for (int i = 0; i < count; ++i) value[i] = q.weight(first + i);
+                for (int i = 0; i < count; ++i) {
+                    const Quad weight = q.weight(first + i, true);
+                    value[i] = L::vector([&](int k) { return weight[k]; });
+                }
                 scatter<1>(nodes, first, count, w, value);
             }
         });

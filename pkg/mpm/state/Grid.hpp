@@ -50,7 +50,7 @@ template <int Dim> class Grid {
                     "Scene: upper - lower = ", upper[k] - lower[k], " m along axis ", k, " is not a multiple of cell = ",
                     cell[k], " m; move lower or upper, or change cell");
             nodes[k] = cells[k] + 1 + 2 * ghost;
-            strides[k] = stride;
+            strides[k] = stride, overStride_[k] = 1.0 / stride;
             stride *= nodes[k];
         }
         count = stride;
@@ -77,7 +77,11 @@ template <int Dim> class Grid {
 
     Index<Dim> indices(int node) const {
         Index<Dim> index;
-        for (int k = Dim - 1; k >= 0; --k) index[k] = node / strides[k], node %= strides[k];
+        for (int k = Dim - 1; k > 0; --k) {
+            index[k] = int((node + 0.5) * overStride_[k]); // exact, and faster than dividing whole numbers
+            node -= index[k] * strides[k];
+        }
+        index[0] = node;
         return index;
     }
     Vec<Dim> nodePosition(int node) const {
@@ -119,6 +123,9 @@ template <int Dim> class Grid {
                 for (int i = e.first[0]; i <= e.last[0]; ++i) f(start + j * strides[1] + i);
         }
     }
+
+  private:
+    std::array<double, Dim> overStride_;
 };
 
 } // namespace mpm

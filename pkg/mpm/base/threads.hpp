@@ -12,6 +12,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <thread>
 #include <vector>
 
@@ -96,16 +97,21 @@ class Turns {
 };
 
 // All threads of one parallel region. Every thread calls the same functions in the same order; each
-// of them ends at a barrier. An exception is kept (that of the lowest piece, so it does not depend on
+// of them ends at a barrier, unless it says otherwise. An exception is kept (that of the lowest piece, so it does not depend on
 // the threads either) and rethrown when the region ends.
 class Team {
   public:
     // Calls f(i) once for each piece i.
     template <class F> void inShares(const Shares& shares, F&& f) {
+        inSharesNoWait(shares, f);
+        wait();
+    }
+
+    // Threads go on before all pieces are done: until wait(), nobody may read what others have written.
+    template <class F> void inSharesNoWait(const Shares& shares, F&& f) {
         const int me = omp_get_thread_num(), threads = omp_get_num_threads();
         for (int i = 0; i < shares.count(); ++i)
             if (shares.owner(i, threads) == me) guard(i, [&] { f(i); });
-#pragma omp barrier
     }
 
     // Calls f(i) once for each piece of `turns`.
@@ -117,15 +123,25 @@ class Team {
             guard(piece, [&] { f(piece); });
             turns.finished(piece);
         }
-#pragma omp barrier
+        wait();
     }
 
-    // Calls f(begin, end) for chunks of [0, n).
+    // Calls f(begin, end) for chunks of [0, n); always the same thread for the same chunk.
     template <class F> void chunks(int n, F&& f) {
+        chunksNoWait(n, f);
+        wait();
+    }
+
+    template <class F> void chunksNoWait(int n, F&& f) {
         const int pieces = chunksOf(n);
-#pragma omp for schedule(static)
+#pragma omp for schedule(static) nowait
         for (int c = 0; c < pieces; ++c)
             guard(c, [&] { f(c * chunkSize, std::min(n, (c + 1) * chunkSize)); });
+    }
+
+    // Until all threads are here.
+    void wait() {
+#pragma omp barrier
     }
 
     // One thread calls f while the others wait.
@@ -134,7 +150,8 @@ class Team {
         guard(0, f);
     }
 
-    // Whether a piece has thrown; the same answer for every thread after a barrier.
+    // Whether a piece has thrown. To be asked where all threads get the same answer: inside once(), or behind a barrier that
+    // nothing which throws can follow.
     bool failed() const { return bool(error_); }
 
     void rethrow() {
@@ -164,21 +181,15 @@ template <class F> void parallel(int threads, F&& body) {
     team.rethrow();
 }
 
-// Adds f(begin, end) over chunks of [0, n), always in the same order.
+// Sums over chunks of particles: each chunk has its own term, and they are added up in the order of the chunks.
 class OrderedSum {
   public:
-    template <class F> void add(Team& team, int n, F&& f) {
-        team.once([&] { parts_.assign(chunksOf(n), 0.0); });
-        team.chunks(n, [&](int begin, int end) { parts_[begin / chunkSize] = f(begin, end); });
-    }
-    double total() const {
-        double sum = 0;
-        for (double part : parts_) sum += part;
-        return sum;
-    }
+    void clear(int n) { terms_.assign(chunksOf(n), 0.0); }
+    double& of(int begin) { return terms_[begin / chunkSize]; }
+    double total() const { return std::accumulate(terms_.begin(), terms_.end(), 0.0); }
 
   private:
-    std::vector<double> parts_;
+    std::vector<double> terms_;
 };
 
 } // namespace mpm

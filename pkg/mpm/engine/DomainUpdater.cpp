@@ -66,20 +66,28 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
 
     template <int Dim> void act(Scene<Dim>& scene) {
         const bool early = scene.scheme == Scheme::USF;
+        work_.resize(scene.bodies.size());
+        for (size_t b = 0; b < scene.bodies.size(); ++b) work_[b].clear(scene.bodies[b]->particles.size());
         parallel(scene.threads, [&](Team& team) {
             if (early) startVelocity(team, scene);
-            for (auto& body : scene.bodies) update(team, scene, *body);
+            for (auto& body : scene.bodies)
+                body->domains->takeVelocity(team, scene.grid.fields[body->velocityField].velocity.data());
+            for (size_t b = 0; b < scene.bodies.size(); ++b) update(team, scene, *scene.bodies[b], work_[b]);
+            team.wait();
             if (early)
                 sumOnNodes(team, scene, true);
             else
                 for (auto& body : scene.bodies) body->domains->advance(team, scene.dt);
         });
-        for (auto& body : scene.bodies) resolveDistortion(scene, *body);
+        for (size_t b = 0; b < scene.bodies.size(); ++b) {
+            scene.bodies[b]->internalWork += work_[b].total();
+            resolveDistortion(scene, *scene.bodies[b]);
+        }
     }
 
   private:
-    OrderedSum work_;
-    std::vector<double> change_; // of tr L by averaging
+    std::vector<OrderedSum> work_; // of the stresses, per body
+    std::vector<double> change_;   // of tr L by averaging
 
     // USF: the velocity of the particles at the start of the step.
     template <int Dim> static void startVelocity(Team& team, Scene<Dim>& scene) {
@@ -90,10 +98,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         velocityFromMomentum(team, scene, scene.time);
     }
 
-    template <int Dim> void update(Team& team, Scene<Dim>& scene, Body<Dim>& body) {
+    // The threads do not wait for each other at the end.
+    template <int Dim> void update(Team& team, Scene<Dim>& scene, Body<Dim>& body, OrderedSum& work) {
         const auto* nodes = scene.grid.fields[body.velocityField].velocity.data();
         const int n = body.particles.size();
-        body.domains->takeVelocity(team, nodes);
         const auto gradient = [&](int begin, int end) { body.domains->takeGradient(begin, end, nodes, scene.dt); };
         if (body.fbar) {
             team.chunks(n, gradient);
@@ -102,13 +110,13 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 averageVolumeStrain(body, scene.grid, &change_);
             });
         }
-        work_.add(team, n, [&](int begin, int end) {
+        const auto rest = [&](int begin, int end) {
             if (!body.fbar) gradient(begin, end);
             deform(body.particles, scene.dt, begin, end);
             body.domains->volumes(begin, end);
-            return stress(body, scene.dt, begin, end);
-        });
-        team.once([&] { body.internalWork += work_.total(); });
+            work.of(begin) = stress(body, scene.dt, begin, end);
+        };
+        body.fbar ? team.chunks(n, rest) : team.chunksNoWait(n, rest); // change_ is there for one body at a time
     }
 
     // Stress update of particles [begin, end); returns their internal work V sigma : D dt, with the mean

@@ -82,7 +82,9 @@ class GridSolver : public EngineOf<GridSolver> {
             }
         }
         field.motion[node] = motion;
-        for (int k = 0; k < Dim; ++k) NF::setVelocity(field.velocity[node], k, motion[k]);
+        // Under MUSL this velocity is summed up anew from the particles; they find it cleared.
+        for (int k = 0; k < Dim; ++k)
+            NF::setVelocity(field.velocity[node], k, scene.scheme == Scheme::MUSL ? 0.0 : motion[k]);
         return work;
     }
 

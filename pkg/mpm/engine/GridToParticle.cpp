@@ -22,7 +22,6 @@ class GridToParticle : public EngineOf<GridToParticle> {
     template <int Dim> void act(Scene<Dim>& scene) {
         const bool remaps = scene.scheme == Scheme::MUSL;
         parallel(scene.threads, [&](Team& team) {
-            if (remaps) clearVelocity(team, scene);
             for (auto& body : scene.bodies) {
                 auto& field = scene.grid.fields[body->velocityField];
                 const Move how{scene.dt, flip, scene.damping, body->inertiaScale};

@@ -13,12 +13,19 @@ template <int Dim, class F> void forActiveNodes(Team& team, const Scene<Dim>& sc
 
 // Finds everything in the grid, and what part of the grid is touched.
 template <int Dim> void locateAll(Team& team, Scene<Dim>& scene) {
-    for (auto& body : scene.bodies) body->domains->locate(team);
-    team.once([&] {
-        scene.grid.forgetExtents();
-        for (auto& body : scene.bodies) body->domains->order.markExtents(scene.grid);
-        scene.grid.shareOut();
-    });
+    do { // once more after sorting
+        for (auto& body : scene.bodies) body->domains->locate(team);
+        team.wait();
+        team.once([&] {
+            scene.sorted = false;
+            if (team.failed()) return;
+            for (auto& body : scene.bodies) scene.sorted |= body->domains->settle();
+            if (scene.sorted) return;
+            scene.grid.forgetExtents();
+            for (auto& body : scene.bodies) body->domains->order.markExtents(scene.grid);
+            scene.grid.shareOut();
+        });
+    } while (scene.sorted);
 }
 
 // Sums of mass, momentum and force on the nodes, from the particles where locate() found them.

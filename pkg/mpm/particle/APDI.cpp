@@ -66,26 +66,42 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     // What follows from the connectivity.
     void restored() override {
+        order.forget();
         const int n = X_.size();
+        hasMoved_.assign(chunksOf(n), 1);
         cell_.resize(n), local_.resize(n);
         vertex_.resize(n);
+        if (Dim == 2) skew_.resize(particles.size());
         if (Dim == 3) shapes_.resize(particles.size());
         cutIntoPieces();
     }
 
     // --- the step -----------------------------------------------------------------------------------
     void locate(Team& team) override {
-        locateBlocks(team);
-        team.once([&] {
-            hourglassModulus_ = hourglassCoefficient_ * (2.0 / 3.0) * (Base::lame[0] + 3 * Base::lame[1]);
-            broken_ = order.broken(grid);
-            if (broken_) order.group(grid, cell_);
-        });
-        if (broken_) locateBlocks(team);
+        team.chunksNoWait(X_.size(), [&](int begin, int end) { hasMoved_[begin / chunkSize] = find(begin, end); });
         if constexpr (Dim == 3) // in 3D the quadrature is worth keeping for the step
-            team.chunks(particles.size(), [&](int begin, int end) {
+            team.chunksNoWait(particles.size(), [&](int begin, int end) {
                 for (int p = begin; p < end; ++p) shapes_[p] = Shape<Dim>(cornersOf(p));
             });
+    }
+
+    // The vertices stay where they are in memory; only the list of those of a block is made anew.
+    bool settle() override {
+        hourglassModulus_ = hourglassCoefficient_ * (2.0 / 3.0) * (Base::lame[0] + 3 * Base::lame[1]);
+        distorted_.clear(), damped_.assign(pieceCount(), 0.0);
+        if (order.isReady()) {
+            for (int v = 0; v < X_.size(); v += hasMoved_[v / chunkSize] ? 1 : chunkSize)
+                if (hasMoved_[v / chunkSize]) order.extend(block_[v], grid, cell_[v]);
+            if (!order.broken(grid)) return false;
+            order.group(grid, cell_);
+        }
+        order.prepare(2);
+        block_.resize(X_.size());
+        for (int b = 0; b < order.blocks(); ++b) {
+            order.inspect(b, grid, cell_);
+            for (int i = order.start[b]; i < order.start[b + 1]; ++i) block_[order.order[i]] = b;
+        }
+        return false;
     }
 
     // Domains -> vertices -> nodes.
@@ -327,8 +343,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     size_t bytes() const override {
-        size_t sum = sizeof(int) * (corner_.size() + cell_.size() + order.order.size()) +
-                     sizeof(vertex_[0]) * vertex_.size() + local_.bytes() +
+        size_t sum = sizeof(int) * (corner_.size() + cell_.size() + block_.size() + order.order.size()) +
+                     sizeof(vertex_[0]) * vertex_.size() + local_.bytes() + skew_.bytes() +
                      sizeof(Shape<Dim>) * shapes_.size();
         for (const Field* f : {&X_, &X0_, &V_, &hourglass0_}) sum += f->bytes();
         return sum;
@@ -403,16 +419,16 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         double w[NC][batch];
 
         Weights(const MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first) {
-            if constexpr (Dim == 2) {
-                const Corner X(corner, d.X_, count);
+            const double *a = d.skew_.plane(0) + first, *b = d.skew_.plane(1) + first;
+            if constexpr (Dim == 2)
 #pragma omp simd
-                for (int p = 0; p < count; ++p) set(p, quadrilateral(X, p));
-            } else
-                for (int p = 0; p < count; ++p) set(p, d.shapes_[first + p]);
-        }
-        template <class S> MPM_INLINE void set(int p, const S& shape) {
-            MPM_UNROLL
-            for (int a = 0; a < NC; ++a) w[a][p] = shape.w[a];
+                for (int p = 0; p < count; ++p) {
+                    w[0][p] = 0.25 - (a[p] + b[p]), w[1][p] = 0.25 - (a[p] - b[p]);
+                    w[2][p] = 0.25 + (a[p] + b[p]), w[3][p] = 0.25 + (a[p] - b[p]);
+                }
+            else
+                for (int p = 0; p < count; ++p)
+                    for (int a = 0; a < NC; ++a) w[a][p] = d.shapes_[first + p].w[a];
         }
     };
 
@@ -422,10 +438,15 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         Corner X;
         double w[NC][batch], g[NC][Dim][batch], volume[batch];
 
-        Shapes(const MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first), X(corner, d.X_, count) {
+        Shapes(MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first), X(corner, d.X_, count) {
+            double *a = d.skew_.plane(0) + first, *b = d.skew_.plane(1) + first;
             if constexpr (Dim == 2)
 #pragma omp simd
-                for (int p = 0; p < count; ++p) set(p, quadrilateral(X, p));
+                for (int p = 0; p < count; ++p) {
+                    const QuadrilateralShape shape = quadrilateral(X, p);
+                    set(p, shape);
+                    a[p] = shape.skew[0], b[p] = shape.skew[1];
+                }
             else
                 for (int p = 0; p < count; ++p) set(p, d.shapes_[first + p]);
         }
@@ -746,25 +767,10 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         return neighbours;
     }
 
-    void find(int begin, int end) {
+    bool find(int begin, int end) {
         double *x[Dim], *local[Dim];
         for (int k = 0; k < Dim; ++k) x[k] = X_.plane(k), local[k] = local_.plane(k);
-        Base::support(begin, end, x, 0.0, cell_.data(), local, "vertex", nullptr);
-    }
-
-    typename Base::Touched extentOf(int block) const {
-        typename Base::Touched t;
-        for (int i = order.start[block]; i < order.start[block + 1]; ++i) {
-            const Index<Dim> index = grid.indices(cell_[order.order[i]]);
-            for (int k = 0; k < Dim; ++k) t.first[k] = std::min(t.first[k], index[k]), t.last[k] = std::max(t.last[k], index[k]);
-        }
-        return t;
-    }
-
-    void locateBlocks(Team& team) {
-        team.once([&] { order.prepare(2), distorted_.clear(), damped_.assign(pieceCount(), 0.0); });
-        team.chunks(X_.size(), [&](int begin, int end) { find(begin, end); });
-        team.inShares(order.turns.shares, [&](int b) { order.note(b, extentOf(b), cell_); });
+        return Base::support(begin, end, x, 0.0, cell_.data(), local, "vertex", nullptr);
     }
 
     void regroup() {
@@ -812,15 +818,17 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     Field masterWeight_{"masterWeight", "-", "Weights of the masters of a hanging vertex.", {4}};
     std::vector<int> corner_, slaves_, masters_; // 2^Dim per domain; hanging vertices; 4 per slave, -1: none
 
-    std::vector<int> cell_; // of the vertices, once per step
+    std::vector<int> cell_;      // of the vertices, once per step
+    std::vector<int> block_;     // of `order`, that each vertex belongs to
+    std::vector<char> hasMoved_; // chunks of vertices in which one is in another cell than before
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
     std::vector<Vertex> vertex_; // during a transfer
+    Field skew_{"skew", "-", "What the corner weights of a quadrilateral differ from 1/4 by, for the step.", {2}};
     int pieceSize_ = 0;                    // domains per piece of the stage between domains and vertices
     Turns pieces_;
     std::vector<Shape<Dim>> shapes_;       // 3D only
     std::vector<Distorted> distorted_;     // found in the last takeGradient(), in order
     std::mutex mutex_;
-    bool broken_ = false;
 };
 
 class APDI : public ParticleType {

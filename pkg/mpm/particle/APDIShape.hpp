@@ -35,15 +35,16 @@ template <int Dim> Corners<Dim> shapeGradients(const Vec<Dim>& xi) {
 // The shape of a quadrilateral in closed form, in plain numbers so that loops over domains vectorise.
 struct QuadrilateralShape {
     double w[4], g[4][2], volume;
+    double skew[2]; // w = 1/4 -+ skew[0] -+ skew[1]; both zero for a parallelogram
 
     MPM_INLINE QuadrilateralShape(const std::array<double, 4>& x, const std::array<double, 4>& y) {
         const double V = 0.5 * ((x[2] - x[0]) * (y[3] - y[1]) - (x[3] - x[1]) * (y[2] - y[0]));
         const double a = (x[3] - x[0]) * (y[1] - y[2]) - (x[1] - x[2]) * (y[3] - y[0]);
         const double b = (x[2] - x[3]) * (y[0] - y[1]) - (x[0] - x[1]) * (y[2] - y[3]);
-        const double half = 0.5 / V, scale = half / 12, middle = 6 * V * scale;
-        volume = V;
-        w[0] = middle - (a + b) * scale, w[1] = middle - (a - b) * scale;
-        w[2] = middle + (a + b) * scale, w[3] = middle + (a - b) * scale;
+        const double half = 0.5 / V, scale = half / 12;
+        volume = V, skew[0] = a * scale, skew[1] = b * scale;
+        w[0] = 0.25 - (skew[0] + skew[1]), w[1] = 0.25 - (skew[0] - skew[1]);
+        w[2] = 0.25 + (skew[0] + skew[1]), w[3] = 0.25 + (skew[0] - skew[1]);
         g[0][0] = half * (y[1] - y[3]), g[0][1] = half * (x[3] - x[1]);
         g[1][0] = half * (y[2] - y[0]), g[1][1] = half * (x[0] - x[2]);
         g[2][0] = -g[0][0], g[2][1] = -g[0][1];

@@ -55,15 +55,18 @@ template <int Dim> class Domains {
     // --- making -------------------------------------------------------------------------------------
     // Creates the particles: position, volume, id; and the domains.
     virtual void build(const Geometry<Dim>& geometry) = 0;
-    virtual void restored() {} // after fields and tables were read from a checkpoint
+    virtual void restored() = 0; // after fields and tables were read from a checkpoint
     virtual std::vector<Field*> fields() { return {}; }
     virtual std::vector<std::pair<std::string, std::vector<int>*>> tables() {
         return {{"blockStart", &order.start}, {"blockOrder", &order.order}};
     }
 
     // --- the step, in this order --------------------------------------------------------------------
-    // Cell and local position of everything that transfers, bounds, re-sorting; once per step.
+    // Cell and local position of everything that transfers, and whether it is inside the grid; once per step. The threads
+    // do not wait for each other at the end.
     virtual void locate(Team& team) = 0;
+    // What the grid is touched by, then; returns true when particles have been sorted and must be located again. One thread.
+    virtual bool settle() = 0;
     // Node += phi * {momentum, mass, body force} - V sigma grad phi + forces of hourglass control.
     virtual void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) = 0;
     // Particle velocity and position from nodal velocity and acceleration (nullptr: they stay). Then

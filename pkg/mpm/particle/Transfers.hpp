@@ -183,35 +183,35 @@ template <int Dim> class Transfers : public Domains<Dim> {
                                "; enlarge the grid, hold the body with boundary conditions, or lower dt"));
     }
 
-    // Lowest nodes of the supports of points [begin, end), which start at floor(c - offset) in each direction, the
-    // positions in them, and how far they reach. Throws for the first point that is more than half a cell outside the
-    // grid or not a number.
-    using Touched = typename BlockOrder<Dim>::Touched;
-    Touched support(int begin, int end, double* const x[Dim], double offset, int* cell, double* const local[Dim],
-                    const char* what, const int64_t* number) const {
+    // Lowest nodes of the supports of points [begin, end), which start at floor(c - offset) in each direction, and the
+    // positions in them. Returns whether any of these nodes is another one than before. Throws for the first point that
+    // is more than half a cell outside the grid or not a number.
+    bool support(int begin, int end, double* const x[Dim], double offset, int* cell, double* const local[Dim],
+                 const char* what, const int64_t* number) const {
         const auto& grid = Base::grid;
-        Touched touched;
+        const double ghost = grid.ghost, lowest = ghost - 0.5;
+        double *at[Dim], *inside[Dim], origin[Dim], overCell[Dim], highest[Dim];
+        int stride[Dim];
         for (int k = 0; k < Dim; ++k) {
-            const double lowest = grid.ghost - 0.5, highest = grid.ghost + grid.cells[k] + 0.5;
-            const double origin = grid.lower[k], overCell = 1 / grid.cell[k], ghost = grid.ghost;
-            const int stride = grid.strides[k];
-            const bool isFirst = k == 0;
-            const double* at = x[k];
-            double* inside = local[k];
-            int first = 1 << 30, last = -(1 << 30), wrong = 0;
-#pragma omp simd reduction(min : first) reduction(max : last) reduction(| : wrong)
-            for (int p = begin; p < end; ++p) {
-                const double c = (at[p] - origin) * overCell + ghost, base = std::floor(c - offset);
-                inside[p] = c - base;
-                const int node = int(base);
-                wrong |= !(c >= lowest && c <= highest);
-                first = node < first ? node : first, last = node > last ? node : last;
-                cell[p] = (isFirst ? 0 : cell[p]) + stride * node;
-            }
-            if (wrong) throwOutside(begin, end, x, what, number);
-            touched.first[k] = first, touched.last[k] = last;
+            at[k] = x[k], inside[k] = local[k], stride[k] = grid.strides[k];
+            origin[k] = grid.lower[k], overCell[k] = 1 / grid.cell[k], highest[k] = ghost + grid.cells[k] + 0.5;
         }
-        return touched;
+        int wrong = 0, changed = 0;
+#pragma omp simd reduction(| : wrong, changed)
+        for (int p = begin; p < end; ++p) {
+            int node = 0;
+            MPM_UNROLL
+            for (int k = 0; k < Dim; ++k) {
+                const double c = (at[k][p] - origin[k]) * overCell[k] + ghost, base = std::floor(c - offset);
+                inside[k][p] = c - base;
+                node += stride[k] * int(base);
+                wrong |= !(c >= lowest && c <= highest[k]);
+            }
+            changed |= cell[p] != node;
+            cell[p] = node;
+        }
+        if (wrong) throwOutside(begin, end, x, what, number);
+        return changed;
     }
 
   private:

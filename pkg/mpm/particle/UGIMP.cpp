@@ -67,17 +67,22 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         return all;
     }
 
+    void restored() override { order.prepare(3); }
+
     // --- the step -----------------------------------------------------------------------------------
     void locate(Team& team) override {
-        locateBlocks(team);
-        team.once([&] {
-            damped_.assign(order.blocks(), 0.0);
-            sorted_ = order.broken(grid) || order.runs() > 2 * runsWhenSorted_[0] + 64;
-            if (sorted_) regroup();
+        team.inSharesNoWait(order.turns.shares, [&](int b) {
+            if (find(order.start[b], order.start[b + 1]) || !order.isKnown(b)) order.inspect(b, grid, particles.cell);
         });
-        if (!sorted_) return;
-        locateBlocks(team);
-        team.once([&] { runsWhenSorted_[0] = order.runs(); });
+    }
+
+    // Sorts when a particle has left the neighbourhood of its block, or when too few neighbours in memory share a cell.
+    bool settle() override {
+        if (isSorted_) runsWhenSorted_[0] = order.runs();
+        isSorted_ = !isSorted_ && (order.broken(grid) || order.runs() > 2 * runsWhenSorted_[0] + 64);
+        if (isSorted_) regroup();
+        damped_.assign(order.blocks(), 0.0);
+        return isSorted_;
     }
 
     void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
@@ -309,17 +314,10 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         return sum;
     }
 
-    typename Base::Touched find(int begin, int end) {
+    bool find(int begin, int end) {
         double *x[Dim], *local[Dim];
         for (int k = 0; k < Dim; ++k) x[k] = particles.position.plane(k), local[k] = particles.local.plane(k);
         return Base::support(begin, end, x, 0.5, particles.cell.data(), local, "particle", particles.id.integers());
-    }
-
-    void locateBlocks(Team& team) {
-        team.once([&] { order.prepare(3); });
-        team.inShares(order.turns.shares, [&](int b) {
-            order.note(b, find(order.start[b], order.start[b + 1]), particles.cell);
-        });
     }
 
     // Sorts the particles by block and cell.
@@ -328,10 +326,11 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         order.group(grid, particles.cell);
         particles.permute(order.order);
         order.order.clear();
+        order.prepare(3);
     }
 
     Field half_{"halfSize", "m", "Half edge of the box domains, one entry per axis."};
-    bool sorted_ = false;
+    bool isSorted_ = false; // in this round of locate() and settle()
     std::vector<int> runsWhenSorted_{0};
 };
 

@@ -37,6 +37,7 @@ template <int Dim> class Scene {
     int threads = 1;
     double damping = 0; // local non-viscous damping, see GridSolver and GridToParticle
     Energies energies;
+    bool sorted = false; // whether particles were sorted, while they are located
 
     // Which constraint holds each component of a node, -1: none. Fixed sets of nodes are entered by
     // prepare(), driven ones anew in every step by ParticleToGrid (see engine/Driving.hpp).

@@ -23,6 +23,7 @@ template <int Dim> class BlockOrder {
 
     // Groups points by block, by cell within a block, and by number within a cell.
     void group(const Grid<Dim>& grid, const std::vector<int>& cell) {
+        isReady_ = false;
         order.resize(cell.size());
         std::iota(order.begin(), order.end(), 0);
         std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return cell[a] < cell[b]; });
@@ -31,27 +32,47 @@ template <int Dim> class BlockOrder {
         for (size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
     }
 
-    // Makes room for what inspect() finds. `support`: nodes per direction.
+    // Before the first look at a new grouping. `support`: nodes per direction. One thread.
+    bool isReady() const { return isReady_; }
     void prepare(int support) {
-        if (turns.count() != blocks()) turns.line(blocks());
+        turns.line(blocks());
         turns.shares.set(blocks(), [&](int b) { return start[b + 1] - start[b]; });
         touched_.assign(blocks(), {});
         runs_.assign(blocks(), 0);
-        support_ = support;
+        support_ = support, isReady_ = true;
     }
 
-    // Lowest and highest support corner of some points, in nodes; none: first > last.
-    struct Touched {
-        Index<Dim> first, last;
-        Touched() { first.fill(1 << 30), last.fill(-(1 << 30)); }
-    };
-
-    // Notes what part of the grid the points of block b touch, and counts their stretches of equal cells.
-    void note(int b, const Touched& touched, const std::vector<int>& cell) {
-        int runs = start[b] < start[b + 1];
-        for (int i = start[b] + 1; i < start[b + 1]; ++i) runs += cell[at(i)] != cell[at(i - 1)];
-        touched_[b] = touched, runs_[b] = runs;
+    // Notes what part of the grid the points of block b touch, and how many stretches of equal cells they make. Needed
+    // only when a cell has changed since.
+    void inspect(int b, const Grid<Dim>& grid, const std::vector<int>& cell) {
+        Touched t;
+        int runs = 0, last = -1;
+        for (int i = start[b]; i < start[b + 1]; ++i) {
+            const int here = cell[at(i)];
+            if (here == last) continue;
+            ++runs, last = here;
+            const Index<Dim> index = grid.indices(here);
+            for (int k = 0; k < Dim; ++k) {
+                t.first[k] = std::min(t.first[k], index[k]);
+                t.last[k] = std::max(t.last[k], index[k]);
+            }
+        }
+        t.isKnown = true;
+        touched_[b] = t, runs_[b] = runs;
     }
+    bool isKnown(int b) const { return touched_[b].isKnown; }
+
+    // The same for one point of block b that is in another cell now; what its old cell needed is kept.
+    void extend(int b, const Grid<Dim>& grid, int cell) {
+        const Index<Dim> index = grid.indices(cell);
+        for (int k = 0; k < Dim; ++k) {
+            touched_[b].first[k] = std::min(touched_[b].first[k], index[k]);
+            touched_[b].last[k] = std::max(touched_[b].last[k], index[k]);
+        }
+    }
+
+    // After `start` and `order` were set from outside.
+    void forget() { isReady_ = false; }
 
     // A point left the neighbourhood of its block.
     bool broken(const Grid<Dim>& grid) const {
@@ -78,6 +99,12 @@ template <int Dim> class BlockOrder {
     }
 
   private:
+    struct Touched { // lowest and highest support corner of the block's points; none: first > last
+        Index<Dim> first, last;
+        bool isKnown = false;
+        Touched() { first.fill(1 << 30), last.fill(-(1 << 30)); }
+    };
+    bool isReady_ = false; // whether turns and the following are those of this grouping
     std::vector<Touched> touched_;
     std::vector<int> runs_;
     int support_ = 0;

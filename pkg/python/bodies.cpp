@@ -53,7 +53,7 @@ template <int Dim> struct Bind {
         return all;
     }
     static ArrayView view(B& body, const std::string& name, bool domain) {
-        if (name == "bodyForce") body.particles.hasBodyForce = true;
+        if (name == "bodyForce") body.particles.needBodyForce();
         return ArrayView(fieldOf(body, name, domain));
     }
     static bool hasBodyForce(B& body) { return body.particles.hasBodyForce; }

@@ -199,14 +199,15 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         auto &target = to.particles, &source = from.particles;
         const int first = target.size();
         target.resize(first + int(pieces.size()));
-        target.hasBodyForce |= source.hasBodyForce;
+        if (source.hasBodyForce) target.needBodyForce();
+        if (target.hasBodyForce) source.needBodyForce();
         const auto targets = target.fields(), sources = source.fields();
         int64_t next = 0;
         for (int p = 0; p < first; ++p) next = std::max(next, target.id.integers()[p] + 1);
         for (size_t i = 0; i < pieces.size(); ++i) {
             const int p = first + int(i), parent = pieces[i].parent;
             for (size_t f = 0; f < targets.size(); ++f)
-                for (int c = 0; c < targets[f]->components(); ++c)
+                for (int c = 0; targets[f]->size() > 0 && c < targets[f]->components(); ++c)
                     targets[f]->plane(c)[p] = sources[f]->plane(c)[parent];
             target.id.integers()[p] = next++;
             for (Field* extensive : {&target.mass, &target.volume, &target.initialVolume})

@@ -1,38 +1,39 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Hencky elasticity: linear between logarithmic strain and Kirchhoff stress, exact under rotation.
 #include "mpm/material/Material.hpp"
+#include "mpm/material/logarithm.hpp"
 #include "mpm/material/tensors.hpp"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
 #include <algorithm>
 
 namespace mpm {
 namespace {
 
-// ln(I + e) of a symmetric e. Elastic strains are small: with z = e (2 I + e)^-1, ln(I + e) = 2 atanh(z),
-// whose series of eight terms is exact to round-off for |z| <= 0.1 (strains up to 0.1). Horner's rule runs on
-// three scalars, because y = z^2 obeys y^3 = I1 y^2 - I2 y + I3. Beyond, the spectral form with the iterative
-// solver; Eigen's direct one loses half the digits where eigenvalues are close.
-Mat<3> logOfIdentityPlus(const Mat<3>& e) {
-    const Mat<3> z = e * (2 * Mat<3>::Identity() + e).inverse(), y = z * z;
-    const double I1 = y.trace();
-    if (I1 <= 0.01) {
-        const Mat<3> yy = y * y;
-        const double I2 = 0.5 * (I1 * I1 - yy.trace()), I3 = y.determinant();
-        double a = 1.0 / 15, b = 0, c = 0; // a I + b y + c y^2
-        for (int n = 13; n >= 1; n -= 2) {
-            const double oldA = a, oldB = b;
-            a = c * I3 + 1.0 / n;
-            b = oldA - c * I2;
-            c = oldB + c * I1;
-        }
-        return 2 * a * z + 2 * z * (b * y + c * yy);
-    }
-    const Eigen::SelfAdjointEigenSolver<Mat<3>> spectrum(e);
+// ln(I + e) of any symmetric e, with the iterative solver; Eigen's direct one loses half the digits where
+// eigenvalues are close.
+Symmetric spectralLogOfIdentityPlus(const Symmetric& e) {
+    Mat<3> m;
+    m << e.xx, e.xy, e.xz, e.xy, e.yy, e.yz, e.xz, e.yz, e.zz;
+    const Eigen::SelfAdjointEigenSolver<Mat<3>> spectrum(m);
     const Vec<3> logarithm = spectrum.eigenvalues().unaryExpr([](double x) { return logOnePlus(x); });
-    return spectrum.eigenvectors() * logarithm.asDiagonal() * spectrum.eigenvectors().transpose();
+    m = spectrum.eigenvectors() * logarithm.asDiagonal() * spectrum.eigenvectors().transpose();
+    return {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)};
+}
+
+// Cauchy stress from ln(b), which is twice the strain.
+MPM_INLINE Symmetric cauchy(double lambda, double mu, const Symmetric& logarithm, double J) {
+    const double overJ = 1 / J;
+    return plusSpherical(mu * overJ * logarithm, 0.5 * lambda * overJ * trace(logarithm));
+}
+
+// Largest sum of |e| along a row, which no principal value exceeds. It takes additions only, so that two
+// loops that ask for it, one of them vectorised, agree to the last bit.
+MPM_INLINE double largestRow(const Symmetric& e) {
+    const double xy = std::abs(e.xy), xz = std::abs(e.xz), yz = std::abs(e.yz);
+    const double x = std::abs(e.xx) + (xy + xz), y = std::abs(e.yy) + (xy + yz);
+    return std::max(std::max(x, y), std::abs(e.zz) + (xz + yz));
 }
 
 // exp(a) - I of a symmetric a.
@@ -92,69 +93,100 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
 
     template <int Dim>
     void stress(const MaterialPoints<Dim>& points) const {
-        if constexpr (Dim == 2)
-            planeStrain(points);
-        else
-            solid(points);
+        stretch(points);
+        stressOfStretch(points);
     }
 
 private:
     static constexpr int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
 
-    // In the plane ln(b) = 1/2 ln(det b) I + Q dev(b), where Q = (ln l1 - ln l2)/(l1 - l2) of the principal
-    // values l1 >= l2. With l1 = (1 + t) l2, Q = ln(1 + t)/(t l2), which is well conditioned down to t = 0.
-    void planeStrain(const MaterialPoints<2>& points) const {
-        const double lambda = elasticity_.lambda(), mu = elasticity_.mu(), dt = points.dt;
+    // e <- g + g^T + g g^T + f e f^T with g = dt L, written as e plus its change.
+    static void stretch(const MaterialPoints<2>& points) {
+        const double dt = points.dt;
         auto L = points.velocityGradient;
-        const double *L11 = L[0], *L12 = L[1], *L21 = L[2], *L22 = L[3], *J = points.volumeRatio;
-        double *exx = points.state[0], *eyy = points.state[1], *ezz = points.state[2], *exy = points.state[3];
+        const double *L11 = L[0], *L12 = L[1], *L21 = L[2], *L22 = L[3];
+        double *exx = points.state[0], *eyy = points.state[1], *exy = points.state[3];
+        const int count = points.count;
+#pragma omp simd
+        for (int p = 0; p < count; ++p) {
+            const double g11 = dt * L11[p], g12 = dt * L12[p], g21 = dt * L21[p], g22 = dt * L22[p];
+            const double a = exx[p], b = exy[p], c = eyy[p];
+            const double u11 = g11 * a + g12 * b, u12 = g11 * b + g12 * c; // g e
+            const double u21 = g21 * a + g22 * b, u22 = g21 * b + g22 * c;
+            exx[p] = a + (2 * (g11 + u11) + g11 * (g11 + u11) + g12 * (g12 + u12));
+            eyy[p] = c + (2 * (g22 + u22) + g21 * (g21 + u21) + g22 * (g22 + u22));
+            exy[p] = b + (g12 + u12 + g21 + u21 + g11 * (g21 + u21) + g12 * (g22 + u22));
+        }
+    }
+
+    static void stretch(const MaterialPoints<3>& points) {
+        const double dt = points.dt;
+        const auto L = planes<9>(points.velocityGradient);
+        const auto state = planes<6>(points.state);
+        const int count = points.count;
+#pragma omp simd
+        for (int p = 0; p < count; ++p) {
+            const Tensor g = dt * gather(L, p);
+            const Symmetric e = stretchAt(state, p);
+            const Tensor u = g + g * e;
+            const Symmetric after = e + (plusTransposed(u) + timesTransposed(u, g));
+            state[0][p] = after.xx, state[1][p] = after.yy, state[2][p] = after.zz;
+            state[3][p] = after.xy, state[4][p] = after.xz, state[5][p] = after.yz;
+        }
+    }
+
+    template <class Planes>
+    MPM_INLINE static Symmetric stretchAt(const Planes& e, int p) {
+        return {e[0][p], e[1][p], e[2][p], e[3][p], e[4][p], e[5][p]};
+    }
+
+    // In the plane ln(b) = 1/2 ln(det b) I + Q dev(b), where Q = ln(l1/l2)/(l1 - l2) of the principal values
+    // l1 >= l2, which are 1 + mean +- r. With l1 = (1 + t) l2, Q = ln(1 + t)/(2 r), which is well conditioned
+    // down to t = 0.
+    void stressOfStretch(const MaterialPoints<2>& points) const {
+        const double lambda = elasticity_.lambda(), mu = elasticity_.mu();
+        const double *exx = points.state[0], *eyy = points.state[1], *ezz = points.state[2],
+                     *exy = points.state[3];
+        const double* J = points.volumeRatio;
         double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
                *zz = points.stress[8];
         const int count = points.count;
 #pragma omp simd
         for (int p = 0; p < count; ++p) {
-            const double g11 = dt * L11[p], g12 = dt * L12[p], g21 = dt * L21[p], g22 = dt * L22[p];
-            // e <- g + g^T + g g^T + f e f^T, written as e plus its change
-            const double a = exx[p], b = exy[p], c = eyy[p];
-            const double u11 = g11 * a + g12 * b, u12 = g11 * b + g12 * c; // g e
-            const double u21 = g21 * a + g22 * b, u22 = g21 * b + g22 * c;
-            const double e11 = a + (2 * (g11 + u11) + g11 * (g11 + u11) + g12 * (g12 + u12));
-            const double e22 = c + (2 * (g22 + u22) + g21 * (g21 + u21) + g22 * (g22 + u22));
-            const double e12 = b + (g12 + u12 + g21 + u21 + g11 * (g21 + u21) + g12 * (g22 + u22));
-            exx[p] = e11, eyy[p] = e22, exy[p] = e12;
-
-            const double mean = 0.5 * (e11 + e22), half = 0.5 * (e11 - e22), r2 = half * half + e12 * e12;
-            const double r = std::sqrt(r2), growth = 2 * mean + (mean * mean - r2); // det b - 1
-            const double l2 = (1 + growth) / (1 + mean + r), t = 2 * r / l2;
-            const double ratio = t > 1e-300 ? logOnePlus(t) / t : 1;
+            const double mean = 0.5 * (exx[p] + eyy[p]), half = 0.5 * (exx[p] - eyy[p]), shear = exy[p];
+            const double r2 = half * half + shear * shear, r = std::sqrt(r2 + 1e-300); // not 0
+            const double growth = 2 * mean + (mean * mean - r2);                       // det b - 1
+            const double t = 2 * r * (1 + mean + r) / (1 + growth), Q = logOnePlus(t) / (2 * r);
             const double logDet = logOnePlus(growth), logZ = logOnePlus(ezz[p]);
 
-            const double overJ = 1 / J[p], spread = mu * ratio / l2; // 2 mu * 1/2 Q
+            const double overJ = 1 / J[p], spread = mu * Q; // 2 mu * 1/2 Q
             const double volumetric = 0.5 * lambda * (logDet + logZ);
             const double inPlane = volumetric + 0.5 * mu * logDet;
             xx[p] = overJ * (inPlane + spread * half);
             yy[p] = overJ * (inPlane - spread * half);
             zz[p] = overJ * (volumetric + mu * logZ);
-            xy[p] = yx[p] = overJ * spread * e12;
+            xy[p] = yx[p] = overJ * spread * shear;
         }
     }
 
-    void solid(const MaterialPoints<3>& points) const {
+    // By the series for all, and once more for the rare large strains.
+    void stressOfStretch(const MaterialPoints<3>& points) const {
         const double lambda = elasticity_.lambda(), mu = elasticity_.mu();
-        for (int p = 0; p < points.count; ++p) {
-            const Mat<3> g = points.dt * gather<3>(points.velocityGradient, p);
-            Mat<3> e;
-            for (int k = 0; k < 6; ++k)
-                e(row[k], column[k]) = e(column[k], row[k]) = points.state[k][p];
-            const Mat<3> u = g + g * e; // e <- g + g^T + g g^T + f e f^T
-            e += (u + u.transpose() + u * g.transpose()).eval();
-            for (int k = 0; k < 6; ++k)
-                points.state[k][p] = e(row[k], column[k]);
-
-            const Mat<3> logarithm = logOfIdentityPlus(e); // 2 eps
-            Mat<3> tau = mu * logarithm;
-            tau.diagonal().array() += 0.5 * lambda * logarithm.trace();
-            scatterSymmetric(tau / points.volumeRatio[p], points.stress, p);
+        const auto state = planes<6>(points.state);
+        const auto stress = planes<9>(points.stress);
+        const double* J = points.volumeRatio;
+        const int count = points.count;
+        double largest = 0;
+#pragma omp simd reduction(max : largest)
+        for (int p = 0; p < count; ++p) {
+            const Symmetric e = stretchAt(state, p);
+            largest = std::max(largest, largestRow(e));
+            scatter(cauchy(lambda, mu, logOfIdentityPlus(e), J[p]), stress, p);
+        }
+        for (int p = 0; p < count && largest > logarithmLimit; ++p) {
+            const Symmetric e = stretchAt(state, p);
+            if (largestRow(e) > logarithmLimit)
+                scatter(cauchy(lambda, mu, spectralLogOfIdentityPlus(e), J[p]), stress, p);
         }
     }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Elastic-perfectly plastic c-phi soil: Mohr-Coulomb yield surface, Drucker-Prager plastic potential.
 #include "mpm/material/Material.hpp"
+#include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/tensors.hpp"
 
-#include <Eigen/LU>
+#include <limits>
 
 namespace mpm {
 namespace {
@@ -19,7 +20,6 @@ double orInfinity(double limit) {
 struct Constants {
     double lambda, mu, bulk;
     double sinPhi, cCosPhi; // f = q A(theta) + p sin(phi) - c cos(phi)
-    double largestA;        // of all theta
     double apex;            // mean stress c cot(phi)
     double beta;            // g = q + 3 beta p
     double dilatancyLimit, tensionCutOff;
@@ -34,9 +34,9 @@ struct Returned {
 // Along the plastic potential back to the cone. q = sqrt(J2) and qA = q A(theta) of the trial stress; scaling
 // s keeps theta, hence the yield function falls linearly and one step is exact. Free of branches and of a
 // division by q: q = 0 gives -inf or NaN (elastic, dlam = 0) or +inf, which is the apex.
-inline Returned returnMap(const Constants& k, double p, double q, double qA, double plasticVolumetric) {
+MPM_INLINE Returned returnMap(const Constants& k, double p, double q, double qA, double plasticVolumetric) {
     const double beta = plasticVolumetric > k.dilatancyLimit ? 0 : k.beta;
-    const double f = qA + p * k.sinPhi - k.cCosPhi, volumetric = 3 * k.bulk * beta * q;
+    const double f = qA + (p * k.sinPhi - k.cCosPhi), volumetric = 3 * k.bulk * beta * q;
     const double ratio = f / (k.mu * qA + volumetric * k.sinPhi);
     const double dlamOverQ = ratio > 0 ? ratio : 0;
     const double scale = 1 - k.mu * dlamOverQ;
@@ -44,18 +44,77 @@ inline Returned returnMap(const Constants& k, double p, double q, double qA, dou
     return {scale < 0 ? 0 : scale, pBack > k.tensionCutOff ? k.tensionCutOff : pBack};
 }
 
-// q A(theta) in 3D. cos(3 theta) comes from the part of s^2 orthogonal to I and s, whose norm is the root of
-// the discriminant: from sin(3 theta) alone, half the digits would be lost near triaxial states.
-double lodeStrength(const Mat<3>& s, double J2, double sinPhi) {
-    const double q = std::sqrt(J2);
-    if (J2 < 1e-200)
-        return 0;
-    const Mat<3> n = s / q, nn = n * n;
-    const double J3 = n.cwiseProduct(nn).sum() / 3;
-    const double sin3 = -1.5 * std::sqrt(3.0) * J3;
-    const double cos3 = std::sqrt(1.5) * (nn - 2.0 / 3.0 * Mat<3>::Identity() - 1.5 * J3 * n).norm();
-    const double theta = std::atan2(sin3, cos3) / 3;
-    return q * (std::cos(theta) - std::sin(theta) * sinPhi / std::sqrt(3.0));
+// Trial stress in, stress out.
+void returnToYield(const Constants& constants, const MaterialPoints<2>& points) {
+    const Constants k = constants;
+    const double third = 1.0 / 3, major = (1 + k.sinPhi) / 2, minor = (1 - k.sinPhi) / 2;
+    double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
+           *zz = points.stress[8];
+    double *plasticShear = points.state[0], *plasticVolumetric = points.state[1];
+    const int count = points.count;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+        // Principal deviators a + r, a - r and -2a: no Lode angle needed.
+        const double mean = 0.5 * (xx[i] + yy[i]), half = 0.5 * (xx[i] - yy[i]), shear = xy[i];
+        const double a = third * (mean - zz[i]), p = mean - a;
+        const double r2 = half * half + shear * shear, r = std::sqrt(r2), q = std::sqrt(r2 + 3 * a * a);
+        const double s1 = a + r > -2 * a ? a + r : -2 * a, s3 = a - r < -2 * a ? a - r : -2 * a;
+        const double qA = major * s1 - minor * s3; // (s1 - s3)/2 + (s1 + s3)/2 sin(phi)
+
+        const Returned back = returnMap(k, p, q, qA, plasticVolumetric[i]);
+        xx[i] = back.p + back.scale * (a + half);
+        yy[i] = back.p + back.scale * (a - half);
+        zz[i] = back.p - back.scale * 2 * a;
+        xy[i] = yx[i] = back.scale * shear;
+        plasticShear[i] += (1 - back.scale) * q * k.shearCompliance;
+        plasticVolumetric[i] += (p - back.p) * k.bulkCompliance;
+    }
+}
+
+// q A(theta) = q (cos(theta) - sin(theta) sin(phi)/sqrt(3)) of a deviator s with q^2 = J2. cos(3 theta) comes
+// from the part of s^2 orthogonal to I and s, adj(s) + J2/3 I - 3 J3/(2 J2) s, whose norm is the root of the
+// discriminant: from sin(3 theta) alone, half the digits would be lost near triaxial states.
+//
+// c = cos(theta) is the root of 4 c^3 - 3 c = cos(3 theta) in [sqrt(3)/2, 1], where the slope of the cubic
+// lies in [6, 9]. From the parabola through the roots at cos(3 theta) = 0, 1/2 and 1, a step of Halley gets
+// within 3e-10, and a step d of Newton to round-off. Then sin(theta) = sin(3 theta)/(4 c^2 - 1), three over
+// the slope.
+MPM_INLINE double lodeStrength(const Symmetric& s, double J2, double q, double sinPhi) {
+    const double third = 1.0 / 3, root3 = std::sqrt(3.0);
+    const double J4 = J2 * J2, overJ4 = 1 / (J4 + 1e-150); // q < 1e-37: none
+    const Symmetric adj = adjugate(s);
+    const double J3 = determinant(s, adj);
+    const Symmetric orthogonal = plusSpherical(J2 * adj, third * J4) + (-1.5 * J3) * s;
+    const double cos3 = std::sqrt(3 * halfSquare(orthogonal)) * overJ4;
+    const double sin3 = -1.5 * root3 * (overJ4 * (q * J3));
+
+    const double cos30 = 0.5 * root3, cos20 = 0.93969262078590838, bend = 2 - 4 * cos20 + 2 * cos30;
+    const double guess = cos30 + cos3 * (1 - cos30 - bend + bend * cos3);
+    const double error = (4 * guess * guess - 3) * guess - cos3, steep = 12 * guess * guess - 3;
+    const double c = guess - error * steep / (steep * steep - 12 * guess * error);
+    const double overSlope = 1 / (12 * c * c - 3), d = ((4 * c * c - 3) * c - cos3) * overSlope;
+    const double sine = 3 * sin3 * overSlope * (1 + 24 * c * d * overSlope);
+    return q * (c - d - sine * (sinPhi / root3));
+}
+
+void returnToYield(const Constants& constants, const MaterialPoints<3>& points) {
+    const Constants k = constants;
+    const double third = 1.0 / 3;
+    const auto stress = planes<9>(points.stress);
+    double *plasticShear = points.state[0], *plasticVolumetric = points.state[1];
+    const int count = points.count;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+        const Symmetric trial = gatherUpper(stress, i);
+        const double p = third * trace(trial);
+        const Symmetric s = plusSpherical(trial, -p);
+        const double J2 = halfSquare(s), q = std::sqrt(J2);
+
+        const Returned back = returnMap(k, p, q, lodeStrength(s, J2, q, k.sinPhi), plasticVolumetric[i]);
+        scatter(plusSpherical(back.scale * s, back.p), stress, i);
+        plasticShear[i] += (1 - back.scale) * q * k.shearCompliance;
+        plasticVolumetric[i] += (p - back.p) * k.bulkCompliance;
+    }
 }
 
 class MohrCoulombDruckerPrager : public MaterialOf<MohrCoulombDruckerPrager> {
@@ -118,16 +177,12 @@ Source: the definition is this project's; Drucker & Prager 1952, Q. Appl. Math. 
 
     template <int Dim>
     void stress(const MaterialPoints<Dim>& points) const {
-        if constexpr (Dim == 2)
-            planeStrain(points);
-        else
-            solid(points);
+        trialStress(constants_.lambda, constants_.mu, points);
+        returnToYield(constants_, points);
     }
 
 private:
     double beta() const;
-    void planeStrain(const MaterialPoints<2>& points) const;
-    void solid(const MaterialPoints<3>& points) const;
 
     Elasticity elasticity_;
     double cohesion_ = notGiven, frictionAngle_ = notGiven, dilatancyAngle_ = 0;
@@ -163,7 +218,6 @@ void MohrCoulombDruckerPrager::finish() {
     Constants k;
     k.lambda = elasticity_.lambda(), k.mu = elasticity_.mu(), k.bulk = elasticity_.bulk();
     k.sinPhi = std::sin(frictionAngle_), k.cCosPhi = cohesion_ * std::cos(frictionAngle_);
-    k.largestA = std::sqrt(1 + k.sinPhi * k.sinPhi / 3);
     k.apex = frictionAngle_ > 0 ? cohesion_ / std::tan(frictionAngle_) : infinity;
     k.beta = beta();
     k.dilatancyLimit = orInfinity(dilatancyLimit_), k.tensionCutOff = orInfinity(tensionCutOff_);
@@ -171,80 +225,6 @@ void MohrCoulombDruckerPrager::finish() {
     require(std::isnan(tensionCutOff_) || tensionCutOff_ <= k.apex, who, ": tensionCutOff = ", tensionCutOff_,
             " kPa lies beyond the apex of the cone, c cot(phi) = ", k.apex, " kPa; lower it or leave it out");
     constants_ = k;
-}
-
-// The plane-strain tensors in closed form. With g = dt L and D2 = det(I + g/2), Cayley-Hamilton gives
-// g (I + g/2)^-1 = (g + det(g)/2 I)/D2, and R rotates by the angle whose half has the tangent spin/D2.
-void MohrCoulombDruckerPrager::planeStrain(const MaterialPoints<2>& points) const {
-    const Constants k = constants_;
-    const double dt = points.dt, third = 1.0 / 3, major = (1 + k.sinPhi) / 2, minor = (1 - k.sinPhi) / 2;
-    auto L = points.velocityGradient;
-    const double *L11 = L[0], *L12 = L[1], *L21 = L[2], *L22 = L[3];
-    double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
-           *zz = points.stress[8];
-    double *plasticShear = points.state[0], *plasticVolumetric = points.state[1];
-    const int count = points.count;
-#pragma omp simd
-    for (int i = 0; i < count; ++i) {
-        const double g11 = dt * L11[i], g12 = dt * L12[i], g21 = dt * L21[i], g22 = dt * L22[i];
-        const double detG = g11 * g22 - g12 * g21, D2 = 1 + 0.5 * (g11 + g22) + 0.25 * detG;
-        const double spin = 0.25 * (g12 - g21), D4 = D2 * D2, norm = D4 + spin * spin;
-        const double overD2 = 1 / D2, overNorm = 1 / norm;
-        const double cosR = (D4 - spin * spin) * overNorm, sinR = 2 * spin * D2 * overNorm;
-        // Of the double angle; this form keeps cos2^2 + sin2^2 = 1 best, hence the norm of the stress.
-        const double cos2 = 1 - 2 * sinR * sinR, sin2 = 2 * sinR * cosR;
-
-        // Trial stress as mean and half difference in the plane, shear, and out of plane.
-        const double half0 = 0.5 * (xx[i] - yy[i]), shear0 = xy[i];
-        const double volumetric = (g11 + g22 + detG) * overD2;
-        const double dHalf = k.mu * (g11 - g22) * overD2, dShear = k.mu * (g12 + g21) * overD2;
-        const double mean = 0.5 * (xx[i] + yy[i]) + (k.lambda + k.mu) * volumetric;
-        const double half = half0 * cos2 + shear0 * sin2 + dHalf * cosR + dShear * sinR;
-        const double shear = shear0 * cos2 - half0 * sin2 + dShear * cosR - dHalf * sinR;
-        const double out = zz[i] + k.lambda * volumetric;
-
-        // Principal deviators a + r, a - r and -2a: no Lode angle needed.
-        const double a = third * (mean - out), p = mean - a;
-        const double r2 = half * half + shear * shear, r = std::sqrt(r2), q = std::sqrt(r2 + 3 * a * a);
-        const double s1 = a + r > -2 * a ? a + r : -2 * a, s3 = a - r < -2 * a ? a - r : -2 * a;
-        const double qA = major * s1 - minor * s3; // (s1 - s3)/2 + (s1 + s3)/2 sin(phi)
-
-        const Returned back = returnMap(k, p, q, qA, plasticVolumetric[i]);
-        xx[i] = back.p + back.scale * (a + half);
-        yy[i] = back.p + back.scale * (a - half);
-        zz[i] = back.p - back.scale * 2 * a;
-        xy[i] = yx[i] = back.scale * shear;
-        plasticShear[i] += (1 - back.scale) * q * k.shearCompliance;
-        plasticVolumetric[i] += (p - back.p) * k.bulkCompliance;
-    }
-}
-
-void MohrCoulombDruckerPrager::solid(const MaterialPoints<3>& points) const {
-    const Constants k = constants_;
-    const Mat<3> I = Mat<3>::Identity();
-    for (int i = 0; i < points.count; ++i) {
-        const Mat<3> g = points.dt * gather<3>(points.velocityGradient, i);
-        const Mat<3> G = g * (I + 0.5 * g).inverse();
-        const Mat<3> D = 0.5 * (G + G.transpose()), W = 0.5 * (G - G.transpose());
-        // Half rotation: W/2 holds the tangent of half the angle of R, w/2 that of a quarter.
-        const Mat<3> w = W / (1 + std::sqrt(1 + 0.125 * W.squaredNorm()));
-        const Mat<3> r = I + (w + 0.5 * w * w) / (1 + 0.125 * w.squaredNorm());
-
-        Mat<3> trial = r * gatherSymmetric(points.stress, i) * r.transpose() + 2 * k.mu * D;
-        trial = (r * trial * r.transpose()).eval();
-        trial.diagonal().array() += k.lambda * D.trace();
-        const double p = trial.trace() / 3;
-        const Mat<3> s = trial - p * I;
-        const double J2 = 0.5 * s.squaredNorm(), q = std::sqrt(J2);
-
-        double qA = q * k.largestA; // enough to tell that a stress is elastic
-        if (qA + p * k.sinPhi > k.cCosPhi)
-            qA = lodeStrength(s, J2, k.sinPhi);
-        const Returned back = returnMap(k, p, q, qA, points.state[1][i]);
-        scatterSymmetric(back.scale * s + back.p * I, points.stress, i);
-        points.state[0][i] += (1 - back.scale) * q * k.shearCompliance;
-        points.state[1][i] += (p - back.p) * k.bulkCompliance;
-    }
 }
 
 MPM_REGISTER(Material, MohrCoulombDruckerPrager);

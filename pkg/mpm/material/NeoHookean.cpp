@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Compressible neo-Hookean elasticity; the stress is a function of F alone.
 #include "mpm/material/Material.hpp"
+#include "mpm/material/logarithm.hpp"
 #include "mpm/material/tensors.hpp"
-
-#include <Eigen/LU>
 
 #include <algorithm>
 
@@ -74,14 +73,17 @@ private:
 
     void solid(const MaterialPoints<3>& points) const {
         const double lambda = elasticity_.lambda(), mu = elasticity_.mu();
-        for (int p = 0; p < points.count; ++p) {
-            const Mat<3> H = gather<3>(points.deformationGradient, p) - Mat<3>::Identity();
-            const double minors = H(0, 0) * H(1, 1) - H(0, 1) * H(1, 0) + H(1, 1) * H(2, 2) -
-                                  H(1, 2) * H(2, 1) + H(2, 2) * H(0, 0) - H(2, 0) * H(0, 2);
-            const double growth = H.trace() + minors + H.determinant(); // J - 1
-            Mat<3> tau = mu * (H + H.transpose() + H * H.transpose());
-            tau.diagonal().array() += lambda * logOnePlus(growth);
-            scatterSymmetric(tau / (1 + growth), points.stress, p);
+        const auto F = planes<9>(points.deformationGradient);
+        const auto stress = planes<9>(points.stress);
+        const int count = points.count;
+#pragma omp simd
+        for (int p = 0; p < count; ++p) {
+            const Tensor H = plusSpherical(gather(F, p), -1);
+            const Tensor adj = adjugate(H);
+            const double growth = trace(H) + (trace(adj) + determinant(H, adj)); // J - 1
+            const double volumetric = lambda * logOnePlus(growth), overJ = 1 / (1 + growth);
+            const Symmetric strain = plusTransposed(H) + timesTransposed(H, H);
+            scatter(plusSpherical(overJ * mu * strain, overJ * volumetric), stress, p);
         }
     }
 

@@ -336,7 +336,6 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         for (Field* field : {&X_, &X0_, &V_}) select(*field, vertexKept);
         select(hourglass0_, kept);
         for (Field* field : particles.fields()) select(*field, kept);
-        particles.local.resize(int(kept.size())), particles.cell.resize(kept.size());
         restored();
         regroup();
         distorted_.clear();
@@ -779,6 +778,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     static void select(Field& field, const std::vector<int>& kept) {
+        if (field.size() == 0) return;
         Field old = field;
         field.resize(int(kept.size()));
         for (int c = 0; c < field.components(); ++c)

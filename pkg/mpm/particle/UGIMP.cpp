@@ -67,12 +67,15 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         return all;
     }
 
-    void restored() override { order.prepare(3); }
+    void restored() override {
+        cell_.assign(particles.size(), -1), local_.resize(particles.size());
+        order.prepare(3);
+    }
 
     // --- the step -----------------------------------------------------------------------------------
     void locate(Team& team) override {
         team.inSharesNoWait(order.turns.shares, [&](int b) {
-            if (find(order.start[b], order.start[b + 1]) || !order.isKnown(b)) order.inspect(b, grid, particles.cell);
+            if (find(order.start[b], order.start[b + 1]) || !order.isKnown(b)) order.inspect(b, grid, cell_);
         });
     }
 
@@ -109,7 +112,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum, const Move& how) override {
         const Planes q(particles);
-        const int* cells = particles.cell.data();
+        const int* cells = cell_.data();
         batches(team, [&](int first, int count, const Weights& w, int block) {
             if (nodes) {
                 typename NF::Motion motion[batch];
@@ -126,7 +129,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double) override {
         const Planes q(particles);
-        const int* cells = particles.cell.data();
+        const int* cells = cell_.data();
         for (int first = begin; first < end; first += batch) {
             const int count = std::min(batch, end - first);
             const Weights w(*this, first, count);
@@ -165,6 +168,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     }
 
     void grown() override { regroup(); }
+    size_t bytes() const override { return sizeof(int) * cell_.size() + local_.bytes(); }
 
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
     double longestEdge(int) const override { return 2 * halfSize().maxCoeff(); }
@@ -172,7 +176,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
         const Weights w(*this, p, 1);
         for (int n = 0; n < power(3, Dim); ++n) {
-            int node = particles.cell[p];
+            int node = cell_[p];
             double phi = 1;
             Vec<Dim> gradient = Vec<Dim>::Ones();
             for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
@@ -196,7 +200,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
         Weights(const BoxDomains& d, int first, int count) {
             for (int k = 0; k < Dim; ++k)
-                axis[k].set(d.particles.local.plane(k) + first, count, BoxAxis(d.half_.plane()[k], d.grid.cell[k]));
+                axis[k].set(d.local_.plane(k) + first, count, BoxAxis(d.half_.plane()[k], d.grid.cell[k]));
         }
         // Of the nodes in a row, the factors from the axes across the row.
         MPM_INLINE double across(int row, int p) const {
@@ -232,7 +236,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     // Stretches of a batch that have the same support are summed before the grid is touched: f(begin, end, its first node).
     template <class F> MPM_INLINE void stretches(int first, int count, F&& f) const {
-        const int* cells = particles.cell.data() + first;
+        const int* cells = cell_.data() + first;
         for (int begin = 0, end = 0; begin < count; begin = end) {
             while (end < count && cells[end] == cells[begin]) ++end;
             f(begin, end, cells[begin]);
@@ -316,19 +320,22 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     bool find(int begin, int end) {
         double *x[Dim], *local[Dim];
-        for (int k = 0; k < Dim; ++k) x[k] = particles.position.plane(k), local[k] = particles.local.plane(k);
-        return Base::support(begin, end, x, 0.5, particles.cell.data(), local, "particle", particles.id.integers());
+        for (int k = 0; k < Dim; ++k) x[k] = particles.position.plane(k), local[k] = local_.plane(k);
+        return Base::support(begin, end, x, 0.5, cell_.data(), local, "particle", particles.id.integers());
     }
 
     // Sorts the particles by block and cell.
     void regroup() {
+        cell_.resize(particles.size()), local_.resize(particles.size());
         find(0, particles.size());
-        order.group(grid, particles.cell);
+        order.group(grid, cell_);
         particles.permute(order.order);
         order.order.clear();
         order.prepare(3);
     }
 
+    std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...
+    Field local_{"local", "-", "Position within the support, in cells.", {Dim}}; // ... with the position in it
     Field half_{"halfSize", "m", "Half edge of the box domains, one entry per axis."};
     bool isSorted_ = false; // in this round of locate() and settle()
     std::vector<int> runsWhenSorted_{0};

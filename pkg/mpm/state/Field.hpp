@@ -49,6 +49,7 @@ class Field {
 
     // Entry i takes the value of entry order[i]; memory and views stay.
     void permute(const std::vector<int>& order, std::vector<double>& scratch) {
+        if (size_ == 0) return;
         scratch.resize(size_);
         for (int c = 0; c < components_; ++c) {
             double* values = plane(c);

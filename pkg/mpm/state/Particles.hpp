@@ -22,10 +22,7 @@ template <int Dim> class Particles {
     Field reference{"reference", "m", "Position that displacement is counted from.", {Dim}};
     std::vector<Field> state; // the material's variables
 
-    // Where the particle is in the grid, found once per step (DomainUpdater's weights use the same).
-    std::vector<int> cell;          // lowest node of its support
-    Field local{"local", "-", "Position within its support, in cells.", {Dim}};
-    bool hasBodyForce = false;      // bodyForce is read only once somebody has asked for it
+    bool hasBodyForce = false; // bodyForce takes memory and is read only once somebody has asked for it
 
     int size() const { return mass.size(); }
 
@@ -39,19 +36,21 @@ template <int Dim> class Particles {
     }
 
     void resize(int n) {
-        for (Field* field : fields()) field->resize(n);
-        local.resize(n);
-        cell.resize(n);
+        for (Field* field : fields())
+            if (field != &bodyForce || hasBodyForce) field->resize(n);
+    }
+
+    void needBodyForce() {
+        if (!hasBodyForce) hasBodyForce = true, bodyForce.resize(size());
     }
 
     void permute(const std::vector<int>& order) {
         std::vector<double> scratch;
-        for (Field* field : fields())
-            if (field != &bodyForce || hasBodyForce) field->permute(order, scratch);
+        for (Field* field : fields()) field->permute(order, scratch);
     }
 
     size_t bytes() {
-        size_t sum = cell.capacity() * sizeof(int) + local.bytes();
+        size_t sum = 0;
         for (Field* field : fields()) sum += field->bytes();
         return sum;
     }

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Hypoelastic trial stress (Jaumann rate) with the midpoint rotation of Hughes & Winget 1980:
+//   sigma <- R sigma R^T + r (lambda tr(D) I + 2 mu D) r^T,  R = r r = (I - W/2)^-1 (I + W/2)
+//   D, W = sym, skew of g (I + g/2)^-1,  g = dt L
+#pragma once
+
+#include "mpm/material/Material.hpp"
+#include "mpm/material/tensors.hpp"
+
+namespace mpm {
+
+// Plane strain in closed form. With D2 = det(I + g/2), Cayley-Hamilton gives g (I + g/2)^-1 = (g + det(g)/2
+// I)/D2, and R rotates by the angle whose half has the tangent spin/D2.
+inline void trialStress(double lambda, double mu, const MaterialPoints<2>& points) {
+    const double dt = points.dt;
+    auto L = points.velocityGradient;
+    const double *L11 = L[0], *L12 = L[1], *L21 = L[2], *L22 = L[3];
+    double *xx = points.stress[0], *xy = points.stress[1], *yy = points.stress[4], *zz = points.stress[8];
+    const int count = points.count;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+        const double g11 = dt * L11[i], g12 = dt * L12[i], g21 = dt * L21[i], g22 = dt * L22[i];
+        const double detG = g11 * g22 - g12 * g21, D2 = 1 + 0.5 * (g11 + g22) + 0.25 * detG;
+        const double spin = 0.25 * (g12 - g21), D4 = D2 * D2, norm = D4 + spin * spin;
+        const double overD2 = 1 / D2, overNorm = 1 / norm;
+        const double cosR = (D4 - spin * spin) * overNorm, sinR = 2 * spin * D2 * overNorm;
+        // Of the double angle; this form keeps cos2^2 + sin2^2 = 1 best, hence the norm of the stress.
+        const double cos2 = 1 - 2 * sinR * sinR, sin2 = 2 * sinR * cosR;
+
+        // As mean and half difference in the plane, shear, and out of plane.
+        const double half0 = 0.5 * (xx[i] - yy[i]), shear0 = xy[i];
+        const double volumetric = (g11 + g22 + detG) * overD2;
+        const double dHalf = mu * (g11 - g22) * overD2, dShear = mu * (g12 + g21) * overD2;
+        const double mean = 0.5 * (xx[i] + yy[i]) + (lambda + mu) * volumetric;
+        const double half = half0 * cos2 + shear0 * sin2 + dHalf * cosR + dShear * sinR;
+        xx[i] = mean + half;
+        yy[i] = mean - half;
+        zz[i] += lambda * volumetric;
+        xy[i] = shear0 * cos2 - half0 * sin2 + dShear * cosR - dHalf * sinR;
+    }
+}
+
+struct Midpoint {
+    Symmetric D;
+    Tensor r;
+};
+
+// With h = g/2, its invariants t, m, d and D3 = det(I + h) = 1 + t + m + d, Cayley-Hamilton gives
+//   h (I + h)^-1 = G/D3,  G = h - adj(h) + (m + d) I.
+// Twice the skew part of G is (v x), and r rotates about v by the angle whose tangent is |v|/(2 D3).
+// Rodrigues' formula in these terms:
+//   r = I + (v x)/norm + (v x)^2/(norm (norm + 2 D3)),  norm^2 = 4 D3^2 + v^2.
+MPM_INLINE Midpoint midpointOf(const Tensor& h) {
+    const Tensor adj = adjugate(h);
+    const double m = trace(adj), d = determinant(h, adj), D3 = 1 + (trace(h) + m) + d;
+    const Tensor G = plusSpherical(h - adj, m + d);
+    const Symmetric D = (1 / D3) * plusTransposed(G);
+
+    const double x = G.zy - G.yz, y = G.xz - G.zx, z = G.yx - G.xy;
+    const double xx = x * x, yy = y * y, zz = z * z;
+    const double norm = std::sqrt(4 * D3 * D3 + (xx + yy + zz));
+    const double a = 1 / norm, b = 1 / (norm * (norm + 2 * D3));
+    const double ax = a * x, ay = a * y, az = a * z, xy = x * y, xz = x * z, yz = y * z;
+    const Tensor r{1 - b * (yy + zz), b * xy - az,       b * xz + ay, //
+                   b * xy + az,       1 - b * (xx + zz), b * yz - ax, //
+                   b * xz - ay,       b * yz + ax,       1 - b * (xx + yy)};
+    return {D, r};
+}
+
+inline void trialStress(double lambda, double mu, const MaterialPoints<3>& points) {
+    const double halfStep = 0.5 * points.dt;
+    const auto L = planes<9>(points.velocityGradient);
+    const auto stress = planes<9>(points.stress);
+    const int count = points.count;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+        const Midpoint step = midpointOf(halfStep * gather(L, i));
+        const Symmetric half = congruence(step.r, gatherUpper(stress, i)) + (2 * mu) * step.D;
+        const Symmetric trial = plusSpherical(congruence(step.r, half), lambda * trace(step.D));
+        scatterUpper(trial, stress, i);
+    }
+}
+
+} // namespace mpm

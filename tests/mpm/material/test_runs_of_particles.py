@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a material makes of a particle may depend neither on its neighbours in the run nor on the dimension.
+
+Set-up: ten bodies of 1, 2, ... 10 particles, all of them at one place of the grid, whose nodes are held at a linear
+velocity; hence every particle has the same velocity gradient. With the same stress, too, all 55 must come out alike.
+Reference: each other, bit by bit (a vectorised loop treats the last particles of a run in other instructions, and a
+compiler may contract a*b + c differently there; the bits would change with a sort or a restart). For plane strain: the
+3D update of a single point. Tolerance there: 1e-12 of the largest stress.
+Controls: a particle whose stress differs in the 13th digit comes out differently; so does a 3D point that is strained
+out of the plane.
+"""
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+from yade_mpm import box
+
+MATERIALS = {
+    "soil": lambda: mpm.MohrCoulombDruckerPrager(density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5,
+                                                 dilatancyAngle=0.2),
+    "strong soil": lambda: mpm.MohrCoulombDruckerPrager(density=1.5, lame=(9e3, 6e3), cohesion=1e6, frictionAngle=0.5),
+    "elastic": lambda: mpm.LinearElastic(density=1.5, lame=(9e3, 6e3)),
+    "neo-Hookean": lambda: mpm.NeoHookean(density=1.5, lame=(9e3, 6e3)),
+}
+everyMaterial = pytest.mark.parametrize("material", MATERIALS)
+both = pytest.mark.parametrize("dim", [2, 3])
+MOST, CELLS, DT = 10, 12, 1e-3
+PLACE = np.array([6.3, 5.8, 6.6])
+
+
+def heldNodes(L):
+    """Velocity L (x - PLACE) of all nodes that the particles touch."""
+    dim = len(L)
+    nodes = np.stack(np.meshgrid(*[range(5, 9)] * dim, indexing="ij"), axis=-1).reshape(-1, dim)
+    return [mpm.Hold(box(x - 0.01, x + 0.01), tuple(L @ (x - PLACE[:dim])), name=f"node {x}") for x in nodes.astype(float)]
+
+
+def bodies(material, L, stress):
+    """Bodies of 1 to 10 particles after one step with the gradient L; stress (N, 3, 3) of the particles, None: zero."""
+    dim = len(L)
+    scene = mpm.Scene(lower=np.zeros(dim), upper=np.full(dim, CELLS), cell=1.0, threads=1)
+    material = MATERIALS[material]()
+    made = []
+    for n in range(1, MOST + 1):
+        corner = np.array([0, n - 1, 0][:dim])
+        made.append(scene.add(f"{n}", box(corner, corner + np.array([n, 1, 1][:dim])), material, mpm.UGIMP(perCell=1)))
+    for body in made:
+        body.position[...] = PLACE[:dim]
+        if stress is not None:
+            body.stress = stress[:body.count]
+    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(hold=heldNodes(L)), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.dt, scene.allowUnstable = DT, True
+    scene.run(steps=1, progress=False)
+    return made
+
+
+def randomStep(material, dim, seed):
+    """Gradient and stress; in 2D the stress of plane strain."""
+    rng = np.random.default_rng(seed)
+    size = rng.choice([0.003, 0.3])
+    L = size / DT * rng.uniform(-1, 1, size=(dim, dim))
+    stress = 100 * (rng.normal(size=(3, 3)) - 1.5 * np.eye(3))
+    stress = (stress + stress.T) / 2
+    if dim == 2:
+        stress[2, :2] = stress[:2, 2] = 0
+    return L, None if material == "neo-Hookean" else np.tile(stress, (MOST, 1, 1))
+
+
+def bytesOf(body, particle, names):
+    return b"".join(np.ascontiguousarray(getattr(body, name)[particle]).tobytes() for name in names)
+
+
+def outcomes(made):
+    """For every set of inputs that a particle got: the outputs."""
+    state = [name for name, _, _ in made[0].material.core.stateVariables()]
+    found = {}
+    for body in made:
+        for p in range(body.count):
+            inputs = bytesOf(body, p, ["velocityGradient", "deformationGradient", "volume", "initialVolume"])
+            found.setdefault(inputs, set()).add(bytesOf(body, p, ["stress", *state]))
+    return found
+
+
+@both
+@everyMaterial
+def test_the_bits_do_not_depend_on_the_place_in_the_run(material, dim):
+    for seed in range(4):
+        found = outcomes(bodies(material, *randomStep(material, dim, seed)))
+        assert len(found) == 1  # all particles get the same input from the grid
+        assert [len(outputs) for outputs in found.values()] == [1]
+
+
+@both
+@pytest.mark.parametrize("material", ["strong soil", "elastic"])
+def test_control_a_late_digit_in_the_stress_of_one_particle_is_noticed(material, dim):
+    L, stress = randomStep(material, dim, 0)
+    stress[6, 0, 0] *= 1 + 1e-13
+    (outputs,) = outcomes(bodies(material, L, stress)).values()
+    assert len(outputs) == 2
+
+
+def planeAndSolid(material, seed, outOfPlane=0.0):
+    """Stress by the 2D update, by the 3D update with the same step, and its scale."""
+    L, stress = randomStep(material, 2, seed)
+    body = bodies(material, L, stress)[0]
+    inSpace = np.diag([0, 0, outOfPlane / DT])
+    inSpace[:2, :2] = body.velocityGradient[0]
+    point = mpm.MaterialPoint(MATERIALS[material](), stress=None if stress is None else stress[0])
+    return body.stress[0], point.gradient(inSpace, DT)
+
+
+@everyMaterial
+def test_plane_strain_is_the_3d_update_in_the_plane(material):
+    for seed in range(40):
+        plane, solid = planeAndSolid(material, seed)
+        assert np.abs(plane - solid).max() <= 1e-12 * np.abs(solid).max()
+
+
+@everyMaterial
+def test_control_strain_out_of_the_plane_is_noticed(material):
+    plane, solid = planeAndSolid(material, 0, outOfPlane=1e-6)
+    assert np.abs(plane - solid).max() > 1e-10 * np.abs(solid).max()

@@ -196,11 +196,12 @@ class Progress:
         self.terminal = sys.stderr.isatty()
 
     def text(self):
-        """Step, time, rate and time left."""
+        """Time, rate and number of threads."""
         steps = self.scene.steps - self.firstStep
         wall = time.monotonic() - self.began
         rate = wall / max(1, steps) / max(1, self.scene.particleCount) * 1e9
-        return f"t = {self.scene.time:.4g} s, {rate:.3g} ns per particle-step"
+        threads = f"{self.scene.threads} thread{'s' if self.scene.threads > 1 else ''}"
+        return f"t = {self.scene.time:.4g} s, {rate:.3g} ns per particle-step on {threads}"
 
     def update(self):
         wall = time.monotonic() - self.began

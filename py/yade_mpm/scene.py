@@ -13,6 +13,7 @@ from .regions import Region
 from .running import Run
 
 MOST_THREADS = 1024
+PARTICLES_PER_THREAD = 1500  # below, waiting for each other costs more than another thread gains
 
 
 class Scene(Guarded):
@@ -24,7 +25,7 @@ class Scene(Guarded):
         3D scene. Ghost nodes outside are added by the solver.
     cell : cell size, m; one number or one per axis. upper - lower must be a multiple of it.
     scheme : "MUSL" (default), "USF" or "USL": when the stress is updated in a step (Sulsky et al. 1995).
-    threads : number of threads; default: chosen by the number of particles, at most OMP_NUM_THREADS. The results are
+    threads : number of threads; default: one for every 1500 particles, at most OMP_NUM_THREADS. The results are
         the same bits for any number.
 
     Raises ValueError for a grid that is not made of whole cells.
@@ -227,8 +228,8 @@ class Scene(Guarded):
 
     @property
     def threads(self):
-        """Number of threads in use."""
-        return self._threads or (1 if self.particleCount < 4000 else _core.availableThreads())
+        """Number of threads in use: as given, or one for every 1500 particles but at most OMP_NUM_THREADS (all cores)."""
+        return self._threads or min(_core.availableThreads(), max(1, self.particleCount // PARTICLES_PER_THREAD))
 
     @threads.setter
     def threads(self, value):

@@ -129,7 +129,8 @@ def soilErrors(kind, cases=150, steps=3, **dropped):
         attributes, stress, g = soilSteps(kind, rng)
         point = mpm.MaterialPoint(mpm.MohrCoulombDruckerPrager(density=1.5, lame=(LAMBDA, MU), **attributes), stress=stress)
         for _ in range(steps):
-            before, shear, volumetric = point.stress, point.state["plasticShearStrain"], point.state["plasticVolumetricStrain"]
+            before = point.stress
+            shear, volumetric = point.state["plasticShearStrain"], point.state["plasticVolumetricStrain"]
             found = point.gradient(g, 1.0)
             expected, dShear, dVolumetric, scale = soilStep(before, g, volumetric, **attributes, **dropped)
             scale = max(scale, 1e-300)
@@ -173,7 +174,8 @@ def test_a_triaxial_state_at_yield_stays_to_the_last_digits(principal):
     for _ in range(200):
         stress = turned(principal, rng)
         for factor, yields in ((1 + 1e-14, False), (1 - 1e-14, True)):
-            soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(LAMBDA, MU), cohesion=cohesion * factor, frictionAngle=phi)
+            soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(LAMBDA, MU), cohesion=factor * cohesion,
+                                                frictionAngle=phi)
             point = mpm.MaterialPoint(soil, stress=stress)
             point.gradient(0 * I, 1.0)
             assert (point.state["plasticShearStrain"] > 0) == yields

@@ -1,84 +1,84 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Products with the gradient of a weight, side by side in the lanes of a Quad.
+// Products with the gradient of a weight, in as few vector operations as the dimension allows. phi_i is a product over the
+// axes, S(x) S(y) or S(x) S(y) S(z), and G stands for the derivative of an S. Nodes are visited in rows along x:
 //
-//   2D: one Quad for both components i,  { B_11, B_12, B_21, B_22 }
-//   3D: one Quad for each component i,   { B_i1, B_i2, B_i3, B_i }
+//   Row     what one particle gives to a row of nodes: add() to the sums of each node, finish() when all have given
+//   Sum     the other way: add() the nodes of a row, then addRow() with the weights across it
 //
-// Multiplied lane by lane with of(phi, grad phi) = { d1, d2, d1, d2 } or { d1, d2, d3, phi } and folded, they give
-// sum_k d_k phi B_ik. Since phi is a product over the axes, so are these lanes: of(phi, grad phi) is the product of
-// ofAxis<k>(S_k, G_k), in which the lanes of d_k hold the gradient G_k of axis k and all others its weight S_k.
+// In 2D the lanes of one Quad hold the products with d_x phi and d_y phi for both components side by side, and a vector
+// fills two lanes per component; in 3D there is a Quad for each axis, and a vector has one lane per component.
 #pragma once
 
 #include "mpm/base/types.hpp"
 
 namespace mpm {
 
-template <int Dim> struct Lanes {
-    static constexpr int quads = Dim == 2 ? 1 : 3;
-    using Set = std::array<Quad, quads>;
+// Weights across a row of nodes: S of the other axes, and in [k - 1] the same with the derivative along axis k.
+template <int Dim> struct Across {
+    double S, G[Dim - 1];
+};
 
-    MPM_INLINE static Set zero() {
-        Set z;
-        z.fill(Quad{0, 0, 0, 0});
-        return z;
-    }
+template <int Dim> struct Lanes;
 
-    template <int axis> MPM_INLINE static Quad ofAxis(double S, double G) {
+template <> struct Lanes<2> {
+    using Set = std::array<Quad, 1>;      // { B_xx, B_xy, B_yx, B_yy }: B_ik takes d_k phi
+    using Gradient = std::array<Quad, 1>; // { d_x v_x, d_y v_x, d_x v_y, d_y v_y }
+    static constexpr int used = 4;        // lanes of a vector, and the component in each
+    static constexpr int component(int lane) { return lane / 2; }
+    static constexpr int laneOf(int i, int j) { return 2 * i + j; } // of d_j v_i in Gradient
+
+    template <class F> MPM_INLINE static Quad vector(F&& value) { return Quad{value(0), value(0), value(1), value(1)}; }
+
+    // d_x phi in the even lanes, d_y phi in the odd ones, as a product of this for the axes.
+    MPM_INLINE static Quad alongX(double S, double G) { return blend(Quad{S, S, S, S}, Quad{G, G, G, G}, 0); }
+    MPM_INLINE static Quad alongY(double S, double G) { return blend(Quad{S, S, S, S}, Quad{G, G, G, G}, 1); }
+
+    struct Row {
+        Quad product;
+        MPM_INLINE Row(const Set& B, const Across<2>& w) : product(alongY(w.S, w.G[0]) * B[0]) {}
+        MPM_INLINE void add(Quad& sum, double S, double G) const { sum += alongX(S, G) * product; }
+        MPM_INLINE static Quad finish(const Quad& sum) { return sum + Quad{sum[1], sum[0], sum[3], sum[2]}; }
+    };
+    struct Sum {
+        Quad row{}, all{};
+        MPM_INLINE void add(const Quad& v, double S, double G) { row += alongX(S, G) * v; }
+        MPM_INLINE void addRow(const Across<2>& w) { all += alongY(w.S, w.G[0]) * row, row = Quad{}; }
+        MPM_INLINE Gradient gradient() const { return {all}; }
+    };
+
+  private:
+    MPM_INLINE static Quad blend(const Quad& even, const Quad& odd, int swapped) {
         typedef int64_t Mask __attribute__((vector_size(32)));
-        const Quad value{S, S, S, S}, gradient{G, G, G, G};
-        const Mask isGradient{-(axis == 0), -(axis == 1), -(axis == (Dim == 2 ? 0 : 2)), -(Dim == 2 && axis == 1)};
-        return isGradient ? gradient : value;
+        return Mask{swapped - 1, -swapped, swapped - 1, -swapped} ? odd : even;
     }
+};
 
-    MPM_INLINE static Quad of(double phi, const Vec<Dim>& gradient) {
-        if constexpr (Dim == 2)
-            return Quad{gradient[0], gradient[1], gradient[0], gradient[1]};
-        else
-            return Quad{gradient[0], gradient[1], gradient[2], phi};
-    }
+template <> struct Lanes<3> {
+    using Set = std::array<Quad, 4>;      // { B_1k, B_2k, B_3k, 0 } for each axis k, and what takes phi itself
+    using Gradient = std::array<Quad, 3>; // { d_k v_1, d_k v_2, d_k v_3, 0 } for each axis k
+    static constexpr int used = 3;
+    static constexpr int component(int lane) { return lane; }
+    static constexpr int laneOf(int i, int j) { return 4 * j + i; }
 
-    // Sums over the gradient lanes: component i at NodalField::lane(i); in 3D B_1 of the first Quad comes last.
-    MPM_INLINE static Quad fold(const Set& B) {
-        if constexpr (Dim == 2) {
-            const Quad b = B[0];
-            return b + Quad{b[1], b[0], b[3], b[2]};
-        } else {
-            Quad f{0, 0, 0, B[0][3]};
-            for (int i = 0; i < 3; ++i) f[i] = B[i][0] + B[i][1] + B[i][2];
-            return f;
+    template <class F> MPM_INLINE static Quad vector(F&& value) { return Quad{value(0), value(1), value(2), 0}; }
+
+    struct Row {
+        Quad withG, withS; // what takes the derivative along the row, and what does not
+        MPM_INLINE Row(const Set& B, const Across<3>& w)
+            : withG(w.S * B[0]), withS(w.G[0] * B[1] + w.G[1] * B[2] + w.S * B[3]) {}
+        MPM_INLINE void add(Quad& sum, double S, double G) const { sum += G * withG, sum += S * withS; }
+        MPM_INLINE static Quad finish(const Quad& sum) { return sum; }
+    };
+    struct Sum {
+        Quad withG{}, withS{};
+        Gradient all{};
+        MPM_INLINE void add(const Quad& v, double S, double G) { withG += G * v, withS += S * v; }
+        MPM_INLINE void addRow(const Across<3>& w) {
+            all[0] += w.S * withG, all[1] += w.G[0] * withS, all[2] += w.G[1] * withS;
+            withG = withS = Quad{};
         }
-    }
-
-    // Without the gradient's lanes.
-    MPM_INLINE static Set onlyValue(const Set& B) {
-        Set b = zero();
-        if constexpr (Dim == 3)
-            for (int i = 0; i < 3; ++i) b[i][3] = B[i][3];
-        return b;
-    }
-
-    // A vector in the lanes of NodalField::Velocity, from value(component).
-    template <class F> MPM_INLINE static Quad vector(F&& value) {
-        if constexpr (Dim == 2)
-            return Quad{value(0), value(0), value(1), value(1)};
-        else
-            return Quad{value(0), value(1), value(2), 0};
-    }
-
-    // A vector as in NodalField::Velocity, each component in all its lanes.
-    MPM_INLINE static Set spread(const Pack<4>& v) {
-        if constexpr (Dim == 2)
-            return {v.part[0]};
-        else
-            return {Quad{v[0], v[0], v[0], v[0]}, Quad{v[1], v[1], v[1], v[1]}, Quad{v[2], v[2], v[2], v[2]}};
-    }
-
-    // Where the gradient d_j v_i is in the product with such a vector, in lanes from the start of the Set.
-    static constexpr int laneOf(int i, int j) { return Dim == 2 ? 2 * i + j : 4 * i + j; }
-
-    // Which component a lane of a vector holds, and how many lanes are in use.
-    static constexpr int component(int lane) { return Dim == 2 ? lane / 2 : lane; }
-    static constexpr int used = Dim == 2 ? 4 : 3;
+        MPM_INLINE Gradient gradient() const { return all; }
+    };
 };
 
 } // namespace mpm

@@ -58,7 +58,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
             }
         }
 
-        // B = - V tensor, in the lanes that its product with grad phi takes; tensor: planes 3*i + j, upper triangle.
+        // B = - V tensor, for its products with grad phi; in 3D with the weight mass. tensor: planes 3*i + j, upper triangle.
         void forces(int first, int count, const double* const tensor[9], typename L::Set* out) const {
             double* lanes = reinterpret_cast<double*>(out);
             const double *xx = tensor[0], *xy = tensor[1], *xz = tensor[2], *yy = tensor[4], *yz = tensor[5], *zz = tensor[8];
@@ -70,9 +70,10 @@ template <int Dim> class Transfers : public Domains<Dim> {
                 if constexpr (Dim == 2) {
                     lanes[4 * i] = V * xx[p], lanes[4 * i + 1] = lanes[4 * i + 2] = V * xy[p], lanes[4 * i + 3] = V * yy[p];
                 } else {
-                    double* B = lanes + 12 * i;
-                    B[0] = V * xx[p], B[1] = B[4] = V * xy[p], B[2] = B[8] = V * xz[p], B[3] = mass[p];
-                    B[5] = V * yy[p], B[6] = B[9] = V * yz[p], B[10] = V * zz[p], B[7] = B[11] = 0;
+                    double* B = lanes + 16 * i;
+                    B[0] = V * xx[p], B[1] = B[4] = V * xy[p], B[2] = B[8] = V * xz[p], B[3] = 0;
+                    B[5] = V * yy[p], B[6] = B[9] = V * yz[p], B[7] = 0;
+                    B[10] = V * zz[p], B[11] = B[12] = B[13] = B[14] = 0, B[15] = mass[p];
                 }
             }
         }
@@ -122,8 +123,8 @@ template <int Dim> class Transfers : public Domains<Dim> {
             return how.inertiaScale * dt * taken;
         }
 
-        void setGradients(int first, int count, const typename L::Set* in) const {
-            constexpr int stride = 4 * L::quads;
+        void setGradients(int first, int count, const typename L::Gradient* in) const {
+            constexpr int stride = sizeof(typename L::Gradient) / sizeof(double);
             const Planes q = *this;
             const double* lanes = reinterpret_cast<const double*>(in);
 #pragma omp simd

@@ -97,8 +97,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             typename L::Set B[batch];
             q.values(first, count, inertiaScale, value);
             q.forces(first, count, stress.data(), B);
-            if (!withForce) // the weight mass of 3D is not a force
-                for (int i = 0; i < count; ++i) B[i] = L::onlyValue(B[i]);
+            if (!withForce)
+                for (auto& b : B)
+                    for (int k = 0; k < (Dim == 2 ? 1 : 3); ++k) b[k] = Quad{};
             scatter(nodes, first, count, w, value, B);
             if (hasBodyForce) {
                 for (int i = 0; i < count; ++i) {
@@ -133,7 +134,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         for (int first = begin; first < end; first += batch) {
             const int count = std::min(batch, end - first);
             const Weights w(*this, first, count);
-            typename L::Set gradient[batch];
+            typename L::Gradient gradient[batch];
             for (int i = 0; i < count; ++i) gradient[i] = gatherGradient(nodes + cells[first + i], w, i);
             q.setGradients(first, count, gradient);
         }
@@ -202,18 +203,14 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             for (int k = 0; k < Dim; ++k)
                 axis[k].set(d.local_.plane(k) + first, count, BoxAxis(d.half_.plane()[k], d.grid.cell[k]));
         }
-        // Of the nodes in a row, the factors from the axes across the row.
-        MPM_INLINE double across(int row, int p) const {
-            double S = axis[1].S[row % 3][p];
-            if constexpr (Dim == 3) S *= axis[2].S[row / 3][p];
-            return S;
+        MPM_INLINE Across<Dim> across(int row, int p) const {
+            const auto &y = axis[1], &z = axis[Dim - 1];
+            const int j = row % 3, k = row / 3;
+            if constexpr (Dim == 2)
+                return {y.S[j][p], {y.G[j][p]}};
+            else
+                return {y.S[j][p] * z.S[k][p], {y.G[j][p] * z.S[k][p], y.S[j][p] * z.G[k][p]}};
         }
-        MPM_INLINE Quad lanesAcross(int row, int p) const {
-            Quad lanes = L::template ofAxis<1>(axis[1].S[row % 3][p], axis[1].G[row % 3][p]);
-            if constexpr (Dim == 3) lanes *= L::template ofAxis<2>(axis[2].S[row / 3][p], axis[2].G[row / 3][p]);
-            return lanes;
-        }
-        MPM_INLINE Quad lanesAlong(int i, int p) const { return L::template ofAxis<0>(axis[0].S[i][p], axis[0].G[i][p]); }
     };
 
     MPM_INLINE int rowOffset(int row) const {
@@ -252,7 +249,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                 for (int p = begin; p < end; ++p)
                     MPM_UNROLL
                     for (int row = 0; row < 3; ++row) {
-                        const Quad v = w.across(layer + row, p) * value[p];
+                        const Quad v = w.across(layer + row, p).S * value[p];
                         MPM_UNROLL
                         for (int i = 0; i < 3; ++i) sum[row][i] += w.axis[0].S[i][p] * v;
                     }
@@ -263,24 +260,23 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         });
     }
 
-    // First Quad of node += phi * value, second one += folded products of grad phi and B; one row of nodes at a time.
+    // First Quad of node += phi * value, second one += B grad phi; one row of nodes at a time.
     MPM_INLINE void scatter(typename NF::Sum* nodes, int first, int count, const Weights& w, const Quad* value,
                             const typename L::Set* B) const {
+        const auto& x = w.axis[0];
         stretches(first, count, [&](int begin, int end, int cell) {
             for (int row = 0; row < rows; ++row) {
-                Quad sum[3] = {};
-                typename L::Set products[3] = {L::zero(), L::zero(), L::zero()};
+                Quad sum[3] = {}, force[3] = {};
                 for (int p = begin; p < end; ++p) {
-                    const Quad v = w.across(row, p) * value[p], lanes = w.lanesAcross(row, p);
+                    const Across<Dim> across = w.across(row, p);
+                    const Quad v = across.S * value[p];
+                    const typename L::Row given(B[p], across);
                     MPM_UNROLL
-                    for (int i = 0; i < 3; ++i) {
-                        sum[i] += w.axis[0].S[i][p] * v;
-                        for (int q = 0; q < L::quads; ++q) products[i][q] += w.lanesAlong(i, p) * (lanes * B[p][q]);
-                    }
+                    for (int i = 0; i < 3; ++i) sum[i] += x.S[i][p] * v, given.add(force[i], x.S[i][p], x.G[i][p]);
                 }
                 auto* node = nodes + cell + rowOffset(row);
                 MPM_UNROLL
-                for (int i = 0; i < 3; ++i) node[i].part[0] += sum[i], node[i].part[1] += L::fold(products[i]);
+                for (int i = 0; i < 3; ++i) node[i].part[0] += sum[i], node[i].part[1] += L::Row::finish(force[i]);
             }
         });
     }
@@ -294,28 +290,22 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             Node along = w.axis[0].S[0][p] * node[0];
             along.add(w.axis[0].S[1][p], node[1]);
             along.add(w.axis[0].S[2][p], node[2]);
-            sum.add(w.across(row, p), along);
+            sum.add(w.across(row, p).S, along);
         }
         return sum;
     }
 
     // sum N_i d_j phi.
-    MPM_INLINE typename L::Set gatherGradient(const typename NF::Velocity* nodes, const Weights& w, int p) const {
-        typename L::Set sum = L::zero();
-        const Quad weight[3] = {w.lanesAlong(0, p), w.lanesAlong(1, p), w.lanesAlong(2, p)};
+    MPM_INLINE typename L::Gradient gatherGradient(const typename NF::Velocity* nodes, const Weights& w, int p) const {
+        const auto& x = w.axis[0];
+        typename L::Sum sum;
         MPM_UNROLL
         for (int row = 0; row < rows; ++row) {
-            typename L::Set along = L::zero();
-            const auto* node = nodes + rowOffset(row);
             MPM_UNROLL
-            for (int i = 0; i < 3; ++i) {
-                const auto v = L::spread(node[i]);
-                for (int q = 0; q < L::quads; ++q) along[q] += weight[i] * v[q];
-            }
-            const Quad lanes = w.lanesAcross(row, p);
-            for (int q = 0; q < L::quads; ++q) sum[q] += lanes * along[q];
+            for (int i = 0; i < 3; ++i) sum.add(nodes[rowOffset(row) + i].part[0], x.S[i][p], x.G[i][p]);
+            sum.addRow(w.across(row, p));
         }
-        return sum;
+        return sum.gradient();
     }
 
     bool find(int begin, int end) {

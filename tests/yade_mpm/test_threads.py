@@ -93,7 +93,7 @@ def orders(scene):
 
 @pytest.mark.parametrize("name, scheme, steps", [
     ("hybrid", "MUSL", 200), ("hybrid", "USF", 40), ("solid", "USL", 30), ("solid", "MUSL", 60),
-    pytest.param("shaken", "MUSL", 10000, marks=pytest.mark.slow)])
+    ("shaken", "MUSL", 10000)])
 def test_threads_do_not_change_a_bit(tmp_path, name, scheme, steps):
     # In a process of its own, where waiting threads sleep: the machine may have fewer cores than threads.
     environment = dict(os.environ, OMP_WAIT_POLICY="passive", PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))

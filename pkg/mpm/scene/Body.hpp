@@ -58,7 +58,8 @@ template <int Dim> class Body {
         std::vector<double> state(particles.state.size() + 1);
         for (size_t k = 0; k < particles.state.size(); ++k) state[k] = particles.state[k].plane()[p];
         material->stateFromStress(stress, state.data());
-        for (int c = 0; c < 9; ++c) particles.stress.plane(c)[p] = stress[c];
+        for (int c = 0; c < 9; ++c) // planes that stay zero are not touched: they take no memory
+            if (double& component = particles.stress.plane(c)[p]; component != stress[c]) component = stress[c];
         for (size_t k = 0; k < particles.state.size(); ++k) particles.state[k].plane()[p] = state[k];
     }
 };

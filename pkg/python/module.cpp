@@ -19,5 +19,6 @@ BOOST_PYTHON_MODULE(_core) {
     exposeMaterials();
     exposeBodies();
     exposeEngines();
+    exposeContact();
     exposeScenes();
 }

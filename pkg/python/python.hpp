@@ -93,6 +93,7 @@ void exposeParameters();
 void exposeMaterials();
 void exposeBodies();
 void exposeEngines();
+void exposeContact();
 void exposeScenes();
 
 } // namespace mpm::python

@@ -13,13 +13,13 @@ if "OMP_WAIT_POLICY" not in _os.environ:
 from . import _core
 from .body import Body, BodyPart
 from .checkpoint import load
-from .engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner
+from .engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner, RigidContact
 from .materials import Material, MaterialPoint
 from .mesh import Mesh, meshFromArrays, meshFromFile
 from .particles import ParticleType
 from .regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
 from .scene import Scene
-from . import diagnostics
+from . import diagnostics, rigid
 from .history import History
 from .recorder import Recorder
 

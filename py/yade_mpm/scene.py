@@ -509,6 +509,7 @@ class Scene(Guarded):
 _ORDER = {"MUSL": ("ParticleToGrid", "BoundaryLoad", "GridSolver", "GridToParticle", "DomainUpdater"),
           "USF": ("ParticleToGrid", "DomainUpdater", "BoundaryLoad", "GridSolver", "GridToParticle")}
 _ORDER["USL"] = _ORDER["MUSL"]
+_LIKE_LOADS = ("RigidContact",)  # add forces to the nodes where loads do
 
 
 def _inUSFOrder(engines):
@@ -522,12 +523,13 @@ def _inUSFOrder(engines):
 
 def _checkOrder(engines, scheme):
     """Refuses stages in an order that has no meaning, or twice; others may stand anywhere."""
-    stages = [type(e).__name__ for e in engines if type(e).__name__ in _ORDER[scheme]]
-    places = [_ORDER[scheme].index(s) for s in stages]
-    isTwice = any(stages.count(s) > 1 for s in stages if s != "BoundaryLoad") or len({id(e) for e in engines}) < len(engines)
+    stages = [type(e).__name__ for e in engines if type(e).__name__ in (*_ORDER[scheme], *_LIKE_LOADS)]
+    kinds = ["BoundaryLoad" if s in _LIKE_LOADS else s for s in stages]
+    places = [_ORDER[scheme].index(k) for k in kinds]
+    isTwice = any(kinds.count(k) > 1 for k in kinds if k != "BoundaryLoad") or len({id(e) for e in engines}) < len(engines)
     if isTwice or places != sorted(places):
         raise ValueError(f"Scene: engines {', '.join(stages)} do not make a step; under {scheme} the order is "
-                         f"{', '.join(_ORDER[scheme])}, each once, loads as many as you like")
+                         f"{', '.join(_ORDER[scheme])}, each once, loads (and RigidContact, in their place) as many as you like")
 
 
 def _boxes(body):

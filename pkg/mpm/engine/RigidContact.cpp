@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Rigid bodies touch the scene by a penalty: a point (uGIMP box, boundary vertex of a mesh) that stands for the area A and
+// overlaps by -g gets
+//     F = A [(-kappa g) n - kappa_t s],   |kappa_t s| <= mu (-kappa g)
+// with the slip s of the history (Cundall & Strack 1979). One thread does all of it, in the order of the points' numbers: the
+// same bits for any number of threads, and after a restart.
+//
+// Vertices pass a force on with their own hat functions. A box with its centre at x_p has its surface at x_c = x_p + d, d along
+// the normal. The gap follows from x_p alone, hence the normal force acts there; slip and friction belong to x_c, with the
+// weights of the particle to first order in d:
+//     f_i = phi_i F_n + (phi_i + grad phi_i . d) F_t
+// so that sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0): force and moment balance to round-off, and both springs see the
+// motion that their force does work on. With F_n at x_c the stiffness matrix was not symmetric, and a bouncing disc gained energy.
+#include "mpm/engine/RigidContact.hpp"
+
+namespace mpm {
+
+namespace {
+
+// v, which is normal to `from`, under the smallest rotation that takes `from` to `to` (unit vectors).
+Vec3 turned(const Vec3& v, const Vec3& from, const Vec3& to) {
+    const double c = from.dot(to);
+    return c > -0.99 ? Vec3(v - to.dot(v) / (1 + c) * (from + to)) : Vec3(v - to.dot(v) * to);
+}
+
+bool isBefore(const RigidTouch& a, const RigidTouch& b) {
+    return std::tie(a.soil, a.id, a.body) < std::tie(b.soil, b.id, b.body);
+}
+bool isSamePair(const RigidTouch& a, const RigidTouch& b) { return !isBefore(a, b) && !isBefore(b, a); }
+
+constexpr double sameSide = 0.5; // cosine between normals above which two touches of a pair are one
+
+template <int Dim> Mat<3> gradientOf(const Body<Dim>& soil, int p) {
+    Mat<3> L = Mat<3>::Zero();
+    for (int i = 0; i < Dim; ++i)
+        for (int j = 0; j < Dim; ++j) L(i, j) = soil.particles.velocityGradient.plane(Dim * i + j)[p];
+    return L;
+}
+
+// How far the surface has moved since the last step. A particle's own part is taken from its place: under FLIP its velocity is
+// another one.
+template <int Dim> Vec3 movedSince(const Body<Dim>& soil, int index, const RigidTouch& t, const Vec3& d, double dt) {
+    const Vec3 moved = t.point - t.before;
+    if (soil.type->isMeshed()) return moved;
+    const Vec3 spun = dt * (gradientOf(soil, index) * d);
+    return moved + spun - t.normal.dot(spun) * t.normal;
+}
+
+// Shares of a normal force at the point and of a friction force at d from it, see above.
+template <int Dim>
+void addForce(const Body<Dim>& soil, int index, const Vec3& d, const Vec3& normal, const Vec3& friction,
+              typename NodalField<Dim>::Sum* nodes) {
+    using NF = NodalField<Dim>;
+    if (soil.type->isMeshed()) return soil.domains->addVertexForce(index, Vec<Dim>((normal + friction).template head<Dim>()), nodes);
+    soil.domains->weights(index, [&](int node, double phi, const Vec<Dim>& gradient) {
+        const double shifted = phi + gradient.dot(d.head<Dim>());
+        for (int k = 0; k < Dim; ++k)
+            nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + phi * normal[k] + shifted * friction[k]);
+    });
+}
+
+} // namespace
+
+// What the nodes get from each rigid body, added up on nodes of its own, against what the body gets.
+template <int Dim> class RigidContact::Balance {
+  public:
+    using NF = NodalField<Dim>;
+
+    Balance(const Scene<Dim>& scene, int bodies) : scene_(scene), nodes_(bodies) {}
+
+    void add(const Body<Dim>& soil, int body, int index, const Vec3& d, const Vec3& normal, const Vec3& friction) {
+        if (nodes_[body].empty()) nodes_[body].assign(scene_.grid.count, NF::Sum::zero());
+        addForce(soil, index, d, normal, friction, nodes_[body].data());
+    }
+
+    void check(const RigidContact& engine) const {
+        for (size_t b = 0; b < nodes_.size(); ++b) {
+            Vec3 force = vectorAt<3>(engine.forces, int(b)), torque = vectorAt<3>(engine.torques, int(b));
+            double size = 0, moments = 0;
+            for (int node = 0; node < int(nodes_[b].size()); ++node) {
+                Vec3 f = Vec3::Zero(), x = Vec3::Zero();
+                for (int k = 0; k < Dim; ++k) f[k] = nodes_[b][node][NF::force(k)];
+                if (f.isZero(0)) continue;
+                x.head<Dim>() = scene_.grid.nodePosition(node);
+                const Vec3 arm = x - engine.state_[b].position;
+                force += f, torque += arm.cross(f);
+                size += f.norm(), moments += arm.norm() * f.norm();
+            }
+            if (force.norm() <= 1e-12 * size && torque.norm() <= 1e-12 * moments) continue;
+            throw RunError(message("step ", scene_.step, ": RigidContact: rigid body ", b, " and the nodes differ by ",
+                                   force.norm(), " kN of ", size, " and ", torque.norm(), " kN m of ", moments,
+                                   "; this is an error in the solver"));
+        }
+    }
+
+  private:
+    const Scene<Dim>& scene_;
+    std::vector<std::vector<typename NF::Sum>> nodes_;
+};
+
+std::string RigidContact::doc() const {
+    return "Frictional contact of rigid bodies with all bodies of the scene: penalty, Coulomb friction with history.\n\n"
+           "Force of a point with area A, gap g < 0 and slip s: A (-kappa g n - kappa_t s), friction at most mu times the\n"
+           "normal part, no attraction. Points are uGIMP boxes and boundary vertices of APDI domains. Stands between\n"
+           "ParticleToGrid (USF: DomainUpdater) and GridSolver. Sources: Cundall & Strack 1979; doc/rigid-contact.md.";
+}
+
+std::vector<Parameter> RigidContact::attributes() {
+    return {{"friction", "-", "Friction coefficient of each rigid body; 0: exactly none.", &friction, Range::notNegative()},
+            {"stiffness", "kPa/m", "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.",
+             &stiffness, Range::positive()},
+            {"stiffnessFactor", "-", "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
+                                     "4 [1 - (dt/dtCritical)^2] over max(1, shearRatio (1 + 2 half size / cell)).",
+             &stiffnessFactor, {0, 1, true, false}},
+            {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},
+            {"normalDamping", "-", "Viscous damping of the normal motion over the critical one of a point.", &normalDamping,
+             Range::between(0, 1)},
+            {"checkBalance", "", "Compare force and moment of every rigid body with the sum over the nodes in every step.",
+             &checkBalance},
+            {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
+            {"shapes", "", "Shapes of the rigid bodies, 12 numbers each; made by addBody.", &shapes},
+            {"states", "", "Position, orientation, velocity and angular velocity, 13 numbers per rigid body.", &states},
+            {"history", "", "Contacts of the last step, 16 numbers each.", &history},
+            {"sizes", "", "Particles of each body of the scene in the last step.", &sizes},
+            {"impulses", "", "Integrals of force and torque over time, 6 numbers per rigid body.", &impulses}};
+}
+
+// Sizes follow the number of bodies, which is that of the friction coefficients.
+void RigidContact::finish() {
+    require(shapes.size() % RigidShape::size == 0, "RigidContact: shapes has ", shapes.size(), " entries; use addBody");
+    require(int(states.size()) == RigidState::size * bodies() && int(impulses.size()) == 6 * bodies() &&
+                history.size() % RigidTouch::size == 0,
+            "RigidContact: friction has ", bodies(), " entries for ", states.size() / RigidState::size,
+            " rigid bodies; give one per body");
+    if (forces.size() != bodies()) forces.resize(bodies()), torques.resize(bodies());
+    shape_.clear();
+    for (size_t s = 0; s < shapes.size(); s += RigidShape::size) shape_.emplace_back(&shapes[s], 3);
+}
+
+void RigidContact::setStates(const std::vector<double>& positions, const std::vector<double>& orientations,
+                             const std::vector<double>& velocities, const std::vector<double>& angularVelocities) {
+    const std::vector<double>* const given[] = {&positions, &orientations, &velocities, &angularVelocities};
+    const char* const name[] = {"positions", "orientations", "velocities", "angularVelocities"};
+    for (int g = 0; g < 4; ++g) {
+        const int width = g == 1 ? 4 : 3;
+        require(int(given[g]->size()) == width * bodies(), "RigidContact: ", name[g], " has ", given[g]->size(),
+                " numbers; give (", bodies(), ", ", width, "), a row for each rigid body");
+        for (size_t i = 0; i < given[g]->size(); ++i)
+            require(std::isfinite((*given[g])[i]), "RigidContact: ", name[g], " of rigid body ", i / width,
+                    " is not finite; give numbers");
+    }
+    for (int b = 0; b < bodies(); ++b) {
+        const double* q = &orientations[4 * b];
+        const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+        require(std::abs(norm - 1) < 1e-6, "RigidContact: the orientation of rigid body ", b, " has the norm ", norm,
+                "; give a unit quaternion (w, x, y, z)");
+        double* s = &states[RigidState::size * b];
+        for (int k = 0; k < 3; ++k)
+            s[k] = positions[3 * b + k], s[7 + k] = velocities[3 * b + k], s[10 + k] = angularVelocities[3 * b + k];
+        for (int k = 0; k < 4; ++k) s[3 + k] = q[k] / norm;
+    }
+}
+
+template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
+    require(bodies() > 0, "RigidContact: there is no rigid body; add one with addBody(shapes=[...])");
+    bool isAnyMeshed = false;
+    for (auto& soil : scene.bodies) isAnyMeshed |= soil->type->isMeshed();
+    shape_.clear();
+    for (size_t s = 0; s < shapes.size(); s += RigidShape::size) {
+        shape_.emplace_back(&shapes[s], Dim);
+        require(!isAnyMeshed || !shape_.back().isThin() || shape_.back().thickness() > 0, "RigidContact: a facet of rigid body ",
+                shape_.back().body, " has no thickness, and vertices of APDI bodies would slip through; give it a thickness");
+        require(Dim == 3 || shape_.back().kind != RigidShape::Triangle, "RigidContact: rigid body ", shape_.back().body,
+                " has a facet with three vertices in a 2D scene; give two");
+    }
+    for (int b = 0; Dim == 2 && b < bodies(); ++b) {
+        const double* s = &states[RigidState::size * b];
+        require(std::abs(s[4]) + std::abs(s[5]) < 1e-9, "RigidContact: rigid body ", b,
+                " is turned out of the plane; a 2D scene takes rotation about z only");
+    }
+}
+
+// kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points alone, for any number
+// of contacts at once: omega^2 <= kappa A/m, of friction kappa_t A/m (1 + 2 l/h) for boxes of half size l with their grad phi.
+template <int Dim>
+double RigidContact::chooseStiffness(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
+    double least = 1e300;
+    for (auto& p : points)
+        if (p.count() > 0) least = std::min(least, p.massPerArea());
+    const double most = least / (scene.dt * scene.dt);
+    if (std::isnan(stiffness)) return stiffnessFactor * most;
+    require(stiffness <= most, "RigidContact: stiffness = ", stiffness, " kPa/m is unstable; give at most ", most,
+            " for dt = ", scene.dt, " s, or lower dt");
+    return stiffness;
+}
+
+template <int Dim>
+std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
+    std::vector<RigidTouch> touches;
+    for (const RigidShape& shape : shape_) {
+        const RigidState& at = state_[shape.body];
+        const Mat<3> R = at.orientation.toRotationMatrix();
+        for (int soil = 0; soil < int(points.size()); ++soil)
+            points[soil].near(shape, at, scene.grid, [&](int i) {
+                const Vec3 x = points[soil].position(i);
+                const Vec3 local = R.transpose() * (x - at.position);
+                double gap = -1e300;
+                Vec3 n;
+                shape.directions(local, [&](const Surface& s) {
+                    const Vec3 normal = R * s.normal;
+                    const double clear = s.distance - points[soil].support(normal);
+                    if (clear > gap) gap = clear, n = normal;
+                });
+                if (gap >= 0) return;
+                const Surface s = shape.nearest(local);
+                touches.push_back({soil, shape.body, points[soil].id(i), n, Vec3::Zero(), x, gap, Vec3::Zero(), i,
+                                   int(&shape - shape_.data()), local - s.distance * s.normal, Vec3::Zero(), Vec3::Constant(notGiven)});
+            });
+    }
+    dropRepeats(touches);
+    return touches;
+}
+
+// Of the touches of a pair that look the same way only the deepest counts (flush boxes of a clump, neighbouring facets), and none
+// at an edge that is hidden in the surface of a shape which is touched more deeply.
+void RigidContact::dropRepeats(std::vector<RigidTouch>& touches) const {
+    std::stable_sort(touches.begin(), touches.end(), [](const RigidTouch& a, const RigidTouch& b) {
+        return isBefore(a, b) || (!isBefore(b, a) && a.gap < b.gap);
+    });
+    std::vector<RigidTouch> kept;
+    for (const RigidTouch& t : touches) {
+        bool isRepeat = false;
+        for (size_t k = kept.size(); k-- > 0 && isSamePair(kept[k], t);)
+            isRepeat |= kept[k].normal.dot(t.normal) > sameSide || shape_[kept[k].shape].nearest(t.edge).distance < -kept[k].gap;
+        if (!isRepeat) kept.push_back(t);
+    }
+    touches.swap(kept);
+}
+
+// Vertices have new numbers after domains were converted; particles keep theirs.
+template <int Dim> void RigidContact::forgetRenumbered(const Scene<Dim>& scene) {
+    std::vector<double> now;
+    for (auto& soil : scene.bodies) now.push_back(soil->particles.size());
+    if (now == sizes) return;
+    std::vector<RigidTouch> kept;
+    for (const RigidTouch& t : unpacked())
+        if (sizes.at(t.soil) == now[t.soil] || !scene.bodies[t.soil]->type->isMeshed()) kept.push_back(t);
+    pack(kept);
+    sizes = now;
+}
+
+// Slip and last place of touches that were there in the step before; the slip turns with the normal.
+void RigidContact::remember(std::vector<RigidTouch>& touches) const {
+    const std::vector<RigidTouch> before = unpacked();
+    auto old = before.begin();
+    for (RigidTouch& t : touches) {
+        while (old != before.end() && isBefore(*old, t)) ++old;
+        double nearest = sameSide;
+        for (auto same = old; same != before.end() && isSamePair(*same, t); ++same) {
+            if (same->normal.dot(t.normal) <= nearest) continue;
+            nearest = same->normal.dot(t.normal);
+            t.slip = turned(same->slip, same->normal, t.normal), t.before = same->point, t.forceBefore = same->force;
+        }
+    }
+}
+
+template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
+    auto& points = std::get<Points<Dim>>(points_).of;
+    points.resize(scene.bodies.size());
+    for (size_t s = 0; s < points.size(); ++s) points[s].update(*scene.bodies[s], scene.grid);
+    stiffnessUsed = chooseStiffness(scene, points);
+    state_.clear();
+    for (int b = 0; b < bodies(); ++b) state_.emplace_back(&states[RigidState::size * b]);
+    std::vector<RigidTouch> touches = find(scene, points);
+    forgetRenumbered(scene);
+    remember(touches);
+
+    forces.fill(0), torques.fill(0), largestPenetration = 0, sliding = 0;
+    Balance<Dim> balance(scene, checkBalance ? bodies() : 0);
+    for (RigidTouch& t : touches) push(scene, points[t.soil], t, balance);
+    if (checkBalance) balance.check(*this);
+    pack(touches);
+    for (int b = 0; b < bodies(); ++b) {
+        for (int k = 0; k < 3; ++k) {
+            impulses[6 * b + k] += scene.dt * forces.plane(k)[b];
+            impulses[6 * b + 3 + k] += scene.dt * torques.plane(k)[b];
+        }
+        state_[b].advance(scene.dt, &states[RigidState::size * b]);
+    }
+}
+
+// The force of one touch, on the nodes and on the rigid body.
+template <int Dim>
+void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, RigidTouch& t, Balance<Dim>& balance) {
+    const Body<Dim>& soil = *scene.bodies[t.soil];
+    const RigidState& rigid = state_[t.body];
+    const int index = points.index(t.place);
+    const Vec3 n = t.normal, d = soil.type->isMeshed() ? Vec3(Vec3::Zero()) : Vec3(-points.exitAlong(n) * n), at = t.point + d;
+    const double area = points.area(t.place, n), kn = stiffnessUsed * area, kt = shearRatio * kn;
+
+    const bool isOld = t.before.allFinite();
+    const Vec3 carried = scene.dt * rigid.velocityAt(at);
+    const Vec3 relative = isOld ? Vec3(movedSince(soil, index, t, d, scene.dt) - carried) : Vec3(Vec3::Zero());
+    const double approach = -relative.dot(n) / scene.dt;
+    const double normal = std::max(0.0, -kn * t.gap + 2 * normalDamping * std::sqrt(kn * points.mass(t.place)) * approach);
+    t.slip += relative + approach * scene.dt * n;
+    if (const double most = friction[t.body] * normal / kt, length = t.slip.norm(); length > most) {
+        frictionWork += kt * most * (length - most);
+        t.slip *= most / length, ++sliding;
+    }
+    const Vec3 pushed = normal * n, dragged = -kt * t.slip;
+    t.force = pushed + dragged;
+
+    addForce(soil, index, d, pushed, dragged, scene.grid.fields[soil.velocityField].sum.data());
+    if (checkBalance) balance.add(soil, t.body, index, d, pushed, dragged);
+    const Vec3 torque = (at - rigid.position).cross(t.force);
+    for (int k = 0; k < 3; ++k) forces.plane(k)[t.body] -= t.force[k], torques.plane(k)[t.body] -= torque[k];
+    if (isOld) scene.energies.loads += 0.5 * (t.forceBefore + t.force).dot(relative + carried);
+    largestPenetration = std::max(largestPenetration, -t.gap);
+}
+
+std::vector<RigidTouch> RigidContact::unpacked() const {
+    std::vector<RigidTouch> all;
+    for (size_t i = 0; i < history.size(); i += RigidTouch::size) {
+        const double* h = &history[i];
+        const auto vector = [&](int k) { return Vec3(h[k], h[k + 1], h[k + 2]); };
+        all.push_back({int(h[0]), int(h[1]), int64_t(h[2]), vector(3), vector(6), vector(9), h[12], vector(13), -1, -1, Vec3::Zero(), Vec3::Zero(), vector(9)});
+    }
+    return all;
+}
+
+void RigidContact::pack(const std::vector<RigidTouch>& touches) {
+    history.clear();
+    for (const RigidTouch& t : touches) {
+        history.insert(history.end(), {double(t.soil), double(t.body), double(t.id)});
+        for (const Vec3* v : {&t.normal, &t.slip, &t.point}) history.insert(history.end(), v->data(), v->data() + 3);
+        history.push_back(t.gap);
+        history.insert(history.end(), t.force.data(), t.force.data() + 3);
+    }
+}
+
+template void RigidContact::act<2>(Scene<2>&);
+template void RigidContact::act<3>(Scene<3>&);
+
+MPM_REGISTER(Engine, RigidContact);
+
+} // namespace mpm

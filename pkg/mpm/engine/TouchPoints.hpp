@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The points of a body that a rigid body can touch: the boxes of uGIMP particles, or the boundary vertices of a mesh. And the
+// broad phase: the points are kept in the cells of the grid, and a shape is asked for its distance once per cell.
+#pragma once
+
+#include "mpm/scene/RigidShape.hpp"
+#include "mpm/scene/Scene.hpp"
+
+#include <map>
+
+namespace mpm {
+
+// Facets of a mesh that belong to one domain only, less those where fine domains meet a coarse one.
+template <int Dim> class BoundaryFacets {
+  public:
+    static constexpr int size = Dim == 2 ? 2 : 4; // vertices of a facet
+    using Facet = std::array<int, size>;
+    std::vector<Facet> facets;
+
+    void find(Domains<Dim>& domains) {
+        static const int table[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+        std::map<Facet, std::pair<Facet, int>> count; // by sorted vertices
+        const std::vector<int>& corner = *domains.cornerTable();
+        for (size_t first = 0; first < corner.size(); first += corners<Dim>)
+            for (int f = 0; f < 2 * Dim; ++f) {
+                Facet facet;
+                for (int a = 0; a < size; ++a) facet[a] = corner[first + (Dim == 2 ? (f + a) % 4 : table[f][a])];
+                Facet key = facet;
+                std::sort(key.begin(), key.end());
+                auto& entry = count[key];
+                entry.first = facet, ++entry.second;
+            }
+        facets.clear();
+        const Hanging hanging(domains);
+        for (auto& [key, entry] : count)
+            if (entry.second == 1 && !hanging.isInterface(key)) facets.push_back(entry.first);
+    }
+
+  private:
+    // The vertices of a facet between fine and coarse domains are, or hang on, exactly the corners of one coarse facet.
+    struct Hanging {
+        std::map<int, std::vector<int>> masters;
+        std::vector<std::vector<int>> coarse;
+
+        explicit Hanging(Domains<Dim>& domains) {
+            std::vector<int> slaves, all;
+            for (auto& [name, table] : domains.tables()) {
+                if (name == "slaves") slaves = *table;
+                if (name == "masters") all = *table;
+            }
+            for (size_t s = 0; s < slaves.size(); ++s) {
+                std::vector<int> mine;
+                for (int m = 0; m < 4; ++m)
+                    if (all[4 * s + m] >= 0) mine.push_back(all[4 * s + m]);
+                std::sort(mine.begin(), mine.end());
+                if (int(mine.size()) == size) coarse.push_back(mine);
+                masters[slaves[s]] = mine;
+            }
+            std::sort(coarse.begin(), coarse.end());
+        }
+        bool isInterface(const Facet& facet) const {
+            std::vector<int> carriers;
+            for (int v : facet) {
+                const auto found = masters.find(v);
+                if (found == masters.end())
+                    carriers.push_back(v);
+                else
+                    carriers.insert(carriers.end(), found->second.begin(), found->second.end());
+            }
+            std::sort(carriers.begin(), carriers.end());
+            carriers.erase(std::unique(carriers.begin(), carriers.end()), carriers.end());
+            return std::binary_search(coarse.begin(), coarse.end(), carriers);
+        }
+    };
+};
+
+template <int Dim> class TouchPoints {
+  public:
+    // Least inertial mass of a point over the area it stands for, Mg/m2: what bounds the stiffness of contact.
+    double massPerArea() const { return massPerArea_; }
+
+    // Once per step.
+    void update(Body<Dim>& body, const Grid<Dim>& grid) {
+        isMeshed_ = body.type->isMeshed();
+        const bool isNew = body_ != &body || body.particles.size() != particles_ || body.inertiaScale != inertiaScale_;
+        body_ = &body, particles_ = body.particles.size(), inertiaScale_ = body.inertiaScale;
+        half_ = body.domains->halfSize();
+        position_ = isMeshed_ ? body.domains->vertexPositions() : &body.particles.position;
+        if (isNew) isMeshed_ ? takeVertices() : takeBoxes();
+        if (isMeshed_) shareAreas(*position_);
+        if (isNew || haveDrifted()) fillCells(grid);
+    }
+
+    int count() const { return isMeshed_ ? int(vertex_.size()) : particles_; }
+    // What the solver knows point i by, and what it keeps for good.
+    int index(int i) const { return isMeshed_ ? vertex_[i] : i; }
+    int64_t id(int i) const { return isMeshed_ ? vertex_[i] : body_->particles.id.integers()[i]; }
+    double mass(int i) const { return isMeshed_ ? mass_[i] : inertiaScale_ * body_->particles.mass.plane()[i]; }
+    Vec3 position(int i) const { return spatial(*position_, index(i)); }
+
+    // Extent of a box along n from its centre, and how far n runs inside it.
+    double support(const Vec3& n) const {
+        double s = 0;
+        for (int k = 0; k < Dim; ++k) s += half_[k] * std::abs(n[k]);
+        return s;
+    }
+    double exitAlong(const Vec3& n) const {
+        double s = 1e300;
+        for (int k = 0; k < Dim; ++k)
+            if (half_[k] < s * std::abs(n[k])) s = half_[k] / std::abs(n[k]);
+        return s;
+    }
+    // Area that point i stands for under a normal n: of a vertex its share of the facets, of a box volume over extent.
+    double area(int i, const Vec3& n) const {
+        return isMeshed_ ? area_[i] : body_->particles.initialVolume.plane()[i] / (2 * support(n));
+    }
+
+    // f(i) for the points that may be closer to a shape than their support; others, too.
+    template <class F> void near(const RigidShape& shape, const RigidState& at, const Grid<Dim>& grid, F&& f) const {
+        const double reach = half_.norm() + skin(grid), radius = 0.5 * grid.cell.norm() + reach;
+        const Eigen::Quaterniond back = at.orientation.conjugate();
+        Vec3 lower, upper;
+        shape.bounds(at, lower, upper);
+        Index<Dim> first, last;
+        for (int k = 0; k < Dim; ++k) {
+            first[k] = std::max(lowest_[k], binOf(grid, lower[k] - reach, k));
+            last[k] = std::min(highest_[k], binOf(grid, upper[k] + reach, k));
+            if (first[k] > last[k]) return;
+        }
+        const auto visit = [&](int bin, const Index<Dim>& at3) {
+            if (start_[bin] == start_[bin + 1]) return;
+            Vec3 x = Vec3::Zero();
+            for (int k = 0; k < Dim; ++k) x[k] = grid.lower[k] + (at3[k] - 0.5) * grid.cell[k];
+            if (shape.nearest(back * (x - at.position)).distance > radius) return;
+            for (int j = start_[bin]; j < start_[bin + 1]; ++j) f(point_[j]);
+        };
+        Index<Dim> i = first;
+        for (;;) { // all bins of the range, first axis fastest
+            int bin = 0;
+            for (int k = Dim - 1; k >= 0; --k) bin = bin * (grid.cells[k] + 2) + i[k];
+            for (i[0] = first[0]; i[0] <= last[0]; ++i[0]) visit(bin + i[0] - first[0], i);
+            i[0] = first[0];
+            int k = 1;
+            while (k < Dim && ++i[k] > last[k]) i[k] = first[k], ++k;
+            if (k == Dim) return;
+        }
+    }
+
+  private:
+    const Body<Dim>* body_ = nullptr;
+    const Field* position_ = nullptr;
+    bool isMeshed_ = false;
+    int particles_ = -1;
+    double inertiaScale_ = 0, massPerArea_ = 0;
+    Vec<Dim> half_ = Vec<Dim>::Zero();
+
+    // Of a mesh.
+    BoundaryFacets<Dim> boundary_;
+    std::vector<int> vertex_, place_; // boundary vertices, and the place of each vertex among them
+    std::vector<double> area_, mass_;
+
+    // Points by grid cell (with a layer outside the box), as they stood when the cells were filled.
+    std::vector<int> start_, point_;
+    std::vector<double> filledAt_[Dim];
+    Index<Dim> lowest_, highest_; // occupied bins
+
+    static double skin(const Grid<Dim>& grid) { return 0.1 * grid.cell.minCoeff(); }
+    static int binOf(const Grid<Dim>& grid, double x, int k) {
+        const double c = std::floor((x - grid.lower[k]) / grid.cell[k]) + 1;
+        return c > 0 ? int(std::min(c, grid.cells[k] + 1.0)) : 0;
+    }
+
+    static Vec3 spatial(const Field& field, int i) {
+        Vec3 x = Vec3::Zero();
+        for (int k = 0; k < Dim; ++k) x[k] = field.plane(k)[i];
+        return x;
+    }
+
+    void takeBoxes() {
+        const double least = half_.minCoeff();
+        massPerArea_ = 1e300;
+        for (int p = 0; p < particles_; ++p)
+            massPerArea_ = std::min(massPerArea_, mass(p) * 2 * least / body_->particles.initialVolume.plane()[p]);
+    }
+
+    void takeVertices() {
+        boundary_.find(*body_->domains);
+        place_.assign(position_->size(), -1), vertex_.clear();
+        for (auto& facet : boundary_.facets)
+            for (int v : facet) place_[v] = 0;
+        for (int v = 0; v < int(place_.size()); ++v)
+            if (place_[v] == 0) place_[v] = int(vertex_.size()), vertex_.push_back(v);
+        mass_.assign(vertex_.size(), 0.0);
+        const std::vector<int>& corner = *body_->domains->cornerTable();
+        for (size_t a = 0; a < corner.size(); ++a)
+            if (const int i = place_[corner[a]]; i >= 0)
+                mass_[i] += inertiaScale_ * body_->particles.mass.plane()[a / corners<Dim>] / corners<Dim>;
+        for (Field* field : body_->domains->fields()) // a restart finds the same stiffness
+            if (field->name == "vertexReference") shareAreas(*field);
+        massPerArea_ = 1e300;
+        for (size_t i = 0; i < vertex_.size(); ++i) massPerArea_ = std::min(massPerArea_, mass_[i] / area_[i]);
+    }
+
+    // Each facet's area in equal parts to its vertices, which are at `position`.
+    void shareAreas(const Field& position) {
+        area_.assign(vertex_.size(), 0.0);
+        for (auto& facet : boundary_.facets) {
+            Vec3 X[4];
+            for (int a = 0; a < boundary_.size; ++a) X[a] = spatial(position, facet[a]);
+            const double area = Dim == 2 ? (X[1] - X[0]).norm() : 0.5 * (X[2] - X[0]).cross(X[3] - X[1]).norm();
+            for (int v : facet) area_[place_[v]] += area / boundary_.size;
+        }
+    }
+
+    bool haveDrifted() const {
+        const double allowed = skin(body_->domains->grid) / std::sqrt(double(Dim));
+        for (int k = 0; k < Dim; ++k) {
+            const double *x = position_->plane(k), *before = filledAt_[k].data();
+            double most = 0;
+            if (isMeshed_)
+                for (int i = 0; i < count(); ++i) most = std::max(most, std::abs(x[vertex_[i]] - before[i]));
+            else
+#pragma omp simd reduction(max : most)
+                for (int i = 0; i < particles_; ++i) most = std::max(most, std::abs(x[i] - before[i]));
+            if (most > allowed) return true;
+        }
+        return false;
+    }
+
+    void fillCells(const Grid<Dim>& grid) {
+        const int n = count();
+        int bins = 1;
+        for (int k = 0; k < Dim; ++k) {
+            bins *= grid.cells[k] + 2, filledAt_[k].resize(n);
+            lowest_[k] = grid.cells[k] + 1, highest_[k] = 0;
+        }
+        std::vector<int> bin(n, 0);
+        start_.assign(bins + 1, 0), point_.resize(n);
+        for (int i = 0; i < n; ++i) {
+            const Vec3 x = position(i);
+            for (int k = Dim - 1; k >= 0; --k) {
+                const int c = binOf(grid, x[k], k);
+                filledAt_[k][i] = x[k];
+                bin[i] = bin[i] * (grid.cells[k] + 2) + c;
+                lowest_[k] = std::min(lowest_[k], c), highest_[k] = std::max(highest_[k], c);
+            }
+            ++start_[bin[i] + 1];
+        }
+        for (int b = 0; b < bins; ++b) start_[b + 1] += start_[b];
+        std::vector<int> next(start_.begin(), start_.end() - 1);
+        for (int i = 0; i < n; ++i) point_[next[bin[i]]++] = i;
+    }
+};
+
+} // namespace mpm

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Shapes of rigid bodies as signed distances: distance(x) < 0 inside, and its gradient, the outward normal. All that contact
+// needs of a shape is this function in the frame of its body, and a box around it in space. Distances of box and triangle:
+// Ericson 2005, Real-Time Collision Detection, ch. 5. In 2D z = 0 everywhere: a sphere is a disc, a capsule a segment.
+#pragma once
+
+#include "mpm/base/require.hpp"
+#include "mpm/base/types.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <limits>
+
+namespace mpm {
+
+using Vec3 = Vec<3>;
+
+// Where a rigid body is, how it is turned, and how it moves. Turning is about `position`.
+struct RigidState {
+    Vec3 position, velocity, angularVelocity;
+    Eigen::Quaterniond orientation;
+
+    static constexpr int size = 13; // position, orientation (w, x, y, z), velocity, angular velocity
+    explicit RigidState(const double* s)
+        : position(s[0], s[1], s[2]), velocity(s[7], s[8], s[9]), angularVelocity(s[10], s[11], s[12]),
+          orientation(s[3], s[4], s[5], s[6]) {}
+
+    Vec3 velocityAt(const Vec3& x) const { return velocity + angularVelocity.cross(x - position); }
+
+    // The body moves on with its velocities.
+    void advance(double dt, double* s) const {
+        const double angle = angularVelocity.norm() * dt;
+        const Vec3 axis = angle > 0 ? Vec3(angularVelocity.normalized()) : Vec3(Vec3::UnitZ());
+        const Eigen::Quaterniond q = (Eigen::AngleAxisd(angle, axis) * orientation).normalized();
+        for (int k = 0; k < 3; ++k) s[k] = position[k] + dt * velocity[k];
+        s[3] = q.w(), s[4] = q.x(), s[5] = q.y(), s[6] = q.z();
+    }
+};
+
+struct Surface {
+    double distance; // m, negative inside
+    Vec3 normal;     // outward, at the nearest point of the surface
+};
+
+class RigidShape {
+  public:
+    enum Kind { Sphere, Box, Wall, Capsule, Triangle };
+    static constexpr int size = 12; // body, kind, numbers of the kind
+
+    int body;
+    Kind kind;
+
+    // Sphere: centre, radius. Box: centre, half edges, orientation (w, x, y, z). Wall: point, outward normal.
+    // Capsule: two ends, radius. Triangle: three corners, half thickness.
+    RigidShape(const double* row, int dim) : body(int(row[0])), kind(Kind(int(row[1]))) {
+        const double* given = row + 2;
+        for (int v = 0; v < 3; ++v)
+            for (int k = 0; k < 3; ++k) point_[v][k] = given[3 * v + k];
+        radius_ = kind == Sphere ? given[3] : kind == Capsule ? given[6] : kind == Triangle ? given[9] : 0;
+        if (kind == Box) turn_ = Eigen::Quaterniond(given[6], given[7], given[8], given[9]).normalized();
+        if (kind == Wall) point_[1].normalize();
+        if (dim == 3) return;
+        for (Vec3& p : point_) p[2] = 0;
+        if (kind == Box) point_[1][2] = 1e150; // has no end along z
+    }
+
+    double thickness() const { return 2 * radius_; }
+    bool isThin() const { return kind == Capsule || kind == Triangle; }
+
+    Surface nearest(const Vec3& x) const {
+        switch (kind) {
+        case Sphere: return around(x, point_[0], Vec3::UnitY());
+        case Wall: return {point_[1].dot(x - point_[0]), point_[1]};
+        case Box: return nearestOfBox(x);
+        case Capsule: return around(x, onSegment(x, point_[0], point_[1]), sideOfSegment());
+        default: return around(x, onTriangle(x), sideOfTriangle());
+        }
+    }
+
+    // f(surface) for the directions in which a box of some extent can be clear of the shape: that of the nearest point, and the
+    // flat sides. A box beside an edge is clear along a side although its corner, seen along the diagonal, is not.
+    template <class F> void directions(const Vec3& x, F&& f) const {
+        const Surface nearest = this->nearest(x);
+        f(nearest);
+        if (nearest.distance <= 0) return;
+        if (kind == Box) {
+            const Vec3 local = turn_.conjugate() * (x - point_[0]);
+            for (int k = 0; k < 3; ++k)
+                f(Surface{std::abs(local[k]) - point_[1][k], turn_ * Vec3((local[k] < 0 ? -1 : 1) * Vec3::Unit(k))});
+        }
+        if (isThin()) {
+            const Vec3 side = kind == Capsule ? sideOfSegment() : sideOfTriangle();
+            const double height = side.dot(x - point_[0]);
+            f(Surface{std::abs(height) - radius_, height < 0 ? Vec3(-side) : side});
+        }
+    }
+
+    // Box in space around the shape.
+    void bounds(const RigidState& at, Vec3& lower, Vec3& upper) const {
+        const double far = std::numeric_limits<double>::infinity();
+        if (kind == Wall) return lower.setConstant(-far), upper.setConstant(far), void();
+        const Eigen::Matrix3d R = at.orientation.toRotationMatrix();
+        lower.setConstant(far), upper.setConstant(-far);
+        for (int v = 0; v < (kind == Triangle ? 3 : kind == Capsule ? 2 : 1); ++v) {
+            const Vec3 x = at.position + R * point_[v];
+            lower = lower.cwiseMin(x), upper = upper.cwiseMax(x);
+        }
+        Vec3 reach = Vec3::Constant(radius_);
+        if (kind == Box) reach = (R * turn_.toRotationMatrix()).cwiseAbs() * point_[1];
+        lower -= reach, upper += reach;
+    }
+
+  private:
+    Vec3 point_[3];
+    Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
+    double radius_ = 0;
+
+    // Rounded by radius_ about the point c of a core; `side`: the normal where x lies on the core.
+    Surface around(const Vec3& x, const Vec3& c, const Vec3& side) const {
+        const Vec3 away = x - c;
+        const double r = away.norm();
+        return {r - radius_, r > 0 ? Vec3(away / r) : side};
+    }
+
+    Surface nearestOfBox(const Vec3& x) const {
+        const Vec3 local = turn_.conjugate() * (x - point_[0]), over = local.cwiseAbs() - point_[1];
+        Vec3 normal;
+        double distance = over.maxCoeff();
+        if (distance > 0) {
+            normal = over.cwiseMax(0.0);
+            distance = normal.norm();
+            normal /= distance;
+        } else { // inside: the nearest face
+            normal.setZero();
+            int face;
+            over.maxCoeff(&face);
+            normal[face] = 1;
+        }
+        for (int k = 0; k < 3; ++k)
+            if (local[k] < 0) normal[k] = -normal[k];
+        return {distance, turn_ * normal};
+    }
+
+    Vec3 sideOfSegment() const {
+        const Vec3 along = point_[1] - point_[0], side = along.cross(Vec3::UnitZ());
+        return side.norm() > 0 ? side.normalized() : Vec3(Vec3::UnitX());
+    }
+
+    Vec3 sideOfTriangle() const { return (point_[1] - point_[0]).cross(point_[2] - point_[0]).normalized(); }
+
+    static Vec3 onSegment(const Vec3& x, const Vec3& a, const Vec3& b) {
+        const double t = (x - a).dot(b - a) / (b - a).squaredNorm();
+        return a + std::clamp(t, 0.0, 1.0) * (b - a);
+    }
+
+    Vec3 onTriangle(const Vec3& x) const {
+        const Vec3 &a = point_[0], &b = point_[1], &c = point_[2];
+        const Vec3 n = (b - a).cross(c - a), foot = x - n.dot(x - a) / n.squaredNorm() * n;
+        const auto isInside = [&](const Vec3& p, const Vec3& q) { return n.dot((q - p).cross(foot - p)) >= 0; };
+        if (isInside(a, b) && isInside(b, c) && isInside(c, a)) return foot;
+        Vec3 best = onSegment(x, a, b);
+        for (const Vec3& other : {onSegment(x, b, c), onSegment(x, c, a)})
+            if ((x - other).squaredNorm() < (x - best).squaredNorm()) best = other;
+        return best;
+    }
+};
+
+} // namespace mpm

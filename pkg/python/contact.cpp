@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// What RigidContact has besides its attributes: states in one call, forces as arrays.
+#include "python.hpp"
+
+#include "mpm/engine/RigidContact.hpp"
+
+namespace mpm::python {
+
+namespace {
+
+void setStates(RigidContact& c, const bp::object& positions, const bp::object& orientations, const bp::object& velocities,
+               const bp::object& angularVelocities) {
+    c.setStates(numbers<double>(positions), numbers<double>(orientations), numbers<double>(velocities),
+                numbers<double>(angularVelocities));
+}
+
+} // namespace
+
+void exposeContact() {
+    bp::class_<RigidContact, std::shared_ptr<RigidContact>, bp::bases<Engine>, boost::noncopyable>("RigidContactCore", bp::no_init)
+        .def("setStates", setStates)
+        .def("clearImpulses", &RigidContact::clearImpulses)
+        .add_property("forces", +[](const RigidContact& c) { return ArrayView(c.forces); })
+        .add_property("torques", +[](const RigidContact& c) { return ArrayView(c.torques); })
+        .add_property("bodies", &RigidContact::bodies)
+        .add_property("contacts", &RigidContact::contacts)
+        .def_readonly("sliding", &RigidContact::sliding)
+        .def_readonly("largestPenetration", &RigidContact::largestPenetration)
+        .def_readonly("stiffnessUsed", &RigidContact::stiffnessUsed);
+}
+
+} // namespace mpm::python

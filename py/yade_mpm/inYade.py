@@ -25,6 +25,7 @@ from .history import History
 from .recorder import Recorder
 from .running import Run
 from .scene import Scene
+from .yadeBodies import Bodies  # noqa: F401, for users: inYade.Bodies
 
 FRESH_DT = 1e-8      # s, O.dt of a YADE that nobody has told anything
 DEM_SAFETY = 0.8     # share of PWaveTimeStep taken when O.dt is left alone

@@ -413,3 +413,42 @@ say("same", bits(own) == bits(scene))
 """
     said, _ = run(script, tmp_path, command=(interpreter,))
     assert said["same"]
+
+
+# --- bodies of YADE that touch the soil ---------------------------------------------------------------------
+@pytest.mark.parametrize("mpmSteps, demSteps", [(1, 1), (3, 1), (1, 3)])
+def test_momentum_goes_from_the_bodies_to_the_soil(tmp_path, mpmSteps, demSteps):
+    said, _ = run(f"import bodies\nsay('fly', bodies.fly(150, mpmSteps={mpmSteps}, demSteps={demSteps}))", tmp_path)
+    fly = said["fly"]
+    assert fly["contacts"] > 2 and fly["given"] < -1e-3
+    assert fly["change"] < 1e-12, "momentum, Mg m/s, of 8e-3"
+
+
+def test_control_without_the_exchange_momentum_is_not_kept(tmp_path):
+    said, _ = run("import bodies\nsay('fly', bodies.fly(150, isCoupled=False))", tmp_path)
+    assert said["fly"]["change"] > 1e-4
+
+
+def test_the_soil_carries_the_weight(tmp_path):
+    said, _ = run("import bodies\nsay('rest', bodies.rest())", tmp_path)
+    rest = said["rest"]
+    assert rest["force"] == pytest.approx(0.2, rel=0.05)  # MASS * G
+    assert abs(rest["velocity"]) < 2e-3 and 0.54 < rest["height"] < 0.55
+
+
+def test_what_cannot_touch_the_soil_is_said(tmp_path):
+    said, _ = run("""
+from yade import utils
+contact = mpm.RigidContact()
+O.bodies.append([utils.wall(0, 2, sense=0), utils.wall(0, 2, sense=1)])
+clump, members = O.bodies.appendClumped([utils.sphere((0, 0, 0), 1), utils.sphere((1, 0, 0), 1)])
+say("wall", fails(ValueError, lambda: inYade.Bodies(contact, [0])))
+say("nobody", fails(ValueError, lambda: inYade.Bodies(contact, [99])))
+say("member", fails(ValueError, lambda: inYade.Bodies(contact, members[:1])))
+say("thickness", fails(ValueError, lambda: inYade.Bodies(contact, [1], thickness=0)))
+inYade.Bodies(contact, [1, clump])
+say("shapes", len(contact.core.value("shapes")) // 12)
+""", tmp_path)
+    assert "sense 0; give 1 or -1" in said["wall"] and "no body 99" in said["nobody"]
+    assert "give the number of the clump" in said["member"] and "thickness = 0" in said["thickness"]
+    assert said["shapes"] == 3, "the wall and the two spheres of the clump"

@@ -217,7 +217,7 @@ def test_a_disc_slides_or_rolls_down_an_incline(kind, friction):
 def layerFactor(chi, poisson):
     """Force on a sphere on an elastic layer that slips on its base, over Hertz; chi = sqrt(R d)/thickness.
 
-    Dimitriadis et al. 2002, Biophys. J. 82, 2798-2810, Eqs. (12), (13).
+    Dimitriadis et al. 2002, Biophys. J. 82, 2798-2810 (layer bonded to its base).
     """
     a, b = -0.347 * (3 - 2 * poisson) / (1 - poisson), 0.056 * (5 - 2 * poisson) / (1 - poisson)
     pi = np.pi

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A sphere and a box of YADE above a block of soil, for test_in_yade.py; run inside YADE."""
+import numpy as np
+import yade_mpm as mpm
+from yade import ForceResetter, NewtonIntegrator, O, Vector3, utils
+from yade_mpm import inYade
+
+MASS, G = 0.02, 10.0  # Mg, m/s2
+IDS = [0, 1]
+
+
+def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True):
+    """Free: all fly, without gravity. Else the soil stands on a held layer and the bodies come to rest on it."""
+    scene = mpm.Scene((0, 0, 0), (1.2, 1.2, 1.2), 0.1)
+    soil = scene.add("soil", mpm.box((0.3, 0.3, 0.2), (0.9, 0.9, 0.5)), mpm.NeoHookean(density=1.0, lame=(200.0, 100.0)),
+                     mpm.UGIMP(perCell=2))
+    contact = mpm.RigidContact(checkBalance=True)
+    held = {} if isFree else {"hold": mpm.Hold(mpm.box((0, 0, 0), (1.2, 1.2, 0.21)), velocity=(0, 0, 0)), "damping": 0.3}
+    scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(gravity=(0, 0, 0), **held), mpm.GridToParticle(),
+                     mpm.DomainUpdater()]
+    O.bodies.append(utils.sphere((0.5, 0.6, 0.6), 0.1))
+    O.bodies.append(utils.box((0.75, 0.6, 0.56), (0.08, 0.1, 0.05)))
+    for number in IDS:
+        state = O.bodies[number].state
+        state.mass, state.inertia, state.blockedDOFs = MASS, Vector3(1e-4, 1e-4, 1e-4), ""
+        O.bodies[number].dynamic = True
+        state.vel = Vector3(0.02, 0, -0.2) if isFree else Vector3(0, 0, 0)
+    O.engines = [ForceResetter(), NewtonIntegrator(gravity=(0, 0, 0 if isFree else -G), damping=0 if isFree else 0.3)]
+    bodies = inYade.Bodies(contact, IDS, friction=0.3)
+    coupling = inYade.attach(scene, mpmSteps=mpmSteps, demSteps=demSteps)
+    if isCoupled:
+        coupling.exchanges.append(bodies)
+    return soil, contact, coupling
+
+
+def momentum(soil):
+    """Of the soil and of the bodies, Mg m/s."""
+    return (soil.velocity * soil.mass[:, None]).sum(axis=0) + sum(MASS * np.array(O.bodies[b].state.vel) for b in IDS)
+
+
+def fly(cycles, **options):
+    """Largest change of the momentum, largest number of contacts, and the momentum that the bodies have given away."""
+    soil, contact, coupling = build(True, **options)
+    before, change, contacts = momentum(soil), 0.0, 0
+    for _ in range(cycles):
+        O.run(coupling.demSteps, True)
+        change, contacts = max(change, np.abs(momentum(soil) - before).max()), max(contacts, contact.contacts)
+    return {"change": change, "contacts": contacts, "given": float((soil.velocity * soil.mass[:, None]).sum(axis=0)[2])}
+
+
+def rest():
+    """Mean force on the box when it has come to rest, and its velocity."""
+    soil, contact, coupling = build(False)
+    O.run(3500, True)
+    forces = []
+    for _ in range(40):
+        O.run(50, True)
+        forces.append(contact.forces[1, 2])
+    return {"force": float(np.mean(forces)), "velocity": O.bodies[1].state.vel[2], "height": O.bodies[1].state.pos[2]}

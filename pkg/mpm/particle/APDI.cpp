@@ -44,8 +44,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         hourglass0_.resize(domains);
         for (int p = 0; p < domains; ++p) {
             const Corners<Dim> X = cornersOf(p);
-            const Shape<Dim> shape(X);
-            require(shape.volume > 0 && smallestCorner<Dim>(X) > 0, "APDI in '", Base::bodyName, "': domain ", p,
+            const Shape<Dim> shape(numbersOf<Dim>(X));
+            require(shape.volume > 0 && smallestCorner(numbersOf<Dim>(X)) > 0, "APDI in '", Base::bodyName, "': domain ", p,
                     " near ", place(Vec<Dim>(X.col(0))), " is inverted or concave; mend the mesh");
             for (int a = 0; a < NC; ++a) centres[p] += shape.w[a] * X.col(a);
             volumes[p] = shape.volume;
@@ -71,18 +71,13 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         hasMoved_.assign(chunksOf(n), 1);
         cell_.resize(n), local_.resize(n);
         vertex_.resize(n);
-        if (Dim == 2) skew_.resize(particles.size());
-        if (Dim == 3) shapes_.resize(particles.size());
+        skew_.resize(particles.size());
         cutIntoPieces();
     }
 
     // --- the step -----------------------------------------------------------------------------------
     void locate(Team& team) override {
         team.chunksNoWait(X_.size(), [&](int begin, int end) { hasMoved_[begin / chunkSize] = find(begin, end); });
-        if constexpr (Dim == 3) // in 3D the quadrature is worth keeping for the step
-            team.chunksNoWait(particles.size(), [&](int begin, int end) {
-                for (int p = begin; p < end; ++p) shapes_[p] = Shape<Dim>(cornersOf(p));
-            });
     }
 
     // The vertices stay where they are in memory; only the list of those of a block is made anew.
@@ -117,10 +112,12 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             q.values(first, count, inertiaScale, from.value);
             withForce ? q.forceColumns(first, count, stress.data(), from.column) : from.noForce(count);
             for (int i = 0; i < count && (Dim == 3 || hasBodyForce); ++i) from.weight[i] = q.weight(first + i, hasBodyForce);
-            if (controls) control(d, count, from, [&](int p, const double* pattern, double* h) __attribute__((always_inline)) {
+            if (controls) control(d, count, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
                 deformed(first + p, h);
                 MPM_UNROLL
-                for (int m = 0; m < patternSize; ++m) h[m] = pattern[m] - h[m];
+                for (int m = 0; m < modes; ++m)
+                    MPM_UNROLL
+                    for (int k = 0; k < Dim; ++k) h[m][k] = d.pattern[m][k][p] - h[m][k];
             });
             addToVertices(d, count, from, Dim == 3 || hasBodyForce, controls);
         });
@@ -184,7 +181,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     // With the gradient comes the volume after the step: the polygon area (polyhedron volume) itself; J V0 differs from
-    // it by O(dt).
+    // it by O(dt). The shapes are made anew: that takes less time than to fetch them from memory.
     void takeGradient(int begin, int end, const typename NF::Velocity*, double dt) override {
         double *volume = particles.volume.plane(), *L[Dim * Dim];
         for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
@@ -193,7 +190,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             const int* corner = corner_.data() + NC * first;
             const Corner X(corner, X_, count), V(corner, V_, count);
             double quality[batch];
-            auto one = [&](int p, auto&& shape, auto&& moved) __attribute__((always_inline)) {
+            auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
+                const ClosedShape<Dim> shape(X.at(p));
                 MPM_UNROLL
                 for (int i = 0; i < Dim; ++i)
                     MPM_UNROLL
@@ -203,13 +201,13 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                         for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
                         L[Dim * i + j][first + p] = sum;
                     }
-                if (dt > 0) volume[first + p] = moved.volume, quality[p] = moved.quality;
+                const auto x = moved(X, V, dt, p);
+                const ClosedShape<Dim> after(x);
+                const double least = qualityOf(after, smallestCorner(x)); // outside the condition, or it takes longer
+                if (dt > 0) volume[first + p] = after.volume, quality[p] = least;
             };
-            if constexpr (Dim == 2)
 #pragma omp simd
-                for (int p = 0; p < count; ++p) one(p, quadrilateral(X, p), MovedQuadrilateral(X, V, dt, p));
-            else
-                for (int p = 0; p < count; ++p) one(p, shapes_[first + p], MovedHexahedron(X, V, dt, p));
+            for (int p = 0; p < count; ++p) one(p);
             for (int p = 0; p < count && dt > 0; ++p)
                 if (!(quality[p] > worstQuality)) noteDistorted({first + p, quality[p]});
         }
@@ -260,7 +258,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     double minJacobian() const override {
         double least = 1e300;
         for (int p = 0; p < particles.size(); ++p)
-            least = std::min(least, smallestCorner<Dim>(cornersOf(p)) / particles.initialVolume.plane()[p]);
+            least = std::min(least, smallestCorner(numbersOf<Dim>(cornersOf(p))) / particles.initialVolume.plane()[p]);
         return least;
     }
 
@@ -269,7 +267,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         double largest = 0;
         for (int p = 0; p < particles.size(); ++p) {
             HourglassAmplitude<Dim> h;
-            DeformedPattern(*this)(p, h.data());
+            DeformedPattern(*this)(p, reinterpret_cast<double(*)[Dim]>(h.data()));
             largest = std::max(largest, (hourglassPattern<Dim>(cornersOf(p)) - h).colwise().norm().maxCoeff() /
                                             std::pow(particles.volume.plane()[p], 1.0 / Dim));
         }
@@ -343,14 +341,13 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     size_t bytes() const override {
         size_t sum = sizeof(int) * (corner_.size() + cell_.size() + block_.size() + order.order.size()) +
-                     sizeof(vertex_[0]) * vertex_.size() + local_.bytes() + skew_.bytes() +
-                     sizeof(Shape<Dim>) * shapes_.size();
+                     sizeof(vertex_[0]) * vertex_.size() + local_.bytes() + skew_.bytes();
         for (const Field* f : {&X_, &X0_, &V_, &hourglass0_}) sum += f->bytes();
         return sum;
     }
 
     void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
-        const Shape<Dim> shape(cornersOf(p));
+        const Shape<Dim> shape(numbersOf<Dim>(cornersOf(p)));
         for (int a = 0; a < NC; ++a)
             throughMasters(corner_[NC * p + a], 1.0, [&](int v, double share) {
                 Hat(*this)(v, [&](int node, double S) { each(node, share * shape.w[a] * S, Vec<Dim>(share * S * shape.g[a])); });
@@ -368,16 +365,15 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             std::fill(from.value, from.value + count, Quad{});
             q.forceColumns(first, count, tensor, from.column);
             const Corner V(d.corner, V_, count);
-            if (controls) control(d, count, from, [&](int p, const double* pattern, double* h) __attribute__((always_inline)) {
+            if (controls) control(d, count, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
                 for (int m = 0; m < modes; ++m)
                     for (int k = 0; k < Dim; ++k) {
-                        double sum = 0;
+                        h[m][k] = 0;
                         for (int a = 0; a < NC; ++a) {
                             double linear = 0;
-                            for (int j = 0; j < Dim; ++j) linear += d.g[a][j][p] * pattern[Dim * m + j];
-                            sum += (hourglassSign(Dim, m, a) / NC - linear) * V.x[a][k][p];
+                            for (int j = 0; j < Dim; ++j) linear += d.g[a][j][p] * d.pattern[m][j][p];
+                            h[m][k] += (hourglassSign(Dim, m, a) / NC - linear) * V.x[a][k][p];
                         }
-                        h[Dim * m + k] = sum;
                     }
             });
             addToVertices(d, count, from, false, controls);
@@ -387,7 +383,16 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
   private:
     static constexpr int batch = Dim == 2 ? 64 : 32; // domains whose shapes are held at once
-    static constexpr int modes = hourglassModes<Dim>, patternSize = Dim * modes;
+    static constexpr int modes = hourglassModes<Dim>;
+
+    using Skew = decltype(ClosedShape<Dim>::skew);
+    static constexpr int skews = int(std::tuple_size<Skew>());
+
+    std::array<double*, skews> skewPlanes(int first) {
+        std::array<double*, skews> planes;
+        for (int m = 0; m < skews; ++m) planes[m] = skew_.plane(m) + first;
+        return planes;
+    }
 
     // A vector at the corners of a batch of domains, from a field over the vertices.
     struct Corner {
@@ -405,86 +410,76 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                     for (int k = 0; k < Dim; ++k) x[a][k][p] = plane[k][v];
                 }
         }
+        MPM_INLINE CornerNumbers<Dim> at(int p) const {
+            CornerNumbers<Dim> X;
+            MPM_UNROLL
+            for (int a = 0; a < NC; ++a)
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) X[k][a] = x[a][k][p];
+            return X;
+        }
     };
-
-    MPM_INLINE static QuadrilateralShape quadrilateral(const Corner& X, int p) {
-        return {{X.x[0][0][p], X.x[1][0][p], X.x[2][0][p], X.x[3][0][p]},
-                {X.x[0][1][p], X.x[1][1][p], X.x[2][1][p], X.x[3][1][p]}};
-    }
 
     // Corner weights of a batch of domains.
     struct Weights {
         const int* corner; // NC per domain
         double w[NC][batch];
 
-        Weights(const MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first) {
-            const double *a = d.skew_.plane(0) + first, *b = d.skew_.plane(1) + first;
-            if constexpr (Dim == 2)
+        Weights(MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first) {
+            const auto skew = d.skewPlanes(first);
+            auto one = [&](int p) __attribute__((always_inline)) {
+                Skew amount;
+                MPM_UNROLL
+                for (int m = 0; m < skews; ++m) amount[m] = skew[m][p];
+                const auto all = ClosedShape<Dim>::weights(amount);
+                MPM_UNROLL
+                for (int a = 0; a < NC; ++a) w[a][p] = all[a];
+            };
 #pragma omp simd
-                for (int p = 0; p < count; ++p) {
-                    w[0][p] = 0.25 - (a[p] + b[p]), w[1][p] = 0.25 - (a[p] - b[p]);
-                    w[2][p] = 0.25 + (a[p] + b[p]), w[3][p] = 0.25 + (a[p] - b[p]);
-                }
-            else
-                for (int p = 0; p < count; ++p)
-                    for (int a = 0; a < NC; ++a) w[a][p] = d.shapes_[first + p].w[a];
+            for (int p = 0; p < count; ++p) one(p);
         }
     };
 
-    // Corners and shapes of a batch of domains.
+    // Shapes of a batch of domains.
     struct Shapes {
         const int* corner; // NC per domain
-        Corner X;
-        double w[NC][batch], g[NC][Dim][batch], volume[batch];
+        double w[NC][batch], g[NC][Dim][batch], volume[batch], pattern[modes][Dim][batch];
 
-        Shapes(MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first), X(corner, d.X_, count) {
-            double *a = d.skew_.plane(0) + first, *b = d.skew_.plane(1) + first;
-            if constexpr (Dim == 2)
-#pragma omp simd
-                for (int p = 0; p < count; ++p) {
-                    const QuadrilateralShape shape = quadrilateral(X, p);
-                    set(p, shape);
-                    a[p] = shape.skew[0], b[p] = shape.skew[1];
-                }
-            else
-                for (int p = 0; p < count; ++p) set(p, d.shapes_[first + p]);
-        }
-        template <class S> MPM_INLINE void set(int p, const S& shape) {
-            volume[p] = shape.volume;
-            MPM_UNROLL
-            for (int a = 0; a < NC; ++a) {
-                w[a][p] = shape.w[a];
+        Shapes(MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first) {
+            const Corner X(corner, d.X_, count);
+            const auto skew = d.skewPlanes(first);
+            auto one = [&](int p) __attribute__((always_inline)) {
+                const ClosedShape<Dim> shape(X.at(p));
+                volume[p] = shape.volume;
                 MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) g[a][k][p] = shape.g[a][k];
-            }
+                for (int a = 0; a < NC; ++a) {
+                    w[a][p] = shape.w[a];
+                    MPM_UNROLL
+                    for (int k = 0; k < Dim; ++k) g[a][k][p] = shape.g[a][k];
+                }
+                MPM_UNROLL
+                for (int m = 0; m < skews; ++m) skew[m][p] = shape.skew[m];
+                MPM_UNROLL
+                for (int m = 0; m < modes; ++m)
+                    MPM_UNROLL
+                    for (int k = 0; k < Dim; ++k) pattern[m][k][p] = shape.pattern[m][k];
+            };
+#pragma omp simd
+            for (int p = 0; p < count; ++p) one(p);
         }
     };
 
-    // A domain after its vertices have moved: volume, and smallest corner area over it; the latter not above 0 if a corner
-    // weight is too small.
-    struct MovedQuadrilateral {
-        double volume, quality;
-
-        MPM_INLINE MovedQuadrilateral(const Corner& X, const Corner& V, double dt, int p) {
-            std::array<double, 4> x, y;
+    // The corners after they have moved.
+    MPM_INLINE static CornerNumbers<Dim> moved(const Corner& X, const Corner& V, double dt, int p) {
+        CornerNumbers<Dim> x;
+        MPM_UNROLL
+        for (int a = 0; a < NC; ++a)
             MPM_UNROLL
-            for (int a = 0; a < 4; ++a) x[a] = X.x[a][0][p] + dt * V.x[a][0][p], y[a] = X.x[a][1][p] + dt * V.x[a][1][p];
-            const QuadrilateralShape shape(x, y);
-            volume = shape.volume, quality = qualityOf(shape, mpm::smallestCorner(x, y));
-        }
-    };
-    struct MovedHexahedron {
-        double volume, quality;
+            for (int k = 0; k < Dim; ++k) x[k][a] = X.x[a][k][p] + dt * V.x[a][k][p];
+        return x;
+    }
 
-        MovedHexahedron(const Corner& X, const Corner& V, double dt, int p) {
-            Corners<Dim> x;
-            for (int a = 0; a < NC; ++a)
-                for (int k = 0; k < Dim; ++k) x(k, a) = X.x[a][k][p] + dt * V.x[a][k][p];
-            const Shape<Dim> shape(x);
-            volume = shape.volume, quality = qualityOf(shape, mpm::smallestCorner<Dim>(x));
-        }
-    };
-
+    // Smallest corner area over the area, but not above 0 if a corner weight is too small.
     template <class S> MPM_INLINE static double qualityOf(const S& shape, double corner) {
         double least = shape.w[0];
         MPM_UNROLL
@@ -523,7 +518,6 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         Quad value[batch], weight[batch]; // times w: the value lanes, and what goes with the force
         Quad column[batch][Dim];          // times g_k: -V sigma_k
         Quad control[batch][modes];       // times gamma: forces against the hourglass patterns, in the lanes of the control
-        double gamma[modes][NC][batch];
 
         void noForce(int count) {
             for (int p = 0; p < count; ++p)
@@ -531,21 +525,36 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         }
     };
 
+    // The control gives f_a = sum_m gamma_ma control_m with gamma_ma = G_ma/2^Dim - g_a . pattern_m. What goes with g_a is
+    // summed over the modes first; in 2D, where one Quad holds both forces, it joins the columns.
     MPM_INLINE void addToVertices(const Shapes& d, int count, const FromDomains& from, bool hasWeight, bool controls) {
-        for (int i = 0; i < count; ++i)
+        for (int i = 0; i < count; ++i) {
+            Quad column[Dim], linear[Dim]; // times g_k: the stress, and the control
+            MPM_UNROLL
+            for (int k = 0; k < Dim; ++k) {
+                column[k] = from.column[i][k], linear[k] = Quad{};
+                MPM_UNROLL
+                for (int m = 0; m < modes && controls; ++m)
+                    (Dim == 2 ? column : linear)[k] -= d.pattern[m][k][i] * from.control[i][m];
+            }
             MPM_UNROLL
             for (int a = 0; a < NC; ++a) {
                 Vertex& vertex = vertex_[d.corner[NC * i + a]];
                 vertex.part[0] += d.w[a][i] * from.value[i];
-                Quad sum = vertex.part[1];
+                Quad force = vertex.part[1], control{};
                 MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) sum += d.g[a][k][i] * from.column[i][k];
-                if (hasWeight) sum += d.w[a][i] * from.weight[i];
-                if (Dim == 2 && controls) sum += from.gamma[0][a][i] * from.control[i][0];
-                vertex.part[1] = sum;
-                if (Dim == 3 && controls)
-                    for (int m = 0; m < modes; ++m) vertex.part[last] += from.gamma[m][a][i] * from.control[i][m];
+                for (int k = 0; k < Dim; ++k) force += d.g[a][k][i] * column[k];
+                if (hasWeight) force += d.w[a][i] * from.weight[i];
+                MPM_UNROLL
+                for (int m = 0; m < modes && controls; ++m)
+                    (Dim == 2 ? force : control) += hourglassSign(Dim, m, a) / NC * from.control[i][m];
+                vertex.part[1] = force;
+                if (Dim == 2 || !controls) continue;
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) control += d.g[a][k][i] * linear[k];
+                vertex.part[last] += control;
             }
+        }
     }
 
     // Then the nodes take it; the forces of hourglass control stay on the vertices, too.
@@ -685,7 +694,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                 for (int m = 0; m < modes; ++m) pattern[m][i] = d.hourglass0_.plane(Dim * m + i);
             }
         }
-        MPM_INLINE void operator()(int p, double* h) const {
+        MPM_INLINE void operator()(int p, double (*h)[Dim]) const {
             MPM_UNROLL
             for (int m = 0; m < modes; ++m)
                 MPM_UNROLL
@@ -693,49 +702,32 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                     double sum = 0;
                     MPM_UNROLL
                     for (int j = 0; j < Dim; ++j) sum += F[i][j][p] * pattern[m][j][p];
-                    h[Dim * m + i] = sum;
+                    h[m][i] = sum;
                 }
         }
     };
 
-    // Forces of hourglass control on the vertices, where amplitude(p, pattern, h) gives what they resist.
+    // Forces of hourglass control on the vertices, where amplitude(p, h) gives what they resist, per mode and axis.
     // Stiffness form of Flanagan & Belytschko 1981: f_a = -k h gamma_a with gamma_a = G_a/2^Dim - g_a . (pattern
     // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
     // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
     template <class Amplitude> void control(const Shapes& d, int count, FromDomains& from, Amplitude&& amplitude) const {
+        double* lanes = reinterpret_cast<double*>(from.control);
         auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
-            double* lanes = reinterpret_cast<double*>(from.control);
-            double pattern[patternSize], h[patternSize], sum = 0;
-            MPM_UNROLL
-            for (int m = 0; m < modes; ++m)
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) {
-                    double amount = 0;
-                    MPM_UNROLL
-                    for (int a = 0; a < NC; ++a) amount += hourglassSign(Dim, m, a) / NC * d.X.x[a][k][p];
-                    pattern[Dim * m + k] = amount;
-                }
-            amplitude(p, pattern, h);
+            double h[modes][Dim], sum = 0;
+            amplitude(p, h);
             MPM_UNROLL
             for (int a = 0; a < NC; ++a)
                 MPM_UNROLL
                 for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
             const double stiffness = hourglassModulus_ * d.volume[p] * sum;
             MPM_UNROLL
-            for (int m = 0; m < modes; ++m) {
+            for (int m = 0; m < modes; ++m)
                 MPM_UNROLL
                 for (int l = 0; l < 4; ++l) {
                     const int k = l - controlLane;
-                    lanes[4 * (modes * p + m) + l] = k >= 0 && k < Dim ? -stiffness * h[Dim * m + k] : 0;
+                    lanes[4 * (modes * p + m) + l] = k >= 0 && k < Dim ? -stiffness * h[m][k] : 0;
                 }
-                MPM_UNROLL
-                for (int a = 0; a < NC; ++a) {
-                    double linear = 0;
-                    MPM_UNROLL
-                    for (int k = 0; k < Dim; ++k) linear += d.g[a][k][p] * pattern[Dim * m + k];
-                    from.gamma[m][a][p] = hourglassSign(Dim, m, a) / NC - linear;
-                }
-            }
         };
 #pragma omp simd
         for (int p = 0; p < count; ++p) one(p);
@@ -823,10 +815,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     std::vector<char> hasMoved_; // chunks of vertices in which one is in another cell than before
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
     std::vector<Vertex> vertex_; // during a transfer
-    Field skew_{"skew", "-", "What the corner weights of a quadrilateral differ from 1/4 by, for the step.", {2}};
+    Field skew_{"skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
     int pieceSize_ = 0;                    // domains per piece of the stage between domains and vertices
     Turns pieces_;
-    std::vector<Shape<Dim>> shapes_;       // 3D only
     std::vector<Distorted> distorted_;     // found in the last takeGradient(), in order
     std::mutex mutex_;
 };

@@ -24,8 +24,37 @@ template <int Dim> using Index = std::array<int, Dim>;
 // 2^Dim: nodes of a cell, corners of an APDI domain.
 template <int Dim> constexpr int corners = 1 << Dim;
 
-// Four doubles that the compiler keeps in one vector register where the machine has one.
+// Four doubles: one vector register where the machine has those, else two of two doubles each. As one vector type wider than
+// a register GCC 12 would move them through memory lane by lane, and a step of uGIMP would take five times as long.
+#ifdef __AVX__
 typedef double Quad __attribute__((vector_size(32)));
+
+// even and odd lanes from two numbers
+MPM_INLINE Quad alternating(double even, double odd) {
+    typedef int64_t Mask __attribute__((vector_size(32)));
+    return Mask{0, -1, 0, -1} ? Quad{odd, odd, odd, odd} : Quad{even, even, even, even};
+}
+#else
+struct Quad {
+    typedef double Pair __attribute__((vector_size(16)));
+    Pair low, high;
+
+    Quad() = default;
+    MPM_INLINE Quad(Pair low, Pair high) : low(low), high(high) {}
+    MPM_INLINE Quad(double a, double b, double c, double d) : low{a, b}, high{c, d} {}
+
+    MPM_INLINE double operator[](int lane) const { return lane < 2 ? low[lane] : high[lane - 2]; }
+    MPM_INLINE double& operator[](int lane) { return reinterpret_cast<double*>(this)[lane]; }
+
+    MPM_INLINE Quad& operator+=(const Quad& other) { return low += other.low, high += other.high, *this; }
+    MPM_INLINE Quad& operator-=(const Quad& other) { return low -= other.low, high -= other.high, *this; }
+    MPM_INLINE friend Quad operator+(const Quad& a, const Quad& b) { return {a.low + b.low, a.high + b.high}; }
+    MPM_INLINE friend Quad operator*(const Quad& a, const Quad& b) { return {a.low * b.low, a.high * b.high}; }
+    MPM_INLINE friend Quad operator*(double s, const Quad& a) { return {s * a.low, s * a.high}; }
+};
+
+MPM_INLINE Quad alternating(double even, double odd) { return {even, odd, even, odd}; }
+#endif
 
 // W lanes of nodal or particle data that are weighted together: one multiply-add treats mass,
 // momentum and force of a node alike. W is a multiple of four.

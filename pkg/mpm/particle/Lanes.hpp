@@ -30,8 +30,8 @@ template <> struct Lanes<2> {
     template <class F> MPM_INLINE static Quad vector(F&& value) { return Quad{value(0), value(0), value(1), value(1)}; }
 
     // d_x phi in the even lanes, d_y phi in the odd ones, as a product of this for the axes.
-    MPM_INLINE static Quad alongX(double S, double G) { return blend(Quad{S, S, S, S}, Quad{G, G, G, G}, 0); }
-    MPM_INLINE static Quad alongY(double S, double G) { return blend(Quad{S, S, S, S}, Quad{G, G, G, G}, 1); }
+    MPM_INLINE static Quad alongX(double S, double G) { return alternating(G, S); }
+    MPM_INLINE static Quad alongY(double S, double G) { return alternating(S, G); }
 
     struct Row {
         Quad product;
@@ -45,12 +45,6 @@ template <> struct Lanes<2> {
         MPM_INLINE void addRow(const Across<2>& w) { all += alongY(w.S, w.G[0]) * row, row = Quad{}; }
         MPM_INLINE Gradient gradient() const { return {all}; }
     };
-
-  private:
-    MPM_INLINE static Quad blend(const Quad& even, const Quad& odd, int swapped) {
-        typedef int64_t Mask __attribute__((vector_size(32)));
-        return Mask{swapped - 1, -swapped, swapped - 1, -swapped} ? odd : even;
-    }
 };
 
 template <> struct Lanes<3> {

@@ -125,6 +125,7 @@ template <int Dim> struct Bind {
             .add_property("count", count)
             .add_property("inertiaScale", bp::make_getter(&B::inertiaScale), setInertiaScale)
             .def_readwrite("fbar", &B::fbar)
+            .def_readwrite("group", &B::group)
             .def_readwrite("converted", &B::converted)
             .def_readwrite("internalWork", &B::internalWork)
             .def_readwrite("largestInertialMass", &B::largestInertialMass)

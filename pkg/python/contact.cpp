@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What RigidContact has besides its attributes: states in one call, forces as arrays.
+// What RigidContact and Contact have besides their attributes: states in one call, forces as arrays.
 #include "python.hpp"
 
+#include "mpm/engine/Contact.hpp"
 #include "mpm/engine/RigidContact.hpp"
 
 namespace mpm::python {
@@ -27,6 +28,10 @@ void exposeContact() {
         .def_readonly("sliding", &RigidContact::sliding)
         .def_readonly("largestPenetration", &RigidContact::largestPenetration)
         .def_readonly("stiffnessUsed", &RigidContact::stiffnessUsed);
+    bp::class_<Contact, std::shared_ptr<Contact>, bp::bases<Engine>, boost::noncopyable>("ContactCore", bp::no_init)
+        .add_property("table", +[](const Contact& c) { return listOf(c.table); })
+        .def_readonly("sliding", &Contact::sliding)
+        .def_readonly("largestPenetration", &Contact::largestPenetration);
 }
 
 } // namespace mpm::python

@@ -103,19 +103,21 @@ template <int Dim> struct Bind {
     static bp::dict energies(const S& scene) {
         bp::dict d;
         d["gravity"] = scene.energies.gravity, d["loads"] = scene.energies.loads, d["damping"] = scene.energies.damping;
+        d["contact"] = scene.energies.contact;
         return d;
     }
     static void setEnergies(S& scene, const bp::dict& d) {
         scene.energies.gravity = bp::extract<double>(d["gravity"]);
         scene.energies.loads = bp::extract<double>(d["loads"]);
         scene.energies.damping = bp::extract<double>(d["damping"]);
+        scene.energies.contact = bp::extract<double>(d.get("contact", 0.0));
     }
     // Sums of the last ParticleToGrid, for checks: mass, momentum and force over all nodes.
     static bp::tuple nodalTotals(const S& scene) {
         std::array<double, 1 + 2 * Dim> total{};
         for (const auto& field : scene.grid.fields)
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
-                scene.grid.forNodes(slab, [&](int node) {
+                scene.grid.forNodes(field, slab, [&](int node) {
                     total[0] += field.sum[node][NodalField<Dim>::mass];
                     for (int k = 0; k < Dim; ++k) {
                         total[1 + k] += field.sum[node][NodalField<Dim>::momentum + k];
@@ -129,7 +131,7 @@ template <int Dim> struct Bind {
         bp::list all;
         for (const auto& field : scene.grid.fields)
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
-                scene.grid.forNodes(slab, [&](int node) {
+                scene.grid.forNodes(field, slab, [&](int node) {
                     bp::list row;
                     row.append(node);
                     row.append(field.sum[node][NodalField<Dim>::mass]);

@@ -94,6 +94,18 @@ class Body(Guarded):
         self.core.inertiaScale = float(value)
 
     @property
+    def group(self):
+        """Name of the group that the body sticks to; may be changed between runs."""
+        return self.core.group
+
+    @group.setter
+    def group(self, value):
+        if not (isinstance(value, str) and value):
+            raise ValueError(f"body '{self.name}': group = {value!r}; give a name, e.g. 'pile'")
+        self.core.group = value
+        self._scene._dirty()
+
+    @property
     def fbar(self):
         """Whether the volumetric strain increment of the stress update is averaged over a cell."""
         return self.core.fbar

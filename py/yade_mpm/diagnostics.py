@@ -38,17 +38,22 @@ def dampedEnergy(scene):
     return float(scene.core.energies["damping"])
 
 
+def contactEnergy(scene):
+    """Energy lost to friction and impact between groups of bodies since the start, kJ."""
+    return float(scene.core.energies["contact"])
+
+
 def energyError(scene, initialKineticEnergy=0.0, relative=False):
-    """What is missing in the energy balance, W_ext - W_damp - W_int - (E_kin - E_kin,0), kJ.
+    """What is missing in the energy balance, W_ext - W_damp - W_contact - W_int - (E_kin - E_kin,0), kJ.
 
     initialKineticEnergy : E_kin,0 at the start, kJ; default 0.
-    relative : divide by |W_ext| + W_damp + |W_int| + E_kin + E_kin,0; 0 where all are zero.
+    relative : divide by |W_ext| + W_damp + W_contact + |W_int| + E_kin + E_kin,0; 0 where all are zero.
 
     Positive: energy was lost in the transfers, in hourglass control or in conversions. Velocities belong to the middle
     of steps, so dt/2 dE_kin/dt is always part of it; that oscillates and does not add up.
     """
     kinetic, external = kineticEnergy(scene), externalWork(scene)
-    internal, damped = internalWork(scene), dampedEnergy(scene)
+    internal, damped = internalWork(scene), dampedEnergy(scene) + contactEnergy(scene)
     error = external - damped - internal - (kinetic - initialKineticEnergy)
     if not relative:
         return error

@@ -329,6 +329,61 @@ def _rows(what, values, width):
     return array.ravel().tolist()
 
 
+class Contact(_generated["Contact"]):
+    __doc__ = _generated["Contact"].__doc__ + """
+
+        scene.add("pile", shaft, steel, mpm.APDI(size=0.125), group="pile")
+        contact = mpm.Contact(friction=0.4)
+        scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(...), contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+"""
+
+    def __init__(self, **attributes):
+        super().__init__(**attributes)
+        object.__setattr__(self, "_pairs", {})
+        object.__setattr__(self, "_groups", [])
+
+    def pair(self, first, second, friction, adhesion=0.0):
+        """Friction (-) and adhesion (kPa) between two groups, by their names; else those of the engine."""
+        for name, value in (("friction", friction), ("adhesion", adhesion)):
+            if not (isinstance(value, (int, float, np.number)) and value >= 0):
+                raise ValueError(f"Contact: {name} = {value!r} between '{first}' and '{second}'; give zero or a positive number")
+        self._pairs[first, second] = float(friction), float(adhesion)
+        if self._groups:
+            self._setPairs()
+
+    def bind(self, scene):
+        object.__setattr__(self, "_groups", list(dict.fromkeys(b.group for b in scene.bodies)))
+        if self._pairs:
+            self._setPairs()
+
+    def _setPairs(self):
+        for name in (n for names in self._pairs for n in names):
+            if name not in self._groups:
+                raise ValueError(f"Contact: there is no group '{name}'; groups: {', '.join(self._groups)}")
+        self.core.set("pairs", [float(x) for (a, b), law in self._pairs.items()
+                                for x in (self._groups.index(a), self._groups.index(b), *law)])
+
+    sliding = property(lambda self: self.core.sliding, doc="Number of nodes in contact that slid in the last step.")
+    largestPenetration = property(lambda self: self.core.largestPenetration,
+                                  doc="Largest overlap of surfaces at nodes in contact in the last step, m.")
+
+    def contactTable(self):
+        """Dict of arrays over the nodes in contact in the last step.
+
+        first, second : names of the groups; node (n, 3), m; normal (n, 3), from the first to the second; gap, m (negative:
+        overlap); area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, of the first against the second.
+        """
+        rows = np.reshape(self.core.table, (-1, 16))
+        names = np.array(self._groups or [""], object)
+        return {"first": names[rows[:, 0].astype(int)], "second": names[rows[:, 1].astype(int)], "node": rows[:, 2:5],
+                "normal": rows[:, 5:8], "gap": rows[:, 8], "area": rows[:, 9], "force": rows[:, 10:13], "slip": rows[:, 13:]}
+
+    def forceOn(self, group):
+        """Force on a group in the last step, kN (3,)."""
+        table = self.contactTable()
+        return table["force"][table["second"] == group].sum(axis=0) - table["force"][table["first"] == group].sum(axis=0)
+
+
 class Callback(Engine):
     """Base of engines that call back into Python: every `iterPeriod` steps or every `virtPeriod` s of scene time.
 
@@ -435,6 +490,6 @@ def _listOf(kind, what, given):
     return given
 
 
-_own = {"GridSolver": GridSolver, "BoundaryLoad": BoundaryLoad, "RigidContact": RigidContact, "PyRunner": PyRunner}
+_own = {"GridSolver": GridSolver, "BoundaryLoad": BoundaryLoad, "RigidContact": RigidContact, "Contact": Contact, "PyRunner": PyRunner}
 classes = {**_generated, **_own}
 globals().update({name: c for name, c in classes.items() if name not in _own})

@@ -59,7 +59,7 @@ class Scene(Guarded):
                 f"{self.particleCount} particles, t = {self.time:g} s>")
 
     # --- bodies ---------------------------------------------------------------------------------------
-    def add(self, name, region, material, type, inertiaScale=1.0, fbar=False):
+    def add(self, name, region, material, type, inertiaScale=1.0, fbar=False, group="main"):
         """Adds a body and returns it.
 
         name : used in messages, results and checkpoints.
@@ -67,6 +67,7 @@ class Scene(Guarded):
         material : e.g. mpm.LinearElastic(...). type : e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).
         inertiaScale : factor on the inertial mass, not on the weight; default 1.
         fbar : average the volumetric strain increment over a cell in the stress update; default False.
+        group : name; bodies of one group stick together, between groups a `Contact` engine lets them slip; default "main".
 
         Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies that
         overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
@@ -84,7 +85,8 @@ class Scene(Guarded):
         if not isinstance(geometry, tuple) and geometry.dim != self.dim:
             raise ValueError(f"body '{name}': the mesh is {geometry.dim}D, the scene {self.dim}D")
         self._checkInside(name, geometry)
-        body = self._newBody(name, material, type, region if isinstance(region, Region) else None, inertiaScale, fbar)
+        body = self._newBody(name, material, type, region if isinstance(region, Region) else None, inertiaScale, fbar,
+                             group)
         try:
             self._build(body, geometry)
             for other in self.bodies[:-1]:
@@ -96,13 +98,13 @@ class Scene(Guarded):
             self._addConverted(body)
         return body
 
-    def _newBody(self, name, material, type, region, inertiaScale, fbar):
+    def _newBody(self, name, material, type, region, inertiaScale, fbar, group):
         core = self.core.addBody(name, material.core, type.core)
         body = Body(self, core, type, material, region)
         self.bodies.append(body)
         self._dirty()
         try:
-            body.inertiaScale, body.fbar = inertiaScale, fbar
+            body.inertiaScale, body.fbar, body.group = inertiaScale, fbar, group
         except Exception:
             self._drop(body)
             raise
@@ -128,7 +130,7 @@ class Scene(Guarded):
         """The body that takes over domains of `body` that become too distorted; empty at first."""
         spacing = self.cell / 2 if body.type.matched is None else 2 * body.type.matched.halfSize
         other = self._newBody(body.name + " (converted)", body.material, particleClasses["UGIMP"](), None,
-                              body.inertiaScale, body.fbar)
+                              body.inertiaScale, body.fbar, body.group)
         other.core.buildLattice(np.zeros((0, self.dim)), _array(spacing / 2))
         self._convertTo(body, other)
 
@@ -506,8 +508,8 @@ class Scene(Guarded):
         checkpoint.save(self, file)
 
 
-_ORDER = {"MUSL": ("ParticleToGrid", "BoundaryLoad", "GridSolver", "GridToParticle", "DomainUpdater"),
-          "USF": ("ParticleToGrid", "DomainUpdater", "BoundaryLoad", "GridSolver", "GridToParticle")}
+_ORDER = {"MUSL": ("ParticleToGrid", "BoundaryLoad", "GridSolver", "Contact", "GridToParticle", "DomainUpdater"),
+          "USF": ("ParticleToGrid", "DomainUpdater", "BoundaryLoad", "GridSolver", "Contact", "GridToParticle")}
 _ORDER["USL"] = _ORDER["MUSL"]
 _LIKE_LOADS = ("RigidContact",)  # add forces to the nodes where loads do
 

@@ -6,7 +6,7 @@ import yade_mpm as mpm
 
 MATERIALS = ["LinearElastic", "MohrCoulombDruckerPrager", "NeoHookean"]
 TYPES = ["APDI", "UGIMP"]
-ENGINES = ["BoundaryLoad", "DomainUpdater", "GridSolver", "GridToParticle", "ParticleToGrid", "RigidContact"]
+ENGINES = ["BoundaryLoad", "Contact", "DomainUpdater", "GridSolver", "GridToParticle", "ParticleToGrid", "RigidContact"]
 
 
 @pytest.mark.parametrize("names, expected", [(mpm._core.materialNames, MATERIALS), (mpm._core.particleTypeNames, TYPES),

@@ -29,10 +29,10 @@ template <int Dim> class ElasticOperator {
         const double least = scene.leastMass();
         for (auto& field : scene.grid.fields)
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
-                scene.grid.forNodes(slab, [&](int node) {
+                scene.grid.forNodes(field, slab, [&](int node) {
                     const double m = field.sum[node][NF::mass];
                     for (int k = 0; k < Dim; ++k)
-                        if (m > least && scene.holder[k][node] < 0) {
+                        if (m > least && field.holder[k][node] < 0) {
                             dofs_.push_back({int(&field - scene.grid.fields.data()), node, k});
                             mass_.push_back(m);
                         }
@@ -104,7 +104,7 @@ template <int Dim> class ElasticOperator {
     void clear() {
         for (auto& field : scene_.grid.fields)
             for (int slab = 0; slab < scene_.grid.slabs(); ++slab)
-                scene_.grid.forNodes(slab, [&](int node) {
+                scene_.grid.forNodes(field, slab, [&](int node) {
                     field.velocity[node] = NF::Velocity::zero();
                     field.sum[node] = NF::Sum::zero();
                 });

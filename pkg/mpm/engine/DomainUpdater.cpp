@@ -96,6 +96,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             body->domains->move(team, nullptr, scene.grid.fields[body->velocityField].velocity.data(),
                                 {scene.dt, 1, 0, body->inertiaScale});
         velocityFromMomentum(team, scene, scene.time);
+        team.once([&] {
+            for (auto& engine : scene.engines)
+                if (!engine->dead) engine->remapped(scene);
+        });
     }
 
     // The threads do not wait for each other at the end.

@@ -32,7 +32,7 @@ template <int Dim> std::vector<int> drivenPart(const Body<Dim>& body, Constraint
 // nodalMass: scratch, zero on entry and exit.
 template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& nodalMass) {
     for (auto held = scene.driven.rbegin(); held != scene.driven.rend(); ++held)
-        scene.holder[held->axis][held->node] = held->before;
+        scene.grid.fields[held->field].holder[held->axis][held->node] = held->before;
     scene.driven.clear();
     std::vector<int> touched;
     for (int c = 0; c < int(scene.constraints.size()); ++c) {
@@ -42,13 +42,13 @@ template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& 
         const Body<Dim>& body = *scene.body(drive.body);
         touched.clear();
         body.domains->addMass(drivenPart(body, drive), nodalMass.data(), touched);
-        const auto& sum = scene.grid.fields[body.velocityField].sum;
+        auto& field = scene.grid.fields[body.velocityField];
         for (int node : touched) {
-            const bool mostly = body.inertiaScale * nodalMass[node] > 0.5 * sum[node][NodalField<Dim>::mass];
+            const bool mostly = body.inertiaScale * nodalMass[node] > 0.5 * field.sum[node][NodalField<Dim>::mass];
             for (int k = 0; k < Dim && mostly; ++k)
                 if (!std::isnan(drive.velocity[k])) {
-                    scene.driven.push_back({node, k, scene.holder[k][node]});
-                    scene.holder[k][node] = short(c);
+                    scene.driven.push_back({body.velocityField, node, k, field.holder[k][node]});
+                    field.holder[k][node] = short(c);
                 }
             nodalMass[node] = 0;
         }

@@ -21,6 +21,12 @@ class Engine : public Configurable {
     // Whether the engine is a part of the step; others look at the state before or after it.
     virtual bool isStage() const { return true; }
 
+    // Whether each group of bodies needs a velocity field of its own.
+    virtual bool separatesGroups() const { return false; }
+    // The velocity fields have been made anew from the momentum of the particles (MUSL, USF). One thread.
+    virtual void remapped(Scene<2>&) {}
+    virtual void remapped(Scene<3>&) {}
+
     virtual void prepare(Scene<2>&) {}
     virtual void prepare(Scene<3>&) {}
     virtual void action(Scene<2>&) = 0;

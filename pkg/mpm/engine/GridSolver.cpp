@@ -27,15 +27,16 @@ class GridSolver : public EngineOf<GridSolver> {
 
     template <int Dim> void act(Scene<Dim>& scene) {
         scene.damping = damping;
+        for (int k = 0; k < Dim; ++k) scene.gravity[k] = gravity[k];
         const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
         partial_.assign(size_t(slabs) * (n + 1), Tally{});
         const double least = scene.leastMass();
         parallel(scene.threads, [&](Team& team) {
             for (auto& field : scene.grid.fields)
-                team.inShares(scene.grid.shares, [&](int slab) {
+                team.inShares(field.shares, [&](int slab) {
                     Tally* tally = &partial_[size_t(slab) * (n + 1)];
                     double gravityWork = 0;
-                    scene.grid.forNodes(slab, [&](int node) { gravityWork += solve(scene, field, node, least, tally); });
+                    scene.grid.forNodes(field, slab, [&](int node) { gravityWork += solve(scene, field, node, least, tally); });
                     tally[n].gravity += gravityWork;
                 });
         });
@@ -70,11 +71,11 @@ class GridSolver : public EngineOf<GridSolver> {
             for (int k = 0; k < Dim; ++k) {
                 const double weight = sum[NF::weightMass] * gravity[k], f = sum[NF::force(k)] + weight;
                 double a = f * overMass, v = sum[NF::momentum + k] * overMass + dt * a;
-                if (const int c = scene.holder[k][node]; c >= 0) {
+                if (const int c = field.holder[k][node]; c >= 0) {
                     // momentum and force are both replaced, or the FLIP increment leaks
                     v = scene.prescribed(c, k, scene.time + dt);
                     a = (v - scene.prescribed(c, k, scene.time)) / dt;
-                    react(scene, node, k, m * a - f, v, tally[c]);
+                    react(scene, c, node, k, m * a - f, v, tally[c]);
                 }
                 work += weight * v * dt;
                 motion.set(k, v);
@@ -89,9 +90,9 @@ class GridSolver : public EngineOf<GridSolver> {
     }
 
     template <int Dim>
-    static void react(const Scene<Dim>& scene, int node, int axis, double force, double v, Tally& t) {
+    static void react(const Scene<Dim>& scene, int constraint, int node, int axis, double force, double v, Tally& t) {
         const Vec<Dim> x = scene.grid.nodePosition(node);
-        const double* centre = scene.constraints[scene.holder[axis][node]]->centre;
+        const double* centre = scene.constraints[constraint]->centre;
         double arm[3] = {0, 0, 0};
         for (int k = 0; k < Dim; ++k) arm[k] = x[k] - centre[k];
         t.force[axis] += force;

@@ -31,6 +31,9 @@ class GridToParticle : public EngineOf<GridToParticle> {
             if (scene.scheme == Scheme::USF)
                 for (auto& body : scene.bodies) body->domains->advance(team, scene.dt);
         });
+        if (remaps)
+            for (auto& engine : scene.engines)
+                if (!engine->dead) engine->remapped(scene);
         for (auto& body : scene.bodies) scene.energies.damping += body->domains->dampedEnergy();
     }
 };

@@ -4,6 +4,7 @@
 
 #include "mpm/engine/Engine.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 namespace mpm {
@@ -11,18 +12,35 @@ namespace mpm {
 template <int Dim> void Scene<Dim>::prepare() {
     require(!bodies.empty(), "Scene: there is no body; add one with scene.add(name, region, material, type)");
     driven.clear();
-    for (int k = 0; k < Dim; ++k) holder[k].assign(grid.count, -1);
+    separateGroups();
+    for (auto& field : grid.fields)
+        for (auto& axis : field.holder) axis.assign(grid.count, -1);
     for (size_t c = 0; c < constraints.size(); ++c) {
         const Constraint& constraint = *constraints[c];
         if (constraint.drivesBody()) body(constraint.body);
         if (!constraint.active) continue;
-        for (int node : constraint.nodes)
-            for (int k = 0; k < Dim; ++k)
-                if (!std::isnan(constraint.velocity[k])) holder[k][node] = short(c);
+        for (auto& field : grid.fields)
+            for (int node : constraint.nodes)
+                for (int k = 0; k < Dim; ++k)
+                    if (!std::isnan(constraint.velocity[k])) field.holder[k][node] = short(c);
     }
     for (auto& body : bodies) body->domains->lame = body->material->lame(); // may have been changed since
     for (auto& engine : engines) engine->finish(), engine->prepare(*this);
     require(!engines.empty(), "Scene: there are no engines; leave scene.engines alone for the default chain");
+}
+
+// Without an engine for contact all bodies move with one velocity field.
+template <int Dim> void Scene<Dim>::separateGroups() {
+    const auto separates = [](auto& engine) { return !engine->dead && engine->separatesGroups(); };
+    const bool isSeparate = std::any_of(engines.begin(), engines.end(), separates);
+    groups.clear();
+    for (auto& body : bodies) {
+        const std::string group = isSeparate ? body->group : "";
+        auto found = std::find(groups.begin(), groups.end(), group);
+        if (found == groups.end()) found = groups.insert(groups.end(), group);
+        body->velocityField = int(found - groups.begin());
+    }
+    grid.setFields(int(groups.size()));
 }
 
 template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {

@@ -6,9 +6,9 @@
 
 namespace mpm {
 
-// f(node) for every node the particles touch, slab by slab.
-template <int Dim, class F> void forActiveNodes(Team& team, const Scene<Dim>& scene, F&& f) {
-    team.inShares(scene.grid.shares, [&](int slab) { scene.grid.forNodes(slab, f); });
+// f(node) for every node that the particles of a field touch, slab by slab.
+template <int Dim, class F> void forActiveNodes(Team& team, const Scene<Dim>& scene, const NodalField<Dim>& field, F&& f) {
+    team.inShares(field.shares, [&](int slab) { scene.grid.forNodes(field, slab, f); });
 }
 
 // Finds everything in the grid, and what part of the grid is touched.
@@ -21,9 +21,9 @@ template <int Dim> void locateAll(Team& team, Scene<Dim>& scene) {
             if (team.failed()) return;
             for (auto& body : scene.bodies) scene.sorted |= body->domains->settle();
             if (scene.sorted) return;
-            scene.grid.forgetExtents();
-            for (auto& body : scene.bodies) body->domains->order.markExtents(scene.grid);
-            scene.grid.shareOut();
+            for (auto& field : scene.grid.fields) field.forgetExtents();
+            for (auto& body : scene.bodies) body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
+            for (auto& field : scene.grid.fields) field.shareOut();
         });
     } while (scene.sorted);
 }
@@ -34,7 +34,7 @@ template <int Dim> void locateAll(Team& team, Scene<Dim>& scene) {
 // the force alone would never undo one.
 template <int Dim> void sumOnNodes(Team& team, Scene<Dim>& scene, bool withForce) {
     for (auto& field : scene.grid.fields)
-        forActiveNodes(team, scene, [&](int node) { field.sum[node] = NodalField<Dim>::Sum::zero(); });
+        forActiveNodes(team, scene, field, [&](int node) { field.sum[node] = NodalField<Dim>::Sum::zero(); });
     for (auto& body : scene.bodies)
         body->domains->addSum(team, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale, withForce);
 }
@@ -42,7 +42,7 @@ template <int Dim> void sumOnNodes(Team& team, Scene<Dim>& scene, bool withForce
 // Before the particles add their momentum to it.
 template <int Dim> void clearVelocity(Team& team, Scene<Dim>& scene) {
     for (auto& field : scene.grid.fields)
-        forActiveNodes(team, scene, [&](int node) { field.velocity[node] = Pack<4>::zero(); });
+        forActiveNodes(team, scene, field, [&](int node) { field.velocity[node] = Pack<4>::zero(); });
 }
 
 // From the momentum of the particles to the velocity that enters the velocity gradient (MUSL, USF), with what is
@@ -51,13 +51,13 @@ template <int Dim> void velocityFromMomentum(Team& team, Scene<Dim>& scene, doub
     using NF = NodalField<Dim>;
     const double least = scene.leastMass();
     for (auto& field : scene.grid.fields)
-        forActiveNodes(team, scene, [&](int node) {
+        forActiveNodes(team, scene, field, [&](int node) {
             const double m = field.sum[node][NF::mass];
             Pack<4>& v = field.velocity[node];
             v = m > least ? (1 / m) * v : Pack<4>::zero();
-            if (m > least && scene.isHeld(node))
+            if (m > least && field.isHeld(node))
                 for (int k = 0; k < Dim; ++k)
-                    if (const int c = scene.holder[k][node]; c >= 0) NF::setVelocity(v, k, scene.prescribed(c, k, time));
+                    if (const int c = field.holder[k][node]; c >= 0) NF::setVelocity(v, k, scene.prescribed(c, k, time));
         });
 }
 

@@ -16,6 +16,7 @@ template <int Dim> class Body {
     std::unique_ptr<Domains<Dim>> domains;
     double inertiaScale = 1;           // factor on the inertial mass, not on the weight
     bool fbar = false;                 // cell-mean volumetric strain increment in the stress update
+    std::string group = "main";        // bodies of one group stick together; between groups there may be contact
     int velocityField = 0;             // which of the grid's velocity fields the body moves with
     Body* convertsTo = nullptr;        // takes the particles of domains that became too distorted
     int converted = 0;                 // domains converted so far

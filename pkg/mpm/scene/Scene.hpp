@@ -20,6 +20,7 @@ struct Energies {
     double gravity = 0;   // work of gravity and body forces, kJ
     double loads = 0;     // work of boundary loads
     double damping = 0;   // energy taken out by local damping
+    double contact = 0;   // energy lost to friction and impact between groups of bodies
 };
 
 template <int Dim> class Scene {
@@ -36,22 +37,15 @@ template <int Dim> class Scene {
     long step = 0;
     int threads = 1;
     double damping = 0; // local non-viscous damping, see GridSolver and GridToParticle
+    Vec<Dim> gravity = Vec<Dim>::Zero(); // m/s2, as GridSolver applied it last
     Energies energies;
     bool sorted = false; // whether particles were sorted, while they are located
 
-    // Which constraint holds each component of a node, -1: none. Fixed sets of nodes are entered by
-    // prepare(), driven ones anew in every step by ParticleToGrid (see engine/Driving.hpp).
-    std::array<std::vector<short>, Dim> holder;
     struct Held {
-        int node, axis;
+        int field, node, axis;
         short before; // the holder that a drive took over from
     };
     std::vector<Held> driven;
-    bool isHeld(int node) const {
-        bool held = false;
-        for (int k = 0; k < Dim; ++k) held |= holder[k][node] >= 0;
-        return held;
-    }
 
     Body<Dim>* body(const std::string& name) {
         for (auto& b : bodies)
@@ -73,8 +67,11 @@ template <int Dim> class Scene {
         return 1e-30 * largest;
     }
 
+    std::vector<std::string> groups; // of bodies with a velocity field each, by the number of the field
+
     // Checks the chain and enters the static constraints; before the first step and after every change.
     void prepare();
+    void separateGroups();
     // Takes up to `steps` steps, and no new one after `seconds` of wall time; returns how many it took.
     long advance(long steps, double seconds);
 

@@ -87,10 +87,10 @@ template <int Dim> class BlockOrder {
     // Number of stretches of equal cells; grows as neighbours in memory drift apart.
     int runs() const { return std::accumulate(runs_.begin(), runs_.end(), 0); }
 
-    void markExtents(Grid<Dim>& grid) const {
+    void markExtents(NodalField<Dim>& field) const {
         for (int b = 0; b < blocks(); ++b)
             for (int slab = touched_[b].first[Dim - 1]; slab <= touched_[b].last[Dim - 1] + support_ - 1; ++slab) {
-                auto& extent = grid.extents[slab];
+                auto& extent = field.extents[slab];
                 for (int k = 0; k < Dim - 1; ++k) {
                     extent.first[k] = std::min(extent.first[k], touched_[b].first[k]);
                     extent.last[k] = std::max(extent.last[k], touched_[b].last[k] + support_ - 1);

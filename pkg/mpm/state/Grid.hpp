@@ -11,8 +11,8 @@
 
 namespace mpm {
 
-// Nodal data of one velocity field. Bodies that share a velocity field stick together; contact between
-// bodies will give each contact group its own.
+// Nodal data of one velocity field. Bodies that share a velocity field stick together; where there is a Contact,
+// each group of bodies has its own.
 template <int Dim> struct NodalField {
     // Where component k of force and velocity is in its four lanes: in 2D each fills two, see particle/Lanes.hpp.
     static constexpr int lane(int k) { return Dim == 2 ? 2 * k : k; }
@@ -31,6 +31,41 @@ template <int Dim> struct NodalField {
     std::vector<Sum> sum;
     std::vector<Motion> motion;
     std::vector<Velocity> velocity;
+
+    // Which constraint holds each component of a node, -1: none. Fixed sets of nodes are entered by
+    // Scene::prepare(), driven ones anew in every step by ParticleToGrid (see engine/Driving.hpp).
+    std::array<std::vector<short>, Dim> holder;
+    bool isHeld(int node) const {
+        bool held = false;
+        for (int k = 0; k < Dim; ++k) held |= holder[k][node] >= 0;
+        return held;
+    }
+
+    // The part of each slab that particles touched in this step: a box in the other axes.
+    struct Extent {
+        Index<Dim> first, last; // inclusive; first > last: none
+    };
+    std::vector<Extent> extents;
+    Shares shares; // of the slabs, by the number of their touched nodes
+
+    void setSize(int nodes, int slabs) {
+        sum.assign(nodes, Sum::zero()), motion.assign(nodes, Motion::zero()), velocity.assign(nodes, Velocity::zero());
+        for (auto& axis : holder) axis.assign(nodes, -1);
+        extents.resize(slabs);
+        forgetExtents();
+    }
+    void forgetExtents() {
+        Extent none;
+        none.first.fill(1 << 30), none.last.fill(-(1 << 30));
+        std::fill(extents.begin(), extents.end(), none);
+    }
+    void shareOut() {
+        shares.set(int(extents.size()), [&](int slab) {
+            double n = 1;
+            for (int k = 0; k < Dim - 1; ++k) n *= std::max(0, extents[slab].last[k] - extents[slab].first[k] + 1);
+            return n;
+        });
+    }
 };
 
 template <int Dim> class Grid {
@@ -54,19 +89,19 @@ template <int Dim> class Grid {
             stride *= nodes[k];
         }
         count = stride;
-        extents.resize(nodes[Dim - 1]);
-        fields.resize(1);
-        for (NodalField<Dim>& field : fields) {
-            field.sum.assign(count, NodalField<Dim>::Sum::zero());
-            field.motion.assign(count, NodalField<Dim>::Motion::zero());
-            field.velocity.assign(count, NodalField<Dim>::Velocity::zero());
-        }
+        setFields(1);
     }
 
     const Vec<Dim> lower, upper, cell;
     Index<Dim> cells, nodes, strides;
     int count = 0;
     std::vector<NodalField<Dim>> fields;
+
+    void setFields(int n) {
+        fields.resize(n);
+        for (auto& field : fields)
+            if (int(field.sum.size()) != count) field.setSize(count, slabs());
+    }
 
     int slabs() const { return nodes[Dim - 1]; }
     int blocks() const { return (slabs() + slabsPerBlock - 1) / slabsPerBlock; }
@@ -91,30 +126,11 @@ template <int Dim> class Grid {
         return x;
     }
 
-    // The part of each slab that particles touched in this step: a box in the other axes.
-    struct Extent {
-        Index<Dim> first, last; // inclusive; first > last: none
-    };
-    std::vector<Extent> extents;
-
-    void forgetExtents() {
-        Extent none;
-        none.first.fill(1 << 30), none.last.fill(-(1 << 30));
-        extents.assign(slabs(), none);
+    // Calls f(node) for the nodes of a slab that the particles of a field touched.
+    template <class F> void forNodes(const NodalField<Dim>& field, int slab, F&& f) const {
+        forNodes(field.extents[slab], slab, f);
     }
-
-    Shares shares; // of the slabs, by the number of their touched nodes
-    void shareOut() {
-        shares.set(slabs(), [&](int slab) {
-            double n = 1;
-            for (int k = 0; k < Dim - 1; ++k) n *= std::max(0, extents[slab].last[k] - extents[slab].first[k] + 1);
-            return n;
-        });
-    }
-
-    // Calls f(node) for the touched nodes of a slab.
-    template <class F> void forNodes(int slab, F&& f) const {
-        const Extent& e = extents[slab];
+    template <class F> void forNodes(const typename NodalField<Dim>::Extent& e, int slab, F&& f) const {
         const int start = slab * strides[Dim - 1];
         if (Dim == 2) {
             for (int i = e.first[0]; i <= e.last[0]; ++i) f(start + i);

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Frictional contact between groups of bodies. See Contact.cpp; the derivation is in doc/contact.md.
+#pragma once
+
+#include "mpm/engine/BoundaryFacets.hpp"
+#include "mpm/engine/Engine.hpp"
+
+namespace mpm {
+
+// The surface of a group as one node sees it, weighted with the node's hat function phi; n points out, d runs from the node.
+template <int Dim> struct FaceSeen {
+    Vec<Dim> outward = Vec<Dim>::Zero(); // m2 (2D: m), int phi n dA
+    Mat<Dim> moment = Mat<Dim>::Zero();  // m3, int phi d n^T dA
+    // Of meshes only:
+    double extent = 0;                   // m2, int phi dA
+    double nearest = 1e300, reach = 0;   // m2, m: squared distance from the normal of the nearest vertex, and its reach
+};
+
+// A node that two groups move.
+template <int Dim> struct Meet {
+    int node, field[2];
+    FaceSeen<Dim> surface[2];
+    Vec<Dim> normal = Vec<Dim>::Zero(); // from the first group to the second; zero: not known
+    double gap = 0, area = 0;           // m; m2, of the smaller surface along the normal
+    bool sticks = false;
+    Vec<Dim> impulse = Vec<Dim>::Zero(); // kN s, on the second group in this step
+    Vec<Dim> slip = Vec<Dim>::Zero();    // m/s, of the first against the second
+};
+
+// Where groups meet, found once per step.
+template <int Dim> class Meeting {
+  public:
+    std::vector<Meet<Dim>> meets;
+
+    void prepare(const Scene<Dim>& scene);
+    // normalsByMass: from the gradient of the nodal mass instead of the surfaces.
+    void find(const Scene<Dim>& scene, bool normalsByMass);
+    bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
+
+  private:
+    struct Boundary { // of a meshed body
+        BoundaryFacets<Dim> facets;
+        std::vector<int> vertices;
+        std::vector<Vec<Dim>> outward; // area vector and
+        std::vector<double> extent;    // area at each vertex, of those near a meet
+        int particles = -1;            // when it was found
+        void find(Body<Dim>& body);
+    };
+    long step_ = -1;
+    std::vector<Boundary> boundaries_; // per body
+    std::vector<bool> isMeshed_;       // groups that are meshes altogether
+    std::vector<int> slot_;            // of each node in `meets`, -1: none; of one pair of groups at a time
+    std::vector<char> isNear_;         // nodes that are, or are next to, one of these
+
+    bool findNodes(const Scene<Dim>& scene, int a, int b);
+    void findSurfaces(const Scene<Dim>& scene, int side, int field);
+    void addBoxes(const Body<Dim>& body, const Grid<Dim>& grid, int side);
+    void addFacets(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid, int side);
+    void findNormals(size_t first);
+    void findNormalsByMass(const Grid<Dim>& grid, size_t first);
+    void findFaces(const Scene<Dim>& scene, int side, int field);
+    void findGaps(const Grid<Dim>& grid, size_t first);
+    void borrow(const Grid<Dim>& grid, size_t first);
+    void forget(const Grid<Dim>& grid, size_t first);
+    int nearest(const Grid<Dim>& grid, const Field& position, int i) const;
+};
+
+class Contact : public EngineOf<Contact> {
+  public:
+    double friction = 0, adhesion = 0, frictionWork = 0;
+    bool separation = true, slip = true;
+    std::string normals = "surface";
+    std::vector<double> pairs;
+
+    // Of the last step.
+    static constexpr int rowSize = 16;
+    std::vector<double> table; // groups (2), node (3), normal (3), gap, area, force on the second group (3), slip rate (3)
+    double largestPenetration = 0;
+    int sliding = 0;
+
+    std::string className() const override { return "Contact"; }
+    std::string doc() const override;
+    std::vector<Parameter> attributes() override;
+    void finish() override;
+    bool separatesGroups() const override { return true; }
+    void prepare(Scene<2>& scene) override { check(scene); }
+    void prepare(Scene<3>& scene) override { check(scene); }
+    void remapped(Scene<2>& scene) override { tie(scene); }
+    void remapped(Scene<3>& scene) override { tie(scene); }
+
+    template <int Dim> void act(Scene<Dim>& scene);
+
+  private:
+    struct Law {
+        double friction, adhesion;
+        bool slip;
+    };
+    template <int Dim> struct Impulses {
+        Vec<Dim> all = Vec<Dim>::Zero(), agreeing = Vec<Dim>::Zero();
+    };
+    std::tuple<Meeting<2>, Meeting<3>> meetings_;
+
+    template <int Dim> std::vector<Meet<Dim>>& meets(const Scene<Dim>& scene);
+    template <int Dim> void check(Scene<Dim>& scene);
+    template <int Dim> void tie(Scene<Dim>& scene);
+    template <int Dim> double stopping(const Meet<Dim>& meet, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const;
+    template <int Dim>
+    Impulses<Dim> exchange(Meet<Dim>& meet, const Law& law, double dt, const Vec<Dim>& answer, const Vec<Dim>& start,
+                           const Vec<Dim>& w) const;
+    template <int Dim>
+    static void change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const Vec<Dim>& answer, const Impulses<Dim>& J);
+    template <int Dim> void tell(const Scene<Dim>& scene, const Meet<Dim>& meet);
+    Law lawOf(int a, int b) const;
+};
+
+} // namespace mpm

@@ -35,6 +35,8 @@ def arguments():
     parser.add_argument("--until", type=float, help="scene time, s (default: 4 m of penetration)")
     parser.add_argument("--ramp", type=float, default=0.0, help="time over which the rate grows from zero, s")
     parser.add_argument("--psi", type=float, default=10.0, help="dilatancy angle, degrees (default 10, published)")
+    parser.add_argument("--dilatancyLimit", type=float, metavar="STRAIN",
+                        help="plastic volumetric strain from which on the soil dilates no more (default: without limit, published)")
     parser.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain in the soil (not published)")
     parser.add_argument("--flip", type=float, default=1.0, help="FLIP share of the particle velocity (default 1: pure FLIP)")
     parser.add_argument("--dt", type=float, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
@@ -69,7 +71,8 @@ def build(a):
 
     steel = mpm.LinearElastic(density=7.85, lame=(4.20e7, 2.80e7))
     ground = mpm.MohrCoulombDruckerPrager(density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5,
-                                          frictionAngle=radians(30), dilatancyAngle=radians(a.psi))
+                                          frictionAngle=radians(30), dilatancyAngle=radians(a.psi),
+                                          dilatancyLimit=a.dilatancyLimit)
 
     scene = mpm.Scene(lower=(0, 0), upper=(WIDTH, DEPTH + FREE), cell=a.cell, threads=a.threads)
     if a.types == "hybrid":

@@ -22,7 +22,8 @@ struct Constants {
     double sinPhi, cCosPhi; // f = q A(theta) + p sin(phi) - c cos(phi)
     double apex;            // mean stress c cot(phi)
     double beta;            // g = q + 3 beta p
-    double dilatancyLimit, tensionCutOff;
+    double dilatancyLimit;  // of the plastic volumetric strain
+    double tensionCutOff;
     double shearCompliance; // plastic shear strain per unit loss of q, 1/(sqrt(3) mu)
     double bulkCompliance;  // 1/K
 };
@@ -34,17 +35,31 @@ struct Returned {
 // Along the plastic potential back to the cone. q = sqrt(J2) and qA = q A(theta) of the trial stress; scaling
 // s keeps theta, hence the yield function falls linearly and one step is exact. Free of branches and of a
 // division by q: q = 0 gives -inf or NaN (elastic, dlam = 0) or +inf, which is the apex.
+//
+// Dilation may lower p by no more than `room`, K times what is left up to the limit. A return that would pass
+// it (volumetric f/slope > room) goes along the potential down to there and on at constant p, in one division.
+// Where it would end beyond the apex, so would the return without limit, and both go there.
+template <bool limited>
 MPM_INLINE Returned returnMap(const Constants& k, double p, double q, double qA, double plasticVolumetric) {
-    const double beta = plasticVolumetric > k.dilatancyLimit ? 0 : k.beta;
-    const double f = qA + (p * k.sinPhi - k.cCosPhi), volumetric = 3 * k.bulk * beta * q;
-    const double ratio = f / (k.mu * qA + volumetric * k.sinPhi);
+    const double f = qA + (p * k.sinPhi - k.cCosPhi), volumetric = 3 * k.bulk * k.beta * q;
+    double excess = f, slope = k.mu * qA + volumetric * k.sinPhi, room = 0;
+    bool passes = false;
+    if constexpr (limited) {
+        const double left = k.dilatancyLimit - plasticVolumetric;
+        room = left > 0 ? k.bulk * left : 0;
+        passes = volumetric * f > room * slope;
+        excess = passes ? f - room * k.sinPhi : f;
+        slope = passes ? k.mu * qA : slope;
+    }
+    const double ratio = excess / slope;
     const double dlamOverQ = ratio > 0 ? ratio : 0;
-    const double scale = 1 - k.mu * dlamOverQ;
-    const double pBack = scale < 0 ? k.apex : p - volumetric * dlamOverQ;
+    const double scale = 1 - k.mu * dlamOverQ, dilated = passes ? p - room : p - volumetric * dlamOverQ;
+    const double pBack = scale < 0 ? k.apex : dilated;
     return {scale < 0 ? 0 : scale, pBack > k.tensionCutOff ? k.tensionCutOff : pBack};
 }
 
 // Trial stress in, stress out.
+template <bool limited>
 void returnToYield(const Constants& constants, const MaterialPoints<2>& points) {
     const Constants k = constants;
     const double third = 1.0 / 3, major = (1 + k.sinPhi) / 2, minor = (1 - k.sinPhi) / 2;
@@ -61,7 +76,7 @@ void returnToYield(const Constants& constants, const MaterialPoints<2>& points) 
         const double s1 = a + r > -2 * a ? a + r : -2 * a, s3 = a - r < -2 * a ? a - r : -2 * a;
         const double qA = major * s1 - minor * s3; // (s1 - s3)/2 + (s1 + s3)/2 sin(phi)
 
-        const Returned back = returnMap(k, p, q, qA, plasticVolumetric[i]);
+        const Returned back = returnMap<limited>(k, p, q, qA, plasticVolumetric[i]);
         xx[i] = back.p + back.scale * (a + half);
         yy[i] = back.p + back.scale * (a - half);
         zz[i] = back.p - back.scale * 2 * a;
@@ -97,6 +112,7 @@ MPM_INLINE double lodeStrength(const Symmetric& s, double J2, double q, double s
     return q * (c - d - sine * (sinPhi / root3));
 }
 
+template <bool limited>
 void returnToYield(const Constants& constants, const MaterialPoints<3>& points) {
     const Constants k = constants;
     const double third = 1.0 / 3;
@@ -110,7 +126,7 @@ void returnToYield(const Constants& constants, const MaterialPoints<3>& points) 
         const Symmetric s = plusSpherical(trial, -p);
         const double J2 = halfSquare(s), q = std::sqrt(J2);
 
-        const Returned back = returnMap(k, p, q, lodeStrength(s, J2, q, k.sinPhi), plasticVolumetric[i]);
+        const Returned back = returnMap<limited>(k, p, q, lodeStrength(s, J2, q, k.sinPhi), plasticVolumetric[i]);
         scatter(plusSpherical(back.scale * s, back.p), stress, i);
         plasticShear[i] += (1 - back.scale) * q * k.shearCompliance;
         plasticVolumetric[i] += (p - back.p) * k.bulkCompliance;
@@ -133,8 +149,14 @@ small elastic strain). It is exact for a finite rotation in one step and of seco
 D of the midpoint is turned by the half rotation r. The return is closed form; stress beyond the apex goes to
 the apex. A tension cut-off then lowers the mean stress alone, and its volume change counts as plastic.
 
+beta is 0 once the plastic volumetric strain is dilatancyLimit, or ln((1 + e_c)/(1 + e_0)) by the void ratios
+(incompressible grains). The step that reaches the limit is split there. Opening at the apex and at the tension
+cut-off is not dilatancy: it counts, for soil that opened is loose, but it is never held back, for the stress
+could not come back to the yield surface.
+
 Source: the definition is this project's; Drucker & Prager 1952, Q. Appl. Math. 10, 157-165; Hughes & Winget
-1980, Int. J. Numer. Methods Eng. 15, 1862-1867.)";
+1980, Int. J. Numer. Methods Eng. 15, 1862-1867; the limit: Vermeer & de Borst 1984, Heron 29 (3), 1-64, and the
+dilatancy cut-off of Plaxis.)";
     }
     std::vector<Parameter> parameters() override {
         std::vector<Parameter> all{
@@ -160,8 +182,13 @@ Source: the definition is this project's; Drucker & Prager 1952, Q. Appl. Math. 
         all.push_back({"tensionCutOff", "kPa", "highest mean stress, at most c cot(phi); not given: off",
                        &tensionCutOff_});
         all.push_back({"dilatancyLimit", "-",
-                       "plastic volumetric strain beyond which psi is 0; not given: off", &dilatancyLimit_,
+                       "plastic volumetric strain from which on psi is 0; not given: off", &dilatancyLimit_,
                        Range::notNegative()});
+        all.push_back({"initialVoidRatio", "-",
+                       "void ratio e_0 at the start, together with criticalVoidRatio in place of dilatancyLimit",
+                       &initialVoidRatio_, Range::positive()});
+        all.push_back({"criticalVoidRatio", "-", "void ratio e_c from which on psi is 0, at least initialVoidRatio",
+                       &criticalVoidRatio_, Range::positive()});
         return all;
     }
     void finish() override;
@@ -178,16 +205,19 @@ Source: the definition is this project's; Drucker & Prager 1952, Q. Appl. Math. 
     template <int Dim>
     void stress(const MaterialPoints<Dim>& points) const {
         trialStress(constants_.lambda, constants_.mu, points);
-        returnToYield(constants_, points);
+        std::isinf(constants_.dilatancyLimit) ? returnToYield<false>(constants_, points)
+                                              : returnToYield<true>(constants_, points);
     }
 
 private:
     double beta() const;
+    double limitOfDilatancy() const;
 
     Elasticity elasticity_;
     double cohesion_ = notGiven, frictionAngle_ = notGiven, dilatancyAngle_ = 0;
     std::string coneFit_ = "planeStrain";
     double tensionCutOff_ = notGiven, dilatancyLimit_ = notGiven;
+    double initialVoidRatio_ = notGiven, criticalVoidRatio_ = notGiven;
     Constants constants_{};
 };
 
@@ -199,6 +229,24 @@ double MohrCoulombDruckerPrager::beta() const {
         return 2 * s / (std::sqrt(3.0) * (3 + s));
     const double t = std::tan(dilatancyAngle_);
     return t / std::sqrt(9 + 12 * t * t);
+}
+
+// The plastic volumetric strain is logarithmic: 1 + e = (1 + e_0) exp(eps_v^p).
+double MohrCoulombDruckerPrager::limitOfDilatancy() const {
+    const bool byInitial = !std::isnan(initialVoidRatio_), byCritical = !std::isnan(criticalVoidRatio_);
+    if (!byInitial && !byCritical)
+        return orInfinity(dilatancyLimit_);
+    const std::string who = className();
+    require(byInitial && byCritical, who, ": ", byInitial ? "initialVoidRatio" : "criticalVoidRatio", " = ",
+            byInitial ? initialVoidRatio_ : criticalVoidRatio_, " is given without ",
+            byInitial ? "criticalVoidRatio" : "initialVoidRatio", "; give both, or dilatancyLimit");
+    require(std::isnan(dilatancyLimit_), who, ": dilatancyLimit = ", dilatancyLimit_, " and initialVoidRatio = ",
+            initialVoidRatio_, ", criticalVoidRatio = ", criticalVoidRatio_,
+            " are given together; give either the limit or the void ratios");
+    require(initialVoidRatio_ <= criticalVoidRatio_, who, ": initialVoidRatio = ", initialVoidRatio_,
+            " exceeds criticalVoidRatio = ", criticalVoidRatio_,
+            "; soil that loose does not dilate: give dilatancyAngle = 0 and leave the void ratios out");
+    return std::log1p((criticalVoidRatio_ - initialVoidRatio_) / (1 + initialVoidRatio_));
 }
 
 void MohrCoulombDruckerPrager::finish() {
@@ -220,7 +268,7 @@ void MohrCoulombDruckerPrager::finish() {
     k.sinPhi = std::sin(frictionAngle_), k.cCosPhi = cohesion_ * std::cos(frictionAngle_);
     k.apex = frictionAngle_ > 0 ? cohesion_ / std::tan(frictionAngle_) : infinity;
     k.beta = beta();
-    k.dilatancyLimit = orInfinity(dilatancyLimit_), k.tensionCutOff = orInfinity(tensionCutOff_);
+    k.dilatancyLimit = limitOfDilatancy(), k.tensionCutOff = orInfinity(tensionCutOff_);
     k.shearCompliance = 1 / (std::sqrt(3.0) * k.mu), k.bulkCompliance = 1 / k.bulk;
     require(std::isnan(tensionCutOff_) || tensionCutOff_ <= k.apex, who, ": tensionCutOff = ", tensionCutOff_,
             " kPa lies beyond the apex of the cone, c cot(phi) = ", k.apex, " kPa; lower it or leave it out");

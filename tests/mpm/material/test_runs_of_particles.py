@@ -18,6 +18,8 @@ from yade_mpm import box
 MATERIALS = {
     "soil": lambda: mpm.MohrCoulombDruckerPrager(density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5,
                                                  dilatancyAngle=0.2),
+    "soil at its limit": lambda: mpm.MohrCoulombDruckerPrager(density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5,
+                                                              dilatancyAngle=0.2, dilatancyLimit=5e-4),
     "strong soil": lambda: mpm.MohrCoulombDruckerPrager(density=1.5, lame=(9e3, 6e3), cohesion=1e6, frictionAngle=0.5),
     "elastic": lambda: mpm.LinearElastic(density=1.5, lame=(9e3, 6e3)),
     "neo-Hookean": lambda: mpm.NeoHookean(density=1.5, lame=(9e3, 6e3)),

@@ -4,8 +4,8 @@
 Set-up: single points, thousands of random states and steps of every kind that a branch-free update could get wrong.
 Reference: `soilStep`, `henckyStep` and `neoHookean` below, which are the readable form of the three models.
 Tolerance: 1e-12 of the largest stress that occurs in the step (of the largest strain for state variables).
-Controls: a reference without friction, without the Lode angle, without the half rotation, with small strains, and
-without the change of volume must be told apart.
+Controls: a reference without friction, without the Lode angle, without the half rotation, that does not split the step at
+the dilatancy limit, with small strains, and without the change of volume must be told apart.
 """
 from fractions import Fraction
 
@@ -66,7 +66,7 @@ def trialStress(stress, g, halfRotation=True):
 
 
 def soilStep(stress, g, volumetric, cohesion, frictionAngle, dilatancyAngle=0.0, tensionCutOff=np.inf,
-             dilatancyLimit=np.inf, friction=True, lode=True, halfRotation=True):
+             dilatancyLimit=np.inf, friction=True, lode=True, halfRotation=True, split=True):
     """New stress, increments of plastic shear and volumetric strain, and the largest stress on the way."""
     trial = trialStress(stress, g, halfRotation)
     p, bulk = np.trace(trial) / 3, LAMBDA + 2 / 3 * MU
@@ -83,10 +83,15 @@ def soilStep(stress, g, volumetric, cohesion, frictionAngle, dilatancyAngle=0.0,
         if volumetric > dilatancyLimit:
             beta = 0.0
         # g = q + 3 beta p: q falls by mu, p by 3 K beta per unit of multiplier, and with them f
-        perMultiplier = MU * (qA / q if q > 0 else 1.0) + 3 * bulk * beta * sinPhi
+        perShear = MU * (qA / q if q > 0 else 1.0)
+        perMultiplier = perShear + 3 * bulk * beta * sinPhi
         multiplier = f / perMultiplier
-        scale = 1 - MU * multiplier / q if q > 0 else -np.inf
         returned = p - 3 * bulk * beta * multiplier
+        if split and beta > 0 and volumetric + 3 * beta * multiplier > dilatancyLimit:
+            dilating = (dilatancyLimit - volumetric) / (3 * beta)  # up to the limit, and the rest without dilatancy
+            multiplier = dilating + (f - dilating * perMultiplier) / perShear
+            returned = p - 3 * bulk * beta * dilating
+        scale = 1 - MU * multiplier / q if q > 0 else -np.inf
         if scale < 0:
             scale, returned = 0.0, cohesion / np.tan(frictionAngle)
     returned = min(returned, tensionCutOff)
@@ -114,6 +119,8 @@ def soilSteps(kind, rng):
             SOIL, turned(-p + 50 * triaxial + 50 * magnitude(rng, -16, -1) * rng.normal(size=3), rng), 0 * I),
         "tension cut-off": lambda: ({**SOIL, "tensionCutOff": 2.0}, 0.1 * stress, 0.1 * g + 0.01 * rng.uniform() * I),
         "dilatancy limit": lambda: ({**SOIL, "dilatancyLimit": 0.002}, stress, g),
+        "apex, dilatancy limit": lambda: (
+            {**SOIL, "dilatancyLimit": 2e-3 * rng.uniform()}, 0.1 * stress, 0.1 * g + 5e-4 * rng.uniform() * I),
         "large rotation": lambda: (SOIL, stress, scipy.linalg.expm(spin(rng, 2.5)) @ (I + 0.3 * g) - I),
         "large skew gradient": lambda: ({**SOIL, "cohesion": 1e6}, stress, g + spin(rng, 6.0)),
         "tiny step": lambda: (SOIL, stress, magnitude(rng, -14, -6) * rng.normal(size=(3, 3))),
@@ -145,7 +152,8 @@ def soilErrors(kind, cases=150, steps=3, **dropped):
 
 
 SOIL_KINDS = ["elastic", "yielding", "undrained clay", "sand", "sand from zero stress", "rest", "apex", "isotropic",
-              "triaxial", "triaxial, turned", "nearly triaxial", "tension cut-off", "dilatancy limit", "large rotation",
+              "triaxial", "triaxial, turned", "nearly triaxial", "tension cut-off", "dilatancy limit", "apex, dilatancy limit",
+              "large rotation",
               "large skew gradient", "tiny step", "tiny stress"]
 
 
@@ -159,7 +167,8 @@ def test_the_soil_follows_its_definition(kind):
 
 
 @pytest.mark.parametrize("kind, dropped", [
-    ("yielding", "friction"), ("triaxial", "friction"), ("yielding", "lode"), ("large rotation", "halfRotation")])
+    ("yielding", "friction"), ("triaxial", "friction"), ("yielding", "lode"), ("large rotation", "halfRotation"),
+    ("dilatancy limit", "split"), ("apex, dilatancy limit", "split")])
 def test_control_a_term_left_out_of_the_soil_is_noticed(kind, dropped):
     worst, _ = soilErrors(kind, cases=20, **{dropped: False})
     assert worst > 1e8 * TOLERANCE

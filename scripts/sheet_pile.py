@@ -42,6 +42,7 @@ def arguments():
     parser.add_argument("--dt", type=float, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
     parser.add_argument("--on-distortion", choices=("stop", "convert"), default="stop", help="what distorted APDI domains do")
     parser.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, 1 m/s, 20,000 steps")
+    parser.add_argument("--rateCheck", action="store_true", help="also run the first metre at twice the rate, and compare")
     parser.add_argument("--compare", action="store_true", help="also run all-uGIMP and draw both side by side")
     parser.add_argument("--resume", metavar="CHECKPOINT", help="continue from a checkpoint of this scene")
     parser.add_argument("--threads", type=int, help="number of threads (default: chosen)")
@@ -55,6 +56,8 @@ def arguments():
     given.penetration = given.rate * (given.until - 0.5 * min(given.ramp, given.until))
     if EMBEDDED + given.penetration > PILE_LENGTH - given.cell:
         parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --until or --rate")
+    if given.rateCheck and given.penetration < 3 * given.cell:
+        parser.error(f"--rateCheck compares averages over one cell; press in by three cells or more ({3 * given.cell:g} m)")
     given.dt = given.dt or 2e-4 * min(1.0, given.cell / 0.25)
     given.out = given.out or os.path.join("results", "sheet_pile")
     return given
@@ -142,6 +145,9 @@ def run(a, out):
     wall = time.monotonic() - began
     history.flush()
     summary = summarise(a, scene, history, wall, scene.steps - firstStep)
+    certificate = mpm.quasiStatic(history, rateSensitivity=rateCheck(a, *resistanceCurve(a, scene, history)) if a.rateCheck else None)
+    print(certificate, flush=True)
+    summary["quasiStatic"] = certificate.asDict()
     summary["files"] = draw(a, out, scene, history, snapshots, summary)
     with open(os.path.join(out, "summary.json"), "w") as file:
         json.dump(summary, file, indent=1)
@@ -170,6 +176,19 @@ def resistanceCurve(a, scene, history):
     inertia = pile.inertiaScale * pile.mass.sum() * np.where(t < a.ramp, a.rate / a.ramp if a.ramp else 0.0, 0.0)
     raw = pile.mass.sum() * GRAVITY - history["drive.fy"] - inertia
     return depth, raw, movingAverage(depth, raw, a.cell)
+
+
+def rateCheck(a, depth, _, resistance):
+    """Relative change of the resistance at twice the rate, over the first metre (or three cells) but for one cell at its ends."""
+    reach = min(max(1.0, 3 * a.cell), a.penetration)
+    b = argparse.Namespace(**{**vars(a), "rate": 2 * a.rate, "ramp": a.ramp / 2})
+    b.until = reach / b.rate + 0.5 * b.ramp
+    scene, history = build(b), mpm.History(period=b.until * a.penetration / reach / 800)
+    scene.engines = [*scene.engines, history]
+    scene.run(until=b.until)
+    there, _, other = resistanceCurve(b, scene, history)
+    inside = (depth > a.cell) & (depth < reach - a.cell)
+    return mpm.rateSensitivity(depth[inside], resistance[inside], there, other)
 
 
 def movingAverage(x, y, width):

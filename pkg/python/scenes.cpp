@@ -126,6 +126,30 @@ template <int Dim> struct Bind {
                 });
         return tupleOf(total);
     }
+    // Of the last step: sum of |m a| over the nodes, their number, and sum of V |sigma| over the particles.
+    static bp::tuple balance(const S& scene) {
+        using NF = NodalField<Dim>;
+        double inertia = 0, stressed = 0;
+        int nodes = 0;
+        for (const auto& field : scene.grid.fields)
+            for (int slab = 0; slab < scene.grid.slabs(); ++slab)
+                scene.grid.forNodes(slab, [&](int node) {
+                    double a2 = 0;
+                    for (int k = 0; k < Dim; ++k) a2 += field.motion[node][Dim + k] * field.motion[node][Dim + k];
+                    inertia += field.sum[node][NF::mass] * std::sqrt(a2);
+                    nodes += field.sum[node][NF::mass] > 0;
+                });
+        for (const auto& body : scene.bodies) {
+            const auto& q = body->particles;
+            for (int p = 0; p < q.size(); ++p) {
+                double square = 0;
+                for (int i = 0; i < Dim; ++i)
+                    for (int j = 0; j < Dim; ++j) square += std::pow(q.stress.plane(3 * std::min(i, j) + std::max(i, j))[p], 2);
+                stressed += q.volume.plane()[p] * std::sqrt(square);
+            }
+        }
+        return bp::make_tuple(inertia, nodes, stressed);
+    }
     // The momentum that enters the solution of a node, and what the solution made of it.
     static bp::list nodalValues(const S& scene) {
         bp::list all;
@@ -171,6 +195,7 @@ template <int Dim> struct Bind {
             .def("advance", advance)
             .def("criticalTimeStep", critical)
             .def("interfaceFault", interfaceFault)
+            .def("balance", balance)
             .def("nodalTotals", nodalTotals)
             .def("nodalValues", nodalValues);
     }

@@ -20,6 +20,7 @@ from .particles import ParticleType
 from .regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
 from .scene import Scene
 from . import diagnostics, rigid
+from .certificate import Certificate, quasiStatic, rateSensitivity
 from .history import History
 from .recorder import Recorder
 

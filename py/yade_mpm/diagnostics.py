@@ -61,13 +61,21 @@ def energyError(scene, initialKineticEnergy=0.0, relative=False):
     return error / scale if scale > 0 else 0.0
 
 
-def kineticRatio(scene):
-    """Kinetic energy over the work done, E_kin / (|W_gravity| + |W_loads| + sum |W_c|), -; nan before any work is done.
+def workDone(scene):
+    """Work done so far whatever its sign, |W_gravity| + |W_loads| + sum |W_c|, kJ; W_c: of one prescribed motion.
 
-    W_c is the work of one prescribed motion. Small values (a few percent) mean that a run is quasi-static.
+    Unlike `externalWork` it is no sum in which the work of gravity and of a drive may cancel: the scale of energy ratios.
     """
     energies = scene.core.energies
-    done = abs(energies["gravity"]) + abs(energies["loads"]) + sum(abs(c.work) for c in scene.constraints)
+    return float(abs(energies["gravity"]) + abs(energies["loads"]) + sum(abs(c.work) for c in scene.constraints))
+
+
+def kineticRatio(scene):
+    """Kinetic energy over the work done, E_kin / `workDone`, -; nan before any work is done.
+
+    Small values (a few percent) mean that a run is quasi-static, see `yade_mpm.quasiStatic`.
+    """
+    done = workDone(scene)
     return kineticEnergy(scene) / done if done > 0 else float("nan")
 
 
@@ -114,6 +122,21 @@ def cornerJacobians(corners):
 
 
 # --- forces ---------------------------------------------------------------------------------------------
+def unbalancedRatio(scene):
+    """Mean out-of-balance force of the nodes over the mean force that stresses exert on them, of the last step, -.
+
+    sum |m_i a_i| / (sum V_p |sigma_p| / h), with the acceleration a_i of the node (prescribed where it is held), the norm of
+    the stress (2D: in the plane) and the smallest cell edge h; the number of nodes cancels. It is what unbalancedForce of YADE
+    is for contacts: mean resultant over mean contact force. nan before the first step, infinite where nothing
+    but inertia acts. Values of single steps scatter; take the mean over a time.
+    """
+    inertia, nodes, stressed = scene.core.balance()
+    if not nodes:
+        return float("nan")
+    scale = stressed / float(np.min(scene.cell))
+    return inertia / scale if scale > 0 else float("inf" if inertia > 0 else "nan")
+
+
 def sectionForce(body, height, thickness=None):
     """Normal force in a horizontal section of a body, N = sum sigma_vv V_slice / h, kN, tension positive.
 

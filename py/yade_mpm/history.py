@@ -23,7 +23,9 @@ _standard = {  # name -> (unit in 3D, function of the scene)
     "internalWork": ("kJ", diagnostics.internalWork),
     "externalWork": ("kJ", diagnostics.externalWork),
     "dampedEnergy": ("kJ", diagnostics.dampedEnergy),
+    "workDone": ("kJ", diagnostics.workDone),
     "kineticRatio": ("-", diagnostics.kineticRatio),
+    "unbalancedRatio": ("-", diagnostics.unbalancedRatio),
     "minJacobian": ("-", diagnostics.minJacobian),
     "hourglassAmplitude": ("-", diagnostics.hourglassAmplitude),
     "invertedCount": ("-", diagnostics.invertedCount),
@@ -50,8 +52,9 @@ class History(Callback):
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces): NAME.fx,
     NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz (3D: mx, my, mz);
-    mass, momentum.x ..., kineticEnergy, internalWork, externalWork, dampedEnergy, energyError, kineticRatio, minJacobian,
-    hourglassAmplitude, invertedCount, convertedCount (see `yade_mpm.diagnostics`). A value that does not exist is nan.
+    mass, momentum.x ..., kineticEnergy, internalWork, externalWork, dampedEnergy, energyError, workDone, kineticRatio,
+    unbalancedRatio, minJacobian, hourglassAmplitude, invertedCount, convertedCount (see `yade_mpm.diagnostics`). A value
+    that does not exist is nan.
 
     Rows are written at the end of a run and every 5 s of wall time. Raises ValueError for arguments that are not
     allowed, TypeError for a column that is no function, OSError for a file that cannot be written; all before the first

@@ -133,7 +133,7 @@ template <int Dim> struct Bind {
         int nodes = 0;
         for (const auto& field : scene.grid.fields)
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
-                scene.grid.forNodes(slab, [&](int node) {
+                scene.grid.forNodes(field, slab, [&](int node) {
                     double a2 = 0;
                     for (int k = 0; k < Dim; ++k) a2 += field.motion[node][Dim + k] * field.motion[node][Dim + k];
                     inertia += field.sum[node][NF::mass] * std::sqrt(a2);

@@ -27,10 +27,12 @@ ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5         # m: uGIMP zone, and how far it reache
 GRAVITY, K0 = 9.81, 0.43
 
 
-def arguments():
+def arguments(words=None):
+    """The arguments of the scene: of the command line, or of a list of words."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--types", choices=("hybrid", "ugimp", "apdi"), default="hybrid", help="particle types of the soil")
     parser.add_argument("--cell", type=float, default=0.25, help="cell size, m (default 0.25)")
+    parser.add_argument("--thickness", type=float, help="thickness of the pile, m (default 0.25, at least one cell)")
     parser.add_argument("--rate", type=float, default=0.1, help="penetration rate, m/s (default 0.1; published 0.01)")
     parser.add_argument("--until", type=float, help="scene time, s (default: 4 m of penetration)")
     parser.add_argument("--ramp", type=float, default=0.0, help="time over which the rate grows from zero, s")
@@ -47,11 +49,13 @@ def arguments():
     parser.add_argument("--resume", metavar="CHECKPOINT", help="continue from a checkpoint of this scene")
     parser.add_argument("--threads", type=int, help="number of threads (default: chosen)")
     parser.add_argument("--out", help="folder of the results (default results/sheet_pile)")
-    given = parser.parse_args()
+    given = parser.parse_args(words)
     if given.smoke:
         given.cell, given.rate, given.ramp, given.until = 0.5, 1.0, 0.5, given.until or 4.0
     if given.rate <= 0 or given.cell <= 0:
         parser.error("--rate and --cell must be positive")
+    # A pile thinner than a cell would be far too stiff in bending.
+    given.thickness = given.thickness or max(0.25, given.cell)
     given.until = given.until or 4.0 / given.rate + 0.5 * given.ramp
     given.penetration = given.rate * (given.until - 0.5 * min(given.ramp, given.until))
     if EMBEDDED + given.penetration > PILE_LENGTH - given.cell:
@@ -65,50 +69,49 @@ def arguments():
 
 def build(a):
     """The scene: soil, pile, boundary conditions, engines (without output)."""
-    thickness = thicknessOf(a.cell)
-    middle, top = WIDTH / 2, DEPTH
-    shaft = box((middle - thickness / 2, top - EMBEDDED), (middle + thickness / 2, top - EMBEDDED + PILE_LENGTH))
-    zoneDepth = ceil((EMBEDDED + a.penetration + ZONE_BELOW) / a.cell - 1e-9) * a.cell
-    soil = box((0, 0), (WIDTH, top)) - shaft
-    zone = box((middle - ZONE_WIDTH / 2, top - zoneDepth), (middle + ZONE_WIDTH / 2, top)) - shaft
-
+    scene, shaft = ground(a)
     steel = mpm.LinearElastic(density=7.85, lame=(4.20e7, 2.80e7))
-    ground = mpm.MohrCoulombDruckerPrager(density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5,
-                                          frictionAngle=radians(30), dilatancyAngle=radians(a.psi),
-                                          dilatancyLimit=a.dilatancyLimit)
-
-    scene = mpm.Scene(lower=(0, 0), upper=(WIDTH, DEPTH + FREE), cell=a.cell, threads=a.threads)
-    if a.types == "hybrid":
-        near = scene.add("near soil", zone, ground, mpm.UGIMP(perCell=2), fbar=a.fbar)
-        scene.add("far soil", soil - zone, ground, mpm.APDI(size=a.cell, matched=near, onDistortion=a.on_distortion),
-                  fbar=a.fbar)
-    elif a.types == "ugimp":
-        scene.add("soil", soil, ground, mpm.UGIMP(perCell=2), fbar=a.fbar)
-    else:
-        scene.add("soil", soil, ground, mpm.APDI(size=a.cell / 2, onDistortion=a.on_distortion), fbar=a.fbar)
     # The inertia of the pile, not its weight, is scaled so that the published time step is stable.
     pile = scene.add("pile", shaft, steel, mpm.UGIMP(perCell=2), inertiaScale=16)
 
-    scene.initialStress(surface=top, K0=K0, gravity=GRAVITY)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed=("bottom",),
-                       drive=mpm.Drive(pile.above(top), velocity=(0, -a.rate), ramp=a.ramp)),
-        mpm.GridToParticle(flip=a.flip),
-        mpm.DomainUpdater(),
-    ]
+    scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
+    drive = mpm.Drive(pile.above(DEPTH), velocity=(0, -a.rate), ramp=a.ramp)
+    scene.engines = [mpm.ParticleToGrid(), gridSolver(drive=drive), mpm.GridToParticle(flip=a.flip), mpm.DomainUpdater()]
     scene.dt = a.dt
     return scene
 
 
-def thicknessOf(cell):
-    """A pile thinner than a cell would be far too stiff in bending."""
-    return max(0.25, cell)
+def ground(a):
+    """The scene with the soil alone, and the region of the shaft that is left out of it."""
+    middle, top = WIDTH / 2, DEPTH
+    shaft = box((middle - a.thickness / 2, top - EMBEDDED), (middle + a.thickness / 2, top - EMBEDDED + PILE_LENGTH))
+    zoneDepth = ceil((EMBEDDED + a.penetration + ZONE_BELOW) / a.cell - 1e-9) * a.cell
+    soil = box((0, 0), (WIDTH, top)) - shaft
+    zone = box((middle - ZONE_WIDTH / 2, top - zoneDepth), (middle + ZONE_WIDTH / 2, top)) - shaft
+    material = mpm.MohrCoulombDruckerPrager(density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5,
+                                            frictionAngle=radians(30), dilatancyAngle=radians(a.psi),
+                                            dilatancyLimit=a.dilatancyLimit)
+
+    scene = mpm.Scene(lower=(0, 0), upper=(WIDTH, DEPTH + FREE), cell=a.cell, threads=a.threads)
+    if a.types == "hybrid":
+        near = scene.add("near soil", zone, material, mpm.UGIMP(perCell=2), fbar=a.fbar)
+        scene.add("far soil", soil - zone, material, mpm.APDI(size=a.cell, matched=near, onDistortion=a.on_distortion),
+                  fbar=a.fbar)
+    elif a.types == "ugimp":
+        scene.add("soil", soil, material, mpm.UGIMP(perCell=2), fbar=a.fbar)
+    else:
+        scene.add("soil", soil, material, mpm.APDI(size=a.cell / 2, onDistortion=a.on_distortion), fbar=a.fbar)
+    return scene, shaft
 
 
-def allUGIMP(cell):
+def gridSolver(**more):
+    """Gravity, damping and the boundaries of the ground."""
+    return mpm.GridSolver(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed=("bottom",), **more)
+
+
+def allUGIMP(a):
     """Soil particles of the same scene with uGIMP everywhere."""
-    return round((WIDTH * DEPTH - thicknessOf(cell) * EMBEDDED) / (cell / 2) ** 2)
+    return round((WIDTH * DEPTH - a.thickness * EMBEDDED) / (a.cell / 2) ** 2)
 
 
 def soilBodies(scene):
@@ -208,7 +211,7 @@ def summarise(a, scene, history, wall, steps):
     ratios = history["kineticRatio"][settled]
     soilCount = sum(b.count for b in soil)
     tip = pile.reference[:, 1] < DEPTH - EMBEDDED + a.cell
-    tipDrift = float(abs(pile.displacement[tip, 0].mean()) / thicknessOf(a.cell))
+    tipDrift = float(abs(pile.displacement[tip, 0].mean()) / a.thickness)
     return {
         "arguments": {k: v for k, v in vars(a).items()},
         "versions": {"yade_mpm": mpm.__version__, "python": platform.python_version(), "numpy": np.__version__,
@@ -216,8 +219,8 @@ def summarise(a, scene, history, wall, steps):
         "threads": scene.threads,
         "particles": {b.name: {"type": type(b.type).__name__, "count": b.count} for b in scene.bodies},
         "soilParticles": soilCount,
-        "allUGIMPSoilParticles": allUGIMP(a.cell),
-        "soilParticleRatio": soilCount / allUGIMP(a.cell),
+        "allUGIMPSoilParticles": allUGIMP(a),
+        "soilParticleRatio": soilCount / allUGIMP(a),
         "steps": scene.steps,
         "dt": scene.dt,
         "dtCritical": scene.dtCritical,
@@ -232,7 +235,7 @@ def summarise(a, scene, history, wall, steps):
         "heaveArea": heave,
         "troughArea": trough,
         "cavityArea": cavity,
-        "displacedArea": thicknessOf(a.cell) * float(depth[-1]),
+        "displacedArea": a.thickness * float(depth[-1]),
         "surfaceHighest": float(np.nanmax(surface.y) - DEPTH),
         "minJacobian": extreme(history["minJacobian"], np.nanmin),
         "invertedDomains": int(history["invertedCount"].max()),

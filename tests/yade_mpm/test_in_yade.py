@@ -3,67 +3,19 @@
 import json
 import os
 import re
-import shutil
 import signal
-import subprocess
 import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from yadeProcess import YADE, end, needsYade, run, start, untilSaid
 
 import yade_mpm as mpm
 from yade_mpm import inYade
 
-YADE = shutil.which("yade")
-pytestmark = pytest.mark.skipif(YADE is None, reason="YADE is not installed (Debian: apt install yade)")
-
-FOLDER = Path(__file__).parent / "yade"
-PRELUDE = """
-import json, os, sys, time
-sys.path.insert(0, {folder!r})
-from hybrid import bits, hybrid
-import yade_mpm as mpm
-from yade_mpm import inYade
-
-def say(name, value): print("SAY " + json.dumps([name, value]), flush=True)
-def fails(kind, function):
-    try: function()
-    except kind as error: return str(error)
-    return "no error"
-def empty(*before): O.engines = [ForceResetter(), *before, NewtonIntegrator()]
-"""
-
-
-def start(script, folder, command=("yade", "-n", "-x")):
-    (folder / "script.py").write_text(PRELUDE.format(folder=str(FOLDER)) + script)
-    package = os.path.dirname(os.path.dirname(mpm.__file__))
-    environment = dict(os.environ, PYTHONPATH=package, MPLBACKEND="Agg", OMP_NUM_THREADS="1")
-    return subprocess.Popen([*command, "script.py"], cwd=folder, env=environment, text=True, stdout=subprocess.PIPE,
-                            stderr=subprocess.PIPE)
-
-
-def end(process, code=0):
-    """What the script said, and its messages."""
-    try:
-        out, err = process.communicate(timeout=60)
-    finally:
-        process.kill()
-    assert process.returncode == code, out + err
-    return dict(json.loads(line.split("SAY ")[1]) for line in out.splitlines() if "SAY " in line), err
-
-
-def run(script, folder, code=0, **options):
-    return end(start(script, folder, **options), code)
-
-
-def untilSaid(process, name):
-    """Reads on until the script has said something."""
-    for line in process.stdout:
-        if f'SAY ["{name}"' in line:
-            return
-    raise AssertionError(process.stderr.read())
+pytestmark = needsYade
 
 
 # --- the same bits, clocks, time steps --------------------------------------------------------------------
@@ -436,6 +388,22 @@ def test_the_soil_carries_the_weight(tmp_path):
     assert abs(rest["velocity"]) < 2e-3 and 0.54 < rest["height"] < 0.55
 
 
+def test_a_box_and_a_clump_fall_alike_in_every_plane(tmp_path):
+    """Control: `Bodies` that are told another plane."""
+    said, _ = run("""
+import planes
+for name in ("xy", "xz", "yz"): say(name, planes.fall(name))
+say("thinner", planes.fall("xy", thickness=0.25))
+say("told another", fails(ValueError, lambda: planes.fall("xz", as_="xy")))
+""", tmp_path)
+    assert said["xy"]["contacts"] >= 3
+    for name in ("states", "forces"):
+        for plane in ("xz", "yz"):
+            assert np.array(said[plane][name]) == pytest.approx(np.array(said["xy"][name]), rel=1e-9, abs=1e-9)
+        assert np.abs(np.array(said["thinner"][name]) - said["xy"][name]).max() > 0.1
+    assert "turned out of the plane" in said["told another"]
+
+
 def test_what_cannot_touch_the_soil_is_said(tmp_path):
     said, _ = run("""
 from yade import utils
@@ -446,9 +414,11 @@ say("wall", fails(ValueError, lambda: inYade.Bodies(contact, [0])))
 say("nobody", fails(ValueError, lambda: inYade.Bodies(contact, [99])))
 say("member", fails(ValueError, lambda: inYade.Bodies(contact, members[:1])))
 say("thickness", fails(ValueError, lambda: inYade.Bodies(contact, [1], thickness=0)))
+say("plane", fails(ValueError, lambda: inYade.Bodies(contact, [1], plane="zx")))
 inYade.Bodies(contact, [1, clump])
 say("shapes", len(contact.core.value("shapes")) // 12)
 """, tmp_path)
     assert "sense 0; give 1 or -1" in said["wall"] and "no body 99" in said["nobody"]
     assert "give the number of the clump" in said["member"] and "thickness = 0" in said["thickness"]
+    assert "plane = 'zx' is not allowed; give one of 'xy', 'xz', 'yz'" in said["plane"]
     assert said["shapes"] == 3, "the wall and the two spheres of the clump"

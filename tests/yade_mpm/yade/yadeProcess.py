@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Processes of YADE for the tests: a script runs in one of its own and reports through `say(name, value)`."""
+import json
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import yade_mpm as mpm
+
+YADE = shutil.which("yade")
+needsYade = pytest.mark.skipif(YADE is None, reason="YADE is not installed (Debian: apt install yade)")
+
+FOLDERS = [str(Path(__file__).parent), str(Path(__file__).resolve().parents[3] / "scripts")]
+PRELUDE = """
+import json, os, sys, time
+sys.path[:0] = {folders!r}
+from hybrid import bits, hybrid
+import yade_mpm as mpm
+from yade_mpm import inYade
+
+def say(name, value): print("SAY " + json.dumps([name, value]), flush=True)
+def fails(kind, function):
+    try: function()
+    except kind as error: return str(error)
+    return "no error"
+def empty(*before): O.engines = [ForceResetter(), *before, NewtonIntegrator()]
+"""
+
+
+def start(script, folder, command=("yade", "-n", "-x")):
+    (folder / "script.py").write_text(PRELUDE.format(folders=FOLDERS) + script)
+    package = os.path.dirname(os.path.dirname(mpm.__file__))
+    environment = dict(os.environ, PYTHONPATH=package, MPLBACKEND="Agg", OMP_NUM_THREADS="1")
+    return subprocess.Popen([*command, "script.py"], cwd=folder, env=environment, text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.PIPE)
+
+
+def end(process, code=0):
+    """What the script said, and its messages."""
+    try:
+        out, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == code, out + err
+    return dict(json.loads(line.split("SAY ")[1]) for line in out.splitlines() if "SAY " in line), err
+
+
+def run(script, folder, code=0, **options):
+    return end(start(script, folder, **options), code)
+
+
+def untilSaid(process, name):
+    """Reads on until the script has said something."""
+    for line in process.stdout:
+        if f'SAY ["{name}"' in line:
+            return
+    raise AssertionError(process.stderr.read())

@@ -38,18 +38,18 @@ def start(script, folder, command=("yade", "-n", "-x")):
                             stderr=subprocess.PIPE)
 
 
-def end(process, code=0):
-    """What the script said, and its messages."""
+def end(process, code=0, patience=60):
+    """What the script said, and its messages; patience in s."""
     try:
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=patience)
     finally:
         process.kill()
     assert process.returncode == code, out + err
     return dict(json.loads(line.split("SAY ")[1]) for line in out.splitlines() if "SAY " in line), err
 
 
-def run(script, folder, code=0, **options):
-    return end(start(script, folder, **options), code)
+def run(script, folder, code=0, patience=60, **options):
+    return end(start(script, folder, **options), code, patience)
 
 
 def untilSaid(process, name):

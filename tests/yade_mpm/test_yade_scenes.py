@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Scenes with a closed form, in one loop with bodies of YADE (scripts/yade_*.py): bearing capacity, Hertz, rolling and sliding.
+
+Set-ups and references are in the docstrings of the scripts. References: Prandtl 1920, (2 + pi) c, 5 %; Hertz 1882 with the factor of a layer, 3 %;
+a = g (sin - mu cos) and 2/3 g sin on the incline, 5 %. Controls: no F-bar, a half-space instead of the layer, the other mode of motion.
+"""
+import numpy as np
+import pytest
+from yadeProcess import needsYade, run
+
+pytestmark = needsYade
+
+
+# --- footing ----------------------------------------------------------------------------------------------
+@pytest.fixture(scope="module")
+def footings(tmp_path_factory):
+    return run("""
+import yade_footing
+for name, options in {"fine": {"cell": 0.3}, "hybrid": {}, "smooth": {"friction": 0.0},
+                      "apdi": {"types": "apdi", "cell": 0.3}, "ugimp": {"types": "ugimp"}, "locked": {"fbar": False}}.items():
+    say(name, yade_footing.run(**{"cell": 0.5, **options})[0])
+""", tmp_path_factory.mktemp("footings"))[0]
+
+
+@pytest.mark.parametrize("name", ["fine", "hybrid", "smooth", "apdi", "ugimp"])
+def test_a_box_of_yade_fails_the_ground_at_the_load_of_prandtl(footings, name):
+    """Load over the width that the grid sees, B + h/2; 0.3 to 1.2 % were measured. A plateau."""
+    assert footings[name]["effectiveError"] == pytest.approx(0, abs=0.05)
+    assert abs(footings[name]["slopeOverElastic"]) < 0.02
+
+
+def test_the_excess_over_the_width_of_the_box_falls_with_the_cell(footings):
+    assert 0.02 < footings["fine"]["error"] < 0.8 * footings["hybrid"]["error"]
+
+
+def test_control_without_fbar_the_ground_locks(footings):
+    assert footings["locked"]["effectiveError"] > 0.06
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("types", ["hybrid", "apdi", "ugimp"])
+def test_with_cells_of_a_twentieth_of_the_width_the_load_over_the_box_is_that_of_prandtl(tmp_path, types):
+    said, _ = run(f"import yade_footing\nsay('fine', yade_footing.run({types!r}, 0.15)[0])", tmp_path, patience=600)
+    assert said["fine"]["error"] == pytest.approx(0, abs=0.05)
+
+
+# --- Hertz ------------------------------------------------------------------------------------------------
+def test_a_sphere_of_yade_is_carried_as_hertz_says(tmp_path):
+    """Contact radius of three cells; within 3 % (0.2 % were measured). Control: a half-space misses by 30 %."""
+    said, _ = run("""
+import yade_hertz
+say("coarse", yade_hertz.run("apdi", 3)[0])
+say("factors", [yade_hertz.layerFactor(chi) for chi in (0.01, 0.1, 0.3)])
+""", tmp_path)
+    coarse = said["coarse"]
+    assert coarse["error"] == pytest.approx(0, abs=0.03) and coarse["swing"] < 0.01
+    assert coarse["force"] > 1.2 * coarse["reference"] / coarse["layerFactor"]
+    # Dimitriadis et al. 2002, not bonded, nu = 0.3; and the first order 2 m chi / pi with m = int M du = 1.16758.
+    assert said["factors"][1:] == pytest.approx([1.0817, 1.2835], rel=6e-3)
+    assert said["factors"][0] == pytest.approx(1 + 2 * 1.16758 / np.pi * 0.01, abs=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("types, cells, low, high", [("apdi", 4, -0.03, 0.03), ("apdi", 6, -0.03, 0.03), ("ugimp", 3, 0.25, 0.30)])
+def test_a_sphere_of_yade_on_finer_grids(tmp_path, types, cells, low, high):
+    """uGIMP is too stiff, in proportion to the cell: its bounds are what was measured (27 %)."""
+    said, _ = run(f"import yade_hertz\nsay('fine', yade_hertz.run({types!r}, {cells})[0])", tmp_path, patience=600)
+    assert low < said["fine"]["error"] < high
+
+
+# --- disc -------------------------------------------------------------------------------------------------
+DISCS = {"apdi slides": ("apdi", 0.1, "xz"), "apdi rolls": ("apdi", 0.6, "xy"), "ugimp rolls": ("ugimp", 0.3, "yz")}
+
+
+@pytest.fixture(scope="module")
+def discs(tmp_path_factory):
+    return run(f"""
+import yade_disc
+for name, (types, friction, plane) in {DISCS!r}.items(): say(name, yade_disc.run(types, friction, planeName=plane)[0])
+""", tmp_path_factory.mktemp("discs"))[0]
+
+
+@pytest.mark.parametrize("name", DISCS)
+def test_a_disc_of_yade_slides_or_rolls_down_an_incline(discs, name):
+    """Acceleration within 5 % (0.5 to 0.8 % were measured), spin within 7 %, in every plane. Control: the other mode."""
+    disc, friction = discs[name], DISCS[name][1]
+    assert disc["acceleration"] == pytest.approx(disc["closedForm"], rel=0.05) and disc["outOfPlane"] == 0
+    assert disc["spinOverAcceleration"] == pytest.approx(disc["closedFormSpin"], rel=0.07)
+    slope, g = np.radians(30), 9.81
+    other = 2 / 3 * g * np.sin(slope) if name.endswith("slides") else g * (np.sin(slope) - friction * np.cos(slope))
+    assert disc["acceleration"] != pytest.approx(other, rel=0.05)

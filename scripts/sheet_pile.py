@@ -39,6 +39,8 @@ def arguments(words=None):
     parser.add_argument("--psi", type=float, default=10.0, help="dilatancy angle, degrees (default 10, published)")
     parser.add_argument("--dilatancyLimit", type=float, metavar="STRAIN",
                         help="plastic volumetric strain from which on the soil dilates no more (default: without limit, published)")
+    parser.add_argument("--friction", type=float, metavar="MU",
+                        help="the soil slips on the pile with this coefficient of friction (default: bonded, published)")
     parser.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain in the soil (not published)")
     parser.add_argument("--flip", type=float, default=1.0, help="FLIP share of the particle velocity (default 1: pure FLIP)")
     parser.add_argument("--dt", type=float, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
@@ -56,6 +58,9 @@ def arguments(words=None):
         parser.error("--rate and --cell must be positive")
     # A pile thinner than a cell would be far too stiff in bending.
     given.thickness = given.thickness or max(0.25, given.cell)
+    # Soil and pile meet at grid lines where they may slip: an odd number of cells across needs one more to be symmetric.
+    more = given.cell if given.friction is not None and round(given.thickness / given.cell) % 2 else 0.0
+    given.width, given.zoneWidth = WIDTH + more, ZONE_WIDTH + more
     given.until = given.until or 4.0 / given.rate + 0.5 * given.ramp
     given.penetration = given.rate * (given.until - 0.5 * min(given.ramp, given.until))
     if EMBEDDED + given.penetration > PILE_LENGTH - given.cell:
@@ -71,28 +76,31 @@ def build(a):
     """The scene: soil, pile, boundary conditions, engines (without output)."""
     scene, shaft = ground(a)
     steel = mpm.LinearElastic(density=7.85, lame=(4.20e7, 2.80e7))
-    # The inertia of the pile, not its weight, is scaled so that the published time step is stable.
-    pile = scene.add("pile", shaft, steel, mpm.UGIMP(perCell=2), inertiaScale=16)
+    # The inertia of the pile, not its weight, is scaled so that the published time step is stable. To slip on, its surface is a mesh.
+    slips = a.friction is not None
+    pile = scene.add("pile", shaft, steel, mpm.APDI(size=a.cell / 2) if slips else mpm.UGIMP(perCell=2), inertiaScale=16,
+                     group="pile" if slips else "main")
 
     scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
     drive = mpm.Drive(pile.above(DEPTH), velocity=(0, -a.rate), ramp=a.ramp)
-    scene.engines = [mpm.ParticleToGrid(), gridSolver(drive=drive), mpm.GridToParticle(flip=a.flip), mpm.DomainUpdater()]
+    contact = [mpm.Contact(friction=a.friction)] if slips else []
+    scene.engines = [mpm.ParticleToGrid(), gridSolver(drive=drive), *contact, mpm.GridToParticle(flip=a.flip), mpm.DomainUpdater()]
     scene.dt = a.dt
     return scene
 
 
 def ground(a):
     """The scene with the soil alone, and the region of the shaft that is left out of it."""
-    middle, top = WIDTH / 2, DEPTH
+    middle, top = a.width / 2, DEPTH
     shaft = box((middle - a.thickness / 2, top - EMBEDDED), (middle + a.thickness / 2, top - EMBEDDED + PILE_LENGTH))
     zoneDepth = ceil((EMBEDDED + a.penetration + ZONE_BELOW) / a.cell - 1e-9) * a.cell
-    soil = box((0, 0), (WIDTH, top)) - shaft
-    zone = box((middle - ZONE_WIDTH / 2, top - zoneDepth), (middle + ZONE_WIDTH / 2, top)) - shaft
+    soil = box((0, 0), (a.width, top)) - shaft
+    zone = box((middle - a.zoneWidth / 2, top - zoneDepth), (middle + a.zoneWidth / 2, top)) - shaft
     material = mpm.MohrCoulombDruckerPrager(density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5,
                                             frictionAngle=radians(30), dilatancyAngle=radians(a.psi),
                                             dilatancyLimit=a.dilatancyLimit)
 
-    scene = mpm.Scene(lower=(0, 0), upper=(WIDTH, DEPTH + FREE), cell=a.cell, threads=a.threads)
+    scene = mpm.Scene(lower=(0, 0), upper=(a.width, DEPTH + FREE), cell=a.cell, threads=a.threads)
     if a.types == "hybrid":
         near = scene.add("near soil", zone, material, mpm.UGIMP(perCell=2), fbar=a.fbar)
         scene.add("far soil", soil - zone, material, mpm.APDI(size=a.cell, matched=near, onDistortion=a.on_distortion),
@@ -111,7 +119,7 @@ def gridSolver(**more):
 
 def allUGIMP(a):
     """Soil particles of the same scene with uGIMP everywhere."""
-    return round((WIDTH * DEPTH - a.thickness * EMBEDDED) / (a.cell / 2) ** 2)
+    return round((a.width * DEPTH - a.thickness * EMBEDDED) / (a.cell / 2) ** 2)
 
 
 def soilBodies(scene):
@@ -159,7 +167,8 @@ def run(a, out):
 
 def surfaceOf(scene):
     """Ground surface; the pile and its cavity are the hole, two metres to each side."""
-    return groundSurface(scene, soilBodies(scene), DEPTH, hole=(WIDTH / 2 - 2, WIDTH / 2 + 2))
+    middle = scene.upper[0] / 2
+    return groundSurface(scene, soilBodies(scene), DEPTH, hole=(middle - 2, middle + 2))
 
 
 def penetrationAt(a, t):
@@ -289,7 +298,7 @@ def draw(a, out, scene, history, snapshots, summary):
     np.savetxt(os.path.join(out, "surface.csv"), np.column_stack([surface.x, surface.y, surface.explicit]), delimiter=",",
                comments="", header="x_m,y_m,is_mesh_vertex", fmt="%.8g")
     limit = 0.5
-    window = (WIDTH / 2 - 5, WIDTH / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
+    window = (a.width / 2 - 5, a.width / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
     figure, axes = plot.plt.subplots(1, len(snapshots), figsize=(3.4 * len(snapshots), 3.9), sharey=True, squeeze=False,
                                      layout="constrained")
     for ax, (d, snapshot) in zip(axes[0], snapshots):
@@ -337,7 +346,7 @@ def compare(a, hybrid, other):
               "largestDifference": float(difference[reach].max()) if reach.any() else None,
               "resistance": {k: [s1["resistance"][k], s2["resistance"].get(k)] for k in s1["resistance"]}}
     figure, axes = plot.plt.subplots(1, 3, figsize=(12, 4.2), layout="constrained", width_ratios=(1, 1, 0.9))
-    window = (WIDTH / 2 - 5, WIDTH / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
+    window = (a.width / 2 - 5, a.width / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
     for ax, scene, title in ((axes[0], scene1, f"hybrid, {s1['soilParticles']} soil particles"),
                              (axes[1], scene2, f"all uGIMP, {s2['soilParticles']} soil particles")):
         coloured = plot.Snapshot(scene, "plasticShearStrain").draw(ax, 0.5, window=window)

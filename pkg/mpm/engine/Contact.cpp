@@ -4,9 +4,9 @@
 //     J_n = [w - max(g, 0)/dt] / (1/m_a + 1/m_b) where that is positive,   |J_t| <= mu J_n + adhesion A dt:
 // surfaces may close a gap but not cross, and do not pull. A node that a constraint holds counts as infinitely heavy.
 //
-// The velocities at the start of the step, p/m, need not agree either. The nodes are made to, but particles do not take that
-// part: as with one velocity field for all, where the mean of all momentum stands for each. So groups that neither slip nor
-// separate move as one body to the last digits, and an impact keeps its energy (D16: the loss falls from 19 to 2 %).
+// The velocities at the start of the step, p/m, need not agree either. The nodes are made to; the particles take `impactLoss` of
+// that part. Groups that neither slip nor separate take nothing of it, as with one velocity field for all, where the mean of all
+// momentum stands for each: they move as one body to the last digits.
 //
 // Normals and gaps come from the surfaces as the node sees them: int phi n dA and int phi d n^T dA, d from the node. Both are sums
 // over the facets of a mesh, or, by the theorem of Gauss, over boxes. With A = n . int phi n dA, a group reaches n . int ... n / A
@@ -18,6 +18,8 @@
 namespace mpm {
 
 namespace {
+
+constexpr double edge = 0.9; // flatness of a surface below which it has an edge
 
 // f(node) for the 3^Dim nodes round one.
 template <int Dim, class F> void forNeighbours(const Grid<Dim>& grid, int node, F&& f) {
@@ -119,7 +121,9 @@ template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normals
             if (!findNodes(scene, a, b)) continue;
             findSurfaces(scene, 0, a), findSurfaces(scene, 1, b);
             normalsByMass ? findNormalsByMass(scene.grid, first) : findNormals(first);
+            turnAtEdges(scene, 0, a, first), turnAtEdges(scene, 1, b, first);
             findFaces(scene, 0, a), findFaces(scene, 1, b);
+            findIntruders(scene, 0, a, b), findIntruders(scene, 1, b, a);
             findGaps(scene.grid, first), borrow(scene.grid, first);
             forget(scene.grid, first);
         }
@@ -249,7 +253,36 @@ template <int Dim> void Meeting<Dim>::findNormals(size_t first) {
         for (int side = 0; side < 2; ++side)
             if (counts[side]) sum += (side == 0 ? 1 : -1) / size[side] * meet.surface[side].outward;
         meet.normal = unit<Dim>(sum, 1e-6);
+        for (int side = 0; side < 2; ++side)
+            if (counts[side] && isMeshed_[meet.field[side]] && flatness[side] < edge) meet.edgeOf = side;
     }
+}
+
+// At an edge of a mesh the facets count as far as they move towards the other group: the tip of a pile pushes what lies below it
+// down, not aside.
+template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first) {
+    if (!isMeshed_[field]) return;
+    const Grid<Dim>& grid = scene.grid;
+    std::vector<Vec<Dim>> sum(meets.size() - first, Vec<Dim>::Zero());
+    for (size_t b = 0; b < scene.bodies.size(); ++b) {
+        if (scene.bodies[b]->velocityField != field) continue;
+        const Field& X = *scene.bodies[b]->domains->vertexPositions();
+        for (auto& facet : boundaries_[b].facets.facets)
+            for (int v : facet) {
+                if (!isNear_[nearest(grid, X, v)]) continue;
+                const Vec<Dim> share = areaVector<Dim>(X, facet) / boundaries_[b].facets.size;
+                forHats<Dim>(grid, vectorAt<Dim>(X, v), [&](int node, double phi) {
+                    if (slot_[node] < 0 || meets[slot_[node]].edgeOf != side) return;
+                    const Meet<Dim>& meet = meets[slot_[node]];
+                    double closing = 0;
+                    for (int k = 0; k < Dim; ++k)
+                        closing += share[k] * (grid.fields[meet.field[side]].motion[node][k] - grid.fields[meet.field[1 - side]].motion[node][k]);
+                    if (closing > 0) sum[slot_[node] - first] += phi * closing / share.norm() * share;
+                });
+            }
+    }
+    for (size_t i = first; i < meets.size(); ++i)
+        if (meets[i].edgeOf == side && !sum[i - first].isZero(0)) meets[i].normal = (side == 0 ? 1 : -1) * sum[i - first].normalized();
 }
 
 template <int Dim> void Meeting<Dim>::findNormalsByMass(const Grid<Dim>& grid, size_t first) {
@@ -292,21 +325,54 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
     }
 }
 
-// How far each group reaches along the normal. Surfaces that seem to cross by half a cell face away from each other.
+// Boxes against a mesh: one that has crossed its face with half of what it reaches, has, whatever the others do. What lies deeper
+// than half a cell belongs to the other side.
+template <int Dim> void Meeting<Dim>::findIntruders(const Scene<Dim>& scene, int side, int field, int other) {
+    if (isMeshed_[field] || !isMeshed_[other]) return;
+    const Grid<Dim>& grid = scene.grid;
+    const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
+    for (auto& body : scene.bodies) {
+        if (body->velocityField != field || body->type->isMeshed()) continue;
+        const Field& position = body->particles.position;
+        const Vec<Dim> half = body->domains->halfSize();
+        for (int p = 0; p < body->particles.size(); ++p) {
+            const int centre = nearest(grid, position, p);
+            if (!isNear_[centre]) continue;
+            const Vec<Dim> x = vectorAt<Dim>(position, p);
+            forNeighbours(grid, centre, [&](int node, const Vec<Dim>&) {
+                if (slot_[node] < 0) return;
+                Meet<Dim>& meet = meets[slot_[node]];
+                const FaceSeen<Dim>& face = meet.surface[1 - side];
+                const Vec<Dim> d = x - grid.nodePosition(node);
+                const double along = sign * d.dot(meet.normal);
+                if (face.nearest == 1e300 || along + face.reach > 0.5 * h || d.squaredNorm() - along * along > 0.5 * h * h) return;
+                double& furthest = meet.surface[side].intruded;
+                furthest = std::max(furthest, along + 0.5 * half.dot(meet.normal.cwiseAbs()));
+            });
+        }
+    }
+}
+
+// How far each group reaches along the normal. Surfaces of boxes that seem to cross by half a cell face away from each other.
 template <int Dim> void Meeting<Dim>::findGaps(const Grid<Dim>& grid, size_t first) {
     for (size_t i = first; i < meets.size(); ++i) {
         Meet<Dim>& meet = meets[i];
         const Vec<Dim>& n = meet.normal;
         const double area[2] = {meet.surface[0].outward.dot(n), -meet.surface[1].outward.dot(n)};
-        meet.area = std::min(area[0], area[1]);
+        const bool isMesh[2] = {isMeshed_[meet.field[0]], isMeshed_[meet.field[1]]};
+        meet.area = isMesh[0] == isMesh[1] ? std::min(area[0], area[1]) : area[isMesh[0] ? 0 : 1];
         if (!(meet.area > 0)) continue;
         double reach[2];
         for (int side = 0; side < 2; ++side) {
             const FaceSeen<Dim>& face = meet.surface[side];
-            reach[side] = face.nearest < 1e300 ? face.reach : n.dot(face.moment * n) / area[side];
+            reach[side] = isMesh[side] && face.nearest < 1e300 ? face.reach
+                          : area[side] > 0.05 * meet.area      ? n.dot(face.moment * n) / area[side]
+                                                               : -1e300;
+            reach[side] = std::max(reach[side], face.intruded);
         }
         meet.gap = -reach[1] - reach[0];
-        if (meet.gap < -0.5 * grid.cell.minCoeff()) meet.area = 0;
+        const bool isGuess = !isMesh[0] && !isMesh[1];
+        if (isGuess && meet.gap < -0.5 * grid.cell.minCoeff()) meet.area = 0;
     }
 }
 
@@ -344,6 +410,9 @@ std::vector<Parameter> Contact::attributes() {
             {"adhesion", "kPa", "Shear stress that is borne besides friction while in contact.", &adhesion, Range::notNegative()},
             {"separation", "", "Whether groups may come apart; False: what shares a node stays together, gap or not.", &separation},
             {"slip", "", "Whether groups in contact may slip; False: whatever the friction, they do not.", &slip},
+            {"impactLoss", "-", "Share of the velocity with which nodes of two groups meet that their particles lose. 1: an impact stops a\n"
+                                "layer of one cell. 0: elastic impacts keep their energy, but in flowing soil noise pushes groups apart.",
+             &impactLoss, Range::between(0, 1)},
             {"normals", "", "'surface': area vectors of the surfaces; 'mass': gradient of the nodal mass.", &normals, {},
              {"surface", "mass"}},
             {"pairs", "", "Friction and adhesion of pairs of groups that differ: numbers of the groups, friction, adhesion.", &pairs},
@@ -401,9 +470,9 @@ typename Contact::Impulses<Dim> Contact::exchange(Meet<Dim>& meet, const Law& la
     const Vec<Dim> t = unit(slip, 0.0);
     const double lag = t.dot(answer.cwiseProduct(t)), borne = law.adhesion * meet.area * dt;
     if (!(lag > 0)) return J;
-    const double limit = law.friction * std::max(pushed - agreed, 0.0) + borne;
+    const double limit = law.friction * std::max(pushed - (1 - impactLoss) * agreed, 0.0) + borne;
     meet.sticks = !law.slip || (slip.norm() <= lag * (law.friction * std::max(pushed, 0.0) + borne) &&
-                                (slip - slipped).norm() <= lag * limit);
+                                (slip - (1 - impactLoss) * slipped).norm() <= lag * limit);
     if (meet.sticks)
         J.all += slip / lag, J.agreeing += slipped / lag;
     else
@@ -454,6 +523,7 @@ template <int Dim> void Contact::tell(const Scene<Dim>& scene, const Meet<Dim>& 
 template <int Dim> void Contact::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     table.clear(), largestPenetration = 0, sliding = 0;
+    const double loss = separation || slip ? impactLoss : 0;
     for (Meet<Dim>& meet : meets(scene)) {
         Vec<Dim> W[2], start[2], v[2];
         for (int side = 0; side < 2; ++side) {
@@ -467,7 +537,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         const Impulses<Dim> J = exchange<Dim>(meet, lawOf(meet.field[0], meet.field[1]), scene.dt, W[0] + W[1], start[0] - start[1],
                                               v[0] - v[1]);
         if (J.all.isZero(0)) continue;
-        meet.impulse = J.all - J.agreeing;
+        meet.impulse = J.all - (1 - loss) * J.agreeing;
         for (int side = 0; side < 2; ++side) change<Dim>(scene, meet, side, (side == 0 ? -1 : 1) * W[side], J);
         meet.slip = v[0] - v[1] - (W[0] + W[1]).cwiseProduct(J.all);
         const double rubbed = (meet.impulse - meet.impulse.dot(meet.normal) * meet.normal).dot(meet.slip);

@@ -11,6 +11,7 @@ namespace mpm {
 template <int Dim> struct FaceSeen {
     Vec<Dim> outward = Vec<Dim>::Zero(); // m2 (2D: m), int phi n dA
     Mat<Dim> moment = Mat<Dim>::Zero();  // m3, int phi d n^T dA
+    double intruded = -1e300;            // m, reach of the boxes that have crossed into a mesh
     // Of meshes only:
     double extent = 0;                   // m2, int phi dA
     double nearest = 1e300, reach = 0;   // m2, m: squared distance from the normal of the nearest vertex, and its reach
@@ -21,6 +22,7 @@ template <int Dim> struct Meet {
     int node, field[2];
     FaceSeen<Dim> surface[2];
     Vec<Dim> normal = Vec<Dim>::Zero(); // from the first group to the second; zero: not known
+    int edgeOf = -1;                    // which of the two has an edge here that the normal is taken from
     double gap = 0, area = 0;           // m; m2, of the smaller surface along the normal
     bool sticks = false;
     Vec<Dim> impulse = Vec<Dim>::Zero(); // kN s, on the second group in this step
@@ -58,7 +60,9 @@ template <int Dim> class Meeting {
     void addFacets(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid, int side);
     void findNormals(size_t first);
     void findNormalsByMass(const Grid<Dim>& grid, size_t first);
+    void turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first);
     void findFaces(const Scene<Dim>& scene, int side, int field);
+    void findIntruders(const Scene<Dim>& scene, int side, int field, int other);
     void findGaps(const Grid<Dim>& grid, size_t first);
     void borrow(const Grid<Dim>& grid, size_t first);
     void forget(const Grid<Dim>& grid, size_t first);
@@ -67,7 +71,7 @@ template <int Dim> class Meeting {
 
 class Contact : public EngineOf<Contact> {
   public:
-    double friction = 0, adhesion = 0, frictionWork = 0;
+    double friction = 0, adhesion = 0, impactLoss = 1, frictionWork = 0;
     bool separation = true, slip = true;
     std::string normals = "surface";
     std::vector<double> pairs;

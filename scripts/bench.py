@@ -104,6 +104,12 @@ def measure(binary, case, repeats):
     return figures, result["context"]
 
 
+def yardstick(binary, repeats):
+    """ns per particle-step of a bare kernel, see pkg/bench/yardstick.hpp: what machines differ by."""
+    result = json.loads(call(binary, "--benchmark_filter=^yardstick/", f"--benchmark_repetitions={repeats}", "--benchmark_format=json"))
+    return min(line["step"] for line in result["benchmarks"] if line["run_type"] == "iteration")
+
+
 # ---- the same through Python -------------------------------------------------------------------------
 def throughPython(repeats):
     """Step of THROUGH_PYTHON in ns per particle-step, the block of pkg/bench/soilBlock.cpp built and run with yade_mpm."""
@@ -190,6 +196,7 @@ def table(a, binary):
         print(line(figures, before.get(case)), flush=True)
     if any(f["case"] == THROUGH_PYTHON for f in measured):
         print(comparePython(binary, a.repeats))
+    print(f"yardstick, a bare MLS-MPM kernel with linear elasticity on one thread: {yardstick(binary, a.repeats):.1f} ns per particle-step")
     if a.save:
         save(a.save, m, measured)
 

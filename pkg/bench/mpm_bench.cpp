@@ -7,11 +7,13 @@
 // look at. Needs nothing but the run-time libraries of the compiler, and libbenchmark beside it if that is a shared one;
 // for a machine of another kind build with -DMPM_NATIVE=OFF.
 #include "bench/soilBlock.hpp"
+#include "bench/yardstick.hpp"
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
@@ -116,6 +118,26 @@ void registerCase(const Case& c) {
         ->ComputeStatistics("max", [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); });
 }
 
+// The machine's own measure: ns per particle-step of a bare kernel on one thread.
+void registerYardstick() {
+    const auto run = [](benchmark::State& state) {
+        static Yardstick block(71);
+        const double momentum = block.momentum();
+        const auto steps = state.max_iterations;
+        const auto start = std::chrono::steady_clock::now();
+        while (state.KeepRunningBatch(steps))
+            for (long i = 0; i < steps; ++i) block.step();
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        state.counters["step"] = 1e9 * seconds / (double(steps) * block.particles());
+        state.counters["particles"] = block.particles();
+        if (std::abs(block.momentum() / momentum - 1) > 1e-9) state.SkipWithError("the yardstick loses momentum");
+    };
+    benchmark::RegisterBenchmark("yardstick", run)
+        ->Iterations(particleSteps / 20000)
+        ->ComputeStatistics("min", [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); })
+        ->ComputeStatistics("max", [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); });
+}
+
 std::string processor() {
     std::ifstream file("/proc/cpuinfo");
     for (std::string line; std::getline(file, line);)
@@ -140,6 +162,7 @@ int main(int argc, char** argv) {
                 for (const char* material : {"elastic", "mcdp"})
                     for (int threads = 1; threads <= omp_get_num_procs(); ++threads)
                         registerCase({dim, type, material, particles, threads});
+    registerYardstick();
     benchmark::AddCustomContext("processor", processor());
     benchmark::AddCustomContext("compiler", "gcc " __VERSION__);
     benchmark::AddCustomContext("flags", MPM_FLAGS);

@@ -54,6 +54,12 @@ def test_figures_are_complete_and_fit_together(case, particles):
     assert context["processor"] and context["compiler"] and context["flags"]
 
 
+def test_yardstick_keeps_its_momentum_and_takes_time():
+    repeats, _ = measured("yardstick")
+    assert all("error_message" not in figures and figures["particles"] == 20164 for figures in repeats)
+    assert all(figures["step"] == pytest.approx(figures["real_time"] / 20164, rel=0.05) for figures in repeats)
+
+
 def test_control_elastic_soil_does_not_yield():
     repeats, _ = measured("2D/ugimp/elastic/2000/threads:1")
     assert all(figures["yielding"] == 0 for figures in repeats)
@@ -66,7 +72,9 @@ def test_the_table_compares_with_what_was_saved(tmp_path):
     second = process(sys.executable, SCRIPT, *options, "--baseline", tmp_path / "saved.json")
     assert "baseline: this machine and compiler" in second
     (saved,) = json.loads((tmp_path / "saved.json").read_text())["cases"]
-    row = second.splitlines()[-1].split()
+    *_, last, yardstick = second.splitlines()
+    assert yardstick.startswith("yardstick") and float(yardstick.split()[-4]) > 1
+    row = last.split()
     assert row[0] == saved["case"] == "2D/apdi/mcdp/2000/threads:1"
     assert float(row[-2]) == pytest.approx(saved["step"], abs=0.051)
     assert float(row[-1]) == pytest.approx(float(row[5]) / saved["step"], abs=0.01)

@@ -5,7 +5,8 @@
 //     phi_ip = sum_a w_a S_i(X_a),   grad phi_ip = sum_a g_a S_i(X_a)      (S_i itself, not its gradient)
 // and every transfer runs in two stages, particle <-> vertex <-> grid. The shapes w, g of one domain are
 // in APDIShape.hpp; here are the vertices, the transfers, hourglass control and the check for distortion.
-#include "mpm/particle/APDIShape.hpp"
+#include "mpm/particle/DomainBatch.hpp"
+#include "mpm/particle/HangingVertices.hpp"
 #include "mpm/particle/Transfers.hpp"
 
 #include <mutex>
@@ -33,10 +34,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         X_.resize(n), X0_.resize(n), V_.resize(n);
         for (int v = 0; v < n; ++v)
             for (int k = 0; k < Dim; ++k) X_.plane(k)[v] = X0_.plane(k)[v] = geometry.points[v][k];
-        corner_ = geometry.cells, slaves_ = geometry.slaves, masters_ = geometry.masters;
-        masterWeight_.resize(int(slaves_.size()));
-        for (int s = 0; s < int(slaves_.size()); ++s)
-            for (int m = 0; m < 4; ++m) masterWeight_.plane(m)[s] = geometry.weights[4 * s + m];
+        corner_ = geometry.cells;
+        hanging_.set(geometry.slaves, geometry.masters, geometry.weights);
 
         const int domains = int(corner_.size()) / NC;
         std::vector<Vec<Dim>> centres(domains, Vec<Dim>::Zero());
@@ -57,10 +56,10 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         regroup();
     }
 
-    std::vector<Field*> fields() override { return {&X_, &X0_, &V_, &hourglass0_, &masterWeight_}; }
+    std::vector<Field*> fields() override { return {&X_, &X0_, &V_, &hourglass0_, &hanging_.weight}; }
     std::vector<std::pair<std::string, std::vector<int>*>> tables() override {
         auto all = Base::tables();
-        all.insert(all.end(), {{"corners", &corner_}, {"slaves", &slaves_}, {"masters", &masters_}});
+        all.insert(all.end(), {{"corners", &corner_}, {"slaves", &hanging_.slaves}, {"masters", &hanging_.masters}});
         return all;
     }
 
@@ -107,7 +106,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         const DeformedPattern deformed(*this);
         clear(team);
         pieces(team, [&](int first, int count) {
-            const Shapes d(*this, first, count);
+            const Shapes d = shapesOf(first, count);
             FromDomains from;
             q.values(first, count, inertiaScale, from.value);
             withForce ? q.forceColumns(first, count, stress.data(), from.column) : from.noForce(count);
@@ -135,10 +134,10 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                 if (nodes) motionAt(v) = hat.gather(v, nodes);
             }
         });
-        if (nodes) mastersToSlaves(team, [&](int slave) { motionAt(slave) = NF::Motion::zero(); },
+        if (nodes) hanging_.take(team, [&](int slave) { motionAt(slave) = NF::Motion::zero(); },
                                    [&](int from, int to, double w) { motionAt(to).add(w, motionAt(from)); });
         pieces(team, [&](int first, int count) {
-            const Weights d(*this, first, count);
+            const Weights d = weightsOf(first, count);
             if (nodes) {
                 typename NF::Motion motion[batch];
                 for (int i = 0; i < count; ++i) {
@@ -158,7 +157,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             }
         });
         if (!momentum) return;
-        slavesToMasters(team, [&](int from, int to, double w) { momentumAt(to) += w * momentumAt(from); },
+        hanging_.give(team, [&](int from, int to, double w) { momentumAt(to) += w * momentumAt(from); },
                         [&](int slave) { momentumAt(slave) = Quad{}; });
         scatterVertices(team, momentum, [&](int v) __attribute__((always_inline)) {
             typename NF::Velocity given;
@@ -176,7 +175,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                 for (int k = 0; k < Dim; ++k) V_.plane(k)[v] = velocity[NF::lane(k)];
             }
         });
-        mastersToSlaves(team, [&](int slave) { for (int k = 0; k < Dim; ++k) V_.plane(k)[slave] = 0; },
+        hanging_.take(team, [&](int slave) { for (int k = 0; k < Dim; ++k) V_.plane(k)[slave] = 0; },
                         [&](int from, int to, double w) { for (int k = 0; k < Dim; ++k) V_.plane(k)[to] += w * V_.plane(k)[from]; });
     }
 
@@ -201,7 +200,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                         for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
                         L[Dim * i + j][first + p] = sum;
                     }
-                const auto x = moved(X, V, dt, p);
+                const auto x = Batch::moved(X, V, dt, p);
                 const ClosedShape<Dim> after(x);
                 const double least = qualityOf(after, smallestCorner(x)); // outside the condition, or it takes longer
                 if (dt > 0) volume[first + p] = after.volume, quality[p] = least;
@@ -218,15 +217,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             for (int k = 0; k < Dim; ++k)
                 for (int v = begin; v < end; ++v) X_.plane(k)[v] += dt * V_.plane(k)[v];
         });
-        if (slaves_.empty()) return;
-        team.once([&] { // round-off would let a slave creep off the line between its masters
-            for (int k = 0; k < Dim; ++k)
-                eachSlave([&](int slave, auto&& weighted) {
-                    double x = 0;
-                    weighted([&](int master, double w) { x += w * X_.plane(k)[master]; });
-                    X_.plane(k)[slave] = x;
-                });
-        });
+        // Round-off would let a slave creep off the line between its masters.
+        hanging_.take(team, [&](int slave) { for (int k = 0; k < Dim; ++k) X_.plane(k)[slave] = 0; },
+                      [&](int from, int to, double w) { for (int k = 0; k < Dim; ++k) X_.plane(k)[to] += w * X_.plane(k)[from]; });
     }
 
     // --- besides the step ---------------------------------------------------------------------------
@@ -235,7 +228,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     Field* vertexVelocities() override { return &V_; }
 
     void addVertexForce(int v, const Vec<Dim>& force, typename NF::Sum* nodes) const override {
-        throughMasters(v, 1.0, [&](int vertex, double share) {
+        hanging_.through(v, [&](int vertex, double share) {
             Hat(*this)(vertex, [&](int node, double S) {
                 for (int k = 0; k < Dim; ++k)
                     nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + share * S * force[k]);
@@ -318,22 +311,19 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             kept.push_back(p);
             for (int a = 0; a < NC; ++a) cornerKept.push_back(corner_[NC * p + a]), used[cornerKept.back()] = 1;
         }
-        for (int s = 0; s < int(slaves_.size()); ++s)
-            for (int m = 0; m < 4; ++m)
-                if (masters_[4 * s + m] >= 0 && used[slaves_[s]]) used[masters_[4 * s + m]] = 1;
+        for (int s = 0; s < hanging_.count(); ++s)
+            if (used[hanging_.slaves[s]]) hanging_.eachMaster(s, [&](int v, double) { used[v] = 1; });
         std::vector<int> vertexKept, renumber(X_.size(), -1);
         for (int v = 0; v < X_.size(); ++v)
             if (used[v]) renumber[v] = int(vertexKept.size()), vertexKept.push_back(v);
         for (int& v : cornerKept) v = renumber[v];
-        keepSlaves([&](int s) { return used[slaves_[s]] != 0; });
-        for (int& v : slaves_) v = renumber[v];
-        for (int& v : masters_)
-            if (v >= 0) v = renumber[v];
+        hanging_.select([&](int s) { return used[hanging_.slaves[s]] != 0; });
+        hanging_.renumber(renumber);
 
         corner_ = cornerKept;
-        for (Field* field : {&X_, &X0_, &V_}) select(*field, vertexKept);
-        select(hourglass0_, kept);
-        for (Field* field : particles.fields()) select(*field, kept);
+        for (Field* field : {&X_, &X0_, &V_}) field->select(vertexKept);
+        hourglass0_.select(kept);
+        for (Field* field : particles.fields()) field->select(kept);
         restored();
         regroup();
         distorted_.clear();
@@ -349,7 +339,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
         const Shape<Dim> shape(numbersOf<Dim>(cornersOf(p)));
         for (int a = 0; a < NC; ++a)
-            throughMasters(corner_[NC * p + a], 1.0, [&](int v, double share) {
+            hanging_.through(corner_[NC * p + a], [&](int v, double share) {
                 Hat(*this)(v, [&](int node, double S) { each(node, share * shape.w[a] * S, Vec<Dim>(share * S * shape.g[a])); });
             });
     }
@@ -360,7 +350,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         const bool controls = hourglassCoefficient_ > 0;
         clear(team);
         pieces(team, [&](int first, int count) {
-            const Shapes d(*this, first, count);
+            const Shapes d = shapesOf(first, count);
             FromDomains from;
             std::fill(from.value, from.value + count, Quad{});
             q.forceColumns(first, count, tensor, from.column);
@@ -382,102 +372,14 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
   private:
-    static constexpr int batch = Dim == 2 ? 64 : 32; // domains whose shapes are held at once
-    static constexpr int modes = hourglassModes<Dim>;
+    using Batch = DomainBatch<Dim>;
+    using Corner = typename Batch::Corner;
+    using Weights = typename Batch::Weights;
+    using Shapes = typename Batch::Shapes;
+    static constexpr int batch = Batch::batch, modes = Batch::modes, skews = Batch::skews;
 
-    using Skew = decltype(ClosedShape<Dim>::skew);
-    static constexpr int skews = int(std::tuple_size<Skew>());
-
-    std::array<double*, skews> skewPlanes(int first) {
-        std::array<double*, skews> planes;
-        for (int m = 0; m < skews; ++m) planes[m] = skew_.plane(m) + first;
-        return planes;
-    }
-
-    // A vector at the corners of a batch of domains, from a field over the vertices.
-    struct Corner {
-        double x[NC][Dim][batch];
-
-        Corner(const int* corner, const Field& field, int count) {
-            const double* plane[Dim];
-            for (int k = 0; k < Dim; ++k) plane[k] = field.plane(k);
-            for (int p = 0; p < count; ++p)
-                MPM_UNROLL
-                for (int a = 0; a < NC; ++a) {
-                    int v = corner[NC * p + a];
-                    asm("" : "+r"(v)); // plain loads: without this GCC makes vectors of the numbers and takes twice as long
-                    MPM_UNROLL
-                    for (int k = 0; k < Dim; ++k) x[a][k][p] = plane[k][v];
-                }
-        }
-        MPM_INLINE CornerNumbers<Dim> at(int p) const {
-            CornerNumbers<Dim> X;
-            MPM_UNROLL
-            for (int a = 0; a < NC; ++a)
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) X[k][a] = x[a][k][p];
-            return X;
-        }
-    };
-
-    // Corner weights of a batch of domains.
-    struct Weights {
-        const int* corner; // NC per domain
-        double w[NC][batch];
-
-        Weights(MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first) {
-            const auto skew = d.skewPlanes(first);
-            auto one = [&](int p) __attribute__((always_inline)) {
-                Skew amount;
-                MPM_UNROLL
-                for (int m = 0; m < skews; ++m) amount[m] = skew[m][p];
-                const auto all = ClosedShape<Dim>::weights(amount);
-                MPM_UNROLL
-                for (int a = 0; a < NC; ++a) w[a][p] = all[a];
-            };
-#pragma omp simd
-            for (int p = 0; p < count; ++p) one(p);
-        }
-    };
-
-    // Shapes of a batch of domains.
-    struct Shapes {
-        const int* corner; // NC per domain
-        double w[NC][batch], g[NC][Dim][batch], volume[batch], pattern[modes][Dim][batch];
-
-        Shapes(MeshDomains& d, int first, int count) : corner(d.corner_.data() + NC * first) {
-            const Corner X(corner, d.X_, count);
-            const auto skew = d.skewPlanes(first);
-            auto one = [&](int p) __attribute__((always_inline)) {
-                const ClosedShape<Dim> shape(X.at(p));
-                volume[p] = shape.volume;
-                MPM_UNROLL
-                for (int a = 0; a < NC; ++a) {
-                    w[a][p] = shape.w[a];
-                    MPM_UNROLL
-                    for (int k = 0; k < Dim; ++k) g[a][k][p] = shape.g[a][k];
-                }
-                MPM_UNROLL
-                for (int m = 0; m < skews; ++m) skew[m][p] = shape.skew[m];
-                MPM_UNROLL
-                for (int m = 0; m < modes; ++m)
-                    MPM_UNROLL
-                    for (int k = 0; k < Dim; ++k) pattern[m][k][p] = shape.pattern[m][k];
-            };
-#pragma omp simd
-            for (int p = 0; p < count; ++p) one(p);
-        }
-    };
-
-    // The corners after they have moved.
-    MPM_INLINE static CornerNumbers<Dim> moved(const Corner& X, const Corner& V, double dt, int p) {
-        CornerNumbers<Dim> x;
-        MPM_UNROLL
-        for (int a = 0; a < NC; ++a)
-            MPM_UNROLL
-            for (int k = 0; k < Dim; ++k) x[k][a] = X.x[a][k][p] + dt * V.x[a][k][p];
-        return x;
-    }
+    Weights weightsOf(int first, int count) { return Weights(corner_, skew_, first, count); }
+    Shapes shapesOf(int first, int count) { return Shapes(corner_, X_, skew_, first, count); }
 
     // Smallest corner area over the area, but not above 0 if a corner weight is too small.
     template <class S> MPM_INLINE static double qualityOf(const S& shape, double corner) {
@@ -559,7 +461,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     // Then the nodes take it; the forces of hourglass control stay on the vertices, too.
     void sumToNodes(Team& team, typename NF::Sum* nodes, bool withControl) {
-        slavesToMasters(team, [&](int from, int to, double w) { vertex_[to].add(w, vertex_[from]); },
+        hanging_.give(team, [&](int from, int to, double w) { vertex_[to].add(w, vertex_[from]); },
                         [&](int slave) { vertex_[slave] = Vertex::zero(); });
         const double factor = withControl ? 1 : 0;
         scatterVertices(team, nodes, [&](int v) __attribute__((always_inline)) {
@@ -608,24 +510,6 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         }
     };
 
-    // f(vertex, share): the vertex itself, or its masters if it hangs.
-    template <class F> void throughMasters(int v, double share, F&& f) const {
-        const auto slave = std::find(slaves_.begin(), slaves_.end(), v);
-        if (slave == slaves_.end()) return f(v, share);
-        const int s = int(slave - slaves_.begin());
-        for (int m = 0; m < 4; ++m)
-            if (masters_[4 * s + m] >= 0) f(masters_[4 * s + m], share * masterWeight_.plane(m)[s]);
-    }
-
-    // f(slave, weighted) with weighted(g) calling g(master, weight).
-    template <class F> void eachSlave(F&& f) const {
-        for (int s = 0; s < int(slaves_.size()); ++s)
-            f(slaves_[s], [&](auto&& g) {
-                for (int m = 0; m < 4; ++m)
-                    if (masters_[4 * s + m] >= 0) g(masters_[4 * s + m], masterWeight_.plane(m)[s]);
-            });
-    }
-
     void clear(Team& team) {
         team.chunks(X_.size(), [&](int begin, int end) {
             std::fill(&vertex_[begin], &vertex_[begin] + (end - begin), Vertex::zero());
@@ -639,28 +523,6 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         team.inTurns(pieces_, [&](int piece) {
             const int end = std::min(particles.size(), (piece + 1) * pieceSize_);
             for (int first = piece * pieceSize_; first < end; first += batch) f(first, std::min(batch, end - first));
-        });
-    }
-
-    // Hanging vertices take from their masters: clear(slave), then add(master, slave, weight).
-    template <class Clear, class Add> void mastersToSlaves(Team& team, Clear&& clear, Add&& add) {
-        if (slaves_.empty()) return;
-        team.once([&] {
-            eachSlave([&](int slave, auto&& weighted) {
-                clear(slave);
-                weighted([&](int master, double w) { add(master, slave, w); });
-            });
-        });
-    }
-
-    // The transpose: they hand what they have to their masters. add(slave, master, weight), then clear(slave).
-    template <class Add, class Clear> void slavesToMasters(Team& team, Add&& add, Clear&& clear) {
-        if (slaves_.empty()) return;
-        team.once([&] {
-            eachSlave([&](int slave, auto&& weighted) {
-                weighted([&](int master, double w) { add(slave, master, w); });
-                clear(slave);
-            });
         });
     }
 
@@ -769,35 +631,14 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         order.group(grid, cell_);
     }
 
-    static void select(Field& field, const std::vector<int>& kept) {
-        if (field.size() == 0) return;
-        Field old = field;
-        field.resize(int(kept.size()));
-        for (int c = 0; c < field.components(); ++c)
-            for (size_t i = 0; i < kept.size(); ++i) std::memcpy(field.plane(c) + i, old.plane(c) + kept[i], 8);
-    }
-
-    template <class Keep> void keepSlaves(Keep&& keep) {
-        std::vector<int> slaves, masters, kept;
-        for (int s = 0; s < int(slaves_.size()); ++s) {
-            if (!keep(s)) continue;
-            slaves.push_back(slaves_[s]), kept.push_back(s);
-            masters.insert(masters.end(), masters_.begin() + 4 * s, masters_.begin() + 4 * s + 4);
-        }
-        slaves_ = slaves, masters_ = masters;
-        select(masterWeight_, kept);
-    }
-
+    // A hanging vertex whose coarse neighbour goes is free again.
     void releaseSlaves(const std::vector<int>& gone) {
-        keepSlaves([&](int s) {
-            for (int p : gone) {
+        hanging_.select([&](int s) {
+            return std::none_of(gone.begin(), gone.end(), [&](int p) {
                 bool all = true;
-                for (int m = 0; m < 4; ++m)
-                    if (masters_[4 * s + m] >= 0)
-                        all &= std::count(&corner_[NC * p], &corner_[NC * p] + NC, masters_[4 * s + m]) > 0;
-                if (all) return false;
-            }
-            return true;
+                hanging_.eachMaster(s, [&](int v, double) { all &= std::count(&corner_[NC * p], &corner_[NC * p] + NC, v) > 0; });
+                return all;
+            });
         });
     }
 
@@ -807,8 +648,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     Field X0_{"vertexReference", "m", "Position of the vertices when the body was made.", {Dim}};
     Field V_{"vertexVelocity", "m/s", "Velocity of the vertices in the last step.", {Dim}};
     Field hourglass0_{"hourglassReference", "m", "Hourglass pattern of the undeformed domain.", {hourglassModes<Dim>, Dim}};
-    Field masterWeight_{"masterWeight", "-", "Weights of the masters of a hanging vertex.", {4}};
-    std::vector<int> corner_, slaves_, masters_; // 2^Dim per domain; hanging vertices; 4 per slave, -1: none
+    HangingVertices hanging_;
+    std::vector<int> corner_; // 2^Dim per domain
 
     std::vector<int> cell_;      // of the vertices, once per step
     std::vector<int> block_;     // of `order`, that each vertex belongs to

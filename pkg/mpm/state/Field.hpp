@@ -61,6 +61,15 @@ class Field {
         }
     }
 
+    // Keeps the entries of these numbers, in this order; takes new memory.
+    void select(const std::vector<int>& kept) {
+        if (size_ == 0) return;
+        const Field old = *this;
+        resize(int(kept.size()));
+        for (int c = 0; c < components_; ++c)
+            for (size_t i = 0; i < kept.size(); ++i) std::memcpy(plane(c) + i, old.plane(c) + kept[i], 8);
+    }
+
     void fill(double value) {
         for (int c = 0; c < components_; ++c) std::fill(plane(c), plane(c) + size_, value);
     }

@@ -245,6 +245,8 @@ def summarise(a, scene, history, wall, steps):
         "troughArea": trough,
         "cavityArea": cavity,
         "displacedArea": a.thickness * float(depth[-1]),
+        "openCavityArea": cavity - a.thickness * (EMBEDDED + float(depth[-1])),
+        "collarThickness": collar(a, soil, float(depth[-1])),
         "surfaceHighest": float(np.nanmax(surface.y) - DEPTH),
         "minJacobian": extreme(history["minJacobian"], np.nanmin),
         "invertedDomains": int(history["invertedCount"].max()),
@@ -259,6 +261,15 @@ def summarise(a, scene, history, wall, steps):
         "surfaceSingleValued": surface.singleValued,
         "tipDrift": tipDrift,
     }
+
+
+def collar(a, soil, penetration):
+    """Thickness (m, mean of both sides) of the soil beside the pile's first metre that has gone down half as far as the pile."""
+    area = 0.0
+    for body in soil:
+        beside = (np.abs(body.reference[:, 0] - a.width / 2) < 2.0) & (body.reference[:, 1] > DEPTH - EMBEDDED)
+        area += body.initialVolume[beside & (body.displacement[:, 1] < -0.5 * penetration)].sum()
+    return float(area / (2 * EMBEDDED))
 
 
 def extreme(values, which):

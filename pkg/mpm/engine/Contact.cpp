@@ -541,7 +541,9 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         for (int side = 0; side < 2; ++side) change<Dim>(scene, meet, side, (side == 0 ? -1 : 1) * W[side], J);
         meet.slip = v[0] - v[1] - (W[0] + W[1]).cwiseProduct(J.all);
         const double rubbed = (meet.impulse - meet.impulse.dot(meet.normal) * meet.normal).dot(meet.slip);
-        frictionWork += rubbed, scene.energies.contact += rubbed;
+        const Vec<Dim> met = loss * J.agreeing;
+        frictionWork += rubbed;
+        scene.energies.contact += rubbed + met.dot(start[0] - start[1] - 0.5 * (W[0] + W[1]).cwiseProduct(met));
         tell(scene, meet);
     }
 }

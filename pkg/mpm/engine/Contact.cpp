@@ -232,29 +232,39 @@ template <int Dim> void Meeting<Dim>::addFacets(Body<Dim>& body, Boundary& bound
     }
 }
 
-// At an edge of one group the flatter surface of the other counts. Flatness is what a surface has left of its area when its
-// directions are added up; boxes do not know that area, and are measured against the largest there is. Of equals the mesh counts.
+// Boxes have faces along the axes; of two groups of them those count that look at each other. Else, at an edge of one group, the
+// flatter surface of the other counts. Flatness is what a surface has left of its area when its directions are added up. Of equals
+// the mesh counts.
 template <int Dim> void Meeting<Dim>::findNormals(size_t first) {
     for (size_t i = first; i < meets.size(); ++i) {
         Meet<Dim>& meet = meets[i];
-        double size[2], flatness[2], most = 1e-300;
-        for (int side = 0; side < 2; ++side) {
-            size[side] = meet.surface[side].outward.norm();
-            most = std::max({most, size[side], meet.surface[side].extent});
+        const bool meshed[2] = {isMeshed_[meet.field[0]], isMeshed_[meet.field[1]]};
+        const Vec<Dim> outward[2] = {meet.surface[0].outward, -meet.surface[1].outward}; // along the normal, both
+        Vec<Dim> sum = Vec<Dim>::Zero();
+        if (!meshed[0] && !meshed[1]) {
+            for (int k = 0; k < Dim; ++k)
+                if (const double a = outward[0][k], b = outward[1][k]; a * b > 0) sum[k] = std::abs(a) < std::abs(b) ? a : b;
+            meet.normal = unit<Dim>(sum, 0.0);
+            continue;
         }
-        for (int side = 0; side < 2; ++side)
-            flatness[side] = size[side] / (isMeshed_[meet.field[side]] ? std::max(meet.surface[side].extent, 1e-300) : most);
+        double size[2], flatness[2];
+        for (int side = 0; side < 2; ++side) {
+            size[side] = outward[side].norm();
+            const double extent = meshed[side] ? meet.surface[side].extent : outward[side].template lpNorm<1>();
+            flatness[side] = size[side] / std::max(extent, 1e-300);
+        }
         const double flattest = std::max(flatness[0], flatness[1]);
         bool counts[2];
         for (int side = 0; side < 2; ++side) counts[side] = size[side] > 0 && flatness[side] > 0.99 * flattest;
-        if (counts[0] && counts[1] && isMeshed_[meet.field[0]] != isMeshed_[meet.field[1]])
-            counts[isMeshed_[meet.field[0]] ? 1 : 0] = false;
-        Vec<Dim> sum = Vec<Dim>::Zero();
+        if (meshed[0] != meshed[1]) { // boxes count where they are flat and the mesh has an edge
+            const int mesh = meshed[0] ? 0 : 1;
+            if (counts[mesh] || flatness[1 - mesh] < edge) counts[mesh] = size[mesh] > 0, counts[1 - mesh] = !counts[mesh];
+        }
         for (int side = 0; side < 2; ++side)
-            if (counts[side]) sum += (side == 0 ? 1 : -1) / size[side] * meet.surface[side].outward;
+            if (counts[side]) sum += outward[side] / size[side];
         meet.normal = unit<Dim>(sum, 1e-6);
         for (int side = 0; side < 2; ++side)
-            if (counts[side] && isMeshed_[meet.field[side]] && flatness[side] < edge) meet.edgeOf = side;
+            if (counts[side] && meshed[side] && flatness[side] < edge) meet.edgeOf = side;
     }
 }
 
@@ -389,7 +399,7 @@ template <int Dim> void Meeting<Dim>::borrow(const Grid<Dim>& grid, size_t first
             const Meet<Dim>& other = meets[slot_[node]];
             normal += other.area * other.normal, area += other.area, gap += other.area * other.gap;
         });
-        meet.normal = unit<Dim>(normal, 0.1 * area), meet.gap = area > 0 ? gap / area : 0, meet.area = 0;
+        meet.normal = unit<Dim>(normal, 0.1 * area), meet.gap = area > 0 ? gap / area : 0, meet.area = std::max(0.0, meet.area);
     }
 }
 
@@ -468,15 +478,16 @@ typename Contact::Impulses<Dim> Contact::exchange(Meet<Dim>& meet, const Law& la
     const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
     const Vec<Dim> slip = across(w - answer.cwiseProduct(J.all)), slipped = across(start - answer.cwiseProduct(J.agreeing));
     const Vec<Dim> t = unit(slip, 0.0);
-    const double lag = t.dot(answer.cwiseProduct(t)), borne = law.adhesion * meet.area * dt;
-    if (!(lag > 0)) return J;
+    const double lag = t.dot(answer.cwiseProduct(t)), borne = law.adhesion * meet.area * dt; // lag 0: constraints hold both
+    meet.sticks = t.isZero(0);
+    if (meet.sticks || !(lag > 0 || law.slip)) return J;
     const double limit = law.friction * std::max(pushed - (1 - impactLoss) * agreed, 0.0) + borne;
-    meet.sticks = !law.slip || (slip.norm() <= lag * (law.friction * std::max(pushed, 0.0) + borne) &&
-                                (slip - (1 - impactLoss) * slipped).norm() <= lag * limit);
+    meet.sticks = lag > 0 && (!law.slip || (slip.norm() <= lag * (law.friction * std::max(pushed, 0.0) + borne) &&
+                                            (slip - (1 - impactLoss) * slipped).norm() <= lag * limit));
     if (meet.sticks)
         J.all += slip / lag, J.agreeing += slipped / lag;
     else
-        J.all += std::min(slip.norm() / lag, limit) * t;
+        J.all += std::min(lag > 0 ? slip.norm() / lag : limit, limit) * t;
     return J;
 }
 
@@ -508,14 +519,17 @@ void Contact::change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const V
     scene.energies.gravity += field.sum[meet.node][NF::weightMass] * gained * scene.dt;
 }
 
-template <int Dim> void Contact::tell(const Scene<Dim>& scene, const Meet<Dim>& meet) {
+// slip: with the velocity that strains the groups. Nodes that a body hardly feels may have quite another one in the solution.
+template <int Dim> void Contact::tell(Scene<Dim>& scene, const Meet<Dim>& meet, const Vec<Dim>& slip) {
+    const double rubbed = (meet.impulse - meet.impulse.dot(meet.normal) * meet.normal).dot(slip);
+    frictionWork += rubbed, scene.energies.contact += rubbed;
     const auto append = [&](const Vec<Dim>& v) {
         for (int k = 0; k < 3; ++k) table.push_back(k < Dim ? v[k] : 0.0);
     };
     table.insert(table.end(), {double(meet.field[0]), double(meet.field[1])});
     append(scene.grid.nodePosition(meet.node)), append(meet.normal);
     table.insert(table.end(), {meet.gap, meet.area});
-    append(meet.impulse / scene.dt), append(meet.slip);
+    append(meet.impulse / scene.dt), append(slip);
     largestPenetration = std::max(largestPenetration, -meet.gap);
     sliding += !meet.sticks;
 }
@@ -537,14 +551,11 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         const Impulses<Dim> J = exchange<Dim>(meet, lawOf(meet.field[0], meet.field[1]), scene.dt, W[0] + W[1], start[0] - start[1],
                                               v[0] - v[1]);
         if (J.all.isZero(0)) continue;
-        meet.impulse = J.all - (1 - loss) * J.agreeing;
+        meet.impulse = J.all - (1 - loss) * J.agreeing, meet.acts = true;
         for (int side = 0; side < 2; ++side) change<Dim>(scene, meet, side, (side == 0 ? -1 : 1) * W[side], J);
-        meet.slip = v[0] - v[1] - (W[0] + W[1]).cwiseProduct(J.all);
-        const double rubbed = (meet.impulse - meet.impulse.dot(meet.normal) * meet.normal).dot(meet.slip);
         const Vec<Dim> met = loss * J.agreeing;
-        frictionWork += rubbed;
-        scene.energies.contact += rubbed + met.dot(start[0] - start[1] - 0.5 * (W[0] + W[1]).cwiseProduct(met));
-        tell(scene, meet);
+        scene.energies.contact += met.dot(start[0] - start[1] - 0.5 * (W[0] + W[1]).cwiseProduct(met));
+        if (scene.scheme != Scheme::MUSL) tell<Dim>(scene, meet, v[0] - v[1] - (W[0] + W[1]).cwiseProduct(J.all));
     }
 }
 
@@ -562,10 +573,11 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
         const bool sticks = meet.sticks;
         const Impulses<Dim> J = exchange<Dim>(meet, law, scene.dt, W[0] + W[1], v[0] - v[1], v[0] - v[1]);
         meet.sticks = sticks;
-        for (int side = 0; side < 2; ++side)
-            for (int k = 0; k < Dim; ++k)
-                NF::setVelocity(scene.grid.fields[meet.field[side]].velocity[meet.node], k,
-                                v[side][k] + (side == 0 ? -1 : 1) * W[side][k] * J.all[k]);
+        for (int side = 0; side < 2; ++side) {
+            v[side] += (side == 0 ? -1 : 1) * W[side].cwiseProduct(J.all);
+            for (int k = 0; k < Dim; ++k) NF::setVelocity(scene.grid.fields[meet.field[side]].velocity[meet.node], k, v[side][k]);
+        }
+        if (scene.scheme == Scheme::MUSL && meet.acts) tell<Dim>(scene, meet, v[0] - v[1]);
     }
 }
 

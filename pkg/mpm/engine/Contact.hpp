@@ -24,9 +24,8 @@ template <int Dim> struct Meet {
     Vec<Dim> normal = Vec<Dim>::Zero(); // from the first group to the second; zero: not known
     int edgeOf = -1;                    // which of the two has an edge here that the normal is taken from
     double gap = 0, area = 0;           // m; m2, of the smaller surface along the normal
-    bool sticks = false;
+    bool sticks = false, acts = false;
     Vec<Dim> impulse = Vec<Dim>::Zero(); // kN s, on the second group in this step
-    Vec<Dim> slip = Vec<Dim>::Zero();    // m/s, of the first against the second
 };
 
 // Where groups meet, found once per step.
@@ -113,7 +112,7 @@ class Contact : public EngineOf<Contact> {
                            const Vec<Dim>& w) const;
     template <int Dim>
     static void change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const Vec<Dim>& answer, const Impulses<Dim>& J);
-    template <int Dim> void tell(const Scene<Dim>& scene, const Meet<Dim>& meet);
+    template <int Dim> void tell(Scene<Dim>& scene, const Meet<Dim>& meet, const Vec<Dim>& slip);
     Law lawOf(int a, int b) const;
 };
 

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Hertz contact of an elastic cylinder and an elastic half-plane, plane strain (scripts/hertz.py).
+
+Set-up and closed form are in the docstring of the script; radius 20 half-widths, a half-width of 5.3 cells (--slow: 8.6).
+Tolerance: half-width and peak pressure, by the second moment of the nodal forces, 5 %; pressure at the axis 8 %, rms of the whole curve
+4 % of the peak. uGIMP boxes of the cylinder stand in columns that follow the curve.
+Control: a cylinder cut from the lattice, whose underside is a staircase with treads wider than the contact, gives another half-width.
+"""
+import importlib.util
+from pathlib import Path
+
+import pytest
+
+SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "hertz.py"
+
+
+def script():
+    spec = importlib.util.spec_from_file_location("hertz", SCRIPT)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def press(*options, **changed):
+    module = script()
+    for name, value in changed.items():
+        setattr(module, name, value)
+    return module.run(module.arguments([*options]))[0]
+
+
+def isHertz(summary):
+    assert summary["pressOverLoad"] == pytest.approx(1, rel=2e-3)  # at rest
+    assert summary["halfWidth"] == pytest.approx(summary["hertzHalfWidth"], rel=0.05)
+    assert summary["peakPressure"] == pytest.approx(summary["hertzPeakPressure"], rel=0.05)
+    assert summary["axisPressure"] == pytest.approx(summary["hertzAxisPressure"], rel=0.08)
+    assert summary["rmsError"] < 0.04
+    assert summary["largestPenetrationOverCell"] < 0.02
+
+
+@pytest.mark.parametrize("shift", ["0", "0.5"])
+@pytest.mark.parametrize("ground, cylinder", [("apdi", "apdi"), ("ugimp", "apdi"), ("ugimp", "ugimp")])
+def test_pressure_of_a_cylinder_is_that_of_hertz(ground, cylinder, shift):
+    isHertz(press("--smoke", "--ground", ground, "--cylinder", cylinder, "--shift", shift))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shift", ["0", "0.5"])
+@pytest.mark.parametrize("ground, cylinder", [("apdi", "apdi"), ("ugimp", "apdi"), ("apdi", "ugimp"), ("ugimp", "ugimp")])
+def test_pressure_of_a_cylinder_is_that_of_hertz_on_a_finer_grid(ground, cylinder, shift):
+    isHertz(press("--cells", "8", "--ground", ground, "--cylinder", cylinder, "--shift", shift))
+
+
+def test_control_a_staircase_is_no_cylinder():
+    """A polygon filled with boxes: they lie level over 0.7 a and more."""
+    module = script()
+    level = module.underside
+    module.underside = lambda x: (level(x) * 10).round() / 10
+    summary = module.run(module.arguments(["--smoke", "--ground", "ugimp", "--cylinder", "ugimp"]))[0]
+    assert summary["halfWidth"] > 1.1 * summary["hertzHalfWidth"]
+
+
+def test_the_scene_draws(tmp_path, monkeypatch):
+    module = script()
+    monkeypatch.setattr("sys.argv", ["hertz", "--smoke", "--out", str(tmp_path)])
+    module.main()
+    assert (tmp_path / "hertz.png").stat().st_size > 20_000 and (tmp_path / "summary.json").exists()

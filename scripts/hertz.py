@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""An elastic cylinder pressed onto an elastic half-plane: contact pressure against Hertz.
+
+A cylinder of radius R = 20 a is pressed down until it touches the ground along a half-width of about a. Plane strain, no friction,
+no weight; the right halves are meshed, with rollers on the axis and below. Closed form (Hertz 1882; Johnson 1985, Contact
+Mechanics, sect. 4.2) for the load P and 1/E* = 2 (1 - nu^2)/E: half-width a = sqrt(4 P R / (pi E*)), pressure
+p = p0 sqrt(1 - (x/a)^2), p0 = 2 P / (pi a). The half-width found is 2 sqrt(<x^2> - h^2/6), with the mean over the forces of the
+nodes; h^2/6 is what hat functions add.
+
+Units: Mg, m, s, kPa, per metre of thickness; a is 1 m.
+
+    scripts/run hertz                                  # 8 cells per half-width, APDI
+    scripts/run hertz --ground ugimp --cylinder ugimp  # columns of boxes that follow the curve
+    scripts/run hertz --smoke                          # 5 cells
+"""
+import argparse
+import json
+import os
+import time
+
+import numpy as np
+import yade_mpm as mpm
+from yade_mpm import box, plot
+
+RADIUS, EXTENT = 20.0, 6.0                # m: of the cylinder; width and height of the ground and of what is meshed of the cylinder
+YOUNG, POISSON, DENSITY = 1e5, 0.3, 2.0   # kPa, -, Mg/m3
+DEPTH = 1.5 / RADIUS                      # m, how far the top is moved down
+TYPES = ("apdi", "ugimp")
+
+
+def parser():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--cells", type=int, default=8, help="cells per nominal half-width (default %(default)s)")
+    p.add_argument("--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)")
+    p.add_argument("--cylinder", choices=TYPES, default="apdi", help="particles of the cylinder (default %(default)s)")
+    p.add_argument("--shift", type=float, default=0.0, help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)")
+    p.add_argument("--normals", choices=("surface", "mass"), default="surface", help="as of Contact (default %(default)s)")
+    p.add_argument("--smoke", action="store_true", help="coarse and fast: 5 cells per half-width")
+    p.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    p.add_argument("--out", default=os.path.join("results", "hertz"), help="folder of the results (default %(default)s)")
+    return p
+
+
+def arguments(given=None):
+    a = parser().parse_args(given)
+    if a.smoke:
+        a.cells = 5
+    return a
+
+
+def underside(x):
+    """Height of the cylinder's surface above its lowest point."""
+    return RADIUS - np.sqrt(RADIUS**2 - x**2)
+
+
+def block(bottom, top, size):
+    """Quadrilaterals of a block 0 <= x <= EXTENT; bottom, top: heights as functions of x. Returns (points, cells)."""
+    n, m = round(EXTENT / size), round((top(0.0) - bottom(0.0)) / size)
+    x, t = np.meshgrid(np.linspace(0, EXTENT, n + 1), np.linspace(0, 1, m + 1), indexing="ij")
+    points = np.stack([x, bottom(x) + t * (top(x) - bottom(x))], axis=2).reshape(-1, 2)
+    first = np.arange(n)[:, None] * (m + 1) + np.arange(m)
+    return points, np.stack([first, first + m + 1, first + m + 2, first + 1], axis=2).reshape(-1, 4)
+
+
+def build(a):
+    """The scene; the surface of the ground is at y = shift."""
+    h = 1 / a.cells
+    surface, bottom = a.shift * h, -EXTENT + a.shift * h
+    top = surface + EXTENT
+    scene = mpm.Scene(lower=(0, -EXTENT - h), upper=(EXTENT + 2 * h, 2 * EXTENT), cell=h, threads=a.threads)
+    steel = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
+    boxes, mesh = mpm.UGIMP(perCell=2), mpm.APDI()
+    level = lambda y: lambda x: y + 0 * x
+    ground = scene.add("ground", block(level(bottom), level(surface), h / 2) if a.ground == "apdi" else box((0, bottom), (EXTENT, surface)),
+                       steel, mesh if a.ground == "apdi" else boxes, group="ground")
+    if a.cylinder == "apdi":
+        cylinder = scene.add("cylinder", block(lambda x: surface + underside(x), level(top), h / 2), steel, mesh, group="cylinder")
+    else:
+        cylinder = scene.add("cylinder", box((0, surface), (EXTENT, top)), steel, boxes, group="cylinder")
+        cylinder.position[:, 1] += underside(cylinder.position[:, 0])
+        cylinder.zeroDisplacement()
+    press = mpm.Drive(cylinder.above(top - 1.01 * h), velocity=(None, 0), name="press")
+    base = mpm.Drive(ground.below(bottom + 0.51 * h), velocity=(None, 0), name="base")
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(damping=0.7, roller=("left",), drive=[press, base]),
+        mpm.Contact(normals=a.normals),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    return scene
+
+
+def nodalForces(contact, h, scene, samples=20):
+    """Columns of nodes x, m, and the normal force on each in the whole plane, kN, mean over some steps."""
+    force = np.zeros(round(EXTENT / h) + 2)
+    for _ in range(samples):
+        scene.run(steps=5, progress=False)
+        table = contact.contactTable()
+        np.add.at(force, np.round(table["node"][:, 0] / h).astype(int), np.abs(table["force"][:, 1]) / samples)
+    force[0] *= 2  # the other half
+    return np.arange(len(force)) * h, force
+
+
+def hatMean(x, h, halfWidth):
+    """sqrt(1 - (x/a)^2) weighted with the hat function of each node."""
+    s = np.linspace(-1, 1, 2001)
+    curve = np.sqrt(np.maximum(0, 1 - ((x[:, None] + s * h) / halfWidth) ** 2))
+    return np.average(curve, axis=1, weights=1 - np.abs(s))
+
+
+def run(a):
+    """Presses the cylinder down and lets it come to rest; returns (summary, scene)."""
+    began, h = time.monotonic(), 1 / a.cells
+    scene = build(a)
+    press = scene.engines[1].drive[0]
+    contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
+    way = 4 * EXTENT / scene["ground"].material.waveSpeed
+    press.velocity = (None, -DEPTH / way)
+    scene.run(until=way)
+    press.velocity = (None, 0)
+    scene.run(until=5 * way)
+    x, force = nodalForces(contact, h, scene)
+    load = force[0] + 2 * force[1:].sum()
+    modulus = YOUNG / (2 * (1 - POISSON**2))
+    hertz = np.sqrt(4 * load * RADIUS / (np.pi * modulus))
+    peak = 2 * load / (np.pi * hertz)
+    reached = 2 * np.sqrt(2 * (force * x**2).sum() / load - h**2 / 6)
+    pressure, exact = force / h, peak * hatMean(x, h, hertz)
+    return {
+        "arguments": vars(a),
+        "particles": scene.particleCount,
+        "steps": scene.steps,
+        "wallSeconds": time.monotonic() - began,
+        "unbalancedRatio": mpm.diagnostics.unbalancedRatio(scene),
+        "load": load,
+        "pressOverLoad": -2 * press.reaction[1] / load,
+        "halfWidth": reached,
+        "hertzHalfWidth": hertz,
+        "peakPressure": 2 * load / (np.pi * reached),
+        "hertzPeakPressure": peak,
+        "axisPressure": pressure[0],
+        "hertzAxisPressure": exact[0],
+        "largestPenetrationOverCell": contact.largestPenetration / h,
+        "x": x.tolist(),
+        "pressure": pressure.tolist(),
+        "closedForm": exact.tolist(),
+        "rmsError": float(np.sqrt(np.mean((pressure - exact)[x < 1.5 * hertz] ** 2)) / peak),
+    }, scene
+
+
+def draw(scene, summary, out):
+    """Vertical stress round the contact, and the pressure at the nodes against the closed form."""
+    peak, a = summary["hertzPeakPressure"], summary["hertzHalfWidth"]
+    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.0), layout="constrained")
+    for body in scene.bodies:
+        domains = plot.PolyCollection(body.corners() / a, array=-body.stress[:, 1, 1] / peak, cmap="inferno_r", edgecolors="face",
+                                      linewidths=0.1)
+        domains.set_clim(0, 1)
+        left.add_collection(domains)
+    left.set(xlim=(0, 3), ylim=(-1.8, 1.8), aspect="equal", xlabel="x / a", ylabel="y / a")
+    figure.colorbar(domains, ax=left, label="vertical stress / $p_0$")
+    x = np.linspace(0, a, 200)
+    right.plot(x / a, np.sqrt(1 - (x / a) ** 2), "k-", lw=1, label="Hertz")
+    nodes, exact, reached = (np.array(summary[key])[np.array(summary["x"]) < 1.5 * a] for key in ("x", "closedForm", "pressure"))
+    right.plot(nodes / a, exact / peak, "k+", ms=7, clip_on=False, label="Hertz, mean over a hat")
+    right.plot(nodes / a, reached / peak, "C3o", ms=4, mfc="none", clip_on=False, label="force of a node / cell")
+    right.set(xlabel="x / a", ylabel="pressure / $p_0$", xlim=(0, 1.5), ylim=(0, 1.1))
+    right.legend(loc="lower left", bbox_to_anchor=(0, 0.03))
+    plot.save(figure, os.path.join(out, "hertz.png"))
+
+
+def main():
+    a = arguments()
+    os.makedirs(a.out, exist_ok=True)
+    summary, scene = run(a)
+    with open(os.path.join(a.out, "summary.json"), "w") as file:
+        json.dump(summary, file, indent=1)
+    draw(scene, summary, a.out)
+    print(f"{summary['particles']} particles, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
+    print("                    reached      Hertz    error")
+    for name, own, exact in (("half-width, m", "halfWidth", "hertzHalfWidth"), ("peak pressure, kPa", "peakPressure", "hertzPeakPressure"),
+                             ("at the axis, kPa", "axisPressure", "hertzAxisPressure")):
+        print(f"{name:18s} {summary[own]:10.4g} {summary[exact]:10.4g} {summary[own] / summary[exact] - 1:8.1%}")
+    print(f"rms of the curve {summary['rmsError']:.1%} of the peak; results in {a.out}/")
+
+
+if __name__ == "__main__":
+    main()

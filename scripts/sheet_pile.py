@@ -83,7 +83,7 @@ def build(a):
 
     scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
     drive = mpm.Drive(pile.above(DEPTH), velocity=(0, -a.rate), ramp=a.ramp)
-    contact = [mpm.Contact(friction=a.friction)] if slips else []
+    contact = [mpm.Contact(friction=a.friction, impactLoss=1.0)] if slips else []
     scene.engines = [mpm.ParticleToGrid(), gridSolver(drive=drive), *contact, mpm.GridToParticle(flip=a.flip), mpm.DomainUpdater()]
     scene.dt = a.dt
     return scene

@@ -23,7 +23,8 @@ def results(tmp_path_factory):
 
 
 def test_soil_that_slips_makes_no_collar(results):
-    assert results["friction"]["collarThickness"] == results["all, psi = 0"]["collarThickness"] == 0
+    for name in ("friction", "all, psi = 0"):
+        assert results[name]["collarThickness"] < 0.1  # at most one box to each side, of eight
     assert results["published"]["collarThickness"] > 0.4  # control
 
 

@@ -120,7 +120,7 @@ template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normals
             const size_t first = meets.size();
             if (!findNodes(scene, a, b)) continue;
             findSurfaces(scene, 0, a), findSurfaces(scene, 1, b);
-            normalsByMass ? findNormalsByMass(scene.grid, first) : findNormals(first);
+            normalsByMass ? findNormalsByMass(scene.grid, first) : findNormals(scene.grid, first);
             turnAtEdges(scene, 0, a, first), turnAtEdges(scene, 1, b, first);
             findFaces(scene, 0, a), findFaces(scene, 1, b);
             findIntruders(scene, 0, a, b), findIntruders(scene, 1, b, a);
@@ -235,7 +235,7 @@ template <int Dim> void Meeting<Dim>::addFacets(Body<Dim>& body, Boundary& bound
 // Boxes have faces along the axes; of two groups of them those count that look at each other. Else, at an edge of one group, the
 // flatter surface of the other counts. Flatness is what a surface has left of its area when its directions are added up. Of equals
 // the mesh counts.
-template <int Dim> void Meeting<Dim>::findNormals(size_t first) {
+template <int Dim> void Meeting<Dim>::findNormals(const Grid<Dim>& grid, size_t first) {
     for (size_t i = first; i < meets.size(); ++i) {
         Meet<Dim>& meet = meets[i];
         const bool meshed[2] = {isMeshed_[meet.field[0]], isMeshed_[meet.field[1]]};
@@ -256,20 +256,21 @@ template <int Dim> void Meeting<Dim>::findNormals(size_t first) {
         const double flattest = std::max(flatness[0], flatness[1]);
         bool counts[2];
         for (int side = 0; side < 2; ++side) counts[side] = size[side] > 0 && flatness[side] > 0.99 * flattest;
-        if (meshed[0] != meshed[1]) { // boxes count where they are flat and the mesh has an edge
+        if (meshed[0] != meshed[1]) { // boxes count where they are flat and the mesh has an edge, or at a plane of symmetry
             const int mesh = meshed[0] ? 0 : 1;
-            if (counts[mesh] || flatness[1 - mesh] < edge) counts[mesh] = size[mesh] > 0, counts[1 - mesh] = !counts[mesh];
+            const bool isHeld = grid.fields[meet.field[0]].isHeld(meet.node) || grid.fields[meet.field[1]].isHeld(meet.node);
+            if (counts[mesh] || (flatness[1 - mesh] < edge && !isHeld)) counts[mesh] = size[mesh] > 0, counts[1 - mesh] = !counts[mesh];
         }
         for (int side = 0; side < 2; ++side)
             if (counts[side]) sum += outward[side] / size[side];
         meet.normal = unit<Dim>(sum, 1e-6);
         for (int side = 0; side < 2; ++side)
-            if (counts[side] && meshed[side] && flatness[side] < edge) meet.edgeOf = side;
+            if (counts[side] && meshed[side] && !meshed[1 - side] && flatness[side] < edge) meet.edgeOf = side;
     }
 }
 
-// At an edge of a mesh the facets count as far as they move towards the other group: the tip of a pile pushes what lies below it
-// down, not aside.
+// At an edge of a mesh against boxes the facets count as far as they move towards these: the tip of a pile pushes what lies below
+// it down, not aside.
 template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first) {
     if (!isMeshed_[field]) return;
     const Grid<Dim>& grid = scene.grid;
@@ -335,8 +336,8 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
     }
 }
 
-// Boxes against a mesh: one that has crossed its face with half of what it reaches, has, whatever the others do. What lies deeper
-// than half a cell belongs to the other side.
+// Boxes against a mesh: where the centre of one has crossed its face, the gap is closed, whatever the others do. What lies deeper than
+// half a cell belongs to the other side.
 template <int Dim> void Meeting<Dim>::findIntruders(const Scene<Dim>& scene, int side, int field, int other) {
     if (isMeshed_[field] || !isMeshed_[other]) return;
     const Grid<Dim>& grid = scene.grid;
@@ -344,7 +345,6 @@ template <int Dim> void Meeting<Dim>::findIntruders(const Scene<Dim>& scene, int
     for (auto& body : scene.bodies) {
         if (body->velocityField != field || body->type->isMeshed()) continue;
         const Field& position = body->particles.position;
-        const Vec<Dim> half = body->domains->halfSize();
         for (int p = 0; p < body->particles.size(); ++p) {
             const int centre = nearest(grid, position, p);
             if (!isNear_[centre]) continue;
@@ -355,9 +355,10 @@ template <int Dim> void Meeting<Dim>::findIntruders(const Scene<Dim>& scene, int
                 const FaceSeen<Dim>& face = meet.surface[1 - side];
                 const Vec<Dim> d = x - grid.nodePosition(node);
                 const double along = sign * d.dot(meet.normal);
-                if (face.nearest == 1e300 || along + face.reach > 0.5 * h || d.squaredNorm() - along * along > 0.5 * h * h) return;
+                const double overlap = along + face.reach;
+                if (face.nearest == 1e300 || overlap < 0 || overlap > 0.5 * h || d.squaredNorm() - along * along > 0.5 * h * h) return;
                 double& furthest = meet.surface[side].intruded;
-                furthest = std::max(furthest, along + 0.5 * half.dot(meet.normal.cwiseAbs()));
+                furthest = std::max(furthest, along);
             });
         }
     }
@@ -370,19 +371,20 @@ template <int Dim> void Meeting<Dim>::findGaps(const Grid<Dim>& grid, size_t fir
         const Vec<Dim>& n = meet.normal;
         const double area[2] = {meet.surface[0].outward.dot(n), -meet.surface[1].outward.dot(n)};
         const bool isMesh[2] = {isMeshed_[meet.field[0]], isMeshed_[meet.field[1]]};
-        meet.area = isMesh[0] == isMesh[1] ? std::min(area[0], area[1]) : area[isMesh[0] ? 0 : 1];
-        if (!(meet.area > 0)) continue;
+        meet.area = std::max(0.0, std::min(area[0], area[1]));
+        const bool intruded = meet.surface[0].intruded > -1e300 || meet.surface[1].intruded > -1e300;
+        meet.weight = intruded ? area[isMesh[0] ? 0 : 1] : meet.area;
+        if (!(meet.weight > 0)) continue;
         double reach[2];
         for (int side = 0; side < 2; ++side) {
             const FaceSeen<Dim>& face = meet.surface[side];
             reach[side] = isMesh[side] && face.nearest < 1e300 ? face.reach
-                          : area[side] > 0.05 * meet.area      ? n.dot(face.moment * n) / area[side]
+                          : area[side] > 0.05 * meet.weight    ? n.dot(face.moment * n) / area[side]
                                                                : -1e300;
             reach[side] = std::max(reach[side], face.intruded);
         }
         meet.gap = -reach[1] - reach[0];
-        const bool isGuess = !isMesh[0] && !isMesh[1];
-        if (isGuess && meet.gap < -0.5 * grid.cell.minCoeff()) meet.area = 0;
+        if (!isMesh[0] && !isMesh[1] && meet.gap < -0.5 * grid.cell.minCoeff()) meet.weight = 0;
     }
 }
 
@@ -391,15 +393,15 @@ template <int Dim> void Meeting<Dim>::borrow(const Grid<Dim>& grid, size_t first
     const double least = 0.05 * std::pow(grid.cell.minCoeff(), Dim - 1);
     for (size_t i = first; i < meets.size(); ++i) {
         Meet<Dim>& meet = meets[i];
-        if (meet.area > least) continue;
+        if (meet.weight > least) continue;
         Vec<Dim> normal = Vec<Dim>::Zero();
-        double area = 0, gap = 0;
+        double weight = 0, gap = 0;
         forNeighbours(grid, meet.node, [&](int node, const Vec<Dim>&) {
-            if (slot_[node] < 0 || !(meets[slot_[node]].area > least)) return;
+            if (slot_[node] < 0 || !(meets[slot_[node]].weight > least)) return;
             const Meet<Dim>& other = meets[slot_[node]];
-            normal += other.area * other.normal, area += other.area, gap += other.area * other.gap;
+            normal += other.weight * other.normal, weight += other.weight, gap += other.weight * other.gap;
         });
-        meet.normal = unit<Dim>(normal, 0.1 * area), meet.gap = area > 0 ? gap / area : 0, meet.area = std::max(0.0, meet.area);
+        meet.normal = unit<Dim>(normal, 0.1 * weight), meet.gap = weight > 0 ? gap / weight : 0;
     }
 }
 
@@ -420,8 +422,9 @@ std::vector<Parameter> Contact::attributes() {
             {"adhesion", "kPa", "Shear stress that is borne besides friction while in contact.", &adhesion, Range::notNegative()},
             {"separation", "", "Whether groups may come apart; False: what shares a node stays together, gap or not.", &separation},
             {"slip", "", "Whether groups in contact may slip; False: whatever the friction, they do not.", &slip},
-            {"impactLoss", "-", "Share of the velocity with which nodes of two groups meet that their particles lose. 1: an impact stops a\n"
-                                "layer of one cell. 0: elastic impacts keep their energy, but in flowing soil noise pushes groups apart.",
+            {"impactLoss", "-", "Share of the velocity with which nodes of two groups meet that their particles lose. 0: elastic impacts\n"
+                                "keep their energy. 1: they stop a layer of one cell; for soil that flows round a structure, where noise\n"
+                                "would push the groups apart otherwise.",
              &impactLoss, Range::between(0, 1)},
             {"normals", "", "'surface': area vectors of the surfaces; 'mass': gradient of the nodal mass.", &normals, {},
              {"surface", "mass"}},

@@ -24,6 +24,7 @@ template <int Dim> struct Meet {
     Vec<Dim> normal = Vec<Dim>::Zero(); // from the first group to the second; zero: not known
     int edgeOf = -1;                    // which of the two has an edge here that the normal is taken from
     double gap = 0, area = 0;           // m; m2, of the smaller surface along the normal
+    double weight = 0;                  // m2, of the surface that normal and gap rest on
     bool sticks = false, acts = false;
     Vec<Dim> impulse = Vec<Dim>::Zero(); // kN s, on the second group in this step
 };
@@ -57,7 +58,7 @@ template <int Dim> class Meeting {
     void findSurfaces(const Scene<Dim>& scene, int side, int field);
     void addBoxes(const Body<Dim>& body, const Grid<Dim>& grid, int side);
     void addFacets(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid, int side);
-    void findNormals(size_t first);
+    void findNormals(const Grid<Dim>& grid, size_t first);
     void findNormalsByMass(const Grid<Dim>& grid, size_t first);
     void turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first);
     void findFaces(const Scene<Dim>& scene, int side, int field);
@@ -70,7 +71,7 @@ template <int Dim> class Meeting {
 
 class Contact : public EngineOf<Contact> {
   public:
-    double friction = 0, adhesion = 0, impactLoss = 1, frictionWork = 0;
+    double friction = 0, adhesion = 0, impactLoss = 0, frictionWork = 0;
     bool separation = true, slip = true;
     std::string normals = "surface";
     std::vector<double> pairs;

@@ -54,6 +54,7 @@ std::vector<double> vectorFrom(const bp::object& o) {
 
 void exposeEngines() {
     bp::class_<Engine, std::shared_ptr<Engine>, bp::bases<Configurable>, boost::noncopyable>("Engine", bp::no_init)
+        .def_readonly("dead", &Engine::dead)
         .def_readwrite("seconds", &Engine::seconds)
         .def_readwrite("calls", &Engine::calls);
     bp::def("makeEngine", &Registry<Engine>::make);

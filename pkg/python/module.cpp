@@ -20,5 +20,6 @@ BOOST_PYTHON_MODULE(_core) {
     exposeBodies();
     exposeEngines();
     exposeContact();
+    exposeExchange();
     exposeScenes();
 }

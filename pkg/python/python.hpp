@@ -94,6 +94,7 @@ void exposeMaterials();
 void exposeBodies();
 void exposeEngines();
 void exposeContact();
+void exposeExchange();
 void exposeScenes();
 
 } // namespace mpm::python

@@ -66,6 +66,10 @@ template <int Dim> struct Bind {
         Unlocked others;
         return scene.advance(steps, seconds);
     }
+    static void actAlone(S& scene, const std::shared_ptr<Engine>& engine) {
+        Unlocked others;
+        scene.actAlone(*engine);
+    }
     // The velocity gradients and vertex velocities of the last step, which the estimate uses as its scratch
     // space, given back at the end. The particles must be in the order that the estimate puts them in.
     class RatesKept {
@@ -193,6 +197,7 @@ template <int Dim> struct Bind {
             .def("setConstraints", setConstraints)
             .def("prepare", prepare)
             .def("advance", advance)
+            .def("actAlone", actAlone)
             .def("criticalTimeStep", critical)
             .def("interfaceFault", interfaceFault)
             .def("balance", balance)

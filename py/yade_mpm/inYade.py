@@ -127,6 +127,7 @@ class Coupling:
     maxDt : s, largest O.dt that the scene wants: its own step (scene.dt, or a share of the critical step: 0.8, USL 0.5)
         times mpmSteps / demSteps.
     criticalDt : s, O.dt above which a step is refused; infinite with scene.allowUnstable.
+    runs : number of runs of YADE so far in which it acted.
     error : what ended the run, or None. The scene has to be attached anew then.
     exchanges : list of objects with read(coupling) and apply(coupling), for coupling with bodies of YADE. `read` is called
         before the MPM takes its step or steps, when both sides are at the same time; `apply` in every DEM step after that
@@ -140,6 +141,7 @@ class Coupling:
         self._thread = None       # at work on this scene
         self._loopThread = None   # in which the present run calls us
         self._fresh = False       # a run has begun
+        self.runs = 0
         kept, place = self._places()
         self._steppers, self._stepperMaxDt = _steppersIn(kept), []
         if any(s in kept[place:] for s in self._steppers):
@@ -149,6 +151,8 @@ class Coupling:
         scene.prepare()
         scene._run = self._run = _YadeRun(self)
         self._chain = scene.engines
+        self._cores = [e.core for e in self._chain]
+        self._isStage = [not isinstance(e, Callback) for e in self._chain]
         # Rows that yade.plot has already: none of a loaded run.
         self._inPlot = {} if saved else {e: len(e) for e in self._chain if isinstance(e, History)}
         self._tagRecorders()
@@ -167,6 +171,7 @@ class Coupling:
             self._governDt()
         self._makeEngines(kept, place)
         self._stepsSaved = scene.steps
+        self.exchanges += [Bodies(self._chain[place], **spec) for place, spec in saved.get("bodies", ())]
 
     def __repr__(self):
         ratio = (f"{self.mpmSteps} MPM steps per DEM step" if self.demSteps == 1 else
@@ -336,6 +341,7 @@ class Coupling:
         scene._run = self._run
         if self._fresh or not scene._prepared:
             self._fresh = False
+            self.runs += 1
             self._steppers = _steppersIn(self._O.engines)
             if not scene._prepared or scene._checkedState != scene._stabilityState():
                 scene.prepare()
@@ -372,25 +378,24 @@ class Coupling:
 
     def _takeStage(self, number):
         """One engine of the chain. The clock stands still before the last stage that lives, and moves on behind it."""
-        scene, core, engine = self.scene, self.scene.core, self._chain[number]
-        isStage = not isinstance(engine, Callback)
+        scene, isStage = self.scene, self._isStage[number]
         self._isOpen |= isStage
-        isLast = isStage and not any(self._isLiveStage(k) for k in range(number + 1, len(self._chain)))
-        scene._acting = engine if self._isOpen else None
-        time, step = core.time, core.step
-        core.setEngines([engine.core])
+        isLast = isStage and self._isLastStage(number)
+        scene._acting = self._chain[number] if self._isOpen else None
         try:
-            core.advance(1, 1e9)
+            scene.core.actAlone(self._cores[number])
         finally:
-            core.time, core.step = time, step
             if isLast:  # also when it raises: what ends a step at its last stage has made all of it
                 self._close()
         if self._isOpen:
             scene._acting = self._chain[number + 1]
 
-    def _isLiveStage(self, number):
-        engine = self._chain[number]
-        return not (isinstance(engine, Callback) or self._engines[number].dead or engine.dead)
+    def _isLastStage(self, number):
+        """Whether no stage behind it lives."""
+        for k in range(number + 1, len(self._chain)):
+            if self._isStage[k] and not (self._engines[k].dead or self._cores[k].dead):
+                return False
+        return True
 
     def _close(self):
         """The end of a step that was taken stage by stage."""
@@ -454,7 +459,7 @@ class Coupling:
         self._O.tags[_tagOf(self.label)] = json.dumps(dict(
             file=os.path.basename(name), mpmSteps=self.mpmSteps, demSteps=self.demSteps, stages=self.stages,
             cycleEnd=self._cycleEnd, end=self._end, timeOffset=self.timeOffset, demDt=self._demDt, dt=self._dt,
-            iter=self._O.iter))
+            iter=self._O.iter, bodies=[(self._chain.index(e.contact), e.spec()) for e in self.exchanges if isinstance(e, Bodies)]))
         checkpoint.save(self.scene, name)
         self._stepsSaved = self.scene.steps
 

@@ -2,8 +2,10 @@
 """Bodies of YADE that touch the soil: their states go to a `RigidContact`, its forces come back."""
 import numpy as np
 
-from . import rigid
+from . import _core, rigid
 from .yadePlane import Plane
+
+EVERY = 100  # cycles, after which far bodies are looked for, too
 
 
 class Bodies:
@@ -31,44 +33,52 @@ class Bodies:
 
     def __init__(self, contact, ids, friction=0.0, thickness=1.0, facetThickness=0.0, plane="xy"):
         from yade import O
-        self._O, self.contact, self.ids, self.thickness = O, contact, list(ids), float(thickness)
+        self._O, self.contact, self.ids, self.thickness = O, contact, [int(i) for i in ids], float(thickness)
+        self._facetThickness = float(facetThickness)
         if not 0 < self.thickness < np.inf:
             raise ValueError(f"inYade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number")
         self._plane = Plane(plane)
         for number in self.ids:
             if not 0 <= number < len(O.bodies) or O.bodies[number] is None:
                 raise ValueError(f"inYade.Bodies: there is no body {number} in O.bodies")
-            contact.addBody(_shapesOf(O, O.bodies[number], facetThickness, self._plane), friction=friction)
-        self._frames = np.array([self._plane.turnToScene(_frameOf(O.bodies[number])) for number in self.ids])
-        self._states = [O.bodies[number].state for number in self.ids]  # YADE hands out references
-        self._forces = self._torques = np.zeros((len(self.ids), 3))
-        self._sendStates()
-        self._fresh = False
+        shapes = [_shapesOf(O, O.bodies[number], facetThickness, self._plane) for number in self.ids]
+        isNew = self._take(contact, shapes, friction)
+        states = [O.bodies[number].state for number in self.ids]
+        turns = [self._plane.turnToScene(_frameOf(O.bodies[number])).tolist() for number in self.ids]
+        self._exchange = _core.BodyExchange(contact.core, states, self.ids, O.forces, self._plane.frame.tolist(), turns)
+        self._cycles, self._run = 0, None
+        if isNew:
+            self._exchange.read(-2, 0.0, 0.0, 1, True)  # in no step
+
+    seen = property(lambda self: self._exchange.seen, doc="Number of states read so far.")
 
     def read(self, coupling):
         """At the beginning of a cycle, when both clocks agree: states of the bodies to the contact."""
-        self.contact.takeImpulses()
-        self._sendStates()
-        self._fresh = True
+        isEvery = coupling.runs != self._run or self._cycles % EVERY == 0  # someone may have moved a body by hand
+        self._run, self._cycles = coupling.runs, self._cycles + 1
+        duration = coupling.scene.dt * coupling.mpmSteps
+        self._exchange.read(self._O.iter, self._O.dt, duration, coupling.mpmSteps, isEvery)
 
     def apply(self, coupling):
         """In every DEM step: mean force and moment of the cycle's MPM steps to the bodies."""
-        if self._fresh:
-            time = coupling.scene.dt * coupling.mpmSteps / self.thickness
-            impulses, moments = self.contact.takeImpulses()
-            self._forces, self._torques, self._fresh = self._plane.toYade(impulses / time), self._plane.toYade(moments / time), False
-        for number, force, torque in zip(self.ids, self._forces.tolist(), self._torques.tolist()):
-            if any(force) or any(torque):
-                self._O.forces.addF(number, force)
-                self._O.forces.addT(number, torque)
+        duration = coupling.scene.dt * coupling.mpmSteps / self.thickness
+        self._exchange.apply(self._O.iter, self._O.dt, duration)
 
-    def _sendStates(self):
-        states = [(*s.pos, s.ori[3], s.ori[0], s.ori[1], s.ori[2], *s.vel, *s.angVel) for s in self._states]
-        table = np.reshape(np.array(states, float), (-1, 13))
-        for first in (0, 4, 7, 10):
-            table[:, first:first + 3] = self._plane.toScene(table[:, first:first + 3])
-        table[:, 3:7] = _product(table[:, 3:7], self._frames)
-        self.contact.setStates(table[:, :3], table[:, 3:7], table[:, 7:10], table[:, 10:])
+    def spec(self):
+        """Dict of constructor arguments besides the contact, of plain types, with which `attach` after O.load makes it anew."""
+        return {"ids": self.ids, "thickness": self.thickness, "facetThickness": self._facetThickness, "plane": self._plane.name}
+
+    def _take(self, contact, shapes, friction):
+        """Adds rigid bodies with these shapes; False if the contact comes from a checkpoint and has them."""
+        if len(contact.friction) == 0:
+            for ofBody in shapes:
+                contact.addBody(ofBody, friction=friction)
+            return True
+        rows = [x for number, ofBody in enumerate(shapes) for shape in ofBody for x in rigid.shapeRow(number, shape)]
+        known = contact.core.value("shapes")
+        if len(known) != len(rows) or not np.allclose(known, rows, rtol=0, atol=1e-9):
+            raise ValueError("inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its own")
+        return False
 
 
 def _frameOf(body):

@@ -10,22 +10,22 @@ class Plane:
 
     name : "xy", "xz" or "yz": the axes of YADE along x and y of the scene. Its normal is +z, -y, +x of YADE: right-handed, so that a
     positive moment turns from x to y of the scene. The origins coincide. Raises ValueError for another name.
+    frame : (3, 3), axes of the scene in those of YADE, a row each.
     """
 
     def __init__(self, name="xy"):
         if name not in PLANES:
             raise ValueError(f"inYade.Bodies: plane = {name!r} is not allowed; give one of {', '.join(map(repr, PLANES))}")
-        self.axes, self.signs = list(PLANES[name]), np.array((1.0, 1.0, -1.0 if name == "xz" else 1.0))
+        self.name, self.frame = name, np.eye(3)[list(PLANES[name])]
+        self.frame[2] *= np.linalg.det(self.frame)
 
     def toScene(self, vectors):
         """Vectors of YADE (..., 3) in the axes of the scene."""
-        return np.asarray(vectors, float)[..., self.axes] * self.signs
+        return np.asarray(vectors, float) @ self.frame.T
 
     def toYade(self, vectors):
         """Vectors of the scene (..., 3) in the axes of YADE."""
-        turned = np.empty(np.shape(vectors))
-        turned[..., self.axes] = vectors * self.signs
-        return turned
+        return np.asarray(vectors, float) @ self.frame
 
     def turnToScene(self, quaternion):
         """A quaternion of YADE (x, y, z, w) as (w, x, y, z) in the axes of the scene."""
@@ -33,4 +33,4 @@ class Plane:
 
     def lengthsToScene(self, lengths):
         """Half edges of a box along the axes of YADE, along those of the scene."""
-        return np.asarray(lengths, float)[self.axes]
+        return np.abs(self.toScene(lengths))

@@ -145,20 +145,32 @@ void RigidContact::setStates(const std::vector<double>& positions, const std::ve
         const int width = g == 1 ? 4 : 3;
         require(int(given[g]->size()) == width * bodies(), "RigidContact: ", name[g], " has ", given[g]->size(),
                 " numbers; give (", bodies(), ", ", width, "), a row for each rigid body");
-        for (size_t i = 0; i < given[g]->size(); ++i)
-            require(std::isfinite((*given[g])[i]), "RigidContact: ", name[g], " of rigid body ", i / width,
-                    " is not finite; give numbers");
     }
-    for (int b = 0; b < bodies(); ++b) {
-        const double* q = &orientations[4 * b];
-        const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-        require(std::abs(norm - 1) < 1e-6, "RigidContact: the orientation of rigid body ", b, " has the norm ", norm,
-                "; give a unit quaternion (w, x, y, z)");
-        double* s = &states[RigidState::size * b];
-        for (int k = 0; k < 3; ++k)
-            s[k] = positions[3 * b + k], s[7 + k] = velocities[3 * b + k], s[10 + k] = angularVelocities[3 * b + k];
-        for (int k = 0; k < 4; ++k) s[3 + k] = q[k] / norm;
-    }
+    std::vector<double> rows;
+    for (int b = 0; b < bodies(); ++b)
+        for (int g = 0; g < 4; ++g) {
+            const int width = g == 1 ? 4 : 3;
+            rows.insert(rows.end(), given[g]->begin() + width * b, given[g]->begin() + width * (b + 1));
+        }
+    for (int b = 0; b < bodies(); ++b) checkState(b, &rows[RigidState::size * b]);
+    for (int b = 0; b < bodies(); ++b) setState(b, &rows[RigidState::size * b]);
+}
+
+void RigidContact::setState(int body, const double* state) {
+    checkState(body, state);
+    double* to = &states[RigidState::size * body];
+    std::copy(state, state + RigidState::size, to);
+    Eigen::Map<Eigen::Vector4d>(to + 3).normalize();
+}
+
+void RigidContact::checkState(int body, const double* state) const {
+    static const char* const name[] = {"position", "orientation", "velocity", "angular velocity"};
+    for (int k = 0; k < RigidState::size; ++k)
+        require(std::isfinite(state[k]), "RigidContact: the ", name[k < 3 ? 0 : k < 7 ? 1 : k < 10 ? 2 : 3], " of rigid body ", body,
+                " is not finite; give numbers");
+    const double norm = Eigen::Map<const Eigen::Vector4d>(state + 3).norm();
+    require(std::abs(norm - 1) < 1e-6, "RigidContact: the orientation of rigid body ", body, " has the norm ", norm,
+            "; give a unit quaternion (w, x, y, z)");
 }
 
 template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
@@ -194,9 +206,18 @@ double RigidContact::chooseStiffness(const Scene<Dim>& scene, const std::vector<
     return stiffness;
 }
 
+template <int Dim> Reach RigidContact::reachOf(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
+    const double far = std::numeric_limits<double>::infinity();
+    Reach reach{Vec3::Constant(-far), Vec3::Constant(far), scene.grid.cell.maxCoeff()};
+    reach.lower.template head<Dim>().setConstant(far), reach.upper.template head<Dim>().setConstant(-far);
+    for (auto& p : points) p.widen(scene.grid, reach.lower, reach.upper);
+    return reach;
+}
+
 template <int Dim>
 std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
     std::vector<RigidTouch> touches;
+    touches.reserve(2 * history.size() / RigidTouch::size + 16);
     for (const RigidShape& shape : shape_) {
         const RigidState& at = state_[shape.body];
         const Mat<3> R = at.orientation.toRotationMatrix();
@@ -224,42 +245,49 @@ std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene, const std::v
 // Of the touches of a pair that look the same way only the deepest counts (flush boxes of a clump, neighbouring facets), and none
 // at an edge that is hidden in the surface of a shape which is touched more deeply.
 void RigidContact::dropRepeats(std::vector<RigidTouch>& touches) const {
-    std::stable_sort(touches.begin(), touches.end(), [](const RigidTouch& a, const RigidTouch& b) {
-        return isBefore(a, b) || (!isBefore(b, a) && a.gap < b.gap);
+    std::vector<const RigidTouch*> sorted; // a touch is too large to be sorted itself
+    for (const RigidTouch& t : touches) sorted.push_back(&t);
+    std::sort(sorted.begin(), sorted.end(), [](const RigidTouch* a, const RigidTouch* b) {
+        const auto key = [](const RigidTouch* t) { return std::tie(t->soil, t->id, t->body, t->gap, t->shape); };
+        return key(a) < key(b);
     });
     std::vector<RigidTouch> kept;
-    for (const RigidTouch& t : touches) {
+    kept.reserve(touches.size());
+    for (const RigidTouch* t : sorted) {
         bool isRepeat = false;
-        for (size_t k = kept.size(); k-- > 0 && isSamePair(kept[k], t);)
-            isRepeat |= kept[k].normal.dot(t.normal) > sameSide || shape_[kept[k].shape].nearest(t.edge).distance < -kept[k].gap;
-        if (!isRepeat) kept.push_back(t);
+        for (size_t k = kept.size(); k-- > 0 && isSamePair(kept[k], *t);)
+            isRepeat |= kept[k].normal.dot(t->normal) > sameSide || shape_[kept[k].shape].nearest(t->edge).distance < -kept[k].gap;
+        if (!isRepeat) kept.push_back(*t);
     }
     touches.swap(kept);
 }
 
 // Vertices have new numbers after domains were converted; particles keep theirs.
 template <int Dim> void RigidContact::forgetRenumbered(const Scene<Dim>& scene) {
-    std::vector<double> now;
+    std::vector<double> now, kept;
     for (auto& soil : scene.bodies) now.push_back(soil->particles.size());
     if (now == sizes) return;
-    std::vector<RigidTouch> kept;
-    for (const RigidTouch& t : unpacked())
-        if (sizes.at(t.soil) == now[t.soil] || !scene.bodies[t.soil]->type->isMeshed()) kept.push_back(t);
-    pack(kept);
+    for (auto row = history.begin(); row != history.end(); row += RigidTouch::size) {
+        const int soil = int(*row);
+        if (sizes.at(soil) == now[soil] || !scene.bodies[soil]->type->isMeshed()) kept.insert(kept.end(), row, row + RigidTouch::size);
+    }
+    history.swap(kept);
     sizes = now;
 }
 
 // Slip and last place of touches that were there in the step before; the slip turns with the normal.
 void RigidContact::remember(std::vector<RigidTouch>& touches) const {
-    const std::vector<RigidTouch> before = unpacked();
-    auto old = before.begin();
+    const auto key = [](const double* row) { return std::make_tuple(int(row[0]), int64_t(row[2]), int(row[1])); };
+    const double *row = history.data(), *const end = row + history.size();
     for (RigidTouch& t : touches) {
-        while (old != before.end() && isBefore(*old, t)) ++old;
+        const auto mine = std::make_tuple(t.soil, t.id, t.body);
+        while (row != end && key(row) < mine) row += RigidTouch::size;
         double nearest = sameSide;
-        for (auto same = old; same != before.end() && isSamePair(*same, t); ++same) {
-            if (same->normal.dot(t.normal) <= nearest) continue;
-            nearest = same->normal.dot(t.normal);
-            t.slip = turned(same->slip, same->normal, t.normal), t.before = same->point, t.forceBefore = same->force;
+        for (const double* same = row; same != end && key(same) == mine; same += RigidTouch::size) {
+            const Vec3 normal = Vec3::Map(same + 3);
+            if (normal.dot(t.normal) <= nearest) continue;
+            nearest = normal.dot(t.normal);
+            t.slip = turned(Vec3::Map(same + 6), normal, t.normal), t.before = Vec3::Map(same + 9), t.forceBefore = Vec3::Map(same + 13);
         }
     }
 }
@@ -268,6 +296,7 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     auto& points = std::get<Points<Dim>>(points_).of;
     points.resize(scene.bodies.size());
     for (size_t s = 0; s < points.size(); ++s) points[s].update(*scene.bodies[s], scene.grid);
+    reach = reachOf(scene, points);
     stiffnessUsed = chooseStiffness(scene, points);
     state_.clear();
     for (int b = 0; b < bodies(); ++b) state_.emplace_back(&states[RigidState::size * b]);
@@ -319,23 +348,14 @@ void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, Rigid
     largestPenetration = std::max(largestPenetration, -t.gap);
 }
 
-std::vector<RigidTouch> RigidContact::unpacked() const {
-    std::vector<RigidTouch> all;
-    for (size_t i = 0; i < history.size(); i += RigidTouch::size) {
-        const double* h = &history[i];
-        const auto vector = [&](int k) { return Vec3(h[k], h[k + 1], h[k + 2]); };
-        all.push_back({int(h[0]), int(h[1]), int64_t(h[2]), vector(3), vector(6), vector(9), h[12], vector(13), -1, -1, Vec3::Zero(), Vec3::Zero(), vector(9)});
-    }
-    return all;
-}
-
 void RigidContact::pack(const std::vector<RigidTouch>& touches) {
-    history.clear();
+    history.resize(RigidTouch::size * touches.size());
+    double* row = history.data();
     for (const RigidTouch& t : touches) {
-        history.insert(history.end(), {double(t.soil), double(t.body), double(t.id)});
-        for (const Vec3* v : {&t.normal, &t.slip, &t.point}) history.insert(history.end(), v->data(), v->data() + 3);
-        history.push_back(t.gap);
-        history.insert(history.end(), t.force.data(), t.force.data() + 3);
+        row[0] = t.soil, row[1] = t.body, row[2] = double(t.id);
+        Vec3::Map(row + 3) = t.normal, Vec3::Map(row + 6) = t.slip, Vec3::Map(row + 9) = t.point;
+        row[12] = t.gap, Vec3::Map(row + 13) = t.force;
+        row += RigidTouch::size;
     }
 }
 

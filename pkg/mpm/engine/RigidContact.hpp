@@ -6,6 +6,8 @@
 #include "mpm/engine/Engine.hpp"
 #include "mpm/engine/TouchPoints.hpp"
 
+#include <optional>
+
 namespace mpm {
 
 // A point of a body that overlaps with a rigid body, and what it carries on to the next step.
@@ -27,6 +29,13 @@ struct RigidTouch {
     static constexpr int size = 16;
 };
 
+// Box around all points that a rigid body could touch, as they stood in the last step. None moves by more than a cell in a step.
+struct Reach {
+    Vec3 lower, upper;
+    double cell; // m, longest edge
+    double distance(const Vec3& x) const { return (x - x.cwiseMax(lower).cwiseMin(upper)).norm(); }
+};
+
 class RigidContact : public EngineOf<RigidContact> {
   public:
     std::vector<double> friction, shapes, states, history, sizes, impulses;
@@ -37,6 +46,7 @@ class RigidContact : public EngineOf<RigidContact> {
     Field forces{"forces", "kN", "", {3}}, torques{"torques", "kN m", "", {3}};
     double largestPenetration = 0, stiffnessUsed = 0;
     int sliding = 0;
+    std::optional<Reach> reach; // who reads it takes it, so it is there only after a step
 
     std::string className() const override { return "RigidContact"; }
     std::string doc() const override;
@@ -50,6 +60,7 @@ class RigidContact : public EngineOf<RigidContact> {
     // All bodies at once: N x 3, N x 4 (w, x, y, z), N x 3, N x 3.
     void setStates(const std::vector<double>& positions, const std::vector<double>& orientations,
                    const std::vector<double>& velocities, const std::vector<double>& angularVelocities);
+    void setState(int body, const double* state); // 13 numbers as in RigidState
     void clearImpulses() { std::fill(impulses.begin(), impulses.end(), 0.0); }
 
     template <int Dim> void act(Scene<Dim>& scene);
@@ -62,13 +73,14 @@ class RigidContact : public EngineOf<RigidContact> {
     std::vector<RigidState> state_;
     std::vector<RigidShape> shape_;
 
+    void checkState(int body, const double* state) const;
     template <int Dim> void check(Scene<Dim>& scene);
+    template <int Dim> Reach reachOf(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
     template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
     template <int Dim> std::vector<RigidTouch> find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);
     void dropRepeats(std::vector<RigidTouch>& touches) const;
     void remember(std::vector<RigidTouch>& touches) const;
-    std::vector<RigidTouch> unpacked() const;
     void pack(const std::vector<RigidTouch>& touches);
     template <int Dim> class Balance;
     template <int Dim> void push(Scene<Dim>& scene, const TouchPoints<Dim>& points, RigidTouch& t, Balance<Dim>& balance);

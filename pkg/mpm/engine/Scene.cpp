@@ -43,6 +43,15 @@ template <int Dim> void Scene<Dim>::separateGroups() {
     grid.setFields(int(groups.size()));
 }
 
+template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {
+    if (engine.dead) return;
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    for (auto& body : bodies) body->domains->step = step;
+    engine.action(*this);
+    engine.seconds += std::chrono::duration<double>(Clock::now() - begin).count(), ++engine.calls;
+}
+
 template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
     using Clock = std::chrono::steady_clock;
     const auto since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
@@ -53,15 +62,13 @@ template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
     long taken = 0;
     for (; taken < steps; ++taken) {
         if (taken > 0 && since(start) >= seconds) break;
-        for (auto& body : bodies) body->domains->step = step;
         for (size_t e = 0; e < engines.size(); ++e) {
             Engine& engine = *engines[e];
-            const auto begin = Clock::now();
             const auto tick = [&] {
                 if (e == lastStage) time += dt, ++step;
             };
             try {
-                if (!engine.dead) engine.action(*this), engine.seconds += since(begin), ++engine.calls;
+                actAlone(engine);
             } catch (...) { // what ends a step at its last stage (a distorted domain) has made all of it
                 tick();
                 throw;

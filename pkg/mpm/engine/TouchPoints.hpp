@@ -50,9 +50,21 @@ template <int Dim> class TouchPoints {
         return isMeshed_ ? area_[i] : body_->particles.initialVolume.plane()[i] / (2 * support(n));
     }
 
+    // Makes a box so large that it holds all points and their extents.
+    void widen(const Grid<Dim>& grid, Vec3& lower, Vec3& upper) const {
+        if (count() == 0) return;
+        const double far = std::numeric_limits<double>::infinity(), reach = half_.norm() + skin(grid);
+        for (int k = 0; k < Dim; ++k) {
+            if (lowest_[k] == 0) lower[k] = -far;
+            if (highest_[k] == grid.cells[k] + 1) upper[k] = far;
+            lower[k] = std::min(lower[k], grid.lower[k] + (lowest_[k] - 1) * grid.cell[k] - reach);
+            upper[k] = std::max(upper[k], grid.lower[k] + highest_[k] * grid.cell[k] + reach);
+        }
+    }
+
     // f(i) for the points that may be closer to a shape than their support; others, too.
     template <class F> void near(const RigidShape& shape, const RigidState& at, const Grid<Dim>& grid, F&& f) const {
-        const double reach = half_.norm() + skin(grid), radius = 0.5 * grid.cell.norm() + reach;
+        const double reach = half_.norm() + skin(grid), radius = 0.5 * grid.cell.norm() + reach; // of a point, of a bin
         const Eigen::Quaterniond back = at.orientation.conjugate();
         Vec3 lower, upper;
         shape.bounds(at, lower, upper);
@@ -62,12 +74,18 @@ template <int Dim> class TouchPoints {
             last[k] = std::min(highest_[k], binOf(grid, upper[k] + reach, k));
             if (first[k] > last[k]) return;
         }
+        bool isSmall = true; // few bins could be left out then
+        for (int k = 0; k < Dim; ++k) isSmall &= last[k] - first[k] < 4;
         const auto visit = [&](int bin, const Index<Dim>& at3) {
             if (start_[bin] == start_[bin + 1]) return;
             Vec3 x = Vec3::Zero();
             for (int k = 0; k < Dim; ++k) x[k] = grid.lower[k] + (at3[k] - 0.5) * grid.cell[k];
-            if (shape.nearest(back * (x - at.position)).distance > radius) return;
-            for (int j = start_[bin]; j < start_[bin + 1]; ++j) f(point_[j]);
+            if (!isSmall && shape.nearest(back * (x - at.position)).distance > radius) return;
+            for (int j = start_[bin]; j < start_[bin + 1]; ++j) {
+                bool isNear = true;
+                for (int k = 0; k < Dim; ++k) isNear &= inBin_[k][j] >= lower[k] - reach && inBin_[k][j] <= upper[k] + reach;
+                if (isNear) f(point_[j]);
+            }
         };
         Index<Dim> i = first;
         for (;;) { // all bins of the range, first axis fastest
@@ -96,7 +114,7 @@ template <int Dim> class TouchPoints {
 
     // Points by grid cell (with a layer outside the box), as they stood when the cells were filled.
     std::vector<int> start_, point_;
-    std::vector<double> filledAt_[Dim];
+    std::vector<double> filledAt_[Dim], inBin_[Dim]; // in the order of the points, and of the bins
     Index<Dim> lowest_, highest_; // occupied bins
 
     static double skin(const Grid<Dim>& grid) { return 0.1 * grid.cell.minCoeff(); }
@@ -184,6 +202,10 @@ template <int Dim> class TouchPoints {
         for (int b = 0; b < bins; ++b) start_[b + 1] += start_[b];
         std::vector<int> next(start_.begin(), start_.end() - 1);
         for (int i = 0; i < n; ++i) point_[next[bin[i]]++] = i;
+        for (int k = 0; k < Dim; ++k) {
+            inBin_[k].resize(n);
+            for (int j = 0; j < n; ++j) inBin_[k][j] = filledAt_[k][point_[j]];
+        }
     }
 };
 

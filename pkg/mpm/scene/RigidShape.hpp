@@ -30,10 +30,10 @@ struct RigidState {
 
     // The body moves on with its velocities.
     void advance(double dt, double* s) const {
-        const double angle = angularVelocity.norm() * dt;
-        const Vec3 axis = angle > 0 ? Vec3(angularVelocity.normalized()) : Vec3(Vec3::UnitZ());
-        const Eigen::Quaterniond q = (Eigen::AngleAxisd(angle, axis) * orientation).normalized();
         for (int k = 0; k < 3; ++k) s[k] = position[k] + dt * velocity[k];
+        if (angularVelocity.isZero(0)) return;
+        const double angle = angularVelocity.norm() * dt;
+        const Eigen::Quaterniond q = (Eigen::AngleAxisd(angle, angularVelocity.normalized()) * orientation).normalized();
         s[3] = q.w(), s[4] = q.x(), s[5] = q.y(), s[6] = q.z();
     }
 };
@@ -64,6 +64,18 @@ class RigidShape {
         for (Vec3& p : point_) p[2] = 0;
         if (kind == Box) point_[1][2] = 1e150; // has no end along z
     }
+
+    // Radius of a sphere around the position of the body that holds the shape, and whether all turns of the body look the same.
+    double extent() const {
+        const double far = std::max(point_[0].norm(), kind == Triangle ? std::max(point_[1].norm(), point_[2].norm()) : point_[1].norm());
+        switch (kind) {
+        case Wall: return std::numeric_limits<double>::infinity();
+        case Box: return point_[0].norm() + point_[1].norm();
+        case Sphere: return point_[0].norm() + radius_;
+        default: return far + radius_;
+        }
+    }
+    bool isCentredSphere() const { return kind == Sphere && point_[0].isZero(0); }
 
     double thickness() const { return 2 * radius_; }
     bool isThin() const { return kind == Capsule || kind == Triangle; }

@@ -448,7 +448,7 @@ def test_bodies_move_on_with_their_velocities():
     (lambda c: c.setStates(np.zeros((2, 3)), [[1, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]), ValueError,
      r"positions has 6 numbers; give \(1, 3\), a row for each rigid body"),
     (lambda c: c.setStates([[0, 0, np.inf]], [[1, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]), ValueError,
-     "positions of rigid body 0 is not finite"),
+     "the position of rigid body 0 is not finite"),
     (lambda c: c.setStates([[0, 0, 0]], [[0, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]), ValueError, "rigid body 0 has the norm 0"),
 ])
 def test_wrong_input_is_refused_and_changes_nothing(make, error, text):

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A sphere and a box of YADE above a block of soil, for test_in_yade.py; run inside YADE."""
+import hashlib
+
 import numpy as np
 import yade_mpm as mpm
-from yade import ForceResetter, NewtonIntegrator, O, Vector3, utils
-from yade_mpm import inYade
+from yade import ForceResetter, NewtonIntegrator, O, PyRunner, Vector3, utils
+from yade_mpm import inYade, yadeBodies
 
 MASS, G = 0.02, 10.0  # Mg, m/s2
 IDS = [0, 1]
@@ -57,3 +59,34 @@ def rest():
         O.run(50, True)
         forces.append(contact.forces[1, 2])
     return {"force": float(np.mean(forces)), "velocity": O.bodies[1].state.vel[2], "height": O.bodies[1].state.pos[2]}
+
+
+def shoot(how, isEvery, **options):
+    """Bits of soil and bodies after body 0 has hit the soil, states read, and contacts there.
+
+    isEvery: no body is ever left out. how: "far": it comes from 8 m away with 40 m/s, 0.4 cells in a step of 1 ms; "late": it rests
+    there first; "hand": it rests, and is put into the soil between two runs. Body 1 stays 30 m away.
+    """
+    soil, contact, coupling = build(True, **options)
+    if isEvery:
+        yadeBodies.EVERY = 1
+    ball, other = O.bodies[0].state, O.bodies[1].state
+    O.dt = 1e-3 * coupling.mpmSteps
+    ball.pos, ball.vel = (0.6, 0.6, 8.9), (0, 0, -40 if how == "far" else 0)
+    other.pos, other.vel = (0.75, 0.6, 30), (0, 0, 0)
+    if how == "late":
+        O.engines = [PyRunner(command="O.bodies[0].state.vel = (0, 0, -40)", iterPeriod=30, firstIterRun=30, nDo=1)] + O.engines
+    if how == "hand":
+        O.run(50, True)
+        ball.pos, ball.vel = (0.6, 0.6, 0.59), (0, 0, -0.2)
+    O.run({"far": 218, "late": 248, "hand": 3}[how] // coupling.mpmSteps, True)
+    return {"bits": bits(soil), "seen": coupling.exchanges[0].seen, "contacts": contact.contacts}
+
+
+def bits(soil):
+    """Digest of soil and bodies."""
+    digest = hashlib.sha256(b"".join(np.ascontiguousarray(soil.core.view(f, False)).tobytes() for f in ("position", "velocity", "stress")))
+    for number in IDS:
+        state = O.bodies[number].state
+        digest.update(repr([tuple(v) for v in (state.pos, state.vel, state.angVel, state.ori)]).encode())
+    return digest.hexdigest()

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The exchange between bodies of YADE and a RigidContact: nothing is missed, nothing is lost between O.save and O.load."""
+import json
+
 import numpy as np
 import pytest
 from yadeProcess import needsYade, run
@@ -124,3 +126,15 @@ inYade.Bodies(contact, [0])
 say("other", fails(ValueError, lambda: inYade.Bodies(contact, [1])))
 """, tmp_path)
     assert "has other rigid bodies already" in said["other"]
+
+
+@needsYade
+def test_the_benchmark_runs(tmp_path):
+    run("""
+import bench_yade
+sys.argv += ["--bodies", "5", "--repeats", "2", "--out", "figures.json"]
+bench_yade.main()
+""", tmp_path)
+    [figures] = json.loads((tmp_path / "figures.json").read_text())
+    assert figures["bodies"] == 5 and figures["contacts"] >= 5
+    assert 0 < figures["far"] < figures["mpm"] and 0 < figures["exchange"] < figures["mpm"] and figures["bridge"] > 0

@@ -1,0 +1,341 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Boulders fall on soil, inside YADE.
+
+Spheres of YADE, with DEM contacts among each other, fall from 2 m and more on a bed of cohesive-frictional soil (uGIMP, 3D) that they
+touch through RigidContact. There is no damping of motion as such: energy goes into the soil, into friction, and into dashpots where
+two things touch, so that momentum is kept to the last digits. Reported: craters, rest of the boulders, momentum and energy.
+
+ParaView: results/yade_boulders/boulders-*.vtu (VTKRecorder) and soil.vtkhdf (our Recorder) have the same times.
+Units: Mg, m, s, kPa.
+
+    scripts/run yade_boulders
+    scripts/run yade_boulders --count 10             # larger ones; 1000: smaller ones
+    scripts/run yade_boulders --smoke
+"""
+import argparse
+import json
+import os
+import time
+from math import radians
+
+import numpy as np
+import yade_mpm as mpm
+from matplotlib.collections import PolyCollection
+from scipy.ndimage import gaussian_filter, median_filter, zoom
+from yade import (Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom,
+                  InsertionSortCollider, InteractionLoop, Ip2_ViscElMat_ViscElMat_ViscElPhys, Law2_ScGeom_ViscElPhys_Basic,
+                  NewtonIntegrator, O, PyRunner, ViscElMat, VTKRecorder, utils)
+from yade_mpm import box, diagnostics, inYade, plot
+
+GRAVITY, DROP = 9.81, 2.0                                  # m/s2, m from the bed to the lowest boulder
+SOIL = dict(density=1.7, young=2000.0, poisson=0.3, cohesion=1.0, frictionAngle=radians(28), dilatancyAngle=0.0)
+ROCK = dict(density=2.6, young=1e5, poisson=0.3, frictionAngle=radians(35), en=0.3, et=0.3)  # soft contacts: longer time steps
+FRICTION, DAMPING = 0.5, 0.5                               # boulder against soil: coefficient, share of critical
+FRAME = 0.05                                               # s
+AT_REST = 0.2                                              # m/s: they rock in their craters for long
+
+
+def parser():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p.add_argument("--count", type=int, default=100, help="number of boulders (default %(default)s)")
+    p.add_argument("--radius", type=float, help="mean radius, m (default 0.22 (100/count)^(1/4))")
+    p.add_argument("--cell", type=float, default=0.15, help="cell size, m (default %(default)s)")
+    p.add_argument("--width", type=float, default=6.0, help="width and length of the bed, m (default %(default)s)")
+    p.add_argument("--depth", type=float, default=1.2, help="depth of the bed, m (default %(default)s)")
+    p.add_argument("--until", type=float, default=2.5, help="end, s (default %(default)s)")
+    p.add_argument("--seed", type=int, default=1, help="of the places and sizes (default %(default)s)")
+    p.add_argument("--smoke", action="store_true", help="few boulders and coarse: count 3, cell 0.2 m, bed 3 x 3 x 0.8 m")
+    p.add_argument("--threads", type=int, help="of the MPM (default: chosen)")
+    p.add_argument("--out", default=os.path.join("results", "yade_boulders"), help="folder of the results (default %(default)s)")
+    return p
+
+
+def arguments(given=None):
+    a = parser().parse_args(given)
+    if a.smoke:
+        a.count, a.radius, a.cell, a.width, a.depth, a.until = 3, 0.3, 0.2, 3.0, 0.8, 2.5
+    a.radius = a.radius or 0.22 * (100 / a.count) ** 0.25
+    return a
+
+
+def places(a):
+    """Centres and radii of the boulders: layers of a square lattice over the middle of the bed, shaken."""
+    random = np.random.default_rng(a.seed)
+    radii = a.radius * random.uniform(0.75, 1.25, a.count)
+    space = 2.6 * radii.max()  # 0.6 radii are left to shake
+    across = max(1, int(0.75 * a.width / space))
+    layer, place = np.divmod(np.arange(a.count), across**2)
+    across = np.where(layer == layer.max(), np.minimum(across, np.ceil(np.sqrt(np.sum(layer == layer.max())))), across)
+    x = np.stack([place % across - (across - 1) / 2, place // across - (across - 1) / 2], axis=1) * space + a.width / 2
+    z = a.depth + DROP + radii.max() + layer * space
+    shift = random.uniform(-1, 1, (a.count, 3)) * (space / 2 - radii)[:, None]
+    return np.column_stack([x, z]) + shift * (1, 1, 0.5), radii
+
+
+def build(a):
+    """Scene, contact and coupling, ready to run."""
+    scene = mpm.Scene((0, 0, 0), (a.width, a.width, a.depth + 6 * a.cell), a.cell, threads=a.threads)
+    scene.add("soil", box((0, 0, 0), (a.width, a.width, a.depth)), mpm.MohrCoulombDruckerPrager(**SOIL), mpm.UGIMP(perCell=2))
+    scene.initialStress(surface=a.depth, K0=0.5, gravity=GRAVITY)
+    contact = mpm.RigidContact(normalDamping=DAMPING)
+    solver = mpm.GridSolver(gravity=(0, 0, -GRAVITY), roller=("left", "right", "front", "back"), fixed="bottom")
+    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+
+    O.materials.append(ViscElMat(label="rock", **ROCK))
+    O.materials.append(ViscElMat(label="smooth", **dict(ROCK, frictionAngle=0.0)))
+    ids = O.bodies.append([utils.sphere(tuple(map(float, x)), float(r), material="rock") for x, r in zip(*places(a))])
+    O.bodies.append([utils.wall(at, axis, sense, material="smooth") for axis in (0, 1) for at, sense in ((0.0, 1), (a.width, -1))])
+    O.engines = [
+        ForceResetter(),
+        InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
+        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()], [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
+                        [Law2_ScGeom_ViscElPhys_Basic()]),
+        NewtonIntegrator(gravity=(0, 0, -GRAVITY), damping=0),
+    ]
+    bodies = inYade.Bodies(contact, ids, friction=FRICTION)
+    coupling = inYade.attach(scene)
+    coupling.exchanges.append(bodies)
+    return scene, contact, coupling
+
+
+def record(a, scene):
+    """Recorders of both sides, every FRAME s; to be attached anew."""
+    period = max(1, round(FRAME / O.dt))
+    scene.engines = [*scene.engines, mpm.Recorder(os.path.join(a.out, "soil.vtkhdf"), iterPeriod=period,
+                                                  fields=["velocity", "displacement", "plasticShearStrain"])]
+    O.engines = [VTKRecorder(fileName=os.path.join(a.out, "boulders-"), iterPeriod=period, initRun=True,
+                             recorders=["spheres", "velocity"])] + O.engines
+
+
+class Balance:
+    """Momentum and energy of soil and boulders together; `step` after every step, `row` now and then."""
+
+    def __init__(self, scene, contact, ids):
+        self.scene, self.contact, self.ids, self.rows = scene, contact, ids, []
+        self.states = [O.bodies[i].state for i in ids]
+        self.masses = np.array([s.mass for s in self.states])
+        self.mass = self.masses.sum() + diagnostics.mass(scene)
+        self.bottom = next(c for c in scene.constraints if c.name == "bottom")
+        self.heights = self._vectors("pos")[:, 2]
+        self.impulse, self.forces, self.steps = 0.0, 0.0, 0
+        self.began = O.time
+
+    def _vectors(self, name):
+        return np.array([tuple(getattr(s, name)) for s in self.states])
+
+    def step(self):
+        """Adds up what gravity and the base give, and the force of the soil on the boulders."""
+        self.impulse += (self.bottom.reaction[2] - self.mass * GRAVITY) * O.dt
+        self.forces += self.contact.forces[:, 2].sum()
+        self.steps += 1
+
+    def row(self):
+        """Time, s; energies, kJ; vertical momentum and what is missing in it, Mg m/s; mean force of the soil on the boulders."""
+        v, z = self._vectors("vel"), self._vectors("pos")[:, 2]
+        momentum = self.masses @ v[:, 2] + diagnostics.momentum(self.scene)[2]
+        self.rows.append({
+            "time": O.time, "bouldersKinetic": float(0.5 * self.masses @ (v**2).sum(axis=1)),
+            "bouldersPotential": float(GRAVITY * self.masses @ (z - self.heights)),
+            "soilKinetic": diagnostics.kineticEnergy(self.scene), "soilInternalWork": diagnostics.internalWork(self.scene),
+            "workOnSoil": float(self.scene.core.energies["loads"]), "frictionWork": float(self.contact.frictionWork),
+            "soilEnergyError": diagnostics.energyError(self.scene), "momentum": float(momentum),
+            "momentumError": float(momentum - self.impulse), "force": self.forces / max(1, self.steps),
+            "fastest": float(np.linalg.norm(v, axis=1).max())})
+        self.forces, self.steps = 0.0, 0
+        return self.rows[-1]
+
+
+def run(a, isRecorded=True):
+    """Lets the boulders fall; returns (summary, scene, centres, radii, rows of the balance)."""
+    O.reset()
+    os.makedirs(a.out, exist_ok=True)
+    scene, contact, coupling = build(a)
+    if isRecorded:
+        exchange = coupling.exchanges
+        record(a, scene)
+        coupling = inYade.attach(scene)
+        coupling.exchanges += exchange
+    ids = coupling.exchanges[0].ids
+    balance = Balance(scene, contact, ids)
+    inYade.balance = balance  # found by the command below wherever the script runs
+    O.engines = O.engines + [PyRunner(command="inYade.balance.step()", iterPeriod=1, initRun=True, updateGlobals=False)]
+    began = time.monotonic()
+    while O.time < a.until:
+        O.run(max(1, round(FRAME / O.dt)), True)
+        row = balance.row()
+        print(f"{O.time:6.2f} s  kinetic energy {row['bouldersKinetic']:8.2f} kJ, force of the soil {row['force']:8.1f} kN, "
+              f"{contact.contacts} contacts", flush=True)
+    centres = np.array([tuple(O.bodies[i].state.pos) for i in ids])
+    radii = np.array([O.bodies[i].shape.radius for i in ids])
+    return summary(a, scene, balance, coupling.exchanges[0], centres, radii, time.monotonic() - began), scene, centres, radii, balance.rows
+
+
+def summary(a, scene, balance, bodies, centres, radii, seconds):
+    """What comes out, as plain numbers."""
+    rows, soil = balance.rows, scene["soil"]
+    ground = groundOf(scene, a)[0] - a.depth
+    penetration = a.depth - (centres[:, 2] - radii)
+    late = [r["force"] for r in rows if r["time"] > a.until - 0.5]
+    return {
+        "arguments": vars(a), "particles": soil.count, "steps": scene.steps, "wallSeconds": seconds, "dt": O.dt,
+        "microseconds": {"step": 1e6 * seconds / scene.steps, **{  # wall time of a step, and its parts
+            type(e).__name__: 1e6 * e.seconds / scene.steps for e in scene.engines}},
+        "seen": bodies.seen / scene.steps,
+        "weight": float(GRAVITY * balance.masses.sum()), "meanForceAtEnd": float(np.mean(late)),
+        "fastestAtEnd": rows[-1]["fastest"], "moving": int(sum(np.linalg.norm(s.vel) > AT_REST for s in balance.states)),
+        "onSoil": int(np.sum(np.abs(np.array(balance.contact.forces)).sum(axis=1) > 0)),
+        "penetrationMean": float(penetration.mean()), "penetrationLargest": float(penetration.max()),
+        "lowestBottom": float((centres[:, 2] - radii).min()),
+        "craterDepth": float(-ground.min()), "rimHeight": float(ground.max()),
+        "craterVolume": float(-ground[ground < 0].sum() * a.cell**2),
+        "largestOverlap": float(balance.contact.largestPenetration),
+        "fallingEnergy": -rows[-1]["bouldersPotential"], "frictionWork": rows[-1]["frictionWork"],
+        "soilEnergyError": rows[-1]["soilEnergyError"], "workOnSoil": rows[-1]["workOnSoil"],
+        "momentumExchanged": float(balance.masses.sum() * GRAVITY * rows[-1]["time"]),
+        "momentumError": max(abs(r["momentumError"]) for r in rows),
+    }
+
+
+# --- the ground and the picture ---------------------------------------------------------------------------
+def groundOf(scene, a):
+    """Height of the ground, m, and plastic shear strain at it, in squares of the width of a cell; single particles in the air do not count."""
+    soil = scene["soil"]
+    n, x, order = int(round(a.width / a.cell)), soil.position, np.argsort(soil.position[:, 2])
+    column = np.ravel_multi_index(np.clip((x[:, :2] / a.cell).astype(int), 0, n - 1).T, (n, n))
+    top = np.full(n * n, -1)
+    top[column[order]] = order  # the highest comes last
+    height = np.where(top < 0, 0.0, x[top, 2] + a.cell / 4).reshape(n, n)
+    strain = np.where(top < 0, 0.0, soil.plasticShearStrain[top]).reshape(n, n)
+    around = median_filter(height, 3, mode="nearest")
+    isLoose = np.abs(height - around) > a.cell
+    return np.where(isLoose, around, height), np.where(isLoose, median_filter(strain, 3, mode="nearest"), strain)
+
+
+class Canvas:
+    """Parallel projection with a depth for every pixel."""
+
+    def __init__(self, azimuth, elevation, centre, width, pixels):
+        ca, sa, ce, se = np.cos(azimuth), np.sin(azimuth), np.cos(elevation), np.sin(elevation)
+        self.axes = np.array([(-sa, ca, 0), (-ca * se, -sa * se, ce), (ca * ce, sa * ce, se)])  # right, up, to the eye
+        self.shape, self.scale = pixels, pixels[1] / width
+        self.centre = self.axes @ centre
+        self.depth = np.full(pixels, -np.inf)
+        self.position, self.normal, self.colour = (np.zeros((*pixels, 3)) for _ in range(3))
+
+    def pixelsOf(self, points):
+        """Row and column (int) and depth of points."""
+        right, up, depth = (points @ self.axes.T - self.centre).T
+        return (np.rint(self.shape[0] / 2 - up * self.scale).astype(int), np.rint(self.shape[1] / 2 + right * self.scale).astype(int), depth)
+
+    def add(self, points, normals, colours):
+        """Points so close that they leave no gap."""
+        i, j, depth = self.pixelsOf(points)
+        order = np.argsort(depth)
+        order = order[(i[order] >= 0) & (i[order] < self.shape[0]) & (j[order] >= 0) & (j[order] < self.shape[1])]
+        first = np.full(self.shape, -1)
+        first[i[order], j[order]] = order  # the nearest comes last
+        mine = first >= 0
+        mine[mine] = depth[first[mine]] > self.depth[mine]
+        for field, values in ((self.depth, depth), (self.position, points), (self.normal, normals), (self.colour, colours)):
+            field[mine] = values[first[mine]]
+
+    def addSphere(self, centre, radius, colour):
+        i, j, depth = (v[0] for v in self.pixelsOf(centre[None]))
+        k = int(radius * self.scale) + 2
+        rows, columns = np.mgrid[max(0, i - k):min(self.shape[0], i + k), max(0, j - k):min(self.shape[1], j + k)]
+        local = np.stack([(columns - j) / self.scale, (i - rows) / self.scale], axis=-1) / radius
+        left = 1 - (local**2).sum(axis=-1)
+        out = np.sqrt(np.maximum(left, 0))
+        mine = (left > 0) & (depth + radius * out > self.depth[rows, columns])
+        normal = np.concatenate([local, out[..., None]], axis=-1)[mine] @ self.axes
+        at = rows[mine], columns[mine]
+        self.depth[at], self.normal[at], self.colour[at] = (depth + radius * out)[mine], normal, colour
+        self.position[at] = centre + radius * normal
+
+
+def groundPoints(a, height, strain, limit, pixels):
+    """Points on the top and the two visible sides of the bed, with normals and colours."""
+    fine = int(np.ceil(pixels / len(height)))
+    z, s = (gaussian_filter(zoom(v, fine, order=1, mode="nearest", grid_mode=True), 0.35 * fine, mode="nearest") for v in (height, strain))
+    n, size = len(z), a.width / len(z)
+    at = (np.arange(n) + 0.5) * size
+    x, y = np.meshgrid(at, at, indexing="ij")
+    slope = np.gradient(z, size)
+    normals = np.stack([-slope[0], -slope[1], np.ones_like(z)], axis=-1)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    sand = plot.plt.matplotlib.colors.LinearSegmentedColormap.from_list("sand", ["#e3d3ae", "#dfa55c", "#c4512d", "#5e1224"])
+    colours = sand(np.clip(s / limit, 0, 1))[..., :3]
+    parts = [(np.stack([x, y, z], axis=-1), normals, colours)]
+    up = np.linspace(0, 1, int(1.5 * a.depth / size))[:, None]
+    for edge, axis in ((0, 1), (n - 1, 0)):  # front, right
+        top = z[:, 0] if axis else z[n - 1]
+        level = up * top
+        side = np.broadcast_to(at, level.shape)
+        points = np.stack([side, 0 * level, level] if axis else [0 * level + a.width, side, level], axis=-1)
+        normal = (0, -1, 0) if axis else (1, 0, 0)
+        shade = 0.80 + 0.06 * np.sin(40 * level / a.depth)[..., None]
+        parts.append((points, np.broadcast_to(normal, points.shape), shade * np.array((0.80, 0.70, 0.52))))
+    return [np.concatenate([p[k].reshape(-1, 3) for p in parts]) for k in range(3)], sand
+
+
+def draw(a, scene, centres, radii, file, pixels=1500):
+    """The bed with its boulders from above, and a section through its middle."""
+    height, strain = groundOf(scene, a)
+    limit = max(0.05, float(np.quantile(strain, 0.98)))
+    (points, normals, colours), sand = groundPoints(a, height, strain, limit, pixels)
+    middle = np.array([a.width / 2, a.width / 2, a.depth * 0.8])
+    eye = Canvas(radians(-58), radians(38), middle, 1.5 * a.width, (int(0.7 * pixels), pixels))
+    sun = Canvas(radians(-150), radians(48), middle, 1.9 * a.width, (pixels, pixels))
+    tints = np.random.default_rng(0).uniform(0.42, 0.62, (len(radii), 1)) * np.array((1.0, 0.98, 0.95))
+    for canvas in (eye, sun):
+        canvas.add(points, normals, colours)
+        for centre, radius, tint in zip(centres, radii, tints):
+            canvas.addSphere(centre, radius, tint)
+    i, j, depth = sun.pixelsOf(eye.position.reshape(-1, 3))
+    i, j = (np.clip(v, 0, pixels - 1) for v in (i, j))
+    isLit = (depth > sun.depth[i, j] - 0.02 * a.width / 6 - 2 / sun.scale).reshape(eye.shape)
+    light = np.clip(eye.normal @ sun.axes[2], 0, None) * np.where(isLit, 1, 0.0)
+    image = np.clip(eye.colour * (0.42 + 0.24 * np.clip(eye.normal[..., 2:], 0, None) + 0.62 * light[..., None]), 0, 1)
+    image[np.isinf(eye.depth)] = 1
+
+    plt = plot.plt
+    figure, (ax, cut) = plt.subplots(2, 1, figsize=(8, 8), height_ratios=(3, 1), layout="constrained")
+    ax.imshow(image, interpolation="antialiased")
+    ax.set_axis_off()
+    section(cut, a, scene, centres, radii, sand, limit)
+    figure.colorbar(plt.cm.ScalarMappable(plt.Normalize(0, limit), sand), ax=[ax, cut], label="plastic shear strain (-)", extend="max", shrink=0.5)
+    plot.save(figure, file)
+
+
+def section(ax, a, scene, centres, radii, colours, limit):
+    """Particles within half a cell of the middle plane, and the boulders cut by it."""
+    soil, plane = scene["soil"], a.width / 2
+    mine = np.abs(soil.position[:, 1] - plane) < 0.5 * a.cell
+    x, z = soil.position[mine][:, [0, 2]].T
+    corners = 0.28 * a.cell * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])  # a little larger than a particle was
+    ax.add_collection(PolyCollection(np.stack([x, z], axis=1)[:, None] + corners, lw=0,
+                                     facecolors=colours(np.clip(soil.plasticShearStrain[mine] / limit, 0, 1))))
+    for centre, radius in zip(centres, radii):
+        if abs(centre[1] - plane) < radius:
+            ax.add_patch(plot.plt.Circle((centre[0], centre[2]), np.sqrt(radius**2 - (centre[1] - plane)**2), fc="0.62", ec="0.25", lw=0.7))
+    ax.axhline(a.depth, color="k", lw=0.6, ls="--")
+    ax.set(aspect="equal", xlim=(0, a.width), ylim=(0, a.depth + 3 * a.radius), xlabel="x (m)", ylabel="z (m)", title="section through the middle; dashed: the bed before")
+
+
+def main():
+    a = arguments()
+    s, scene, centres, radii, rows = run(a)
+    picture = os.path.join(a.out, "yade_boulders.png")
+    draw(a, scene, centres, radii, picture)
+    with open(os.path.join(a.out, "summary.json"), "w") as file:
+        json.dump({**s, "rows": rows}, file, indent=1)
+    print(f"{a.count} boulders ({s['weight']:.1f} kN; the soil carries {s['meanForceAtEnd']:.1f} kN) on {s['particles']} particles: "
+          f"{s['moving']} move faster than {AT_REST} m/s; craters down to {s['craterDepth']:.3f} m, {s['craterVolume']:.2f} m3, rims up to "
+          f"{s['rimHeight']:.3f} m; {s['momentumError']:.1e} of {s['momentumExchanged']:.1f} Mg m/s of momentum are missing; "
+          f"{s['steps']} steps in {s['wallSeconds']:.1f} s")
+    print(f"results in {a.out}/")
+
+
+if __name__ == "__main__":
+    main()

@@ -54,6 +54,9 @@ class Bodies:
 
     def read(self, coupling):
         """At the beginning of a cycle, when both clocks agree: states of the bodies to the contact."""
+        if coupling.runs != self._run and sum(e.contact is self.contact for e in coupling.exchanges if isinstance(e, Bodies)) > 1:
+            raise RuntimeError("inYade.Bodies: two of them serve one RigidContact, and its forces would count twice; take one out of "
+                               "exchanges (after O.load, inYade.attach() has brought it back)")
         isEvery = coupling.runs != self._run or self._cycles % EVERY == 0  # someone may have moved a body by hand
         self._run, self._cycles = coupling.runs, self._cycles + 1
         duration = coupling.scene.dt * coupling.mpmSteps

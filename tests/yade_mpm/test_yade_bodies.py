@@ -113,6 +113,14 @@ def test_save_and_load_bring_the_bodies_back_with_the_same_bits(tmp_path, mpmSte
     loaded, _ = run(LOAD.format(isCut=False), tmp_path)
     assert loaded["bodies"] == ["Bodies"] and loaded["on"] == said["on"]
     if demSteps == 1 and mpmSteps == 1:
+        twice, _ = run("""
+import bodies
+O.load("state.yade.gz")
+coupling = inYade.attach()
+coupling.exchanges.append(inYade.Bodies(coupling.scene.engines[1], bodies.IDS))
+say("twice", fails(RuntimeError, lambda: O.run(1, True)))
+""", tmp_path)
+        assert "two of them serve one RigidContact" in twice["twice"]
         assert run(LOAD.format(isCut=True), tmp_path)[0]["on"] != said["on"], "control: without the bodies"
 
 

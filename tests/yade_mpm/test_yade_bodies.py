@@ -146,3 +146,62 @@ bench_yade.main()
     [figures] = json.loads((tmp_path / "figures.json").read_text())
     assert figures["bodies"] == 5 and figures["contacts"] >= 5
     assert 0 < figures["far"] < figures["mpm"] and 0 < figures["exchange"] < figures["mpm"] and figures["bridge"] > 0
+
+
+# --- clumps and planes ------------------------------------------------------------------------------------
+CLUMPS = """
+import numpy as np
+from types import SimpleNamespace
+from yade import Quaternion, Vector3, utils
+
+def difference(turns):
+    # Largest distance between the members of a clump in YADE and the shapes of the contact, after turns.
+    O.reset()
+    tilted = Quaternion((0, 0, 1), 0.5)
+    number, members = O.bodies.appendClumped([utils.box((0.5, 2, 0), (0.1, 0.8, 0.5), orientation=tilted), utils.box((0.7, 1.2, 0), (0.3, 0.1, 0.5)),
+                                              utils.sphere((0.2, 1.1, 0), 0.2)])
+    state = O.bodies[number].state
+    first = list(state.ori)
+    contact = mpm.RigidContact()
+    bodies = inYade.Bodies(contact, [number])
+    O.engines = [ForceResetter(), NewtonIntegrator(damping=0)]
+    O.dt, state.blockedDOFs, state.vel, state.angVel = 0.01, "xyzXYZ", (0.3, 0.2, 0), turns
+    O.run(50, True)
+    bodies.read(SimpleNamespace(runs=1, exchanges=[bodies], mpmSteps=1, scene=SimpleNamespace(dt=0.01)))
+    w, *axis = contact.orientations[0]
+    now = Quaternion(w, *axis)
+    largest = 0.0
+    rows = np.reshape(contact.core.value("shapes"), (-1, 12))
+    for row, member in zip(rows, members):
+        at = O.bodies[member].state
+        centre = Vector3(*contact.positions[0]) + now * Vector3(*row[2:5])
+        largest = max(largest, (centre - at.pos).norm())
+        if row[1] == 1:
+            w, *axis = row[8:12]
+            turned = (now * Quaternion(w, *axis)).toRotationMatrix()
+            largest = max(largest, float(np.abs(np.array(turned) - np.array(at.ori.toRotationMatrix())).max()))
+    return largest, first, contact.orientations[0].tolist()
+
+say("plane", difference((0, 0, 0.9)))
+say("space", difference((0.4, -0.7, 0.9)))
+"""
+
+
+@needsYade
+def test_a_clump_touches_with_its_members_however_its_frame_is_turned(tmp_path):
+    said, _ = run(CLUMPS, tmp_path)
+    for largest, _, _ in said.values():
+        assert largest < 1e-12
+    _, first, now = said["plane"]
+    assert np.abs(first[:2]).max() > 0.1, "control: YADE has turned the frame out of the plane"
+    assert np.abs(now[1:3]).max() < 1e-12
+
+
+@needsYade
+def test_a_clump_in_another_plane_comes_back_with_the_same_bits(tmp_path):
+    said, _ = run("""
+import planes
+say("on", planes.fall("xz"))
+say("loaded", planes.fall("xz", isSaved=True))
+""", tmp_path)
+    assert said["on"] == said["loaded"] and said["on"]["contacts"] >= 3

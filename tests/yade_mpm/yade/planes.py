@@ -8,8 +8,9 @@ from yade_mpm import inYade
 from yade_mpm.yadePlane import PLANES, Plane
 
 
-def fall(name, as_=None, steps=400, thickness=0.5):
-    """States of the two bodies, and forces on them, in the axes of the scene. `as_`: plane that `Bodies` is told, if another."""
+def fall(name, as_=None, steps=400, thickness=0.5, isSaved=False):
+    """States of the two bodies, and forces on them, in the axes of the scene. `as_`: plane that `Bodies` is told, if another.
+    isSaved: after three quarters of the way all is saved, and loaded."""
     O.reset()
     plane = Plane(name)
 
@@ -32,7 +33,12 @@ def fall(name, as_=None, steps=400, thickness=0.5):
     O.engines = [ForceResetter(), NewtonIntegrator(gravity=vector(0, -10, 0), damping=0)]
     bodies = inYade.Bodies(contact, [block, clump], friction=0.3, thickness=thickness, plane=as_ or name)
     inYade.attach(scene, stages=False).exchanges.append(bodies)
-    O.run(steps, True)
+    O.run(3 * steps // 4, True)
+    if isSaved:
+        O.save("fall.yade.gz")
+        O.load("fall.yade.gz")
+        contact = inYade.attach().scene.engines[1]
+    O.run(steps // 4, True)
     states = [O.bodies[number].state for number in (block, clump)]
     return {"states": [plane.toScene([list(s.pos), list(s.vel), list(s.angVel)]).tolist() for s in states],
             "forces": [plane.toScene([list(O.forces.f(n)), list(O.forces.t(n))]).tolist() for n in (block, clump)],

@@ -34,8 +34,8 @@ def start(script, folder, command=("yade", "-n", "-x")):
     (folder / "script.py").write_text(PRELUDE.format(folders=FOLDERS) + script)
     package = os.path.dirname(os.path.dirname(mpm.__file__))
     environment = dict(os.environ, PYTHONPATH=package, MPLBACKEND="Agg", OMP_NUM_THREADS="1")
-    return subprocess.Popen([*command, "script.py"], cwd=folder, env=environment, text=True, stdout=subprocess.PIPE,
-                            stderr=subprocess.PIPE)
+    return subprocess.Popen([*command, "script.py"], cwd=folder, env=environment, text=True, stdin=subprocess.DEVNULL,
+                            stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
 
 def end(process, code=0, patience=60):

@@ -21,8 +21,9 @@ class Bodies:
     facetThickness : m, of facets against the soil; APDI bodies need one. Default 0.
     plane : "xy" (default), "xz" or "yz": axes of YADE along x and y of a 2D scene; a positive moment turns x to y. "xy" in 3D.
 
-    O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. Raises ValueError for a body that is not there, is of
-    another shape or stands in a clump, and for a wall with sense 0.
+    O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. After O.load `inYade.attach` makes it
+    anew. Raises ValueError for a body that is not there, is of another shape or stands in a clump, for a wall with sense 0, and for a
+    contact that has other rigid bodies already; `read` raises RuntimeError where two of them serve one contact.
 
         contact = mpm.RigidContact()
         scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(...), mpm.GridToParticle(), mpm.DomainUpdater()]

@@ -14,11 +14,11 @@ class Bodies:
     Parameters
     ----------
     contact : the `RigidContact` in the engines of the scene, before its first run.
-    ids : numbers of bodies in O.bodies: Sphere, Box, Facet, Wall (with sense 1 or -1), or clumps of these (the clump's own
-        number).
+    ids : numbers of bodies in O.bodies: Sphere, Box, Facet, Polyhedra (3D; its faces touch, as facets), Wall (with sense 1 or -1), or clumps of
+        these (the clump's own number).
     friction : coefficient against the soil, -; default 0.
     thickness : m, of a 2D scene in YADE's third direction; forces per metre are multiplied by it. Default 1, and 1 in 3D.
-    facetThickness : m, of facets against the soil; APDI bodies need one. Default 0.
+    facetThickness : m, of facets, also of polyhedra, against the soil; APDI bodies need one. Default 0.
     plane : "xy" (default), "xz" or "yz": axes of YADE along x and y of a 2D scene; a positive moment turns x to y. "xy" in 3D.
 
     O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. After O.load `inYade.attach` makes it
@@ -99,24 +99,27 @@ def _shapesOf(O, body, facetThickness, plane):
         raise ValueError(f"inYade.Bodies: body {body.id} stands in clump {body.clumpId}; give the number of the clump")
     members = body.shape.members.items() if body.isClump else [(body.id, ((0, 0, 0), (0, 0, 0, 1)))]
     back = plane.turnToScene(_frameOf(body)) * (1, -1, -1, -1)
-    return [_shapeOf(O.bodies[member], _turned(back, plane.toScene(centre)), tuple(_product(back, plane.turnToScene(turn))), facetThickness,
-                     plane)
-            for member, (centre, turn) in members]
+    return [shape for member, (centre, turn) in members
+            for shape in _shapesAt(O.bodies[member], _turned(back, plane.toScene(centre)), tuple(_product(back, plane.turnToScene(turn))),
+                                   facetThickness, plane)]
 
 
-def _shapeOf(body, centre, turn, facetThickness, plane):
+def _shapesAt(body, centre, turn, facetThickness, plane):
+    """Shapes of a body that is no clump, with its place in the frame of `_frameOf`."""
     shape, kind = body.shape, type(body.shape).__name__
     if kind == "Sphere":
-        return rigid.Sphere(shape.radius, tuple(centre))
+        return [rigid.Sphere(shape.radius, tuple(centre))]
     if kind == "Box":
-        return rigid.Box(tuple(plane.lengthsToScene(shape.extents)), tuple(centre), turn)
-    if kind == "Facet":
-        return rigid.Facet(tuple(tuple(centre + _turned(turn, plane.toScene(v))) for v in shape.vertices), facetThickness)
+        return [rigid.Box(tuple(plane.lengthsToScene(shape.extents)), tuple(centre), turn)]
+    if kind in ("Facet", "Polyhedra"):
+        vertices = shape.vertices if kind == "Facet" else [shape.v[k] for k in shape.GetSurfaceTriangulation()]
+        corners = [tuple(centre + _turned(turn, plane.toScene(v))) for v in vertices]
+        return [rigid.Facet(tuple(corners[k:k + 3]), facetThickness) for k in range(0, len(corners), 3)]
     if kind == "Wall":
         if shape.sense == 0:
             raise ValueError(f"inYade.Bodies: wall {body.id} has sense 0; give 1 or -1, the side on which the soil is")
-        return rigid.Wall(tuple(plane.toScene(shape.sense * np.eye(3)[shape.axis])), tuple(centre))
-    raise ValueError(f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Wall and clumps of them can touch the soil")
+        return [rigid.Wall(tuple(plane.toScene(shape.sense * np.eye(3)[shape.axis])), tuple(centre))]
+    raise ValueError(f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall and clumps of them can touch the soil")
 
 
 def _turned(quaternion, v):

@@ -10,13 +10,14 @@ class Plane:
 
     name : "xy", "xz" or "yz": the axes of YADE along x and y of the scene. Its normal is +z, -y, +x of YADE: right-handed, so that a
     positive moment turns from x to y of the scene. The origins coincide. Raises ValueError for another name.
-    frame : (3, 3), axes of the scene in those of YADE, a row each.
+    axes : numbers of the axes of YADE along x, y and the normal of the scene. frame : (3, 3), axes of the scene in those of YADE, a row each.
     """
 
     def __init__(self, name="xy"):
         if name not in PLANES:
             raise ValueError(f"inYade.Bodies: plane = {name!r} is not allowed; give one of {', '.join(map(repr, PLANES))}")
-        self.name, self.frame = name, np.eye(3)[list(PLANES[name])]
+        self.name, self.axes = name, PLANES[name]
+        self.frame = np.eye(3)[list(self.axes)]
         self.frame[2] *= np.linalg.det(self.frame)
 
     def toScene(self, vectors):

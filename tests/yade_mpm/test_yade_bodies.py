@@ -205,3 +205,23 @@ say("on", planes.fall("xz"))
 say("loaded", planes.fall("xz", isSaved=True))
 """, tmp_path)
     assert said["on"] == said["loaded"] and said["on"]["contacts"] >= 3
+
+
+@needsYade
+def test_the_facets_of_a_polyhedron_enclose_it(tmp_path):
+    said, _ = run("""
+import bodies
+import numpy as np
+O.bodies.append(bodies.polyhedron((1, 2, 3), (0.1, 0.2, 0.3)))
+contact = mpm.RigidContact()
+inYade.Bodies(contact, [0], facetThickness=0.01)
+rows = np.reshape(contact.core.value("shapes"), (-1, 12))
+corners = rows[:, 2:11].reshape(-1, 3, 3)
+area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
+say("sum", area.sum(axis=0).tolist())
+say("area", np.linalg.norm(area, axis=1).sum())
+say("volume", (corners[:, 0] * area).sum() / 3)
+say("half thickness", sorted(set(rows[:, 11])))
+""", tmp_path)
+    assert said["sum"] == pytest.approx([0, 0, 0], abs=1e-12) and said["half thickness"] == [0.005]
+    assert said["area"] == pytest.approx(8 * (0.02 + 0.06 + 0.03)) and said["volume"] == pytest.approx(0.048)

@@ -11,8 +11,11 @@ MASS, G = 0.02, 10.0  # Mg, m/s2
 IDS = [0, 1]
 
 
-def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True):
-    """Free: all fly, without gravity. Else the soil stands on a held layer and the bodies come to rest on it."""
+def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False):
+    """Free: all fly, without gravity. Else the soil stands on a held layer and the bodies come to rest on it.
+
+    isPolyhedron: the box is one of YADE's Polyhedra.
+    """
     scene = mpm.Scene((0, 0, 0), (1.2, 1.2, 1.2), 0.1)
     soil = scene.add("soil", mpm.box((0.3, 0.3, 0.2), (0.9, 0.9, 0.5)), mpm.NeoHookean(density=1.0, lame=(200.0, 100.0)),
                      mpm.UGIMP(perCell=2))
@@ -21,7 +24,7 @@ def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True):
     scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(gravity=(0, 0, 0), **held), mpm.GridToParticle(),
                      mpm.DomainUpdater()]
     O.bodies.append(utils.sphere((0.5, 0.6, 0.6), 0.1))
-    O.bodies.append(utils.box((0.75, 0.6, 0.56), (0.08, 0.1, 0.05)))
+    O.bodies.append(polyhedron((0.75, 0.6, 0.56), (0.08, 0.1, 0.05)) if isPolyhedron else utils.box((0.75, 0.6, 0.56), (0.08, 0.1, 0.05)))
     for number in IDS:
         state = O.bodies[number].state
         state.mass, state.inertia, state.blockedDOFs = MASS, Vector3(1e-4, 1e-4, 1e-4), ""
@@ -33,6 +36,13 @@ def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True):
     if isCoupled:
         coupling.exchanges.append(bodies)
     return soil, contact, coupling
+
+
+def polyhedron(centre, extents):
+    """A box as one of YADE's Polyhedra."""
+    from yade import polyhedra_utils
+    signs = np.array(np.meshgrid((-1, 1), (-1, 1), (-1, 1))).reshape(3, -1).T
+    return polyhedra_utils.polyhedra(utils.defaultMaterial(), v=[Vector3(*(np.array(centre) + s * extents)) for s in signs])
 
 
 def momentum(soil):
@@ -50,9 +60,9 @@ def fly(cycles, **options):
     return {"change": change, "contacts": contacts, "given": float((soil.velocity * soil.mass[:, None]).sum(axis=0)[2])}
 
 
-def rest():
+def rest(**options):
     """Mean force on the box when it has come to rest, and its velocity."""
-    soil, contact, coupling = build(False)
+    soil, contact, coupling = build(False, **options)
     O.run(3500, True)
     forces = []
     for _ in range(40):

@@ -5,7 +5,7 @@ import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Quaternion, Vector3
 from yade_mpm import inYade
-from yade_mpm.yadePlane import PLANES, Plane
+from yade_mpm.yadePlane import Plane
 
 
 def fall(name, as_=None, steps=400, thickness=0.5, isSaved=False):
@@ -28,7 +28,7 @@ def fall(name, as_=None, steps=400, thickness=0.5, isSaved=False):
     for number in (block, clump):
         body = O.bodies[number]
         body.dynamic, body.state.mass, body.state.inertia = True, 0.05, Vector3(1, 1, 1) * 1e-3
-        body.state.blockedDOFs = "xyz"[PLANES[name][2]] + "".join("XYZ"[k] for k in PLANES[name][:2])
+        body.state.blockedDOFs = "xyz"[plane.axes[2]] + "".join("XYZ"[k] for k in plane.axes[:2])
         body.state.vel, body.state.angVel = vector(0.5, -1.0, 0), vector(0, 0, 2.0)
     O.engines = [ForceResetter(), NewtonIntegrator(gravity=vector(0, -10, 0), damping=0)]
     bodies = inYade.Bodies(contact, [block, clump], friction=0.3, thickness=thickness, plane=as_ or name)

@@ -438,8 +438,6 @@ class Coupling:
         for engine in self._chain:
             if hasattr(engine, "flush") and engine._scene is not None:
                 engine.flush()
-        if not self._isOpen:
-            self.scene.core.setEngines([e.core for e in self._chain])  # the whole chain, for steps outside of YADE
 
     def _tagRecorders(self):
         """O.tags as attribute `O.tags` of the files of our recorders (JSON)."""

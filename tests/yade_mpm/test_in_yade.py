@@ -367,6 +367,27 @@ say("same", bits(own) == bits(scene))
     assert said["same"]
 
 
+def test_groups_slip_on_each_other_as_by_the_own_loop(tmp_path):
+    """Stage by stage, and after `detach` by the scene itself. Control: bonded."""
+    said, _ = run("""
+def slide(isBonded=False):
+    scene = hybrid()
+    scene["block"].group = "block"
+    chain = list(scene.engines)
+    scene.engines = chain[:2] + [mpm.Contact(friction=0.3, dead=isBonded)] + chain[2:]
+    return scene
+
+for name, isBonded in (("own", False), ("bonded", True)):
+    own = slide(isBonded); own.run(steps=300); say(name, bits(own))
+empty()
+scene = slide()
+soil = inYade.attach(scene); O.run(200, True); soil.detach()
+scene.run(steps=100)
+say("staged", bits(scene))
+""", tmp_path)
+    assert said["staged"] == said["own"] != said["bonded"]
+
+
 # --- bodies of YADE that touch the soil ---------------------------------------------------------------------
 @pytest.mark.parametrize("mpmSteps, demSteps", [(1, 1), (3, 1), (1, 3)])
 def test_momentum_goes_from_the_bodies_to_the_soil(tmp_path, mpmSteps, demSteps):

@@ -285,7 +285,7 @@ def draw(a, scene, centres, radii, file, pixels=1500):
     limit = max(0.05, float(np.quantile(strain, 0.98)))
     (points, normals, colours), sand = groundPoints(a, height, strain, limit, pixels)
     middle = np.array([a.width / 2, a.width / 2, a.depth * 0.6])
-    eye = Canvas(radians(-58), radians(38), middle, 1.5 * a.width, (int(0.7 * pixels), pixels))
+    eye = Canvas(radians(-58), radians(38), middle, 1.1 * a.width + 2 * a.depth, (int(0.7 * pixels), pixels))
     sun = Canvas(radians(-150), radians(48), middle, 1.9 * a.width, (pixels, pixels))
     tints = np.random.default_rng(0).uniform(0.42, 0.62, (len(radii), 1)) * np.array((1.0, 0.98, 0.95))
     for canvas in (eye, sun):

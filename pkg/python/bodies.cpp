@@ -75,6 +75,12 @@ template <int Dim> struct Bind {
     static void resizeDomainField(B& body, const std::string& name, int n) { fieldOf(body, name, true).resize(n); }
     static void restored(B& body) { body.domains->restored(), body.massesChanged(); }
 
+    static bool splitStretched(B& body) {
+        const bool any = body.domains->splitStretched();
+        if (any) body.massesChanged();
+        return any;
+    }
+
     static void setStress(B& body, const bp::object& stress) {
         const std::vector<double> given = numbers<double>(stress);
         require(int(given.size()) == 9 * body.particles.size(), "body '", body.name, "': stress must have the shape (",
@@ -144,6 +150,7 @@ template <int Dim> struct Bind {
             .def("resizeDomainField", resizeDomainField)
             .def("restored", restored)
             .def("massesChanged", &B::massesChanged)
+            .def("splitStretched", splitStretched)
             .def("setStress", setStress)
             .def("corners", cornerTable)
             .def("weights", weights);

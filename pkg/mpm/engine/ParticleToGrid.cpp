@@ -12,10 +12,12 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
     std::string doc() const override {
         return "Finds the particles in the grid and sums their mass, momentum and forces on the nodes.\n\n"
                "m_i = sum phi m_p,  p_i = sum phi m_p v_p,  f_i = - sum V_p sigma_p grad phi + sum phi m_p b_p.\n"
-               "Raises RuntimeError when a particle or vertex is outside the grid.";
+               "Before that, uGIMP particles that are too long are cut in two (UGIMP: splitAt). Raises RuntimeError when a particle or vertex is outside the grid.";
     }
 
     template <int Dim> void act(Scene<Dim>& scene) {
+        for (auto& body : scene.bodies)
+            if (body->domains->splitStretched()) body->massesChanged();
         parallel(scene.threads, [&](Team& team) {
             locateAll(team, scene);
             if (team.failed()) return;

@@ -107,6 +107,8 @@ template <int Dim> class Domains {
     virtual std::vector<Piece<Dim>> split(int /*particle*/, const Vec<Dim>& /*halfSize*/) const { return {}; }
     virtual void remove(const std::vector<int>& /*sorted particles*/) {}
     virtual void grown() {} // after particles were appended
+    // Cuts particles that are too long in two; returns whether there were any.
+    virtual bool splitStretched() { return false; }
     // Smallest corner Jacobian over initial volume, and largest hourglass amplitude over edge; types that cannot
     // distort have none.
     virtual double minJacobian() const { return std::numeric_limits<double>::quiet_NaN(); }

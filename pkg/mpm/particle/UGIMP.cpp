@@ -2,7 +2,8 @@
 // Uniform GIMP: particles with fixed box domains (Bardenhagen & Kober 2004, CMES 5(6), contiguous
 // particles of constant size). Good for separation and very large deformation. The box neither stretches
 // nor turns: in tension gaps open between boxes, and from a stretch of 2 (h + l)/(2 l) on neighbours
-// no longer share a node (numerical fracture).
+// no longer share a node (numerical fracture), unless long particles are cut in two (Splitting.hpp).
+#include "mpm/particle/Splitting.hpp"
 #include "mpm/particle/Transfers.hpp"
 
 namespace mpm {
@@ -43,7 +44,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
   public:
     using Base = Transfers<Dim>;
     using typename Base::L, typename Base::NF, typename Base::Planes;
-    using Base::Base, Base::particles, Base::grid, Base::order, Base::damped_;
+    using Base::particles, Base::grid, Base::order, Base::damped_;
+
+    BoxDomains(Particles<Dim>& particles, const Grid<Dim>& grid, double splitAt) : Base(particles, grid), splitting_(splitAt) {}
 
     void build(const Geometry<Dim>& geometry) override {
         const Vec<Dim> half = geometry.halfSize;
@@ -57,10 +60,14 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             volume *= 2 * half[k];
         }
         Base::create(geometry.positions, std::vector<double>(geometry.positions.size(), volume));
+        if (splitting_.isOn()) splitting_.start(particles.size());
         regroup();
     }
 
-    std::vector<Field*> fields() override { return {&half_}; }
+    std::vector<Field*> fields() override {
+        if (splitting_.isOn()) return {&half_, &splitting_.share};
+        return {&half_};
+    }
     std::vector<std::pair<std::string, std::vector<int>*>> tables() override {
         auto all = Base::tables();
         all.emplace_back("runsWhenSorted", &runsWhenSorted_);
@@ -85,6 +92,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         isSorted_ = !isSorted_ && (order.broken(grid) || order.runs() > 2 * runsWhenSorted_[0] + 64);
         if (isSorted_) regroup();
         damped_.assign(order.blocks(), 0.0);
+        if (splitting_.isOn()) splitting_.expect(particles.size());
         return isSorted_;
     }
 
@@ -154,6 +162,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                                 F[1][p] * (F[3][p] * F[8][p] - F[5][p] * F[6][p]) +
                                 F[2][p] * (F[3][p] * F[7][p] - F[4][p] * F[6][p]));
         }
+        if (splitting_.isOn()) splitting_.look(particles, begin, end);
     }
 
     // --- besides the step ---------------------------------------------------------------------------
@@ -169,6 +178,12 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     }
 
     void grown() override { regroup(); }
+
+    bool splitStretched() override {
+        if (!splitting_.isOn() || !splitting_.cut(particles, halfSize())) return false;
+        grown();
+        return true;
+    }
     size_t bytes() const override { return sizeof(int) * cell_.size() + local_.bytes(); }
 
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
@@ -320,6 +335,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         find(0, particles.size());
         order.group(grid, cell_);
         particles.permute(order.order);
+        splitting_.permute(order.order);
         order.order.clear();
         order.prepare(3);
     }
@@ -327,6 +343,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...
     Field local_{"local", "-", "Position within the support, in cells.", {Dim}}; // ... with the position in it
     Field half_{"halfSize", "m", "Half edge of the box domains, one entry per axis."};
+    Splitting<Dim> splitting_;
     bool isSorted_ = false; // in this round of locate() and settle()
     std::vector<int> runsWhenSorted_{0};
 };
@@ -334,16 +351,21 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 class UGIMP : public ParticleType {
   public:
     std::vector<double> perCell{2};
+    double splitAt = notGiven;
 
     std::string className() const override { return "UGIMP"; }
     std::string doc() const override {
         return "Particles with fixed box domains (uniform GIMP), for separation and very large deformation.\n\n"
                "phi = 1/(2l) int hat dx over the box of half size l in each direction; the box neither stretches\n"
-               "nor turns. Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-495.";
+               "nor turns; a body that is stretched farther than the boxes reach falls apart, unless its long particles are\n"
+               "split. Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-495.";
     }
     std::vector<Parameter> parameters() override {
         return {{"perCell", "-", "Particles per cell and direction: one number, or one per direction.", &perCell,
-                 Range::between(1, 1000)}};
+                 Range::between(1, 1000)},
+                {"splitAt", "-", "Stretch at which a particle is cut in two across its most stretched direction; its halves are cut when "
+                                 "they are that long against the box again. None: never.", &splitAt,
+                 Range::inside(1, std::numeric_limits<double>::infinity())}};
     }
     void finish() override {
         require(perCell.size() >= 1 && perCell.size() <= 3, "UGIMP: perCell takes one number or one per direction");
@@ -353,10 +375,10 @@ class UGIMP : public ParticleType {
     }
     bool isMeshed() const override { return false; }
     std::unique_ptr<Domains<2>> make(Particles<2>& p, const Grid<2>& g) const override {
-        return std::make_unique<BoxDomains<2>>(p, g);
+        return std::make_unique<BoxDomains<2>>(p, g, splitAt);
     }
     std::unique_ptr<Domains<3>> make(Particles<3>& p, const Grid<3>& g) const override {
-        return std::make_unique<BoxDomains<3>>(p, g);
+        return std::make_unique<BoxDomains<3>>(p, g, splitAt);
     }
 };
 

@@ -41,6 +41,8 @@ def arguments(words=None):
                         help="plastic volumetric strain from which on the soil dilates no more (default: without limit, published)")
     parser.add_argument("--friction", type=float, metavar="MU",
                         help="the soil slips on the pile with this coefficient of friction (default: bonded, published)")
+    parser.add_argument("--split", type=float, metavar="STRETCH",
+                        help="cut uGIMP particles of the soil in two at this stretch, above 1 (default: never, published)")
     parser.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain in the soil (not published)")
     parser.add_argument("--flip", type=float, default=1.0, help="FLIP share of the particle velocity (default 1: pure FLIP)")
     parser.add_argument("--dt", type=float, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
@@ -102,11 +104,11 @@ def ground(a):
 
     scene = mpm.Scene(lower=(0, 0), upper=(a.width, DEPTH + FREE), cell=a.cell, threads=a.threads)
     if a.types == "hybrid":
-        near = scene.add("near soil", zone, material, mpm.UGIMP(perCell=2), fbar=a.fbar)
+        near = scene.add("near soil", zone, material, mpm.UGIMP(perCell=2, splitAt=a.split), fbar=a.fbar)
         scene.add("far soil", soil - zone, material, mpm.APDI(size=a.cell, matched=near, onDistortion=a.on_distortion),
                   fbar=a.fbar)
     elif a.types == "ugimp":
-        scene.add("soil", soil, material, mpm.UGIMP(perCell=2), fbar=a.fbar)
+        scene.add("soil", soil, material, mpm.UGIMP(perCell=2, splitAt=a.split), fbar=a.fbar)
     else:
         scene.add("soil", soil, material, mpm.APDI(size=a.cell / 2, onDistortion=a.on_distortion), fbar=a.fbar)
     return scene, shaft

@@ -24,9 +24,7 @@ LOWEST = 0.09  # s, when the bar is longest
 
 def makeScene(kind="APDI", cell=0.125, perCell=3, splitAt=1.3, step=0.001, gravity=1000.0, scheme="MUSL"):
     """Scene of the bar. kind: 'APDI' (two domains per cell and direction), 'UGIMP' or 'split'; perCell: of the latter two; step: time
-    step over the cell size, s/m.
-
-    Waves cross a cell faster the longer the bar is: the step is a thirtieth of h/c of the undeformed bar.
+    step over the cell size, s/m; with uGIMP the result depends on it far below the critical step.
     """
     types = {"APDI": lambda: mpm.APDI(size=cell / 2), "UGIMP": lambda: mpm.UGIMP(perCell=perCell),
              "split": lambda: mpm.UGIMP(perCell=perCell, splitAt=splitAt)}

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Step 5: velocity gradient, deformation, volume, stress, and the vertices of the domains.
+#include "mpm/engine/CellAverage.hpp"
 #include "mpm/engine/Engine.hpp"
 #include "mpm/engine/Stages.hpp"
 
@@ -31,25 +32,13 @@ template <int Dim> void deform(Particles<Dim>& particles, double dt, int begin, 
     }
 }
 
-// Replaces tr L by its volume-weighted mean over the particles of a cell, so that a cell has one
-// volumetric strain increment (F-bar in the manner of de Souza Neto et al. 1996). One thread.
-template <int Dim> void averageVolumeStrain(Body<Dim>& body, const Grid<Dim>& grid, std::vector<double>* trace) {
-    const auto& particles = body.particles;
-    std::vector<int> cell(particles.size());
-    std::vector<double> volume(grid.count, 0.0), rate(grid.count, 0.0);
-    for (int p = 0; p < particles.size(); ++p) {
-        cell[p] = 0;
-        for (int k = 0; k < Dim; ++k) { // a particle that just left the grid is found out by the next step
-            const double c = std::floor(grid.inCells(particles.position.plane(k)[p], k));
-            cell[p] += (c > 0 ? int(std::min(c, grid.nodes[k] - 1.0)) : 0) * grid.strides[k];
-        }
-        double divergence = 0;
-        for (int k = 0; k < Dim; ++k) divergence += particles.velocityGradient.plane((Dim + 1) * k)[p];
-        volume[cell[p]] += particles.volume.plane()[p];
-        rate[cell[p]] += particles.volume.plane()[p] * divergence;
-        (*trace)[p] = divergence;
+// Traces of a tensor field with planes size*i + j.
+void traces(const Field& tensor, int size, int begin, int end, double* trace) {
+    std::fill(trace, trace + end - begin, 0.0);
+    for (int k = 0; k < size; ++k) {
+        const double* diagonal = tensor.plane((size + 1) * k);
+        for (int p = begin; p < end; ++p) trace[p - begin] += diagonal[p];
     }
-    for (int p = 0; p < particles.size(); ++p) (*trace)[p] = rate[cell[p]] / volume[cell[p]] - (*trace)[p];
 }
 
 } // namespace
@@ -87,7 +76,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
 
   private:
     std::vector<OrderedSum> work_; // of the stresses, per body
-    std::vector<double> change_;   // of tr L by averaging
+    CellAverage average_;          // of the body at hand
 
     // USF: the velocity of the particles at the start of the step.
     template <int Dim> static void startVelocity(Team& team, Scene<Dim>& scene) {
@@ -106,26 +95,32 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     template <int Dim> void update(Team& team, Scene<Dim>& scene, Body<Dim>& body, OrderedSum& work) {
         const auto* nodes = scene.grid.fields[body.velocityField].velocity.data();
         const int n = body.particles.size();
+        Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
+        const double* volume = body.particles.volume.plane();
         const auto gradient = [&](int begin, int end) { body.domains->takeGradient(begin, end, nodes, scene.dt); };
         if (body.fbar) {
             team.chunks(n, gradient);
-            team.once([&] {
-                change_.assign(n, 0.0);
-                averageVolumeStrain(body, scene.grid, &change_);
-            });
+            average_.locate(team, body.particles, scene.grid);
+            average_.find(team, volume, [&](int begin, int end, double* v) { traces(L, Dim, begin, end, v); });
         }
         const auto rest = [&](int begin, int end) {
             if (!body.fbar) gradient(begin, end);
             deform(body.particles, scene.dt, begin, end);
             body.domains->volumes(begin, end);
-            work.of(begin) = stress(body, scene.dt, begin, end);
+            work.of(begin) = updateStress(body, scene.dt, begin, end);
         };
-        body.fbar ? team.chunks(n, rest) : team.chunksNoWait(n, rest); // change_ is there for one body at a time
+        if (!body.fbar) return team.chunksNoWait(n, rest);
+        team.chunks(n, rest);
+        average_.find(team, volume, [&](int begin, int end, double* v) { traces(stress, 3, begin, end, v); });
+        team.chunks(n, [&](int begin, int end) {
+            for (int k = 0; k < 3; ++k)
+                for (int p = begin; p < end; ++p) stress.plane(4 * k)[p] += average_.change()[p] / 3;
+        });
     }
 
     // Stress update of particles [begin, end); returns their internal work V sigma : D dt, with the mean
     // of old and new stress.
-    template <int Dim> double stress(Body<Dim>& body, double dt, int begin, int end) const {
+    template <int Dim> double updateStress(Body<Dim>& body, double dt, int begin, int end) const {
         auto& particles = body.particles;
         const double *V = particles.volume.plane() + begin, *V0 = particles.initialVolume.plane() + begin;
         double ratio[chunkSize], twice[chunkSize], averaged[Dim][chunkSize];
@@ -145,7 +140,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         if (body.fbar)
             for (int k = 0; k < Dim; ++k) {
                 const double* L = points.velocityGradient[(Dim + 1) * k];
-                for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + change_[begin + i] / Dim;
+                for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + average_.change()[begin + i] / Dim;
                 averagedPoints.velocityGradient[(Dim + 1) * k] = averaged[k];
             }
         std::fill(twice, twice + points.count, 0.0);

@@ -18,7 +18,7 @@ from math import ceil, radians
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, plot
+from yade_mpm import box, diagnostics, plot
 from yade_mpm.surface import groundSurface
 
 WIDTH, DEPTH, FREE = 30.0, 12.0, 12.0     # m: soil, and free grid above it
@@ -253,6 +253,7 @@ def summarise(a, scene, history, wall, steps):
         "minJacobian": extreme(history["minJacobian"], np.nanmin),
         "invertedDomains": int(history["invertedCount"].max()),
         "convertedDomains": int(history["convertedCount"][-1]),
+        "stripes": stripesBelow(a, scene),
         "hourglassMax": extreme(history["hourglassAmplitude"], np.nanmax),
         "kineticEnergyRatioMax": extreme(ratios, np.nanmax),
         "energyError": float(history["energyError"][-1]),
@@ -272,6 +273,15 @@ def collar(a, soil, penetration):
         beside = (np.abs(body.reference[:, 0] - a.width / 2) < 2.0) & (body.reference[:, 1] > DEPTH - EMBEDDED)
         area += body.initialVolume[beside & (body.displacement[:, 1] < -0.5 * penetration)].sum()
     return float(area / (2 * EMBEDDED))
+
+
+def stripesBelow(a, scene):
+    """Stripes of the mean stress (`diagnostics.stripes`) along the second column of particles beside the pile, -: from its tip
+    down as far as the uGIMP zone of the hybrid reaches below the final one. Mean of both sides."""
+    tip = DEPTH - EMBEDDED - penetrationAt(a, scene.time)
+    lines = [diagnostics.meanStressAlong(soilBodies(scene), a.width / 2 + side * (a.thickness / 2 + 0.75 * a.cell), a.cell / 2,
+                                         tip - ZONE_BELOW, tip)[1] for side in (-1, 1)]
+    return float(np.mean([diagnostics.stripes(p) for p in lines])) if min(map(len, lines)) > 2 else None
 
 
 def extreme(values, which):

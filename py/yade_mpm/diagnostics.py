@@ -121,6 +121,34 @@ def cornerJacobians(corners):
     return jacobians
 
 
+# --- stress ---------------------------------------------------------------------------------------------
+def meanStressAlong(bodies, x, width, lower, upper):
+    """Height and mean stress of the particles along a vertical line of a 2D scene, from the lowest up.
+
+    bodies : whose particles count. x, width : the line and the width of the strip around it that particles are in, by their
+    present positions, m. lower, upper : the stretch of heights, m. Returns y (m) and tr(sigma)/3 (kPa, tension positive), (N,).
+    """
+    position = np.concatenate([b.position for b in bodies if b.count])
+    stress = np.concatenate([b.stress for b in bodies if b.count])
+    inside = (np.abs(position[:, 0] - x) <= width / 2) & (position[:, 1] >= lower) & (position[:, 1] <= upper)
+    order = np.argsort(position[inside, 1], kind="stable")
+    return position[inside, 1][order], np.trace(stress[inside], axis1=1, axis2=2)[order] / 3
+
+
+def stripes(values):
+    """Root mean square of the second difference of values along a line over their mean, -.
+
+    values : (N,) e.g. of `meanStressAlong`. A linear profile gives 0; values that alternate by +-a from row to row, 4 a over
+    the mean. Volumetric locking and modes that cell-wise integration leaves free appear as such stripes.
+
+    Raises ValueError for fewer than three values.
+    """
+    values = np.asarray(values, float)
+    if values.ndim != 1 or len(values) < 3:
+        raise ValueError(f"stripes: values of shape {values.shape}; give three or more along a line")
+    return float(np.sqrt(np.mean(np.diff(values, 2) ** 2)) / abs(values.mean()))
+
+
 # --- forces ---------------------------------------------------------------------------------------------
 def unbalancedRatio(scene):
     """Mean out-of-balance force of the nodes over the mean force that stresses exert on them, of the last step, -.

@@ -173,3 +173,31 @@ def test_section_force_of_a_settled_column_is_the_weight_above():
 def test_section_force_refuses_a_thickness_that_is_not_positive():
     with pytest.raises(ValueError, match="thickness = 0 m is not allowed; give a positive number"):
         d.sectionForce(column("UGIMP")["soil"], 1.0, thickness=0)
+
+
+# --- stripes --------------------------------------------------------------------------------------------
+def test_stripes_of_an_alternating_profile_are_four_amplitudes_over_the_mean():
+    y = np.arange(0.125, 10, 0.25)
+    linear = -10 - 3 * y
+    assert d.stripes(linear) < 1e-13
+    striped = linear + 2.0 * (-1.0) ** np.arange(len(y))
+    assert d.stripes(striped) == pytest.approx(4 * 2.0 / abs(striped.mean()), rel=1e-12)
+    assert d.stripes(5 * striped) == pytest.approx(d.stripes(striped), rel=1e-12)
+
+
+def test_stripes_need_three_values():
+    with pytest.raises(ValueError, match=r"stripes: values of shape \(2,\); give three or more along a line"):
+        d.stripes([1.0, 2.0])
+
+
+def test_mean_stress_along_a_line_is_that_of_the_particles_in_the_strip_from_below():
+    scene = column("UGIMP")
+    soil = scene["soil"]
+    row = np.arange(16)[:, None] * np.ones(8)
+    order = np.lexsort((soil.position[:, 0], soil.position[:, 1]))
+    p = np.empty(soil.count)
+    p[order] = (-20 - row + 3 * (-1.0) ** row + 100 * (np.arange(8) != 5)).ravel()  # the sixth column is unlike the others
+    soil.stress[...] = p[:, None, None] * np.eye(3) + np.diag([4.0, -4.0, 0.0])
+    y, mean = d.meanStressAlong([soil], x=1.375, width=0.25, lower=0.5, upper=3.5)
+    assert y == pytest.approx(np.arange(0.625, 3.5, 0.25)) and mean == pytest.approx(p[order].reshape(16, 8)[2:14, 5])
+    assert d.stripes(mean) == pytest.approx(4 * 3 / abs(mean.mean()))

@@ -103,7 +103,7 @@ def test_footing_fails_at_the_load_of_prandtl(options, tolerance):
 @slow
 def test_footing_of_ugimp_on_clay_stays_short_of_three_per_cent_by_its_edge():
     """The plain reading takes half a cell beyond the last node for the edge: 3.2 % below the limit load. By two widths the limit
-    is met, and the edge is a sixth of a cell beyond the last node."""
+    is met; what one edge adds to the load is that of a sixth of a cell beyond the last node, not of half of it."""
     footing = scene("footing")
     a = footing.arguments(["--fbar", "--types", "ugimp"])
     pressure = footing.run(a)[0]["pressure"]
@@ -129,8 +129,9 @@ def test_the_load_grows_with_the_width_of_the_footing_as_prandtl_says(kind, reac
     assert overhang == pytest.approx(reach, abs=0.1)  # uGIMP reaches a sixth of a cell beyond the last node, not half of it
 
 
-def test_control_without_fbar_the_load_grows_too_much_with_the_width():
-    assert byWidths("--types", "ugimp")[0] > 0.06
+def test_control_without_fbar_the_locked_edge_reaches_beyond_a_cell():
+    """Locking shows as overhang, not in the growth of the load: it sits at the edge, where the ground is sheared most."""
+    assert byWidths("--types", "ugimp")[1] > 1.0
 
 
 @pytest.mark.parametrize("kind", ["ugimp", "apdi", "hybrid"])

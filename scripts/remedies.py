@@ -28,7 +28,7 @@ REMEDIES = {
     "all": ["--friction", str(FRICTION), "--dilatancyLimit", str(LIMIT), "--fbar"],
     "all, psi = 0": ["--friction", str(FRICTION), "--psi", "0", "--fbar"],
 }
-COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "collarThickness": "collar (m)", "minJacobian": "min J (-)",
+COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "collarThickness": "collar (m)", "stripes": "stripes (-)", "minJacobian": "min J (-)",
            "wallSeconds": "wall (s)"}
 
 

@@ -350,7 +350,29 @@ def draw(a, out, scene, history, snapshots, summary):
                  f"{summary['cavityArea']:.2f} m², pile {summary['displacedArea']:.2f} m²")
     ax.legend(fontsize=8)
     plot.save(figure, os.path.join(out, "surface.png"))
-    return ["sheet_pile.h5", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]
+    files = ["sheet_pile.h5", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]
+    if summary["convertedDomains"]:
+        drawConversion(a, plot.Snapshot(scene, "plasticShearStrain"), os.path.join(out, "conversion.png"))
+        files.append("conversion.png")
+    return files
+
+
+def drawConversion(a, snapshot, file):
+    """Picture of where domains were converted, beside the plastic shear strain."""
+    figure, axes = plot.plt.subplots(1, 2, figsize=(9.2, 4.4), sharey=True, layout="constrained")
+    window = (a.width / 2 - 5, a.width / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
+    coloured = snapshot.draw(axes[1], 0.5, window=window)
+    snapshot.draw(axes[0], 0.5, window=window)
+    for (name, _, _, values), collection in zip(snapshot.parts, axes[0].collections):
+        if values is not None:
+            collection.set(array=None, facecolor="C3" if name.endswith("(converted)") else "0.92")
+    for colour, label in (("0.92", "APDI"), ("C3", "converted to uGIMP"), ("0.55", "pile")):
+        axes[0].fill([], [], color=colour, label=label)
+    axes[0].legend(loc="lower left", frameon=True, fontsize=8)
+    axes[0].set(xlabel="x (m)", ylabel="y (m)")
+    axes[1].set(xlabel="x (m)")
+    figure.colorbar(coloured, ax=axes[1], label="plastic shear strain (-)", extend="max", shrink=0.8)
+    plot.save(figure, file)
 
 
 def compare(a, hybrid, other):

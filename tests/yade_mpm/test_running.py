@@ -284,6 +284,43 @@ def test_the_ramp_of_a_later_drive_counts_from_its_first_run():
     assert scene["soft"].velocity[:, 0] == pytest.approx(0.05, rel=0.2)
 
 
+def test_a_stretched_domain_is_converted_and_its_pieces_fill_it():
+    """Domains of two cells, one edge of which is drawn out: by 14 % it stays, by 16 % it goes, in pieces of about a box each."""
+    for stretch, converted in ((0.14, 0), (0.16, 1)):
+        scene = pulledMesh("convert")
+        body = scene["mesh"]
+        body.vertices[0] -= 0.247  # undone
+        lower = body.vertices[:, 0] < 0.51
+        corner = lower & (body.vertices[:, 1] < 0.51)
+        body.vertices[corner] -= (0.5 * stretch, 0)
+        scene.run(steps=1)
+        assert body.converted == converted
+    pieces = scene["mesh (converted)"]
+    assert pieces.count == 4 * 4, "mean edges of 0.54 and 0.5 m, boxes of 0.125 m"
+    assert (pieces.mass > 0).all() and (pieces.volume > 0).all() and (pieces.initialVolume > 0).all()
+    assert pieces.position[:, 0].min() < 0.53 and pieces.position[:, 1].max() > 0.9
+
+
+def test_a_folded_domain_leaves_no_piece_without_mass():
+    scene = pulledMesh("convert")
+    scene["mesh"].vertices[0] += 0.2  # far beyond the diagonal: concave
+    before = scene["mesh"].mass.sum()
+    scene.run(steps=1)
+    pieces = scene["mesh (converted)"]
+    assert pieces.count == 6, "three of nine lie in the fold"
+    assert (pieces.mass > 0).all() and (pieces.volume > 0).all() and (pieces.initialVolume > 0).all()
+    assert scene["mesh"].mass.sum() + pieces.mass.sum() == pytest.approx(before, rel=1e-13)
+
+
+def test_a_domain_turned_inside_out_is_refused_not_converted():
+    scene = pulledMesh("convert")
+    scene["mesh"].vertices[0] += 0.4  # far beyond the opposite corner's diagonal: the area is negative
+    with pytest.raises(RuntimeError, match=r"step \d: domain of particle 0 in 'mesh' at \(.*\) turned inside out within one step "
+                                           r"\(-.* of 0.25 m2\): its stress has no meaning and it cannot be converted; lower dt"):
+        scene.run(steps=1)
+    assert scene["mesh"].count == 4 and scene["mesh (converted)"].count == 0
+
+
 # --- views ------------------------------------------------------------------------------------------------
 def test_views_never_dangle():
     scene = pulledMesh("convert")

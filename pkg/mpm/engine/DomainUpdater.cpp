@@ -175,13 +175,21 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     template <int Dim> void resolveDistortion(Scene<Dim>& scene, Body<Dim>& body) const {
         const std::vector<Distorted> all = body.domains->distorted();
         if (all.empty()) return;
-        if (!body.type->converts()) {
-            const int p = all.front().particle;
-            throw RunError(message("step ", scene.step, ": domain of particle ", body.particles.id.integers()[p], " in '",
-                                   body.name, "' at ", place(vectorAt<Dim>(body.particles.position, p)),
+        const auto domain = [&](int p) {
+            return message("step ", scene.step, ": domain of particle ", body.particles.id.integers()[p], " in '", body.name,
+                           "' at ", place(vectorAt<Dim>(body.particles.position, p)));
+        };
+        if (!body.type->converts())
+            throw RunError(message(domain(all.front().particle),
                                    all.front().quality <= 0 ? " is inverted" : " is nearly inverted", " (smallest corner ",
                                    100 * all.front().quality, " % of its area); use UGIMP there, or ",
                                    body.type->className(), "(onDistortion=\"convert\")"));
+        for (const Distorted& d : all) {
+            const double V = body.particles.volume.plane()[d.particle], V0 = body.particles.initialVolume.plane()[d.particle];
+            if (!(V > 0))
+                throw RunError(message(domain(d.particle), " turned inside out within one step (", V, " of ", V0,
+                                       Dim == 2 ? " m2" : " m3", "): its stress has no meaning and it cannot be converted; lower "
+                                       "dt, or use UGIMP there"));
         }
         convert(*body.convertsTo, body, all);
     }

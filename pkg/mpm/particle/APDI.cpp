@@ -16,6 +16,7 @@ namespace mpm {
 namespace {
 constexpr double worstQuality = 0.05; // smallest corner area over area below which a domain is given up
 constexpr double leastWeight = 0.02;  // a smaller corner weight would soon make a nodal mass negative
+constexpr double worstGrowth = 1.15;  // longest edge over that at the start beyond which a domain is converted, where that is asked for
 } // namespace
 
 template <int Dim> class MeshDomains : public Transfers<Dim> {
@@ -25,8 +26,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     using Base::particles, Base::grid, Base::order, Base::damped_;
     static constexpr int NC = corners<Dim>;
 
-    MeshDomains(Particles<Dim>& particles, const Grid<Dim>& grid, double hourglass)
-        : Base(particles, grid), hourglassCoefficient_(hourglass) {}
+    MeshDomains(Particles<Dim>& particles, const Grid<Dim>& grid, double hourglass, bool converts)
+        : Base(particles, grid), hourglassCoefficient_(hourglass), converts_(converts) {}
 
     // --- making -------------------------------------------------------------------------------------
     void build(const Geometry<Dim>& geometry) override {
@@ -208,7 +209,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 #pragma omp simd
             for (int p = 0; p < count; ++p) one(p);
             for (int p = 0; p < count && dt > 0; ++p)
-                if (!(quality[p] > worstQuality)) noteDistorted({first + p, quality[p]});
+                if (!(quality[p] > worstQuality) || (converts_ && isStretched(first + p))) noteDistorted({first + p, quality[p]});
         }
     }
 
@@ -236,17 +237,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         });
     }
 
-    double longestEdge(int p) const override {
-        const Corners<Dim> X = cornersOf(p);
-        double longest = 0;
-        for (int a = 0; a < NC; ++a)
-            for (int b = 0; b < a; ++b) {
-                int differing = 0;
-                for (int k = 0; k < Dim; ++k) differing += cornerSign(a, k) != cornerSign(b, k);
-                if (differing == 1) longest = std::max(longest, (X.col(a) - X.col(b)).norm());
-            }
-        return longest;
-    }
+    double longestEdge(int p) const override { return std::sqrt(longestSquare(p, X_)); }
 
     double minJacobian() const override {
         double least = 1e300;
@@ -269,32 +260,35 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     std::vector<Distorted> distorted() const override { return distorted_; }
 
-    // Cuts a domain into equal parts of its local coordinates, about as large as a box of the given half
-    // size; volume, mass and centre of mass stay.
+    // Cuts a domain along its local coordinates into parts whose edges are about those of a box of the given half size;
+    // volume, mass and centre of mass stay. Where the domain is folded there are none.
     std::vector<Piece<Dim>> split(int p, const Vec<Dim>& halfSize) const override {
-        const double box = (2 * halfSize).prod(), V = std::abs(particles.volume.plane()[p]);
-        const int n = std::max(1, int(std::lround(std::pow(V / box, 1.0 / Dim))));
         const Corners<Dim> X = cornersOf(p);
-        std::vector<Piece<Dim>> pieces;
+        const double box = 2 * std::pow(halfSize.prod(), 1.0 / Dim);
+        Index<Dim> parts;
         int count = 1;
-        for (int k = 0; k < Dim; ++k) count *= n;
+        for (int k = 0; k < Dim; ++k) {
+            Vec<Dim> along = Vec<Dim>::Zero(); // mean edge of direction k
+            for (int a = 0; a < NC; ++a) along += cornerSign(a, k) * X.col(a) / (NC / 2);
+            parts[k] = std::max(1, int(std::lround(along.norm() / box)));
+            count *= parts[k];
+        }
+        std::vector<Piece<Dim>> pieces;
         double total = 0;
-        for (int i = 0; i < count; ++i) {
-            Vec<Dim> xi;
-            for (int k = 0, rest = i; k < Dim; ++k, rest /= n) xi[k] = -1 + (2 * (rest % n) + 1.0) / n;
-            Vec<Dim> x = Vec<Dim>::Zero();
+        Vec<Dim> shift = vectorAt<Dim>(particles.position, p);
+        for (int i = 0, rest = i; i < count; rest = ++i) {
+            Vec<Dim> xi, x = Vec<Dim>::Zero();
+            for (int k = 0; k < Dim; rest /= parts[k++]) xi[k] = -1 + (2 * (rest % parts[k]) + 1.0) / parts[k];
             for (int a = 0; a < NC; ++a) {
                 double N = 1.0 / NC;
                 for (int k = 0; k < Dim; ++k) N *= 1 + xi[k] * cornerSign(a, k);
                 x += N * X.col(a);
             }
             const double detJ = (X * shapeGradients<Dim>(xi).transpose()).determinant();
-            pieces.push_back({p, x, std::max(detJ, 0.0)});
-            total += std::max(detJ, 0.0);
+            if (detJ > 0) pieces.push_back({p, x, detJ}), total += detJ;
         }
-        for (auto& piece : pieces) piece.fraction = total > 0 ? piece.fraction / total : 1.0 / count;
-        Vec<Dim> shift = vectorAt<Dim>(particles.position, p);
-        for (auto& piece : pieces) shift -= piece.fraction * piece.position;
+        if (pieces.empty()) pieces.push_back({p, shift, 1.0}), total = 1;
+        for (auto& piece : pieces) piece.fraction /= total, shift -= piece.fraction * piece.position;
         for (auto& piece : pieces) piece.position += shift;
         return pieces;
     }
@@ -389,6 +383,26 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         const double quality = corner / shape.volume, capped = quality < 0 ? quality : 0;
         return shape.volume > 0 ? (least < leastWeight ? capped : quality) : -1.0;
     }
+
+    // Square of the longest edge of a domain with the given vertices.
+    double longestSquare(int p, const Field& vertices) const {
+        double longest = 0;
+        for (int a = 0; a < NC; ++a)
+            for (int b = 0; b < a; ++b) {
+                int differing = 0;
+                for (int k = 0; k < Dim; ++k) differing += cornerSign(a, k) != cornerSign(b, k);
+                if (differing != 1) continue;
+                double square = 0;
+                for (int k = 0; k < Dim; ++k) {
+                    const double d = vertices.plane(k)[corner_[NC * p + a]] - vertices.plane(k)[corner_[NC * p + b]];
+                    square += d * d;
+                }
+                longest = std::max(longest, square);
+            }
+        return longest;
+    }
+
+    bool isStretched(int p) const { return longestSquare(p, X_) > worstGrowth * worstGrowth * longestSquare(p, X0_); }
 
     void noteDistorted(const Distorted& d) {
         std::lock_guard<std::mutex> lock(mutex_);
@@ -643,6 +657,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     const double hourglassCoefficient_;
+    const bool converts_;
     double hourglassModulus_ = 0; // kPa
     Field X_{"vertexPosition", "m", "Position of the vertices.", {Dim}};
     Field X0_{"vertexReference", "m", "Position of the vertices when the body was made.", {Dim}};
@@ -679,16 +694,17 @@ class APDI : public ParticleType {
         return {{"hourglass", "-", "Coefficient of the stiffness against hourglass patterns of the vertices; 0: none, "
                                    "1: as stiff as the exactly integrated element.", &hourglass, Range::between(0, 1)},
                 {"onDistortion", "-", "What to do with a domain whose smallest corner falls to 5 % of its area: 'stop' the "
-                                      "run with an error, or 'convert' it to uGIMP particles.",
+                                      "run with an error, or 'convert' it to uGIMP particles; then also one whose "
+                                      "longest edge grew by 15 %: it knows the motion at its corners alone.",
                  &onDistortion, {}, {"stop", "convert"}}};
     }
     bool isMeshed() const override { return true; }
     bool converts() const override { return onDistortion == "convert"; }
     std::unique_ptr<Domains<2>> make(Particles<2>& p, const Grid<2>& g) const override {
-        return std::make_unique<MeshDomains<2>>(p, g, hourglass);
+        return std::make_unique<MeshDomains<2>>(p, g, hourglass, converts());
     }
     std::unique_ptr<Domains<3>> make(Particles<3>& p, const Grid<3>& g) const override {
-        return std::make_unique<MeshDomains<3>>(p, g, hourglass);
+        return std::make_unique<MeshDomains<3>>(p, g, hourglass, converts());
     }
 };
 

@@ -2,72 +2,10 @@
 // Frictional contact between groups of bodies. See Contact.cpp; the derivation is in doc/contact.md.
 #pragma once
 
-#include "mpm/engine/BoundaryFacets.hpp"
 #include "mpm/engine/Engine.hpp"
+#include "mpm/engine/Meeting.hpp"
 
 namespace mpm {
-
-// The surface of a group as one node sees it, weighted with the node's hat function phi; n points out, d runs from the node.
-template <int Dim> struct FaceSeen {
-    Vec<Dim> outward = Vec<Dim>::Zero(); // m2 (2D: m), int phi n dA
-    Mat<Dim> moment = Mat<Dim>::Zero();  // m3, int phi d n^T dA
-    double intruded = -1e300;            // m, reach of the boxes that have crossed into a mesh
-    // Of meshes only:
-    double extent = 0;                   // m2, int phi dA
-    double nearest = 1e300, reach = 0;   // m2, m: squared distance from the normal of the nearest vertex, and its reach
-};
-
-// A node that two groups move.
-template <int Dim> struct Meet {
-    int node, field[2];
-    FaceSeen<Dim> surface[2];
-    Vec<Dim> normal = Vec<Dim>::Zero(); // from the first group to the second; zero: not known
-    int edgeOf = -1;                    // which of the two has an edge here that the normal is taken from
-    double gap = 0, area = 0;           // m; m2, of the smaller surface along the normal
-    double weight = 0;                  // m2, of the surface that normal and gap rest on
-    bool sticks = false, acts = false;
-    Vec<Dim> impulse = Vec<Dim>::Zero(); // kN s, on the second group in this step
-};
-
-// Where groups meet, found once per step.
-template <int Dim> class Meeting {
-  public:
-    std::vector<Meet<Dim>> meets;
-
-    void prepare(const Scene<Dim>& scene);
-    // normalsByMass: from the gradient of the nodal mass instead of the surfaces.
-    void find(const Scene<Dim>& scene, bool normalsByMass);
-    bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
-
-  private:
-    struct Boundary { // of a meshed body
-        BoundaryFacets<Dim> facets;
-        std::vector<int> vertices;
-        std::vector<Vec<Dim>> outward; // area vector and
-        std::vector<double> extent;    // area at each vertex, of those near a meet
-        int particles = -1;            // when it was found
-        void find(Body<Dim>& body);
-    };
-    long step_ = -1;
-    std::vector<Boundary> boundaries_; // per body
-    std::vector<bool> isMeshed_;       // groups that are meshes altogether
-    std::vector<int> slot_;            // of each node in `meets`, -1: none; of one pair of groups at a time
-    std::vector<char> isNear_;         // nodes that are, or are next to, one of these
-
-    bool findNodes(const Scene<Dim>& scene, int a, int b);
-    void findSurfaces(const Scene<Dim>& scene, int side, int field);
-    void addBoxes(const Body<Dim>& body, const Grid<Dim>& grid, int side);
-    void addFacets(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid, int side);
-    void findNormals(const Grid<Dim>& grid, size_t first);
-    void findNormalsByMass(const Grid<Dim>& grid, size_t first);
-    void turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first);
-    void findFaces(const Scene<Dim>& scene, int side, int field);
-    void findIntruders(const Scene<Dim>& scene, int side, int field, int other);
-    void findGaps(const Grid<Dim>& grid, size_t first);
-    void borrow(const Grid<Dim>& grid, size_t first);
-    void forget(const Grid<Dim>& grid, size_t first);
-    int nearest(const Grid<Dim>& grid, const Field& position, int i) const;
-};
 
 class Contact : public EngineOf<Contact> {
   public:

@@ -365,6 +365,21 @@ def test_a_restart_in_the_middle_of_sliding_gives_the_same_bits(scheme):
     assert restored.forceOn("block").any() and np.array_equal(restored.forceOn("block"), incline.contact.forceOn("block"))
 
 
+def test_a_mesh_that_might_be_converted_is_still_a_mesh():
+    """The body that would take its domains is empty: normals and gaps come from the mesh, bit for bit."""
+    def pressed(onDistortion):
+        scene = mpm.Scene((0, 0), (4, 3), 0.25, threads=1)
+        scene.add("base", box((0.25, 0), (3, 1)), elastic(1e4), mpm.UGIMP(perCell=2), group="a")
+        block = scene.add("block", box((0.75, 1), (2.5, 1.75)), elastic(1e4), mpm.APDI(size=0.125, onDistortion=onDistortion), group="b")
+        scene.engines = chain(mpm.Contact(friction=0.2), gravity=(1.0, -G), damping=0.1, fixed="bottom")
+        scene.dt = 2e-4
+        run(scene, steps=200)
+        assert block.converted == 0
+        return block.stress
+
+    assert (pressed("convert") == pressed("stop")).all()
+
+
 def test_converted_domains_stay_in_their_group():
     """A sliding mesh, one vertex of which is pulled so far that its domains are given up, slides on."""
     scene = mpm.Scene((0, 0), (2.4, 1), 0.1, threads=1)

@@ -67,7 +67,7 @@ template <int Dim> std::vector<Meet<Dim>>& Contact::meets(const Scene<Dim>& scen
     return meeting.meets;
 }
 
-// What stops an approach faster than `allowed`, as an impulse on the second group.
+// What stops an approach faster than the gap allows in a step, as an impulse on the second group.
 template <int Dim> double Contact::stopping(const Meet<Dim>& meet, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const {
     const double excess = w.dot(meet.normal) - (separation ? std::max(meet.gap, 0.0) / dt : 0);
     const double yielding = meet.normal.dot(answer.cwiseProduct(meet.normal));

@@ -15,7 +15,6 @@ class Contact : public EngineOf<Contact> {
     std::vector<double> pairs;
 
     // Of the last step.
-    static constexpr int rowSize = 16;
     std::vector<double> table; // groups (2), node (3), normal (3), gap, area, force on the second group (3), slip rate (3)
     double largestPenetration = 0;
     int sliding = 0;

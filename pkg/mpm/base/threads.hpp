@@ -139,6 +139,11 @@ class Team {
             guard(c, [&] { f(c * chunkSize, std::min(n, (c + 1) * chunkSize)); });
     }
 
+    // Chunks of [0, n), shared out by their weight.
+    template <class F> void chunksNoWait(int n, const Shares& shares, F&& f) {
+        inSharesNoWait(shares, [&](int c) { f(c * chunkSize, std::min(n, (c + 1) * chunkSize)); });
+    }
+
     // Until all threads are here.
     void wait() {
 #pragma omp barrier

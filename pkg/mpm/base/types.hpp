@@ -7,13 +7,14 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 // For the small functions inside particle loops, which cost more to call than to run.
 #define MPM_INLINE [[gnu::always_inline]] inline
 
 // For short loops over axes, corners or nodes inside loops over particles: unrolled they vanish before the compiler
 // vectorises the loop around them.
-#define MPM_UNROLL _Pragma("GCC unroll 9")
+#define MPM_UNROLL _Pragma("GCC unroll 16")
 
 namespace mpm {
 

@@ -55,13 +55,20 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
 
     template <int Dim> void act(Scene<Dim>& scene) {
         const bool early = scene.scheme == Scheme::USF;
-        work_.resize(scene.bodies.size());
-        for (size_t b = 0; b < scene.bodies.size(); ++b) work_[b].clear(scene.bodies[b]->particles.size());
+        work_.resize(scene.bodies.size()), shares_.resize(scene.bodies.size());
+        for (size_t b = 0; b < scene.bodies.size(); ++b) {
+            const int n = scene.bodies[b]->particles.size();
+            work_[b].clear(n);
+            if (shares_[b].count() != chunksOf(n))
+                shares_[b].set(chunksOf(n), [&](int c) {
+                    return scene.bodies[b]->domains->workOf(c * chunkSize, std::min(n, (c + 1) * chunkSize));
+                });
+        }
         parallel(scene.threads, [&](Team& team) {
             if (early) startVelocity(team, scene);
             for (auto& body : scene.bodies)
                 body->domains->takeVelocity(team, scene.grid.fields[body->velocityField].velocity.data());
-            for (size_t b = 0; b < scene.bodies.size(); ++b) update(team, scene, *scene.bodies[b], work_[b]);
+            for (size_t b = 0; b < scene.bodies.size(); ++b) update(team, scene, *scene.bodies[b], shares_[b], work_[b]);
             team.wait();
             if (early)
                 sumOnNodes(team, scene, true);
@@ -76,6 +83,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
 
   private:
     std::vector<OrderedSum> work_; // of the stresses, per body
+    std::vector<Shares> shares_;   // of the chunks of its particles
     CellAverage average_;          // of the body at hand
 
     // USF: the velocity of the particles at the start of the step.
@@ -92,7 +100,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     }
 
     // The threads do not wait for each other at the end.
-    template <int Dim> void update(Team& team, Scene<Dim>& scene, Body<Dim>& body, OrderedSum& work) {
+    template <int Dim> void update(Team& team, Scene<Dim>& scene, Body<Dim>& body, const Shares& shares, OrderedSum& work) {
         const auto* nodes = scene.grid.fields[body.velocityField].velocity.data();
         const int n = body.particles.size();
         Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
@@ -109,7 +117,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             body.domains->volumes(begin, end);
             work.of(begin) = updateStress(body, scene.dt, begin, end);
         };
-        if (!body.fbar) return team.chunksNoWait(n, rest);
+        if (!body.fbar) return team.chunksNoWait(n, shares, rest);
         team.chunks(n, rest);
         average_.find(team, volume, [&](int begin, int end, double* v) { traces(stress, 3, begin, end, v); });
         team.chunks(n, [&](int begin, int end) {

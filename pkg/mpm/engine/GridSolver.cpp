@@ -29,12 +29,13 @@ class GridSolver : public EngineOf<GridSolver> {
         scene.damping = damping;
         for (int k = 0; k < Dim; ++k) scene.gravity[k] = gravity[k];
         const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
-        partial_.assign(size_t(slabs) * (n + 1), Tally{});
+        partial_.resize(size_t(slabs) * (n + 1));
         const double least = scene.leastMass();
         parallel(scene.threads, [&](Team& team) {
             for (auto& field : scene.grid.fields)
                 team.inShares(field.shares, [&](int slab) {
                     Tally* tally = &partial_[size_t(slab) * (n + 1)];
+                    if (&field == &scene.grid.fields.front()) std::fill(tally, tally + n + 1, Tally{});
                     double gravityWork = 0;
                     scene.grid.forNodes(field, slab, [&](int node) { gravityWork += solve(scene, field, node, least, tally); });
                     tally[n].gravity += gravityWork;

@@ -44,8 +44,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         hourglass0_.resize(domains);
         for (int p = 0; p < domains; ++p) {
             const Corners<Dim> X = cornersOf(p);
-            const Shape<Dim> shape(numbersOf<Dim>(X));
-            require(shape.volume > 0 && smallestCorner(numbersOf<Dim>(X)) > 0, "APDI in '", Base::bodyName, "': domain ", p,
+            const ClosedShape<Dim> shape(numbersOf<Dim>(X));
+            require(shape.volume > 0 && smallestCorner(shape, numbersOf<Dim>(X)) > 0, "APDI in '", Base::bodyName, "': domain ", p,
                     " near ", place(Vec<Dim>(X.col(0))), " is inverted or concave; mend the mesh");
             for (int a = 0; a < NC; ++a) centres[p] += shape.w[a] * X.col(a);
             volumes[p] = shape.volume;
@@ -72,6 +72,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         cell_.resize(n), local_.resize(n);
         vertex_.resize(n);
         skew_.resize(particles.size());
+        rowEnd_ = Batch<Dim>::rowEnds(corner_);
         cutIntoPieces();
     }
 
@@ -88,13 +89,17 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             for (int v = 0; v < X_.size(); v += hasMoved_[v / chunkSize] ? 1 : chunkSize)
                 if (hasMoved_[v / chunkSize]) order.extend(block_[v], grid, cell_[v]);
             if (!order.broken(grid)) return false;
-            order.group(grid, cell_);
+            order.group(grid, cell_, false);
         }
         order.prepare(2);
-        block_.resize(X_.size());
+        block_.resize(X_.size()), vertexRowEnd_.resize(X_.size());
         for (int b = 0; b < order.blocks(); ++b) {
             order.inspect(b, grid, cell_);
-            for (int i = order.start[b]; i < order.start[b + 1]; ++i) block_[order.order[i]] = b;
+            for (int i = order.start[b + 1] - 1; i >= order.start[b]; --i) {
+                const int v = order.order[i];
+                block_[v] = b;
+                vertexRowEnd_[i] = i + 1 < order.start[b + 1] && order.order[i + 1] == v + 1 ? vertexRowEnd_[i + 1] : i + 1;
+            }
         }
         return false;
     }
@@ -103,114 +108,87 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) override {
         const Planes q(particles);
         const auto stress = Base::stressPlanes();
-        const bool hasBodyForce = particles.hasBodyForce && withForce, controls = hourglassCoefficient_ > 0;
+        const bool hasBodyForce = particles.hasBodyForce && withForce;
         const DeformedPattern deformed(*this);
         clear(team);
-        pieces(team, [&](int first, int count) {
-            const Shapes d = shapesOf(first, count);
+        pieces(team, [&](const Batch<Dim>& batch) {
+            const Shapes d(batch, X_, skew_);
             FromDomains from;
-            q.values(first, count, inertiaScale, from.value);
-            withForce ? q.forceColumns(first, count, stress.data(), from.column) : from.noForce(count);
-            for (int i = 0; i < count && (Dim == 3 || hasBodyForce); ++i) from.weight[i] = q.weight(first + i, hasBodyForce);
-            if (controls) control(d, count, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
-                deformed(first + p, h);
+            q.momenta(batch.first, batch.count, inertiaScale, from.momentum);
+            if (withForce) q.tension(batch.first, batch.count, stress.data(), from.tension);
+            if (hasBodyForce) q.bodyForces(batch.first, batch.count, from.bodyForce);
+            batch.addToCorners(planes<Dim + 1>(momentum), [&](int a, int k, int p) __attribute__((always_inline)) {
+                return d.w[a][p] * from.momentum[k][p];
+            });
+            if (withForce) addTension(batch, d, from);
+            if (hasBodyForce) batch.addToCorners(planes<Dim>(force), [&](int a, int k, int p) __attribute__((always_inline)) {
+                return d.w[a][p] * from.bodyForce[k][p];
+            });
+            if (controls()) addControl(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
+                deformed(batch.first + p, h);
                 MPM_UNROLL
                 for (int m = 0; m < modes; ++m)
                     MPM_UNROLL
                     for (int k = 0; k < Dim; ++k) h[m][k] = d.pattern[m][k][p] - h[m][k];
             });
-            addToVertices(d, count, from, Dim == 3 || hasBodyForce, controls);
         });
-        sumToNodes(team, nodes, withForce);
+        sumToNodes(team, nodes, withForce, 1 / inertiaScale);
     }
 
     // Nodes -> vertices -> domains, and back with what the domains have then. The forces of hourglass control wait on the
     // vertices since addSum(); as an impulse they are the first part of the vertices' momentum.
-    void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum, const Move& how) override {
+    void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* nodalMomentum, const Move& how) override {
         const Planes q(particles);
-        const Hat hat(*this);
-        team.chunks(X_.size(), [&](int begin, int end) {
-            for (int v = begin; v < end; ++v) {
-                if (momentum) momentumAt(v) = how.dt * controlAt(v);
-                if (nodes) motionAt(v) = hat.gather(v, nodes);
-            }
-        });
-        if (nodes) hanging_.take(team, [&](int slave) { motionAt(slave) = NF::Motion::zero(); },
-                                   [&](int from, int to, double w) { motionAt(to).add(w, motionAt(from)); });
-        pieces(team, [&](int first, int count) {
-            const Weights d = weightsOf(first, count);
+        if (nodes) toVertices(team, nodes, planes<2 * Dim>(motion));
+        if (nodalMomentum) scale(team, planes<Dim>(control), how.dt);
+        pieces(team, [&](const Batch<Dim>& batch) {
+            const BatchWeights<Dim> d(batch, skew_);
             if (nodes) {
-                typename NF::Motion motion[batch];
-                for (int i = 0; i < count; ++i) {
-                    auto sum = NF::Motion::zero();
-                    MPM_UNROLL
-                    for (int a = 0; a < NC; ++a) sum.add(d.w[a][i], motionAt(d.corner[NC * i + a]));
-                    motion[i] = sum;
-                }
-                damped_[first / pieceSize_] += q.move(first, count, motion, how);
+                const AtCorners<Dim, 2 * Dim> at(batch, constPlanes<2 * Dim>(motion));
+                damped_[batch.first / pieceSize_] +=
+                    q.move(batch.first, batch.count, how, [&](int k, int p) __attribute__((always_inline)) {
+                        double sum = 0;
+                        MPM_UNROLL
+                        for (int a = 0; a < NC; ++a) sum += d.w[a][p] * at.x[a][k][p];
+                        return sum;
+                    });
             }
-            if (momentum) {
-                Quad given[batch];
-                q.momenta(first, count, how.inertiaScale, given);
-                for (int i = 0; i < count; ++i)
-                    MPM_UNROLL
-                    for (int a = 0; a < NC; ++a) momentumAt(d.corner[NC * i + a]) += d.w[a][i] * given[i];
+            if (nodalMomentum) {
+                double given[Dim + 1][Batch<Dim>::most];
+                q.momenta(batch.first, batch.count, how.inertiaScale, given);
+                batch.addToCorners(planes<Dim>(control), [&](int a, int k, int p) __attribute__((always_inline)) {
+                    return d.w[a][p] * given[k][p];
+                });
             }
         });
-        if (!momentum) return;
-        hanging_.give(team, [&](int from, int to, double w) { momentumAt(to) += w * momentumAt(from); },
-                        [&](int slave) { momentumAt(slave) = Quad{}; });
-        scatterVertices(team, momentum, [&](int v) __attribute__((always_inline)) {
-            typename NF::Velocity given;
-            given.part[0] = momentumAt(v);
-            return given;
+        if (!nodalMomentum) return;
+        const auto given = planes<Dim>(control);
+        hanging_.give(team, given);
+        scatterVertices(team, nodalMomentum, [&](int first, int count, typename NF::Velocity* out) {
+            std::array<const double*, Dim> from;
+            for (int k = 0; k < Dim; ++k) from[k] = given[k] + first;
+            Base::packVectors(from, count, out->part);
         });
     }
 
     // Vertices move with the velocity field that enters the velocity gradient.
     void takeVelocity(Team& team, const typename NF::Velocity* nodes) override {
-        const Hat hat(*this);
-        team.chunks(X_.size(), [&](int begin, int end) {
-            for (int v = begin; v < end; ++v) {
-                const auto velocity = hat.gather(v, nodes);
-                for (int k = 0; k < Dim; ++k) V_.plane(k)[v] = velocity[NF::lane(k)];
-            }
-        });
-        hanging_.take(team, [&](int slave) { for (int k = 0; k < Dim; ++k) V_.plane(k)[slave] = 0; },
-                        [&](int from, int to, double w) { for (int k = 0; k < Dim; ++k) V_.plane(k)[to] += w * V_.plane(k)[from]; });
+        std::array<double*, Dim> velocity;
+        for (int k = 0; k < Dim; ++k) velocity[k] = V_.plane(k);
+        toVertices(team, nodes, velocity);
     }
 
     // With the gradient comes the volume after the step: the polygon area (polyhedron volume) itself; J V0 differs from
     // it by O(dt). The shapes are made anew: that takes less time than to fetch them from memory.
     void takeGradient(int begin, int end, const typename NF::Velocity*, double dt) override {
-        double *volume = particles.volume.plane(), *L[Dim * Dim];
-        for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
-        for (int first = begin; first < end; first += batch) {
-            const int count = std::min(batch, end - first);
-            const int* corner = corner_.data() + NC * first;
-            const Corner X(corner, X_, count), V(corner, V_, count);
-            double quality[batch];
-            auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
-                const ClosedShape<Dim> shape(X.at(p));
-                MPM_UNROLL
-                for (int i = 0; i < Dim; ++i)
-                    MPM_UNROLL
-                    for (int j = 0; j < Dim; ++j) {
-                        double sum = 0;
-                        MPM_UNROLL
-                        for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
-                        L[Dim * i + j][first + p] = sum;
-                    }
-                const auto x = Batch::moved(X, V, dt, p);
-                const ClosedShape<Dim> after(x);
-                const double least = qualityOf(after, smallestCorner(x)); // outside the condition, or it takes longer
-                if (dt > 0) volume[first + p] = after.volume, quality[p] = least;
-            };
-#pragma omp simd
-            for (int p = 0; p < count; ++p) one(p);
-            for (int p = 0; p < count && dt > 0; ++p)
-                if (!(quality[p] > worstQuality) || (converts_ && isStretched(first + p))) noteDistorted({first + p, quality[p]});
-        }
+        batches(begin, end, [&](const Batch<Dim>& batch) { gradients(batch, dt); });
+    }
+
+    // A batch takes about as long as 16 domains more than it has, and twice as long where it has to copy.
+    double workOf(int begin, int end) const override {
+        double work = 0;
+        batches(begin, end, [&](const Batch<Dim>& batch) { work += 16 + (batch.isStraight ? 1 : 2) * batch.count; });
+        return work;
     }
 
     void advance(Team& team, double dt) override {
@@ -218,9 +196,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             for (int k = 0; k < Dim; ++k)
                 for (int v = begin; v < end; ++v) X_.plane(k)[v] += dt * V_.plane(k)[v];
         });
-        // Round-off would let a slave creep off the line between its masters.
-        hanging_.take(team, [&](int slave) { for (int k = 0; k < Dim; ++k) X_.plane(k)[slave] = 0; },
-                      [&](int from, int to, double w) { for (int k = 0; k < Dim; ++k) X_.plane(k)[to] += w * X_.plane(k)[from]; });
+        std::array<double*, Dim> x;
+        for (int k = 0; k < Dim; ++k) x[k] = X_.plane(k);
+        hanging_.take(team, x); // round-off would let a slave creep off the line between its masters
     }
 
     // --- besides the step ---------------------------------------------------------------------------
@@ -241,8 +219,10 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     double minJacobian() const override {
         double least = 1e300;
-        for (int p = 0; p < particles.size(); ++p)
-            least = std::min(least, smallestCorner(numbersOf<Dim>(cornersOf(p))) / particles.initialVolume.plane()[p]);
+        for (int p = 0; p < particles.size(); ++p) {
+            const auto X = numbersOf<Dim>(cornersOf(p));
+            least = std::min(least, smallestCorner(ClosedShape<Dim>(X), X) / particles.initialVolume.plane()[p]);
+        }
         return least;
     }
 
@@ -324,8 +304,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     size_t bytes() const override {
-        size_t sum = sizeof(int) * (corner_.size() + cell_.size() + block_.size() + order.order.size()) +
-                     sizeof(vertex_[0]) * vertex_.size() + local_.bytes() + skew_.bytes();
+        size_t sum = sizeof(int) * (corner_.size() + rowEnd_.size() + cell_.size() + block_.size() + vertexRowEnd_.size() + order.order.size()) +
+                     vertex_.bytes() + local_.bytes() + skew_.bytes();
         for (const Field* f : {&X_, &X0_, &V_, &hourglass0_}) sum += f->bytes();
         return sum;
     }
@@ -341,39 +321,60 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // The nodal forces of hourglass control as a stiffness: those of the motion that V_ holds, over unit time.
     void addForce(Team& team, typename NF::Sum* nodes, const double* const tensor[9]) override {
         const Planes q(particles);
-        const bool controls = hourglassCoefficient_ > 0;
         clear(team);
-        pieces(team, [&](int first, int count) {
-            const Shapes d = shapesOf(first, count);
+        pieces(team, [&](const Batch<Dim>& batch) {
+            const Shapes d(batch, X_, skew_);
             FromDomains from;
-            std::fill(from.value, from.value + count, Quad{});
-            q.forceColumns(first, count, tensor, from.column);
-            const Corner V(d.corner, V_, count);
-            if (controls) control(d, count, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
+            q.tension(batch.first, batch.count, tensor, from.tension);
+            addTension(batch, d, from);
+            const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(V_));
+            if (controls()) addControl(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
                 for (int m = 0; m < modes; ++m)
                     for (int k = 0; k < Dim; ++k) {
                         h[m][k] = 0;
-                        for (int a = 0; a < NC; ++a) {
-                            double linear = 0;
-                            for (int j = 0; j < Dim; ++j) linear += d.g[a][j][p] * d.pattern[m][j][p];
-                            h[m][k] += (hourglassSign(Dim, m, a) / NC - linear) * V.x[a][k][p];
-                        }
+                        for (int a = 0; a < NC; ++a) h[m][k] += gamma(d, m, a, p) * V.x[a][k][p];
                     }
             });
-            addToVertices(d, count, from, false, controls);
         });
-        sumToNodes(team, nodes, true);
+        sumToNodes(team, nodes, true, 1);
     }
 
   private:
-    using Batch = DomainBatch<Dim>;
-    using Corner = typename Batch::Corner;
-    using Weights = typename Batch::Weights;
-    using Shapes = typename Batch::Shapes;
-    static constexpr int batch = Batch::batch, modes = Batch::modes, skews = Batch::skews;
+    using Shapes = BatchShapes<Dim>;
+    static constexpr int modes = Shapes::modes;
 
-    Weights weightsOf(int first, int count) { return Weights(corner_, skew_, first, count); }
-    Shapes shapesOf(int first, int count) { return Shapes(corner_, X_, skew_, first, count); }
+    void gradients(const Batch<Dim>& batch, double dt) {
+        double *volume = particles.volume.plane(), *L[Dim * Dim];
+        for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
+        const int first = batch.first, count = batch.count;
+        const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(X_)), V(batch, vectorPlanes<Dim>(V_));
+        double quality[Batch<Dim>::most];
+        auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
+            const ClosedShape<Dim> shape(X.at(p));
+            MPM_UNROLL
+            for (int i = 0; i < Dim; ++i)
+                MPM_UNROLL
+                for (int j = 0; j < Dim; ++j) {
+                    double sum = 0;
+                    MPM_UNROLL
+                    for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
+                    L[Dim * i + j][first + p] = sum;
+                }
+            const auto before = X.at(p), velocity = V.at(p);
+            CornerNumbers<Dim> x;
+            MPM_UNROLL
+            for (int k = 0; k < Dim; ++k)
+                MPM_UNROLL
+                for (int a = 0; a < NC; ++a) x[k][a] = before[k][a] + dt * velocity[k][a];
+            const ClosedShape<Dim> after(x);
+            const double least = qualityOf(after, smallestCorner(after, x)); // outside the condition, or it takes longer
+            if (dt > 0) volume[first + p] = after.volume, quality[p] = least;
+        };
+#pragma omp simd
+        for (int p = 0; p < count; ++p) one(p);
+        for (int p = 0; p < count && dt > 0; ++p)
+            if (!(quality[p] > worstQuality) || (converts_ && isStretched(first + p))) noteDistorted({first + p, quality[p]});
+    }
 
     // Smallest corner area over the area, but not above 0 if a corner weight is too small.
     template <class S> MPM_INLINE static double qualityOf(const S& shape, double corner) {
@@ -417,75 +418,98 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         return x;
     }
 
-    // What a vertex holds during a transfer. From the domains: the value lanes of NodalField::Sum, then force (in 3D with the
-    // weight mass after it) and force of hourglass control, one lane per component; both fit into one Quad in 2D. Towards the
-    // domains: the motion in the first lanes, and in the last four the momentum that comes back, as in NodalField::Velocity.
-    using Vertex = Pack<Dim == 2 ? 8 : 12>;
-    static constexpr int last = Dim == 2 ? 1 : 2, controlLane = Dim == 2 ? 2 : 0; // the Quad of the control, its lane there
+    // What a vertex holds during a transfer, plane by plane: from the domains momentum and inertial mass, force, and force of
+    // hourglass control; towards the domains the motion in the place of the first, and in that of the last the momentum
+    // that comes back.
+    static constexpr int momentum = 0, force = Dim + 1, control = 2 * Dim + 1, motion = 0, vertexPlanes = 3 * Dim + 1;
 
-    MPM_INLINE typename NF::Motion& motionAt(int v) { return reinterpret_cast<typename NF::Motion&>(vertex_[v]); }
-    MPM_INLINE Quad& momentumAt(int v) { return vertex_[v].part[last]; }
-    MPM_INLINE Quad controlAt(int v) const {
-        return Lanes<Dim>::vector([&](int k) { return vertex_[v].part[last][controlLane + k]; });
+    template <int n> std::array<double*, n> planes(int first) {
+        std::array<double*, n> all;
+        for (int k = 0; k < n; ++k) all[k] = vertex_.plane(first + k);
+        return all;
+    }
+    template <int n> std::array<const double*, n> constPlanes(int first) {
+        std::array<const double*, n> all;
+        for (int k = 0; k < n; ++k) all[k] = vertex_.plane(first + k);
+        return all;
     }
 
     // What a batch of domains gives to its vertices.
     struct FromDomains {
-        Quad value[batch], weight[batch]; // times w: the value lanes, and what goes with the force
-        Quad column[batch][Dim];          // times g_k: -V sigma_k
-        Quad control[batch][modes];       // times gamma: forces against the hourglass patterns, in the lanes of the control
-
-        void noForce(int count) {
-            for (int p = 0; p < count; ++p)
-                for (Quad& c : column[p]) c = Quad{};
-        }
+        double momentum[Dim + 1][Batch<Dim>::most];  // and inertial mass, times w
+        double tension[Dim][Dim][Batch<Dim>::most];  // -V sigma, times g
+        double bodyForce[Dim][Batch<Dim>::most];     // times w
+        double control[modes][Dim][Batch<Dim>::most]; // times gamma: forces against the hourglass patterns
     };
 
-    // The control gives f_a = sum_m gamma_ma control_m with gamma_ma = G_ma/2^Dim - g_a . pattern_m. What goes with g_a is
-    // summed over the modes first; in 2D, where one Quad holds both forces, it joins the columns.
-    MPM_INLINE void addToVertices(const Shapes& d, int count, const FromDomains& from, bool hasWeight, bool controls) {
-        for (int i = 0; i < count; ++i) {
-            Quad column[Dim], linear[Dim]; // times g_k: the stress, and the control
+    void addTension(const Batch<Dim>& batch, const Shapes& d, const FromDomains& from) {
+        batch.addToCorners(planes<Dim>(force), [&](int a, int k, int p) __attribute__((always_inline)) {
+            double sum = 0;
             MPM_UNROLL
-            for (int k = 0; k < Dim; ++k) {
-                column[k] = from.column[i][k], linear[k] = Quad{};
-                MPM_UNROLL
-                for (int m = 0; m < modes && controls; ++m)
-                    (Dim == 2 ? column : linear)[k] -= d.pattern[m][k][i] * from.control[i][m];
-            }
-            MPM_UNROLL
-            for (int a = 0; a < NC; ++a) {
-                Vertex& vertex = vertex_[d.corner[NC * i + a]];
-                vertex.part[0] += d.w[a][i] * from.value[i];
-                Quad force = vertex.part[1], control{};
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) force += d.g[a][k][i] * column[k];
-                if (hasWeight) force += d.w[a][i] * from.weight[i];
-                MPM_UNROLL
-                for (int m = 0; m < modes && controls; ++m)
-                    (Dim == 2 ? force : control) += hourglassSign(Dim, m, a) / NC * from.control[i][m];
-                vertex.part[1] = force;
-                if (Dim == 2 || !controls) continue;
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) control += d.g[a][k][i] * linear[k];
-                vertex.part[last] += control;
-            }
-        }
+            for (int j = 0; j < Dim; ++j) sum += d.g[a][j][p] * from.tension[k][j][p];
+            return sum;
+        });
     }
 
-    // Then the nodes take it; the forces of hourglass control stay on the vertices, too.
-    void sumToNodes(Team& team, typename NF::Sum* nodes, bool withControl) {
-        hanging_.give(team, [&](int from, int to, double w) { vertex_[to].add(w, vertex_[from]); },
-                        [&](int slave) { vertex_[slave] = Vertex::zero(); });
-        const double factor = withControl ? 1 : 0;
-        scatterVertices(team, nodes, [&](int v) __attribute__((always_inline)) {
-            const Vertex& vertex = vertex_[v];
-            const Quad f = vertex.part[1], c = vertex.part[last];
-            typename NF::Sum sum;
-            sum.part[0] = vertex.part[0];
-            sum.part[1] = Lanes<Dim>::vector([&](int k) { return f[k] + factor * c[controlLane + k]; });
-            if (Dim == 3) sum.set(NF::weightMass, f[3]);
+    bool controls() const { return hourglassCoefficient_ > 0; }
+
+    // What a linear field does not show of pattern m at corner a (Flanagan & Belytschko 1981).
+    MPM_INLINE static double gamma(const Shapes& d, int m, int a, int p) {
+        double sum = hourglassSign(Dim, m, a) / NC;
+        MPM_UNROLL
+        for (int j = 0; j < Dim; ++j) sum -= d.g[a][j][p] * d.pattern[m][j][p];
+        return sum;
+    }
+
+    // Forces of hourglass control on the vertices, where amplitude(p, h) gives what they resist, per mode and axis.
+    // Stiffness form of Flanagan & Belytschko 1981: f_a = -k h gamma_a with gamma_a = G_a/2^Dim - g_a . (pattern
+    // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
+    // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
+    template <class Amplitude>
+    void addControl(const Batch<Dim>& batch, const Shapes& d, FromDomains& from, Amplitude&& amplitude) {
+        auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
+            double h[modes][Dim], sum = 0;
+            amplitude(p, h);
+            MPM_UNROLL
+            for (int a = 0; a < NC; ++a)
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
+            const double stiffness = hourglassModulus_ * d.volume[p] * sum;
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m)
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) from.control[m][k][p] = -stiffness * h[m][k];
+        };
+#pragma omp simd
+        for (int p = 0; p < batch.count; ++p) one(p);
+        batch.addToCorners(planes<Dim>(control), [&](int a, int k, int p) __attribute__((always_inline)) {
+            double sum = 0;
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m) sum += gamma(d, m, a, p) * from.control[m][k][p];
             return sum;
+        });
+    }
+
+    // Then the nodes take it; the forces of hourglass control stay on the vertices, too. overScale: weight mass over inertial mass.
+    void sumToNodes(Team& team, typename NF::Sum* nodes, bool withControl, double overScale) {
+        const auto given = planes<vertexPlanes>(0);
+        hanging_.give(team, given);
+        const double factor = withControl ? 1 : 0;
+        scatterVertices(team, nodes, [&](int first, int count, typename NF::Sum* out) {
+            double total[Dim][chunkSize], weightMass[chunkSize];
+            std::array<const double*, Dim> all;
+            for (int k = 0; k < Dim; ++k) {
+                all[k] = total[k];
+                for (int i = 0; i < count; ++i) total[k][i] = given[force + k][first + i] + factor * given[control + k][first + i];
+            }
+            for (int i = 0; i < count; ++i) weightMass[i] = overScale * given[Dim][first + i];
+            if constexpr (Dim == 2) {
+                interleave({given[0] + first, given[1] + first, given[2] + first, weightMass}, count, out->part, 2);
+                interleave({total[0], total[0], total[1], total[1]}, count, out->part + 1, 2);
+            } else {
+                interleave({given[0] + first, given[1] + first, given[2] + first, given[3] + first}, count, out->part, 2);
+                interleave({total[0], total[1], total[2], weightMass}, count, out->part + 1, 2);
+            }
         });
     }
 
@@ -515,48 +539,98 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             const auto S = weights(v);
             for (int n = 0; n < NC; ++n) f(cell[v] + offset[n], S[n]);
         }
-        template <class Node> MPM_INLINE Node gather(int v, const Node* nodes) const {
-            const auto S = weights(v);
-            Node sum = S[0] * nodes[cell[v]];
-            MPM_UNROLL
-            for (int n = 1; n < NC; ++n) sum.add(S[n], nodes[cell[v] + offset[n]]);
-            return sum;
+    };
+
+    // The same for a batch of consecutive vertices.
+    struct Hats : Hat {
+        double S[NC][chunkSize];
+
+        Hats(const MeshDomains& d, int first, int count) : Hat(d) {
+            const auto set = [&](int i) __attribute__((always_inline)) {
+                const auto one = Hat::weights(first + i);
+                MPM_UNROLL
+                for (int n = 0; n < NC; ++n) S[n][i] = one[n];
+            };
+#pragma omp simd
+            for (int i = 0; i < count; ++i) set(i);
         }
     };
 
-    void clear(Team& team) {
+    // Velocity (Dim numbers) or motion (2 Dim) of the nodes, to the vertices.
+    template <class Node, size_t count> void toVertices(Team& team, const Node* nodes, const std::array<double*, count>& plane) {
         team.chunks(X_.size(), [&](int begin, int end) {
-            std::fill(&vertex_[begin], &vertex_[begin] + (end - begin), Vertex::zero());
+            const Hats hat(*this, begin, end - begin);
+            Node taken[chunkSize];
+            for (int i = 0; i < end - begin; ++i) {
+                const Node* node = nodes + hat.cell[begin + i];
+                Node sum = hat.S[0][i] * node[0];
+                MPM_UNROLL
+                for (int n = 1; n < NC; ++n) sum.add(hat.S[n][i], node[hat.offset[n]]);
+                taken[i] = sum;
+            }
+            std::array<double*, count> to = plane;
+            for (double*& x : to) x += begin;
+            Base::unpack(taken, end - begin, to);
+        });
+        hanging_.take(team, plane);
+    }
+    void clear(Team& team) { scale(team, planes<vertexPlanes>(0), 0); }
+
+    template <size_t n> void scale(Team& team, const std::array<double*, n>& plane, double factor) {
+        team.chunks(X_.size(), [&](int begin, int end) {
+            for (double* x : plane)
+                for (int v = begin; v < end; ++v) x[v] = factor == 0 ? 0 : factor * x[v];
         });
     }
 
     int pieceCount() const { return (particles.size() + pieceSize_ - 1) / pieceSize_; }
 
-    // f(first, count) for batches of domains; those that share a vertex take turns.
+    template <class F> void batches(int begin, int end, F&& f) const {
+        for (int first = begin; first < end;) {
+            const Batch<Dim> batch(first, end, corner_, rowEnd_);
+            f(batch);
+            first += batch.count;
+        }
+    }
+
+    // f(batch) for batches of domains; those that share a vertex take turns.
     template <class F> void pieces(Team& team, F&& f) {
         team.inTurns(pieces_, [&](int piece) {
-            const int end = std::min(particles.size(), (piece + 1) * pieceSize_);
-            for (int first = piece * pieceSize_; first < end; first += batch) f(first, std::min(batch, end - first));
+            batches(piece * pieceSize_, std::min(particles.size(), (piece + 1) * pieceSize_), f);
         });
     }
 
-    // node += S value(v) over the vertices. Vertices in a row within the same cell are summed before the grid is touched.
-    template <class Node, class Value> void scatterVertices(Team& team, Node* nodes, Value&& value) {
-        const Hat hat(*this);
-        const int *vertices = order.order.data(), *cells = cell_.data();
+    // node += S value over the vertices; give(first, count, value) fills in the values of vertices in a row. Sums of a cell stay in registers; towards the next one along the first
+    // axis only the nodes that are left behind are written.
+    template <class Node, class Give> void scatterVertices(Team& team, Node* nodes, Give&& give) {
+        const int* vertices = order.order.data();
         team.inTurns(order.turns, [&](int b) {
-            for (int i = order.start[b], end = order.start[b + 1]; i < end;) {
-                const int cell = cells[vertices[i]];
-                Node sum[NC];
-                for (auto& s : sum) s = Node::zero();
-                do {
-                    const Node N = value(vertices[i]);
-                    const auto S = hat.weights(vertices[i]);
+            Node sum[NC];
+            for (auto& s : sum) s = Node::zero();
+            const int end = order.start[b + 1];
+            int begin = order.start[b], next = begin, cell = begin < end ? cell_[vertices[begin]] : 0;
+            for (; begin < end; begin = next) {
+                const int first = vertices[begin];
+                next = std::min(vertexRowEnd_[begin], begin + chunkSize);
+                const int count = next - begin;
+                const Hats hat(*this, first, count);
+                Node given[chunkSize];
+                give(first, count, given);
+                for (int i = 0; i < count; ++i) {
+                    const int here = hat.cell[first + i];
+                    if (here == cell + 1)
+                        MPM_UNROLL
+                        for (int n = 0; n < NC; n += 2) nodes[cell + hat.offset[n]] += sum[n], sum[n] = sum[n + 1], sum[n + 1] = Node::zero();
+                    else if (here != cell)
+                        MPM_UNROLL
+                        for (int n = 0; n < NC; ++n) nodes[cell + hat.offset[n]] += sum[n], sum[n] = Node::zero();
+                    cell = here;
                     MPM_UNROLL
-                    for (int n = 0; n < NC; ++n) sum[n].add(S[n], N);
-                } while (++i < end && cells[vertices[i]] == cell);
-                for (int n = 0; n < NC; ++n) nodes[cell + hat.offset[n]] += sum[n];
+                    for (int n = 0; n < NC; ++n) sum[n].add(hat.S[n][i], given[i]);
+                }
             }
+            const Hat hat(*this);
+            for (int n = 0; n < NC && begin > order.start[b]; ++n) nodes[cell + hat.offset[n]] += sum[n];
         });
     }
 
@@ -583,39 +657,15 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         }
     };
 
-    // Forces of hourglass control on the vertices, where amplitude(p, h) gives what they resist, per mode and axis.
-    // Stiffness form of Flanagan & Belytschko 1981: f_a = -k h gamma_a with gamma_a = G_a/2^Dim - g_a . (pattern
-    // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
-    // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
-    template <class Amplitude> void control(const Shapes& d, int count, FromDomains& from, Amplitude&& amplitude) const {
-        double* lanes = reinterpret_cast<double*>(from.control);
-        auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
-            double h[modes][Dim], sum = 0;
-            amplitude(p, h);
-            MPM_UNROLL
-            for (int a = 0; a < NC; ++a)
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
-            const double stiffness = hourglassModulus_ * d.volume[p] * sum;
-            MPM_UNROLL
-            for (int m = 0; m < modes; ++m)
-                MPM_UNROLL
-                for (int l = 0; l < 4; ++l) {
-                    const int k = l - controlLane;
-                    lanes[4 * (modes * p + m) + l] = k >= 0 && k < Dim ? -stiffness * h[m][k] : 0;
-                }
-        };
-#pragma omp simd
-        for (int p = 0; p < count; ++p) one(p);
-    }
-
     // Pieces that share a vertex take turns. Longer pieces need fewer colours: in a regular mesh two are enough once a
     // piece is as long as a row.
     void cutIntoPieces() {
         for (pieceSize_ = 128; pieceSize_ <= 512; pieceSize_ *= 2)
             if (pieces_.graph(neighboursOfPieces()) <= 2) break;
         if (pieceSize_ > 512) pieceSize_ = 256, pieces_.graph(neighboursOfPieces());
-        pieces_.shares.set(pieceCount(), [](int) { return 1; });
+        pieces_.shares.set(pieceCount(), [&](int piece) {
+            return workOf(piece * pieceSize_, std::min(particles.size(), (piece + 1) * pieceSize_));
+        });
     }
 
     std::vector<std::vector<int>> neighboursOfPieces() const {
@@ -642,7 +692,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     void regroup() {
         find(0, X_.size());
-        order.group(grid, cell_);
+        order.group(grid, cell_, false);
     }
 
     // A hanging vertex whose coarse neighbour goes is free again.
@@ -665,12 +715,14 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     Field hourglass0_{"hourglassReference", "m", "Hourglass pattern of the undeformed domain.", {hourglassModes<Dim>, Dim}};
     HangingVertices hanging_;
     std::vector<int> corner_; // 2^Dim per domain
+    std::vector<int> rowEnd_; // see Batch
 
     std::vector<int> cell_;      // of the vertices, once per step
     std::vector<int> block_;     // of `order`, that each vertex belongs to
+    std::vector<int> vertexRowEnd_;    // where in `order` the numbers no longer follow each other
     std::vector<char> hasMoved_; // chunks of vertices in which one is in another cell than before
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
-    std::vector<Vertex> vertex_; // during a transfer
+    Field vertex_{"vertex", "", "What a vertex holds during a transfer.", {vertexPlanes}};
     Field skew_{"skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
     int pieceSize_ = 0;                    // domains per piece of the stage between domains and vertices
     Turns pieces_;

@@ -45,6 +45,7 @@ template <int Dim> CornerNumbers<Dim> numbersOf(const Corners<Dim>& X) {
 // The shape of a quadrilateral in closed form, in plain numbers so that loops over domains vectorise.
 struct QuadrilateralShape {
     double w[4], g[4][2], volume;
+    double smallestCorner;      // 4 det J at a corner: the area of a parallelogram, not above zero where concave or inverted
     std::array<double, 2> skew; // what follows is w; both zero for a parallelogram
     double pattern[1][2];       // coefficient of xi eta in the position: the hourglass pattern of the corners
 
@@ -59,6 +60,7 @@ struct QuadrilateralShape {
         const double b = (x[2] - x[3]) * (y[0] - y[1]) - (x[0] - x[1]) * (y[2] - y[3]);
         const double half = 0.5 / V, scale = half / 12;
         volume = V, skew = {a * scale, b * scale};
+        smallestCorner = V - 0.5 * (std::abs(a) + std::abs(b)); // 4 det J = V -+ b xi / 2 -+ a eta / 2
         const auto fromSkew = weights(skew);
         MPM_UNROLL
         for (int c = 0; c < 4; ++c) w[c] = fromSkew[c];
@@ -245,19 +247,9 @@ template <int Dim> struct Shape {
 
 // Smallest corner volume (2^Dim det J at a corner, the determinant of its edges): equals the volume for a parallelogram, is
 // zero or negative for a concave or inverted domain.
-MPM_INLINE double smallestCorner(const CornerNumbers<2>& X) {
-    const auto &x = X[0], &y = X[1];
-    double least = 1e300;
-    MPM_UNROLL
-    for (int a = 0; a < 4; ++a) {
-        const int before = (a + 3) % 4, after = (a + 1) % 4;
-        const double area = (x[a] - x[before]) * (y[after] - y[a]) - (y[a] - y[before]) * (x[after] - x[a]);
-        least = area < least ? area : least;
-    }
-    return least;
-}
+MPM_INLINE double smallestCorner(const QuadrilateralShape& shape, const CornerNumbers<2>&) { return shape.smallestCorner; }
 
-MPM_INLINE double smallestCorner(const CornerNumbers<3>& X) {
+MPM_INLINE double smallestCorner(const HexahedronShape&, const CornerNumbers<3>& X) {
     const auto at = [&](int a) __attribute__((always_inline)) { return Triple{X[0][a], X[1][a], X[2][a]}; };
     double least = 1e300;
     MPM_UNROLL

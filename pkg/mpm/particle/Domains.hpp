@@ -81,6 +81,8 @@ template <int Dim> class Domains {
     virtual void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double dt) = 0;
     // Volume of particles [begin, end) from F after the step; of meshed domains takeGradient() has found it already.
     virtual void volumes(int /*begin*/, int /*end*/) {}
+    // How long that takes for particles [begin, end), in about the time of one.
+    virtual double workOf(int begin, int end) const { return end - begin; }
     // Moves the domains; last in the step.
     virtual void advance(Team&, double /*dt*/) {}
 

@@ -38,25 +38,28 @@ class HangingVertices {
         eachMaster(int(slave - slaves.begin()), f);
     }
 
-    // Slaves take from their masters: clear(slave), then add(master, slave, weight).
-    template <class Clear, class Add> void take(Team& team, Clear&& clear, Add&& add) const {
+    // Slaves take the weighted means of their masters.
+    template <size_t n> void take(Team& team, const std::array<double*, n>& plane) const {
         if (slaves.empty()) return;
         team.once([&] {
-            for (int s = 0; s < count(); ++s) {
-                clear(slaves[s]);
-                eachMaster(s, [&](int master, double w) { add(master, slaves[s], w); });
-            }
+            for (double* x : plane)
+                for (int s = 0; s < count(); ++s) {
+                    double mean = 0;
+                    eachMaster(s, [&](int master, double w) { mean += w * x[master]; });
+                    x[slaves[s]] = mean;
+                }
         });
     }
 
-    // The transpose: they hand what they have to their masters. add(slave, master, weight), then clear(slave).
-    template <class Add, class Clear> void give(Team& team, Add&& add, Clear&& clear) const {
+    // The transpose: they hand what they have to their masters.
+    template <size_t n> void give(Team& team, const std::array<double*, n>& plane) const {
         if (slaves.empty()) return;
         team.once([&] {
-            for (int s = 0; s < count(); ++s) {
-                eachMaster(s, [&](int master, double w) { add(slaves[s], master, w); });
-                clear(slaves[s]);
-            }
+            for (double* x : plane)
+                for (int s = 0; s < count(); ++s) {
+                    eachMaster(s, [&](int master, double w) { x[master] += w * x[slaves[s]]; });
+                    x[slaves[s]] = 0;
+                }
         });
     }
 

@@ -25,7 +25,7 @@ template <> struct Lanes<2> {
     using Gradient = std::array<Quad, 1>; // { d_x v_x, d_y v_x, d_x v_y, d_y v_y }
     static constexpr int used = 4;        // lanes of a vector, and the component in each
     static constexpr int component(int lane) { return lane / 2; }
-    static constexpr int laneOf(int i, int j) { return 2 * i + j; } // of d_j v_i in Gradient
+    static constexpr int entryAt(int /*set*/, int lane) { return lane; } // Dim i + j of d_j v_i there in Gradient
 
     template <class F> MPM_INLINE static Quad vector(F&& value) { return Quad{value(0), value(0), value(1), value(1)}; }
 
@@ -52,7 +52,7 @@ template <> struct Lanes<3> {
     using Gradient = std::array<Quad, 3>; // { d_k v_1, d_k v_2, d_k v_3, 0 } for each axis k
     static constexpr int used = 3;
     static constexpr int component(int lane) { return lane; }
-    static constexpr int laneOf(int i, int j) { return 4 * j + i; }
+    static constexpr int entryAt(int set, int lane) { return 3 * lane + set; }
 
     template <class F> MPM_INLINE static Quad vector(F&& value) { return Quad{value(0), value(1), value(2), 0}; }
 

@@ -8,6 +8,7 @@
 //   L_p = sum_i v_i (x) grad phi_ip                                                  setGradients()
 #pragma once
 
+#include "mpm/base/lanes.hpp"
 #include "mpm/particle/Domains.hpp"
 #include "mpm/particle/Lanes.hpp"
 
@@ -32,6 +33,8 @@ template <int Dim> class Transfers : public Domains<Dim> {
     }
 
   protected:
+    static constexpr int lot = 64; // particles that are treated together, at most
+
     // The arrays of the particles, hoisted out of the loops.
     struct Planes {
         double *mass, *volume, *position[Dim], *velocity[Dim], *bodyForce[Dim], *velocityGradient[Dim * Dim];
@@ -43,64 +46,61 @@ template <int Dim> class Transfers : public Domains<Dim> {
             for (int i = 0; i < Dim * Dim; ++i) velocityGradient[i] = p.velocityGradient.plane(i);
         }
 
-        // The following fill, or read, one entry of four lanes (or a few of them) for each of `count` particles from `first`
-        // on. Value lanes of NodalField::Sum: momentum and mass; in 2D also the weight mass, which in 3D is a lane of B.
-        void values(int first, int count, double inertiaScale, Quad* out) const {
+        // What `count` particles from `first` on give, plane by plane: momentum and inertial mass, -V tensor (planes 3*i + j, upper
+        // triangle), body force.
+        template <size_t most> void momenta(int first, int count, double inertiaScale, double (&out)[Dim + 1][most]) const {
             const Planes q = *this;
-            double* lanes = reinterpret_cast<double*>(out);
-#pragma omp simd
-            for (int i = 0; i < count; ++i) {
-                const double w = q.mass[first + i], m = inertiaScale * w;
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) lanes[4 * i + k] = m * q.velocity[k][first + i];
-                lanes[4 * i + Dim] = m;
-                if (Dim == 2) lanes[4 * i + 3] = w;
-            }
-        }
-
-        // B = - V tensor, for its products with grad phi; in 3D with the weight mass. tensor: planes 3*i + j, upper triangle.
-        void forces(int first, int count, const double* const tensor[9], typename L::Set* out) const {
-            double* lanes = reinterpret_cast<double*>(out);
-            const double *xx = tensor[0], *xy = tensor[1], *xz = tensor[2], *yy = tensor[4], *yz = tensor[5], *zz = tensor[8];
-            const double *volume = this->volume, *mass = this->mass;
-#pragma omp simd
-            for (int i = 0; i < count; ++i) {
-                const int p = first + i;
-                const double V = -volume[p];
-                if constexpr (Dim == 2) {
-                    lanes[4 * i] = V * xx[p], lanes[4 * i + 1] = lanes[4 * i + 2] = V * xy[p], lanes[4 * i + 3] = V * yy[p];
-                } else {
-                    double* B = lanes + 16 * i;
-                    B[0] = V * xx[p], B[1] = B[4] = V * xy[p], B[2] = B[8] = V * xz[p], B[3] = 0;
-                    B[5] = V * yy[p], B[6] = B[9] = V * yz[p], B[7] = 0;
-                    B[10] = V * zz[p], B[11] = B[12] = B[13] = B[14] = 0, B[15] = mass[p];
-                }
-            }
-        }
-
-        // Momentum, in the lanes of NodalField::Velocity.
-        void momenta(int first, int count, double inertiaScale, Quad* out) const {
-            const Planes q = *this;
-            double* lanes = reinterpret_cast<double*>(out);
 #pragma omp simd
             for (int i = 0; i < count; ++i) {
                 const double m = inertiaScale * q.mass[first + i];
                 MPM_UNROLL
-                for (int l = 0; l < 4; ++l) lanes[4 * i + l] = l < L::used ? m * q.velocity[L::component(l)][first + i] : 0;
+                for (int k = 0; k < Dim; ++k) out[k][i] = m * q.velocity[k][first + i];
+                out[Dim][i] = m;
             }
         }
-
-        // v_p <- flip (v_p + dt a) + (1 - flip) v ;  x_p <- x_p + dt v  (v, a interpolated from the nodes), with
-        // a <- a [1 - damping sgn(a (v_p + dt a / 2))] for each component, and v less what that takes from a.
-        // Returns the energy that damping took.
-        double move(int first, int count, const typename NF::Motion* motion, const Move& m) const {
-            return m.damping > 0 ? move<true>(first, count, motion, m) : move<false>(first, count, motion, m);
+        template <size_t most>
+        void tension(int first, int count, const double* const tensor[9], double (&out)[Dim][Dim][most]) const {
+            const double* V = volume + first;
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j) {
+                    const double* sigma = tensor[i <= j ? 3 * i + j : 3 * j + i] + first;
+#pragma omp simd
+                    for (int p = 0; p < count; ++p) out[i][j][p] = -V[p] * sigma[p];
+                }
+        }
+        template <size_t most> void bodyForces(int first, int count, double (&out)[Dim][most]) const {
+            for (int k = 0; k < Dim; ++k)
+                for (int p = 0; p < count; ++p) out[k][p] = mass[first + p] * bodyForce[k][first + p];
         }
 
-        template <bool damped> double move(int first, int count, const typename NF::Motion* motion, const Move& how) const {
+        // The same in the lanes of the nodes. Value lanes of NodalField::Sum: momentum and mass; in 2D also the weight mass, which
+        // in 3D is a lane of B.
+        void values(int first, int count, double inertiaScale, Quad* out) const {
+            double p[Dim + 1][lot];
+            momenta(first, count, inertiaScale, p);
+            interleave({p[0], p[1], p[2], Dim == 2 ? mass + first : p[Dim]}, count, out);
+        }
+        // B = - V tensor, for its products with grad phi; in 3D with the weight mass.
+        void forces(int first, int count, const double* const tensor[9], typename L::Set* out) const {
+            double B[Dim][Dim][lot];
+            tension(first, count, tensor, B);
+            if constexpr (Dim == 2)
+                interleave({B[0][0], B[0][1], B[1][0], B[1][1]}, count, &out[0][0]);
+            else {
+                const double zero[lot] = {};
+                for (int k = 0; k < Dim; ++k) interleave({B[0][k], B[1][k], B[2][k], zero}, count, &out[0][k], 4);
+                interleave({zero, zero, zero, mass + first}, count, &out[0][3], 4);
+            }
+        }
+        // v_p <- flip (v_p + dt a) + (1 - flip) v ;  x_p <- x_p + dt v  (v, a interpolated from the nodes: motion(k, i)), with
+        // a <- a [1 - damping sgn(a (v_p + dt a / 2))] for each component, and v less what that takes from a.
+        // Returns the energy that damping took.
+        template <class Motion> double move(int first, int count, const Move& m, Motion&& motion) const {
+            return m.damping > 0 ? move<true>(first, count, m, motion) : move<false>(first, count, m, motion);
+        }
+
+        template <bool damped, class Motion> double move(int first, int count, const Move& how, Motion&& motion) const {
             const Planes q = *this; // pointers of its own: the compiler need not fear that the loop overwrites them
-            constexpr int stride = sizeof(typename NF::Motion) / sizeof(double);
-            const double* lanes = reinterpret_cast<const double*>(motion);
             const double dt = how.dt, flip = how.flip, damping = how.damping;
             double taken = 0;
 #pragma omp simd reduction(+ : taken)
@@ -108,7 +108,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
                 double power = 0;
                 MPM_UNROLL
                 for (int k = 0; k < Dim; ++k) {
-                    double &velocity = q.velocity[k][first + i], v = lanes[stride * i + k], a = lanes[stride * i + Dim + k];
+                    double &velocity = q.velocity[k][first + i], v = motion(k, i), a = motion(Dim + k, i);
                     const double before = velocity;
                     if (damped) {
                         const double resisting = damping * std::copysign(std::abs(a), before + 0.5 * dt * a);
@@ -124,39 +124,39 @@ template <int Dim> class Transfers : public Domains<Dim> {
         }
 
         void setGradients(int first, int count, const typename L::Gradient* in) const {
-            constexpr int stride = sizeof(typename L::Gradient) / sizeof(double);
-            const Planes q = *this;
-            const double* lanes = reinterpret_cast<const double*>(in);
-#pragma omp simd
-            for (int p = 0; p < count; ++p)
-                MPM_UNROLL
-                for (int c = 0; c < Dim * Dim; ++c) q.velocityGradient[c][first + p] = lanes[stride * p + L::laneOf(c / Dim, c % Dim)];
-        }
-
-        // The columns k of -V tensor, one lane per component: their products with d_k phi add up to the force.
-        void forceColumns(int first, int count, const double* const tensor[9], Quad (*out)[Dim]) const {
-            const double* V = volume + first;
-            const double* planes[Dim][Dim];
-            for (int l = 0; l < Dim; ++l)
-                for (int k = 0; k < Dim; ++k) planes[l][k] = tensor[l <= k ? 3 * l + k : 3 * k + l] + first;
-            double* lanes = reinterpret_cast<double*>(out);
-#pragma omp simd
-            for (int i = 0; i < count; ++i)
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k)
-                    MPM_UNROLL
-                    for (int l = 0; l < 4; ++l)
-                        lanes[4 * (Dim * i + k) + l] =
-                            l < Dim ? -V[i] * planes[l][k][i] : 0;
-        }
-
-        // Body force, one lane per component; in 3D the weight mass comes last.
-        MPM_INLINE Quad weight(int p, bool hasBodyForce) const {
-            Quad w{0, 0, 0, Dim == 3 ? mass[p] : 0};
-            for (int k = 0; k < Dim && hasBodyForce; ++k) w[k] = mass[p] * bodyForce[k][p];
-            return w;
+            std::array<double*, L::used> plane;
+            for (size_t set = 0; set < in->size(); ++set) {
+                for (int l = 0; l < L::used; ++l) plane[l] = velocityGradient[L::entryAt(int(set), l)] + first;
+                separate(&in[0][set], int(in->size()), count, plane);
+            }
         }
     };
+
+    // Between the lanes of the nodes and planes: vectors as in NodalField::Velocity, and NodalField::Motion.
+    static void packVectors(const std::array<const double*, Dim>& plane, int count, Quad* out) {
+        const double zero[Dim == 2 ? 1 : chunkSize] = {};
+        interleave({plane[0], plane[L::component(1)], plane[L::component(2)], Dim == 2 ? plane[1] : zero}, count, out);
+    }
+    static void unpack(const typename NF::Velocity* in, int count, const std::array<double*, Dim>& plane) {
+        std::array<double*, L::used> all;
+        for (int l = 0; l < L::used; ++l) all[l] = plane[L::component(l)];
+        separate(in->part, 1, count, all);
+    }
+    static void unpack(const typename NF::Motion* in, int count, const std::array<double*, 2 * Dim>& plane) {
+        constexpr int parts = sizeof(typename NF::Motion) / sizeof(Quad);
+        separate(in->part, parts, count, std::array<double*, 4>{plane[0], plane[1], plane[2], plane[3]});
+        if constexpr (Dim == 3) separate(in->part + 1, parts, count, std::array<double*, 2>{plane[4], plane[5]});
+    }
+    template <size_t n, size_t most> static std::array<const double*, Dim> vectorOf(const double (&array)[n][most]) {
+        std::array<const double*, Dim> all;
+        for (int k = 0; k < Dim; ++k) all[k] = array[k];
+        return all;
+    }
+    template <size_t n, size_t most> static std::array<double*, n> rows(double (&array)[n][most]) {
+        std::array<double*, n> all;
+        for (size_t k = 0; k < n; ++k) all[k] = array[k];
+        return all;
+    }
 
     // Creates n particles with the given centres and volumes, numbered in order.
     void create(const std::vector<Vec<Dim>>& positions, const std::vector<double>& volumes) {

@@ -110,10 +110,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                     for (int k = 0; k < (Dim == 2 ? 1 : 3); ++k) b[k] = Quad{};
             scatter(nodes, first, count, w, value, B);
             if (hasBodyForce) {
-                for (int i = 0; i < count; ++i) {
-                    const Quad weight = q.weight(first + i, true);
-                    value[i] = L::vector([&](int k) { return weight[k]; });
-                }
+                double given[Dim][batch];
+                q.bodyForces(first, count, given);
+                Base::packVectors(Base::vectorOf(given), count, value);
                 scatter<1>(nodes, first, count, w, value);
             }
         });
@@ -126,11 +125,15 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             if (nodes) {
                 typename NF::Motion motion[batch];
                 for (int i = 0; i < count; ++i) motion[i] = gather(nodes + cells[first + i], w, i);
-                damped_[block] += q.move(first, count, motion, how);
+                double taken[2 * Dim][batch];
+                Base::unpack(motion, count, Base::rows(taken));
+                damped_[block] += q.move(first, count, how, [&](int k, int i) __attribute__((always_inline)) { return taken[k][i]; });
             }
             if (momentum) {
+                double given[Dim + 1][batch];
                 Quad value[batch];
-                q.momenta(first, count, how.inertiaScale, value);
+                q.momenta(first, count, how.inertiaScale, given);
+                Base::packVectors(Base::vectorOf(given), count, value);
                 scatter<0>(momentum, first, count, w, value);
             }
         });
@@ -177,6 +180,27 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         });
     }
 
+    // Where the driven part of a body is: at every step, so not one by one through weights().
+    void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
+        const double* mass = particles.mass.plane();
+        for (size_t i = 0; i < which.size();) {
+            const int first = which[i];
+            int count = 1;
+            while (i + count < which.size() && count < batch && which[i + count] == first + count) ++count;
+            i += count;
+            const Weights w(*this, first, count);
+            for (int p = 0; p < count; ++p)
+                for (int row = 0; row < rows; ++row)
+                    for (int k = 0; k < 3; ++k) {
+                        const int node = cell_[first + p] + rowOffset(row) + k;
+                        const double phi = w.across(row, p).S * w.axis[0].S[k][p];
+                        if (phi == 0) continue;
+                        if (nodal[node] == 0) touched.push_back(node);
+                        nodal[node] += phi * mass[first + p];
+                    }
+        }
+    }
+
     void grown() override { regroup(); }
 
     bool splitStretched() override {
@@ -208,7 +232,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
   private:
     static constexpr int power(int base, int exponent) { return exponent == 0 ? 1 : base * power(base, exponent - 1); }
     static constexpr int rows = power(3, Dim - 1); // of three nodes along the first axis
-    static constexpr int batch = 64;
+    static constexpr int batch = Base::lot;
 
     // Weights of a batch of particles, short enough to stay in the first cache while it is used.
     struct Weights {

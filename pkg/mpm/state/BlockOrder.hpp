@@ -21,12 +21,15 @@ template <int Dim> class BlockOrder {
     int blocks() const { return int(start.size()) - 1; }
     int at(int i) const { return order.empty() ? i : order[i]; }
 
-    // Groups points by block, by cell within a block, and by number within a cell.
-    void group(const Grid<Dim>& grid, const std::vector<int>& cell) {
+    // Groups points by block, within a block by cell if so wanted, and then by number.
+    void group(const Grid<Dim>& grid, const std::vector<int>& cell, bool byCell = true) {
         isReady_ = false;
         order.resize(cell.size());
         std::iota(order.begin(), order.end(), 0);
-        std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return cell[a] < cell[b]; });
+        std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+            const int divisor = byCell ? 1 : grid.strides[Dim - 1] * grid.slabsPerBlock;
+            return cell[a] / divisor < cell[b] / divisor;
+        });
         start.assign(grid.blocks() + 1, 0);
         for (int c : cell) ++start[grid.slabOf(c) / grid.slabsPerBlock + 1];
         for (size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];

@@ -61,7 +61,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             work_[b].clear(n);
             if (shares_[b].count() != chunksOf(n))
                 shares_[b].set(chunksOf(n), [&](int c) {
-                    return scene.bodies[b]->domains->workOf(c * chunkSize, std::min(n, (c + 1) * chunkSize));
+                    const int begin = c * chunkSize, end = std::min(n, begin + chunkSize);
+                    return end - begin + scene.bodies[b]->domains->workOf(begin, end); // gradients are half of it
                 });
         }
         parallel(scene.threads, [&](Team& team) {

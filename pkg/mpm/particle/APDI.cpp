@@ -9,6 +9,7 @@
 #include "mpm/particle/HangingVertices.hpp"
 #include "mpm/particle/Transfers.hpp"
 
+#include <atomic>
 #include <mutex>
 
 namespace mpm {
@@ -78,13 +79,20 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     // --- the step -----------------------------------------------------------------------------------
     void locate(Team& team) override {
-        team.chunksNoWait(X_.size(), [&](int begin, int end) { hasMoved_[begin / chunkSize] = find(begin, end); });
+        team.chunksNoWait(X_.size(), [&](int begin, int end) {
+            hanging_.within(begin, end, [&](int s, int slave) { // round-off would let it creep off the line between its masters
+                for (int k = 0; k < Dim; ++k) X_.plane(k)[slave] = hanging_.mean(s, X_.plane(k));
+            });
+            hasMoved_[begin / chunkSize] = find(begin, end);
+            scale(begin, end, planes<vertexPlanes>(0), 0);
+        });
     }
 
     // The vertices stay where they are in memory; only the list of those of a block is made anew.
     bool settle() override {
         hourglassModulus_ = hourglassCoefficient_ * (2.0 / 3.0) * (Base::lame[0] + 3 * Base::lame[1]);
         distorted_.clear(), damped_.assign(pieceCount(), 0.0);
+        isCleared_ = true;
         if (order.isReady()) {
             for (int v = 0; v < X_.size(); v += hasMoved_[v / chunkSize] ? 1 : chunkSize)
                 if (hasMoved_[v / chunkSize]) order.extend(block_[v], grid, cell_[v]);
@@ -110,7 +118,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         const auto stress = Base::stressPlanes();
         const bool hasBodyForce = particles.hasBodyForce && withForce;
         const DeformedPattern deformed(*this);
-        clear(team);
+        if (!isCleared_) clear(team);
         pieces(team, [&](const Batch<Dim>& batch) {
             const Shapes d(batch, X_, skew_);
             FromDomains from;
@@ -139,8 +147,10 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // vertices since addSum(); as an impulse they are the first part of the vertices' momentum.
     void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* nodalMomentum, const Move& how) override {
         const Planes q(particles);
-        if (nodes) toVertices(team, nodes, planes<2 * Dim>(motion));
-        if (nodalMomentum) scale(team, planes<Dim>(control), how.dt);
+        isCleared_ = false;
+        if (nodalMomentum)
+            team.chunksNoWait(X_.size(), [&](int begin, int end) { scale(begin, end, planes<Dim>(control), how.dt); });
+        nodes ? toVertices(team, nodes, planes<2 * Dim>(motion)) : team.wait();
         pieces(team, [&](const Batch<Dim>& batch) {
             const BatchWeights<Dim> d(batch, skew_);
             if (nodes) {
@@ -192,13 +202,10 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     void advance(Team& team, double dt) override {
-        team.chunks(X_.size(), [&](int begin, int end) {
+        team.chunksNoWait(X_.size(), [&](int begin, int end) {
             for (int k = 0; k < Dim; ++k)
                 for (int v = begin; v < end; ++v) X_.plane(k)[v] += dt * V_.plane(k)[v];
         });
-        std::array<double*, Dim> x;
-        for (int k = 0; k < Dim; ++k) x[k] = X_.plane(k);
-        hanging_.take(team, x); // round-off would let a slave creep off the line between its masters
     }
 
     // --- besides the step ---------------------------------------------------------------------------
@@ -568,19 +575,23 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                 for (int n = 1; n < NC; ++n) sum.add(hat.S[n][i], node[hat.offset[n]]);
                 taken[i] = sum;
             }
+            hanging_.within(begin, end, [&](int s, int slave) { // as its masters, which another thread may be at
+                Node& sum = taken[slave - begin] = Node::zero();
+                hanging_.eachMaster(s, [&](int v, double w) { hat(v, [&](int node, double S) { sum.add(w * S, nodes[node]); }); });
+            });
             std::array<double*, count> to = plane;
             for (double*& x : to) x += begin;
             Base::unpack(taken, end - begin, to);
         });
-        hanging_.take(team, plane);
     }
-    void clear(Team& team) { scale(team, planes<vertexPlanes>(0), 0); }
 
-    template <size_t n> void scale(Team& team, const std::array<double*, n>& plane, double factor) {
-        team.chunks(X_.size(), [&](int begin, int end) {
-            for (double* x : plane)
-                for (int v = begin; v < end; ++v) x[v] = factor == 0 ? 0 : factor * x[v];
-        });
+    void clear(Team& team) {
+        team.chunks(X_.size(), [&](int begin, int end) { scale(begin, end, planes<vertexPlanes>(0), 0); });
+    }
+
+    template <size_t n> static void scale(int begin, int end, const std::array<double*, n>& plane, double factor) {
+        for (double* x : plane)
+            for (int v = begin; v < end; ++v) x[v] = factor == 0 ? 0 : factor * x[v];
     }
 
     int pieceCount() const { return (particles.size() + pieceSize_ - 1) / pieceSize_; }
@@ -724,6 +735,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
     Field vertex_{"vertex", "", "What a vertex holds during a transfer.", {vertexPlanes}};
     Field skew_{"skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
+    std::atomic<bool> isCleared_{false};   // whether the vertices hold nothing, since locate()
     int pieceSize_ = 0;                    // domains per piece of the stage between domains and vertices
     Turns pieces_;
     std::vector<Distorted> distorted_;     // found in the last takeGradient(), in order

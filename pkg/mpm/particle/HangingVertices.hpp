@@ -13,7 +13,7 @@ namespace mpm {
 class HangingVertices {
   public:
     static constexpr int most = 4;    // masters of one slave
-    std::vector<int> slaves, masters; // `most` masters per slave, -1: none
+    std::vector<int> slaves, masters; // slaves in order; `most` masters per slave, -1: none
     Field weight{"masterWeight", "-", "Weights of the masters of a hanging vertex.", {most}};
 
     int count() const { return int(slaves.size()); }
@@ -38,20 +38,20 @@ class HangingVertices {
         eachMaster(int(slave - slaves.begin()), f);
     }
 
-    // Slaves take the weighted means of their masters.
-    template <size_t n> void take(Team& team, const std::array<double*, n>& plane) const {
-        if (slaves.empty()) return;
-        team.once([&] {
-            for (double* x : plane)
-                for (int s = 0; s < count(); ++s) {
-                    double mean = 0;
-                    eachMaster(s, [&](int master, double w) { mean += w * x[master]; });
-                    x[slaves[s]] = mean;
-                }
-        });
+    // f(number, vertex) for the slaves among vertices [begin, end).
+    template <class F> void within(int begin, int end, F&& f) const {
+        for (auto s = std::lower_bound(slaves.begin(), slaves.end(), begin); s != slaves.end() && *s < end; ++s)
+            f(int(s - slaves.begin()), *s);
     }
 
-    // The transpose: they hand what they have to their masters.
+    // Of a plane of numbers at the vertices, the weighted mean over the masters of slave number s.
+    double mean(int s, const double* x) const {
+        double sum = 0;
+        eachMaster(s, [&](int master, double w) { sum += w * x[master]; });
+        return sum;
+    }
+
+    // The transpose: slaves hand what they have to their masters.
     template <size_t n> void give(Team& team, const std::array<double*, n>& plane) const {
         if (slaves.empty()) return;
         team.once([&] {

@@ -4,9 +4,10 @@
 // nodal hat function S_i is replaced by its interpolant over the corners, so that
 //     phi_ip = sum_a w_a S_i(X_a),   grad phi_ip = sum_a g_a S_i(X_a)      (S_i itself, not its gradient)
 // and every transfer runs in two stages, particle <-> vertex <-> grid. The shapes w, g of one domain are
-// in APDIShape.hpp; here are the vertices, the transfers, hourglass control and the check for distortion.
+// in APDIShape.hpp, those of many at once in DomainBatch.hpp, the vertices in the grid in MeshVertices.hpp; here are the transfers
+// between domains and vertices, hourglass control and the check for distortion.
 #include "mpm/particle/DomainBatch.hpp"
-#include "mpm/particle/HangingVertices.hpp"
+#include "mpm/particle/MeshVertices.hpp"
 #include "mpm/particle/Transfers.hpp"
 
 #include <atomic>
@@ -28,16 +29,13 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     static constexpr int NC = corners<Dim>;
 
     MeshDomains(Particles<Dim>& particles, const Grid<Dim>& grid, double hourglass, bool converts)
-        : Base(particles, grid), hourglassCoefficient_(hourglass), converts_(converts) {}
+        : Base(particles, grid), hourglassCoefficient_(hourglass), converts_(converts), vertices_(grid, order) {}
 
     // --- making -------------------------------------------------------------------------------------
     void build(const Geometry<Dim>& geometry) override {
-        const int n = int(geometry.points.size());
-        X_.resize(n), X0_.resize(n), V_.resize(n);
-        for (int v = 0; v < n; ++v)
-            for (int k = 0; k < Dim; ++k) X_.plane(k)[v] = X0_.plane(k)[v] = geometry.points[v][k];
+        vertices_.create(geometry.points);
         corner_ = geometry.cells;
-        hanging_.set(geometry.slaves, geometry.masters, geometry.weights);
+        vertices_.hanging.set(geometry.slaves, geometry.masters, geometry.weights);
 
         const int domains = int(corner_.size()) / NC;
         std::vector<Vec<Dim>> centres(domains, Vec<Dim>::Zero());
@@ -58,20 +56,19 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         regroup();
     }
 
-    std::vector<Field*> fields() override { return {&X_, &X0_, &V_, &hourglass0_, &hanging_.weight}; }
+    std::vector<Field*> fields() override {
+        return {&vertices_.position, &vertices_.reference, &vertices_.velocity, &hourglass0_, &vertices_.hanging.weight};
+    }
     std::vector<std::pair<std::string, std::vector<int>*>> tables() override {
         auto all = Base::tables();
-        all.insert(all.end(), {{"corners", &corner_}, {"slaves", &hanging_.slaves}, {"masters", &hanging_.masters}});
+        all.insert(all.end(), {{"corners", &corner_}, {"slaves", &vertices_.hanging.slaves}, {"masters", &vertices_.hanging.masters}});
         return all;
     }
 
     // What follows from the connectivity.
     void restored() override {
-        order.forget();
-        const int n = X_.size();
-        hasMoved_.assign(chunksOf(n), 1);
-        cell_.resize(n), local_.resize(n);
-        vertex_.resize(n);
+        vertices_.restored();
+        carried_.resize(vertices_.size());
         skew_.resize(particles.size());
         rowEnd_ = Batch<Dim>::rowEnds(corner_);
         cutIntoPieces();
@@ -79,36 +76,17 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     // --- the step -----------------------------------------------------------------------------------
     void locate(Team& team) override {
-        team.chunksNoWait(X_.size(), [&](int begin, int end) {
-            hanging_.within(begin, end, [&](int s, int slave) { // round-off would let it creep off the line between its masters
-                for (int k = 0; k < Dim; ++k) X_.plane(k)[slave] = hanging_.mean(s, X_.plane(k));
-            });
-            hasMoved_[begin / chunkSize] = find(begin, end);
+        team.chunksNoWait(vertices_.size(), [&](int begin, int end) {
+            find(begin, end);
             scale(begin, end, planes<vertexPlanes>(0), 0);
         });
     }
 
-    // The vertices stay where they are in memory; only the list of those of a block is made anew.
     bool settle() override {
         hourglassModulus_ = hourglassCoefficient_ * (2.0 / 3.0) * (Base::lame[0] + 3 * Base::lame[1]);
         distorted_.clear(), damped_.assign(pieceCount(), 0.0);
         isCleared_ = true;
-        if (order.isReady()) {
-            for (int v = 0; v < X_.size(); v += hasMoved_[v / chunkSize] ? 1 : chunkSize)
-                if (hasMoved_[v / chunkSize]) order.extend(block_[v], grid, cell_[v]);
-            if (!order.broken(grid)) return false;
-            order.group(grid, cell_, false);
-        }
-        order.prepare(2);
-        block_.resize(X_.size()), vertexRowEnd_.resize(X_.size());
-        for (int b = 0; b < order.blocks(); ++b) {
-            order.inspect(b, grid, cell_);
-            for (int i = order.start[b + 1] - 1; i >= order.start[b]; --i) {
-                const int v = order.order[i];
-                block_[v] = b;
-                vertexRowEnd_[i] = i + 1 < order.start[b + 1] && order.order[i + 1] == v + 1 ? vertexRowEnd_[i + 1] : i + 1;
-            }
-        }
+        vertices_.settle();
         return false;
     }
 
@@ -120,7 +98,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         const DeformedPattern deformed(*this);
         if (!isCleared_) clear(team);
         pieces(team, [&](const Batch<Dim>& batch) {
-            const Shapes d(batch, X_, skew_);
+            const Shapes d(batch, vertices_.position, skew_);
             FromDomains from;
             q.momenta(batch.first, batch.count, inertiaScale, from.momentum);
             if (withForce) q.tension(batch.first, batch.count, stress.data(), from.tension);
@@ -149,8 +127,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         const Planes q(particles);
         isCleared_ = false;
         if (nodalMomentum)
-            team.chunksNoWait(X_.size(), [&](int begin, int end) { scale(begin, end, planes<Dim>(control), how.dt); });
-        nodes ? toVertices(team, nodes, planes<2 * Dim>(motion)) : team.wait();
+            team.chunksNoWait(vertices_.size(), [&](int begin, int end) { scale(begin, end, planes<Dim>(control), how.dt); });
+        nodes ? take(team, nodes, planes<2 * Dim>(motion)) : team.wait();
         pieces(team, [&](const Batch<Dim>& batch) {
             const BatchWeights<Dim> d(batch, skew_);
             if (nodes) {
@@ -173,8 +151,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         });
         if (!nodalMomentum) return;
         const auto given = planes<Dim>(control);
-        hanging_.give(team, given);
-        scatterVertices(team, nodalMomentum, [&](int first, int count, typename NF::Velocity* out) {
+        vertices_.hanging.give(team, given);
+        vertices_.scatter(team, nodalMomentum, [&](int first, int count, typename NF::Velocity* out) {
             std::array<const double*, Dim> from;
             for (int k = 0; k < Dim; ++k) from[k] = given[k] + first;
             Base::packVectors(from, count, out->part);
@@ -184,8 +162,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // Vertices move with the velocity field that enters the velocity gradient.
     void takeVelocity(Team& team, const typename NF::Velocity* nodes) override {
         std::array<double*, Dim> velocity;
-        for (int k = 0; k < Dim; ++k) velocity[k] = V_.plane(k);
-        toVertices(team, nodes, velocity);
+        for (int k = 0; k < Dim; ++k) velocity[k] = vertices_.velocity.plane(k);
+        take(team, nodes, velocity);
     }
 
     // With the gradient comes the volume after the step: the polygon area (polyhedron volume) itself; J V0 differs from
@@ -201,28 +179,23 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         return work;
     }
 
-    void advance(Team& team, double dt) override {
-        team.chunksNoWait(X_.size(), [&](int begin, int end) {
-            for (int k = 0; k < Dim; ++k)
-                for (int v = begin; v < end; ++v) X_.plane(k)[v] += dt * V_.plane(k)[v];
-        });
-    }
+    void advance(Team& team, double dt) override { vertices_.advance(team, dt); }
 
     // --- besides the step ---------------------------------------------------------------------------
     const std::vector<int>* cornerTable() const override { return &corner_; }
-    Field* vertexPositions() override { return &X_; }
-    Field* vertexVelocities() override { return &V_; }
+    Field* vertexPositions() override { return &vertices_.position; }
+    Field* vertexVelocities() override { return &vertices_.velocity; }
 
     void addVertexForce(int v, const Vec<Dim>& force, typename NF::Sum* nodes) const override {
-        hanging_.through(v, [&](int vertex, double share) {
-            Hat(*this)(vertex, [&](int node, double S) {
+        vertices_.hanging.through(v, [&](int vertex, double share) {
+            Hat{vertices_}(vertex, [&](int node, double S) {
                 for (int k = 0; k < Dim; ++k)
                     nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + share * S * force[k]);
             });
         });
     }
 
-    double longestEdge(int p) const override { return std::sqrt(longestSquare(p, X_)); }
+    double longestEdge(int p) const override { return std::sqrt(longestSquare(p, vertices_.position)); }
 
     double minJacobian() const override {
         double least = 1e300;
@@ -286,23 +259,23 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         std::vector<char> keep(particles.size(), 1);
         for (int p : gone) keep[p] = 0;
         releaseSlaves(gone);
-        std::vector<int> kept, cornerKept, used(X_.size(), 0);
+        std::vector<int> kept, cornerKept, used(vertices_.size(), 0);
         for (int p = 0; p < particles.size(); ++p) {
             if (!keep[p]) continue;
             kept.push_back(p);
             for (int a = 0; a < NC; ++a) cornerKept.push_back(corner_[NC * p + a]), used[cornerKept.back()] = 1;
         }
-        for (int s = 0; s < hanging_.count(); ++s)
-            if (used[hanging_.slaves[s]]) hanging_.eachMaster(s, [&](int v, double) { used[v] = 1; });
-        std::vector<int> vertexKept, renumber(X_.size(), -1);
-        for (int v = 0; v < X_.size(); ++v)
+        for (int s = 0; s < vertices_.hanging.count(); ++s)
+            if (used[vertices_.hanging.slaves[s]]) vertices_.hanging.eachMaster(s, [&](int v, double) { used[v] = 1; });
+        std::vector<int> vertexKept, renumber(vertices_.size(), -1);
+        for (int v = 0; v < vertices_.size(); ++v)
             if (used[v]) renumber[v] = int(vertexKept.size()), vertexKept.push_back(v);
         for (int& v : cornerKept) v = renumber[v];
-        hanging_.select([&](int s) { return used[hanging_.slaves[s]] != 0; });
-        hanging_.renumber(renumber);
+        vertices_.hanging.select([&](int s) { return used[vertices_.hanging.slaves[s]] != 0; });
+        vertices_.hanging.renumber(renumber);
 
         corner_ = cornerKept;
-        for (Field* field : {&X_, &X0_, &V_}) field->select(vertexKept);
+        vertices_.select(vertexKept);
         hourglass0_.select(kept);
         for (Field* field : particles.fields()) field->select(kept);
         restored();
@@ -311,30 +284,27 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     size_t bytes() const override {
-        size_t sum = sizeof(int) * (corner_.size() + rowEnd_.size() + cell_.size() + block_.size() + vertexRowEnd_.size() + order.order.size()) +
-                     vertex_.bytes() + local_.bytes() + skew_.bytes();
-        for (const Field* f : {&X_, &X0_, &V_, &hourglass0_}) sum += f->bytes();
-        return sum;
+        return sizeof(int) * (corner_.size() + rowEnd_.size()) + vertices_.bytes() + carried_.bytes() + skew_.bytes() + hourglass0_.bytes();
     }
 
     void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
         const Shape<Dim> shape(numbersOf<Dim>(cornersOf(p)));
         for (int a = 0; a < NC; ++a)
-            hanging_.through(corner_[NC * p + a], [&](int v, double share) {
-                Hat(*this)(v, [&](int node, double S) { each(node, share * shape.w[a] * S, Vec<Dim>(share * S * shape.g[a])); });
+            vertices_.hanging.through(corner_[NC * p + a], [&](int v, double share) {
+                Hat{vertices_}(v, [&](int node, double S) { each(node, share * shape.w[a] * S, Vec<Dim>(share * S * shape.g[a])); });
             });
     }
 
-    // The nodal forces of hourglass control as a stiffness: those of the motion that V_ holds, over unit time.
+    // The nodal forces of hourglass control as a stiffness: those of the motion that the velocity of the vertices holds, over unit time.
     void addForce(Team& team, typename NF::Sum* nodes, const double* const tensor[9]) override {
         const Planes q(particles);
         clear(team);
         pieces(team, [&](const Batch<Dim>& batch) {
-            const Shapes d(batch, X_, skew_);
+            const Shapes d(batch, vertices_.position, skew_);
             FromDomains from;
             q.tension(batch.first, batch.count, tensor, from.tension);
             addTension(batch, d, from);
-            const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(V_));
+            const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(vertices_.velocity));
             if (controls()) addControl(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
                 for (int m = 0; m < modes; ++m)
                     for (int k = 0; k < Dim; ++k) {
@@ -348,13 +318,14 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
   private:
     using Shapes = BatchShapes<Dim>;
+    using Hat = typename MeshVertices<Dim>::Hat;
     static constexpr int modes = Shapes::modes;
 
     void gradients(const Batch<Dim>& batch, double dt) {
         double *volume = particles.volume.plane(), *L[Dim * Dim];
         for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
         const int first = batch.first, count = batch.count;
-        const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(X_)), V(batch, vectorPlanes<Dim>(V_));
+        const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(vertices_.position)), V(batch, vectorPlanes<Dim>(vertices_.velocity));
         double quality[Batch<Dim>::most];
         auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
             const ClosedShape<Dim> shape(X.at(p));
@@ -410,7 +381,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         return longest;
     }
 
-    bool isStretched(int p) const { return longestSquare(p, X_) > worstGrowth * worstGrowth * longestSquare(p, X0_); }
+    bool isStretched(int p) const { return longestSquare(p, vertices_.position) > worstGrowth * worstGrowth * longestSquare(p, vertices_.reference); }
 
     void noteDistorted(const Distorted& d) {
         std::lock_guard<std::mutex> lock(mutex_);
@@ -421,7 +392,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     Corners<Dim> cornersOf(int p) const {
         Corners<Dim> x;
         for (int a = 0; a < NC; ++a)
-            for (int k = 0; k < Dim; ++k) x(k, a) = X_.plane(k)[corner_[NC * p + a]];
+            for (int k = 0; k < Dim; ++k) x(k, a) = vertices_.position.plane(k)[corner_[NC * p + a]];
         return x;
     }
 
@@ -432,20 +403,20 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     template <int n> std::array<double*, n> planes(int first) {
         std::array<double*, n> all;
-        for (int k = 0; k < n; ++k) all[k] = vertex_.plane(first + k);
+        for (int k = 0; k < n; ++k) all[k] = carried_.plane(first + k);
         return all;
     }
     template <int n> std::array<const double*, n> constPlanes(int first) {
         std::array<const double*, n> all;
-        for (int k = 0; k < n; ++k) all[k] = vertex_.plane(first + k);
+        for (int k = 0; k < n; ++k) all[k] = carried_.plane(first + k);
         return all;
     }
 
     // What a batch of domains gives to its vertices.
     struct FromDomains {
-        double momentum[Dim + 1][Batch<Dim>::most];  // and inertial mass, times w
-        double tension[Dim][Dim][Batch<Dim>::most];  // -V sigma, times g
-        double bodyForce[Dim][Batch<Dim>::most];     // times w
+        double momentum[Dim + 1][Batch<Dim>::most];   // and inertial mass, times w
+        double tension[Dim][Dim][Batch<Dim>::most];   // -V sigma, times g
+        double bodyForce[Dim][Batch<Dim>::most];      // times w
         double control[modes][Dim][Batch<Dim>::most]; // times gamma: forces against the hourglass patterns
     };
 
@@ -500,9 +471,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // Then the nodes take it; the forces of hourglass control stay on the vertices, too. overScale: weight mass over inertial mass.
     void sumToNodes(Team& team, typename NF::Sum* nodes, bool withControl, double overScale) {
         const auto given = planes<vertexPlanes>(0);
-        hanging_.give(team, given);
+        vertices_.hanging.give(team, given);
         const double factor = withControl ? 1 : 0;
-        scatterVertices(team, nodes, [&](int first, int count, typename NF::Sum* out) {
+        vertices_.scatter(team, nodes, [&](int first, int count, typename NF::Sum* out) {
             double total[Dim][chunkSize], weightMass[chunkSize];
             std::array<const double*, Dim> all;
             for (int k = 0; k < Dim; ++k) {
@@ -520,73 +491,14 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         });
     }
 
-    // The cell that a vertex is in, and the hat functions of its nodes there.
-    struct Hat {
-        const int* cell;
-        const double* local[Dim];
-        int offset[NC];
-
-        explicit Hat(const MeshDomains& d) : cell(d.cell_.data()) {
-            for (int k = 0; k < Dim; ++k) local[k] = d.local_.plane(k);
-            for (int n = 0; n < NC; ++n) {
-                offset[n] = 0;
-                for (int k = 0; k < Dim; ++k) offset[n] += (n >> k & 1) * d.grid.strides[k];
-            }
-        }
-        MPM_INLINE std::array<double, NC> weights(int v) const {
-            std::array<double, NC> S;
-            MPM_UNROLL
-            for (int n = 0; n < NC; ++n) {
-                S[n] = n & 1 ? local[0][v] : 1 - local[0][v];
-                for (int k = 1; k < Dim; ++k) S[n] *= n >> k & 1 ? local[k][v] : 1 - local[k][v];
-            }
-            return S;
-        }
-        template <class F> void operator()(int v, F&& f) const {
-            const auto S = weights(v);
-            for (int n = 0; n < NC; ++n) f(cell[v] + offset[n], S[n]);
-        }
-    };
-
-    // The same for a batch of consecutive vertices.
-    struct Hats : Hat {
-        double S[NC][chunkSize];
-
-        Hats(const MeshDomains& d, int first, int count) : Hat(d) {
-            const auto set = [&](int i) __attribute__((always_inline)) {
-                const auto one = Hat::weights(first + i);
-                MPM_UNROLL
-                for (int n = 0; n < NC; ++n) S[n][i] = one[n];
-            };
-#pragma omp simd
-            for (int i = 0; i < count; ++i) set(i);
-        }
-    };
-
     // Velocity (Dim numbers) or motion (2 Dim) of the nodes, to the vertices.
-    template <class Node, size_t count> void toVertices(Team& team, const Node* nodes, const std::array<double*, count>& plane) {
-        team.chunks(X_.size(), [&](int begin, int end) {
-            const Hats hat(*this, begin, end - begin);
-            Node taken[chunkSize];
-            for (int i = 0; i < end - begin; ++i) {
-                const Node* node = nodes + hat.cell[begin + i];
-                Node sum = hat.S[0][i] * node[0];
-                MPM_UNROLL
-                for (int n = 1; n < NC; ++n) sum.add(hat.S[n][i], node[hat.offset[n]]);
-                taken[i] = sum;
-            }
-            hanging_.within(begin, end, [&](int s, int slave) { // as its masters, which another thread may be at
-                Node& sum = taken[slave - begin] = Node::zero();
-                hanging_.eachMaster(s, [&](int v, double w) { hat(v, [&](int node, double S) { sum.add(w * S, nodes[node]); }); });
-            });
-            std::array<double*, count> to = plane;
-            for (double*& x : to) x += begin;
-            Base::unpack(taken, end - begin, to);
-        });
+    template <class Node, size_t n> void take(Team& team, const Node* nodes, const std::array<double*, n>& plane) {
+        vertices_.gather(team, nodes, plane,
+                         [](const Node* in, int count, const std::array<double*, n>& out) { Base::unpack(in, count, out); });
     }
 
     void clear(Team& team) {
-        team.chunks(X_.size(), [&](int begin, int end) { scale(begin, end, planes<vertexPlanes>(0), 0); });
+        team.chunks(vertices_.size(), [&](int begin, int end) { scale(begin, end, planes<vertexPlanes>(0), 0); });
     }
 
     template <size_t n> static void scale(int begin, int end, const std::array<double*, n>& plane, double factor) {
@@ -608,40 +520,6 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     template <class F> void pieces(Team& team, F&& f) {
         team.inTurns(pieces_, [&](int piece) {
             batches(piece * pieceSize_, std::min(particles.size(), (piece + 1) * pieceSize_), f);
-        });
-    }
-
-    // node += S value over the vertices; give(first, count, value) fills in the values of vertices in a row. Sums of a cell stay in registers; towards the next one along the first
-    // axis only the nodes that are left behind are written.
-    template <class Node, class Give> void scatterVertices(Team& team, Node* nodes, Give&& give) {
-        const int* vertices = order.order.data();
-        team.inTurns(order.turns, [&](int b) {
-            Node sum[NC];
-            for (auto& s : sum) s = Node::zero();
-            const int end = order.start[b + 1];
-            int begin = order.start[b], next = begin, cell = begin < end ? cell_[vertices[begin]] : 0;
-            for (; begin < end; begin = next) {
-                const int first = vertices[begin];
-                next = std::min(vertexRowEnd_[begin], begin + chunkSize);
-                const int count = next - begin;
-                const Hats hat(*this, first, count);
-                Node given[chunkSize];
-                give(first, count, given);
-                for (int i = 0; i < count; ++i) {
-                    const int here = hat.cell[first + i];
-                    if (here == cell + 1)
-                        MPM_UNROLL
-                        for (int n = 0; n < NC; n += 2) nodes[cell + hat.offset[n]] += sum[n], sum[n] = sum[n + 1], sum[n + 1] = Node::zero();
-                    else if (here != cell)
-                        MPM_UNROLL
-                        for (int n = 0; n < NC; ++n) nodes[cell + hat.offset[n]] += sum[n], sum[n] = Node::zero();
-                    cell = here;
-                    MPM_UNROLL
-                    for (int n = 0; n < NC; ++n) sum[n].add(hat.S[n][i], given[i]);
-                }
-            }
-            const Hat hat(*this);
-            for (int n = 0; n < NC && begin > order.start[b]; ++n) nodes[cell + hat.offset[n]] += sum[n];
         });
     }
 
@@ -680,7 +558,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     std::vector<std::vector<int>> neighboursOfPieces() const {
-        std::vector<std::vector<int>> neighbours(pieceCount()), at(X_.size()); // at: pieces at a vertex
+        std::vector<std::vector<int>> neighbours(pieceCount()), at(vertices_.size()); // at: pieces at a vertex
         for (size_t slot = 0; slot < corner_.size(); ++slot) {
             const int piece = int(slot) / NC / pieceSize_;
             auto& here = at[corner_[slot]];
@@ -695,23 +573,23 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         return neighbours;
     }
 
-    bool find(int begin, int end) {
-        double *x[Dim], *local[Dim];
-        for (int k = 0; k < Dim; ++k) x[k] = X_.plane(k), local[k] = local_.plane(k);
-        return Base::support(begin, end, x, 0.0, cell_.data(), local, "vertex", nullptr);
+    void find(int begin, int end) {
+        vertices_.locate(begin, end, [&](int from, int to, double* const x[], int* cell, double* const local[]) {
+            return Base::support(from, to, x, 0.0, cell, local, "vertex", nullptr);
+        });
     }
 
     void regroup() {
-        find(0, X_.size());
-        order.group(grid, cell_, false);
+        for (int begin = 0; begin < vertices_.size(); begin += chunkSize) find(begin, std::min(vertices_.size(), begin + chunkSize));
+        vertices_.group();
     }
 
     // A hanging vertex whose coarse neighbour goes is free again.
     void releaseSlaves(const std::vector<int>& gone) {
-        hanging_.select([&](int s) {
+        vertices_.hanging.select([&](int s) {
             return std::none_of(gone.begin(), gone.end(), [&](int p) {
                 bool all = true;
-                hanging_.eachMaster(s, [&](int v, double) { all &= std::count(&corner_[NC * p], &corner_[NC * p] + NC, v) > 0; });
+                vertices_.hanging.eachMaster(s, [&](int v, double) { all &= std::count(&corner_[NC * p], &corner_[NC * p] + NC, v) > 0; });
                 return all;
             });
         });
@@ -720,25 +598,17 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     const double hourglassCoefficient_;
     const bool converts_;
     double hourglassModulus_ = 0; // kPa
-    Field X_{"vertexPosition", "m", "Position of the vertices.", {Dim}};
-    Field X0_{"vertexReference", "m", "Position of the vertices when the body was made.", {Dim}};
-    Field V_{"vertexVelocity", "m/s", "Velocity of the vertices in the last step.", {Dim}};
+    MeshVertices<Dim> vertices_;
     Field hourglass0_{"hourglassReference", "m", "Hourglass pattern of the undeformed domain.", {hourglassModes<Dim>, Dim}};
-    HangingVertices hanging_;
     std::vector<int> corner_; // 2^Dim per domain
     std::vector<int> rowEnd_; // see Batch
 
-    std::vector<int> cell_;      // of the vertices, once per step
-    std::vector<int> block_;     // of `order`, that each vertex belongs to
-    std::vector<int> vertexRowEnd_;    // where in `order` the numbers no longer follow each other
-    std::vector<char> hasMoved_; // chunks of vertices in which one is in another cell than before
-    Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
-    Field vertex_{"vertex", "", "What a vertex holds during a transfer.", {vertexPlanes}};
+    Field carried_{"carried", "", "What the vertices hold during a transfer.", {vertexPlanes}};
     Field skew_{"skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
-    std::atomic<bool> isCleared_{false};   // whether the vertices hold nothing, since locate()
-    int pieceSize_ = 0;                    // domains per piece of the stage between domains and vertices
+    std::atomic<bool> isCleared_{false}; // whether the vertices hold nothing, since locate()
+    int pieceSize_ = 0;                  // domains per piece of the stage between domains and vertices
     Turns pieces_;
-    std::vector<Distorted> distorted_;     // found in the last takeGradient(), in order
+    std::vector<Distorted> distorted_; // found in the last takeGradient(), in order
     std::mutex mutex_;
 };
 

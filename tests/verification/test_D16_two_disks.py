@@ -32,7 +32,7 @@ class Collision:
         self.disks = [scene.add(name, shape, rubber, type_, group=name) for name, shape in zip(("lower", "upper"), shapes)]
         self.disks[0].velocity, self.disks[1].velocity = [0.1, 0.1], [-0.1, -0.1]
         scene.dt = step * scene.criticalTimeStep()
-        self.scene, self.contact, self.rows, self.pushes = scene, contact, [], []
+        self.scene, self.contact, self.rows, self.pushes, self.acts = scene, contact, [], [], []
         self.note()
         engines = scene.engines
         if contact:
@@ -45,6 +45,7 @@ class Collision:
         kinetic = sum(0.5 * b.mass @ (b.velocity**2).sum(axis=1) for b in self.disks)
         momentum = sum(b.mass @ b.velocity for b in self.disks)
         self.pushes.append([self.contact.forceOn(b.name)[:2] for b in self.disks] if self.contact else None)
+        self.acts.append(self.contact is not None and len(self.contact.contactTable()["gap"]) > 0)
         self.rows.append([self.scene.time, kinetic, sum(map(elasticEnergy, self.disks)), np.abs(momentum).max()])
 
 
@@ -105,7 +106,7 @@ def test_disks_in_contact_keep_energy_and_momentum(type_, scheme, step):
     total = run.kinetic + run.elastic
     assert run.momentum.max() <= 1e-12
     assert run.kinetic.min() < 0.1 * total[0]
-    assert total == pytest.approx(total[0], rel=0.035 if isinstance(type_, mpm.APDI) else 0.03)
+    assert total == pytest.approx(total[0], rel=0.03)
     assert mpm.diagnostics.contactEnergy(run.scene) == pytest.approx(0, abs=1e-12)  # no friction
 
 
@@ -113,13 +114,52 @@ def test_disks_in_contact_keep_energy_and_momentum(type_, scheme, step):
 def test_disks_act_on_each_other_from_touch_to_parting_and_not_before(type_):
     run = Collision(type_, contact=mpm.Contact())
     lower, upper = np.array(run.pushes).transpose(1, 0, 2)
-    pushed = np.flatnonzero(np.abs(lower).any(axis=1))
+    pushed = np.flatnonzero(run.acts)
     late = run.time[pushed[0]] - TOUCH
     assert 0 <= late <= (0.05 if isinstance(type_, mpm.APDI) else 2 * run.scene.dt)
     assert (run.elastic[: pushed[0]] <= 1e-12 * run.kinetic[0]).all()
     assert run.elastic.max() > 0.5 * run.kinetic[0]
     assert run.time[pushed[-1]] < 3.0
     assert np.abs(lower + upper).max() <= 1e-12 * np.abs(lower).max()
+
+
+def outline(body):
+    """Ends of the edges of a mesh that belong to one domain only, (n, 2, 2)."""
+    edges = np.stack([body.cells, np.roll(body.cells, -1, axis=1)], axis=2).reshape(-1, 2)
+    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    return body.vertices[edges[first[count == 1]]]
+
+
+def overlap(one, other):
+    """How deep vertices of one outline lie within the other, m."""
+    deep = 0.0
+    for points, (a, b) in ((outline(p)[:, 0], outline(q).transpose(1, 0, 2)) for p, q in ((one, other), (other, one))):
+        x, y = points.T[:, :, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            crosses = ((a[:, 1] > y) != (b[:, 1] > y)) & (x < a[:, 0] + (y - a[:, 1]) * (b - a)[:, 0] / (b - a)[:, 1])
+        inside = points[crosses.sum(axis=1) % 2 == 1]
+        along = np.clip(((inside[:, None] - a) * (b - a)).sum(axis=2) / ((b - a) ** 2).sum(axis=1), 0, 1)
+        away = np.linalg.norm(inside[:, None] - a - along[:, :, None] * (b - a), axis=2).min(axis=1)
+        deep = max(deep, away.max(initial=0.0))
+    return deep
+
+
+@pytest.mark.parametrize("scheme, step", [("MUSL", 0.5), ("USF", 0.25)])
+def test_disks_hardly_overlap(scheme, step):
+    """Strained by 20 %; nodes alone would let them by 0.14 of a cell. 2 % are asked, 1 % is let pass."""
+    deepest, told = 0.0, 0.0
+
+    class Watched(Collision):
+        def note(self):
+            nonlocal deepest, told
+            super().note()
+            told = max(told, self.contact.largestPenetration * 40)
+            if self.scene.steps % 10 == 0:
+                deepest = max(deepest, overlap(*self.disks) * 40)
+
+    Watched("mesh", scheme, contact=mpm.Contact(), step=step)
+    assert 0.005 < deepest < 0.015
+    assert told == pytest.approx(deepest, rel=0.2)
 
 
 def test_control_without_contact_disks_act_on_each_other_before_they_touch():

@@ -26,7 +26,7 @@ def squircle(centre, edge):
     n = 2 * round(R / edge)
     x, y = np.meshgrid(*2 * [np.linspace(-1, 1, n + 1)], indexing="ij")
     x, y = x * np.sqrt(1 - y**2 / 2), y * np.sqrt(1 - x**2 / 2)
-    points = R * np.sqrt(0.5) * np.stack([x - y, x + y], axis=2).reshape(-1, 2) + centre
+    points = R * np.stack([x, y], axis=2).reshape(-1, 2) + centre
     first = np.arange(n)[:, None] * (n + 1) + np.arange(n)
     return points, np.stack([first, first + n + 1, first + n + 2, first + 1], axis=2).reshape(-1, 4)
 

@@ -2,7 +2,8 @@
 // Where two groups of bodies, a and b, have mass on one node, they exchange an impulse (Bardenhagen et al. 2000). With the
 // velocities v of the solution, the normal n from a to b, the gap g between the surfaces, and w = (v_a - v_b) . n,
 //     J_n = [w - max(g, 0)/dt] / (1/m_a + 1/m_b) where that is positive,   |J_t| <= mu J_n + adhesion A dt:
-// surfaces may close a gap but not cross, and do not pull. A node that a constraint holds counts as infinitely heavy.
+// surfaces may close a gap but not cross, and do not pull. A node that a constraint holds counts as infinitely heavy. Vertices of meshes
+// between the nodes (touches) exchange impulses by the same rule, with velocities and masses that follow from their hat functions.
 //
 // The velocities at the start of the step, p/m, need not agree either. The nodes are made to; the particles take `impactLoss` of
 // that part. Groups that neither slip nor separate take nothing of it, as with one velocity field for all, where the mean of all
@@ -61,46 +62,46 @@ Contact::Law Contact::lawOf(int a, int b) const {
     return {friction, adhesion, slip};
 }
 
-template <int Dim> std::vector<Meet<Dim>>& Contact::meets(const Scene<Dim>& scene) {
+template <int Dim> Meeting<Dim>& Contact::meeting(const Scene<Dim>& scene) {
     auto& meeting = std::get<Meeting<Dim>>(meetings_);
     if (!meeting.isFound(scene)) meeting.find(scene, normals == "mass");
-    return meeting.meets;
+    return meeting;
 }
 
 // What stops an approach faster than the gap allows in a step, as an impulse on the second group.
-template <int Dim> double Contact::stopping(const Meet<Dim>& meet, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const {
-    const double excess = w.dot(meet.normal) - (separation ? std::max(meet.gap, 0.0) / dt : 0);
-    const double yielding = meet.normal.dot(answer.cwiseProduct(meet.normal));
+template <int Dim> double Contact::stopping(const Site<Dim>& site, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const {
+    const double excess = w.dot(site.normal) - (separation ? std::max(site.gap + site.tolerated, 0.0) / dt : 0);
+    const double yielding = site.normal.dot(answer.cwiseProduct(site.normal));
     return yielding > 0 && (excess > 0 || !separation) ? excess / yielding : 0;
 }
 
 // The impulses on the second group, from the relative velocities at the start and of the solution: all that the nodes take, and
 // the part of it that only makes the velocities of the start agree.
 template <int Dim>
-typename Contact::Impulses<Dim> Contact::exchange(Meet<Dim>& meet, const Law& law, double dt, const Vec<Dim>& answer,
+Impulses<Dim> Contact::exchange(const Site<Dim>& site, const Law& law, double dt, const Vec<Dim>& answer,
                                                   const Vec<Dim>& start, const Vec<Dim>& w) const {
     Impulses<Dim> J;
     if (!separation && !law.slip) { // one body
         for (int k = 0; k < Dim; ++k)
             if (answer[k] > 0) J.all[k] = w[k] / answer[k], J.agreeing[k] = start[k] / answer[k];
-        meet.sticks = true;
+        J.sticks = true;
         return J;
     }
-    const Vec<Dim>& n = meet.normal;
-    const double pushed = stopping(meet, answer, w, dt);
+    const Vec<Dim>& n = site.normal;
+    const double pushed = stopping(site, answer, w, dt);
     if (pushed == 0) return J;
-    const double agreed = separation ? std::min(stopping(meet, answer, start, dt), pushed) : stopping(meet, answer, start, dt);
+    const double agreed = separation ? std::min(stopping(site, answer, start, dt), pushed) : stopping(site, answer, start, dt);
     J.all = pushed * n, J.agreeing = agreed * n;
     const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
     const Vec<Dim> slip = across(w - answer.cwiseProduct(J.all)), slipped = across(start - answer.cwiseProduct(J.agreeing));
     const Vec<Dim> t = unit(slip, 0.0);
-    const double lag = t.dot(answer.cwiseProduct(t)), borne = law.adhesion * meet.area * dt; // lag 0: constraints hold both
-    meet.sticks = t.isZero(0);
-    if (meet.sticks || !(lag > 0 || law.slip)) return J;
+    const double lag = t.dot(answer.cwiseProduct(t)), borne = law.adhesion * site.area * dt; // lag 0: constraints hold both
+    J.sticks = t.isZero(0);
+    if (J.sticks || !(lag > 0 || law.slip)) return J;
     const double limit = law.friction * std::max(pushed - (1 - impactLoss) * agreed, 0.0) + borne;
-    meet.sticks = lag > 0 && (!law.slip || (slip.norm() <= lag * (law.friction * std::max(pushed, 0.0) + borne) &&
+    J.sticks = lag > 0 && (!law.slip || (slip.norm() <= lag * (law.friction * std::max(pushed, 0.0) + borne) &&
                                             (slip - (1 - impactLoss) * slipped).norm() <= lag * limit));
-    if (meet.sticks)
+    if (J.sticks)
         J.all += slip / lag, J.agreeing += slipped / lag;
     else
         J.all += std::min(lag > 0 ? slip.norm() / lag : limit, limit) * t;
@@ -137,7 +138,7 @@ void Contact::change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const V
 
 // slip: with the velocity that strains the groups. Nodes that a body hardly feels may have quite another one in the solution.
 template <int Dim> void Contact::tell(Scene<Dim>& scene, const Meet<Dim>& meet, const Vec<Dim>& slip) {
-    const double rubbed = (meet.impulse - meet.impulse.dot(meet.normal) * meet.normal).dot(slip);
+    const double rubbed = meet.friction.dot(slip);
     frictionWork += rubbed, scene.energies.contact += rubbed;
     const auto append = [&](const Vec<Dim>& v) {
         for (int k = 0; k < 3; ++k) table.push_back(k < Dim ? v[k] : 0.0);
@@ -146,54 +147,121 @@ template <int Dim> void Contact::tell(Scene<Dim>& scene, const Meet<Dim>& meet, 
     append(scene.grid.nodePosition(meet.node)), append(meet.normal);
     table.insert(table.end(), {meet.gap, meet.area});
     append(meet.impulse / scene.dt), append(slip);
-    largestPenetration = std::max(largestPenetration, -meet.gap);
-    sliding += !meet.sticks;
+    if (!meet.hasTouches) largestPenetration = std::max(largestPenetration, -meet.gap);
+    sliding += meet.slides;
+}
+
+// The impulse at a site between nodes with weights S, anew, in view of what the others exchange. Returns whether it has changed much.
+template <int Dim> bool Contact::renew(Site<Dim>& site, const Law& law, double dt, const int* at, const double* S, int count) {
+    auto& nodes = std::get<std::vector<Pair<Dim>>>(nodes_);
+    Vec<Dim> answer = Vec<Dim>::Zero(), start = answer, w = answer;
+    for (int i = 0; i < count; ++i) {
+        const Pair<Dim>& node = nodes[at[i]];
+        answer += S[i] * S[i] * (node.W[0] + node.W[1]);
+        start += S[i] * (node.start[0] - node.start[1]), w += S[i] * (node.v[0] - node.v[1]);
+    }
+    start += answer.cwiseProduct(site.J.agreeing), w += answer.cwiseProduct(site.J.all);
+    const Impulses<Dim> J = exchange<Dim>(site, law, dt, answer, start, w);
+    const Impulses<Dim> more{J.all - site.J.all, J.agreeing - site.J.agreeing};
+    site.J = J;
+    if (!more.all.isZero(0) || !more.agreeing.isZero(0))
+        for (int i = 0; i < count; ++i) nodes[at[i]].take(more, S[i]);
+    return more.all.norm() > 1e-3 * J.all.norm();
+}
+
+// What a pair of groups exchanges at nodes, and at touches between them that still approach: one after the other, some rounds.
+template <int Dim, class LawOf> void Contact::settle(Meeting<Dim>& meeting, const Stretch& pair, double dt, LawOf&& lawOf) {
+    const double one = 1;
+    for (int round = 0; round < 10; ++round) {
+        for (int i = int(pair.meet); i < int(pair.lastMeet); ++i) renew<Dim>(meeting.meets[i], lawOf(meeting.meets[i]), dt, &i, &one, 1);
+        bool isDone = true;
+        for (size_t i = pair.touch; separation && i < pair.lastTouch; ++i) {
+            Touch<Dim>& touch = meeting.touches[i];
+            isDone &= !renew<Dim>(touch, lawOf(touch), dt, touch.meet, touch.S, Touch<Dim>::size);
+        }
+        if (isDone) return;
+    }
+}
+
+// Where there is friction, and how far meshes overlap.
+template <int Dim> void Contact::addFriction(Meeting<Dim>& meeting, const Stretch& pair, double loss) {
+    const auto add = [&](Site<Dim>& site, const int* at, const double* S, int count) {
+        site.sticks = site.J.sticks;
+        if (site.J.all.isZero(0)) return;
+        const Vec<Dim> taken = site.J.all - (1 - loss) * site.J.agreeing, along = taken - taken.dot(site.normal) * site.normal;
+        for (int i = 0; i < count; ++i) {
+            Meet<Dim>& meet = meeting.meets[at[i]];
+            meet.friction += S[i] * along, meet.slides |= !site.sticks;
+        }
+    };
+    const double one = 1;
+    for (int i = int(pair.meet); i < int(pair.lastMeet); ++i) add(meeting.meets[i], &i, &one, 1);
+    for (size_t i = pair.touch; i < pair.lastTouch; ++i) {
+        Touch<Dim>& touch = meeting.touches[i];
+        largestPenetration = std::max(largestPenetration, -touch.gap);
+        add(touch, touch.meet, touch.S, Touch<Dim>::size);
+    }
 }
 
 template <int Dim> void Contact::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     table.clear(), largestPenetration = 0, sliding = 0;
     const double loss = separation || slip ? impactLoss : 0;
-    for (Meet<Dim>& meet : meets(scene)) {
-        Vec<Dim> W[2], start[2], v[2];
-        for (int side = 0; side < 2; ++side) {
-            const NF& field = scene.grid.fields[meet.field[side]];
-            W[side] = mobility(field, meet.node);
-            for (int k = 0; k < Dim; ++k) {
-                v[side][k] = field.motion[meet.node][k];
-                start[side][k] = W[side][k] > 0 ? W[side][k] * field.sum[meet.node][NF::momentum + k] : v[side][k];
+    Meeting<Dim>& meeting = this->meeting(scene);
+    auto& nodes = std::get<std::vector<Pair<Dim>>>(nodes_);
+    nodes.assign(meeting.meets.size(), {});
+    for (const Stretch& pair : meeting.pairs) {
+        for (size_t i = pair.meet; i < pair.lastMeet; ++i)
+            for (int side = 0; side < 2; ++side) {
+                const int node = meeting.meets[i].node;
+                const NF& field = scene.grid.fields[meeting.meets[i].field[side]];
+                const Vec<Dim> W = nodes[i].W[side] = mobility(field, node);
+                for (int k = 0; k < Dim; ++k) {
+                    const double v = nodes[i].v[side][k] = field.motion[node][k];
+                    nodes[i].start[side][k] = W[k] > 0 ? W[k] * field.sum[node][NF::momentum + k] : v;
+                }
             }
+        const Law law = lawOf(meeting.meets[pair.meet].field[0], meeting.meets[pair.meet].field[1]);
+        settle<Dim>(meeting, pair, scene.dt, [&](const Site<Dim>&) { return law; });
+        addFriction<Dim>(meeting, pair, loss);
+        for (size_t i = pair.meet; i < pair.lastMeet; ++i) {
+            Meet<Dim>& meet = meeting.meets[i];
+            const Pair<Dim>& node = nodes[i];
+            if (node.J.all.isZero(0)) continue;
+            meet.impulse = node.J.all - (1 - loss) * node.J.agreeing, meet.acts = true;
+            for (int side = 0; side < 2; ++side) change<Dim>(scene, meet, side, (side == 0 ? -1 : 1) * node.W[side], node.J);
+            const Vec<Dim> met = loss * node.J.agreeing, answer = node.W[0] + node.W[1];
+            const Vec<Dim> start = node.start[0] - node.start[1] + answer.cwiseProduct(node.J.agreeing); // before the exchange
+            scene.energies.contact += met.dot(start - 0.5 * answer.cwiseProduct(met));
+            if (scene.scheme != Scheme::MUSL) tell<Dim>(scene, meet, node.v[0] - node.v[1]);
         }
-        const Impulses<Dim> J = exchange<Dim>(meet, lawOf(meet.field[0], meet.field[1]), scene.dt, W[0] + W[1], start[0] - start[1],
-                                              v[0] - v[1]);
-        if (J.all.isZero(0)) continue;
-        meet.impulse = J.all - (1 - loss) * J.agreeing, meet.acts = true;
-        for (int side = 0; side < 2; ++side) change<Dim>(scene, meet, side, (side == 0 ? -1 : 1) * W[side], J);
-        const Vec<Dim> met = loss * J.agreeing;
-        scene.energies.contact += met.dot(start[0] - start[1] - 0.5 * (W[0] + W[1]).cwiseProduct(met));
-        if (scene.scheme != Scheme::MUSL) tell<Dim>(scene, meet, v[0] - v[1] - (W[0] + W[1]).cwiseProduct(J.all));
     }
 }
 
 // The same for velocities that have been made anew from the momentum of the particles.
 template <int Dim> void Contact::tie(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
-    for (Meet<Dim>& meet : meets(scene)) {
-        Vec<Dim> W[2], v[2];
-        for (int side = 0; side < 2; ++side) {
-            NF& field = scene.grid.fields[meet.field[side]];
-            W[side] = mobility(field, meet.node);
-            for (int k = 0; k < Dim; ++k) v[side][k] = field.velocity[meet.node][NF::lane(k)];
+    Meeting<Dim>& meeting = this->meeting(scene);
+    auto& nodes = std::get<std::vector<Pair<Dim>>>(nodes_);
+    nodes.assign(meeting.meets.size(), {});
+    for (const Stretch& pair : meeting.pairs) {
+        for (size_t i = pair.touch; i < pair.lastTouch; ++i) meeting.touches[i].J = {};
+        for (size_t i = pair.meet; i < pair.lastMeet; ++i) {
+            meeting.meets[i].J = {};
+            for (int side = 0; side < 2; ++side) {
+                const NF& field = scene.grid.fields[meeting.meets[i].field[side]];
+                nodes[i].W[side] = mobility(field, meeting.meets[i].node);
+                for (int k = 0; k < Dim; ++k) nodes[i].v[side][k] = field.velocity[meeting.meets[i].node][NF::lane(k)];
+                nodes[i].start[side] = nodes[i].v[side];
+            }
         }
-        const Law law{0, 0, slip && !meet.sticks};
-        const bool sticks = meet.sticks;
-        const Impulses<Dim> J = exchange<Dim>(meet, law, scene.dt, W[0] + W[1], v[0] - v[1], v[0] - v[1]);
-        meet.sticks = sticks;
-        for (int side = 0; side < 2; ++side) {
-            v[side] += (side == 0 ? -1 : 1) * W[side].cwiseProduct(J.all);
-            for (int k = 0; k < Dim; ++k) NF::setVelocity(scene.grid.fields[meet.field[side]].velocity[meet.node], k, v[side][k]);
+        settle<Dim>(meeting, pair, scene.dt, [&](const Site<Dim>& site) { return Law{0, 0, slip && !site.sticks}; });
+        for (size_t i = pair.meet; i < pair.lastMeet; ++i) {
+            Meet<Dim>& meet = meeting.meets[i];
+            for (int side = 0; side < 2; ++side)
+                for (int k = 0; k < Dim; ++k) NF::setVelocity(scene.grid.fields[meet.field[side]].velocity[meet.node], k, nodes[i].v[side][k]);
+            if (scene.scheme == Scheme::MUSL && meet.acts) tell<Dim>(scene, meet, nodes[i].v[0] - nodes[i].v[1]);
         }
-        if (scene.scheme == Scheme::MUSL && meet.acts) tell<Dim>(scene, meet, v[0] - v[1]);
     }
 }
 

@@ -36,20 +36,33 @@ class Contact : public EngineOf<Contact> {
         double friction, adhesion;
         bool slip;
     };
-    template <int Dim> struct Impulses {
-        Vec<Dim> all = Vec<Dim>::Zero(), agreeing = Vec<Dim>::Zero();
+    // Two groups on a node: inverse masses, velocities at the start and of the solution, what they have exchanged.
+    template <int Dim> struct Pair {
+        Vec<Dim> W[2], start[2], v[2];
+        Impulses<Dim> J;
+        void take(const Impulses<Dim>& more, double share) {
+            J.all += share * more.all, J.agreeing += share * more.agreeing;
+            for (int side = 0; side < 2; ++side) {
+                const Vec<Dim> answer = (side == 0 ? -share : share) * W[side];
+                v[side] += answer.cwiseProduct(more.all), start[side] += answer.cwiseProduct(more.agreeing);
+            }
+        }
     };
     std::tuple<Meeting<2>, Meeting<3>> meetings_;
+    std::tuple<std::vector<Pair<2>>, std::vector<Pair<3>>> nodes_;
 
-    template <int Dim> std::vector<Meet<Dim>>& meets(const Scene<Dim>& scene);
+    template <int Dim> Meeting<Dim>& meeting(const Scene<Dim>& scene);
+    template <int Dim, class LawOf> void settle(Meeting<Dim>& meeting, const Stretch& pair, double dt, LawOf&& lawOf);
+    template <int Dim> bool renew(Site<Dim>& site, const Law& law, double dt, const int* at, const double* S, int count);
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> void tie(Scene<Dim>& scene);
-    template <int Dim> double stopping(const Meet<Dim>& meet, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const;
+    template <int Dim> double stopping(const Site<Dim>& site, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const;
     template <int Dim>
-    Impulses<Dim> exchange(Meet<Dim>& meet, const Law& law, double dt, const Vec<Dim>& answer, const Vec<Dim>& start,
+    Impulses<Dim> exchange(const Site<Dim>& site, const Law& law, double dt, const Vec<Dim>& answer, const Vec<Dim>& start,
                            const Vec<Dim>& w) const;
     template <int Dim>
     static void change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const Vec<Dim>& answer, const Impulses<Dim>& J);
+    template <int Dim> void addFriction(Meeting<Dim>& meeting, const Stretch& pair, double loss);
     template <int Dim> void tell(Scene<Dim>& scene, const Meet<Dim>& meet, const Vec<Dim>& slip);
     Law lawOf(int a, int b) const;
 };

@@ -10,7 +10,8 @@ namespace mpm {
 
 namespace {
 
-constexpr double edge = 0.9; // flatness of a surface below which it has an edge
+constexpr double edge = 0.9;       // flatness of a surface below which it has an edge
+constexpr double tolerated = 0.01; // overlap between nodes, in cells
 
 // f(node) for the 3^Dim nodes round one.
 template <int Dim, class F> void forNeighbours(const Grid<Dim>& grid, int node, F&& f) {
@@ -83,18 +84,18 @@ template <int Dim> void Meeting<Dim>::Boundary::find(Body<Dim>& body) {
 template <int Dim> void Meeting<Dim>::prepare(const Scene<Dim>& scene) {
     slot_.assign(scene.grid.count, -1), isNear_.assign(scene.grid.count, 0);
     boundaries_.assign(scene.bodies.size(), {});
-    meets.clear(), step_ = -1;
+    meets.clear(), touches.clear(), pairs.clear(), step_ = -1;
 }
 
 template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normalsByMass) {
-    meets.clear(), step_ = scene.step;
+    meets.clear(), touches.clear(), pairs.clear(), step_ = scene.step;
     isMeshed_.assign(scene.groups.size(), true);
     for (auto& body : scene.bodies)
         if (!body->type->isMeshed() && body->particles.size() > 0) isMeshed_[body->velocityField] = false;
     const int groups = int(scene.groups.size());
     for (int a = 0; a < groups; ++a)
         for (int b = a + 1; b < groups; ++b) {
-            const size_t first = meets.size();
+            const size_t first = meets.size(), touched = touches.size();
             if (!findNodes(scene, a, b)) continue;
             findSurfaces(scene, 0, a), findSurfaces(scene, 1, b);
             normalsByMass ? findNormalsByMass(scene.grid, first) : findNormals(scene.grid, first);
@@ -102,6 +103,8 @@ template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normals
             findFaces(scene, 0, a), findFaces(scene, 1, b);
             findIntruders(scene, 0, a, b), findIntruders(scene, 1, b, a);
             findGaps(scene.grid, first), borrow(scene.grid, first);
+            findTouches(scene, a, b);
+            pairs.push_back({first, meets.size(), touched, touches.size()});
             forget(scene.grid, first);
         }
 }
@@ -380,6 +383,55 @@ template <int Dim> void Meeting<Dim>::borrow(const Grid<Dim>& grid, size_t first
         });
         meet.normal = unit<Dim>(normal, 0.1 * weight), meet.gap = weight > 0 ? gap / weight : 0;
     }
+}
+
+// Vertices at the surface of a mesh that are near to a meet and at no edge, by their nearest node.
+template <int Dim> auto Meeting<Dim>::skin(const Scene<Dim>& scene, int field) const -> std::vector<Skin> {
+    std::vector<Skin> found;
+    if (!isMeshed_[field]) return found;
+    for (size_t b = 0; b < scene.bodies.size(); ++b) {
+        if (scene.bodies[b]->velocityField != field) continue;
+        const Field& X = *scene.bodies[b]->domains->vertexPositions();
+        for (int v : boundaries_[b].vertices) {
+            const int node = nearest(scene.grid, X, v);
+            const Vec<Dim>& outward = boundaries_[b].outward[v];
+            const double size = outward.norm();
+            if (isNear_[node] && size > edge * boundaries_[b].extent[v]) found.push_back({node, vectorAt<Dim>(X, v), outward / size});
+        }
+    }
+    std::stable_sort(found.begin(), found.end());
+    return found;
+}
+
+// Where two meshes are curved they overlap between nodes that keep their gap. So their vertices keep their distance, too, from the
+// tangent plane at the nearest vertex of the other.
+template <int Dim> void Meeting<Dim>::findTouches(const Scene<Dim>& scene, int a, int b) {
+    const Grid<Dim>& grid = scene.grid;
+    const double h = grid.cell.minCoeff();
+    const std::vector<Skin> skins[2] = {skin(scene, a), skin(scene, b)};
+    for (int side = 0; side < 2; ++side)
+        for (const Skin& own : skins[side]) {
+            const Skin* other = nullptr;
+            double least = 1e300;
+            forNeighbours(grid, own.node, [&](int node, const Vec<Dim>&) {
+                const auto range = std::equal_range(skins[1 - side].begin(), skins[1 - side].end(), Skin{node, {}, {}});
+                for (auto it = range.first; it != range.second; ++it)
+                    if (const double d = (it->position - own.position).squaredNorm(); d < least) least = d, other = &*it;
+            });
+            if (!other || own.outward.dot(other->outward) > -edge) continue;
+            Touch<Dim> touch;
+            touch.gap = (own.position - other->position).dot(other->outward), touch.tolerated = tolerated * h;
+            touch.normal = (side == 0 ? 1 : -1) * (own.outward - other->outward).normalized();
+            int corner = 0;
+            bool isShared = touch.gap > -0.5 * h;
+            forHats<Dim>(grid, own.position, [&](int node, double S) {
+                isShared &= slot_[node] >= 0;
+                touch.meet[corner] = slot_[node], touch.S[corner++] = S;
+            });
+            if (!isShared) continue;
+            for (int meet : touch.meet) meets[meet].hasTouches = true;
+            touches.push_back(touch);
+        }
 }
 
 template class Meeting<2>;

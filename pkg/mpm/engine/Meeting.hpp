@@ -23,22 +23,51 @@ template <int Dim> struct FaceSeen {
     double nearest = 1e300, reach = 0;   // m2, m: squared distance from the normal of the nearest vertex, and its reach
 };
 
+// On the second group, kN s: all that the nodes take, and the part of it that only makes the velocities of the start agree.
+template <int Dim> struct Impulses {
+    Vec<Dim> all = Vec<Dim>::Zero(), agreeing = Vec<Dim>::Zero();
+    bool sticks = false;
+};
+
+// Where surfaces of two groups face each other.
+template <int Dim> struct Site {
+    Vec<Dim> normal = Vec<Dim>::Zero(); // from the first group to the second; zero: not known
+    double gap = 0, area = 0;           // m; m2, of the smaller surface along the normal
+    double tolerated = 0;               // m, overlap that does not count
+    bool sticks = false;
+    Impulses<Dim> J; // in this step
+};
+
 // A node that two groups move.
-template <int Dim> struct Meet {
+template <int Dim> struct Meet : Site<Dim> {
     int node, field[2];
     FaceSeen<Dim> surface[2];
-    Vec<Dim> normal = Vec<Dim>::Zero(); // from the first group to the second; zero: not known
-    int edgeOf = -1;                    // which of the two has an edge here that the normal is taken from
-    double gap = 0, area = 0;           // m; m2, of the smaller surface along the normal
-    double weight = 0;                  // m2, of the surface that normal and gap rest on
-    bool sticks = false, acts = false;
-    Vec<Dim> impulse = Vec<Dim>::Zero(); // kN s, on the second group in this step
+    int edgeOf = -1;                      // which of the two has an edge here that the normal is taken from
+    double weight = 0;                    // m2, of the surface that normal and gap rest on
+    bool hasTouches = false;              // which tell better how far the surfaces overlap
+    bool acts = false, slides = false;    // with what it shares with touches
+    Vec<Dim> impulse = Vec<Dim>::Zero();  // kN s, on the second group in this step,
+    Vec<Dim> friction = Vec<Dim>::Zero(); // and what of it is friction
+};
+
+// A vertex of a mesh at the surface of another mesh, between nodes that both move.
+template <int Dim> struct Touch : Site<Dim> {
+    static constexpr int size = 1 << Dim;
+    int meet[size]; // nodes round it
+    double S[size]; // and their hat functions
+};
+
+// Meets and touches of one pair of groups.
+struct Stretch {
+    size_t meet, lastMeet, touch, lastTouch;
 };
 
 // Where groups meet, found once per step.
 template <int Dim> class Meeting {
   public:
     std::vector<Meet<Dim>> meets;
+    std::vector<Touch<Dim>> touches;
+    std::vector<Stretch> pairs;
 
     void prepare(const Scene<Dim>& scene);
     // normalsByMass: from the gradient of the nodal mass instead of the surfaces.
@@ -53,6 +82,11 @@ template <int Dim> class Meeting {
         std::vector<double> extent;    // area at each vertex, of those near a meet
         int particles = -1;            // when it was found
         void find(Body<Dim>& body);
+    };
+    struct Skin { // a vertex at the surface of a mesh
+        int node; // the nearest
+        Vec<Dim> position, outward;
+        bool operator<(const Skin& other) const { return node < other.node; }
     };
     long step_ = -1;
     std::vector<Boundary> boundaries_; // per body
@@ -70,6 +104,8 @@ template <int Dim> class Meeting {
     void findFaces(const Scene<Dim>& scene, int side, int field);
     void findIntruders(const Scene<Dim>& scene, int side, int field, int other);
     void findGaps(const Grid<Dim>& grid, size_t first);
+    void findTouches(const Scene<Dim>& scene, int a, int b);
+    std::vector<Skin> skin(const Scene<Dim>& scene, int field) const;
     void borrow(const Grid<Dim>& grid, size_t first);
     void forget(const Grid<Dim>& grid, size_t first);
     int nearest(const Grid<Dim>& grid, const Field& position, int i) const;

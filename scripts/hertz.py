@@ -21,19 +21,21 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, plot
+from yade_mpm import box, disc, plot
 
 RADIUS, EXTENT = 20.0, 6.0                # m: of the cylinder; width and height of the ground and of what is meshed of the cylinder
 YOUNG, POISSON, DENSITY = 1e5, 0.3, 2.0   # kPa, -, Mg/m3
 DEPTH = 1.5 / RADIUS                      # m, how far the top is moved down
 TYPES = ("apdi", "ugimp")
+CUT = True                                # boxes that the curve cuts hold the part inside (--cylinder cut)
 
 
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--cells", type=int, default=8, help="cells per nominal half-width (default %(default)s)")
     p.add_argument("--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)")
-    p.add_argument("--cylinder", choices=TYPES, default="apdi", help="particles of the cylinder (default %(default)s)")
+    p.add_argument("--cylinder", choices=(*TYPES, "cut"), default="apdi",
+                   help="particles of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it (default %(default)s)")
     p.add_argument("--shift", type=float, default=0.0, help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)")
     p.add_argument("--normals", choices=("surface", "mass"), default="surface", help="as of Contact (default %(default)s)")
     p.add_argument("--smoke", action="store_true", help="coarse and fast: 5 cells per half-width")
@@ -76,6 +78,9 @@ def build(a):
                        steel, mesh if a.ground == "apdi" else boxes, group="ground")
     if a.cylinder == "apdi":
         cylinder = scene.add("cylinder", block(lambda x: surface + underside(x), level(top), h / 2), steel, mesh, group="cylinder")
+    elif a.cylinder == "cut":
+        cylinder = scene.add("cylinder", box((0, surface), (EXTENT, top)) & disc((0, surface + RADIUS), RADIUS), steel,
+                             mpm.UGIMP(perCell=2, cut=CUT), group="cylinder")
     else:
         cylinder = scene.add("cylinder", box((0, surface), (EXTENT, top)), steel, boxes, group="cylinder")
         cylinder.position[:, 1] += underside(cylinder.position[:, 0])

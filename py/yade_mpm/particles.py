@@ -4,7 +4,7 @@ import numpy as np
 
 from . import _core
 from .attributes import Attributed, makeClasses
-from .lattice import asSpacing, latticePoints
+from .lattice import asSpacing, cutCells, latticePoints
 from .mesh import Mesh, meshFromArrays, meshFromFile, meshRegion, refineNear
 from .regions import Region
 
@@ -15,7 +15,7 @@ class ParticleType(Attributed):
     _fixed = None  # all: the domains are built
 
     def geometry(self, region, scene, name):
-        """Positions (N, dim) and half size (dim) of the boxes that fill a region."""
+        """Positions (N, dim) and half size (dim) of the boxes that fill a region; with `cut` their shares (N,), too."""
         if not isinstance(region, Region):
             raise TypeError(f"body '{name}': {type(self).__name__} particles fill a region, e.g. box((0, 0), (1, 1)); "
                             f"got {region!r}")
@@ -23,7 +23,11 @@ class ParticleType(Attributed):
         spacing = cell / np.broadcast_to(self.perCell, cell.shape) if len(self.perCell) in (1, scene.dim) else None
         if spacing is None:
             raise ValueError(f"body '{name}': perCell = {self.perCell} has {len(self.perCell)} numbers; give 1 or {scene.dim}")
-        return latticePoints(region, scene.lower, scene.upper, spacing, name), spacing / 2
+        lattice = (region, scene.lower, scene.upper, spacing, name)
+        if not self.cut:
+            return latticePoints(*lattice), spacing / 2
+        positions, shares = cutCells(*lattice)
+        return positions, spacing / 2, shares
 
 
 class MeshedType(ParticleType):

@@ -119,8 +119,11 @@ class Scene(Guarded):
 
     def _build(self, body, geometry):
         if isinstance(geometry, tuple):
-            positions, halfSize = geometry
+            positions, halfSize, *shares = geometry
             body.core.buildLattice(_array(positions), _array(halfSize))
+            for share in shares:
+                for field in ("mass", "volume", "initialVolume"):
+                    setattr(body, field, getattr(body, field) * share[body.id])
         else:
             body.mesh = geometry
             body.core.buildMesh(_array(geometry.points), _array(geometry.cells, np.int32), _array(geometry.slaves, np.int32),
@@ -537,7 +540,8 @@ def _checkOrder(engines, scheme):
 def _boxes(body):
     """Centres and half sizes of boxes that lie inside the domains of a body, for the check of overlaps."""
     if body.cells is None:
-        return body.position, body.halfSize
+        share = body.initialVolume / np.prod(2 * body.halfSize)
+        return body.position, np.where(share > 1 - 1e-9, 1, share / 2)[:, None] * body.halfSize  # of cut boxes half of what they hold
     corners = body.corners()
     return body.position, 0.5 * np.abs(corners - body.position[:, None]).min(axis=1)
 

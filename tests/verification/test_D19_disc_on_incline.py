@@ -5,8 +5,8 @@ Set-up: elastic disc of radius 0.5 m on a base 5 x 0.3 m, g = 10 m/s2, E = 1e5 k
 gravity across the base, gravity is turned by the slope. 0.4 s, the first tenth left out.
 Reference: rigid cylinder. It rolls, a = 2/3 g sin(slope), where tan(slope) <= 3 mu, and else slides, a = g (sin(slope) - mu cos(slope)).
 Source: Bardenhagen, Brackbill & Sulsky 2000, Comput. Methods Appl. Mech. Eng. 187, 529-541; Bardenhagen et al. 2001, CMES 2, 509-522.
-Tolerance: 5 %. Pairs are base and disc; u: uGIMP, a: APDI. A uGIMP disc is a staircase: on an APDI base it rolls 5.8 % too slowly
-at R = 10 h, and slides 8 % too slowly at R = 5 h.
+Tolerance: 5 %. Pairs are base and disc; u: uGIMP, a: APDI. A uGIMP disc is cut from the lattice. Of whole boxes it is a staircase: on an
+APDI base it rolls 5.8 % too slowly at R = 10 h, and slides 8 % too slowly at R = 5 h.
 """
 from math import cos, radians, sin, tan
 
@@ -22,7 +22,10 @@ slow = pytest.mark.slow
 
 
 def squircle(centre, edge):
-    """A square grid of quadrilaterals bent into a disc. Returns (points, cells)."""
+    """A square grid of quadrilaterals bent into a disc. Returns (points, cells).
+
+    Its four corner domains are nearly triangles; they lie at 45 degrees, away from the base. Pressed on it they are noisy.
+    """
     n = 2 * round(R / edge)
     x, y = np.meshgrid(*2 * [np.linspace(-1, 1, n + 1)], indexing="ij")
     x, y = x * np.sqrt(1 - y**2 / 2), y * np.sqrt(1 - x**2 / 2)
@@ -31,15 +34,15 @@ def squircle(centre, edge):
     return points, np.stack([first, first + n + 1, first + n + 2, first + 1], axis=2).reshape(-1, 4)
 
 
-def descend(pair, slope, friction, h, normals="surface"):
-    """Acceleration along the slope over the rigid one, and the scene."""
+def descend(pair, slope, friction, h, normals="surface", cut=True):
+    """Acceleration along the slope over the rigid one, and the scene. cut: whether a disc of boxes is cut by its circle."""
     slope, centre = radians(slope), (R + 0.2, 0.3 + R)
     scene = mpm.Scene((0, 0), (5, 2), h, threads=1)
     rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
     boxes = mpm.UGIMP(perCell=2)
     scene.add("base", box((0, 0), (5, 0.3)), rubber, boxes if pair[0] == "u" else mpm.APDI(size=h / 2), group="base")
     disc = scene.add("disc", mpm.disc(centre, R) if pair[1] == "u" else squircle(centre, h / 2), rubber,
-                     boxes if pair[1] == "u" else mpm.APDI(), group="disc")
+                     mpm.UGIMP(perCell=2, cut=cut) if pair[1] == "u" else mpm.APDI(), group="disc")
     contact = mpm.Contact(friction=friction, normals=normals)
     base = mpm.Hold(box((-1, -1), (6, 0.21)), velocity=(0, 0), name="base")
     solver = mpm.GridSolver(gravity=(0, -G * cos(slope)), damping=0.7, hold=base)
@@ -57,20 +60,25 @@ def descend(pair, slope, friction, h, normals="surface"):
     return np.polyfit(time[time > 0.14], speed[time > 0.14], 1)[0] / exact, scene
 
 
-@pytest.mark.parametrize("pair, slope, error", [("aa", SLIDING, 0.05), ("aa", ROLLING, 0.05), ("ua", SLIDING, 0.05), ("ua", ROLLING, 0.05),
-                                                ("uu", SLIDING, 0.1), ("uu", ROLLING, 0.05), ("au", SLIDING, 0.1), ("au", ROLLING, 0.05)])
-def test_a_disc_of_five_cells_rolls_or_slides(pair, slope, error):
+@pytest.mark.parametrize("slope", [SLIDING, ROLLING])
+@pytest.mark.parametrize("pair", ["aa", "ua", "uu", "au"])
+def test_a_disc_of_five_cells_rolls_or_slides(pair, slope):
     ratio, scene = descend(pair, *slope, h=0.1)
-    assert ratio == pytest.approx(1, abs=error)
+    assert ratio == pytest.approx(1, abs=0.05)
     assert abs(mpm.diagnostics.energyError(scene)) < 0.01 * mpm.diagnostics.kineticEnergy(scene)
 
 
 @slow
 @pytest.mark.parametrize("slope", [SLIDING, SLIPPERY, ROLLING])
-@pytest.mark.parametrize("pair, error", [("aa", 0.01), ("ua", 0.01), ("uu", 0.05), ("au", 0.07)])
+@pytest.mark.parametrize("pair, error", [("aa", 0.01), ("ua", 0.01), ("uu", 0.05), ("au", 0.05)])
 def test_a_disc_of_ten_cells_rolls_or_slides(pair, error, slope):
     ratio, scene = descend(pair, *slope, h=0.05)
     assert ratio == pytest.approx(1, abs=error)
+    assert abs(mpm.diagnostics.energyError(scene)) < 0.01 * mpm.diagnostics.kineticEnergy(scene)
+
+
+def test_control_whole_boxes_are_no_disc():
+    assert descend("uu", *SLIDING, h=0.1, cut=False)[0] < 0.95
 
 
 def test_control_friction_decides_between_rolling_and_sliding():

@@ -50,6 +50,14 @@ def test_pressure_of_a_cylinder_is_that_of_hertz_on_a_finer_grid(ground, cylinde
     isHertz(press("--cells", "8", "--ground", ground, "--cylinder", cylinder, "--shift", shift))
 
 
+def test_boxes_cut_by_the_curve_come_near_to_hertz():
+    """Half-width within 10 %; whole boxes are the control: 41 % too wide."""
+    summary = press("--smoke", "--ground", "ugimp", "--cylinder", "cut")
+    assert summary["halfWidth"] == pytest.approx(summary["hertzHalfWidth"], rel=0.1)
+    whole = press("--smoke", "--ground", "ugimp", "--cylinder", "cut", CUT=False)
+    assert whole["halfWidth"] > 1.3 * whole["hertzHalfWidth"]
+
+
 def test_control_a_staircase_is_no_cylinder():
     """A polygon filled with boxes: they lie level over 0.7 a and more."""
     module = script()

@@ -2,7 +2,8 @@
 import numpy as np
 import pytest
 
-from yade_mpm.lattice import checkOverlap, firstNear, latticePoints
+import yade_mpm as mpm
+from yade_mpm.lattice import checkOverlap, cutCells, firstNear, latticePoints
 from yade_mpm.regions import box, disc, halfSpace, polygon, sphere
 
 LOWER, UPPER = (0, 0), (30, 24)
@@ -123,3 +124,45 @@ def test_positions_and_half_sizes_of_the_wrong_shape_are_refused():
         firstNear([0, 0, 0], 1, np.zeros((1, 3)), 1, 0)
     with pytest.raises(ValueError, match=r"halfSize has shape \(3,\); one number, \(2,\) or \(4, 2\)"):
         firstNear(np.zeros((4, 2)), np.ones(3), np.zeros((1, 2)), 1, 0)
+
+
+# --- cells that a boundary cuts -------------------------------------------------------------------------
+@pytest.mark.parametrize("region, size", [(disc((2.03, 1.98), 1.25), np.pi * 1.25**2), (sphere((2.03, 1.98, 2), 1.25), 4 / 3 * np.pi * 1.25**3),
+                                          (polygon([(1, 1), (3, 1), (1, 3)]), 2.0)])
+def test_cut_cells_hold_what_is_inside(region, size):
+    dim = region.dim
+    centroids, shares = cutCells(region, [0] * dim, [4] * dim, 0.25, "body")
+    assert shares.sum() * 0.25**dim == pytest.approx(size, rel=2e-3)
+    assert 0.01 <= shares.min() < 0.5 and shares.max() == 1
+    if dim == 2:
+        whole = latticePoints(region, (0, 0), (4, 4), 0.25, "body")
+        assert abs(len(whole) * 0.25**2 / size - 1) > 2e-3  # control: whole cells do not
+    assert region.contains(centroids).all()
+
+
+def test_cells_that_nothing_cuts_are_whole():
+    region = box((1, 1), (3, 3)) - box((1, 1), (1.5, 2))
+    centroids, shares = cutCells(region, (0, 0), (4, 4), 0.25, "body")
+    assert (shares == 1).all()
+    np.testing.assert_allclose(centroids, latticePoints(region, (0, 0), (4, 4), 0.25, "body"), rtol=0, atol=1e-12)
+
+
+def test_cut_cells_of_two_sides_make_up_the_whole():
+    args, whole, cut = ((0, 0), (4, 4), 0.25, "body"), box((0, 0), (4, 4)), halfSpace((2, 2), (1, 0.3))
+    shares = sum(cutCells(part, *args)[1].sum() for part in (whole & cut, whole - cut))
+    assert shares == pytest.approx(256, rel=2e-3)
+
+
+def test_a_cut_body_has_the_mass_of_its_region_and_may_touch_another():
+    scene = mpm.Scene((0, 0), (4, 4), 0.5)
+    material = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3)
+    scene.add("base", box((0, 0), (4, 1)), material, mpm.UGIMP(perCell=2))
+    wheel = scene.add("wheel", disc((2, 2), 1), material, mpm.UGIMP(perCell=2, cut=True))
+    assert wheel.mass.sum() == pytest.approx(2 * np.pi, rel=2e-3)
+    np.testing.assert_allclose(wheel.mass, 2 * wheel.volume, rtol=1e-12)
+    assert (wheel.volume == wheel.initialVolume).all()
+    np.testing.assert_allclose(wheel.mass @ wheel.position / wheel.mass.sum(), (2, 2), atol=1e-9)
+    with pytest.raises(ValueError, match="overlap"):
+        scene.add("other", disc((2, 2), 0.9), material, mpm.UGIMP(perCell=2, cut=True))
+    with pytest.raises(ValueError, match="empty body"):
+        scene.add("dust", disc((0.25, 3.5), 0.01), material, mpm.UGIMP(perCell=2, cut=True))

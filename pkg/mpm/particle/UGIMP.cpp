@@ -375,6 +375,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 class UGIMP : public ParticleType {
   public:
     std::vector<double> perCell{2};
+    bool cut = false;
     double splitAt = notGiven;
 
     std::string className() const override { return "UGIMP"; }
@@ -387,6 +388,8 @@ class UGIMP : public ParticleType {
     std::vector<Parameter> parameters() override {
         return {{"perCell", "-", "Particles per cell and direction: one number, or one per direction.", &perCell,
                  Range::between(1, 1000)},
+                {"cut", "", "Whether boxes that the boundary of the region cuts hold the part inside, at its centroid; False: they are "
+                            "whole, or left out where their centre is outside. For curved bodies in contact.", &cut},
                 {"splitAt", "-", "Stretch at which a particle is cut in two across its most stretched direction; its halves are cut when "
                                  "they are that long against the box again. None: never.", &splitAt,
                  Range::inside(1, std::numeric_limits<double>::infinity())}};

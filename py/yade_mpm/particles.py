@@ -24,7 +24,7 @@ class ParticleType(Attributed):
         if spacing is None:
             raise ValueError(f"body '{name}': perCell = {self.perCell} has {len(self.perCell)} numbers; give 1 or {scene.dim}")
         lattice = (region, scene.lower, scene.upper, spacing, name)
-        if not self.cut:
+        if not getattr(self, "cut", False):
             return latticePoints(*lattice), spacing / 2
         positions, shares = cutCells(*lattice)
         return positions, spacing / 2, shares

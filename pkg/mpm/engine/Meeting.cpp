@@ -403,27 +403,49 @@ template <int Dim> auto Meeting<Dim>::skin(const Scene<Dim>& scene, int field) c
     return found;
 }
 
-// Where two meshes are curved they overlap between nodes that keep their gap. So their vertices keep their distance, too, from the
-// tangent plane at the nearest vertex of the other.
+// Distance of a vertex from boxes, along its normal: from where the nodes round it see them, if that is a plane. 1e300: it is not.
+template <int Dim> double Meeting<Dim>::distanceOfBoxes(const Grid<Dim>& grid, const Skin& own, int side) const {
+    double facing = 0, all = 0, distance = 0;
+    forHats<Dim>(grid, own.position, [&](int node, double S) {
+        if (slot_[node] < 0) return;
+        const FaceSeen<Dim>& boxes = meets[slot_[node]].surface[1 - side];
+        const double area = -S * boxes.outward.dot(own.outward);
+        facing += area, all += S * boxes.outward.template lpNorm<1>();
+        distance += area * (grid.nodePosition(node) - own.position).dot(own.outward) - S * own.outward.dot(boxes.moment * own.outward);
+    });
+    return facing > 0.4 * std::pow(grid.cell.minCoeff(), Dim - 1) && facing > edge * all ? distance / facing : 1e300;
+}
+
+// Distance of a vertex from another mesh: from the tangent plane at its nearest vertex, to which the normal is turned half-way.
+template <int Dim>
+double Meeting<Dim>::distanceOfMesh(const Grid<Dim>& grid, const Skin& own, const std::vector<Skin>& others, Vec<Dim>& normal) const {
+    const Skin* other = nullptr;
+    double least = 1e300;
+    forNeighbours(grid, own.node, [&](int node, const Vec<Dim>& step) {
+        if (step[0] > -1) return; // rows of three nodes follow each other
+        auto it = std::lower_bound(others.begin(), others.end(), node, [](const Skin& skin, int node) { return skin.node < node; });
+        for (; it != others.end() && it->node < node + 3; ++it)
+            if (const double d = (it->position - own.position).squaredNorm(); d < least) least = d, other = &*it;
+    });
+    if (!other || own.outward.dot(other->outward) > -edge) return 1e300;
+    normal = (own.outward - other->outward).normalized();
+    return (own.position - other->position).dot(other->outward);
+}
+
+// Where surfaces are curved they overlap between nodes that keep their gap. So the vertices of meshes keep their distance, too.
 template <int Dim> void Meeting<Dim>::findTouches(const Scene<Dim>& scene, int a, int b) {
     const Grid<Dim>& grid = scene.grid;
     const double h = grid.cell.minCoeff();
     const std::vector<Skin> skins[2] = {skin(scene, a), skin(scene, b)};
     for (int side = 0; side < 2; ++side)
         for (const Skin& own : skins[side]) {
-            const Skin* other = nullptr;
-            double least = 1e300;
-            forNeighbours(grid, own.node, [&](int node, const Vec<Dim>&) {
-                const auto range = std::equal_range(skins[1 - side].begin(), skins[1 - side].end(), Skin{node, {}, {}});
-                for (auto it = range.first; it != range.second; ++it)
-                    if (const double d = (it->position - own.position).squaredNorm(); d < least) least = d, other = &*it;
-            });
-            if (!other || own.outward.dot(other->outward) > -edge) continue;
             Touch<Dim> touch;
-            touch.gap = (own.position - other->position).dot(other->outward), touch.tolerated = tolerated * h;
-            touch.normal = (side == 0 ? 1 : -1) * (own.outward - other->outward).normalized();
+            touch.normal = own.outward, touch.tolerated = tolerated * h;
+            touch.gap = isMeshed_[side == 0 ? b : a] ? distanceOfMesh(grid, own, skins[1 - side], touch.normal) : distanceOfBoxes(grid, own, side);
+            if (side == 1) touch.normal = -touch.normal;
+            if (std::abs(touch.gap) > 0.5 * h) continue;
             int corner = 0;
-            bool isShared = touch.gap > -0.5 * h;
+            bool isShared = true;
             forHats<Dim>(grid, own.position, [&](int node, double S) {
                 isShared &= slot_[node] >= 0;
                 touch.meet[corner] = slot_[node], touch.S[corner++] = S;

@@ -50,7 +50,7 @@ template <int Dim> struct Meet : Site<Dim> {
     Vec<Dim> friction = Vec<Dim>::Zero(); // and what of it is friction
 };
 
-// A vertex of a mesh at the surface of another mesh, between nodes that both move.
+// A vertex of a mesh at the surface of the other group, between nodes that both move.
 template <int Dim> struct Touch : Site<Dim> {
     static constexpr int size = 1 << Dim;
     int meet[size]; // nodes round it
@@ -106,6 +106,8 @@ template <int Dim> class Meeting {
     void findGaps(const Grid<Dim>& grid, size_t first);
     void findTouches(const Scene<Dim>& scene, int a, int b);
     std::vector<Skin> skin(const Scene<Dim>& scene, int field) const;
+    double distanceOfBoxes(const Grid<Dim>& grid, const Skin& own, int side) const;
+    double distanceOfMesh(const Grid<Dim>& grid, const Skin& own, const std::vector<Skin>& others, Vec<Dim>& normal) const;
     void borrow(const Grid<Dim>& grid, size_t first);
     void forget(const Grid<Dim>& grid, size_t first);
     int nearest(const Grid<Dim>& grid, const Field& position, int i) const;

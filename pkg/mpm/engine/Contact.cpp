@@ -68,11 +68,13 @@ template <int Dim> Meeting<Dim>& Contact::meeting(const Scene<Dim>& scene) {
     return meeting;
 }
 
-// What stops an approach faster than the gap allows in a step, as an impulse on the second group.
+// What stops an approach faster than the gap allows in a step, as an impulse on the second group. Where impacts are lost, surfaces that
+// pressed on each other in this step do not part either in the velocities that are made anew: the pressure would give energy.
 template <int Dim> double Contact::stopping(const Site<Dim>& site, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const {
     const double excess = w.dot(site.normal) - (separation ? std::max(site.gap + site.tolerated, 0.0) / dt : 0);
     const double yielding = site.normal.dot(answer.cwiseProduct(site.normal));
-    return yielding > 0 && (excess > 0 || !separation) ? excess / yielding : 0;
+    if (!(yielding > 0)) return 0;
+    return (excess > 0 || !separation ? 1 : site.presses ? impactLoss : 0) * excess / yielding;
 }
 
 // The impulses on the second group, from the relative velocities at the start and of the solution: all that the nodes take, and
@@ -188,6 +190,7 @@ template <int Dim> void Contact::addFriction(Meeting<Dim>& meeting, const Stretc
     const auto add = [&](Site<Dim>& site, const int* at, const double* S, int count) {
         site.sticks = site.J.sticks;
         if (site.J.all.isZero(0)) return;
+        site.presses = true;
         const Vec<Dim> taken = site.J.all - (1 - loss) * site.J.agreeing, along = taken - taken.dot(site.normal) * site.normal;
         for (int i = 0; i < count; ++i) {
             Meet<Dim>& meet = meeting.meets[at[i]];

@@ -34,8 +34,8 @@ template <int Dim> struct Site {
     Vec<Dim> normal = Vec<Dim>::Zero(); // from the first group to the second; zero: not known
     double gap = 0, area = 0;           // m; m2, of the smaller surface along the normal
     double tolerated = 0;               // m, overlap that does not count
-    bool sticks = false;
-    Impulses<Dim> J; // in this step
+    bool presses = false, sticks = false; // in this step
+    Impulses<Dim> J;
 };
 
 // A node that two groups move.

@@ -288,6 +288,31 @@ def test_nothing_acts_before_surfaces_touch():
         assert contact.forceOn("a")[0] < 0, pair
 
 
+def workOnTheGap(pair, impactLoss):
+    """Work of the pressure on surfaces that part while they touch, over the work of the drive: soil that yields under a punch."""
+    soil = mpm.MohrCoulombDruckerPrager(density=2.0, young=1e4, poisson=0.3, cohesion=2.0, frictionAngle=radians(30))
+    scene = mpm.Scene((0, 0), (3, 2), 0.1, threads=1)
+    scene.add("soil", box((0, 0), (3, 1)), soil, typeOf(pair[0], 0.1), group="soil")
+    punch = scene.add("punch", box((1.3, 1), (1.7, 1.3)), elastic(), typeOf(pair[1], 0.1), group="punch")
+    contact, drive = mpm.Contact(friction=0.3, impactLoss=impactLoss), mpm.Drive(punch, velocity=(0, -1.0), ramp=0.02)
+    scene.engines = chain(contact, gravity=(0, -G), damping=0.05, roller=("left", "right"), fixed="bottom", drive=drive)
+    work = 0.0
+    while scene.time < 0.08:
+        run(scene, steps=1)
+        table = contact.contactTable()
+        parting = (table["slip"] * table["normal"]).sum(axis=1) - np.maximum(table["gap"], 0) / scene.dt
+        work += (table["force"] * table["normal"]).sum(axis=1) @ parting * scene.dt
+    assert drive.work > 1
+    return work / drive.work
+
+
+@pytest.mark.parametrize("pair", ["ua", "uu"])
+def test_pressure_does_no_work_on_surfaces_that_touch(pair):
+    """Where impacts are lost. It would be energy from nowhere."""
+    assert abs(workOnTheGap(pair, impactLoss=1.0)) < 1e-12
+    assert workOnTheGap(pair, impactLoss=0.0) < -5e-4  # control: elastic impacts spring back
+
+
 # --- a plate drawn from the ground ----------------------------------------------------------------------
 def pullOut(pair, wide, shift, friction=0.2, adhesion=0.0, squeeze=0.0, normals="surface"):
     """Pull over its reference, and overlap in cells: a plate of `wide` cells through soil under K0 = 0.5; shift in cells.

@@ -130,6 +130,7 @@ template <int Dim> struct Bind {
             .add_property("type", type)
             .add_property("count", count)
             .add_property("inertiaScale", bp::make_getter(&B::inertiaScale), setInertiaScale)
+            .def_readwrite("isDamped", &B::isDamped)
             .def_readwrite("fbar", &B::fbar)
             .def_readwrite("group", &B::group)
             .def_readwrite("converted", &B::converted)

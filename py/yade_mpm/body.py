@@ -106,6 +106,19 @@ class Body(Guarded):
         self._scene._dirty()
 
     @property
+    def isDamped(self):
+        """Whether the local damping of the GridSolver acts on the body; default True, may be changed between runs.
+
+        A stiff body that moves steadily and vibrates a little is braked by it, with damping times the mean of |m a|."""
+        return self.core.isDamped
+
+    @isDamped.setter
+    def isDamped(self, value):
+        if not isinstance(value, (bool, np.bool_)):
+            raise ValueError(f"body '{self.name}': isDamped = {value!r}; give True or False")
+        self.core.isDamped = bool(value)
+
+    @property
     def fbar(self):
         """Whether the volumetric strain increment of the stress update is averaged over a cell."""
         return self.core.fbar

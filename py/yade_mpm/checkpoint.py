@@ -151,7 +151,7 @@ def _describeType(kind):
 def _describeBody(body, material, kind):
     return {
         "name": body.name, "material": material, "type": kind, "region": None if body.region is None else body.region.spec(),
-        "inertiaScale": body.inertiaScale, "fbar": body.fbar, "group": body.group, "count": body.count, "converted": body.converted,
+        "inertiaScale": body.inertiaScale, "isDamped": body.isDamped, "fbar": body.fbar, "group": body.group, "count": body.count, "converted": body.converted,
         "internalWork": body.core.internalWork, "largestInertialMass": body.core.largestInertialMass,
         "hasBodyForce": body.core.hasBodyForce, "convertsTo": body._convertsTo,
     }
@@ -263,6 +263,7 @@ def _buildBody(scene, entry, stored, material, kind, file):
     region = None if entry["region"] is None else regionFromSpec(entry["region"])
     body = scene._newBody(entry["name"], material, kind, region, entry["inertiaScale"], entry["fbar"],
                           entry.get("group", "main"))
+    body.isDamped = entry.get("isDamped", True)
     core = body.core
     core.resize(entry["count"])
     for field in core.fields(True):

@@ -176,6 +176,7 @@ def test_save_in_the_middle_of_a_step_is_refused(tmp_path):
 def test_outputs_and_choices_come_back(tmp_path):
     scene = hybrid()
     scene.allowUnstable = True
+    scene["pile"].isDamped = False
     scene.run(steps=20)
     scene.threads = 2
     scene.save(tmp_path / "a.h5")
@@ -185,6 +186,7 @@ def test_outputs_and_choices_come_back(tmp_path):
     assert [b.name for b in loaded.bodies] == [b.name for b in scene.bodies]
     assert loaded["near"].material is loaded["ring"].material and loaded["ring"].type.matched is loaded["near"]
     assert repr(loaded["ring"].region) == repr(scene["ring"].region) and loaded["ring"].fbar and loaded["pile"].inertiaScale == 4
+    assert [b.isDamped for b in loaded.bodies] == [True, True, False, True]
     a, b = (next(e for e in s.engines if isinstance(e, mpm.GridSolver)) for s in (scene, loaded))
     for mine, theirs in zip(a.constraints(scene), b.constraints(loaded)):
         assert (mine.name, mine.work, mine.heldNodes, mine.ramp) == (theirs.name, theirs.work, theirs.heldNodes, theirs.ramp)

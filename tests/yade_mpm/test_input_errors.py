@@ -239,6 +239,7 @@ QUAD = [(0.5, 0.5), (1, 0.5), (1, 1), (0.5, 1)]
     ("body 'block': inertiaScale = inf", lambda: oneBody(inertiaScale=inf)),
     ("body 'block': inertiaScale = '16'; give a positive number", lambda: oneBody(inertiaScale="16")),
     ("body 'block': fbar = 'False'; give True or False", lambda: oneBody(fbar="False")),
+    ("body 'block': isDamped = 0; give True or False", lambda: setattr(oneBody()["block"], "isDamped", 0)),
     ("has no attribute 'inertiascale'; did you mean 'inertiaScale'?",
      lambda: setattr(oneBody()["block"], "inertiascale", 2), AttributeError),
     ("body 'block': material cannot change", lambda: setattr(oneBody()["block"], "material", soil()), AttributeError),

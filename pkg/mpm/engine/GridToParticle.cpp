@@ -24,7 +24,7 @@ class GridToParticle : public EngineOf<GridToParticle> {
         parallel(scene.threads, [&](Team& team) {
             for (auto& body : scene.bodies) {
                 auto& field = scene.grid.fields[body->velocityField];
-                const Move how{scene.dt, flip, scene.damping, body->inertiaScale};
+                const Move how{scene.dt, flip, body->isDamped ? scene.damping : 0, body->inertiaScale};
                 body->domains->move(team, field.motion.data(), remaps ? field.velocity.data() : nullptr, how);
             }
             if (remaps) velocityFromMomentum(team, scene, scene.time + scene.dt);

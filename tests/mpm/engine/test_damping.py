@@ -42,6 +42,16 @@ def test_forces_that_no_particle_feels_do_not_drag():
     assert drag * scene.dt / pile.mass.sum() > 1e-3 * abs(SPEED)  # what the nodes would have lost
 
 
+def test_a_body_may_be_left_undamped():
+    scene, pile = lockedPair(shear=0.0)
+    other = scene.add("other", box((0.25, 2), (0.5, 4)), pile.material, mpm.UGIMP(perCell=2))
+    other.velocity, other.isDamped = (0.0, SPEED), False
+    scene.engines[1].gravity = (0.0, -9.81)
+    scene.run(steps=100, progress=False)
+    assert other.velocity[:, 1] - SPEED == pytest.approx(-9.81 * scene.time, rel=1e-9)
+    assert pile.velocity[:, 1] - SPEED == pytest.approx(-9.81 * 0.5 * scene.time, rel=1e-9)  # control
+
+
 def test_control_a_force_that_is_felt_is_damped():
     scene, pile = lockedPair(shear=0.0)
     scene.engines[1].gravity = (0.0, -9.81)

@@ -25,10 +25,10 @@ REMEDIES = {
     "dilatancyLimit": ["--dilatancyLimit", str(LIMIT)],
     "psi = 0": ["--psi", "0"],
     "fbar": ["--fbar"],
-    "all": ["--friction", str(FRICTION), "--dilatancyLimit", str(LIMIT), "--fbar"],
-    "all, psi = 0": ["--friction", str(FRICTION), "--psi", "0", "--fbar"],
+    "all": ["--remedies"],
+    "all, psi = 0": ["--remedies", "--psi", "0"],
 }
-COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "collarThickness": "collar (m)", "stripes": "stripes (-)", "minJacobian": "min J (-)",
+COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "collarThickness": "collar (m)", "resistanceScatter": "scatter of R (-)", "stripes": "stripes (-)", "minJacobian": "min J (-)",
            "wallSeconds": "wall (s)"}
 
 

@@ -14,7 +14,7 @@ import os
 import platform
 import resource
 import time
-from math import ceil, radians
+from math import ceil, radians, tan
 
 import numpy as np
 import yade_mpm as mpm
@@ -25,6 +25,7 @@ WIDTH, DEPTH, FREE = 30.0, 12.0, 12.0     # m: soil, and free grid above it
 PILE_LENGTH, EMBEDDED = 10.0, 1.0         # m
 ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5         # m: uGIMP zone, and how far it reaches below the final tip
 GRAVITY, K0 = 9.81, 0.43
+REMEDIES = {"friction": 0.3, "tip": 90.0, "dilatancyLimit": 0.05, "split": 1.3}
 
 
 def arguments(words=None):
@@ -35,15 +36,21 @@ def arguments(words=None):
     parser.add_argument("--thickness", type=float, help="thickness of the pile, m (default 0.25, at least one cell)")
     parser.add_argument("--rate", type=float, default=0.1, help="penetration rate, m/s (default 0.1; published 0.01)")
     parser.add_argument("--until", type=float, help="scene time, s (default: 4 m of penetration)")
-    parser.add_argument("--ramp", type=float, default=0.0, help="time over which the rate grows from zero, s")
+    parser.add_argument("--ramp", type=float, help="time over which the rate grows from zero, s (default 0)")
     parser.add_argument("--psi", type=float, default=10.0, help="dilatancy angle, degrees (default 10, published)")
     parser.add_argument("--dilatancyLimit", type=float, metavar="STRAIN",
                         help="plastic volumetric strain from which on the soil dilates no more (default: without limit, published)")
     parser.add_argument("--friction", type=float, metavar="MU",
                         help="the soil slips on the pile with this coefficient of friction (default: bonded, published)")
+    parser.add_argument("--tip", type=float, metavar="DEGREES",
+                        help="angle of the wedge at the tip of the pile; needs --friction (default 180: flat)")
+    parser.add_argument("--undamped", action="store_true", help="no local damping in the pile, which it brakes as it vibrates")
     parser.add_argument("--split", type=float, metavar="STRETCH",
                         help="cut uGIMP particles of the soil in two at this stretch, above 1 (default: never, published)")
     parser.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain in the soil (not published)")
+    parser.add_argument("--remedies", action="store_true",
+                        help="the run to trust: " + " ".join(f"--{name} {value:g}" for name, value in REMEDIES.items()) +
+                             " --fbar --undamped, and a ramp of 0.1 m, each where nothing else is given")
     parser.add_argument("--flip", type=float, default=1.0, help="FLIP share of the particle velocity (default 1: pure FLIP)")
     parser.add_argument("--dt", type=float, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
     parser.add_argument("--on-distortion", choices=("stop", "convert"), default="stop", help="what distorted APDI domains do")
@@ -58,6 +65,14 @@ def arguments(words=None):
         given.cell, given.rate, given.ramp, given.until = 0.5, 1.0, 0.5, given.until or 4.0
     if given.rate <= 0 or given.cell <= 0:
         parser.error("--rate and --cell must be positive")
+    if given.remedies:
+        remedies = {**REMEDIES, "ramp": 0.1 / given.rate}
+        vars(given).update({name: value for name, value in remedies.items() if vars(given)[name] is None}, fbar=True, undamped=True)
+    given.ramp, given.tip = given.ramp or 0.0, 180.0 if given.tip is None else given.tip
+    if not 30 <= given.tip <= 180:
+        parser.error(f"--tip {given.tip:g} is not allowed; give 30 to 180 degrees")
+    if given.tip < 180 and given.friction is None:
+        parser.error("--tip needs a pile that is a mesh; give --friction too")
     # A pile thinner than a cell would be far too stiff in bending.
     given.thickness = given.thickness or max(0.25, given.cell)
     # Soil and pile meet at grid lines where they may slip: an odd number of cells across needs one more to be symmetric.
@@ -80,8 +95,9 @@ def build(a):
     steel = mpm.LinearElastic(density=7.85, lame=(4.20e7, 2.80e7))
     # The inertia of the pile, not its weight, is scaled so that the published time step is stable. To slip on, its surface is a mesh.
     slips = a.friction is not None
-    pile = scene.add("pile", shaft, steel, mpm.APDI(size=a.cell / 2) if slips else mpm.UGIMP(perCell=2), inertiaScale=16,
-                     group="pile" if slips else "main")
+    pile = scene.add("pile", wedged(a) if a.tip < 180 else shaft, steel,
+                     mpm.APDI(size=a.cell / 2) if slips else mpm.UGIMP(perCell=2), inertiaScale=16, group="pile" if slips else "main")
+    pile.isDamped = not a.undamped
 
     scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
     drive = mpm.Drive(pile.above(DEPTH), velocity=(0, -a.rate), ramp=a.ramp)
@@ -89,6 +105,17 @@ def build(a):
     scene.engines = [mpm.ParticleToGrid(), gridSolver(drive=drive), *contact, mpm.GridToParticle(flip=a.flip), mpm.DomainUpdater()]
     scene.dt = a.dt
     return scene
+
+
+def wedged(a):
+    """Points and cells of a pile with a wedge at its tip: rows of chevrons that flatten with height."""
+    columns, rows = 2 * ceil(a.thickness / a.cell - 1e-9), round(2 * PILE_LENGTH / a.cell)
+    x, y = np.meshgrid(np.linspace(-1, 1, columns + 1), np.linspace(0, 1, rows + 1))
+    depth = 0.5 * a.thickness / tan(radians(a.tip / 2))
+    points = np.stack([a.width / 2 + 0.5 * a.thickness * x,
+                       DEPTH - EMBEDDED + PILE_LENGTH * y + depth * np.abs(x) * (1 - y)], axis=2).reshape(-1, 2)
+    first = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
+    return points, np.stack([first, first + 1, first + columns + 2, first + columns + 1], axis=1)
 
 
 def ground(a):
@@ -131,10 +158,12 @@ def soilBodies(scene):
 def run(a, out):
     """Runs the scene of the arguments and leaves its results in a folder; returns the summary."""
     os.makedirs(out, exist_ok=True)
-    snapshots = []
+    snapshots, stripes = [], {}
 
     def snapshot(scene):
-        snapshots.append((penetrationAt(a, scene.time), plot.Snapshot(scene, "plasticShearStrain")))
+        depth = float(penetrationAt(a, scene.time))
+        snapshots.append((depth, plot.Snapshot(scene, "plasticShearStrain")))
+        stripes[f"{depth:.2f}"] = stripesBelow(a, scene)
 
     if a.resume:
         scene = mpm.load(a.resume, callbacks={"snapshots": snapshot})
@@ -157,7 +186,7 @@ def run(a, out):
     scene.run(until=a.until, checkpointFile=os.path.join(out, "checkpoint.h5"))
     wall = time.monotonic() - began
     history.flush()
-    summary = summarise(a, scene, history, wall, scene.steps - firstStep)
+    summary = {**summarise(a, scene, history, wall, scene.steps - firstStep), "stripesAt": stripes}
     certificate = mpm.quasiStatic(history, rateSensitivity=rateCheck(a, *resistanceCurve(a, scene, history)) if a.rateCheck else None)
     print(certificate, flush=True)
     summary["quasiStatic"] = certificate.asDict()
@@ -215,7 +244,7 @@ def movingAverage(x, y, width):
 
 def summarise(a, scene, history, wall, steps):
     soil, pile = soilBodies(scene), scene["pile"]
-    depth, _, smooth = resistanceCurve(a, scene, history)
+    depth, raw, smooth = resistanceCurve(a, scene, history)
     surface = surfaceOf(scene)
     heave, trough, cavity = surface.areas(DEPTH)
     settled = depth > a.cell
@@ -241,6 +270,7 @@ def summarise(a, scene, history, wall, steps):
         "timing": {k: round(v[0], 3) for k, v in scene.timing().items()},
         "penetration": float(depth[-1]),
         "resistance": atHalfMetres(depth, smooth),
+        "resistanceScatter": scatter(depth, smooth, movingAverage(depth, raw, 1.0)),
         "appliedForce": atHalfMetres(depth, smooth - pile.mass.sum() * GRAVITY),
         "resistanceAtBase": atHalfMetres(depth, baseCurve(a, scene, history)),
         "heaveArea": heave,
@@ -292,6 +322,12 @@ def extreme(values, which):
 def atHalfMetres(depth, values):
     """Values at each 0.5 m of penetration, by depth."""
     return {f"{d:.1f}": float(np.interp(d, depth, values)) for d in np.arange(0.5, depth[-1] + 1e-6, 0.5)}
+
+
+def scatter(depth, values, means):
+    """Root mean square of the relative difference of values and their means over one metre, from 0.5 m on to 0.5 m before the end, -."""
+    inside = (depth > 0.5) & (depth < depth[-1] - 0.5)
+    return float(np.sqrt(np.mean((values[inside] / means[inside] - 1) ** 2))) if inside.any() else None
 
 
 def baseCurve(a, scene, history):
@@ -424,8 +460,9 @@ def main():
 
 def print_(summary, out):
     resistance = ", ".join(f"{k} m: {v:.0f}" for k, v in summary["resistance"].items())
+    scatters = "" if summary["resistanceScatter"] is None else f", within {summary['resistanceScatter']:.1%} (rms) of the mean over 1 m"
     print(f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s ({summary['nsPerParticleStep']:.0f} ns per particle-step); "
-          f"resistance in kN/m at {resistance}; results in {out}/")
+          f"resistance in kN/m at {resistance}{scatters}; results in {out}/")
 
 
 if __name__ == "__main__":

@@ -8,10 +8,12 @@ import argparse
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import remedies  # noqa: E402
+import sheet_pile  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -52,3 +54,44 @@ def test_the_mesh_stays_whole_and_the_run_symmetric(results):
 def test_the_table_names_every_run(results):
     lines = remedies.table(results).splitlines()
     assert [line.split("|")[1].strip() for line in lines[2:]] == list(results)
+
+
+# --- the tip --------------------------------------------------------------------------------------------
+def words(*more):
+    return sheet_pile.arguments(["--cell", "0.5", *more])
+
+
+def test_the_published_run_needs_no_option():
+    a = words()
+    assert (a.friction, a.dilatancyLimit, a.split, a.fbar, a.tip, a.undamped, a.ramp) == (None, None, None, False, 180, False, 0)
+    b = words("--remedies", "--friction", "0.5", "--rate", "0.2")
+    assert (b.friction, b.dilatancyLimit, b.split, b.fbar, b.tip, b.undamped, b.ramp) == (0.5, 0.05, 1.3, True, 90, True, 0.5)
+
+
+@pytest.mark.parametrize("angle", [60, 90, 120])
+def test_a_wedge_has_its_angle_and_stands_where_the_flat_tip_does(angle):
+    a = words("--friction", "0.3", "--tip", str(angle))
+    pile = sheet_pile.build(a)["pile"]
+    x, y = pile.vertices.T
+    half, bottom = a.thickness / 2, sheet_pile.DEPTH - sheet_pile.EMBEDDED
+    depth = half / np.tan(np.radians(angle / 2))
+    assert y.min() == bottom and x[np.argmin(y)] == a.width / 2
+    assert y[np.isclose(x, a.width / 2 + half)].min() == pytest.approx(bottom + depth)
+    assert pile.volume.sum() == pytest.approx(a.thickness * (sheet_pile.PILE_LENGTH - depth / 2), rel=1e-12)
+    flat = sheet_pile.build(words("--friction", "0.3"))["pile"]
+    assert flat.vertices[:, 1].min() == bottom and flat.volume.sum() == pytest.approx(a.thickness * sheet_pile.PILE_LENGTH)
+
+
+@pytest.mark.parametrize("given, message", [(["--tip", "90"], "--tip needs a pile that is a mesh"),
+                                            (["--friction", "0.3", "--tip", "20"], "--tip 20 is not allowed; give 30 to 180 degrees")])
+def test_a_tip_that_cannot_be_is_refused(given, message, capsys):
+    with pytest.raises(SystemExit):
+        words(*given)
+    assert message in capsys.readouterr().err
+
+
+def test_scatter_is_zero_of_a_straight_line_and_that_of_a_wave_elsewhere():
+    x = np.linspace(0, 4, 4001)
+    assert sheet_pile.scatter(x, 100 + 50 * x, 100 + 50 * x) == 0
+    assert sheet_pile.scatter(x, 100 + 10 * np.sin(2 * np.pi * x), np.full_like(x, 100.0)) == pytest.approx(0.1 / 2**0.5, rel=1e-3)
+    assert sheet_pile.scatter(x[:500], x[:500], x[:500]) is None

@@ -51,6 +51,15 @@ def test_the_mesh_stays_whole_and_the_run_symmetric(results):
         assert summary["tipDrift"] < 0.02
 
 
+def test_the_remedied_run_keeps_its_energy(results):
+    """With a wedge, splitting and an undamped pile; at this rate neither is quasi-static."""
+    def ratios(name):
+        return [results[name]["quasiStatic"][what] for what in ("energyError", "dampedRatio")]
+
+    assert max(ratios("all, psi = 0")) < 0.01
+    assert min(ratios("friction")) > 0.02  # control: a flat tip, damped
+
+
 def test_the_table_names_every_run(results):
     lines = remedies.table(results).splitlines()
     assert [line.split("|")[1].strip() for line in lines[2:]] == list(results)

@@ -28,8 +28,8 @@ REMEDIES = {
     "all": ["--remedies"],
     "all, psi = 0": ["--remedies", "--psi", "0"],
 }
-COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "collarThickness": "collar (m)", "resistanceScatter": "scatter of R (-)", "stripes": "stripes (-)", "minJacobian": "min J (-)",
-           "wallSeconds": "wall (s)"}
+COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "collarThickness": "collar (m)",
+           "resistanceScatter": "scatter of R (-)", "stripes": "stripes (-)", "minJacobian": "min J (-)", "wallSeconds": "wall (s)"}
 
 
 def arguments():

@@ -36,6 +36,10 @@ class Engine(Attributed):
     def bind(self, scene):
         """Called before a run; engines that need the scene look things up here."""
 
+    def stepsToCall(self, scene):
+        """After so many steps Python may have been called, and certainly not before: the run looks then whether to stop."""
+        return 1 << 30
+
 
 _generated = makeClasses(_core.engineNames(), _core.makeEngine, Engine)
 
@@ -407,7 +411,6 @@ class Callback(Engine):
         self._scene._acting = None
 
     def stepsToCall(self, scene):
-        """After so many steps a call may have been made, and certainly not before: the run looks then whether to stop."""
         dt, steps = scene.core.dt, 1 << 30
         if self.iterPeriod > 0:
             past = scene.steps % self.iterPeriod

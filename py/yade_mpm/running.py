@@ -120,7 +120,7 @@ class Run:
         while self.stepsLeft() > 0 and self.signal is None and not self._stop.is_set():
             if scene.steps > 0 and scene.steps % limits.DT_PERIOD == 0 and scene._estimatedAt != scene.steps:
                 self._reestimate()
-            callbacks = [e.stepsToCall(scene) for e in scene.engines if hasattr(e, "stepsToCall")]
+            callbacks = [e.stepsToCall(scene) for e in scene.engines]
             scene.core.advance(min([self.stepsLeft(), limits.DT_PERIOD - scene.steps % limits.DT_PERIOD, *callbacks]), SLICE)
             self.progress.update()
 

@@ -5,7 +5,7 @@
 A pressure q acts on a strip of width 2b on the ground, through the edges of APDI domains. Plane strain, no weight; the half
 of 40 b x 40 b right of the axis is meshed, with rollers at its sides and base. Local damping brings the rest. Closed form on
 the axis of a half-plane without end, at depth z: sigma_z / q = (alpha + sin alpha) / pi, alpha = 2 atan(b / z) (Boussinesq,
-in Poulos & Davis 1974, Elastic solutions for soil and rock mechanics, sect. 3.1); the base at 40 b raises the deeper values.
+in Poulos & Davis 1974, Elastic solutions for soil and rock mechanics, ch. 3); the base at 40 b raises the deeper values.
 
 Units: Mg, m, s, kPa, per metre of thickness; b = 1 m.
 

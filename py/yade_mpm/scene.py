@@ -24,7 +24,7 @@ class Scene(Guarded):
     lower, upper : corners of the grid, m; two numbers each make a plane-strain scene (per metre of thickness), three a
         3D scene. Ghost nodes outside are added by the solver.
     cell : cell size, m; one number or one per axis. upper - lower must be a multiple of it.
-    scheme : "MUSL" (default), "USF" or "USL": when the stress is updated in a step (Sulsky et al. 1995).
+    scheme : "MUSL" (default), "USF" or "USL": when the stress is updated in a step (Sulsky et al. 1995; Bardenhagen 2002).
     threads : number of threads; default: one for every 1500 particles, at most OMP_NUM_THREADS. The results are
         the same bits for any number.
 

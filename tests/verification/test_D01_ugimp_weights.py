@@ -4,7 +4,7 @@
 Set-up: one uGIMP particle that is moved about in the grid; its weights by `body.weights`.
 Reference: phi = 1/(2l) int hat(x) dx over the box [x - l, x + l]; the table for h = 1, l = 0.25; partition of unity and
 linear completeness for random position and half size.
-Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-495.
+Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-496.
 Tolerance: 1e-14 (1e-13 for gradients with 1/h = 8).
 """
 import numpy as np

@@ -7,7 +7,7 @@ driven by the body force that makes it exact. APDI on a polar mesh, N cells of t
 the ring, time step 0.2 h/c_p, MUSL with leap-frog start. The error is the largest over time of the volume-RMS position
 error.
 Reference: 1.23e-2 for A = 1, N = 16 (a trial code), second order in h.
-Source: Kamojjala, Brannon, Sadeghirad & Guilkey 2015, Eng. Comput. 31, 193-213.
+Source: Kamojjala, Brannon, Sadeghirad & Guilkey 2015, Engineering with Computers 31, 193-213.
 Tolerance: 25 % of the error, order >= 1.8. With A = 1 and N <= 8 the straight edges of the exact domains themselves nearly
 invert, which the program stops at; the order is taken with A = 1/2 and, slow, with A = 1, N = 32.
 """

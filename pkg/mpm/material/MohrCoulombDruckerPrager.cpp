@@ -155,8 +155,8 @@ cut-off is not dilatancy: it counts, for soil that opened is loose, but it is ne
 could not come back to the yield surface.
 
 Source: the definition is this project's; Drucker & Prager 1952, Q. Appl. Math. 10, 157-165; Hughes & Winget
-1980, Int. J. Numer. Methods Eng. 15, 1862-1867; the limit: Vermeer & de Borst 1984, Heron 29 (3), 1-64, and the
-dilatancy cut-off of Plaxis.)";
+1980, Int. J. Numer. Methods Eng. 15, 1862-1867; the limit: the dilatancy cut-off of the
+Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: Vermeer & de Borst 1984, Heron 29 (3).)";
     }
     std::vector<Parameter> parameters() override {
         std::vector<Parameter> all{

@@ -383,7 +383,7 @@ class UGIMP : public ParticleType {
         return "Particles with fixed box domains (uniform GIMP), for separation and very large deformation.\n\n"
                "phi = 1/(2l) int hat dx over the box of half size l in each direction; the box neither stretches\n"
                "nor turns; a body that is stretched farther than the boxes reach falls apart, unless its long particles are\n"
-               "split. Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-495.";
+               "split. Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-496.";
     }
     std::vector<Parameter> parameters() override {
         return {{"perCell", "-", "Particles per cell and direction: one number, or one per direction.", &perCell,

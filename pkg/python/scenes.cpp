@@ -179,9 +179,9 @@ template <int Dim> struct Bind {
     static void expose(const char* name) {
         bp::class_<S, std::shared_ptr<S>, boost::noncopyable>(name, bp::no_init)
             .def("__init__", bp::make_constructor(make))
-            .def_readwrite("time", &S::time)
+            .add_property("time", +[](const S& s) { return watched(s.time); }, +[](S& s, double t) { setWatched(s.time, t); })
             .def_readwrite("dt", &S::dt)
-            .def_readwrite("step", &S::step)
+            .add_property("step", +[](const S& s) { return watched(s.step); }, +[](S& s, long n) { setWatched(s.step, n); })
             .def_readwrite("threads", &S::threads)
             .add_property("scheme", scheme, setScheme)
             .add_property("energies", energies, setEnergies)

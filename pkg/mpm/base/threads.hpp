@@ -18,6 +18,14 @@
 
 namespace mpm {
 
+// A number that other threads look at while it changes: the clock of a run in the background.
+template <class T> T watched(const T& x) {
+    T value;
+    __atomic_load(&x, &value, __ATOMIC_RELAXED);
+    return value;
+}
+template <class T> void setWatched(T& x, T value) { __atomic_store(&x, &value, __ATOMIC_RELAXED); }
+
 constexpr int chunkSize = 128; // particles per piece where the order of pieces does not matter: few enough for the first cache
 
 inline int chunksOf(int n) { return (n + chunkSize - 1) / chunkSize; }

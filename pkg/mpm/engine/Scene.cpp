@@ -49,7 +49,8 @@ template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {
     const auto begin = Clock::now();
     for (auto& body : bodies) body->domains->step = step;
     engine.action(*this);
-    engine.seconds += std::chrono::duration<double>(Clock::now() - begin).count(), ++engine.calls;
+    setWatched(engine.seconds, engine.seconds + std::chrono::duration<double>(Clock::now() - begin).count());
+    setWatched(engine.calls, engine.calls + 1);
 }
 
 template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
@@ -65,7 +66,7 @@ template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
         for (size_t e = 0; e < engines.size(); ++e) {
             Engine& engine = *engines[e];
             const auto tick = [&] {
-                if (e == lastStage) time += dt, ++step;
+                if (e == lastStage) setWatched(time, time + dt), setWatched(step, step + 1);
             };
             try {
                 actAlone(engine);

@@ -55,8 +55,8 @@ std::vector<double> vectorFrom(const bp::object& o) {
 void exposeEngines() {
     bp::class_<Engine, std::shared_ptr<Engine>, bp::bases<Configurable>, boost::noncopyable>("Engine", bp::no_init)
         .def_readonly("dead", &Engine::dead)
-        .add_property("seconds", +[](const Engine& e) { return watched(e.seconds); }, +[](Engine& e, double s) { setWatched(e.seconds, s); })
-        .add_property("calls", +[](const Engine& e) { return watched(e.calls); }, +[](Engine& e, long n) { setWatched(e.calls, n); });
+        .add_property("seconds", +[](Engine& e) { return watched(e.seconds); }, +[](Engine& e, double s) { setWatched(e.seconds, s); })
+        .add_property("calls", +[](Engine& e) { return watched(e.calls); }, +[](Engine& e, long n) { setWatched(e.calls, n); });
     bp::def("makeEngine", &Registry<Engine>::make);
     bp::def("engineNames", +[] { return listOf(Registry<Engine>::names()); });
     bp::def("makePythonEngine", +[](const bp::object& call) -> std::shared_ptr<Engine> { return std::make_shared<PythonEngine>(call); });

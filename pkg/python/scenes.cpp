@@ -179,9 +179,9 @@ template <int Dim> struct Bind {
     static void expose(const char* name) {
         bp::class_<S, std::shared_ptr<S>, boost::noncopyable>(name, bp::no_init)
             .def("__init__", bp::make_constructor(make))
-            .add_property("time", +[](const S& s) { return watched(s.time); }, +[](S& s, double t) { setWatched(s.time, t); })
+            .add_property("time", +[](S& s) { return watched(s.time); }, +[](S& s, double t) { setWatched(s.time, t); })
             .def_readwrite("dt", &S::dt)
-            .add_property("step", +[](const S& s) { return watched(s.step); }, +[](S& s, long n) { setWatched(s.step, n); })
+            .add_property("step", +[](S& s) { return watched(s.step); }, +[](S& s, long n) { setWatched(s.step, n); })
             .def_readwrite("threads", &S::threads)
             .add_property("scheme", scheme, setScheme)
             .add_property("energies", energies, setEnergies)

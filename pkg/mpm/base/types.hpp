@@ -82,8 +82,6 @@ template <int W> struct Pack {
         for (int k = 0; k < W / 4; ++k) part[k] += other.part[k];
         return *this;
     }
-    // this += s * other, for a pack that fills the last four lanes only
-    MPM_INLINE void addLast(double s, const Pack<4>& other) { part[W / 4 - 1] += s * other.part[0]; }
     // this += s * other
     MPM_INLINE void add(double s, const Pack& other) {
         for (int k = 0; k < W / 4; ++k) part[k] += s * other.part[k];

@@ -80,8 +80,8 @@ template <int Dim> double Contact::stopping(const Site<Dim>& site, const Vec<Dim
 // The impulses on the second group, from the relative velocities at the start and of the solution: all that the nodes take, and
 // the part of it that only makes the velocities of the start agree.
 template <int Dim>
-Impulses<Dim> Contact::exchange(const Site<Dim>& site, const Law& law, double dt, const Vec<Dim>& answer,
-                                                  const Vec<Dim>& start, const Vec<Dim>& w) const {
+Impulses<Dim> Contact::exchange(const Site<Dim>& site, const Law& law, double dt, const Vec<Dim>& answer, const Vec<Dim>& start,
+                                const Vec<Dim>& w) const {
     Impulses<Dim> J;
     if (!separation && !law.slip) { // one body
         for (int k = 0; k < Dim; ++k)
@@ -102,7 +102,7 @@ Impulses<Dim> Contact::exchange(const Site<Dim>& site, const Law& law, double dt
     if (J.sticks || !(lag > 0 || law.slip)) return J;
     const double limit = law.friction * std::max(pushed - (1 - impactLoss) * agreed, 0.0) + borne;
     J.sticks = lag > 0 && (!law.slip || (slip.norm() <= lag * (law.friction * std::max(pushed, 0.0) + borne) &&
-                                            (slip - (1 - impactLoss) * slipped).norm() <= lag * limit));
+                                         (slip - (1 - impactLoss) * slipped).norm() <= lag * limit));
     if (J.sticks)
         J.all += slip / lag, J.agreeing += slipped / lag;
     else
@@ -128,11 +128,7 @@ void Contact::change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const V
         const int holder = field.holder[k][meet.node];
         if (holder < 0) continue;
         Constraint& constraint = *scene.constraints[holder];
-        double arm[3] = {0, 0, 0};
-        for (int m = 0; m < Dim; ++m) arm[m] = x[m] - constraint.centre[m];
-        constraint.reaction[k] -= force[k];
-        constraint.moment[(k + 1) % 3] -= arm[(k + 2) % 3] * force[k];
-        constraint.moment[(k + 2) % 3] += arm[(k + 1) % 3] * force[k];
+        addReaction<Dim>(x, constraint.centre, k, -force[k], constraint.reaction, constraint.moment);
         constraint.work -= force[k] * motion[k] * scene.dt;
     }
     scene.energies.gravity += field.sum[meet.node][NF::weightMass] * gained * scene.dt;

@@ -92,13 +92,7 @@ class GridSolver : public EngineOf<GridSolver> {
 
     template <int Dim>
     static void react(const Scene<Dim>& scene, int constraint, int node, int axis, double force, double v, Tally& t) {
-        const Vec<Dim> x = scene.grid.nodePosition(node);
-        const double* centre = scene.constraints[constraint]->centre;
-        double arm[3] = {0, 0, 0};
-        for (int k = 0; k < Dim; ++k) arm[k] = x[k] - centre[k];
-        t.force[axis] += force;
-        t.moment[(axis + 1) % 3] += arm[(axis + 2) % 3] * force;
-        t.moment[(axis + 2) % 3] -= arm[(axis + 1) % 3] * force;
+        addReaction<Dim>(scene.grid.nodePosition(node), scene.constraints[constraint]->centre, axis, force, t.force, t.moment);
         t.work += force * v * scene.dt;
         ++t.nodes;
     }

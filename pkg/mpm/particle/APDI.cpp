@@ -132,7 +132,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         pieces(team, [&](const Batch<Dim>& batch) {
             const BatchWeights<Dim> d(batch, skew_);
             if (nodes) {
-                const AtCorners<Dim, 2 * Dim> at(batch, constPlanes<2 * Dim>(motion));
+                const AtCorners<Dim, 2 * Dim> at(batch, planes<2 * Dim>(motion));
                 damped_[batch.first / pieceSize_] +=
                     q.move(batch.first, batch.count, how, [&](int k, int p) __attribute__((always_inline)) {
                         double sum = 0;
@@ -406,11 +406,6 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         for (int k = 0; k < n; ++k) all[k] = carried_.plane(first + k);
         return all;
     }
-    template <int n> std::array<const double*, n> constPlanes(int first) {
-        std::array<const double*, n> all;
-        for (int k = 0; k < n; ++k) all[k] = carried_.plane(first + k);
-        return all;
-    }
 
     // What a batch of domains gives to its vertices.
     struct FromDomains {
@@ -494,7 +489,12 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // Velocity (Dim numbers) or motion (2 Dim) of the nodes, to the vertices.
     template <class Node, size_t n> void take(Team& team, const Node* nodes, const std::array<double*, n>& plane) {
         vertices_.gather(team, nodes, plane,
-                         [](const Node* in, int count, const std::array<double*, n>& out) { Base::unpack(in, count, out); });
+                         [](const Node* in, int count, const std::array<double*, n>& out) {
+                             if constexpr (n == Dim)
+                                 Base::unpackVectors(in, count, out);
+                             else
+                                 Base::unpackMotion(in, count, out);
+                         });
     }
 
     void clear(Team& team) {

@@ -71,7 +71,7 @@ template <int Dim, int n> class AtCorners {
     static constexpr int NC = corners<Dim>;
     const double* x[NC][n];
 
-    AtCorners(const Batch<Dim>& batch, const std::array<const double*, n>& plane) {
+    template <class Number> AtCorners(const Batch<Dim>& batch, const std::array<Number*, n>& plane) {
         for (int a = 0; a < NC; ++a)
             for (int k = 0; k < n; ++k) x[a][k] = batch.isStraight ? plane[k] + batch.corner[a] : copy_[a][k];
         for (int p = 0; p < batch.count && !batch.isStraight; ++p)

@@ -27,8 +27,6 @@ template <> struct Lanes<2> {
     static constexpr int component(int lane) { return lane / 2; }
     static constexpr int entryAt(int /*set*/, int lane) { return lane; } // Dim i + j of d_j v_i there in Gradient
 
-    template <class F> MPM_INLINE static Quad vector(F&& value) { return Quad{value(0), value(0), value(1), value(1)}; }
-
     // d_x phi in the even lanes, d_y phi in the odd ones, as a product of this for the axes.
     MPM_INLINE static Quad alongX(double S, double G) { return alternating(G, S); }
     MPM_INLINE static Quad alongY(double S, double G) { return alternating(S, G); }
@@ -53,8 +51,6 @@ template <> struct Lanes<3> {
     static constexpr int used = 3;
     static constexpr int component(int lane) { return lane; }
     static constexpr int entryAt(int set, int lane) { return 3 * lane + set; }
-
-    template <class F> MPM_INLINE static Quad vector(F&& value) { return Quad{value(0), value(1), value(2), 0}; }
 
     struct Row {
         Quad withG, withS; // what takes the derivative along the row, and what does not

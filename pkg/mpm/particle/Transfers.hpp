@@ -25,14 +25,16 @@ template <int Dim> class Transfers : public Domains<Dim> {
     void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
         const double* mass = particles.mass.plane();
         for (int p : which)
-            this->weights(p, [&](int node, double phi, const Vec<Dim>&) {
-                if (phi == 0) return;
-                if (nodal[node] == 0) touched.push_back(node);
-                nodal[node] += phi * mass[p];
-            });
+            this->weights(p, [&](int node, double phi, const Vec<Dim>&) { addMassTo(node, phi * mass[p], nodal, touched); });
     }
 
   protected:
+    static void addMassTo(int node, double mass, double* nodal, std::vector<int>& touched) {
+        if (mass == 0) return;
+        if (nodal[node] == 0) touched.push_back(node);
+        nodal[node] += mass;
+    }
+
     static constexpr int lot = 64; // particles that are treated together, at most
 
     // The arrays of the particles, hoisted out of the loops.
@@ -132,30 +134,20 @@ template <int Dim> class Transfers : public Domains<Dim> {
         }
     };
 
-    // Between the lanes of the nodes and planes: vectors as in NodalField::Velocity, and NodalField::Motion.
-    static void packVectors(const std::array<const double*, Dim>& plane, int count, Quad* out) {
+    // Between the lanes of the nodes and planes, plane[k] being an array: vectors as in NodalField::Velocity, and NodalField::Motion.
+    template <class Planes> static void packVectors(const Planes& plane, int count, Quad* out) {
         const double zero[Dim == 2 ? 1 : chunkSize] = {};
         interleave({plane[0], plane[L::component(1)], plane[L::component(2)], Dim == 2 ? plane[1] : zero}, count, out);
     }
-    static void unpack(const typename NF::Velocity* in, int count, const std::array<double*, Dim>& plane) {
+    template <class Planes> static void unpackVectors(const typename NF::Velocity* in, int count, Planes& plane) {
         std::array<double*, L::used> all;
         for (int l = 0; l < L::used; ++l) all[l] = plane[L::component(l)];
         separate(in->part, 1, count, all);
     }
-    static void unpack(const typename NF::Motion* in, int count, const std::array<double*, 2 * Dim>& plane) {
+    template <class Planes> static void unpackMotion(const typename NF::Motion* in, int count, Planes& plane) {
         constexpr int parts = sizeof(typename NF::Motion) / sizeof(Quad);
         separate(in->part, parts, count, std::array<double*, 4>{plane[0], plane[1], plane[2], plane[3]});
         if constexpr (Dim == 3) separate(in->part + 1, parts, count, std::array<double*, 2>{plane[4], plane[5]});
-    }
-    template <size_t n, size_t most> static std::array<const double*, Dim> vectorOf(const double (&array)[n][most]) {
-        std::array<const double*, Dim> all;
-        for (int k = 0; k < Dim; ++k) all[k] = array[k];
-        return all;
-    }
-    template <size_t n, size_t most> static std::array<double*, n> rows(double (&array)[n][most]) {
-        std::array<double*, n> all;
-        for (size_t k = 0; k < n; ++k) all[k] = array[k];
-        return all;
     }
 
     // Creates n particles with the given centres and volumes, numbered in order.

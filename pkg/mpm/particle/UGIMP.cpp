@@ -112,7 +112,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             if (hasBodyForce) {
                 double given[Dim][batch];
                 q.bodyForces(first, count, given);
-                Base::packVectors(Base::vectorOf(given), count, value);
+                Base::packVectors(given, count, value);
                 scatter<1>(nodes, first, count, w, value);
             }
         });
@@ -126,14 +126,14 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                 typename NF::Motion motion[batch];
                 for (int i = 0; i < count; ++i) motion[i] = gather(nodes + cells[first + i], w, i);
                 double taken[2 * Dim][batch];
-                Base::unpack(motion, count, Base::rows(taken));
+                Base::unpackMotion(motion, count, taken);
                 damped_[block] += q.move(first, count, how, [&](int k, int i) __attribute__((always_inline)) { return taken[k][i]; });
             }
             if (momentum) {
                 double given[Dim + 1][batch];
                 Quad value[batch];
                 q.momenta(first, count, how.inertiaScale, given);
-                Base::packVectors(Base::vectorOf(given), count, value);
+                Base::packVectors(given, count, value);
                 scatter<0>(momentum, first, count, w, value);
             }
         });
@@ -191,13 +191,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             const Weights w(*this, first, count);
             for (int p = 0; p < count; ++p)
                 for (int row = 0; row < rows; ++row)
-                    for (int k = 0; k < 3; ++k) {
-                        const int node = cell_[first + p] + rowOffset(row) + k;
-                        const double phi = w.across(row, p).S * w.axis[0].S[k][p];
-                        if (phi == 0) continue;
-                        if (nodal[node] == 0) touched.push_back(node);
-                        nodal[node] += phi * mass[first + p];
-                    }
+                    for (int i = 0; i < 3; ++i)
+                        Base::addMassTo(cell_[first + p] + rowOffset(row) + i, w.across(row, p).S * w.axis[0].S[i][p] * mass[first + p],
+                                        nodal, touched);
         }
     }
 

@@ -8,7 +8,7 @@
 //   L_p = sum_i v_i (x) grad phi_ip                                                  setGradients()
 #pragma once
 
-#include "mpm/base/lanes.hpp"
+#include "mpm/base/interleave.hpp"
 #include "mpm/particle/Domains.hpp"
 #include "mpm/particle/Lanes.hpp"
 

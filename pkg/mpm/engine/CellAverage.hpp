@@ -34,7 +34,7 @@ class CellAverage {
         const int n = int(cell_.size());
         team.chunks(n, [&](int begin, int end) { value(begin, end, change_.data() + begin); });
         team.once([&] {
-            std::fill(cells_.begin(), cells_.end(), Cell());
+            for (int p = 0; p < n; ++p) cells_[cell_[p]] = {};
             for (int p = 0; p < n; ++p) {
                 Cell& cell = cells_[cell_[p]];
                 cell.volume += volume[p], cell.sum += volume[p] * change_[p];

@@ -295,6 +295,21 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             });
     }
 
+    // By way of the vertices, like all transfers.
+    void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
+        const double* mass = particles.mass.plane();
+        std::vector<double> share(vertices_.size(), 0.0);
+        std::vector<int> sharing;
+        for (int p : which) {
+            const ClosedShape<Dim> shape(numbersOf<Dim>(cornersOf(p)));
+            for (int a = 0; a < NC; ++a) Base::addMassTo(corner_[NC * p + a], shape.w[a] * mass[p], share.data(), sharing);
+        }
+        for (int v : sharing)
+            vertices_.hanging.through(v, [&](int vertex, double part) {
+                Hat{vertices_}(vertex, [&](int node, double S) { Base::addMassTo(node, part * share[v] * S, nodal, touched); });
+            });
+    }
+
     // The nodal forces of hourglass control as a stiffness: those of the motion that the velocity of the vertices holds, over unit time.
     void addForce(Team& team, typename NF::Sum* nodes, const double* const tensor[9]) override {
         const Planes q(particles);

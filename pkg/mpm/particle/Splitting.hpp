@@ -30,12 +30,12 @@ template <int Dim> class Splitting {
         for (int k = 0; k < Dim; ++k) std::fill_n(share.plane((Dim + 1) * k), count, 1.0);
     }
 
-    // Notes whether one of the particles [begin, end), a chunk, may be too long; |D|^2 is no less than the largest stretch squared.
+    // Notes whether one of the particles [begin, end), a chunk, is too long.
     void look(const Particles<Dim>& particles, int begin, int end) {
-        double most = 0;
-#pragma omp simd reduction(max : most)
-        for (int p = begin; p < end; ++p) most = std::max(most, domain(particles, p).squaredNorm());
-        isSuspect_[begin / chunkSize] = most > limit_ * limit_;
+        double least = 1;
+#pragma omp simd reduction(min : least)
+        for (int p = begin; p < end; ++p) least = std::min(least, reserve(domain(particles, p)));
+        isSuspect_[begin / chunkSize] = !(least > 0);
     }
     void expect(int count) { isSuspect_.resize(chunksOf(count), 1); } // before the threads look
     void forget() { isSuspect_.clear(); }
@@ -86,6 +86,13 @@ template <int Dim> class Splitting {
         return D;
     }
 
+    // Positive where all stretches are below the limit: the least leading minor of limit^2 I - D^T D is.
+    MPM_INLINE double reserve(const Mat<Dim>& D) const {
+        const Mat<Dim> rest = limit_ * limit_ * Mat<Dim>::Identity() - D.transpose() * D;
+        const double least = std::min(rest(0, 0), rest(0, 0) * rest(1, 1) - rest(0, 1) * rest(1, 0));
+        return Dim == 2 ? least : std::min(least, rest.determinant());
+    }
+
     std::vector<Cut> find(const Particles<Dim>& particles, const Vec<Dim>& halfSize) const {
         std::vector<Cut> cuts;
         for (int p = 0; p < particles.size(); ++p) {
@@ -93,7 +100,7 @@ template <int Dim> class Splitting {
                 while (p < particles.size() && !isSuspect_[p / chunkSize]) p += chunkSize;
             if (p >= particles.size()) break;
             const Mat<Dim> D = domain(particles, p);
-            if (!(D.squaredNorm() > limit_ * limit_)) continue;
+            if (reserve(D) > 0) continue;
             const Eigen::SelfAdjointEigenSolver<Mat<Dim>> stretches(D.transpose() * D);
             const double stretch = std::sqrt(stretches.eigenvalues()[Dim - 1]);
             if (!(stretch > limit_)) continue;

@@ -22,12 +22,6 @@ template <int Dim> class Transfers : public Domains<Dim> {
     using Base::Base;
     using Base::particles;
 
-    void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
-        const double* mass = particles.mass.plane();
-        for (int p : which)
-            this->weights(p, [&](int node, double phi, const Vec<Dim>&) { addMassTo(node, phi * mass[p], nodal, touched); });
-    }
-
   protected:
     static void addMassTo(int node, double mass, double* nodal, std::vector<int>& touched) {
         if (mass == 0) return;

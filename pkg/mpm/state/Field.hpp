@@ -3,6 +3,7 @@
 // component 1 ...), so that loops over particles vectorise and components nobody touches cost nothing.
 #pragma once
 
+#include "mpm/base/largePages.hpp"
 #include "mpm/base/types.hpp"
 
 #include <cstdint>
@@ -42,6 +43,7 @@ class Field {
     void resize(int n) {
         const size_t pitch = (size_t(n) + 7) / 8 * 8 + 8; // the extra 8 keeps planes off each other's cache sets
         std::shared_ptr<void> memory(std::calloc(components_ * pitch + 8, 8), std::free); // not touched: not resident
+        preferLargePages(memory.get(), (components_ * pitch + 8) * 8);
         const size_t toCacheLine = -reinterpret_cast<std::uintptr_t>(memory.get()) % 64;
         std::shared_ptr<void> fresh(memory, static_cast<char*>(memory.get()) + toCacheLine);
         const int kept = n < size_ ? n : size_;

@@ -3,6 +3,7 @@
 // axis fastest; a slab is the set of nodes with the same number along the last axis.
 #pragma once
 
+#include "mpm/base/largePages.hpp"
 #include "mpm/base/require.hpp"
 #include "mpm/base/threads.hpp"
 #include "mpm/base/types.hpp"
@@ -49,10 +50,15 @@ template <int Dim> struct NodalField {
     Shares shares; // of the slabs, by the number of their touched nodes
 
     void setSize(int nodes, int slabs) {
-        sum.assign(nodes, Sum::zero()), motion.assign(nodes, Motion::zero()), velocity.assign(nodes, Velocity::zero());
+        setSize(sum, nodes), setSize(motion, nodes), setSize(velocity, nodes);
         for (auto& axis : holder) axis.assign(nodes, -1);
         extents.resize(slabs);
         forgetExtents();
+    }
+    template <class Lanes> static void setSize(std::vector<Lanes>& values, int nodes) {
+        values.clear(), values.reserve(nodes);
+        preferLargePages(values.data(), nodes * sizeof(Lanes));
+        values.assign(nodes, Lanes::zero());
     }
     void forgetExtents() {
         Extent none;

@@ -79,6 +79,7 @@ template <int Dim> void Meeting<Dim>::Boundary::find(Body<Dim>& body) {
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     outward.assign(body.domains->vertexPositions()->size(), Vec<Dim>::Zero()), extent.assign(outward.size(), 0.0);
+    node.assign(outward.size(), -1);
 }
 
 template <int Dim> void Meeting<Dim>::prepare(const Scene<Dim>& scene) {
@@ -101,7 +102,7 @@ template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normals
             normalsByMass ? findNormalsByMass(scene.grid, first) : findNormals(scene.grid, first);
             turnAtEdges(scene, 0, a, first), turnAtEdges(scene, 1, b, first);
             findFaces(scene, 0, a), findFaces(scene, 1, b);
-            findIntruders(scene, 0, a, b), findIntruders(scene, 1, b, a);
+            findIntruders(scene.grid, 0, a, b), findIntruders(scene.grid, 1, b, a);
             findGaps(scene.grid, first), borrow(scene.grid, first);
             findTouches(scene, a, b);
             pairs.push_back({first, meets.size(), touched, touches.size()});
@@ -146,6 +147,7 @@ template <int Dim> int Meeting<Dim>::nearest(const Grid<Dim>& grid, const Field&
 }
 
 template <int Dim> void Meeting<Dim>::findSurfaces(const Scene<Dim>& scene, int side, int field) {
+    boxes_[side].clear();
     for (size_t b = 0; b < scene.bodies.size(); ++b) {
         Body<Dim>& body = *scene.bodies[b];
         if (body.velocityField != field) continue;
@@ -160,27 +162,30 @@ template <int Dim> void Meeting<Dim>::findSurfaces(const Scene<Dim>& scene, int 
 template <int Dim> void Meeting<Dim>::addBoxes(const Body<Dim>& body, const Grid<Dim>& grid, int side) {
     const Field& position = body.particles.position;
     const double* V = body.particles.volume.plane();
-    Vec<Dim> half = body.domains->halfSize().cwiseQuotient(grid.cell);
+    const Vec<Dim> half = body.domains->halfSize().cwiseQuotient(grid.cell);
     for (int p = 0; p < body.particles.size(); ++p) {
         const int centre = nearest(grid, position, p);
         if (!isNear_[centre]) continue;
+        const Vec<Dim> x = vectorAt<Dim>(position, p), middle = grid.nodePosition(centre);
+        boxes_[side].push_back({centre, x});
         const double density = V[p] / (2 * half).prod();
-        const Vec<Dim> x = vectorAt<Dim>(position, p);
-        forNeighbours(grid, centre, [&](int node, const Vec<Dim>&) {
+        HatIntegrals axes[Dim][3];
+        for (int k = 0; k < Dim; ++k)
+            for (int i = 0; i < 3; ++i) axes[k][i] = HatIntegrals((x[k] - middle[k]) / grid.cell[k] - (i - 1), half[k]);
+        const Mat<Dim> scale = density * grid.cell * grid.cell.cwiseInverse().transpose();
+        forNeighbours(grid, centre, [&](int node, const Vec<Dim>& step) {
             if (slot_[node] < 0) return;
-            const Vec<Dim> d = (x - grid.nodePosition(node)).cwiseQuotient(grid.cell);
-            HatIntegrals axis[Dim];
-            for (int k = 0; k < Dim; ++k) axis[k] = HatIntegrals(d[k], half[k]);
+            const auto axis = [&](int k) -> const HatIntegrals& { return axes[k][int(step[k]) + 1]; };
             FaceSeen<Dim>& surface = meets[slot_[node]].surface[side];
             for (int n = 0; n < Dim; ++n) {
                 double outward = density / grid.cell[n];
-                for (int k = 0; k < Dim; ++k) outward *= k == n ? axis[k].slope : axis[k].N;
+                for (int k = 0; k < Dim; ++k) outward *= k == n ? axis(k).slope : axis(k).N;
                 surface.outward[n] += outward;
                 for (int m = 0; m < Dim; ++m) {
-                    double moment = density * grid.cell[m] / grid.cell[n];
+                    double moment = scale(m, n);
                     for (int k = 0; k < Dim; ++k)
-                        moment *= k == n ? (k == m ? axis[k].firstOfSlope + axis[k].N : axis[k].slope)
-                                         : (k == m ? axis[k].first : axis[k].N);
+                        moment *= k == n ? (k == m ? axis(k).firstOfSlope + axis(k).N : axis(k).slope)
+                                         : (k == m ? axis(k).first : axis(k).N);
                     surface.moment(m, n) += moment;
                 }
             }
@@ -192,16 +197,19 @@ template <int Dim> void Meeting<Dim>::addBoxes(const Body<Dim>& body, const Grid
 template <int Dim> void Meeting<Dim>::addFacets(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid, int side) {
     if (boundary.particles != body.particles.size()) boundary.find(body); // the first time, or after a conversion
     const Field& X = *body.domains->vertexPositions();
-    for (int v : boundary.vertices) boundary.outward[v].setZero(), boundary.extent[v] = 0;
+    for (int v : boundary.vertices) {
+        const int node = nearest(grid, X, v);
+        boundary.outward[v].setZero(), boundary.extent[v] = 0, boundary.node[v] = isNear_[node] ? node : -1;
+    }
     for (auto& facet : boundary.facets.facets) {
         bool isClose = false;
-        for (int v : facet) isClose |= bool(isNear_[nearest(grid, X, v)]);
+        for (int v : facet) isClose |= boundary.node[v] >= 0;
         if (!isClose) continue;
         const Vec<Dim> share = areaVector<Dim>(X, facet) / boundary.facets.size;
         for (int v : facet) boundary.outward[v] += share, boundary.extent[v] += share.norm();
     }
     for (int v : boundary.vertices) {
-        if (!isNear_[nearest(grid, X, v)]) continue;
+        if (boundary.node[v] < 0) continue;
         const Vec<Dim> x = vectorAt<Dim>(X, v);
         forHats<Dim>(grid, x, [&](int node, double phi) {
             if (slot_[node] < 0) return;
@@ -260,7 +268,7 @@ template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int s
         const Field& X = *scene.bodies[b]->domains->vertexPositions();
         for (auto& facet : boundaries_[b].facets.facets)
             for (int v : facet) {
-                if (!isNear_[nearest(grid, X, v)]) continue;
+                if (boundaries_[b].node[v] < 0) continue;
                 const Vec<Dim> share = areaVector<Dim>(X, facet) / boundaries_[b].facets.size;
                 forHats<Dim>(grid, vectorAt<Dim>(X, v), [&](int node, double phi) {
                     if (slot_[node] < 0 || meets[slot_[node]].edgeOf != side) return;
@@ -299,8 +307,8 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
         if (scene.bodies[b]->velocityField != field) continue;
         const Field& X = *scene.bodies[b]->domains->vertexPositions();
         for (int v : boundaries_[b].vertices) {
-            const int centre = nearest(grid, X, v);
-            if (!isNear_[centre]) continue;
+            const int centre = boundaries_[b].node[v];
+            if (centre < 0) continue;
             const Vec<Dim> x = vectorAt<Dim>(X, v), &outward = boundaries_[b].outward[v];
             forNeighbours(grid, centre, [&](int node, const Vec<Dim>&) {
                 if (slot_[node] < 0) return;
@@ -318,30 +326,21 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
 
 // Boxes against a mesh: where the centre of one has crossed its face, the gap is closed, whatever the others do. What lies deeper than
 // half a cell belongs to the other side.
-template <int Dim> void Meeting<Dim>::findIntruders(const Scene<Dim>& scene, int side, int field, int other) {
+template <int Dim> void Meeting<Dim>::findIntruders(const Grid<Dim>& grid, int side, int field, int other) {
     if (isMeshed_[field] || !isMeshed_[other]) return;
-    const Grid<Dim>& grid = scene.grid;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
-    for (auto& body : scene.bodies) {
-        if (body->velocityField != field || body->type->isMeshed()) continue;
-        const Field& position = body->particles.position;
-        for (int p = 0; p < body->particles.size(); ++p) {
-            const int centre = nearest(grid, position, p);
-            if (!isNear_[centre]) continue;
-            const Vec<Dim> x = vectorAt<Dim>(position, p);
-            forNeighbours(grid, centre, [&](int node, const Vec<Dim>&) {
-                if (slot_[node] < 0) return;
-                Meet<Dim>& meet = meets[slot_[node]];
-                const FaceSeen<Dim>& face = meet.surface[1 - side];
-                const Vec<Dim> d = x - grid.nodePosition(node);
-                const double along = sign * d.dot(meet.normal);
-                const double overlap = along + face.reach;
-                if (face.nearest == 1e300 || overlap < 0 || overlap > 0.5 * h || d.squaredNorm() - along * along > 0.5 * h * h) return;
-                double& furthest = meet.surface[side].intruded;
-                furthest = std::max(furthest, along);
-            });
-        }
-    }
+    for (const Box& box : boxes_[side])
+        forNeighbours(grid, box.node, [&](int node, const Vec<Dim>&) {
+            if (slot_[node] < 0) return;
+            Meet<Dim>& meet = meets[slot_[node]];
+            const FaceSeen<Dim>& face = meet.surface[1 - side];
+            const Vec<Dim> d = box.centre - grid.nodePosition(node);
+            const double along = sign * d.dot(meet.normal);
+            const double overlap = along + face.reach;
+            if (face.nearest == 1e300 || overlap < 0 || overlap > 0.5 * h || d.squaredNorm() - along * along > 0.5 * h * h) return;
+            double& furthest = meet.surface[side].intruded;
+            furthest = std::max(furthest, along);
+        });
 }
 
 // How far each group reaches along the normal. Surfaces of boxes that seem to cross by half a cell face away from each other.
@@ -393,10 +392,10 @@ template <int Dim> auto Meeting<Dim>::skin(const Scene<Dim>& scene, int field) c
         if (scene.bodies[b]->velocityField != field) continue;
         const Field& X = *scene.bodies[b]->domains->vertexPositions();
         for (int v : boundaries_[b].vertices) {
-            const int node = nearest(scene.grid, X, v);
+            const int node = boundaries_[b].node[v];
             const Vec<Dim>& outward = boundaries_[b].outward[v];
             const double size = outward.norm();
-            if (isNear_[node] && size > edge * boundaries_[b].extent[v]) found.push_back({node, vectorAt<Dim>(X, v), outward / size});
+            if (node >= 0 && size > edge * boundaries_[b].extent[v]) found.push_back({node, vectorAt<Dim>(X, v), outward / size});
         }
     }
     std::stable_sort(found.begin(), found.end());

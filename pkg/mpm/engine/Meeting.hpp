@@ -80,8 +80,13 @@ template <int Dim> class Meeting {
         std::vector<int> vertices;
         std::vector<Vec<Dim>> outward; // area vector and
         std::vector<double> extent;    // area at each vertex, of those near a meet
+        std::vector<int> node;         // nearest to each vertex, -1: not near a meet
         int particles = -1;            // when it was found
         void find(Body<Dim>& body);
+    };
+    struct Box { // near a meet
+        int node; // the nearest
+        Vec<Dim> centre;
     };
     struct Skin { // a vertex at the surface of a mesh
         int node; // the nearest
@@ -90,6 +95,7 @@ template <int Dim> class Meeting {
     };
     long step_ = -1;
     std::vector<Boundary> boundaries_; // per body
+    std::vector<Box> boxes_[2];        // of either group
     std::vector<bool> isMeshed_;       // groups that are meshes altogether
     std::vector<int> slot_;            // of each node in `meets`, -1: none; of one pair of groups at a time
     std::vector<char> isNear_;         // nodes that are, or are next to, one of these
@@ -102,7 +108,7 @@ template <int Dim> class Meeting {
     void findNormalsByMass(const Grid<Dim>& grid, size_t first);
     void turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first);
     void findFaces(const Scene<Dim>& scene, int side, int field);
-    void findIntruders(const Scene<Dim>& scene, int side, int field, int other);
+    void findIntruders(const Grid<Dim>& grid, int side, int field, int other);
     void findGaps(const Grid<Dim>& grid, size_t first);
     void findTouches(const Scene<Dim>& scene, int a, int b);
     std::vector<Skin> skin(const Scene<Dim>& scene, int field) const;

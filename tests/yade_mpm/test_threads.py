@@ -17,7 +17,7 @@ def hybrid(scheme="MUSL"):
     """Two blocks of uGIMP soil that collapse onto a matched mesh with hanging vertices; one of them flies off."""
     scene = mpm.Scene((0, 0), (8, 8), 0.25, scheme=scheme)
     soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25))
-    near = scene.add("near", box((2, 2), (6, 5)), soil, mpm.UGIMP(perCell=3))
+    near = scene.add("near", box((2, 2), (6, 5)), soil, mpm.UGIMP(perCell=3), fbar=True)
     scene.add("floor", box((0, 0), (8, 2)), soil, mpm.APDI(size=0.25, matched=near), fbar=True)
     flying = scene.add("flying", box((3, 5), (5, 6)), mpm.NeoHookean(density=1.0, lame=(2e3, 1e3)), mpm.UGIMP(perCell=3))
     flying.velocity, near.velocity = (0.0, 6.0), (1.0, -1.0)

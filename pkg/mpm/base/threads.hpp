@@ -122,6 +122,15 @@ class Team {
             if (shares.owner(i, threads) == me) guard(i, [&] { f(i); });
     }
 
+    // Calls f(begin, end) with the stretch of pieces that this thread has.
+    template <class F> void inStretches(const Shares& shares, F&& f) {
+        const int me = omp_get_thread_num(), threads = omp_get_num_threads();
+        int begin = 0, end = 0;
+        for (int i = 0; i < shares.count(); ++i) begin += shares.owner(i, threads) < me, end += shares.owner(i, threads) <= me;
+        guard(begin, [&] { f(begin, end); });
+        wait();
+    }
+
     // Calls f(i) once for each piece of `turns`.
     template <class F> void inTurns(Turns& turns, F&& f) {
         const int me = omp_get_thread_num(), threads = omp_get_num_threads();

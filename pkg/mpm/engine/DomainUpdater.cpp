@@ -107,29 +107,34 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
         const double* volume = body.particles.volume.plane();
         const auto gradient = [&](int begin, int end) { body.domains->takeGradient(begin, end, nodes, scene.dt); };
-        if (body.fbar) {
-            team.chunks(n, gradient);
-            average_.locate(team, body.particles, scene.grid);
-            average_.find(team, volume, [&](int begin, int end, double* v) { traces(L, Dim, begin, end, v); });
-        }
         const auto rest = [&](int begin, int end) {
-            if (!body.fbar) gradient(begin, end);
             deform(body.particles, scene.dt, begin, end);
             body.domains->volumes(begin, end);
-            work.of(begin) = updateStress(body, scene.dt, begin, end);
+            work.of(begin) = updateStress(body, scene.dt, begin, end, body.fbar ? average_.values() : nullptr);
         };
-        if (!body.fbar) return team.chunksNoWait(n, shares, rest);
-        team.chunks(n, rest);
-        average_.find(team, volume, [&](int begin, int end, double* v) { traces(stress, 3, begin, end, v); });
+        if (!body.fbar) return team.chunksNoWait(n, shares, [&](int begin, int end) { gradient(begin, end), rest(begin, end); });
+        average_.start(team, n, scene.grid);
+        double* change = average_.values();
         team.chunks(n, [&](int begin, int end) {
+            gradient(begin, end), average_.locate(body.particles, scene.grid, begin, end);
+            traces(L, Dim, begin, end, change + begin);
+        });
+        average_.sum(team, volume);
+        team.chunks(n, [&](int begin, int end) {
+            average_.toChanges(begin, end), rest(begin, end);
+            traces(stress, 3, begin, end, change + begin);
+        });
+        average_.sum(team, volume);
+        team.chunks(n, [&](int begin, int end) {
+            average_.toChanges(begin, end);
             for (int k = 0; k < 3; ++k)
-                for (int p = begin; p < end; ++p) stress.plane(4 * k)[p] += average_.change()[p] / 3;
+                for (int p = begin; p < end; ++p) stress.plane(4 * k)[p] += change[p] / 3;
         });
     }
 
     // Stress update of particles [begin, end); returns their internal work V sigma : D dt, with the mean
-    // of old and new stress.
-    template <int Dim> double updateStress(Body<Dim>& body, double dt, int begin, int end) const {
+    // of old and new stress. change: of tr L, by F-bar.
+    template <int Dim> double updateStress(Body<Dim>& body, double dt, int begin, int end, const double* change) const {
         auto& particles = body.particles;
         const double *V = particles.volume.plane() + begin, *V0 = particles.initialVolume.plane() + begin;
         double ratio[chunkSize], twice[chunkSize], averaged[Dim][chunkSize];
@@ -146,10 +151,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         for (int i = 0; i < points.count; ++i) ratio[i] = V[i] / V0[i];
 
         MaterialPoints<Dim> averagedPoints = points;
-        if (body.fbar)
+        if (change)
             for (int k = 0; k < Dim; ++k) {
                 const double* L = points.velocityGradient[(Dim + 1) * k];
-                for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + average_.change()[begin + i] / Dim;
+                for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + change[begin + i] / Dim;
                 averagedPoints.velocityGradient[(Dim + 1) * k] = averaged[k];
             }
         std::fill(twice, twice + points.count, 0.0);

@@ -31,6 +31,8 @@ void exposeContact() {
     bp::class_<Contact, std::shared_ptr<Contact>, bp::bases<Engine>, boost::noncopyable>("ContactCore", bp::no_init)
         .add_property("table", +[](const Contact& c) { return listOf(c.table); })
         .def_readonly("sliding", &Contact::sliding)
+        .def_readonly("gridLoss", &Contact::gridLoss)
+        .def_readonly("reduced", &Contact::reduced)
         .def_readonly("largestPenetration", &Contact::largestPenetration);
 }
 

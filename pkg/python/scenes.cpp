@@ -130,6 +130,16 @@ template <int Dim> struct Bind {
                 });
         return tupleOf(total);
     }
+    // Kinetic energy of all nodes as the solution or contact left them, for checks.
+    static double nodalEnergy(const S& scene) {
+        double energy = 0;
+        for (const auto& field : scene.grid.fields)
+            for (int slab = 0; slab < scene.grid.slabs(); ++slab)
+                scene.grid.forNodes(field, slab, [&](int node) {
+                    for (int k = 0; k < Dim; ++k) energy += 0.5 * field.sum[node][NodalField<Dim>::mass] * std::pow(field.motion[node][k], 2);
+                });
+        return energy;
+    }
     // Of the last step: sum of |m a| over the nodes, their number, and sum of V |sigma| over the particles.
     static bp::tuple balance(const S& scene) {
         using NF = NodalField<Dim>;
@@ -202,6 +212,7 @@ template <int Dim> struct Bind {
             .def("interfaceFault", interfaceFault)
             .def("balance", balance)
             .def("nodalTotals", nodalTotals)
+            .def("nodalEnergy", nodalEnergy)
             .def("nodalValues", nodalValues);
     }
 };

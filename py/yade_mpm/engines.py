@@ -370,6 +370,10 @@ class Contact(_generated["Contact"]):
     sliding = property(lambda self: self.core.sliding, doc="Number of nodes in contact that slid in the last step.")
     largestPenetration = property(lambda self: self.core.largestPenetration,
                                   doc="Largest overlap of surfaces at nodes in contact in the last step, m.")
+    gridLoss = property(lambda self: self.core.gridLoss,
+                        doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative (doc/contact.md).")
+    reduced = property(lambda self: self.core.reduced,
+                       doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut (doc/contact.md).")
 
     def contactTable(self):
         """Dict of arrays over the nodes in contact in the last step.

@@ -16,8 +16,8 @@ class Contact : public EngineOf<Contact> {
 
     // Of the last step.
     std::vector<double> table; // groups (2), node (3), normal (3), gap, area, force on the second group (3), slip rate (3)
-    double largestPenetration = 0;
-    int sliding = 0;
+    double largestPenetration = 0, gridLoss = 0; // m; kJ
+    int sliding = 0, reduced = 0;
 
     std::string className() const override { return "Contact"; }
     std::string doc() const override;
@@ -53,6 +53,7 @@ class Contact : public EngineOf<Contact> {
 
     template <int Dim> Meeting<Dim>& meeting(const Scene<Dim>& scene);
     template <int Dim, class LawOf> void settle(Meeting<Dim>& meeting, const Stretch& pair, double dt, LawOf&& lawOf);
+    template <int Dim> double bound(Meeting<Dim>& meeting, const Stretch& pair);
     template <int Dim> bool renew(Site<Dim>& site, const Law& law, double dt, const int* at, const double* S, int count);
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> void tie(Scene<Dim>& scene);

@@ -247,7 +247,8 @@ template <int Dim> void Meeting<Dim>::findNormals(const Grid<Dim>& grid, size_t 
         if (meshed[0] != meshed[1]) { // boxes count where they are flat and the mesh has an edge, or at a plane of symmetry
             const int mesh = meshed[0] ? 0 : 1;
             const bool isHeld = grid.fields[meet.field[0]].isHeld(meet.node) || grid.fields[meet.field[1]].isHeld(meet.node);
-            if (counts[mesh] || (flatness[1 - mesh] < edge && !isHeld)) counts[mesh] = size[mesh] > 0, counts[1 - mesh] = !counts[mesh];
+            const bool face = outward[0].dot(outward[1]) > 0; // else boxes caught inside the mesh hide the surface of the others
+            if (counts[mesh] || (!isHeld && (!face || flatness[1 - mesh] < edge))) counts[mesh] = size[mesh] > 0, counts[1 - mesh] = !counts[mesh];
         }
         for (int side = 0; side < 2; ++side)
             if (counts[side]) sum += outward[side] / size[side];

@@ -314,6 +314,23 @@ def test_pressure_does_no_work_on_surfaces_that_touch(pair, bound, sprung):
     assert workOnTheGap(pair, impactLoss=0.0) < sprung  # control: elastic impacts spring back
 
 
+def test_boxes_caught_inside_a_mesh_do_not_hide_its_tip():
+    """Soil that rises beside a pile and, caught, within it: at the tip its boxes look down, away from the pile, as flat as can be. The
+    nodes there take the normal of the mesh all the same, and hold what is caught."""
+    scene = mpm.Scene((0, 0), (4.5, 4), 0.5, threads=1)
+    scene.add("pile", box((2, 1.5), (2.5, 3)), elastic(), typeOf("a", 0.5), group="pile")
+    soil = scene.add("soil", box((1, 3), (3.5, 4)), elastic(), typeOf("u", 0.5), group="soil")
+    soil.position[:, 1] -= 1.5
+    soil.velocity = (0, 1.0)
+    contact = mpm.Contact(impactLoss=1.0)
+    scene.engines, scene.dt = chain(contact), 1e-4
+    run(scene, steps=1)
+    table = contact.contactTable()
+    for x in (2.0, 2.5):
+        tip = (table["node"][:, 0] == x) & (table["node"][:, 1] == 1.5)
+        assert tip.any() and (table["force"][tip, 1] < 0).all()  # on the soil
+
+
 # --- a plate drawn from the ground ----------------------------------------------------------------------
 def pullOut(pair, wide, shift, friction=0.2, adhesion=0.0, squeeze=0.0, normals="surface"):
     """Pull over its reference, and overlap in cells: a plate of `wide` cells through soil under K0 = 0.5; shift in cells.

@@ -34,7 +34,7 @@ template <int Dim> class Splitting {
     void look(const Particles<Dim>& particles, int begin, int end) {
         double least = 1;
 #pragma omp simd reduction(min : least)
-        for (int p = begin; p < end; ++p) least = std::min(least, reserve(domain(particles, p)));
+        for (int p = begin; p < end; ++p) least = std::min(least, margin(domain(particles, p)));
         isSuspect_[begin / chunkSize] = !(least > 0);
     }
     void expect(int count) { isSuspect_.resize(chunksOf(count), 1); } // before the threads look
@@ -87,7 +87,7 @@ template <int Dim> class Splitting {
     }
 
     // Positive where all stretches are below the limit: the least leading minor of limit^2 I - D^T D is.
-    MPM_INLINE double reserve(const Mat<Dim>& D) const {
+    MPM_INLINE double margin(const Mat<Dim>& D) const {
         const Mat<Dim> rest = limit_ * limit_ * Mat<Dim>::Identity() - D.transpose() * D;
         const double least = std::min(rest(0, 0), rest(0, 0) * rest(1, 1) - rest(0, 1) * rest(1, 0));
         return Dim == 2 ? least : std::min(least, rest.determinant());
@@ -100,7 +100,7 @@ template <int Dim> class Splitting {
                 while (p < particles.size() && !isSuspect_[p / chunkSize]) p += chunkSize;
             if (p >= particles.size()) break;
             const Mat<Dim> D = domain(particles, p);
-            if (reserve(D) > 0) continue;
+            if (margin(D) > 0) continue;
             const Eigen::SelfAdjointEigenSolver<Mat<Dim>> stretches(D.transpose() * D);
             const double stretch = std::sqrt(stretches.eigenvalues()[Dim - 1]);
             if (!(stretch > limit_)) continue;

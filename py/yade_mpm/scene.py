@@ -46,7 +46,7 @@ class Scene(Guarded):
             stiffest=None,    # body in which the fastest mode moves most
         )
         self._dt, self._threads, self._engines, self._run = None, None, None, None
-        self._constraints = []
+        self._constraints, self._chain = [], None  # engines that the core has
         self._prepared, self._checked, self._checkedState = False, False, None
         self._estimatedAt = -1   # step at which the critical step was estimated last
         self._acting = None      # callback that is at work
@@ -374,7 +374,7 @@ class Scene(Guarded):
         self._refuseWhileRunning("step")
         if self._acting is not None:
             raise RuntimeError("step: a step is going on; a callback cannot step the scene")
-        if not self._prepared or self._checkedState != self._stabilityState():
+        if not self._prepared or self._chain != self._engines or self._checkedState != self._stabilityState():
             self.prepare()
         try:
             self.core.advance(1, 1e9)
@@ -464,6 +464,8 @@ class Scene(Guarded):
 
     def _prepareChain(self):
         engines = self.engines
+        _checkOrder(engines, self.scheme)  # the list itself may have been changed since it was given
+        _checkComplete(engines, self.scheme)
         for engine in engines:
             engine.bind(self)
         solvers = [e for e in engines if hasattr(e, "constraints")]
@@ -474,6 +476,7 @@ class Scene(Guarded):
         self.core.setConstraints([c.core for c in constraints])
         self.core.setEngines([e.core for e in engines])
         self.core.prepare()
+        self._chain = list(engines)
         for engine in engines:
             engine._isBound = True
 
@@ -514,6 +517,7 @@ class Scene(Guarded):
 _ORDER = {"MUSL": ("ParticleToGrid", "BoundaryLoad", "GridSolver", "Contact", "GridToParticle", "DomainUpdater"),
           "USF": ("ParticleToGrid", "DomainUpdater", "BoundaryLoad", "GridSolver", "Contact", "GridToParticle")}
 _ORDER["USL"] = _ORDER["MUSL"]
+_OPTIONAL = ("BoundaryLoad", "Contact")
 _LIKE_LOADS = ("RigidContact",)  # add forces to the nodes where loads do
 
 
@@ -535,6 +539,15 @@ def _checkOrder(engines, scheme):
     if isTwice or places != sorted(places):
         raise ValueError(f"Scene: engines {', '.join(stages)} do not make a step; under {scheme} the order is "
                          f"{', '.join(_ORDER[scheme])}, each once, loads (and RigidContact, in their place) as many as you like")
+
+
+def _checkComplete(engines, scheme):
+    """Refuses a chain without a stage that every step needs; `dead` leaves one out on purpose."""
+    needed = [kind for kind in _ORDER[scheme] if kind not in _OPTIONAL]
+    missing = [kind for kind in needed if kind not in [type(e).__name__ for e in engines]]
+    if missing:
+        raise ValueError(f"Scene: {', '.join(missing)} missing among the engines; a step under {scheme} needs "
+                         f"{', '.join(needed)}; add what is missing, with dead=True to leave it out on purpose")
 
 
 def _boxes(body):

@@ -342,6 +342,29 @@ def test_what_would_come_too_late_is_refused_in_a_callback():
         refused("a step is going on, and the change would come too late", lambda: scene.run(steps=1), RuntimeError)
 
 
+@pytest.mark.parametrize("scheme", ("MUSL", "USF", "USL"))
+@pytest.mark.parametrize("missing", ("ParticleToGrid", "GridSolver", "GridToParticle", "DomainUpdater"))
+def test_a_chain_without_one_of_its_stages_is_refused_before_the_first_step(scheme, missing):
+    scene = mpm.Scene((0, 0), (4, 4), 0.5, scheme=scheme)
+    scene.add("block", UNIT, elastic(), mpm.UGIMP())
+    place = [type(e).__name__ for e in scene.engines].index(missing)
+    scene.engines = [e for k, e in enumerate(scene.engines) if k != place]
+    refused(f"Scene: {missing} missing among the engines; a step under {scheme} needs ", lambda: scene.run(steps=1))
+    scene.engines.insert(place, mpm.engines.classes[missing](dead=missing == "DomainUpdater"))  # left out on purpose: a dead one
+    scene.run(steps=1)
+
+
+def test_engines_put_into_the_list_itself_take_part_and_are_checked():
+    scene, seen = oneBody(), []
+    scene.step()
+    scene.engines.append(mpm.PyRunner(lambda: seen.append(scene.steps), iterPeriod=1))
+    scene.step()
+    assert len(seen) == 1
+    scene.engines.append(mpm.GridSolver())
+    refused("ParticleToGrid, GridSolver, GridToParticle, DomainUpdater, GridSolver do not make a step", scene.step)
+    refused("do not make a step", lambda: scene.run(steps=1))
+
+
 def test_every_engine_refuses_unknown_attributes():
     for name, make in mpm.engines.classes.items():
         needed = {"BoundaryLoad": ("block",), "PyRunner": ("pass", 1)}.get(name, ())
@@ -373,7 +396,7 @@ def changed(change, **options):
 
 @cases(
     ("Scene: there is no body; add one with scene.add", lambda: emptyScene().run(steps=1)),
-    ("Scene: there are no engines", lambda: changed(lambda s: setattr(s, "engines", [])).run(steps=1)),
+    ("Scene: ParticleToGrid, GridSolver, GridToParticle, DomainUpdater missing among the engines", lambda: changed(lambda s: setattr(s, "engines", [])).run(steps=1)),
     ("run: give either until (s) or steps", lambda: oneBody().run()),
     ("run: give either until (s) or steps", lambda: oneBody().run(until=1, steps=1)),
     ("run: steps = -1 is not allowed; give a whole number", lambda: oneBody().run(steps=-1)),

@@ -191,6 +191,10 @@ class BodyPart:
         if ids is not None and len(self.ids) == 0:
             raise ValueError(f"body '{body.name}': no particle is in that region; move or widen it")
 
+    def __repr__(self):
+        limits = [f"{side} {height:g} m" for side, height in (("above", self.lower), ("below", self.upper)) if height is not None]
+        return f"<part of '{self.body.name}': {' and '.join(limits) or (f'{len(self.ids)} particles' if self.ids is not None else 'all')}>"
+
 
 def _finite(body, name, value, shape):
     """Value as an array that is finite and fits a shape."""

@@ -89,7 +89,10 @@ class Prescribed(Guarded):
 
     @property
     def reaction(self):
-        """Force on the material in the last step, kN (2D: kN/m)."""
+        """Force on the material in the last step, kN (2D: kN/m). RuntimeError as long as it is in no scene that was run."""
+        if not self._hasBegun:
+            kind = type(self).__name__
+            raise RuntimeError(f"{kind}: '{self.name}' is in no scene that was run; give it to GridSolver({kind.lower()}=...) and run the scene")
         return np.array(self.core.reaction)[: self.dim]
 
     @property
@@ -128,9 +131,14 @@ class Drive(Prescribed):
             self.core.ids = part.ids
 
     def bind(self, scene):
-        super().bind(scene)
         if not any(self.part.body is b for b in scene.bodies):
             raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
+        if not self._hasBegun and self.part.ids is None:
+            heights = self.part.body.position[:, -1]
+            if not ((heights > self.core.lower[self.dim - 1]) & (heights <= self.core.upper[self.dim - 1])).any():
+                raise ValueError(f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}; its particles are at "
+                                 f"heights from {heights.min():g} to {heights.max():g} m")
+        super().bind(scene)
 
 
 class Hold(Prescribed):

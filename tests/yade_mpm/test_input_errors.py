@@ -297,6 +297,10 @@ def test_a_refused_body_leaves_the_scene_as_it_was():
     ("Hold: ramp = inf is not allowed", lambda: mpm.Hold("left", (0, 0), ramp=inf)),
     ("Hold: name = 5; give a string", lambda: mpm.Hold("left", (0, 0), name=5), TypeError),
     ("Drive: part = 'pile'; give a body or a part of one", lambda: mpm.Drive("pile", (0, 0)), TypeError),
+    ("Drive: no particle of 'block' is in the driven part, <part of 'block': above 1 m>; its particles are at heights from 0.125 to 0.875 m",
+     lambda: driven(lambda block: block.above(1)).run(steps=1)),
+    ("Drive: no particle of 'block' is in the driven part, <part of 'block': below 0.1 m>",
+     lambda: driven(lambda block: block.below(0.1)).run(steps=1)),
     ("Drive: velocity = 'down' is not allowed", lambda: mpm.Drive(oneBody()["block"], "down")),
     ("Drive: velocity has 3 components; give 2", lambda: setattr(mpm.Drive(oneBody()["block"], (0, 0)), "velocity", (0, 0, 0))),
     ("Drive: 'block' is not a body of this scene", lambda: withSolver(drive=mpm.Drive(oneBody()["block"], (0, 0))).prepare()),
@@ -342,6 +346,23 @@ def test_what_would_come_too_late_is_refused_in_a_callback():
         refused("a step is going on, and the change would come too late", lambda: scene.run(steps=1), RuntimeError)
 
 
+def test_the_reaction_of_a_drive_that_no_scene_has_is_refused():
+    scene = oneBody()
+    drive = mpm.Drive(scene["block"].above(0.5), (0, -1))
+    scene.run(steps=1)
+    refused("Drive: 'drive' is in no scene that was run; give it to GridSolver(drive=...)", lambda: drive.reaction, RuntimeError)
+    scene.engines[1] = mpm.GridSolver(drive=drive)
+    scene.run(steps=1)
+    assert drive.reaction[1] < 0
+
+
+def test_a_drive_may_lose_its_part_in_the_course_of_a_run():
+    scene = driven(lambda block: block.above(0.8))
+    scene.run(until=0.1)
+    assert scene["block"].position[:, 1].max() < 0.8
+    scene.run(steps=1)
+
+
 @pytest.mark.parametrize("scheme", ("MUSL", "USF", "USL"))
 @pytest.mark.parametrize("missing", ("ParticleToGrid", "GridSolver", "GridToParticle", "DomainUpdater"))
 def test_a_chain_without_one_of_its_stages_is_refused_before_the_first_step(scheme, missing):
@@ -375,6 +396,13 @@ def test_every_engine_refuses_unknown_attributes():
 def withSolver(**options):
     scene = oneBody()
     scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(**options), mpm.GridToParticle(), mpm.DomainUpdater()]
+    return scene
+
+
+def driven(part):
+    scene = oneBody()
+    solver = mpm.GridSolver(drive=mpm.Drive(part(scene["block"]), (0, -1)))
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     return scene
 
 

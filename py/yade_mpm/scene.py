@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The scene: grid, bodies, engines, clock, and the run."""
+import warnings
+
 import numpy as np
 
 from . import _core, checkpoint, limits
@@ -427,6 +429,8 @@ class Scene(Guarded):
         self._prepareChain()
         for body in self.bodies:
             _checkFields(body)
+            if self.steps == 0:
+                _warnOfUnits(body, next((e.gravity for e in self.engines if isinstance(e, GridSolver)), ()))
         self._checkInterface(limits.INTERFACE_BUILD if self.steps == 0 else limits.INTERFACE_RUN)
         if not (self._checked and self._checkedState == self._stabilityState()):
             self.checkTimeStep()
@@ -575,6 +579,21 @@ def _checkFields(body):
             raise ValueError(f"body '{body.name}': {name} holds a value that is not finite (entry {number}); mend it")
         if name in ("mass", "volume", "initialVolume") and not (values > 0).all():
             raise ValueError(f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend it")
+
+
+UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
+
+
+def _warnOfUnits(body, gravity):
+    """Warns of a density that looks like a unit weight, and of a body that its own weight would crush: units do not fit then."""
+    density, (lame, mu) = body.material.density, body.material.lameConstants
+    if UNIT_WEIGHTS[0] <= density <= UNIT_WEIGHTS[1]:
+        warnings.warn(f"body '{body.name}': density = {density:g} Mg/m3 looks like a unit weight in kN/m3; give {density / 9.81:.3g} "
+                      f"if it is one", stacklevel=4)
+    weight = density * np.linalg.norm(gravity) * np.ptp(body.corners()[..., -1]) if body.count else 0.0
+    if weight > lame + 2 * mu:
+        warnings.warn(f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness lambda + 2 mu = "
+                      f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?", stacklevel=4)
 
 
 def _cell(cell, dim):

@@ -6,6 +6,7 @@ import pickle
 import re
 import subprocess
 import sys
+import warnings
 from math import inf, nan, radians
 
 import numpy as np
@@ -354,6 +355,29 @@ def test_the_reaction_of_a_drive_that_no_scene_has_is_refused():
     scene.engines[1] = mpm.GridSolver(drive=drive)
     scene.run(steps=1)
     assert drive.reaction[1] < 0
+
+
+@pytest.mark.parametrize("attributes, message", (
+    (dict(density=18.0), "body 'block': density = 18 Mg/m3 looks like a unit weight in kN/m3; give 1.83 if it is one"),
+    (dict(density=1800.0), "body 'block': its own weight, 1.77e+04 kPa at the bottom, exceeds its stiffness lambda + 2 mu = 3e+03 kPa; "
+                           "units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?"),
+    (dict(density=1.8, lame=(1, 1)), "is the density in kg/m3, or the stiffness in MPa?"),
+    (dict(density=1800.0, lame=(1e6, 1e6)), None),                                # kg, Pa
+    (dict(density=11.3), None), (dict(density=1.8), None)))
+def test_units_that_do_not_fit_are_warned_of_before_the_first_step(attributes, message):
+    scene = oneBody(material=elastic(**attributes))
+    scene.engines[1].gravity = (0, -9.81)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scene.prepare()
+        assert [message in str(w.message) for w in caught] == ([True] if message else [])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        going = oneBody()
+        going.engines[1].gravity = (0, -9.81)
+        going.run(steps=1)
+        going["block"].material.lame = (0.1, 0.1)  # nobody asks after the first step
+        going.run(steps=1)
 
 
 def test_a_drive_may_lose_its_part_in_the_course_of_a_run():

@@ -2,8 +2,25 @@
 """Material point method for large deformation of soils and solids.
 
 Units: Mg, m, s, kPa (2D: per metre of thickness); tension positive; angles in radians.
+
+Scene, load                    a scene (`help(mpm.Scene)` is the place to start); one from a checkpoint
+Body, BodyPart                 what scene.add returns, and parts of it
+box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
+Mesh, meshFromFile, meshFromArrays                               meshes; scene.add takes the name of a file, too
+LinearElastic, NeoHookean, MohrCoulombDruckerPrager, Material    materials
+MaterialPoint                  one point of a material, strained by hand
+UGIMP, APDI, ParticleType      particle types
+ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of every step, in this order
+BoundaryLoad, Contact, RigidContact                              engines that may be added
+Drive, Hold                    prescribed motions, given to the GridSolver
+Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
+quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
+diagnostics, rigid             modules: energies and other numbers of a scene; shapes for RigidContact
+
+Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface), `yade_mpm.inYade`.
 """
 import os as _os
+import types as _types
 
 # Threads that wait at a barrier spin for a short while only, or they would take the processor from other jobs.
 # Read by GCC's OpenMP when the solver is loaded; set OMP_WAIT_POLICY or GOMP_SPINCOUNT to choose otherwise.
@@ -29,3 +46,9 @@ from . import engines as _engines, materials as _materials, particles as _partic
 globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
 
 __version__ = "0.1.0"
+__all__ = sorted(["diagnostics", "rigid", *(name for name, thing in globals().items()
+                                             if not (name.startswith("_") or isinstance(thing, _types.ModuleType)))])
+
+
+def __dir__():
+    return [*__all__, "__version__"]

@@ -5,8 +5,15 @@ A material, particle type or engine registered in C++ appears here as a class wi
 checked attributes and a docstring; no other file names it.
 """
 import difflib
+import inspect
 
 import numpy as np
+
+
+def didYouMean(name, known):
+    """End of an error about an unknown name: the nearest one, or nothing."""
+    near = difflib.get_close_matches(name, known, 1)
+    return f"; did you mean '{near[0]}'?" if near else ""
 
 
 class Guarded:
@@ -14,10 +21,8 @@ class Guarded:
 
     def __setattr__(self, name, value):
         if not name.startswith("_") and name not in self.__dict__ and not hasattr(type(self), name):
-            known = [n for n in {*self.__dict__, *dir(type(self))} if not n.startswith("_")]
-            near = difflib.get_close_matches(name, known, 1)
-            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'"
-                                 + (f"; did you mean '{near[0]}'?" if near else ""))
+            known = [n for n in dir(self) if not n.startswith("_")]
+            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, known)}")
         object.__setattr__(self, name, value)
 
 
@@ -54,8 +59,12 @@ class Attributed:
 
     def _assign(self, name, value):
         """Gives the core a value; None takes it back where the default is "not given"."""
-        if value is None and self._make is not None and name in self.attributeNames() \
-                and self._make(self._coreName).value(name) is None:
+        if name not in self.attributeNames():
+            taken = [n for n in inspect.signature(type(self).__init__).parameters if n not in ("self", "attributes")]
+            known = [*taken, *self.attributeNames()]
+            raise ValueError(f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, known)} "
+                             f"(allowed: {', '.join(map(repr, known))})")
+        if value is None and self._make is not None and self._make(self._coreName).value(name) is None:
             self.core.clear(name)
         else:
             self.core.set(name, _plain(value))
@@ -104,10 +113,10 @@ def makeClass(name, make, base=Attributed):
     core = make(name)
     lines = [core.doc, "", "Attributes", "----------"]
     for p in core.parameters():
-        default = "required or derived" if p["default"] is None else repr(p["default"])
+        default = None if p["default"] == () else p["default"]
         unit = f", {p['unit']}" if p["unit"] not in ("", "-") else ""
         allowed = f" One of {', '.join(p['choices'])}." if p["choices"] else f" Allowed: {p['allowed']}." if p["isNumber"] else ""
-        lines.append(f"{p['name']} : default {default}{unit}\n    {p['doc']}{allowed}")
+        lines.append(f"{p['name']} : default {default!r}{unit}\n    {p['doc'].rstrip('.')}.{allowed}")
     return type(name, (base,), {"__doc__": "\n".join(lines), "_make": staticmethod(make), "_coreName": name,
                                 "__module__": "yade_mpm"})
 

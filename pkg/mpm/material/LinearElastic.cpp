@@ -60,7 +60,7 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
     }
     std::vector<Parameter> parameters() override {
         std::vector<Parameter> all{
-            {"density", "Mg/m3", "mass density, initial", &density, Range::positive()}};
+            {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters())
             all.push_back(p);
         return all;

@@ -160,12 +160,12 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
     std::vector<Parameter> parameters() override {
         std::vector<Parameter> all{
-            {"density", "Mg/m3", "mass density, initial", &density, Range::positive()}};
+            {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters())
             all.push_back(p);
         const Range acute{0, pi / 2, false, true};
-        all.push_back({"cohesion", "kPa", "cohesion c", &cohesion_, Range::notNegative()});
-        all.push_back({"frictionAngle", "rad", "friction angle phi", &frictionAngle_, acute, {}, true});
+        all.push_back({"cohesion", "kPa", "required: cohesion c", &cohesion_, Range::notNegative()});
+        all.push_back({"frictionAngle", "rad", "required: friction angle phi", &frictionAngle_, acute, {}, true});
         all.push_back({"dilatancyAngle",
                        "rad",
                        "dilatancy angle psi, at most frictionAngle",

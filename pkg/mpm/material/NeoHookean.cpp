@@ -25,7 +25,7 @@ Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
     }
     std::vector<Parameter> parameters() override {
         std::vector<Parameter> all{
-            {"density", "Mg/m3", "mass density, initial", &density, Range::positive()}};
+            {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters())
             all.push_back(p);
         return all;

@@ -20,6 +20,7 @@ diagnostics, rigid             modules: energies and other numbers of a scene; s
 Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface), `yade_mpm.inYade`.
 """
 import os as _os
+import sys as _sys
 import types as _types
 
 # Threads that wait at a barrier spin for a short while only, or they would take the processor from other jobs.
@@ -27,7 +28,11 @@ import types as _types
 if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "2000")
 
-from . import _core
+try:
+    from . import _core
+except ImportError as _error:
+    raise ImportError(f"yade_mpm: there is no solver for this Python, {_sys.executable}, in {_os.path.dirname(__file__)} ({_error}); run scripts/run "
+                      f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH") from None
 from .body import Body, BodyPart
 from .checkpoint import load
 from .engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner, RigidContact

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""scripts/run in a checkout of its own, with a set-up that does nothing; and the package where it is not built."""
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+RUN = Path(__file__).parents[1] / "scripts" / "run"
+WHERE = '"""Tells where it runs."""\nimport os, sys\nprint(sys.argv[1:], os.getcwd(), os.environ["PYTHONPATH"].split(":")[0])\n'
+
+onDebian = pytest.mark.skipif(not os.access("/usr/bin/python3", os.X_OK), reason="scripts/run is for Debian's Python")
+
+
+@pytest.fixture
+def checkout(tmp_path):
+    folder = tmp_path / "checkout"
+    (folder / "scripts").mkdir(parents=True)
+    shutil.copy(RUN, folder / "scripts" / "run")
+    (folder / "scripts" / "setup").write_text("#!/bin/sh\n")
+    (folder / "scripts" / "setup").chmod(0o755)
+    (folder / "scripts" / "demo.py").write_text(WHERE)
+    return folder
+
+
+def run(checkout, *arguments, cwd):
+    return subprocess.run([checkout / "scripts" / "run", *arguments], cwd=cwd, capture_output=True, text=True)
+
+
+@onDebian
+@pytest.mark.parametrize("name", ["demo", "demo.py", "scripts/demo.py", "../scripts/demo.py"])
+def test_a_scene_of_the_checkout_runs_at_its_root(checkout, name):
+    for cwd in [checkout / "scripts"] if name.startswith("..") else [checkout]:
+        assert run(checkout, name, "--smoke", cwd=cwd).stdout == f"['--smoke'] {checkout} {checkout}/build/python\n"
+
+
+@onDebian
+@pytest.mark.parametrize("name", ["my study.py", "demo.py"])  # also a changed copy of a scene
+def test_a_script_of_ones_own_runs_where_one_is(checkout, tmp_path, name):
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / name).write_text(WHERE.replace("sys.argv[1:]", "'mine', sys.argv[1:]"))
+    for given, cwd in ((name, own), (f"./{name}", own), (own / name, tmp_path)):
+        assert run(checkout, given, "1", cwd=cwd).stdout == f"mine ['1'] {cwd} {checkout}/build/python\n"
+
+
+@onDebian
+def test_what_is_not_there_is_named_and_the_scenes_listed(checkout):
+    wrong = run(checkout, "dmeo", cwd=checkout)
+    assert wrong.returncode == 2 and "there is no scene 'dmeo'" in wrong.stderr and "demo                 Tells where it runs." in wrong.stderr
+    assert "demo  " in run(checkout, cwd=checkout).stdout
+
+
+def test_the_package_without_its_solver_says_what_to_run():
+    source = RUN.parents[1] / "py"
+    wrong = subprocess.run([sys.executable, "-c", "import yade_mpm"], env={**os.environ, "PYTHONPATH": str(source)}, capture_output=True, text=True)
+    assert f"ImportError: yade_mpm: there is no solver for this Python, {sys.executable}, in {source}/yade_mpm (" in wrong.stderr
+    assert "run scripts/run FILE.py" in wrong.stderr

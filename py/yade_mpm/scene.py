@@ -39,9 +39,13 @@ class Scene(Guarded):
         if len(upper) != dim:
             raise ValueError(f"Scene: lower has {dim} components, upper {len(upper)}; give 2 or 3 for both")
         cell = _cell(cell, dim)
-        make = _core.Scene2 if dim == 2 else _core.Scene3
+        try:
+            core = (_core.Scene2 if dim == 2 else _core.Scene3)(list(lower), list(upper), list(cell))
+        except MemoryError:
+            raise MemoryError(f"Scene: the {np.prod((upper - lower) / cell):.3g} cells of the grid do not fit into memory; give a larger "
+                              f"cell or a smaller grid") from None
         self.__dict__.update(
-            lower=lower, upper=upper, dim=dim, cell=cell, core=make(list(lower), list(upper), list(cell)), bodies=[],
+            lower=lower, upper=upper, dim=dim, cell=cell, core=core, bodies=[],
             allowUnstable=False,
             dtCritical=None,  # s, as estimated last
             dtIterations=None,

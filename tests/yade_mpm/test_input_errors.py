@@ -171,6 +171,9 @@ def test_particle_types_refuse(message, make, kind):
     ("Scene: cell = nan m; give a positive cell size", lambda: mpm.Scene((0, 0), (1, 1), nan)),
     ("Scene: cell = (0.5, 0.5, 0.5) is not allowed; give one number, or 2", lambda: mpm.Scene((0, 0), (1, 1), (0.5, 0.5, 0.5))),
     ("Scene: cell = 'fine' is not allowed", lambda: mpm.Scene((0, 0), (1, 1), "fine")),
+    ("Scene: cell = 0.01 m makes a grid of 2.22", lambda: mpm.Scene((0, 0, 0), (13, 13, 13), 0.01)),
+    ("Scene: cell = 1e-20 m makes a grid of 1e+20 nodes or more, and 2147483647 are possible; give a larger cell or a smaller grid",
+     lambda: mpm.Scene((0, 0), (1, 1), 1e-20)),
     ("is not a multiple of cell = 0.3 m; move lower or upper, or change cell", lambda: mpm.Scene((0, 0), (1, 1), 0.3)),
     ("Scene: scheme = 'FLIP' is not allowed; give one of 'MUSL', 'USF', 'USL'", lambda: mpm.Scene((0, 0), (1, 1), 0.5, scheme="FLIP")),
     ("Scene: scheme = 3 is not allowed", lambda: mpm.Scene((0, 0), (1, 1), 0.5, scheme=3)),
@@ -200,6 +203,14 @@ def test_particle_types_refuse(message, make, kind):
 )
 def test_the_scene_refuses(message, make, kind):
     refused(message, make, kind)
+
+
+def test_a_grid_that_does_not_fit_into_memory_is_refused_with_its_size(monkeypatch):
+    def tooLarge(*corners):
+        raise MemoryError
+    monkeypatch.setattr(mpm._core, "Scene3", tooLarge)
+    refused("Scene: the 5e+08 cells of the grid do not fit into memory; give a larger cell",
+            lambda: mpm.Scene((0, 0, 0), (10, 10, 5), 0.01), MemoryError)
 
 
 def lateScheme():

@@ -8,6 +8,7 @@
 #include "mpm/base/threads.hpp"
 #include "mpm/base/types.hpp"
 
+#include <limits>
 #include <vector>
 
 namespace mpm {
@@ -82,10 +83,14 @@ template <int Dim> class Grid {
 
     Grid(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell) : lower(lower), upper(upper), cell(cell) {
         int stride = 1;
+        double total = 1;
         for (int k = 0; k < Dim; ++k) {
             require(std::isfinite(lower[k]) && std::isfinite(upper[k]) && lower[k] < upper[k],
                     "Scene: lower = ", place(lower), ", upper = ", place(upper), "; lower must be below upper");
             require(cell[k] > 0, "Scene: cell = ", cell[k], " m; give a positive cell size");
+            total *= (upper[k] - lower[k]) / cell[k] + 1 + 2 * ghost;
+            require(total <= std::numeric_limits<int>::max(), "Scene: cell = ", cell[k], " m makes a grid of ", total,
+                    " nodes or more, and ", std::numeric_limits<int>::max(), " are possible; give a larger cell or a smaller grid");
             cells[k] = int(std::lround((upper[k] - lower[k]) / cell[k]));
             require(cells[k] >= 1 && std::abs(cells[k] * cell[k] - (upper[k] - lower[k])) < 1e-6 * cell[k],
                     "Scene: upper - lower = ", upper[k] - lower[k], " m along axis ", k, " is not a multiple of cell = ",

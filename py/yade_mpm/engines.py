@@ -453,6 +453,7 @@ class PyRunner(Callback):
             raise ValueError("PyRunner: give iterPeriod (steps) or virtPeriod (s)")
         super().__init__(iterPeriod, virtPeriod, **attributes)
         self._command = command
+        self._code = compile(command, "<PyRunner>", "exec") if isinstance(command, str) else None
         self._wantsScene = callable(command) and _takesArgument(command)
 
     command = property(lambda self: self._command, doc="What is called.")
@@ -465,7 +466,7 @@ class PyRunner(Callback):
 
     def act(self, scene):
         if isinstance(self._command, str):
-            exec(self._command, dict(vars(sys.modules["__main__"]), scene=scene))
+            exec(self._code, dict(vars(sys.modules["__main__"]), scene=scene))
         elif self._wantsScene:
             self._command(scene)
         else:

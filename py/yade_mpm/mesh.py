@@ -4,6 +4,7 @@
 2D and 3D share one text: a cell is described by its corners in unit coordinates, counter-clockwise
 in 2D, in VTK hexahedron order in 3D (bottom face counter-clockwise seen from above, then the top).
 """
+import os
 from dataclasses import dataclass, field
 from itertools import product
 
@@ -133,8 +134,8 @@ def meshFromFile(path, name):
     except ImportError as error:
         raise ImportError(f"'{name}': reading {path} needs the meshio package; "
                           "install it or use meshFromArrays") from error
-    with open(path, "rb"):
-        pass  # a missing file is FileNotFoundError, not meshio's exit
+    if not os.path.exists(path):  # meshio would leave the program
+        raise FileNotFoundError(f"'{name}': there is no mesh file '{os.path.abspath(os.fsdecode(path))}'; correct the name")
     try:
         content = meshio.read(path)
     except (Exception, SystemExit) as error:  # meshio leaves the program on a file it cannot read

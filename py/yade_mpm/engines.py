@@ -17,12 +17,20 @@ FACES = {2: {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)},
          3: {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}}
 
 
+def belongTo(scene, part):
+    """Gives an engine or a prescribed motion to a scene; another scene's is refused, for it sums up work, rows or frames."""
+    if part._owner is not None and part._owner() is not scene:
+        raise ValueError(f"{type(part).__name__}: it was used by another scene; make a new one for each scene")
+    part._owner = weakref.ref(scene)
+
+
 class Engine(Attributed):
     """Base of all engines: `label` names one, `dead` leaves it out."""
 
     seconds = property(lambda self: self.core.seconds, doc="Wall time spent in this engine, s.")
     calls = property(lambda self: self.core.calls, doc="How often the engine acted.")
 
+    _owner = None    # weak reference to the scene that it works for
     _isBound = False  # checked against a scene: vectors keep their length from then on
 
     def __setattr__(self, name, value):
@@ -51,6 +59,8 @@ class Prescribed(Guarded):
     exerted by the constraint on the material (2D: per metre), and `work` kJ since the start.
     """
 
+    _owner = None
+
     def __init__(self, velocity, ramp, name):
         object.__setattr__(self, "core", _core.Constraint())
         self._velocity = _velocity(type(self).__name__, velocity)
@@ -65,6 +75,7 @@ class Prescribed(Guarded):
         """Called before a run: the ramp counts from the first one."""
         if self.dim != scene.dim:
             raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
+        belongTo(scene, self)
         if not self._hasBegun:
             self.core.began, self._hasBegun = scene.time, True
 

@@ -7,7 +7,7 @@ import numpy as np
 from . import _core, checkpoint, limits
 from .attributes import Guarded
 from .body import Body
-from .engines import FACES, Callback, Engine, GridSolver, classes
+from .engines import FACES, Callback, Engine, GridSolver, belongTo, classes
 from .lattice import checkOverlap
 from .materials import Material
 from .particles import ParticleType, classes as particleClasses
@@ -475,6 +475,7 @@ class Scene(Guarded):
         _checkOrder(engines, self.scheme)  # the list itself may have been changed since it was given
         _checkComplete(engines, self.scheme)
         for engine in engines:
+            belongTo(self, engine)
             engine.bind(self)
         solvers = [e for e in engines if hasattr(e, "constraints")]
         constraints = [c for solver in solvers for c in solver.constraints(self)]

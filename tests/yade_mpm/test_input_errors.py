@@ -364,6 +364,20 @@ def test_what_would_come_too_late_is_refused_in_a_callback():
         refused("a step is going on, and the change would come too late", lambda: scene.run(steps=1), RuntimeError)
 
 
+@pytest.mark.parametrize("place, name", ((0, "ParticleToGrid"), (1, "GridSolver"), (4, "History"), (5, "Hold")))
+def test_an_engine_serves_one_scene_alone(place, name):
+    parts = [oneBody().engines + [mpm.History(iterPeriod=1), mpm.Hold("left", (0, 0))] for k in range(2)]
+    parts[1][place] = parts[0][place]
+    for k, (*engines, hold) in enumerate(parts):
+        scene = oneBody()
+        engines[1] = mpm.GridSolver(hold=hold) if place != 1 else engines[1]
+        scene.engines = engines
+        if k == 0:
+            scene.run(steps=1)
+            del scene  # what it summed up stays
+    refused(f"{name}: it was used by another scene; make a new one for each scene", lambda: scene.run(steps=1))
+
+
 def test_the_reaction_of_a_drive_that_no_scene_has_is_refused():
     scene = oneBody()
     drive = mpm.Drive(scene["block"].above(0.5), (0, -1))

@@ -304,10 +304,16 @@ class Scene(Guarded):
     def settle(self, damping=0.7, tolerance=1e-3, maxSteps=200000, checkEvery=200, progress=None):
         """Lets gravity settle with heavy damping, then stops all motion and counts displacement from there.
 
-        Ends when the largest out-of-balance nodal force falls below `tolerance` times the mean internal force.
-        Returns the number of steps. Raises RuntimeError if that takes more than maxSteps.
+        Ends when the largest out-of-balance nodal force falls below `tolerance` times the mean internal force. Ramps of
+        prescribed motions count from there. Returns the number of steps. Raises ValueError for a prescribed motion that is not
+        at rest, RuntimeError if it takes more than maxSteps.
         """
         solver = self._solver("settle")
+        motions = solver.constraints(self)
+        for motion in motions:
+            if any(motion.velocity):
+                raise ValueError(f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to zero, settle, and "
+                                 f"set it again")
         self._settling, solver.damping = solver.damping, damping
         taken, ratio = 0, np.inf
         try:
@@ -323,6 +329,8 @@ class Scene(Guarded):
         for body in self.bodies:
             body.velocity[...] = 0
             body.zeroDisplacement()
+        for motion in motions:
+            motion.core.began = self.time
         return taken
 
     def unbalancedForce(self):

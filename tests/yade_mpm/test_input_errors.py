@@ -513,6 +513,8 @@ def changed(change, **options):
     ("initialStress: no body lies below the surface -3 m; check the level", lambda: oneBody().initialStress(-3.0, K0=0.5)),
     ("initialStress: the bodies weigh", lambda: layers().initialStress(4.0, K0=0.5)),
     ("settle: there is no GridSolver among the engines", lambda: changed(lambda s: setattr(s, "engines", [mpm.ParticleToGrid()])).settle()),
+    ("settle: 'drive' would move on with (0.0, -1.0) m/s; set its velocity to zero, settle, and set it again",
+     lambda: driven(lambda block: block.above(0.5)).settle()),
     ("settle: still out of balance", lambda: withSolver(gravity=(0, -9.81)).settle(maxSteps=10, checkEvery=5), RuntimeError),
 )
 def test_a_run_refuses(message, make, kind):

@@ -380,3 +380,15 @@ def test_material_constants_may_be_changed_between_runs():
         scene.run(steps=1)
     with pytest.raises(ValueError, match="exceeds the critical step"):
         scene.step()
+
+
+def test_a_ramp_counts_from_the_end_of_settling():
+    scene = mpm.Scene((0, 0), (1, 1), 0.25)
+    block = scene.add("block", box((0, 0), (1, 0.5)), mpm.LinearElastic(density=1.0, young=1e3, poisson=0.2), mpm.UGIMP())
+    drive = mpm.Drive(block.above(0.4), (None, 0), ramp=0.1)
+    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0, -1), fixed="bottom", drive=drive), mpm.GridToParticle(), mpm.DomainUpdater()]
+    assert scene.settle() > 0 and scene.time > 0.1
+    drive.velocity = (None, -0.1)
+    before = block.position[:, 1].max()
+    scene.run(until=scene.time + 0.1)
+    assert before - block.position[:, 1].max() == pytest.approx(0.005, rel=0.2)  # without the ramp 0.01

@@ -80,8 +80,8 @@ class Attributed:
             raise AttributeError(name)
         try:
             return self.core.value(name)
-        except ValueError as error:
-            raise AttributeError(str(error)) from None
+        except ValueError:
+            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, dir(self))}") from None
 
     def attributeNames(self):
         """Names of all attributes."""

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Particle types, as registered in pkg/mpm/particle, and how a region becomes particles or a mesh."""
+from inspect import cleandoc
+
 import numpy as np
 
 from . import _core
@@ -36,6 +38,8 @@ class MeshedType(ParticleType):
     Besides the attributes of the type:
     size : edge of a domain, m (default: the cell size).
     matched : a uGIMP body; the domains within one cell of it get the spacing of its particles.
+
+    A region is filled with domains along the axes: its slanted and curved edges become stairs. A mesh follows them.
     """
 
     def __init__(self, size=None, matched=None, **attributes):
@@ -74,6 +78,6 @@ classes = {}
 for _name, _class in makeClasses(_core.particleTypeNames(), _core.makeParticleType, ParticleType).items():
     if _core.makeParticleType(_name).isMeshed:
         _class = type(_name, (MeshedType,), {**{k: v for k, v in vars(_class).items() if not k.startswith("__weak")},
-                                             "__doc__": _class.__doc__ + "\n" + MeshedType.__doc__.split("\n\n", 1)[1]})
+                                             "__doc__": _class.__doc__ + "\n\n" + cleandoc(MeshedType.__doc__).split("\n\n", 1)[1]})
     classes[_name] = _class
 globals().update(classes)

@@ -34,6 +34,10 @@ def test_attributes_have_a_default_and_whole_sentences(name):
         assert not re.search(r"[a-z)] (Allowed:|One of)", text), attribute
 
 
+def test_what_meshed_types_take_besides_stands_at_the_margin():
+    assert re.search(r"^size : .*\nmatched : .*\n\nA region .* become stairs", inspect.getdoc(mpm.APDI), re.M)
+
+
 @pytest.mark.parametrize("name", sorted(mpm.materials.classes))
 def test_attributes_that_a_material_cannot_do_without_are_called_required(name):
     make = getattr(mpm, name)

@@ -337,6 +337,8 @@ def test_a_refused_body_leaves_the_scene_as_it_was():
     ("iterPeriod = -1 is not allowed", lambda: mpm.PyRunner("pass", iterPeriod=-1)),
     ("virtPeriod = nan is not allowed", lambda: mpm.PyRunner("pass", virtPeriod=nan)),
     ("virtPeriod = 'often' is not allowed", lambda: mpm.PyRunner("pass", virtPeriod="often")),
+    ("History has no attribute 'time'", lambda: mpm.History(iterPeriod=1).time, AttributeError),
+    ("GridSolver has no attribute 'dampnig'; did you mean 'damping'?", lambda: mpm.GridSolver().dampnig, AttributeError),
     ("has no attribute 'iterperiod'", lambda: mpm.PyRunner("pass", iterPeriod=1, iterperiod=3)),
 )
 def test_engines_refuse(message, make, kind):

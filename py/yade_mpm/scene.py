@@ -441,13 +441,20 @@ class Scene(Guarded):
         self._prepareChain()
         for body in self.bodies:
             _checkFields(body)
-            if self.steps == 0:
-                _warnOfUnits(body, next((e.gravity for e in self.engines if isinstance(e, GridSolver)), ()))
+        if self.steps == 0:
+            self._warnOfMistakes()
         self._checkInterface(limits.INTERFACE_BUILD if self.steps == 0 else limits.INTERFACE_RUN)
         if not (self._checked and self._checkedState == self._stabilityState()):
             self.checkTimeStep()
         self.core.threads = self.threads
         self._prepared = True
+
+    def _warnOfMistakes(self):
+        for body in self.bodies:
+            _warnOfUnits(body, self._solver("prepare").gravity)
+        groups = dict.fromkeys(b.group for b in self.bodies)
+        if len(groups) > 1 and not any(isinstance(e, classes["Contact"]) for e in self.engines):
+            warnings.warn(f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among the engines", stacklevel=4)
 
     def checkTimeStep(self):
         """Estimates the critical step; takes 0.8 of it if dt was left out, refuses a dt above it otherwise."""
@@ -602,11 +609,11 @@ def _warnOfUnits(body, gravity):
     density, (lame, mu) = body.material.density, body.material.lameConstants
     if UNIT_WEIGHTS[0] <= density <= UNIT_WEIGHTS[1]:
         warnings.warn(f"body '{body.name}': density = {density:g} Mg/m3 looks like a unit weight in kN/m3; give {density / 9.81:.3g} "
-                      f"if it is one", stacklevel=4)
+                      f"if it is one", stacklevel=5)
     weight = density * np.linalg.norm(gravity) * np.ptp(body.corners()[..., -1]) if body.count else 0.0
     if weight > lame + 2 * mu:
         warnings.warn(f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness lambda + 2 mu = "
-                      f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?", stacklevel=4)
+                      f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?", stacklevel=5)
 
 
 def _cell(cell, dim):

@@ -29,7 +29,7 @@ class Collision:
         rubber = mpm.NeoHookean(density=1000, young=1000, poisson=0.3)
         shapes = [squircle(c) if type_ == "mesh" else disc((c, c), 0.2) for c in (0.2, 0.8)]
         type_ = mpm.APDI() if type_ == "mesh" else type_
-        self.disks = [scene.add(name, shape, rubber, type_, group=name) for name, shape in zip(("lower", "upper"), shapes)]
+        self.disks = [scene.add(name, shape, rubber, type_, group=name if contact else "main") for name, shape in zip(("lower", "upper"), shapes)]
         self.disks[0].velocity, self.disks[1].velocity = [0.1, 0.1], [-0.1, -0.1]
         scene.dt = step * scene.criticalTimeStep()
         self.scene, self.contact, self.rows, self.pushes, self.acts = scene, contact, [], [], []

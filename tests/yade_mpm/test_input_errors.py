@@ -413,6 +413,22 @@ def test_units_that_do_not_fit_are_warned_of_before_the_first_step(attributes, m
         going.run(steps=1)
 
 
+def test_groups_without_contact_are_warned_of():
+    scene = oneBody(group="soil")
+    scene.add("pile", box((1, 0), (2, 1)), elastic(), mpm.UGIMP(), group="pile")
+    with pytest.warns(UserWarning, match="Scene: the groups 'soil', 'pile' stick together, for there is no Contact among the engines") as caught:
+        scene.run(steps=1)
+    assert [w.filename for w in caught] == [__file__]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene.run(steps=1)
+        oneBody(group="soil").run(steps=1)
+        slipping = oneBody(group="soil")
+        slipping.add("pile", box((1, 0), (2, 1)), elastic(), mpm.UGIMP(), group="pile")
+        slipping.engines.insert(2, mpm.Contact())
+        slipping.run(steps=1)
+
+
 def test_a_drive_may_lose_its_part_in_the_course_of_a_run():
     scene = driven(lambda block: block.above(0.8))
     scene.run(until=0.1)

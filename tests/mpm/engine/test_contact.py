@@ -14,6 +14,9 @@ SCHEMES = ["MUSL", "USL", "USF"]
 G = 10.0  # m/s2
 
 
+pytestmark = pytest.mark.filterwarnings("ignore:Scene. the groups .* stick together")  # as a reference: bonded bodies
+
+
 def typeOf(letter, cell):
     return mpm.UGIMP(perCell=2) if letter == "u" else mpm.APDI(size=cell / 2)
 

@@ -40,3 +40,22 @@ def test_the_scene_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     assert names["scene"].steps == 3 and (tmp_path / "sheet_pile.h5").exists()
     assert len(capsys.readouterr().out.split()) >= 3
     assert names["drive"].reaction[1] < 0
+
+
+def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
+    """What each recipe is about, besides that it runs."""
+    monkeypatch.chdir(tmp_path)
+    names, seen = {}, []
+    for text in re.findall(r"```python\n(.*?)```", (ROOT / "doc" / "recipes.md").read_text(), re.S):
+        exec(text, names)
+        seen.append({k: names.get(k) for k in ("scene", "history", "error", "ball", "velocity", "front")})
+    assert len(seen) == 6
+    steep, footing, ball, column, going, results = seen
+    assert {f.name for f in tmp_path.iterdir()} >= {"phi25.csv", "phi35.vtkhdf", "collapse.png", "load.png", "ball.vtkhdf", "column.vtk", "half.h5"}
+    flat = float((tmp_path / "phi25.csv").read_text().splitlines()[-1].split(",")[-1])
+    assert flat > steep["front"]["front"][-1] > 1.0           # the front of 25 degrees lies before that of 35
+    load = -footing["history"]["push.fy"]
+    assert load[-1] > 2 * load[len(load) // 4] > 0
+    assert abs(column["error"]).max() < 0.01 * 2.0 * 9.81 * 2.5
+    assert going["scene"].steps == column["scene"].steps + 100  # the first hundred went into both
+    assert len(results["velocity"]) == 200

@@ -57,6 +57,7 @@ class Scene(Guarded):
         self._estimatedAt = -1   # step at which the critical step was estimated last
         self._acting = None      # callback that is at work
         self._settling = None    # damping to go back to after settle()
+        self._geostatic = None   # m/s2 that the initial stress balances
         self.scheme = scheme
         self.threads = threads
 
@@ -290,6 +291,7 @@ class Scene(Guarded):
         ground = bodies or [b for b in self.bodies if b.count and b.position[:, -1].max() < surface]
         if not ground:
             raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")
+        self._geostatic = float(gravity) if unitWeight is None else None
         weights = {b.material.density * gravity for b in ground} if unitWeight is None else {unitWeight}
         if len(weights) > 1:
             raise ValueError(f"initialStress: the bodies weigh {sorted(weights)} kN/m3; give unitWeight, or set body.stress")
@@ -451,8 +453,12 @@ class Scene(Guarded):
         self._prepared = True
 
     def _warnOfMistakes(self):
+        gravity = self._solver("prepare").gravity
         for body in self.bodies:
-            _warnOfUnits(body, self._solver("prepare").gravity)
+            _warnOfUnits(body, gravity)
+        if self._geostatic is not None and not np.isclose(self._geostatic, -gravity[-1] if gravity else 0):
+            warnings.warn(f"Scene: initialStress was made for {self._geostatic:g} m/s2 downwards, the GridSolver has gravity = {gravity} m/s2; the "
+                          f"ground will move", stacklevel=4)
         groups = dict.fromkeys(b.group for b in self.bodies)
         if len(groups) > 1 and not any(isinstance(e, classes["Contact"]) for e in self.engines):
             warnings.warn(f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among the engines", stacklevel=4)

@@ -413,6 +413,18 @@ def test_units_that_do_not_fit_are_warned_of_before_the_first_step(attributes, m
         going.run(steps=1)
 
 
+@pytest.mark.parametrize("given, solver, isWarned", (({}, (), True), ({}, (0, 9.81), True), ({}, (0, -10), True), ({}, (0, -9.81), False),
+                                                     (dict(gravity=5), (0, -5), False), (dict(unitWeight=8.0), (), False)))
+def test_an_initial_stress_that_gravity_does_not_balance_is_warned_of(given, solver, isWarned):
+    scene = oneBody()
+    scene.engines[1].gravity = solver
+    scene.initialStress(1.0, K0=0.5, **given)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scene.run(steps=1)
+    assert ["downwards, the GridSolver has gravity = " in str(w.message) for w in caught] == [True] * isWarned
+
+
 def test_groups_without_contact_are_warned_of():
     scene = oneBody(group="soil")
     scene.add("pile", box((1, 0), (2, 1)), elastic(), mpm.UGIMP(), group="pile")

@@ -190,7 +190,7 @@ class Scene(Guarded):
     @property
     def engines(self):
         """The chain of engines; assign a list to change it. Default: ParticleToGrid, GridSolver, GridToParticle,
-        DomainUpdater (USF: DomainUpdater before GridSolver)."""
+        DomainUpdater (USF: DomainUpdater before GridSolver). They serve this scene alone; `dead=True` leaves one out."""
         if self._engines is None:
             self.engines = [classes[n]() for n in ("ParticleToGrid", "GridSolver", "GridToParticle", "DomainUpdater")]
         return self._engines

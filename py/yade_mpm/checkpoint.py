@@ -71,18 +71,18 @@ def load(file, callbacks=None):
     return _build(spec, arrays, dict(callbacks or {}), file)
 
 
-def checkWritable(file):
-    """Raises OSError unless a file of that name can be made or replaced."""
+def checkWritable(file, who="checkpoint"):
+    """Raises OSError unless a file of that name can be made or replaced; `who` writes it."""
     file = os.fspath(file)
     folder = os.path.dirname(os.path.abspath(file))
     if not os.path.isdir(folder):
-        raise FileNotFoundError(f"checkpoint '{file}': there is no folder '{folder}'; make it, or give another file")
+        raise FileNotFoundError(f"{who} '{file}': there is no folder '{folder}'; make it, or give another file")
     if os.path.isdir(file):
-        raise IsADirectoryError(f"checkpoint '{file}' is a folder; give the name of a file")
+        raise IsADirectoryError(f"{who} '{file}' is a folder; give the name of a file")
     if os.path.exists(file) and not os.path.isfile(file):
-        raise OSError(f"checkpoint '{file}' is no regular file and would be replaced; give the name of a file")
+        raise OSError(f"{who} '{file}' is no regular file and would be replaced; give the name of a file")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise PermissionError(f"checkpoint '{file}': the folder '{folder}' cannot be written to; give another file")
+        raise PermissionError(f"{who} '{file}': the folder '{folder}' cannot be written to; give another file")
 
 
 # --- writing ----------------------------------------------------------------------------------------------

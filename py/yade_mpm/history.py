@@ -7,6 +7,7 @@ import time
 import numpy as np
 
 from . import diagnostics
+from .checkpoint import checkWritable
 from .engines import Callback, Hold
 from .recorder import Recorder, checkPeriod, extend
 
@@ -132,7 +133,7 @@ class History(Callback):
         if not self._count and not self._samples:
             self._initialEnergy = diagnostics.kineticEnergy(scene)
         if self._file is not None:
-            _checkWritable(self._file)
+            checkWritable(self._file, "History")
 
     def act(self, scene):
         if self._average:
@@ -275,16 +276,3 @@ class Columns(dict):
 
 def _perMetre(unit):
     return unit + "/m" if unit in _extensive else unit
-
-
-def _checkWritable(file):
-    """Raises OSError if a file cannot be made; leaves one that is there as it is."""
-    if os.path.isdir(file):
-        raise IsADirectoryError(f"History: '{file}' is a folder; give the name of a file")
-    try:
-        with open(file + ".part", "w", encoding="utf-8"):
-            pass
-        os.remove(file + ".part")
-    except OSError as error:
-        raise OSError(f"History: '{file}' cannot be written ({error}); give a file in a folder that exists and may be "
-                      f"written to") from None

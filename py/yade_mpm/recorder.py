@@ -13,6 +13,7 @@ from contextlib import contextmanager
 import h5py
 import numpy as np
 
+from .checkpoint import checkWritable
 from .engines import Callback
 
 QUADRILATERAL, HEXAHEDRON = 9, 12  # VTK cell types
@@ -140,8 +141,7 @@ class Recorder(Callback):
 
     def _begin(self, scene):
         partial = self._file + ".part"
-        if os.path.isdir(self._file):
-            raise IsADirectoryError(f"Recorder: '{self._file}' is a folder; give the name of a file")
+        checkWritable(self._file, "Recorder")
         try:
             with h5py.File(partial, "w") as h5:
                 _createLayout(h5, self._run)

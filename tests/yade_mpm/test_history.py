@@ -244,7 +244,7 @@ def test_wrong_arguments_are_refused(arguments, error, text):
 
 def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path):
     scene = makeScene()
-    with pytest.raises(OSError, match="History: .* cannot be written .*; give a file in a folder that exists"):
+    with pytest.raises(OSError, match="History '.*a.csv': there is no folder '.*missing'; make it, or give another file"):
         runWith(mpm.History(iterPeriod=5, file=tmp_path / "missing" / "a.csv"), scene=scene)
     assert scene.steps == 0
 

@@ -330,7 +330,7 @@ def test_unknown_fields_and_bodies_are_refused_before_the_first_step(tmp_path, a
 def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path, place):
     scene = makeScene()
     scene.engines = chain(mpm.Recorder(tmp_path / place, iterPeriod=5))
-    with pytest.raises(OSError, match="Recorder: .*give .* file"):
+    with pytest.raises(OSError, match="Recorder '.*give .* file"):
         scene.run(steps=5, progress=False)
     assert scene.steps == 0
 

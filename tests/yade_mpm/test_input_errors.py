@@ -509,7 +509,8 @@ def changed(change, **options):
 
 @cases(
     ("Scene: there is no body; add one with scene.add", lambda: emptyScene().run(steps=1)),
-    ("Scene: ParticleToGrid, GridSolver, GridToParticle, DomainUpdater missing among the engines", lambda: changed(lambda s: setattr(s, "engines", [])).run(steps=1)),
+    ("Scene: ParticleToGrid, GridSolver, GridToParticle, DomainUpdater missing among the engines",
+     lambda: changed(lambda s: setattr(s, "engines", [])).run(steps=1)),
     ("run: give either until (s) or steps", lambda: oneBody().run()),
     ("run: give either until (s) or steps", lambda: oneBody().run(until=1, steps=1)),
     ("run: steps = -1 is not allowed; give a whole number", lambda: oneBody().run(steps=-1)),

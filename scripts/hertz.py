@@ -48,6 +48,8 @@ def arguments(given=None):
     a = parser().parse_args(given)
     if a.smoke:
         a.cells = 5
+    if a.cells < 1:
+        parser().error(f"--cells {a.cells} is not allowed; give a positive number")
     return a
 
 

@@ -61,10 +61,11 @@ def arguments(words=None):
     parser.add_argument("--threads", type=int, help="number of threads (default: chosen)")
     parser.add_argument("--out", help="folder of the results (default results/sheet_pile)")
     given = parser.parse_args(words)
+    for name in ("cell", "thickness", "rate", "until", "dt", "threads"):
+        if vars(given)[name] is not None and vars(given)[name] <= 0:
+            parser.error(f"--{name} {vars(given)[name]:g} is not allowed; give a positive number")
     if given.smoke:
         given.cell, given.rate, given.ramp, given.until = 0.5, 1.0, 0.5, given.until or 4.0
-    if given.rate <= 0 or given.cell <= 0:
-        parser.error("--rate and --cell must be positive")
     if given.remedies:
         remedies = {**REMEDIES, "ramp": 0.1 / given.rate}
         vars(given).update({name: value for name, value in remedies.items() if vars(given)[name] is None}, fbar=True, undamped=True)

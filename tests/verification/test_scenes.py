@@ -42,6 +42,14 @@ def run(name, *options, states=(), **constants):
     return module.run(module.arguments(list(options)), *states)[0]
 
 
+@pytest.mark.parametrize("name, words", [("sheet_pile", "--until 0"), ("sheet_pile", "--cell -0.25"), ("sheet_pile", "--threads 0"),
+                                         ("hertz", "--cells 0"), ("plate_with_hole", "--cells -1")])
+def test_numbers_that_must_be_positive_are_refused(name, words, capsys):
+    with pytest.raises(SystemExit):
+        scene(name).arguments(words.split())
+    assert f"{words} is not allowed" in capsys.readouterr().err
+
+
 # --- D11 ------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("options", [("--smoke",), pytest.param((), marks=slow), pytest.param(("--types", "apdi"), marks=slow)])
 @pytest.mark.parametrize("state", EARTH_PRESSURE)

@@ -7,8 +7,8 @@ import time
 import numpy as np
 
 from . import diagnostics
-from .checkpoint import checkWritable
 from .engines import Callback, Hold
+from .files import checkWritable
 from .recorder import Recorder, checkPeriod, extend
 
 FLUSH = 5.0  # s of wall time at most between writes

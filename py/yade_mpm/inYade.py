@@ -21,6 +21,7 @@ import time
 
 from . import checkpoint, limits
 from .engines import Callback
+from .files import checkWritable
 from .history import History
 from .recorder import Recorder
 from .running import Run
@@ -452,7 +453,7 @@ class Coupling:
         if self.error is not None:
             raise RuntimeError(f"O.save: '{self.label}' was stopped by an error ({self.error}); detach() it to save YADE alone")
         name = checkpointOf(file, self.label)
-        checkpoint.checkWritable(name)
+        checkWritable(name)
         self.flush()
         self._O.tags[_tagOf(self.label)] = json.dumps(dict(
             file=os.path.basename(name), mpmSteps=self.mpmSteps, demSteps=self.demSteps, stages=self.stages,

@@ -13,8 +13,8 @@ from contextlib import contextmanager
 import h5py
 import numpy as np
 
-from .checkpoint import checkWritable
 from .engines import Callback
+from .files import checkWritable
 
 QUADRILATERAL, HEXAHEDRON = 9, 12  # VTK cell types
 CHUNK = 16384                      # rows at most in a piece of a growing array

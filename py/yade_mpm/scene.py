@@ -8,6 +8,7 @@ from . import _core, checkpoint, limits
 from .attributes import Guarded
 from .body import Body
 from .engines import FACES, Callback, Engine, GridSolver, belongTo, classes
+from .files import checkWritable
 from .lattice import checkOverlap
 from .materials import Material
 from .particles import ParticleType, classes as particleClasses
@@ -378,7 +379,7 @@ class Scene(Guarded):
         if until is not None and not until > self.time:
             raise ValueError(f"run: until = {until:g} s is not after the scene's time {self.time:g} s")
         if checkpointFile is not None:
-            checkpoint.checkWritable(checkpointFile)
+            checkWritable(checkpointFile)
         self.prepare()
         self._run = Run(self, until, steps, progress, checkpointFile)
         if background:

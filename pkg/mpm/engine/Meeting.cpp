@@ -265,7 +265,7 @@ template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int s
     const Grid<Dim>& grid = scene.grid;
     std::vector<Vec<Dim>> sum(meets.size() - first, Vec<Dim>::Zero());
     for (size_t b = 0; b < scene.bodies.size(); ++b) {
-        if (scene.bodies[b]->velocityField != field) continue;
+        if (scene.bodies[b]->velocityField != field || !scene.bodies[b]->type->isMeshed()) continue; // those that take what is converted
         const Field& X = *scene.bodies[b]->domains->vertexPositions();
         for (auto& facet : boundaries_[b].facets.facets)
             for (int v : facet) {
@@ -305,7 +305,7 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
     const Grid<Dim>& grid = scene.grid;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
     for (size_t b = 0; b < scene.bodies.size(); ++b) {
-        if (scene.bodies[b]->velocityField != field) continue;
+        if (scene.bodies[b]->velocityField != field || !scene.bodies[b]->type->isMeshed()) continue; // those that take what is converted
         const Field& X = *scene.bodies[b]->domains->vertexPositions();
         for (int v : boundaries_[b].vertices) {
             const int centre = boundaries_[b].node[v];
@@ -390,7 +390,7 @@ template <int Dim> auto Meeting<Dim>::skin(const Scene<Dim>& scene, int field) c
     std::vector<Skin> found;
     if (!isMeshed_[field]) return found;
     for (size_t b = 0; b < scene.bodies.size(); ++b) {
-        if (scene.bodies[b]->velocityField != field) continue;
+        if (scene.bodies[b]->velocityField != field || !scene.bodies[b]->type->isMeshed()) continue; // those that take what is converted
         const Field& X = *scene.bodies[b]->domains->vertexPositions();
         for (int v : boundaries_[b].vertices) {
             const int node = boundaries_[b].node[v];

@@ -99,7 +99,7 @@ def test_control_a_narrow_plate_concentrates_more():
 # --- D17 ------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("options, tolerance", [
     *[(("--smoke", "--types", kind), 0.08) for kind in ("ugimp", "apdi", "hybrid")],
-    *[pytest.param(("--types", kind, "--phi", phi), 0.03, marks=slow) for kind, phi in (("apdi", "0"), ("hybrid", "0"), ("apdi", "20"), ("hybrid", "20"), ("ugimp", "20"))]])
+    *[pytest.param(("--types", kind, "--phi", phi), 0.03, marks=slow) for phi in ("0", "20") for kind in ("ugimp", "apdi", "hybrid")]])
 def test_footing_fails_at_the_load_of_prandtl(options, tolerance):
     summary = run("footing", "--fbar", *options)
     assert summary["effectiveHalfWidth"] == pytest.approx(3.0)
@@ -109,12 +109,12 @@ def test_footing_fails_at_the_load_of_prandtl(options, tolerance):
 
 
 @slow
-def test_footing_of_ugimp_on_clay_stays_short_of_three_per_cent_by_its_edge():
-    """The plain reading takes half a cell beyond the last node for the edge: 3.2 % below the limit load. By two widths the limit
-    is met, and the load is that of a footing which ends at its last node (0.12 m of settlement; at half of it 0.12 of a cell
+def test_footing_of_ugimp_on_clay_loses_its_edge_beyond_half_a_cell():
+    """The plain reading takes half a cell beyond the last node for the edge: 3.2 % below the limit load after 0.12 m of settlement. By two
+    widths the limit is met, and the load is that of a footing which ends at its last node (at half of that settlement 0.12 of a cell
     beyond)."""
     footing = scene("footing")
-    a = footing.arguments(["--fbar", "--types", "ugimp"])
+    a = footing.arguments(["--fbar", "--types", "ugimp", "--settlement", "0.12"])
     pressure = footing.run(a)[0]["pressure"]
     limit, overhang = footing.compareWidths(a, pressure)
     assert 0.96 * PRANDTL < pressure < 0.975 * PRANDTL

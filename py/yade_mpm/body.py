@@ -114,9 +114,7 @@ class Body(Guarded):
 
     @isDamped.setter
     def isDamped(self, value):
-        if not isinstance(value, (bool, np.bool_)):
-            raise ValueError(f"body '{self.name}': isDamped = {value!r}; give True or False")
-        self.core.isDamped = bool(value)
+        self.core.isDamped = _flag(self, "isDamped", value)
 
     @property
     def fbar(self):
@@ -125,9 +123,7 @@ class Body(Guarded):
 
     @fbar.setter
     def fbar(self, value):
-        if not isinstance(value, (bool, np.bool_)):
-            raise ValueError(f"body '{self.name}': fbar = {value!r}; give True or False")
-        self.core.fbar = bool(value)
+        self.core.fbar = _flag(self, "fbar", value)
 
     @property
     def halfSize(self):
@@ -194,6 +190,12 @@ class BodyPart:
     def __repr__(self):
         limits = [f"{side} {height:g} m" for side, height in (("above", self.lower), ("below", self.upper)) if height is not None]
         return f"<part of '{self.body.name}': {' and '.join(limits) or (f'{len(self.ids)} particles' if self.ids is not None else 'all')}>"
+
+
+def _flag(body, name, value):
+    if not isinstance(value, (bool, np.bool_)):
+        raise ValueError(f"body '{body.name}': {name} = {value!r}; give True or False")
+    return bool(value)
 
 
 def _finite(body, name, value, shape):

@@ -264,13 +264,11 @@ template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int s
     if (!isMeshed_[field]) return;
     const Grid<Dim>& grid = scene.grid;
     std::vector<Vec<Dim>> sum(meets.size() - first, Vec<Dim>::Zero());
-    for (size_t b = 0; b < scene.bodies.size(); ++b) {
-        if (scene.bodies[b]->velocityField != field || !scene.bodies[b]->type->isMeshed()) continue; // those that take what is converted
-        const Field& X = *scene.bodies[b]->domains->vertexPositions();
-        for (auto& facet : boundaries_[b].facets.facets)
+    forMeshes(scene, field, [&](const Field& X, const Boundary& boundary) {
+        for (auto& facet : boundary.facets.facets)
             for (int v : facet) {
-                if (boundaries_[b].node[v] < 0) continue;
-                const Vec<Dim> share = areaVector<Dim>(X, facet) / boundaries_[b].facets.size;
+                if (boundary.node[v] < 0) continue;
+                const Vec<Dim> share = areaVector<Dim>(X, facet) / boundary.facets.size;
                 forHats<Dim>(grid, vectorAt<Dim>(X, v), [&](int node, double phi) {
                     if (slot_[node] < 0 || meets[slot_[node]].edgeOf != side) return;
                     const Meet<Dim>& meet = meets[slot_[node]];
@@ -280,7 +278,7 @@ template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int s
                     if (closing > 0) sum[slot_[node] - first] += phi * closing / share.norm() * share;
                 });
             }
-    }
+    });
     for (size_t i = first; i < meets.size(); ++i)
         if (meets[i].edgeOf == side && !sum[i - first].isZero(0)) meets[i].normal = (side == 0 ? 1 : -1) * sum[i - first].normalized();
 }
@@ -304,13 +302,11 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
     if (!isMeshed_[field]) return;
     const Grid<Dim>& grid = scene.grid;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
-    for (size_t b = 0; b < scene.bodies.size(); ++b) {
-        if (scene.bodies[b]->velocityField != field || !scene.bodies[b]->type->isMeshed()) continue; // those that take what is converted
-        const Field& X = *scene.bodies[b]->domains->vertexPositions();
-        for (int v : boundaries_[b].vertices) {
-            const int centre = boundaries_[b].node[v];
+    forMeshes(scene, field, [&](const Field& X, const Boundary& boundary) {
+        for (int v : boundary.vertices) {
+            const int centre = boundary.node[v];
             if (centre < 0) continue;
-            const Vec<Dim> x = vectorAt<Dim>(X, v), &outward = boundaries_[b].outward[v];
+            const Vec<Dim> x = vectorAt<Dim>(X, v), &outward = boundary.outward[v];
             forNeighbours(grid, centre, [&](int node, const Vec<Dim>&) {
                 if (slot_[node] < 0) return;
                 Meet<Dim>& meet = meets[slot_[node]];
@@ -322,7 +318,7 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
                 face.nearest = beside, face.reach = faces > 0.9 ? d.dot(outward) / (faces * outward.norm()) : along;
             });
         }
-    }
+    });
 }
 
 // Boxes against a mesh: where the centre of one has crossed its face, the gap is closed, whatever the others do. What lies deeper than
@@ -389,16 +385,14 @@ template <int Dim> void Meeting<Dim>::borrow(const Grid<Dim>& grid, size_t first
 template <int Dim> auto Meeting<Dim>::skin(const Scene<Dim>& scene, int field) const -> std::vector<Skin> {
     std::vector<Skin> found;
     if (!isMeshed_[field]) return found;
-    for (size_t b = 0; b < scene.bodies.size(); ++b) {
-        if (scene.bodies[b]->velocityField != field || !scene.bodies[b]->type->isMeshed()) continue; // those that take what is converted
-        const Field& X = *scene.bodies[b]->domains->vertexPositions();
-        for (int v : boundaries_[b].vertices) {
-            const int node = boundaries_[b].node[v];
-            const Vec<Dim>& outward = boundaries_[b].outward[v];
+    forMeshes(scene, field, [&](const Field& X, const Boundary& boundary) {
+        for (int v : boundary.vertices) {
+            const int node = boundary.node[v];
+            const Vec<Dim>& outward = boundary.outward[v];
             const double size = outward.norm();
-            if (node >= 0 && size > edge * boundaries_[b].extent[v]) found.push_back({node, vectorAt<Dim>(X, v), outward / size});
+            if (node >= 0 && size > edge * boundary.extent[v]) found.push_back({node, vectorAt<Dim>(X, v), outward / size});
         }
-    }
+    });
     std::stable_sort(found.begin(), found.end());
     return found;
 }

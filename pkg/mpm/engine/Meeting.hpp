@@ -111,6 +111,12 @@ template <int Dim> class Meeting {
     void findIntruders(const Grid<Dim>& grid, int side, int field, int other);
     void findGaps(const Grid<Dim>& grid, size_t first);
     void findTouches(const Scene<Dim>& scene, int a, int b);
+    // f(positions of the vertices, boundary) for the meshes of a group, not for bodies that take what these convert.
+    template <class F> void forMeshes(const Scene<Dim>& scene, int field, F&& f) const {
+        for (size_t b = 0; b < scene.bodies.size(); ++b)
+            if (const Body<Dim>& body = *scene.bodies[b]; body.velocityField == field && body.type->isMeshed())
+                f(*body.domains->vertexPositions(), boundaries_[b]);
+    }
     std::vector<Skin> skin(const Scene<Dim>& scene, int field) const;
     double distanceOfBoxes(const Grid<Dim>& grid, const Skin& own, int side) const;
     double distanceOfMesh(const Grid<Dim>& grid, const Skin& own, const std::vector<Skin>& others, Vec<Dim>& normal) const;

@@ -10,14 +10,15 @@ import time
 
 from . import checkpoint, limits
 
-SLICE = 0.1  # s of wall time between looks at signals and the progress bar
+SLICE = 0.1   # s of wall time between looks at signals and the progress bar
+SHARE = 0.01  # of the wall time of a run that checkpoints may take
 
 
 class Run:
     """Takes steps until a time or a number of steps is reached, in the foreground or in a thread."""
 
-    def __init__(self, scene, until, steps, progress, checkpointFile):
-        self.scene, self.until, self.checkpointFile = scene, until, checkpointFile
+    def __init__(self, scene, until, steps, progress, checkpointFile, checkpointPeriod=None):
+        self.scene, self.until, self.checkpointFile, self.checkpointPeriod = scene, until, checkpointFile, checkpointPeriod
         self.last = None if steps is None else scene.steps + steps
         self.progress = Progress(scene, progress, self)
         self.error, self.signal = None, None
@@ -95,6 +96,7 @@ class Run:
     def loop(self):
         """Takes the steps. KeyboardInterrupt and SystemExit(143) after signals, or what went wrong: the state is saved then."""
         handlers = self._catchSignals()
+        self._saveAt = math.inf if self.checkpointPeriod is None else time.monotonic() + self.checkpointPeriod
         try:
             self._takeSteps()
             if self.signal is not None:
@@ -107,9 +109,7 @@ class Run:
             self.progress.close()
             for number, handler in handlers.items():
                 signal.signal(number, handler or signal.SIG_DFL)
-            for engine in self.scene.engines:
-                if hasattr(engine, "flush"):
-                    engine.flush()
+            self._flush()
         if self.signal == signal.SIGTERM:
             raise SystemExit(128 + signal.SIGTERM)
         if self.signal is not None:
@@ -123,6 +123,8 @@ class Run:
             callbacks = [e.stepsToCall(scene) for e in scene.engines]
             scene.core.advance(min([self.stepsLeft(), limits.DT_PERIOD - scene.steps % limits.DT_PERIOD, *callbacks]), SLICE)
             self.progress.update()
+            if time.monotonic() >= self._saveAt:
+                self._saveMeanwhile()
 
     def _reestimate(self):
         scene = self.scene
@@ -149,6 +151,22 @@ class Run:
         def note(number, frame):
             self.signal = number
         return {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+
+    def _flush(self):
+        for engine in self.scene.engines:
+            if hasattr(engine, "flush"):
+                engine.flush()
+
+    def _saveMeanwhile(self):
+        """For what leaves no time to save: power that fails, a killed process."""
+        began = time.monotonic()
+        try:
+            self._flush()
+            self._save()
+        except OSError as error:
+            self.progress.say(f"warning: step {self.scene.steps}: {error}")
+        now = time.monotonic()
+        self._saveAt = now + max(self.checkpointPeriod, (now - began) / SHARE)
 
     def _saveInterrupted(self):
         """A checkpoint and a message; a file that cannot be written makes another message, no error."""

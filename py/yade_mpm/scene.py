@@ -358,7 +358,7 @@ class Scene(Guarded):
         return float(largest / internal[internal > 0].mean())
 
     # --- running --------------------------------------------------------------------------------------
-    def run(self, until=None, steps=None, background=False, progress=None, checkpointFile=None):
+    def run(self, until=None, steps=None, background=False, progress=None, checkpointFile=None, checkpointPeriod=600.0):
         """Runs to a time or for a number of steps.
 
         until : scene time to reach, s; or steps : number of steps. One of the two.
@@ -366,6 +366,8 @@ class Scene(Guarded):
         progress : show progress; default: yes for a run of more than 2 s.
         checkpointFile : where Ctrl-C, SIGTERM and errors leave the state; default: beside the recorder's file, or
             yade_mpm.checkpoint.h5.
+        checkpointPeriod : wall time after which the state is saved there anyway, for power that fails or a killed process, s;
+            default 600; None: not. Saving takes at most a hundredth of the run.
 
         Before the first step the scene is checked: ValueError for a time step above the critical one (unless
         `allowUnstable`), an interface that is too coarse, or constraints that hold nothing. During the run RuntimeError
@@ -385,8 +387,11 @@ class Scene(Guarded):
             raise ValueError(f"run: until = {until:g} s is not after the scene's time {self.time:g} s")
         if checkpointFile is not None:
             checkWritable(checkpointFile)
+        isNumber = isinstance(checkpointPeriod, (int, float, np.number)) and not isinstance(checkpointPeriod, bool)
+        if checkpointPeriod is not None and not (isNumber and checkpointPeriod >= 0):
+            raise ValueError(f"run: checkpointPeriod = {checkpointPeriod!r} is not allowed; give a wall time in s, or None")
         self.prepare()
-        self._run = Run(self, until, steps, progress, checkpointFile)
+        self._run = Run(self, until, steps, progress, checkpointFile, checkpointPeriod)
         if background:
             self._run.start()
         else:

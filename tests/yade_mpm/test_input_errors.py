@@ -517,6 +517,7 @@ def changed(change, **options):
     ("run: steps = 1.5 is not allowed", lambda: oneBody().run(steps=1.5)),
     ("run: until = 0 s is not after the scene's time 0 s", lambda: oneBody().run(until=0)),
     ("run: until = nan ", lambda: oneBody().run(until=nan)),
+    ("run: checkpointPeriod = -1 is not allowed; give a wall time in s, or None", lambda: oneBody().run(steps=1, checkpointPeriod=-1)),
     ("run: until = inf is not allowed", lambda: oneBody().run(until=inf)),
     ("run: until = 'noon' is not allowed; give a time in s", lambda: oneBody().run(until="noon")),
     ("dt = 1 s exceeds the critical step ... (stiffest: 'block'); lower dt, raise inertiaScale, or coarsen the grid",

@@ -9,6 +9,7 @@ import time
 import warnings
 import weakref
 
+import h5py
 import numpy as np
 import pytest
 
@@ -73,6 +74,45 @@ def test_signals_leave_a_checkpoint_and_an_exit_code(script, number, codes):
     scene = mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None})
     assert scene.steps >= 10
     scene.run(steps=5)
+
+
+WITH_FILES = """
+import os
+def end(s):
+    if s.steps == killedAt: os.kill(os.getpid(), 9)
+scene["a"].velocity = (0.3, 0.0)
+scene.engines = [*scene.engines[:-1], mpm.Recorder("out.vtkhdf", period=0.2), mpm.History(iterPeriod=7, file="out.csv"),
+                 mpm.PyRunner(end, iterPeriod=50, label="end")]
+scene.dt = 1e-3
+mpm.running.SHARE = 1e6
+"""
+
+
+def results():
+    with h5py.File("out.vtkhdf") as file, open("out.csv") as table:
+        return file["VTKHDF/Steps/Values"][:].tolist(), file["VTKHDF/CellData/velocity"][:].tobytes(), table.read()
+
+
+def test_a_killed_run_goes_on_from_what_was_saved_meanwhile():
+    """SIGKILL, as where power fails: no handler is asked."""
+    whole = process("killedAt = -1\n" + WITH_FILES + "scene.run(steps=300)")
+    assert whole.wait(timeout=30) == 0 and not os.path.exists("yade_mpm.checkpoint.h5") and not os.path.exists("out.checkpoint.h5")
+    expected = results()
+    killed = process("killedAt = 150\n" + WITH_FILES + "scene.run(steps=300, checkpointPeriod=0)")
+    assert killed.wait(timeout=30) == -signal.SIGKILL
+    scene = mpm.load("out.checkpoint.h5", callbacks={"end": None})
+    assert 100 < scene.steps < 150
+    scene.run(steps=300 - scene.steps)
+    assert results() == expected
+
+
+def test_what_cannot_be_saved_meanwhile_is_said_and_the_run_goes_on(capsys):
+    scene = smallScene()
+    os.mkdir("folder")
+    engine = mpm.PyRunner(lambda: os.path.isdir("folder") and os.rmdir("folder"), iterPeriod=1)
+    scene.engines = [*scene.engines, engine]
+    scene.run(steps=3, checkpointFile="folder/state.h5", checkpointPeriod=0)
+    assert "warning: step 1: checkpoint 'folder/state.h5'" in capsys.readouterr().err and scene.steps == 3
 
 
 def test_the_end_of_the_program_does_not_lose_a_background_run():

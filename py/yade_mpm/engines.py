@@ -300,6 +300,10 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
         self.core.finish()
         return number
 
+    def frictions(self):
+        """The coefficients of friction of all rigid bodies."""
+        return list(self.friction)
+
     def setStates(self, positions, orientations, velocities, angularVelocities):
         """Positions (N, 3) m, orientations (N, 4) as (w, x, y, z), velocities (N, 3) m/s, angular velocities (N, 3) rad/s."""
         self.core.setStates(*(np.ascontiguousarray(a, np.float64) for a in (positions, orientations, velocities, angularVelocities)))
@@ -372,6 +376,10 @@ class Contact(_generated["Contact"]):
         self._pairs[first, second] = float(friction), float(adhesion)
         if self._groups:
             self._setPairs()
+
+    def frictions(self):
+        """All coefficients of friction: that of the engine, and those of pairs of groups."""
+        return [self.friction, *(friction for friction, _ in self._pairs.values())]
 
     def bind(self, scene):
         object.__setattr__(self, "_groups", list(dict.fromkeys(b.group for b in scene.bodies)))

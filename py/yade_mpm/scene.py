@@ -473,6 +473,10 @@ class Scene(Guarded):
         groups = dict.fromkeys(b.group for b in self.bodies)
         if len(groups) > 1 and not any(isinstance(e, classes["Contact"]) for e in self.engines):
             warnings.warn(f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among the engines", stacklevel=4)
+        for engine, friction in ((e, f) for e in self.engines if hasattr(e, "frictions") for f in e.frictions()):
+            if ANGLES[0] <= friction <= ANGLES[1]:
+                warnings.warn(f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its tangent, "
+                              f"{np.tan(np.radians(friction)):.3g}, if it is one", stacklevel=4)
 
     def checkTimeStep(self):
         """Estimates the critical step; takes 0.8 of it if dt was left out, refuses a dt above it otherwise."""
@@ -620,10 +624,13 @@ def _checkFields(body):
 
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
+ANGLES = 5, 85         # degrees; no coefficient of friction is that large
+FASTEST = 2e4          # m/s; compression waves in diamond: 1.8e4
 
 
 def _warnOfUnits(body, gravity):
-    """Warns of a density that looks like a unit weight, and of a body that its own weight would crush: units do not fit then."""
+    """Warns of a density that looks like a unit weight, of a body that its own weight would crush, and of one stiffer than any solid:
+    units do not fit then."""
     density, (lame, mu) = body.material.density, body.material.lameConstants
     if UNIT_WEIGHTS[0] <= density <= UNIT_WEIGHTS[1]:
         warnings.warn(f"body '{body.name}': density = {density:g} Mg/m3 looks like a unit weight in kN/m3; give {density / 9.81:.3g} "
@@ -632,6 +639,9 @@ def _warnOfUnits(body, gravity):
     if weight > lame + 2 * mu:
         warnings.warn(f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness lambda + 2 mu = "
                       f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?", stacklevel=5)
+    if body.material.waveSpeed > FASTEST:
+        warnings.warn(f"body '{body.name}': compression waves travel at {body.material.waveSpeed:.3g} m/s, faster than in any solid; units are Mg/m3, m "
+                      f"and kPa: is the stiffness in Pa?", stacklevel=5)
 
 
 def _cell(cell, dim):

@@ -395,6 +395,9 @@ def test_the_reaction_of_a_drive_that_no_scene_has_is_refused():
     (dict(density=1800.0), "body 'block': its own weight, 1.77e+04 kPa at the bottom, exceeds its stiffness lambda + 2 mu = 3e+03 kPa; "
                            "units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?"),
     (dict(density=1.8, lame=(1, 1)), "is the density in kg/m3, or the stiffness in MPa?"),
+    (dict(density=7.85, lame=(1.1e11, 8e10)), "body 'block': compression waves travel at 1.85e+05 m/s, faster than in any solid; units are Mg/m3, "
+                                              "m and kPa: is the stiffness in Pa?"),
+    (dict(density=3.51, lame=(8.5e7, 5.35e8)), None),                             # diamond
     (dict(density=1800.0, lame=(1e6, 1e6)), None),                                # kg, Pa
     (dict(density=11.3), None), (dict(density=1.8), None)))
 def test_units_that_do_not_fit_are_warned_of_before_the_first_step(attributes, message):
@@ -423,6 +426,28 @@ def test_an_initial_stress_that_gravity_does_not_balance_is_warned_of(given, sol
         warnings.simplefilter("always")
         scene.run(steps=1)
     assert ["downwards, the GridSolver has gravity = " in str(w.message) for w in caught] == [True] * isWarned
+
+
+@pytest.mark.parametrize("friction, inPair, isWarned", ((30, 0.3, True), (0.3, 30, True), (0.58, 1.2, False), (1e3, 0, False)))
+def test_a_coefficient_of_friction_that_looks_like_an_angle_is_warned_of(friction, inPair, isWarned):
+    scene = oneBody(group="soil")
+    scene.add("pile", box((1, 0), (2, 1)), elastic(), mpm.UGIMP(), group="pile")
+    contact = mpm.Contact(friction=friction)
+    contact.pair("soil", "pile", friction=inPair)
+    scene.engines = [*scene.engines[:2], contact, *scene.engines[2:]]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scene.prepare()
+    expected = "Contact: friction = 30 looks like an angle in degrees; give its tangent, 0.577, if it is one"
+    assert [str(w.message) for w in caught] == [expected] * isWarned
+
+
+def test_an_angle_for_the_friction_of_a_rigid_body_is_warned_of():
+    scene, contact = oneBody(), mpm.RigidContact()
+    contact.addBody(mpm.rigid.Sphere(0.1), friction=30, position=(0.5, 3))
+    scene.engines.insert(1, contact)
+    with pytest.warns(UserWarning, match="RigidContact: friction = 30 looks like an angle in degrees"):
+        scene.prepare()
 
 
 def test_groups_without_contact_are_warned_of():

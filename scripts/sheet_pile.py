@@ -14,7 +14,7 @@ import os
 import platform
 import resource
 import time
-from math import ceil, radians, tan
+from math import ceil, nan, radians, tan
 
 import numpy as np
 import yade_mpm as mpm
@@ -159,23 +159,22 @@ def soilBodies(scene):
 def run(a, out):
     """Runs the scene of the arguments and leaves its results in a folder; returns the summary."""
     os.makedirs(out, exist_ok=True)
-    snapshots, stripes = [], {}
+    snapshots, stripes = [], lambda scene: stripesBelow(a, scene)
 
     def snapshot(scene):
-        depth = float(penetrationAt(a, scene.time))
-        snapshots.append((depth, plot.Snapshot(scene, "plasticShearStrain")))
-        stripes[f"{depth:.2f}"] = stripesBelow(a, scene)
+        snapshots.append((float(penetrationAt(a, scene.time)), plot.Snapshot(scene, "plasticShearStrain")))
 
     if a.resume:
         scene = mpm.load(a.resume, callbacks={"snapshots": snapshot})
+        next(e for e in scene.engines if isinstance(e, mpm.History)).columns["stripes"] = stripes
         if a.threads:
             scene.threads = a.threads
     else:
         scene = build(a)
         scene.engines = scene.engines + [
             mpm.Recorder(os.path.join(out, "sheet_pile.h5"), period=a.until / 40),
-            mpm.History(period=a.until / 800, file=os.path.join(out, "history.csv"), 
-                        columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})"}),
+            mpm.History(period=a.until / 800, file=os.path.join(out, "history.csv"),
+                        columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})", "stripes": stripes}),
             mpm.PyRunner(snapshot, virtPeriod=a.until / 4, label="snapshots"),
         ]
     history = next(e for e in scene.engines if isinstance(e, mpm.History))
@@ -187,7 +186,7 @@ def run(a, out):
     scene.run(until=a.until, checkpointFile=os.path.join(out, "checkpoint.h5"))
     wall = time.monotonic() - began
     history.flush()
-    summary = {**summarise(a, scene, history, wall, scene.steps - firstStep), "stripesAt": stripes}
+    summary = summarise(a, scene, history, wall, scene.steps - firstStep)
     certificate = mpm.quasiStatic(history, rateSensitivity=rateCheck(a, *resistanceCurve(a, scene, history)) if a.rateCheck else None)
     print(certificate, flush=True)
     summary["quasiStatic"] = certificate.asDict()
@@ -249,6 +248,7 @@ def summarise(a, scene, history, wall, steps):
     surface = surfaceOf(scene)
     heave, trough, cavity = surface.areas(DEPTH)
     settled = depth > a.cell
+    striped, stripes = depth[np.isfinite(history["stripes"])], history["stripes"][np.isfinite(history["stripes"])]
     ratios = history["kineticRatio"][settled]
     soilCount = sum(b.count for b in soil)
     tip = pile.reference[:, 1] < DEPTH - EMBEDDED + a.cell
@@ -284,7 +284,8 @@ def summarise(a, scene, history, wall, steps):
         "minJacobian": extreme(history["minJacobian"], np.nanmin),
         "invertedDomains": int(history["invertedCount"].max()),
         "convertedDomains": int(history["convertedCount"][-1]),
-        "stripes": stripesBelow(a, scene),
+        "stripes": extreme(stripes[striped > depth[-1] - a.cell], np.mean),
+        "stripesAt": atHalfMetres(striped, movingAverage(striped, stripes, a.cell)) if len(stripes) else {},
         "hourglassMax": extreme(history["hourglassAmplitude"], np.nanmax),
         "kineticEnergyRatioMax": extreme(ratios, np.nanmax),
         "energyError": float(history["energyError"][-1]),
@@ -308,15 +309,16 @@ def collar(a, soil, penetration):
 
 def stripesBelow(a, scene):
     """Stripes of the mean stress (`diagnostics.stripes`) along the second column of particles beside the pile, -: from its tip
-    down as far as the uGIMP zone of the hybrid reaches below the final one. Mean of both sides."""
+    down as far as the uGIMP zone of the hybrid reaches below the final one. Mean of both sides. It changes with the place of the tip in
+    its cell: only means over a cell of penetration tell something."""
     tip = DEPTH - EMBEDDED - penetrationAt(a, scene.time)
     lines = [diagnostics.meanStressAlong(soilBodies(scene), a.width / 2 + side * (a.thickness / 2 + 0.75 * a.cell), a.cell / 2,
                                          tip - ZONE_BELOW, tip)[1] for side in (-1, 1)]
-    return float(np.mean([diagnostics.stripes(p) for p in lines])) if min(map(len, lines)) > 2 else None
+    return float(np.mean([diagnostics.stripes(p) for p in lines])) if min(map(len, lines)) > 2 else nan
 
 
 def extreme(values, which):
-    """Smallest or largest value of a history (np.nanmin, np.nanmax); None where it has none."""
+    """Smallest or largest value or mean of a history (np.nanmin, np.nanmax, np.nanmean); None where it has none."""
     return float(which(values)) if np.isfinite(values).any() else None
 
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""An elastic cylinder pressed onto an elastic half-plane: contact pressure against Hertz.
+"""An elastic cylinder pressed onto an elastic half-plane, or another cylinder: contact pressure against Hertz.
 
-A cylinder of radius R = 20 a is pressed down until it touches the ground along a half-width of about a. Plane strain, no friction,
-no weight; the right halves are meshed, with rollers on the axis and below. Closed form (Hertz 1882; Johnson 1985, Contact
+A cylinder of radius R = 20 a is pressed down until it touches the ground along a half-width of about a; or one of 2 R onto another
+of 2 R (--two), which is the same for 1/R = 1/R1 + 1/R2. Plane strain, no friction, no weight; the right halves are meshed, with rollers on the axis and below. Closed form (Hertz 1882; Johnson 1985, Contact
 Mechanics, sect. 4.2) for the load P and 1/E* = 2 (1 - nu^2)/E: half-width a = sqrt(4 P R / (pi E*)), pressure
 p = p0 sqrt(1 - (x/a)^2), p0 = 2 P / (pi a). The half-width found is 2 sqrt(<x^2> - h^2/6), with the mean over the forces of the
 nodes; h^2/6 is what hat functions add.
@@ -12,6 +12,7 @@ Units: Mg, m, s, kPa, per metre of thickness; a is 1 m.
 
     scripts/run hertz                                  # 8 cells per half-width, APDI
     scripts/run hertz --ground ugimp --cylinder ugimp  # columns of boxes that follow the curve
+    scripts/run hertz --two                            # two cylinders
     scripts/run hertz --smoke                          # 5 cells
 """
 import argparse
@@ -36,6 +37,7 @@ def parser():
     p.add_argument("--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)")
     p.add_argument("--cylinder", choices=(*TYPES, "cut"), default="apdi",
                    help="particles of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it (default %(default)s)")
+    p.add_argument("--two", action="store_true", help="two cylinders of twice the radius; no cut boxes then")
     p.add_argument("--shift", type=float, default=0.0, help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)")
     p.add_argument("--normals", choices=("surface", "mass"), default="surface", help="as of Contact (default %(default)s)")
     p.add_argument("--smoke", action="store_true", help="coarse and fast: 5 cells per half-width")
@@ -50,12 +52,14 @@ def arguments(given=None):
         a.cells = 5
     if a.cells < 1:
         parser().error(f"--cells {a.cells} is not allowed; give a positive number")
+    if a.two and a.cylinder == "cut":
+        parser().error("--two --cylinder cut is not allowed; give --cylinder apdi or ugimp")
     return a
 
 
-def underside(x):
-    """Height of the cylinder's surface above its lowest point."""
-    return RADIUS - np.sqrt(RADIUS**2 - x**2)
+def rise(x, radius):
+    """Height of a cylinder's surface above its lowest point."""
+    return radius - np.sqrt(radius**2 - x**2)
 
 
 def block(bottom, top, size):
@@ -72,20 +76,25 @@ def build(a):
     h = 1 / a.cells
     surface, bottom = a.shift * h, -EXTENT + a.shift * h
     top = surface + EXTENT
-    scene = mpm.Scene(lower=(0, -EXTENT - h), upper=(EXTENT + 2 * h, 2 * EXTENT), cell=h, threads=a.threads)
+    over = lambda x: rise(x, 2 * RADIUS if a.two else RADIUS)  # the gap is over + under
+    under = over if a.two else lambda x: 0 * x
+    scene = mpm.Scene(lower=(0, -EXTENT - h * (1 + np.ceil(under(EXTENT) / h))), upper=(EXTENT + 2 * h, 2 * EXTENT), cell=h, threads=a.threads)
     steel = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
     boxes, mesh = mpm.UGIMP(perCell=2), mpm.APDI()
     level = lambda y: lambda x: y + 0 * x
-    ground = scene.add("ground", block(level(bottom), level(surface), h / 2) if a.ground == "apdi" else box((0, bottom), (EXTENT, surface)),
+    ground = scene.add("ground", block(level(bottom), lambda x: surface - under(x), h / 2) if a.ground == "apdi" else box((0, bottom), (EXTENT, surface)),
                        steel, mesh if a.ground == "apdi" else boxes, group="ground")
+    if a.ground == "ugimp":
+        ground.position[:, 1] -= under(ground.position[:, 0])
+        ground.zeroDisplacement()
     if a.cylinder == "apdi":
-        cylinder = scene.add("cylinder", block(lambda x: surface + underside(x), level(top), h / 2), steel, mesh, group="cylinder")
+        cylinder = scene.add("cylinder", block(lambda x: surface + over(x), level(top), h / 2), steel, mesh, group="cylinder")
     elif a.cylinder == "cut":
         cylinder = scene.add("cylinder", box((0, surface), (EXTENT, top)) & disc((0, surface + RADIUS), RADIUS), steel,
                              mpm.UGIMP(perCell=2, cut=CUT), group="cylinder")
     else:
         cylinder = scene.add("cylinder", box((0, surface), (EXTENT, top)), steel, boxes, group="cylinder")
-        cylinder.position[:, 1] += underside(cylinder.position[:, 0])
+        cylinder.position[:, 1] += over(cylinder.position[:, 0])
         cylinder.zeroDisplacement()
     press = mpm.Drive(cylinder.above(top - 1.01 * h), velocity=(None, 0), name="press")
     base = mpm.Drive(ground.below(bottom + 0.51 * h), velocity=(None, 0), name="base")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Hertz contact of an elastic cylinder and an elastic half-plane, plane strain (scripts/hertz.py).
+"""Hertz contact of an elastic cylinder and an elastic half-plane, and of two cylinders, plane strain (scripts/hertz.py).
 
 Set-up and closed form are in the docstring of the script; radius 20 half-widths, a half-width of 5.3 cells (--slow: 8.6).
-Tolerance: half-width and peak pressure, by the second moment of the nodal forces, 5 %; pressure at the axis 8 %, rms of the whole curve
-4 % of the peak. uGIMP boxes of the cylinder stand in columns that follow the curve.
+Tolerance: half-width and peak pressure, by the second moment of the nodal forces, 5 %; pressure at the axis 8 %
+(12 % where boxes and a mesh make two cylinders), rms of the whole curve 4 % of the peak. uGIMP boxes of the cylinder stand in columns that follow the curve.
 Control: a cylinder cut from the lattice, whose underside is a staircase with treads wider than the contact, gives another half-width.
 """
 import importlib.util
@@ -28,11 +28,11 @@ def press(*options, **changed):
     return module.run(module.arguments([*options]))[0]
 
 
-def isHertz(summary):
+def isHertz(summary, axis=0.08):
     assert summary["pressOverLoad"] == pytest.approx(1, rel=2e-3)  # at rest
     assert summary["halfWidth"] == pytest.approx(summary["hertzHalfWidth"], rel=0.05)
     assert summary["peakPressure"] == pytest.approx(summary["hertzPeakPressure"], rel=0.05)
-    assert summary["axisPressure"] == pytest.approx(summary["hertzAxisPressure"], rel=0.08)
+    assert summary["axisPressure"] == pytest.approx(summary["hertzAxisPressure"], rel=axis)
     assert summary["rmsError"] < 0.04
     assert summary["largestPenetrationOverCell"] < 0.02
 
@@ -41,6 +41,11 @@ def isHertz(summary):
 @pytest.mark.parametrize("ground, cylinder", [("apdi", "apdi"), ("ugimp", "apdi"), ("ugimp", "ugimp")])
 def test_pressure_of_a_cylinder_is_that_of_hertz(ground, cylinder, shift):
     isHertz(press("--smoke", "--ground", ground, "--cylinder", cylinder, "--shift", shift))
+
+
+@pytest.mark.parametrize("ground, cylinder, axis", [("apdi", "apdi", 0.08), ("ugimp", "apdi", 0.12), ("ugimp", "ugimp", 0.08)])
+def test_two_cylinders_touch_as_hertz_says(ground, cylinder, axis):
+    isHertz(press("--smoke", "--two", "--ground", ground, "--cylinder", cylinder), axis)
 
 
 @pytest.mark.slow
@@ -61,8 +66,8 @@ def test_boxes_cut_by_the_curve_come_near_to_hertz():
 def test_control_a_staircase_is_no_cylinder():
     """A polygon filled with boxes: they lie level over 0.7 a and more."""
     module = script()
-    level = module.underside
-    module.underside = lambda x: (level(x) * 10).round() / 10
+    level = module.rise
+    module.rise = lambda x, radius: (level(x, radius) * 10).round() / 10
     summary = module.run(module.arguments(["--smoke", "--ground", "ugimp", "--cylinder", "ugimp"]))[0]
     assert summary["halfWidth"] > 1.1 * summary["hertzHalfWidth"]
 

@@ -197,9 +197,9 @@ def run(a, out):
 
 
 def surfaceOf(scene):
-    """Ground surface; the pile and its cavity are the hole, two metres to each side."""
-    middle = scene.upper[0] / 2
-    return groundSurface(scene, soilBodies(scene), DEPTH, hole=(middle - 2, middle + 2))
+    """Ground surface; the pile alone is the hole."""
+    x = scene["pile"].corners()[..., 0]
+    return groundSurface(scene, soilBodies(scene), DEPTH, hole=(float(x.min()), float(x.max())))
 
 
 def penetrationAt(a, t):
@@ -246,7 +246,7 @@ def summarise(a, scene, history, wall, steps):
     soil, pile = soilBodies(scene), scene["pile"]
     depth, raw, smooth = resistanceCurve(a, scene, history)
     surface = surfaceOf(scene)
-    heave, trough, cavity = surface.areas(DEPTH)
+    heave, trough, openCavity = surface.areas(DEPTH, a.cell)
     settled = depth > a.cell
     striped, stripes = depth[np.isfinite(history["stripes"])], history["stripes"][np.isfinite(history["stripes"])]
     ratios = history["kineticRatio"][settled]
@@ -276,9 +276,9 @@ def summarise(a, scene, history, wall, steps):
         "resistanceAtBase": atHalfMetres(depth, baseCurve(a, scene, history)),
         "heaveArea": heave,
         "troughArea": trough,
-        "cavityArea": cavity,
+        "cavityArea": openCavity + a.thickness * (EMBEDDED + float(depth[-1])),
         "displacedArea": a.thickness * float(depth[-1]),
-        "openCavityArea": cavity - a.thickness * (EMBEDDED + float(depth[-1])),
+        "openCavityArea": openCavity,
         "collarThickness": collar(a, soil, float(depth[-1])),
         "surfaceHighest": float(np.nanmax(surface.y) - DEPTH),
         "minJacobian": extreme(history["minJacobian"], np.nanmin),
@@ -291,8 +291,9 @@ def summarise(a, scene, history, wall, steps):
         "energyError": float(history["energyError"][-1]),
         "reactionBalanceMaxTo1.5m": reactionBalance(a, scene, history, 1.5),
         "reactionBalanceMax": reactionBalance(a, scene, history, np.inf),
-        "isolatedSurfaceParticles": surface.isolated,
+        "isolatedParticles": surface.isolated,
         "surfaceContinuous": surface.isContinuous(a.cell),
+        "openBesidePile": list(surface.openBeside(a.cell)),
         "surfaceSingleValued": surface.singleValued,
         "tipDrift": tipDrift,
     }
@@ -382,12 +383,14 @@ def draw(a, out, scene, history, snapshots, summary):
 
     figure, ax = plot.plt.subplots(figsize=(6.4, 2.8), layout="constrained")
     ax.axhline(DEPTH, color="0.7", lw=0.8, ls="--", label="initial")
+    beside = np.where((surface.x > surface.hole[0]) & (surface.x < surface.hole[1]), np.nan, surface.y)
+    ax.plot(surface.x, beside, "-", lw=1.4, color="C3", label="tops of boxes (uGIMP)")
     ax.plot(surface.x, np.where(surface.explicit, surface.y, np.nan), "k-", lw=1.4, label="mesh vertices (APDI)")
-    ax.plot(surface.x, np.where(surface.explicit, np.nan, surface.y), ".", ms=3, color="C3", label="highest particles (uGIMP)")
+    ax.axvspan(*surface.hole, ymin=0.03, ymax=0.97, color="0.75", lw=0, label="pile")
     ax.set(xlabel="x (m)", ylabel="ground surface y (m)",
-           title=f"heave {summary['heaveArea']:.2f} m², trough {summary['troughArea']:.2f} m², cavity "
-                 f"{summary['cavityArea']:.2f} m², pile {summary['displacedArea']:.2f} m²")
-    ax.legend(fontsize=8)
+           title=f"heave {summary['heaveArea']:.2f} m², trough {summary['troughArea']:.2f} m², open cavity "
+                 f"{summary['openCavityArea']:.2f} m², pile {summary['displacedArea']:.2f} m²")
+    ax.legend(fontsize=8, loc="lower left")
     plot.save(figure, os.path.join(out, "surface.png"))
     files = ["sheet_pile.h5", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]
     if summary["convertedDomains"]:
@@ -424,8 +427,7 @@ def compare(a, hybrid, other):
     result = {"soilParticles": [s1["soilParticles"], s2["soilParticles"]],
               "wallSeconds": [s1["wallSeconds"], s2["wallSeconds"]],
               "wallRatio": s1["wallSeconds"] / s2["wallSeconds"],
-              "isolatedSurfaceParticles": [s1["isolatedSurfaceParticles"], s2["isolatedSurfaceParticles"]],
-              "surfaceContinuous": [s1["surfaceContinuous"], s2["surfaceContinuous"]],
+              **{name: [s1[name], s2[name]] for name in ("isolatedParticles", "surfaceContinuous", "openBesidePile")},
               "largestDifferenceTo2m": float(difference[reach & (d1 <= 2)].max()) if (reach & (d1 <= 2)).any() else None,
               "largestDifference": float(difference[reach].max()) if reach.any() else None,
               "resistance": {k: [s1["resistance"][k], s2["resistance"].get(k)] for k in s1["resistance"]}}

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What the headline scene (scripts/sheet_pile.py) promises: particles, resistance, balance, symmetry, surface, and its summary.json.
+
+Hybrid and all uGIMP on the coarse grid (cell and pile of 0.5 m), 1 m in 3125 steps at 1 m/s, through the functions of `--compare`;
+and the number of particles of the default scene, without a run. Bounds are measured values with a margin.
+"""
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
+import sheet_pile  # noqa: E402
+
+KEYS = {"arguments", "versions", "threads", "particles", "soilParticles", "allUGIMPSoilParticles", "soilParticleRatio", "steps", "dt",
+        "dtCritical", "wallSeconds", "nsPerParticleStep", "peakMemoryBytes", "timing", "penetration", "resistance", "resistanceScatter",
+        "appliedForce", "resistanceAtBase", "heaveArea", "troughArea", "cavityArea", "displacedArea", "openCavityArea", "collarThickness",
+        "surfaceHighest", "minJacobian", "invertedDomains", "convertedDomains", "stripes", "hourglassMax", "kineticEnergyRatioMax",
+        "energyError", "reactionBalanceMaxTo1.5m", "reactionBalanceMax", "isolatedParticles", "surfaceContinuous", "openBesidePile",
+        "surfaceSingleValued", "tipDrift", "stripesAt", "quasiStatic", "files"}
+
+
+# --- particles of the default scene -------------------------------------------------------------------------
+@pytest.mark.parametrize("words, ratio, allUGIMP", [([], 0.285, 23024), (["--remedies"], 0.288, 23216)])
+def test_the_default_scene_needs_less_than_30_5_percent_of_the_particles(words, ratio, allUGIMP):
+    def count(*types):
+        return sum(b.count for b in sheet_pile.soilBodies(sheet_pile.build(sheet_pile.arguments([*words, *types]))))
+
+    hybrid, other = count(), count("--types", "ugimp")
+    assert other == allUGIMP == sheet_pile.allUGIMP(sheet_pile.arguments(words))
+    assert hybrid / other == pytest.approx(ratio, abs=5e-4) and hybrid / other < 0.305
+
+
+# --- one coarse run of each ---------------------------------------------------------------------------------
+@pytest.fixture(scope="module")
+def runs(tmp_path_factory):
+    """Arguments, (summary, scene, history) of hybrid and of all uGIMP, and their comparison."""
+    a = sheet_pile.arguments(["--smoke", "--until", "1.25", "--dt", "4e-4", "--threads", "1", "--out", str(tmp_path_factory.mktemp("sheet_pile"))])
+    both = [sheet_pile.run(b, b.out) for b in (a, argparse.Namespace(**{**vars(a), "types": "ugimp", "out": a.out + "/ugimp"}))]
+    return a, *both, sheet_pile.compare(a, *both)
+
+
+@pytest.fixture(params=[1, 2], ids=["hybrid", "all uGIMP"])
+def one(runs, request):
+    return runs[request.param]
+
+
+def test_the_hybrid_needs_a_quarter_of_the_particles(runs):
+    _, hybrid, other, result = runs
+    assert result["soilParticles"] == [1576, 5752] == [sum(b.count for b in sheet_pile.soilBodies(r[1])) for r in (hybrid, other)]
+    assert (hybrid[0]["soilParticleRatio"], other[0]["soilParticleRatio"]) == (1576 / 5752, 1)
+
+
+def test_both_have_the_same_resistance(runs):
+    """Measured: 0.67 %."""
+    a, (s1, *hybrid), (s2, *other), result = runs
+    assert 0 < result["largestDifference"] == result["largestDifferenceTo2m"] < 0.02
+    for key in ("0.5", "1.0"):
+        assert result["resistance"][key] == [s1["resistance"][key], s2["resistance"][key]] == pytest.approx([2030 if key == "1.0" else 1670] * 2, rel=0.02)
+
+
+def test_the_reaction_of_the_drive_is_that_of_the_base(one):
+    """Measured: 2.2 and 2.3 %, by the inertia of the soil at ten times the default rate. It is never zero."""
+    summary = one[0]
+    assert 1e-3 < summary["reactionBalanceMax"] < 0.03
+    assert 1e-3 < abs(summary["resistanceAtBase"]["0.5"] / summary["resistance"]["0.5"] - 1) < 0.03
+
+
+def test_control_a_base_that_feels_less_is_noticed(runs):
+    a, (_, scene, history), *_ = runs
+    weight = sum(b.mass.sum() for b in sheet_pile.soilBodies(scene)) * sheet_pile.GRAVITY
+    _, raw, _ = sheet_pile.resistanceCurve(a, scene, history)
+    forged = {"time": history["time"], "drive.fy": history["drive.fy"], "bottom.fy": weight + 0.9 * raw}
+    assert sheet_pile.reactionBalance(a, scene, forged, np.inf) == pytest.approx(0.1, rel=1e-9)
+
+
+def test_the_run_is_symmetric(runs, one):
+    a, (summary, scene, history) = runs[0], one
+    assert summary["tipDrift"] < 1e-9
+    pile = scene["pile"]
+    tip = pile.reference[:, 1] < sheet_pile.DEPTH - sheet_pile.EMBEDDED + a.cell
+    pile.position[tip, 0] += 0.1 * a.thickness  # control
+    drift = sheet_pile.summarise(a, scene, history, 1.0, 1)["tipDrift"]
+    pile.position[tip, 0] -= 0.1 * a.thickness
+    assert drift == pytest.approx(0.1)
+
+
+def test_the_mesh_stays_whole(runs):
+    assert runs[1][0]["invertedDomains"] == 0 and 0.9 < runs[1][0]["minJacobian"] < 1 and runs[2][0]["minJacobian"] is None
+
+
+# --- the surface --------------------------------------------------------------------------------------------
+def test_the_published_model_opens_the_ground_beside_the_pile(one):
+    """Measured: 0.62 and 0.56 m to both sides, so the surface is not continuous."""
+    summary = one[0]
+    assert summary["surfaceContinuous"] is False
+    assert summary["openBesidePile"] == pytest.approx([0.6, 0.6], abs=0.1)
+    assert summary["openBesidePile"][0] == pytest.approx(summary["openBesidePile"][1], abs=1e-6)
+    assert summary["openCavityArea"] == pytest.approx(1.05, rel=0.1)
+    assert summary["cavityArea"] == pytest.approx(summary["openCavityArea"] + 0.5 * 2.0, abs=1e-9), "the pile is 0.5 m x 2 m below the level"
+    assert summary["heaveArea"] == pytest.approx(2.1, rel=0.05) and 0 <= summary["troughArea"] < 0.1
+
+
+def test_the_hole_of_the_surface_is_the_pile_alone(one):
+    assert sheet_pile.surfaceOf(one[1]).hole == pytest.approx((14.75, 15.25), abs=1e-3)
+
+
+def test_a_particle_that_flies_off_is_isolated(one):
+    summary, scene, _ = one
+    body = sheet_pile.soilBodies(scene)[0]
+    assert summary["isolatedParticles"] == 0
+    body.position[0, 1] += 20  # control
+    assert sheet_pile.surfaceOf(scene).isolated == 1
+    body.position[0, 1] -= 20
+
+
+def test_only_a_mesh_can_tell_whether_the_surface_is_single_valued(runs):
+    assert [r[0]["surfaceSingleValued"] for r in runs[1:3]] == [True, None]
+
+
+# --- the files ----------------------------------------------------------------------------------------------
+def test_the_summary_has_all_its_keys(runs, one):
+    folder = Path(runs[0].out, *(["ugimp"] if one is runs[2] else []))
+    written = json.loads((folder / "summary.json").read_text())
+    assert set(written) == KEYS and all((folder / name).exists() for name in written["files"])
+
+
+def test_the_comparison_has_what_both_runs_found(runs):
+    a, (s1, *_), (s2, *_), result = runs
+    assert json.loads(Path(a.out, "compare.json").read_text()) == result and Path(a.out, "compare.png").exists()
+    for name in ("soilParticles", "wallSeconds", "isolatedParticles", "surfaceContinuous", "openBesidePile"):
+        assert result[name] == [s1[name], s2[name]]

@@ -102,9 +102,8 @@ def groundSurface(scene, bodies, level, hole=None):
     pieces = [(c[:, 0], c[:, 1], np.ones(len(c), bool)) for c in chains]
     for body in bodies:
         if body.cells is None and inGround[body.name].any():
-            x, y = _boxTops(body, inGround[body.name], gap)
-            isOpen = np.all([(x < c[:, 0].min()) | (x > c[:, 0].max()) for c in chains], axis=0) if chains else np.ones(len(x), bool)
-            pieces.append((x[isOpen], y[isOpen], np.zeros(isOpen.sum(), bool)))
+            x, y = _boxTops(body, inGround[body.name], gap, chains)
+            pieces.append((x, y, np.zeros(len(x), bool)))
     x, y, explicit = (np.concatenate([p[k] for p in pieces]) for k in range(3))
     piece = np.concatenate([np.full(len(p[0]), k) for k, p in enumerate(pieces)])
     order = np.argsort(x, kind="stable")
@@ -128,20 +127,32 @@ def _largestPart(bodies, gap):
     return dict(zip([b.name for b in bodies], np.split(isMain, np.cumsum([b.count for b in bodies])[:-1])))
 
 
-def _boxTops(body, inGround, gap):
-    """Both ends of strips, and the top of the highest box of the ground there; nan where none is. Gaps of up to `gap` are closed."""
+def _boxTops(body, inGround, gap, chains):
+    """Both ends of strips beside the chains, and the top of the highest box of the ground there; nan where none is.
+
+    Gaps of up to `gap` between boxes, and between them and the chains, are closed.
+    """
     half, position = body.halfSize, body.position[inGround]
     step, start = 2 * half[0] / _PER_BOX, body.reference[:, 0].min() - half[0]
     # The middle of strip k is at start + (k + 1/2) step.
     first, last = (np.ceil((position[:, 0] + side * half[0] - start) / step - 0.5 - 1e-6).astype(int) for side in (-1, 1))
-    tops = np.full(last.max() - first.min(), -np.inf)
+    width = 2 * round(0.5 * gap / step)  # strips in a gap
+    middle = start + step * (np.arange(first.min() - width, last.max() + width) + 0.5)
+    tops = np.full(len(middle), -np.inf)
     for k in range(_PER_BOX + 1):
         covered = first + k < last
-        np.maximum.at(tops, first[covered] + k - first.min(), position[covered, 1] + half[1])
-    tops = ndimage.grey_closing(tops, 2 * round(0.5 * gap / step) + 1)
-    middle = np.arange(first.min(), last.max())[:, None] + 0.5
-    ends = start + step * (middle + np.array([-0.5, 0.5]) * (1 - 1e-6))  # short of the next strip's
-    return ends.ravel(), np.repeat(np.where(np.isfinite(tops), tops, np.nan), 2)
+        np.maximum.at(tops, first[covered] + k - first.min() + width, position[covered, 1] + half[1])
+    for chain in chains:
+        below = _isWithin(middle, chain)
+        tops[below] = np.interp(middle[below], *chain.T)
+    tops = ndimage.grey_closing(tops, width + 1)[width:len(tops) - width]
+    x = (middle[width:len(middle) - width, None] + 0.5 * step * (1 - 1e-6) * np.array([-1, 1])).ravel()  # short of the next strip's
+    isOpen = ~np.any([_isWithin(x, chain) for chain in chains], axis=0) & np.ones(len(x), bool)
+    return x[isOpen], np.repeat(np.where(np.isfinite(tops), tops, np.nan), 2)[isOpen]
+
+
+def _isWithin(x, chain):
+    return (x >= chain[:, 0].min()) & (x <= chain[:, 0].max())
 
 
 def _topChains(body, level):

@@ -104,6 +104,16 @@ def test_a_gap_between_two_pieces_of_mesh_interrupts_it():
     assert s.openBeside(0.5) == pytest.approx((0.5, 1.0)) and not s.isContinuous(0.5)
 
 
+def test_a_narrow_gap_between_a_mesh_and_boxes_is_closed():
+    """The boxes above 1 m stand 0.2 m off, those below touch the mesh; control: 0.3 m off."""
+    made = scene(mesh=(box((0, 0), (4, 2)), APDI), soil=(box((4, 0), (8, 2)), UGIMP))
+    position = made["soil"].position
+    position[position[:, 1] > 1, 0] += 0.2
+    assert surface(made).isContinuous(0.01)
+    position[position[:, 1] > 1, 0] += 0.1
+    assert surface(made).isContinuous(1.01) and not surface(made).isContinuous(1 - 1e-9)
+
+
 # --- the hole -----------------------------------------------------------------------------------------------
 def withCrater():
     """A crater of 3 to 7 m, 1 m deep, a step of 0.25 m on its left edge; with a ditch of 0.25 m far from it."""

@@ -35,6 +35,12 @@ def test_it_closes_behind_the_tip(results):
     assert results["published"]["openCavityArea"] > 0.6  # control
 
 
+def test_the_surface_then_reaches_the_pile(results):
+    for name in ("friction", "all, psi = 0"):
+        assert results[name]["surfaceContinuous"] and max(results[name]["openBesidePile"]) < 0.15, results[name]["openBesidePile"]
+    assert not results["published"]["surfaceContinuous"] and min(results["published"]["openBesidePile"]) > 0.5  # control
+
+
 def test_without_dilatancy_the_surface_hardly_heaves(results):
     assert results["all, psi = 0"]["heaveArea"] < 0.2
     assert results["published"]["heaveArea"] > 1.5  # control

@@ -18,7 +18,8 @@ from math import ceil, nan, radians, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, diagnostics, plot
+from yade_mpm import box, commandLine, diagnostics, plot
+from yade_mpm.commandLine import between, count, notNegative, partOf, positive
 from yade_mpm.surface import groundSurface
 
 WIDTH, DEPTH, FREE = 30.0, 12.0, 12.0     # m: soil, and free grid above it
@@ -26,21 +27,22 @@ PILE_LENGTH, EMBEDDED = 10.0, 1.0         # m
 ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5         # m: uGIMP zone, and how far it reaches below the final tip
 GRAVITY, K0 = 9.81, 0.43
 REMEDIES = {"friction": 0.3, "tip": 90.0, "dilatancyLimit": 0.05, "split": 1.3}
+ARGUMENTS = "arguments.json"              # in the folder of the results, what --resume goes by
+MAY_CHANGE = {"resume", "until", "threads", "rateCheck", "compare"}
 
 
-def arguments(words=None):
-    """The arguments of the scene: of the command line, or of a list of words."""
+def options():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--types", choices=("hybrid", "ugimp", "apdi"), default="hybrid", help="particle types of the soil")
-    parser.add_argument("--cell", type=float, default=0.25, help="cell size, m (default 0.25)")
-    parser.add_argument("--thickness", type=float, help="thickness of the pile, m (default 0.25, at least one cell)")
-    parser.add_argument("--rate", type=float, default=0.1, help="penetration rate, m/s (default 0.1; published 0.01)")
-    parser.add_argument("--until", type=float, help="scene time, s (default: 4 m of penetration)")
-    parser.add_argument("--ramp", type=float, help="time over which the rate grows from zero, s (default 0)")
-    parser.add_argument("--psi", type=float, default=10.0, help="dilatancy angle, degrees (default 10, published)")
-    parser.add_argument("--dilatancyLimit", type=float, metavar="STRAIN",
+    parser.add_argument("--cell", type=partOf(ZONE_WIDTH), default=0.25, help="cell size, m: 2 m over a whole number (default 0.25)")
+    parser.add_argument("--thickness", type=positive, help="thickness of the pile, m: a whole number of cells (default 0.25, at least one cell)")
+    parser.add_argument("--rate", type=positive, default=0.1, help="penetration rate, m/s (default 0.1; published 0.01)")
+    parser.add_argument("--until", type=positive, help="scene time, s (default: 4 m of penetration)")
+    parser.add_argument("--ramp", type=notNegative, help="time over which the rate grows from zero, s (default 0)")
+    parser.add_argument("--psi", type=between(0, 30), default=10.0, help="dilatancy angle, degrees (default 10, published)")
+    parser.add_argument("--dilatancyLimit", type=notNegative, metavar="STRAIN",
                         help="plastic volumetric strain from which on the soil dilates no more (default: without limit, published)")
-    parser.add_argument("--friction", type=float, metavar="MU",
+    parser.add_argument("--friction", type=notNegative, metavar="MU",
                         help="the soil slips on the pile with this coefficient of friction (default: bonded, published)")
     parser.add_argument("--tip", type=float, metavar="DEGREES",
                         help="angle of the wedge at the tip of the pile; needs --friction (default 180: flat)")
@@ -51,43 +53,89 @@ def arguments(words=None):
     parser.add_argument("--remedies", action="store_true",
                         help="the run to trust: " + " ".join(f"--{name} {value:g}" for name, value in REMEDIES.items()) +
                              " --fbar --undamped, and a ramp of 0.1 m, each where nothing else is given")
-    parser.add_argument("--flip", type=float, default=1.0, help="FLIP share of the particle velocity (default 1: pure FLIP)")
-    parser.add_argument("--dt", type=float, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
+    parser.add_argument("--flip", type=between(0, 1), default=1.0, help="FLIP share of the particle velocity (default 1: pure FLIP)")
+    parser.add_argument("--dt", type=positive, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
     parser.add_argument("--on-distortion", choices=("stop", "convert"), default="stop", help="what distorted APDI domains do")
-    parser.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, 1 m/s, 20,000 steps")
+    parser.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, 1 m/s, ramp 0.5 s, to 4 s, where nothing else is given")
     parser.add_argument("--rateCheck", action="store_true", help="also run the first metre at twice the rate, and compare")
     parser.add_argument("--compare", action="store_true", help="also run all-uGIMP and draw both side by side")
-    parser.add_argument("--resume", metavar="CHECKPOINT", help="continue from a checkpoint of this scene")
-    parser.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    parser.add_argument("--resume", metavar="CHECKPOINT",
+                        help="continue the run that left this checkpoint in the folder of its results, with its arguments; of others "
+                             "only --until, --threads, --rateCheck and --compare may be given")
+    parser.add_argument("--threads", type=count, help="number of threads (default: chosen)")
     parser.add_argument("--out", help="folder of the results (default results/sheet_pile)")
-    given = parser.parse_args(words)
-    for name in ("cell", "thickness", "rate", "until", "dt", "threads"):
-        if vars(given)[name] is not None and vars(given)[name] <= 0:
-            parser.error(f"--{name} {vars(given)[name]:g} is not allowed; give a positive number")
-    if given.smoke:
-        given.cell, given.rate, given.ramp, given.until = 0.5, 1.0, 0.5, given.until or 4.0
-    if given.remedies:
-        remedies = {**REMEDIES, "ramp": 0.1 / given.rate}
-        vars(given).update({name: value for name, value in remedies.items() if vars(given)[name] is None}, fbar=True, undamped=True)
-    given.ramp, given.tip = given.ramp or 0.0, 180.0 if given.tip is None else given.tip
-    if not 30 <= given.tip <= 180:
-        parser.error(f"--tip {given.tip:g} is not allowed; give 30 to 180 degrees")
-    if given.tip < 180 and given.friction is None:
+    return parser
+
+
+def arguments(words=None):
+    """The arguments of the scene: of the command line, or of a list of words. With --resume those of the run that is continued."""
+    parser = options()
+    a = commandLine.parse(parser, words, cell=0.5, rate=1.0, ramp=0.5, until=4.0)
+    if a.resume:
+        a = resumed(parser, a, commandLine.given(parser, words))
+    else:
+        complete(parser, a)
+    a.penetration = float(penetrationAt(a, a.until))
+    if EMBEDDED + a.penetration > PILE_LENGTH - a.cell:
+        parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --until or --rate")
+    if (a.rateCheck or a.compare) and a.penetration < 3 * a.cell:
+        parser.error(f"--rateCheck and --compare look at averages over one cell; press in by three cells or more ({3 * a.cell:g} m)")
+    return a
+
+
+def complete(parser, a):
+    """Checks the arguments and gives a value to those that were left out."""
+    if a.split is not None and a.split <= 1:
+        parser.error(f"--split {a.split:g} is not allowed; give a stretch above 1")
+    if a.types == "apdi" and a.split is not None:
+        parser.error("--split has no meaning beside --types apdi: there are no uGIMP particles to cut")
+    if a.types == "ugimp" and a.on_distortion != "stop":
+        parser.error("--on-distortion has no meaning beside --types ugimp: there are no APDI domains")
+    if a.types == "ugimp" and a.compare:
+        parser.error("--compare has no meaning beside --types ugimp: it compares with that")
+    if a.remedies:
+        remedies = {**REMEDIES, "ramp": 0.1 / a.rate, "split": None if a.types == "apdi" else REMEDIES["split"]}
+        vars(a).update({name: value for name, value in remedies.items() if vars(a)[name] is None}, fbar=True, undamped=True)
+    a.ramp, a.tip = a.ramp or 0.0, 180.0 if a.tip is None else a.tip
+    if not 30 <= a.tip <= 180:
+        parser.error(f"--tip {a.tip:g} is not allowed; give 30 to 180 degrees")
+    if a.tip < 180 and a.friction is None:
         parser.error("--tip needs a pile that is a mesh; give --friction too")
     # A pile thinner than a cell would be far too stiff in bending.
-    given.thickness = given.thickness or max(0.25, given.cell)
+    a.thickness = a.thickness or max(0.25, a.cell)
+    if not commandLine.isWhole(a.thickness / a.cell):
+        fits = max(1, int(a.thickness / a.cell)) * a.cell
+        parser.error(f"--thickness {a.thickness:g} with --cell {a.cell:g} is not allowed; give a whole number of cells, e.g. --thickness {fits:g}")
     # Soil and pile meet at grid lines where they may slip: an odd number of cells across needs one more to be symmetric.
-    more = given.cell if given.friction is not None and round(given.thickness / given.cell) % 2 else 0.0
-    given.width, given.zoneWidth = WIDTH + more, ZONE_WIDTH + more
-    given.until = given.until or 4.0 / given.rate + 0.5 * given.ramp
-    given.penetration = given.rate * (given.until - 0.5 * min(given.ramp, given.until))
-    if EMBEDDED + given.penetration > PILE_LENGTH - given.cell:
-        parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --until or --rate")
-    if given.rateCheck and given.penetration < 3 * given.cell:
-        parser.error(f"--rateCheck compares averages over one cell; press in by three cells or more ({3 * given.cell:g} m)")
-    given.dt = given.dt or 2e-4 * min(1.0, given.cell / 0.25)
-    given.out = given.out or os.path.join("results", "sheet_pile")
-    return given
+    more = a.cell if a.friction is not None and round(a.thickness / a.cell) % 2 else 0.0
+    a.width, a.zoneWidth = WIDTH + more, ZONE_WIDTH + more
+    a.until = a.until or 4.0 / a.rate + 0.5 * a.ramp
+    a.dt = a.dt or 2e-4 * min(1.0, a.cell / 0.25)
+    a.out = a.out or os.path.join("results", "sheet_pile")
+
+
+def resumed(parser, a, given):
+    """The arguments of the run that left the checkpoint, but for those given that may change."""
+    folder, who = os.path.dirname(os.path.abspath(a.resume)), f"--resume {a.resume}"
+    file = os.path.join(folder, ARGUMENTS)
+    if not os.path.isfile(a.resume):
+        parser.error(f"{who}: there is no such file")
+    try:
+        with open(file) as text:
+            kept = json.load(text)
+    except (OSError, ValueError):
+        parser.error(f"{who}: there is no {ARGUMENTS} of its run beside it, or none that can be read; give the checkpoint in the folder of its run")
+    if os.path.getmtime(a.resume) < os.path.getmtime(file):
+        parser.error(f"{who} is older than the run in that folder, which has left no checkpoint yet")
+    if os.path.abspath(kept["out"]) != folder:
+        parser.error(f"{who}: its run writes to '{kept['out']}', which from here is another folder; resume it from where it was started, and leave the "
+                     f"results in their place")
+    a.out = os.path.abspath(a.out or folder)
+    other = {name: kept[name] for name in sorted(given - MAY_CHANGE) if vars(a)[name] != (folder if name == "out" else kept[name])}
+    if other:
+        parser.error(f"{who}: that run has " + ", ".join(f"--{name.replace('_', '-')} {value}" for name, value in other.items()) +
+                     "; leave that out, or start a run of its own")
+    return argparse.Namespace(**{**kept, **{name: vars(a)[name] for name in given & MAY_CHANGE}})
 
 
 def build(a):
@@ -166,10 +214,13 @@ def run(a, out):
 
     if a.resume:
         scene = mpm.load(a.resume, callbacks={"snapshots": snapshot})
+        if not a.until > scene.time:
+            raise SystemExit(f"sheet_pile: {a.resume} is at t = {scene.time:g} s and the run ends at {a.until:g} s; give a later --until")
         next(e for e in scene.engines if isinstance(e, mpm.History)).columns["stripes"] = stripes
         if a.threads:
             scene.threads = a.threads
     else:
+        keep(a, out)
         scene = build(a)
         scene.engines = scene.engines + [
             mpm.Recorder(os.path.join(out, "sheet_pile.h5"), period=a.until / 40),
@@ -186,6 +237,8 @@ def run(a, out):
     scene.run(until=a.until, checkpointFile=os.path.join(out, "checkpoint.h5"))
     wall = time.monotonic() - began
     history.flush()
+    if not snapshots:  # they are counted from the start of the run that was interrupted
+        snapshot(scene)
     summary = summarise(a, scene, history, wall, scene.steps - firstStep)
     certificate = mpm.quasiStatic(history, rateSensitivity=rateCheck(a, *resistanceCurve(a, scene, history)) if a.rateCheck else None)
     print(certificate, flush=True)
@@ -194,6 +247,14 @@ def run(a, out):
     with open(os.path.join(out, "summary.json"), "w") as file:
         json.dump(summary, file, indent=1)
     return summary, scene, history
+
+
+def keep(a, out):
+    """Writes the arguments of a run into the folder of its results, for --resume."""
+    file = os.path.join(out, ARGUMENTS)
+    with open(file + ".part", "w") as text:
+        json.dump({**vars(a), "out": out}, text, indent=1)
+    os.replace(file + ".part", file)
 
 
 def surfaceOf(scene):
@@ -454,9 +515,9 @@ def main():
     first = run(a, a.out)
     print_(first[0], a.out)
     if a.compare:
-        b = argparse.Namespace(**{**vars(a), "types": "ugimp", "resume": None})
-        second = run(b, os.path.join(a.out, "ugimp"))
-        print_(second[0], os.path.join(a.out, "ugimp"))
+        b = argparse.Namespace(**{**vars(a), "types": "ugimp", "resume": None, "compare": False, "out": os.path.join(a.out, "ugimp")})
+        second = run(b, b.out)
+        print_(second[0], b.out)
         result = compare(a, first, second)
         print(f"hybrid against all uGIMP: {result['soilParticles'][0] / result['soilParticles'][1]:.1%} of the soil particles, "
               f"{result['wallRatio']:.2f} of the wall time, resistance within {result['largestDifferenceTo2m']:.1%} up to 2 m "

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""scripts/sheet_pile.py --resume: an interrupted run goes on with its own arguments, and ends as if it had not been interrupted."""
+import importlib.util
+import json
+import os
+import signal
+from pathlib import Path
+
+import pytest
+
+PATH = Path(__file__).resolve().parents[2] / "scripts" / "sheet_pile.py"
+spec = importlib.util.spec_from_file_location("sheet_pile", PATH)
+sheetPile = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(sheetPile)
+
+OPTIONS = "--cell 1 --rate 2 --ramp 0.25 --psi 5 --until 0.9 --threads 1".split()
+RESULTS = ("penetration", "resistance", "appliedForce", "resistanceAtBase", "soilParticleRatio", "heaveArea", "energyError", "steps", "dt")
+
+
+def results(*words):
+    """Runs the scene and returns summary.json."""
+    a = sheetPile.arguments([*words])
+    sheetPile.run(a, a.out)
+    return json.loads((Path(a.out) / "summary.json").read_text())
+
+
+@pytest.fixture
+def interrupted(tmp_path, monkeypatch):
+    """Checkpoint of a run that Ctrl-C has ended at its first snapshot, after a quarter."""
+    monkeypatch.chdir(tmp_path)
+    snapshot = sheetPile.plot.Snapshot
+
+    def interrupt(scene, *words):
+        if scene.time > 0:
+            signal.raise_signal(signal.SIGINT)
+        return snapshot(scene, *words)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(sheetPile.plot, "Snapshot", interrupt)
+        with pytest.raises(KeyboardInterrupt):
+            results(*OPTIONS, "--out", "cut")
+    assert not Path("cut/summary.json").exists()
+    return "cut/checkpoint.h5"
+
+
+def test_a_run_that_is_resumed_ends_like_one_that_was_not_interrupted(interrupted):
+    resumed, whole = results("--resume", interrupted), results(*OPTIONS, "--out", "whole")
+    assert resumed["penetration"] == pytest.approx(2 * 0.9 - 0.25) and len(resumed["resistance"]) == 3
+    assert {k: resumed[k] for k in RESULTS} == {k: whole[k] for k in RESULTS}
+    for one, other in ((resumed, "cut"), (whole, "whole")):
+        assert one["files"] and all((Path(other) / name).exists() for name in one["files"])
+    kept, own = resumed["arguments"], whole["arguments"]
+    assert {k: v for k, v in kept.items() if k not in ("resume", "out")} == {k: v for k, v in own.items() if k not in ("resume", "out")}
+
+
+def test_until_may_change_also_where_no_snapshot_is_left(interrupted):
+    summary = results("--resume", interrupted, "--until", "0.4", "--cell", "1")  # as the run has it
+    assert summary["penetration"] == pytest.approx(2 * 0.4 - 0.25, abs=0.003) and list(summary["resistance"]) == ["0.5"]
+    with pytest.raises(SystemExit, match="is at t = .* and the run ends at 0.1 s; give a later --until"):
+        results("--resume", interrupted, "--until", "0.1")
+
+
+def refusal(capsys, *words):
+    with pytest.raises(SystemExit):
+        sheetPile.arguments(["--resume", *words])
+    return capsys.readouterr().err
+
+
+def test_other_arguments_than_those_of_the_run_are_refused(interrupted, capsys):
+    for words, named in (("--cell 0.25", "--cell 1.0"), ("--rate 0.1 --psi 5", "--rate 2.0"), ("--out elsewhere", "--out cut"),
+                         ("--friction 0.3", "--friction None"), ("--on-distortion convert", "--on-distortion stop"), ("--smoke", "--smoke False")):
+        assert f"that run has {named}; leave that out" in refusal(capsys, interrupted, *words.split())
+
+
+def test_a_checkpoint_whose_run_is_not_known_is_refused(interrupted, capsys, monkeypatch):
+    assert "there is no such file" in refusal(capsys, "nothing.h5")
+    os.link(interrupted, "alone.h5")
+    assert "there is no arguments.json of its run beside it" in refusal(capsys, "alone.h5")
+    os.utime(interrupted, (0, 0))
+    assert "is older than the run in that folder" in refusal(capsys, interrupted)
+    os.utime(interrupted)
+    os.rename("cut", "moved")
+    assert "its run writes to 'cut', which from here is another folder" in refusal(capsys, "moved/checkpoint.h5")
+    Path("moved/arguments.json").write_text("{")
+    os.utime("moved/checkpoint.h5")
+    assert "none that can be read" in refusal(capsys, "moved/checkpoint.h5")

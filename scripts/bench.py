@@ -27,6 +27,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 STAGES = {"ParticleToGrid": "P2G", "GridSolver": "solver", "GridToParticle": "G2P", "DomainUpdater": "update"}
 QUICK = (r"^2D/(ugimp|apdi|hybrid)/mcdp/(2000|20000)/threads:(1|2)/", r"^3D/ugimp/mcdp/(2000|20000)/threads:(1|2)/")
+CASES = {"dim": [2], "particles": [2000, 20000], "types": ["ugimp", "apdi", "hybrid"], "materials": ["elastic", "mcdp"], "threads": [1]}  # defaults
 THROUGH_PYTHON = "2D/ugimp/mcdp/20000/threads:1"  # the case that is also run as users run it
 
 
@@ -34,23 +35,36 @@ def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--quick", action="store_true", help="a choice of small cases instead of those below")
     p.add_argument("--filter", help="regular expression that picks cases by name, e.g. '2D/apdi/.*/20000/threads:1/'")
-    p.add_argument("--dim", type=int, nargs="+", choices=(2, 3), default=[2])
-    p.add_argument("--particles", type=int, nargs="+", choices=(2000, 20000, 200000, 2000000), default=[2000, 20000])
-    p.add_argument("--types", nargs="+", choices=("ugimp", "apdi", "hybrid"), default=["ugimp", "apdi", "hybrid"])
-    p.add_argument("--materials", nargs="+", choices=("elastic", "mcdp"), default=["elastic", "mcdp"])
-    p.add_argument("--threads", type=int, nargs="+", default=[1], help="numbers of threads (default 1)")
+    p.add_argument("--dim", type=int, nargs="+", choices=(2, 3))
+    p.add_argument("--particles", type=int, nargs="+", choices=(2000, 20000, 200000, 2000000), help="default 2000 20000")
+    p.add_argument("--types", nargs="+", choices=("ugimp", "apdi", "hybrid"), help="default all")
+    p.add_argument("--materials", nargs="+", choices=("elastic", "mcdp"), help="default both")
+    p.add_argument("--threads", type=int, nargs="+", help="numbers of threads (default 1)")
     p.add_argument("--repeats", type=int, help="repeats of each case, 2 or more (default 5, --quick 3)")
     p.add_argument("--save", metavar="FILE", help="store the figures as a baseline")
-    p.add_argument("--baseline", metavar="FILE", default=ROOT / "scripts" / "bench_baseline.json",
+    p.add_argument("--baseline", metavar="FILE",
                    help="figures to compare with (default scripts/bench_baseline.json)")
     p.add_argument("--against", metavar="BINARY", type=Path, help="compare with the mpm_bench of another build, run alternately")
     p.add_argument("--binary", type=Path,
                    help="the mpm_bench to run (default: of the build that this Python imports, or build/mpm_bench)")
     a = p.parse_args()
+    refuseIgnored(p, a)
+    a.baseline = a.baseline or ROOT / "scripts" / "bench_baseline.json"
+    for name, values in CASES.items():
+        setattr(a, name, getattr(a, name) or values)
     a.repeats = a.repeats if a.repeats is not None else 3 if a.quick else 5
     if a.repeats < 2:
         p.error("--repeats: 2 or more, or there is no spread")
     return a
+
+
+def refuseIgnored(p, a):
+    """Ends the program where an argument would have no effect beside another."""
+    beside = {"--filter": (a.filter, ("quick", *CASES)), "--quick": (a.quick, CASES), "--against": (a.against, ("save", "baseline"))}
+    for option, (isGiven, others) in beside.items():
+        ignored = [name for name in others if getattr(a, name)] if isGiven else []
+        if ignored:
+            p.error(f"--{ignored[0]} has no meaning beside {option}")
 
 
 def pattern(a):

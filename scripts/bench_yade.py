@@ -25,6 +25,7 @@ from math import radians
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, PyRunner, utils
 from yade_mpm import inYade
+from yade_mpm.commandLine import count
 
 CELL, WIDE, DEEP, YOUNG = 0.1, 250, 20, 1e4  # m, cells, cells, kPa
 SPEED, DEPTH, AWAY = 0.01, 0.1, 100.0        # m/s; first overlap over the half size of a particle; m
@@ -33,8 +34,8 @@ WARM, STEPS = 30, 50
 
 def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--bodies", type=int, nargs="+", default=[10, 100, 200, 1000], help="numbers of discs (default %(default)s)")
-    p.add_argument("--repeats", type=int, default=40, help="of %d steps each (default %%(default)s)" % STEPS)
+    p.add_argument("--bodies", type=count, nargs="+", default=[10, 100, 200, 1000], help="numbers of discs (default %(default)s)")
+    p.add_argument("--repeats", type=count, default=40, help="of %d steps each (default %%(default)s)" % STEPS)
     p.add_argument("--chain", action="store_true", help="the scene as one engine of YADE (stages=False)")
     p.add_argument("--out", metavar="FILE", help="also write the figures there as JSON")
     return p.parse_args()

@@ -15,6 +15,7 @@ import numpy as np
 
 import yade_mpm as mpm
 from yade_mpm import box
+from yade_mpm.commandLine import partOf, positive
 
 LENGTH, DEPTH = 4.0, 1.0
 # Tip at mid-height and centre of mass of a total-Lagrangian finite element solution, 64 x 16 bilinear quadrilaterals.
@@ -102,8 +103,8 @@ def draw(scene, history, file):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cell", type=float, default=0.125, help="cell size, m (default %(default)s)")
-    parser.add_argument("--until", type=float, default=1.5, help="end, s (default %(default)s)")
+    parser.add_argument("--cell", type=partOf(0.5), default=0.125, help="cell size, m: 0.5 m over a whole number (default %(default)s)")
+    parser.add_argument("--until", type=positive, default=1.5, help="end, s (default %(default)s)")
     parser.add_argument("--type", choices=("APDI", "UGIMP"), default="APDI", help="particle type (default %(default)s)")
     parser.add_argument("--picture", metavar="FILE", help="draw the beam and the path of its tip")
     given = parser.parse_args()

@@ -23,7 +23,8 @@ from math import atan, degrees, radians
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, plot
+from yade_mpm import box, commandLine, plot
+from yade_mpm.commandLine import below, count, partOf, positive
 
 WIDTH, HEIGHT, FLOOR, UNTIL = 0.2, 0.1, 0.8, 0.8     # m, m, m, s
 YOUNG, POISSON, DENSITY = 5840.0, 0.3, 2.04          # kPa, -, Mg/m3
@@ -35,20 +36,22 @@ MOVED = 1e-3                                         # m: less is unmoved
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--types", choices=("ugimp", "hybrid"), default="ugimp", help="particle types (default %(default)s)")
-    p.add_argument("--cell", type=float, default=0.005, help="cell size, m (default %(default)s)")
-    p.add_argument("--damping", type=float, default=0.05, help="local damping (default %(default)s)")
-    p.add_argument("--until", type=float, default=UNTIL, help="end, s (default %(default)s)")
+    p.add_argument("--cell", type=partOf(0.04), default=0.005, help="cell size, m: 0.04 m (hybrid: 0.02 m) over a whole number (default %(default)s)")
+    p.add_argument("--damping", type=below(1), default=0.05, help="local damping (default %(default)s)")
+    p.add_argument("--until", type=positive, default=UNTIL, help="end, s (default %(default)s)")
     p.add_argument("--compare", action="store_true", help="uGIMP and hybrid, cells of 10 and 5 mm")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cell 10 mm")
-    p.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    p.add_argument("--smoke", action="store_true", help="coarse and fast: cell 10 mm, unless given")
+    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
     p.add_argument("--out", default=os.path.join("results", "column_collapse"), help="folder of the results (default %(default)s)")
     return p
 
 
 def arguments(given=None):
-    a = parser().parse_args(given)
-    if a.smoke:
-        a.cell = 0.01
+    a = commandLine.parse(parser(), given, cell=0.01)
+    if a.compare:
+        commandLine.refuseBeside(parser(), given, "--compare", ("types", "cell", "smoke"), "it runs both types with both cells")
+    if a.types == "hybrid" and not commandLine.isWhole(0.02 / a.cell):
+        parser().error(f"--cell {a.cell:g} with --types hybrid is not allowed; give 0.02 over a whole number")
     return a
 
 

@@ -22,7 +22,8 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, disc, plot
+from yade_mpm import box, commandLine, disc, plot
+from yade_mpm.commandLine import between, count
 
 RADIUS, EXTENT = 20.0, 6.0                # m: of the cylinder; width and height of the ground and of what is meshed of the cylinder
 YOUNG, POISSON, DENSITY = 1e5, 0.3, 2.0   # kPa, -, Mg/m3
@@ -33,25 +34,23 @@ CUT = True                                # boxes that the curve cuts hold the p
 
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--cells", type=int, default=8, help="cells per nominal half-width (default %(default)s)")
+    p.add_argument("--cells", type=count, default=8, help="cells per nominal half-width (default %(default)s)")
     p.add_argument("--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)")
     p.add_argument("--cylinder", choices=(*TYPES, "cut"), default="apdi",
                    help="particles of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it (default %(default)s)")
     p.add_argument("--two", action="store_true", help="two cylinders of twice the radius; no cut boxes then")
-    p.add_argument("--shift", type=float, default=0.0, help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)")
+    p.add_argument("--shift", type=between(-1, 1), default=0.0, help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)")
     p.add_argument("--normals", choices=("surface", "mass"), default="surface", help="as of Contact (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: 5 cells per half-width")
-    p.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    p.add_argument("--smoke", action="store_true", help="coarse and fast: 5 cells per half-width, unless given")
+    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
     p.add_argument("--out", default=os.path.join("results", "hertz"), help="folder of the results (default %(default)s)")
     return p
 
 
 def arguments(given=None):
-    a = parser().parse_args(given)
-    if a.smoke:
-        a.cells = 5
-    if a.cells < 1:
-        parser().error(f"--cells {a.cells} is not allowed; give a positive number")
+    a = commandLine.parse(parser(), given, cells=5)
+    if (a.ground, a.cylinder) != ("apdi", "apdi") and a.shift % 0.5:
+        parser().error(f"--shift {a.shift:g} with uGIMP is not allowed; give a multiple of 0.5")
     if a.two and a.cylinder == "cut":
         parser().error("--two --cylinder cut is not allowed; give --cylinder apdi or ugimp")
     return a

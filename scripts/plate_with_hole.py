@@ -20,7 +20,8 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, plot
+from yade_mpm import box, commandLine, plot
+from yade_mpm.commandLine import count
 
 HALF_WIDTH, HALF_LENGTH, RADIUS = 2.5, 4.0, 0.5          # m; the load is along y
 SIGMA0, YOUNG, POISSON, DENSITY = 100.0, 1e6, 0.3, 1000.0  # Pa, Pa, -, kg/m3: strains of 1e-4
@@ -29,20 +30,15 @@ REFERENCE = {"side": 3.14, "crown": -1.11}               # hoop stress over sigm
 
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--cells", type=int, default=8, help="cells per radius of the hole (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: 4 cells per radius")
-    p.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    p.add_argument("--cells", type=count, default=8, help="cells per radius of the hole (default %(default)s)")
+    p.add_argument("--smoke", action="store_true", help="coarse and fast: 4 cells per radius, unless given")
+    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
     p.add_argument("--out", default=os.path.join("results", "plate_with_hole"), help="folder of the results (default %(default)s)")
     return p
 
 
 def arguments(given=None):
-    a = parser().parse_args(given)
-    if a.smoke:
-        a.cells = 4
-    if a.cells < 1:
-        parser().error(f"--cells {a.cells} is not allowed; give a positive number")
-    return a
+    return commandLine.parse(parser(), given, cells=4)
 
 
 def quarterMesh(cell):

@@ -16,7 +16,8 @@ import json
 import os
 
 import sheet_pile
-from yade_mpm import plot
+from yade_mpm import commandLine, plot
+from yade_mpm.commandLine import count, positive
 
 FRICTION, LIMIT = 0.3, 0.05
 REMEDIES = {
@@ -32,19 +33,16 @@ COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "c
            "resistanceScatter": "scatter of R (-)", "stripes": "stripes (-)", "minJacobian": "min J (-)", "wallSeconds": "wall (s)"}
 
 
-def arguments():
+def arguments(given=None):
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--cell", type=float, default=0.25, help="cell size, m (default %(default)s)")
-    p.add_argument("--rate", type=float, default=0.2, help="penetration rate, m/s (default %(default)s)")
-    p.add_argument("--penetration", type=float, default=2.0, help="m (default %(default)s)")
+    p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
+    p.add_argument("--rate", type=positive, default=0.2, help="penetration rate, m/s (default %(default)s)")
+    p.add_argument("--penetration", type=positive, default=2.0, help="m (default %(default)s)")
     p.add_argument("--only", nargs="+", choices=REMEDIES, default=list(REMEDIES), help="which runs (default: all)")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cells of 0.5 m, 1 m/s, 1 m")
-    p.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    p.add_argument("--smoke", action="store_true", help="coarse and fast: cells of 0.5 m, 1 m/s, 1 m, where nothing else is given")
+    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
     p.add_argument("--out", default=os.path.join("results", "remedies"), help="folder of the results (default %(default)s)")
-    a = p.parse_args()
-    if a.smoke:
-        a.cell, a.rate, a.penetration = 0.5, 1.0, 1.0
-    return a
+    return commandLine.parse(p, given, cell=0.5, rate=1.0, penetration=1.0)
 
 
 def run(a, name):

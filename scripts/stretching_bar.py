@@ -17,6 +17,7 @@ import numpy as np
 
 import yade_mpm as mpm
 from yade_mpm import box
+from yade_mpm.commandLine import count, partOf, positive
 
 REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "verification" / "stretching_bar_reference.csv"
 LOWEST = 0.09  # s, when the bar is longest
@@ -104,12 +105,14 @@ def draw(bars, file):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cell", type=float, default=0.125, help="cell size, m (default %(default)s)")
-    parser.add_argument("--perCell", type=int, default=3, help="uGIMP particles per cell and direction (default %(default)s)")
+    parser.add_argument("--cell", type=partOf(0.5), default=0.125, help="cell size, m: 0.5 m over a whole number (default %(default)s)")
+    parser.add_argument("--perCell", type=count, default=3, help="uGIMP particles per cell and direction (default %(default)s)")
     parser.add_argument("--splitAt", type=float, default=1.3, help="stretch at which particles are cut (default %(default)s)")
-    parser.add_argument("--until", type=float, default=LOWEST, help="end, s (default %(default)s, when the bar is longest)")
+    parser.add_argument("--until", type=positive, default=LOWEST, help="end, s (default %(default)s, when the bar is longest)")
     parser.add_argument("--picture", metavar="FILE", help="draw the bars")
     given = parser.parse_args()
+    if not given.splitAt > 1:
+        parser.error(f"--splitAt {given.splitAt:g} is not allowed; give a stretch above 1")
     bars = {}
     for name, kind in (("APDI", "APDI"), ("uGIMP", "UGIMP"), (f"uGIMP, splitAt={given.splitAt:g}", "split")):
         scene, watch = bars[name] = run(given.until, kind=kind, cell=given.cell, perCell=given.perCell, splitAt=given.splitAt)

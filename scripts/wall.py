@@ -29,7 +29,8 @@ from math import radians, sqrt, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, plot
+from yade_mpm import box, commandLine, plot
+from yade_mpm.commandLine import below, between, count, partOf, positive
 
 HEIGHT, LENGTH, BEHIND = 5.0, 12.0, 0.5                  # m: soil; soil behind the wall's line
 GRAVITY, DENSITY, LAME = 9.81, 1.53, (9.48e3, 6.31e3)    # m/s2, Mg/m3, kPa
@@ -41,21 +42,18 @@ def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--state", choices=("active", "passive", "both"), default="both", help="which (default %(default)s)")
     p.add_argument("--types", choices=("ugimp", "apdi"), default="ugimp", help="particle type (default %(default)s)")
-    p.add_argument("--cell", type=float, default=0.25, help="cell size, m (default %(default)s)")
-    p.add_argument("--psi", type=float, default=10.0, help="dilatancy angle, degrees (default %(default)s)")
-    p.add_argument("--rate", type=float, default=0.02, help="speed of the wall, m/s (default %(default)s)")
-    p.add_argument("--damping", type=float, default=0.1, help="local damping (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, 0.1 m/s")
-    p.add_argument("--threads", type=int, help="number of threads (default: chosen)")
+    p.add_argument("--cell", type=partOf(1.0), default=0.25, help="cell size, m: 1 m over a whole number (default %(default)s)")
+    p.add_argument("--psi", type=between(0, 30), default=10.0, help="dilatancy angle, degrees (default %(default)s)")
+    p.add_argument("--rate", type=positive, default=0.02, help="speed of the wall, m/s (default %(default)s)")
+    p.add_argument("--damping", type=below(1), default=0.1, help="local damping (default %(default)s)")
+    p.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, 0.05 m/s, where nothing else is given")
+    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
     p.add_argument("--out", default=os.path.join("results", "wall"), help="folder of the results (default %(default)s)")
     return p
 
 
 def arguments(given=None):
-    a = parser().parse_args(given)
-    if a.smoke:
-        a.cell, a.rate = 0.5, 0.05
-    return a
+    return commandLine.parse(parser(), given, cell=0.5, rate=0.05)
 
 
 def rankine(state, z):

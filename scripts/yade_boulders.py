@@ -26,7 +26,8 @@ from scipy.ndimage import gaussian_filter, median_filter, zoom
 from yade import (Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom,
                   InsertionSortCollider, InteractionLoop, Ip2_ViscElMat_ViscElMat_ViscElPhys, Law2_ScGeom_ViscElPhys_Basic,
                   NewtonIntegrator, O, PyRunner, ViscElMat, VTKRecorder, utils)
-from yade_mpm import box, diagnostics, inYade, plot
+from yade_mpm import box, commandLine, diagnostics, inYade, plot
+from yade_mpm.commandLine import count, positive
 
 GRAVITY, DROP = 9.81, 2.0                                  # m/s2, m from the bed to the lowest boulder
 SOIL = dict(density=1.7, young=2000.0, poisson=0.3, cohesion=1.0, frictionAngle=radians(28), dilatancyAngle=0.0)
@@ -38,23 +39,24 @@ AT_REST = 0.2                                              # m/s: they rock in t
 
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--count", type=int, default=100, help="number of boulders (default %(default)s)")
-    p.add_argument("--radius", type=float, help="mean radius, m (default 0.22 (100/count)^(1/4))")
-    p.add_argument("--cell", type=float, default=0.15, help="cell size, m (default %(default)s)")
-    p.add_argument("--width", type=float, default=6.0, help="width and length of the bed, m (default %(default)s)")
-    p.add_argument("--depth", type=float, default=1.2, help="depth of the bed, m (default %(default)s)")
-    p.add_argument("--until", type=float, default=4.0, help="end, s (default %(default)s)")
+    p.add_argument("--count", type=count, default=100, help="number of boulders (default %(default)s)")
+    p.add_argument("--radius", type=positive, help="mean radius, m (default 0.22 (100/count)^(1/4))")
+    p.add_argument("--cell", type=positive, default=0.15, help="cell size, m (default %(default)s)")
+    p.add_argument("--width", type=positive, default=6.0, help="width and length of the bed, m (default %(default)s)")
+    p.add_argument("--depth", type=positive, default=1.2, help="depth of the bed, m (default %(default)s)")
+    p.add_argument("--until", type=positive, default=4.0, help="end, s (default %(default)s)")
     p.add_argument("--seed", type=int, default=1, help="of the places and sizes (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="few boulders and coarse: count 3, cell 0.2 m, bed 3 x 3 x 0.8 m")
-    p.add_argument("--threads", type=int, help="of the MPM (default: chosen)")
+    p.add_argument("--smoke", action="store_true", help="few boulders and coarse: count 3, cell 0.2 m, bed 3 x 3 x 0.8 m, 2.5 s, where nothing else is given")
+    p.add_argument("--threads", type=count, help="of the MPM (default: chosen)")
     p.add_argument("--out", default=os.path.join("results", "yade_boulders"), help="folder of the results (default %(default)s)")
     return p
 
 
 def arguments(given=None):
-    a = parser().parse_args(given)
-    if a.smoke:
-        a.count, a.radius, a.cell, a.width, a.depth, a.until = 3, 0.3, 0.2, 3.0, 0.8, 2.5
+    a = commandLine.parse(parser(), given, count=3, radius=0.3, cell=0.2, width=3.0, depth=0.8, until=2.5)
+    for name in ("width", "depth"):
+        if not commandLine.isWhole(vars(a)[name] / a.cell):
+            parser().error(f"--{name} {vars(a)[name]:g} with --cell {a.cell:g} is not allowed; give a whole number of cells")
     a.radius = a.radius or 0.22 * (100 / a.count) ** 0.25
     return a
 

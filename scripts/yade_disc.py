@@ -23,7 +23,8 @@ import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
-from yade_mpm import box, inYade, plot
+from yade_mpm import box, commandLine, inYade, plot
+from yade_mpm.commandLine import notNegative, partOf
 from yade_mpm.yadePlane import Plane
 
 SLOPE, G = np.radians(30), 9.81                     # rad, m/s2
@@ -36,20 +37,17 @@ BLOCKED = {"xy": "zXY", "xz": "yXZ", "yz": "xYZ"}     # degrees of freedom out o
 
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--friction", type=float, nargs="+", default=[0.0, 0.1, 0.3, 0.6], help="coefficients, - (default 0 0.1 0.3 0.6)")
+    p.add_argument("--friction", type=notNegative, nargs="+", default=[0.0, 0.1, 0.3, 0.6], help="coefficients, - (default 0 0.1 0.3 0.6)")
     p.add_argument("--types", choices=("ugimp", "apdi"), nargs="+", default=["ugimp", "apdi"], help="particle types (default both)")
-    p.add_argument("--cell", type=float, default=0.1, help="cell size, m (default %(default)s)")
+    p.add_argument("--cell", type=partOf(DEPTH), default=0.1, help="cell size, m: 0.4 m over a whole number (default %(default)s)")
     p.add_argument("--plane", choices=tuple(BLOCKED), default="xy", help="plane of YADE (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="one sliding and one rolling disc on APDI")
+    p.add_argument("--smoke", action="store_true", help="one sliding and one rolling disc on APDI, where nothing else is given")
     p.add_argument("--out", default=os.path.join("results", "yade_disc"), help="folder of the results (default %(default)s)")
     return p
 
 
 def arguments(given=None):
-    a = parser().parse_args(given)
-    if a.smoke:
-        a.friction, a.types = [0.1, 0.6], ["apdi"]
-    return a
+    return commandLine.parse(parser(), given, friction=[0.1, 0.6], types=["apdi"])
 
 
 def closedForm(friction):

@@ -26,7 +26,8 @@ import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
-from yade_mpm import box, inYade, plot
+from yade_mpm import box, commandLine, inYade, plot
+from yade_mpm.commandLine import notNegative, partOf, positive
 
 WIDTH, DEPTH, HALF_WIDTH, HEIGHT = 15.0, 7.5, 3.0, 0.6   # m
 THICKNESS = 0.5                                          # m, of the slice that YADE sees
@@ -37,21 +38,18 @@ PRANDTL = (2 + pi) * COHESION
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), nargs="+", default=["hybrid"], help="particle types (default hybrid)")
-    p.add_argument("--cell", type=float, nargs="+", default=[0.3, 0.15], help="cell sizes, m: 3 m over a whole number (default 0.3 0.15)")
-    p.add_argument("--friction", type=float, default=0.5, help="coefficient between box and ground (default %(default)s)")
-    p.add_argument("--rate", type=float, default=0.04, help="settlement rate, m/s (default %(default)s)")
-    p.add_argument("--settlement", type=float, default=0.06, help="final settlement, m (default %(default)s)")
+    p.add_argument("--cell", type=partOf(1.5), nargs="+", default=[0.3, 0.15], help="cell sizes, m: 1.5 m over a whole number (default 0.3 0.15)")
+    p.add_argument("--friction", type=notNegative, default=0.5, help="coefficient between box and ground (default %(default)s)")
+    p.add_argument("--rate", type=positive, default=0.04, help="settlement rate, m/s (default %(default)s)")
+    p.add_argument("--settlement", type=positive, default=0.06, help="final settlement, m (default %(default)s)")
     p.add_argument("--no-fbar", action="store_true", help="without F-bar: the ground locks")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cells of 0.5 m")
+    p.add_argument("--smoke", action="store_true", help="coarse and fast: cells of 0.5 m, unless given")
     p.add_argument("--out", default=os.path.join("results", "yade_footing"), help="folder of the results (default %(default)s)")
     return p
 
 
 def arguments(given=None):
-    a = parser().parse_args(given)
-    if a.smoke:
-        a.cell = [0.5]
-    return a
+    return commandLine.parse(parser(), given, cell=[0.5])
 
 
 def addGround(scene, types, cell, fbar):

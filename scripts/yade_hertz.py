@@ -26,7 +26,8 @@ import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
-from yade_mpm import box, inYade, plot
+from yade_mpm import box, commandLine, inYade, plot
+from yade_mpm.commandLine import count
 
 CELL, YOUNG, POISSON, DENSITY = 0.1, 1e4, 0.3, 2.0  # m, kPa, -, Mg/m3
 THICKNESS, LENGTH, RATIO = 3, 9, 0.02               # T/a, L/a, a/R
@@ -36,17 +37,14 @@ CASES = {"apdi": [3, 4, 6], "ugimp": [3, 4]}        # a in cells
 def parser():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("--types", choices=tuple(CASES), nargs="+", default=list(CASES), help="particle types (default both)")
-    p.add_argument("--radius", type=int, nargs="+", help="contact radius in cells (default 3 4 6, uGIMP 3 4)")
-    p.add_argument("--smoke", action="store_true", help="APDI with a of three cells only")
+    p.add_argument("--radius", type=count, nargs="+", help="contact radius in cells (default 3 4 6, uGIMP 3 4)")
+    p.add_argument("--smoke", action="store_true", help="APDI with a of three cells only, where nothing else is given")
     p.add_argument("--out", default=os.path.join("results", "yade_hertz"), help="folder of the results (default %(default)s)")
     return p
 
 
 def arguments(given=None):
-    a = parser().parse_args(given)
-    if a.smoke:
-        a.types, a.radius = ["apdi"], [3]
-    return a
+    return commandLine.parse(parser(), given, types=["apdi"], radius=[3])
 
 
 # --- reference --------------------------------------------------------------------------------------------

@@ -20,7 +20,8 @@ from yade import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, Box, ForceResetter, Ig2_Box_Sph
                   InteractionLoop, Ip2_ViscElMat_ViscElMat_ViscElPhys, Law2_ScGeom_ViscElPhys_Basic, NewtonIntegrator, O, PyRunner,
                   Quaternion, ViscElMat, VTKRecorder, utils)
 import yade_mpm as mpm
-from yade_mpm import inYade, plot
+from yade_mpm import commandLine, inYade, plot
+from yade_mpm.commandLine import below, count, notNegative, positive
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(sys.argv[0])))
 import sheet_pile  # noqa: E402
@@ -29,6 +30,7 @@ from sheet_pile import DEPTH, EMBEDDED, GRAVITY, K0, PILE_LENGTH, WIDTH  # noqa:
 RESULTS = os.path.join("results", "yade_pile")
 BATCH = os.path.join(RESULTS, "batch")
 FRICTIONS = (0.0, 0.3, 0.6)
+IGNORED = {"velocity": ("hammer", "drop", "blows", "damping"), "hammer": ("rate", "ramp")}
 HAMMER_RADIUS = 0.5   # m
 HAMMER_PERIOD = 2.0   # s
 CUSHION = {"kn": 2e5, "cn": 1200.0, "ks": 1e5, "cs": 0.0}  # kN/m, kN s/m of each side; two in series: 1e5, 600, restitution 0.4
@@ -36,22 +38,22 @@ CUSHION = {"kn": 2e5, "cn": 1200.0, "ks": 1e5, "cs": 0.0}  # kN/m, kN s/m of eac
 
 def options():
     parser = argparse.ArgumentParser(prog="yade_pile", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--friction", type=float, default=0.3, help="friction coefficient between pile and soil (default 0.3)")
+    parser.add_argument("--friction", type=notNegative, default=0.3, help="friction coefficient between pile and soil (default 0.3)")
     parser.add_argument("--drive", choices=("velocity", "hammer"), default="velocity", help="what moves the pile")
     parser.add_argument("--tip", choices=("wedge", "round", "flat"), default="wedge", help="a tilted box, a sphere or a box below the shaft")
-    parser.add_argument("--cell", type=float, default=0.25, help="cell size, m (default 0.25)")
-    parser.add_argument("--thickness", type=float, default=0.5, help="thickness of the pile, m (default 0.5)")
-    parser.add_argument("--rate", type=float, default=0.5, help="penetration rate, m/s (default 0.5)")
-    parser.add_argument("--ramp", type=float, default=0.5, help="time over which the rate grows from zero, s (default 0.5)")
-    parser.add_argument("--penetration", type=float, default=4.0, help="how far the pile is driven, m; sets the depth of the uGIMP zone (default 4)")
-    parser.add_argument("--hammer", type=float, default=10.0, help="mass of the hammer, Mg (default 10)")
-    parser.add_argument("--drop", type=float, default=2.0, help="height of its fall, m (default 2)")
-    parser.add_argument("--blows", type=int, default=5, help="number of blows, one every 2 s (default 5)")
-    parser.add_argument("--damping", type=float, default=0.2, help="YADE's local damping of the hammered pile (default 0.2)")
-    parser.add_argument("--dt", type=float, help="time step, s (default 1e-3 times the cell in m: stiff contact)")
-    parser.add_argument("--threads", type=int, help="number of threads of the soil (default: as many as YADE has, one without -j)")
+    parser.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default 0.25)")
+    parser.add_argument("--thickness", type=positive, default=0.5, help="thickness of the pile, m (default 0.5)")
+    parser.add_argument("--rate", type=positive, default=0.5, help="penetration rate, m/s (default 0.5)")
+    parser.add_argument("--ramp", type=notNegative, default=0.5, help="time over which the rate grows from zero, s (default 0.5)")
+    parser.add_argument("--penetration", type=positive, default=4.0, help="how far the pile is driven, m; sets the depth of the uGIMP zone (default 4)")
+    parser.add_argument("--hammer", type=positive, default=10.0, help="mass of the hammer, Mg (default 10)")
+    parser.add_argument("--drop", type=positive, default=2.0, help="height of its fall, m (default 2)")
+    parser.add_argument("--blows", type=count, default=5, help="number of blows, one every 2 s (default 5)")
+    parser.add_argument("--damping", type=below(1), default=0.2, help="YADE's local damping of the hammered pile (default 0.2)")
+    parser.add_argument("--dt", type=positive, help="time step, s (default 1e-3 times the cell in m: stiff contact)")
+    parser.add_argument("--threads", type=count, help="number of threads of the soil (default: as many as YADE has, one without -j)")
     parser.add_argument("--out", help="folder of the results (default results/yade_pile)")
-    parser.add_argument("--smoke", action="store_true", help="fast: 0.6 m or one blow; balance of forces checked in every step")
+    parser.add_argument("--smoke", action="store_true", help="fast: 0.6 m or one blow, larger time step, where nothing else is given; balance of forces checked in every step")
     parser.add_argument("--compare", action="store_true", help="friction 0, 0.3, 0.6 and the bonded elastic pile in one picture")
     parser.add_argument("--merge", action="store_true", help="only collect what yade-batch has run into results/yade_pile/batch.csv")
     return parser
@@ -65,18 +67,16 @@ def arguments():
     from yade.params import table
     given = {name: getattr(table, name) for name in defaults if getattr(table, name) != defaults[name]}
     words = [f"--{name}" if value is True else f"--{name}={value}" for name, value in given.items()]
-    a = parser.parse_args(words + sys.argv[1:])
-    if a.smoke:
-        a.penetration, a.blows, a.dt = 0.6, 1, 4e-4
-    for name in ("cell", "rate", "penetration", "hammer", "drop", "blows"):
-        if not getattr(a, name) > 0:
-            parser.error(f"--{name} must be positive")
-    if a.friction < 0 or a.ramp < 0:
-        parser.error("--friction and --ramp must not be negative")
+    words += sys.argv[1:]
+    a = commandLine.parse(parser, words, penetration=0.6, blows=1)
+    commandLine.refuseBeside(parser, words, f"--drive {a.drive}", IGNORED[a.drive], "it belongs to the other drive")
+    if a.compare:
+        commandLine.refuseBeside(parser, words, "--compare", ("friction",), "it runs " + ", ".join(map(str, FRICTIONS)))
     if EMBEDDED + a.penetration > PILE_LENGTH - a.cell:
         parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --penetration")
-    a.dt = a.dt or 1e-3 * a.cell
+    a.dt = a.dt or (min(4e-4, 1.6e-3 * a.cell) if a.smoke else 1e-3 * a.cell)
     a.out = a.out or (os.path.join(BATCH, O.tags["id"]) if "YADE_BATCH" in os.environ else RESULTS)
+    bonded(a)  # refuses what does not fit its ground
     return a
 
 

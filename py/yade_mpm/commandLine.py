@@ -36,8 +36,8 @@ def below(most):
 
 
 def partOf(length):
-    """Function that takes lengths (m) of which `length` is a whole number, such as cells that have to fit into it."""
-    return lambda text: _number(text, lambda x: x > 0 and isWhole(length / x), f"{length:g} over a whole number")
+    """Function that takes lengths (m) of which `length` is a whole number, such as cells that have to fit into it, and rounds to the digits of that."""
+    return lambda text: length / round(length / _number(text, lambda x: x > 0 and isWhole(length / x), f"{length:g} over a whole number"))
 
 
 def isWhole(ratio):

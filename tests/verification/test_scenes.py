@@ -12,12 +12,14 @@ D18 collapse of a column of bars (the set-up of Bui et al. 2008): run-out of uGI
 Controls: another friction angle, a base close below, another hole, no F-bar.
 """
 import importlib.util
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+sys.path.insert(0, str(SCRIPTS))  # remedies.py imports sheet_pile
 EARTH_PRESSURE = {"active": 13.46, "passive": 710.07}
 STRIP = {0.5: 0.9595, 1.0: 0.8183, 2.0: 0.5498, 3.0: 0.3958, 4.0: 0.3058}
 HOLE = {"side": 3.14, "crown": -1.11}
@@ -42,12 +44,52 @@ def run(name, *options, states=(), **constants):
     return module.run(module.arguments(list(options)), *states)[0]
 
 
-@pytest.mark.parametrize("name, words", [("sheet_pile", "--until 0"), ("sheet_pile", "--cell -0.25"), ("sheet_pile", "--threads 0"),
-                                         ("hertz", "--cells 0"), ("plate_with_hole", "--cells -1")])
-def test_numbers_that_must_be_positive_are_refused(name, words, capsys):
-    with pytest.raises(SystemExit):
-        scene(name).arguments(words.split())
-    assert f"{words} is not allowed" in capsys.readouterr().err
+REFUSED = {  # of the scenes, which argument with which words
+    "sheet_pile": ["--until 0", "--cell -0.25", "--cell 0.3", "--cell nan", "--threads 0", "--threads 1.5", "--ramp -1", "--psi 40", "--friction -1", "--flip 2",
+                   "--split 0.9", "--thickness 0.25 with --cell 0.1 : --cell 0.1", "--thickness 0.125 with --cell 0.25 : --thickness 0.125"],
+    "hertz": ["--cells 0", "--shift 0.3 with uGIMP : --shift 0.3 --ground ugimp", "--shift 2"],
+    "plate_with_hole": ["--cells -1", "--cells two"],
+    "column_collapse": ["--until -1", "--cell 0.007", "--damping 1", "--cell 0.008 with --types hybrid : --cell 0.008 --types hybrid"],
+    "footing": ["--cell 0.3", "--rate 0", "--settlement -1", "--phi -5", "--halfWidth 0.1", "--halfWidth 30"],
+    "strip_load": ["--cell 0.3", "--size 0.4", "--extent 5.3 with --cell 0.25 : --extent 5.3"],
+    "wall": ["--cell 0.3", "--rate -0.1", "--damping -1", "--psi 31"],
+    "remedies": ["--rate 0", "--penetration -1"],
+}
+
+
+@pytest.mark.parametrize("name, case", [(name, case) for name, cases in REFUSED.items() for case in cases])
+def test_numbers_that_cannot_work_are_refused(name, case, capsys):
+    named, _, words = case.partition(" : ")
+    refused = refusal(name, (words or named).split(), capsys)
+    assert f"{named} is not allowed" in refused.replace(": ", " ") and "; " in refused
+
+
+def refusal(name, words, capsys):
+    """Message with which a scene ends for the words of its command line."""
+    with pytest.raises(SystemExit) as end:
+        scene(name).arguments(words)
+    assert end.value.code == 2
+    return capsys.readouterr().err.splitlines()[-1]
+
+
+@pytest.mark.parametrize("name, words, ignored", [
+    ("sheet_pile", "--types apdi --split 1.3", "--split"), ("sheet_pile", "--types ugimp --on-distortion convert", "--on-distortion"),
+    ("sheet_pile", "--types ugimp --compare", "--compare"), ("footing", "--compare --fbar", "--fbar"), ("column_collapse", "--compare --cell 0.01", "--cell"),
+    ("column_collapse", "--compare --types ugimp", "--types"), ("column_collapse", "--smoke --compare", "--smoke")])
+def test_arguments_that_would_have_no_effect_are_refused(name, words, ignored, capsys):
+    assert f"{ignored} has no meaning beside --" in refusal(name, words.split(), capsys)
+
+
+@pytest.mark.parametrize("name, words", [("sheet_pile", "--cell 0.25 --rate 0.2 --ramp 1"), ("column_collapse", "--cell 0.005"), ("footing", "--cell 0.4 --rate 0.02"),
+                                         ("hertz", "--cells 8"), ("plate_with_hole", "--cells 8"), ("strip_load", "--cell 0.25 --extent 40"),
+                                         ("wall", "--cell 0.25 --rate 0.02"), ("remedies", "--cell 0.25 --rate 0.2 --penetration 2")])
+def test_a_smoke_run_takes_what_is_given(name, words):
+    """Also where the default of a usual run is given."""
+    arguments, module = words.split(), scene(name)
+    usual, smoke, given = (vars(module.arguments(w)) for w in ([], ["--smoke"], ["--smoke", *arguments]))
+    for option, value in zip(arguments[::2], arguments[1::2]):
+        assert given[option[2:]] == float(value) != smoke[option[2:]]
+    assert usual != smoke
 
 
 # --- D11 ------------------------------------------------------------------------------------------------

@@ -78,3 +78,9 @@ def test_the_table_compares_with_what_was_saved(tmp_path):
     assert row[0] == saved["case"] == "2D/apdi/mcdp/2000/threads:1"
     assert float(row[-2]) == pytest.approx(saved["step"], abs=0.051)
     assert float(row[-1]) == pytest.approx(float(row[5]) / saved["step"], abs=0.01)
+
+
+@pytest.mark.parametrize("words, ignored", [("--quick --dim 3", "--dim"), ("--filter 2D --threads 2", "--threads"), ("--against other --save file", "--save")])
+def test_arguments_that_would_have_no_effect_are_refused(words, ignored):
+    done = subprocess.run([sys.executable, SCRIPT, *words.split()], capture_output=True, text=True)
+    assert done.returncode == 2 and f"{ignored} has no meaning beside --" in done.stderr

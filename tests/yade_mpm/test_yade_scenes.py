@@ -89,3 +89,42 @@ def test_a_disc_of_yade_slides_or_rolls_down_an_incline(discs, name):
     slope, g = np.radians(30), 9.81
     other = 2 / 3 * g * np.sin(slope) if name.endswith("slides") else g * (np.sin(slope) - friction * np.cos(slope))
     assert disc["acceleration"] != pytest.approx(other, rel=0.05)
+
+
+# --- command lines ----------------------------------------------------------------------------------------
+REFUSED = {  # words, and what the message says; or None and the arguments that come of them
+    "yade_pile": [("--drive velocity --blows 3", "--blows has no meaning beside --drive velocity"), ("--drive hammer --rate 1", "--rate has no meaning beside --drive hammer"),
+                  ("--compare --friction 0.3", "--friction has no meaning beside --compare"), ("--cell 0.3", "2 over a whole number"),
+                  ("--blows 0", "--blows: 0 is not allowed"), ("--thickness 0.3", "--thickness 0.3 with --cell 0.25 is not allowed"),
+                  ("--smoke --penetration 1.5 --cell 0.5", {"penetration": 1.5, "cell": 0.5, "dt": 4e-4}), ("--smoke", {"penetration": 0.6})],
+    "yade_footing": [("--cell 0.6", "--cell: 0.6 is not allowed; give 1.5 over a whole number"), ("--smoke --cell 0.3", {"cell": [0.3]}), ("--smoke", {"cell": [0.5]})],
+    "yade_disc": [("--cell 0.3", "--cell: 0.3 is not allowed"), ("--smoke --friction 0.2", {"friction": [0.2], "types": ["apdi"]})],
+    "yade_hertz": [("--radius 0", "--radius: 0 is not allowed"), ("--smoke --types ugimp", {"types": ["ugimp"], "radius": [3]})],
+    "yade_boulders": [("--count 0", "--count: 0 is not allowed"), ("--cell 0.35", "--width 6 with --cell 0.35 is not allowed"),
+                      ("--smoke --until 1", {"until": 1.0, "count": 3})],
+    "bench_yade": [("--bodies 0", "--bodies: 0 is not allowed")],
+}
+
+
+@pytest.fixture(scope="module")
+def answers(tmp_path_factory):
+    return run(f"""
+import contextlib, importlib, io
+for name, cases in {REFUSED!r}.items():
+    module = importlib.import_module(name)
+    for words, _ in cases:
+        sys.argv[1:], text = words.split(), io.StringIO()
+        with contextlib.redirect_stderr(text):
+            try: answer = vars(module.arguments())
+            except SystemExit: answer = text.getvalue()
+        say(name + " " + words, answer)
+""", tmp_path_factory.mktemp("answers"))[0]
+
+
+@pytest.mark.parametrize("name, words, expected", [(name, *case) for name, cases in REFUSED.items() for case in cases])
+def test_arguments_that_cannot_work_are_refused_and_smoke_takes_what_is_given(answers, name, words, expected):
+    answer = answers[f"{name} {words}"]
+    if isinstance(expected, str):
+        assert isinstance(answer, str) and expected in answer
+    else:
+        assert {k: answer[k] for k in expected} == expected

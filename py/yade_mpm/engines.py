@@ -405,7 +405,8 @@ class Contact(_generated["Contact"]):
         """Dict of arrays over the nodes in contact in the last step.
 
         first, second : names of the groups; node (n, 3), m; normal (n, 3), from the first to the second; gap, m (negative:
-        overlap); area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, of the first against the second.
+        overlap); area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, the rate of the first
+        against the second (RigidContact: a length).
         """
         rows = np.reshape(self.core.table, (-1, 16))
         names = np.array(self._groups or [""], object)

@@ -67,6 +67,27 @@ def test_groups_that_neither_slip_nor_separate_are_one_body(dim, pair, scheme):
     assert difference(bonded, stacked(mpm.Contact(), pair, dim, scheme)) > 5e-3  # control: they could have slipped
 
 
+def pressed(contact, pair, scheme):
+    """A column in two parts between rollers, at rest under its weight, then pulled aside."""
+    scene = mpm.Scene((0, 0), (2, 2.5), 0.25, scheme=scheme, threads=1)
+    scene.add("lower", box((0, 0), (2, 1)), elastic(1e4), typeOf(pair[0], 0.25), group="a")
+    scene.add("upper", box((0, 1), (2, 1.75)), elastic(1e4), typeOf(pair[1], 0.25), group="b")
+    scene.initialStress(surface=1.75, K0=0.43, gravity=G)
+    scene.engines = chain(contact, gravity=(0.5, -G), damping=0.1, fixed="bottom", roller=("left", "right"))
+    scene.dt = 2e-4
+    return run(scene, steps=300)
+
+
+@pytest.mark.parametrize("scheme", ["MUSL", "USL"])  # USF strains with velocities that agree without friction (doc/contact.md)
+@pytest.mark.parametrize("pair", ["uu", "ua", "aa"])
+def test_much_friction_without_separation_bonds_what_presses(pair, scheme):
+    """The law itself sticks here, not slip=False. With impactLoss=1 the particles take the whole exchange: 0.1 %."""
+    bonded = pressed(None, pair, scheme)
+    assert difference(bonded, pressed(mpm.Contact(friction=100, separation=False), pair, scheme)) < 1e-13
+    assert 1e-4 < difference(bonded, pressed(mpm.Contact(friction=100, separation=False, impactLoss=1), pair, scheme)) < 2e-3
+    assert difference(bonded, pressed(mpm.Contact(friction=0.01, separation=False), pair, scheme)) > 2e-3  # control: it slips
+
+
 def test_a_dead_contact_bonds():
     dead = mpm.Contact()
     dead.dead = True

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """scripts/run in a checkout of its own, with a set-up that does nothing; and the package where it is not built."""
+import ast
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -58,3 +60,15 @@ def test_the_package_without_its_solver_says_what_to_run():
     wrong = subprocess.run([sys.executable, "-c", "import yade_mpm"], env={**os.environ, "PYTHONPATH": str(source)}, capture_output=True, text=True)
     assert f"ImportError: yade_mpm: there is no solver for this Python, {sys.executable}, in {source}/yade_mpm (" in wrong.stderr
     assert "run scripts/run FILE.py" in wrong.stderr
+
+
+def test_pip_installs_what_the_package_imports():
+    """All but YADE, which has what it needs."""
+    root, imported = RUN.parents[1], set()
+    for file in (root / "py" / "yade_mpm").glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text())):
+            names = [a.name for a in node.names] if isinstance(node, ast.Import) else [node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
+            imported |= {name.split(".")[0] for name in names}
+    asked = set(re.findall(r'"([\w-]+)', re.search(r"^dependencies = \[(.*?)\]", (root / "pyproject.toml").read_text(), re.M | re.S)[1]))
+    assert {"numpy", "h5py"} <= imported
+    assert imported - set(sys.stdlib_module_names) - {"yade", "yade_mpm"} <= asked

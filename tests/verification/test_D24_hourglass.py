@@ -10,8 +10,8 @@ Source: drift measured in an independent code; control after Flanagan & Belytsch
 Tolerances: drift 1e-6 of a dt t; amplitude 1 % of the edge.
 Control: case (ii) with the coefficient 0 breaks the bound of 1 %.
 
-Under MUSL and USF the velocity that moves the vertices is a sum over particles and cannot hold the pattern: neither does
-it grow there, nor can the nodal forces of the control take away one that exists (the expected failure below).
+Under MUSL and USF the velocity that moves the vertices is a sum over particles and cannot hold the pattern: it does not grow there, and
+nodal forces alone could not take away one that exists. An impulse in that velocity does; case (ii) holds for these schemes, too.
 """
 import numpy as np
 import pytest

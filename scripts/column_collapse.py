@@ -24,7 +24,7 @@ from math import atan, degrees, radians
 import numpy as np
 import yade_mpm as mpm
 from yade_mpm import box, commandLine, plot
-from yade_mpm.commandLine import below, count, partOf, positive
+from yade_mpm.commandLine import below, between, count, partOf
 
 WIDTH, HEIGHT, FLOOR, UNTIL = 0.2, 0.1, 0.8, 0.8     # m, m, m, s
 YOUNG, POISSON, DENSITY = 5840.0, 0.3, 2.04          # kPa, -, Mg/m3
@@ -38,7 +38,7 @@ def parser():
     p.add_argument("--types", choices=("ugimp", "hybrid"), default="ugimp", help="particle types (default %(default)s)")
     p.add_argument("--cell", type=partOf(0.04), default=0.005, help="cell size, m: 0.04 m (hybrid: 0.02 m) over a whole number (default %(default)s)")
     p.add_argument("--damping", type=below(1), default=0.05, help="local damping (default %(default)s)")
-    p.add_argument("--until", type=positive, default=UNTIL, help="end, s (default %(default)s)")
+    p.add_argument("--until", type=between(0.05, 100), default=UNTIL, help="end, s, from 0.05 on, when it flows (default %(default)s)")
     p.add_argument("--compare", action="store_true", help="uGIMP and hybrid, cells of 10 and 5 mm")
     p.add_argument("--smoke", action="store_true", help="coarse and fast: cell 10 mm, unless given")
     p.add_argument("--threads", type=count, help="number of threads (default: chosen)")

@@ -17,7 +17,7 @@ import numpy as np
 
 import yade_mpm as mpm
 from yade_mpm import box
-from yade_mpm.commandLine import count, partOf, positive
+from yade_mpm.commandLine import between, count, partOf
 
 REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "verification" / "stretching_bar_reference.csv"
 LOWEST = 0.09  # s, when the bar is longest
@@ -108,7 +108,7 @@ def main():
     parser.add_argument("--cell", type=partOf(0.5), default=0.125, help="cell size, m: 0.5 m over a whole number (default %(default)s)")
     parser.add_argument("--perCell", type=count, default=3, help="uGIMP particles per cell and direction (default %(default)s)")
     parser.add_argument("--splitAt", type=float, default=1.3, help="stretch at which particles are cut (default %(default)s)")
-    parser.add_argument("--until", type=positive, default=LOWEST, help="end, s (default %(default)s, when the bar is longest)")
+    parser.add_argument("--until", type=between(0.01, 100), default=LOWEST, help="end, s (default %(default)s, when the bar is longest)")
     parser.add_argument("--picture", metavar="FILE", help="draw the bars")
     given = parser.parse_args()
     if not given.splitAt > 1:

@@ -17,7 +17,8 @@ Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
 quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
 diagnostics, rigid             modules: energies and other numbers of a scene; shapes for RigidContact
 
-Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface), `yade_mpm.inYade`.
+Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface), `yade_mpm.inYade`,
+`yade_mpm.commandLine` (numbers for argparse).
 """
 import os as _os
 import sys as _sys

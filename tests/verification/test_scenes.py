@@ -49,7 +49,7 @@ REFUSED = {  # of the scenes, which argument with which words
                    "--split 0.9", "--thickness 0.25 with --cell 0.1 : --cell 0.1", "--thickness 0.125 with --cell 0.25 : --thickness 0.125"],
     "hertz": ["--cells 0", "--shift 0.3 with uGIMP : --shift 0.3 --ground ugimp", "--shift 2"],
     "plate_with_hole": ["--cells -1", "--cells two"],
-    "column_collapse": ["--until -1", "--cell 0.007", "--damping 1", "--cell 0.008 with --types hybrid : --cell 0.008 --types hybrid"],
+    "column_collapse": ["--until -1", "--until 0.01", "--cell 0.007", "--damping 1", "--cell 0.008 with --types hybrid : --cell 0.008 --types hybrid"],
     "footing": ["--cell 0.3", "--rate 0", "--settlement -1", "--phi -5", "--halfWidth 0.1", "--halfWidth 30"],
     "strip_load": ["--cell 0.3", "--size 0.4", "--extent 5.3 with --cell 0.25 : --extent 5.3"],
     "wall": ["--cell 0.3", "--rate -0.1", "--damping -1", "--psi 31"],

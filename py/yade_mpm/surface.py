@@ -77,6 +77,8 @@ class Surface:
 
 def _reach(x, breaks, hole):
     """Last x before the first break on the way to the hole, at most that of the hole; breaks[i] is that between point i and the next."""
+    if len(x) == 0:  # the hole is at the end of the ground
+        return hole
     inner = np.flatnonzero(breaks[:len(x) - 1])
     return min(x[inner[0]] if len(inner) else x[-1], hole)
 
@@ -91,10 +93,14 @@ def groundSurface(scene, bodies, level, hole=None):
     domains hanging together that has the most particles, and all others are isolated. Meshed bodies give their own boundary vertices.
     Boxes give a staircase: the top of the highest one of the ground in strips a quarter of a box wide, where no mesh of the surface is
     above. Gaps of up to half a cell between them are closed, wider ones give the height further down, or nan where nothing is.
+
+    Raises ValueError for a scene in 3D, and where no body has particles or an edge at the level.
     """
     if scene.dim != 2:
         raise ValueError("groundSurface: the scene is 3D; a surface line is defined in plane strain only")
     bodies = [b for b in bodies if b.count]
+    if not bodies:
+        raise ValueError("groundSurface: the bodies hold no particles; give those that form the ground")
     gap = _BRIDGED * min(scene.cell)
     inGround = _largestPart(bodies, gap)
     chains = [c for b in bodies if b.cells is not None for c in _topChains(b, level)]
@@ -104,6 +110,9 @@ def groundSurface(scene, bodies, level, hole=None):
         if body.cells is None and inGround[body.name].any():
             x, y = _boxTops(body, inGround[body.name], gap, chains)
             pieces.append((x, y, np.zeros(len(x), bool)))
+    if not pieces:
+        raise ValueError(f"groundSurface: no mesh has edges that lay at level = {level:g} m, and there are no boxes; give the height of the "
+                         f"initial surface")
     x, y, explicit = (np.concatenate([p[k] for p in pieces]) for k in range(3))
     piece = np.concatenate([np.full(len(p[0]), k) for k, p in enumerate(pieces)])
     order = np.argsort(x, kind="stable")

@@ -58,8 +58,8 @@ def test_both_have_the_same_resistance(runs):
     """Measured: 0.67 %."""
     a, (s1, *hybrid), (s2, *other), result = runs
     assert 0 < result["largestDifference"] == result["largestDifferenceTo2m"] < 0.02
-    for key in ("0.5", "1.0"):
-        assert result["resistance"][key] == [s1["resistance"][key], s2["resistance"][key]] == pytest.approx([2030 if key == "1.0" else 1670] * 2, rel=0.02)
+    for key, kN in (("0.5", 1670), ("1.0", 2030)):
+        assert result["resistance"][key] == [s1["resistance"][key], s2["resistance"][key]] == pytest.approx([kN, kN], rel=0.02)
 
 
 def test_the_reaction_of_the_drive_is_that_of_the_base(one):

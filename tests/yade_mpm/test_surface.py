@@ -170,6 +170,20 @@ def test_boxes_hang_on_domains_and_domains_on_each_other(gap, isolated):
     assert surface(scene(mesh=(box((0, 0), (4, 2)) | box((5, 0), (6, 1)), APDI))).isolated == 4
 
 
+# --- what cannot be -----------------------------------------------------------------------------------------
+def test_a_hole_at_the_end_of_the_ground_has_one_side():
+    assert surface(scene(soil=(box((2, 0), (8, 2)), UGIMP)), hole=(1, 2.0)).openBeside(0.5) == (0, pytest.approx(0, abs=1e-6))
+    assert surface(scene(soil=(box((2, 0), (8, 2)), UGIMP)), hole=(0, 1.0)).openBeside(0.5) == (0, pytest.approx(1, abs=1e-6))
+
+
+def test_a_ground_without_surface_is_refused():
+    made = scene(soil=(BLOCK, APDI))
+    with pytest.raises(ValueError, match="no mesh has edges that lay at level = 3 m"):
+        surface(made, level=3.0)
+    with pytest.raises(ValueError, match="the bodies hold no particles"):
+        groundSurface(made, [], 2.0)
+
+
 def test_a_scene_in_3D_is_refused():
     made = mpm.Scene((0, 0, 0), (1, 1, 1), 0.5)
     made.add("soil", box((0, 0, 0), (1, 1, 0.5)), SOIL, UGIMP)

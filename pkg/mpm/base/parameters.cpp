@@ -52,7 +52,7 @@ struct Assign {
                          (p.unit.empty() || p.unit == "-" ? "" : " (" + p.unit + ")"));
     }
     void checkNumber(double x) const {
-        if (p.isAngle && std::isfinite(x) && !p.range.contains(x) && std::abs(x) <= 90)
+        if (p.isAngle && !p.range.contains(x) && p.range.contains(x * std::acos(-1.0) / 180)) // it is one, in degrees
             throw InputError(message(who, ": ", p.name, " = ", x, " is in radians; did you mean radians(", x, ")?"));
         if (!std::isfinite(x) || !p.range.contains(x)) refuse(p.range.text());
     }

@@ -180,7 +180,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
                        {},
                        {"planeStrain", "triaxialCompression", "triaxialExtension"}});
         all.push_back({"tensionCutOff", "kPa", "highest mean stress, at most c cot(phi); not given: off",
-                       &tensionCutOff_});
+                       &tensionCutOff_, Range::notNegative()});
         all.push_back({"dilatancyLimit", "-",
                        "plastic volumetric strain from which on psi is 0; not given: off", &dilatancyLimit_,
                        Range::notNegative()});

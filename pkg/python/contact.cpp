@@ -30,6 +30,7 @@ void exposeContact() {
         .def_readonly("stiffnessUsed", &RigidContact::stiffnessUsed);
     bp::class_<Contact, std::shared_ptr<Contact>, bp::bases<Engine>, boost::noncopyable>("ContactCore", bp::no_init)
         .add_property("table", +[](const Contact& c) { return listOf(c.table); })
+        .add_property("forces", +[](const Contact& c) { return listOf(c.forces); })
         .def_readonly("sliding", &Contact::sliding)
         .def_readonly("gridLoss", &Contact::gridLoss)
         .def_readonly("reduced", &Contact::reduced)

@@ -413,6 +413,12 @@ class Contact(_generated["Contact"]):
         return {"first": names[rows[:, 0].astype(int)], "second": names[rows[:, 1].astype(int)], "node": rows[:, 2:5],
                 "normal": rows[:, 5:8], "gap": rows[:, 8], "area": rows[:, 9], "force": rows[:, 10:13], "slip": rows[:, 13:]}
 
+    def forces(self):
+        """Dict (A, B) -> force on group B by group A in the last step, kN (3,), for all pairs of groups; zero where they do not meet."""
+        groups, forces = self._groups, np.reshape(self.core.forces, (-1, 3))
+        n = len(groups)
+        return {(groups[a], groups[b]): forces[n * a + b] if len(forces) == n * n else np.zeros(3) for a in range(n) for b in range(a + 1, n)}
+
     def forceOn(self, group):
         """Force on a group in the last step, kN (3,)."""
         table = self.contactTable()

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Time histories: reactions, energies and diagnostics as columns in memory, in CSV, and in the recorder's file."""
 import math
+import operator
 import os
 import time
 
 import numpy as np
 
 from . import diagnostics
-from .engines import Callback, Hold
+from .engines import Callback, Contact, Hold
 from .files import checkWritable
 from .recorder import Recorder, checkPeriod, extend
 
@@ -24,6 +25,7 @@ _standard = {  # name -> (unit in 3D, function of the scene)
     "internalWork": ("kJ", diagnostics.internalWork),
     "externalWork": ("kJ", diagnostics.externalWork),
     "dampedEnergy": ("kJ", diagnostics.dampedEnergy),
+    "contactEnergy": ("kJ", diagnostics.contactEnergy),
     "workDone": ("kJ", diagnostics.workDone),
     "kineticRatio": ("-", diagnostics.kineticRatio),
     "unbalancedRatio": ("-", diagnostics.unbalancedRatio),
@@ -46,16 +48,20 @@ class History(Callback):
     columns : dict name -> function of the scene that returns a number, or such an expression as text in which `scene`
         and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}. A checkpoint can keep only text;
         give functions again after loading (`history.columns["toe"] = ...`), the column is nan until then.
-    average : reactions and moments are means over the time since the row before instead of values of the last step.
+    average : reactions, moments and forces of contact are means over the time since the row before instead of values of the last step.
         Default True: explicit dynamics makes the value of one step noisy.
     sampleEvery : steps between the samples that are averaged; default 10. One sample takes about 6 us.
     state : rows of the run that is to be continued; given by checkpoints. The files are made to hold just these.
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces): NAME.fx,
     NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz (3D: mx, my, mz);
-    mass, momentum.x ..., kineticEnergy, internalWork, externalWork, dampedEnergy, energyError, workDone, kineticRatio,
-    unbalancedRatio, minJacobian, hourglassAmplitude, invertedCount, convertedCount (see `yade_mpm.diagnostics`). A value
-    that does not exist is nan.
+    with a `Contact` among the engines contact.A-B.fx, contact.A-B.fy (, .fz), the force on group B by group A for each pair of
+    groups, contact.frictionWork and, of the last step, contact.largestPenetration (see `Contact`);
+    mass, momentum.x ..., kineticEnergy, internalWork, externalWork, dampedEnergy, contactEnergy, energyError, workDone,
+    kineticRatio, unbalancedRatio, minJacobian, hourglassAmplitude, invertedCount, convertedCount (see
+    `yade_mpm.diagnostics`). A value that does not exist is nan.
+
+    energyError = externalWork - dampedEnergy - contactEnergy - internalWork - (kineticEnergy - kinetic energy at the start).
 
     Rows are written at the end of a run and every 5 s of wall time. Raises ValueError for arguments that are not
     allowed, TypeError for a column that is no function, OSError for a file that cannot be written; all before the first
@@ -173,6 +179,9 @@ class History(Callback):
             else:
                 sums[name] = [total[0] + fx, total[1] + fy, total[2] + fz, total[3] + mx, total[4] + my, total[5] + mz,
                               total[6] + 1]
+        for name, force in _contactForces(scene):
+            *total, count = sums.get(name, (0.0, 0.0, 0.0, 0))
+            sums[name] = [*map(operator.add, total, force), count + 1]
         self._samples += 1
 
     def _row(self, scene):
@@ -181,9 +190,10 @@ class History(Callback):
             row[name] = (unit, function(scene))
             if name == "particles":
                 row.update(self._motions(scene))
+                row.update(self._contacts(scene))
             elif name == "mass":
                 row.update((f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", diagnostics.momentum(scene)))
-            elif name == "dampedEnergy":
+            elif name == "contactEnergy":
                 row["energyError"] = ("kJ", diagnostics.energyError(scene, self._initialEnergy))
         for name in self._columns:
             row[name] = ("", self._columns.value(name, scene))
@@ -202,6 +212,18 @@ class History(Callback):
             if not (isinstance(c, Hold) and isinstance(c.where, str) and c.name == c.where):  # a face
                 row.update((f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in ((2,) if dim == 2 else (0, 1, 2)))
             row[f"{c.name}.work"] = ("kJ", c.work)
+        return row
+
+    def _contacts(self, scene):
+        """Force between each pair of groups; work of friction and overlap of all."""
+        row, contact = {}, _contactOf(scene)
+        for name, force in _contactForces(scene):
+            if self._average and name in self._sums:
+                *force, count = self._sums[name]
+                force = [total / count for total in force]
+            row.update((f"{name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[: scene.dim], force))
+        if contact is not None:
+            row.update({"contact.frictionWork": ("kJ", contact.frictionWork), "contact.largestPenetration": ("m", contact.largestPenetration)})
         return row
 
     def _append(self, row):
@@ -272,6 +294,17 @@ class Columns(dict):
         if isinstance(column, str):
             return float(eval(self._code[name], {"scene": scene, "diagnostics": diagnostics, "np": np}))
         return float(column(scene))
+
+
+def _contactOf(scene):
+    """The Contact among the engines of a scene, or None."""
+    return next((e for e in scene.engines if isinstance(e, Contact) and not e.dead), None)
+
+
+def _contactForces(scene):
+    """Name and force in the last step, on the second, of each pair of groups that may slip on each other."""
+    contact = _contactOf(scene)
+    return [] if contact is None else [(f"contact.{a}-{b}", force) for (a, b), force in contact.forces().items()]
 
 
 def _perMetre(unit):

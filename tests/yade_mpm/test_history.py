@@ -77,6 +77,64 @@ def test_columns_are_the_diagnostics_of_the_scene():
     assert history["energyError"][-1] == diagnostics.energyError(scene)
 
 
+def slidingScene():
+    """A block pressed on a base that moves on, each a group of its own."""
+    scene = mpm.Scene((0, 0), (3, 1), 0.25)
+    steel = mpm.LinearElastic(density=2, lame=(1e4, 1e4))
+    base = scene.add("base", box((0, 0), (3, 0.25)), steel, mpm.UGIMP(perCell=2), group="base")
+    scene.add("block", box((1, 0.25), (1.5, 0.75)), steel, mpm.APDI(size=0.125), group="block")
+    scene.add("cap", box((2, 0.25), (2.5, 0.5)), steel, mpm.APDI(size=0.125), group="cap")
+    scene.dt = 2e-4
+    return scene, mpm.Drive(base, (0.2, 0), name="pull"), mpm.Contact(friction=0.3)
+
+
+def slide(history, steps, *more):
+    scene, drive, contact = slidingScene()
+    solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.05, drive=drive)
+    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater(), *more, history]
+    scene.run(steps=steps, progress=False)
+    return scene, contact
+
+
+def test_contact_has_columns_of_force_between_groups_friction_and_overlap():
+    seen, history = [], mpm.History(iterPeriod=100, sampleEvery=5)
+    watch = mpm.PyRunner(lambda s: seen.append([*s.engines[2].forceOn("block")[:2], *s.engines[2].forceOn("cap")[:2]]), iterPeriod=1)
+    scene, contact = slide(history, 400, watch)
+    means = np.array(seen)[4::5].reshape(4, 20, 4).mean(axis=1)
+    columns = [f"contact.base-{group}.f{axis}" for group in ("block", "cap") for axis in "xy"]
+    assert np.allclose(np.transpose([history[c] for c in columns]), means, rtol=1e-12, atol=1e-12)
+    assert np.abs(means).max(axis=0).min() > 0.1 and not np.allclose(means, np.array(seen)[99::100], rtol=1e-3)  # the last step is another one
+    assert not history["contact.block-cap.fx"].any() and "contact.cap-block.fx" not in history.names
+    assert history["contact.frictionWork"][-1] == contact.frictionWork > 0
+    assert history["contact.largestPenetration"][-1] == contact.largestPenetration
+    assert [history.units[f"contact.{n}"] for n in ("base-cap.fy", "frictionWork", "largestPenetration")] == ["kN/m", "kJ/m", "m"]
+    momentary = mpm.History(iterPeriod=100, average=False)
+    slide(momentary, 400)
+    assert np.allclose(np.transpose([momentary[c] for c in columns]), np.array(seen)[99::100], rtol=1e-12, atol=1e-12)
+    bonded = mpm.History(iterPeriod=10)
+    runWith(bonded, steps=10)
+    assert not any(name.startswith("contact.") for name in bonded.names) and bonded["contactEnergy"][0] == 0
+
+
+def test_the_energy_balance_can_be_made_anew_from_the_columns(tmp_path):
+    slide(mpm.History(iterPeriod=100, file=tmp_path / "a.csv"), 600)
+    header, rows = readCSV(tmp_path / "a.csv")
+    row = {name.split(" ")[0]: np.array(values) for name, values in zip(header, zip(*rows))}
+    lost = row["dampedEnergy"] + row["contactEnergy"]
+    assert np.array_equal(row["energyError"], row["externalWork"] - lost - row["internalWork"] - (row["kineticEnergy"] - 0.0))
+    assert row["contactEnergy"][-1] > 0.2 * abs(row["energyError"][-1]) > 0  # the control: without it the sum is another one
+
+
+def test_a_resumed_history_of_contact_goes_on_with_the_same_rows(tmp_path):
+    whole, part = mpm.History(iterPeriod=100), mpm.History(iterPeriod=100)
+    slide(whole, 400)
+    scene, _ = slide(part, 250)
+    scene.save(tmp_path / "c.h5")
+    loaded = mpm.load(tmp_path / "c.h5")
+    loaded.run(steps=150, progress=False)
+    assertSameColumns(whole, loaded.engines[-1])
+
+
 def test_units_are_per_metre_in_2d_only():
     history = mpm.History(iterPeriod=10)
     runWith(history, steps=10)

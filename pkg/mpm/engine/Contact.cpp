@@ -145,6 +145,8 @@ template <int Dim> void Contact::tell(Scene<Dim>& scene, const Meet<Dim>& meet, 
     append(scene.grid.nodePosition(meet.node)), append(meet.normal);
     table.insert(table.end(), {meet.gap, meet.area});
     append(meet.impulse / scene.dt), append(slip);
+    double* force = &forces[3 * (meet.field[0] * scene.groups.size() + meet.field[1])];
+    for (int k = 0; k < Dim; ++k) force[k] += meet.impulse[k] / scene.dt;
     if (!meet.hasTouches) largestPenetration = std::max(largestPenetration, -meet.gap);
     sliding += meet.slides;
 }
@@ -228,6 +230,7 @@ template <int Dim> void Contact::addFriction(Meeting<Dim>& meeting, const Stretc
 template <int Dim> void Contact::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     table.clear(), largestPenetration = gridLoss = 0, sliding = reduced = 0;
+    forces.assign(3 * scene.groups.size() * scene.groups.size(), 0.0);
     const double loss = separation || slip ? impactLoss : 0;
     Meeting<Dim>& meeting = this->meeting(scene);
     auto& nodes = std::get<std::vector<Pair<Dim>>>(nodes_);

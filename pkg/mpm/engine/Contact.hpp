@@ -16,6 +16,7 @@ class Contact : public EngineOf<Contact> {
 
     // Of the last step.
     std::vector<double> table; // groups (2), node (3), normal (3), gap, area, force on the second group (3), slip rate (3)
+    std::vector<double> forces; // on group b by group a < b, kN, at 3 (a n + b); n: number of groups
     double largestPenetration = 0, gridLoss = 0; // m; kJ
     int sliding = 0, reduced = 0;
 

@@ -2,6 +2,7 @@
 // Bodies: their arrays as zero-copy views, their making and their restoring.
 #include "python.hpp"
 
+#include "mpm/scene/BeyondYield.hpp"
 #include "mpm/scene/Scene.hpp"
 
 namespace mpm::python {
@@ -119,6 +120,10 @@ template <int Dim> struct Bind {
     static double bytes(B& body) { return double(body.particles.bytes() + body.domains->bytes()); }
     static double minJacobian(B& body) { return body.domains->minJacobian(); }
     static double hourglass(B& body) { return body.domains->hourglass(); }
+    static bp::tuple yielding(B& body, double tolerance) {
+        const BeyondYield found = beyondYield(body, tolerance);
+        return bp::make_tuple(found.count, found.worst, found.change);
+    }
     static int count(B& body) { return body.particles.size(); }
     static std::shared_ptr<Material> material(B& body) { return body.material; }
     static std::shared_ptr<ParticleType> type(B& body) { return body.type; }
@@ -141,6 +146,7 @@ template <int Dim> struct Bind {
             .add_property("bytes", bytes)
             .add_property("minJacobian", minJacobian)
             .add_property("hourglass", hourglass)
+            .def("beyondYield", yielding)
             .def("buildLattice", buildLattice)
             .def("buildMesh", buildMesh)
             .def("fields", fields)

@@ -10,7 +10,7 @@ from .body import Body
 from .engines import FACES, Callback, Engine, GridSolver, belongTo, classes
 from .files import checkWritable
 from .lattice import checkOverlap
-from .materials import Material
+from .materials import Material, MaterialPoint
 from .particles import ParticleType, classes as particleClasses
 from .regions import Region
 from .running import Run
@@ -467,6 +467,7 @@ class Scene(Guarded):
         gravity = self._solver("prepare").gravity
         for body in self.bodies:
             _warnOfUnits(body, gravity)
+            _warnOfYield(body)
         if self._geostatic is not None and not np.isclose(self._geostatic, -gravity[-1] if gravity else 0):
             warnings.warn(f"Scene: initialStress was made for {self._geostatic:g} m/s2 downwards, the GridSolver has gravity = {gravity} m/s2; the "
                           f"ground will move", stacklevel=4)
@@ -642,6 +643,36 @@ def _warnOfUnits(body, gravity):
     if body.material.waveSpeed > FASTEST:
         warnings.warn(f"body '{body.name}': compression waves travel at {body.material.waveSpeed:.3g} m/s, faster than in any solid; units are Mg/m3, m "
                       f"and kPa: is the stiffness in Pa?", stacklevel=5)
+
+
+def _warnOfYield(body):
+    """Warns of a stress that the material cannot bear: the first step changes it without any strain."""
+    count, worst, change = body.core.beyondYield(1e-6)
+    if not count:
+        return
+    vertical, horizontal = body.stress[worst, body._scene.dim - 1, body._scene.dim - 1], body.stress[worst, 0, 0]
+    bearable = _bearableK0(body.material, vertical, body._scene.dim - 1) if vertical < 0 else None
+    advice = "give a stress inside the yield surface" if bearable is None else (
+        f"where the vertical stress is {vertical:.3g} kPa it bears K0 from {bearable[0]:.4g} to {bearable[1]:.4g}, given is {horizontal / vertical:.4g}")
+    warnings.warn(f"body '{body.name}': {100 * count / body.count:.3g} % of its particles start with a stress outside the yield surface of "
+                  f"{type(body.material).__name__}, and the first step changes it by up to {change:.3g} kPa; {advice}", stacklevel=5)
+
+
+def _bearableK0(material, vertical, up):
+    """Least and largest K0 that a material bears at a vertical stress, by bisection from K0 = 1; None if it does not bear that."""
+    def bears(K0):
+        stress = vertical * np.diag([1.0 if k == up else K0 for k in range(3)])
+        return np.abs(MaterialPoint(material, stress).gradient(np.zeros((3, 3)), 1.0) - stress).max() <= 1e-6 * abs(vertical)
+    if not bears(1.0):
+        return None
+    ends = []
+    for far in (0.0, 100.0):
+        good, bad = 1.0, far
+        for _ in range(0 if bears(far) else 30):
+            middle = 0.5 * (good + bad)
+            good, bad = (middle, bad) if bears(middle) else (good, middle)
+        ends.append(far if bears(far) else good)
+    return ends
 
 
 def _cell(cell, dim):

@@ -432,6 +432,49 @@ def test_an_initial_stress_that_gravity_does_not_balance_is_warned_of(given, sol
     assert ["downwards, the GridSolver has gravity = " in str(w.message) for w in caught] == [True] * isWarned
 
 
+def warningsOf(prepare):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        prepare()
+    return [str(w.message) for w in caught]
+
+
+@pytest.mark.parametrize("dim", (2, 3))
+@pytest.mark.parametrize("K0, isWarned", ((0.2, True), (0.333, True), (0.3334, False), (1.0, False), (2.9999, False), (3.1, True)))
+def test_an_initial_stress_beyond_yield_is_warned_of_with_what_K0_is_borne(K0, isWarned, dim):
+    scene = emptyScene(dim)
+    scene.add("sand", box((0,) * dim, (1,) * dim), soil(cohesion=0), mpm.APDI() if dim == 2 else mpm.UGIMP())
+    scene.add("block", box((1,) + (0,) * (dim - 1), (2,) + (1,) * (dim - 1)), elastic(density=1.5), mpm.UGIMP())
+    scene.engines[1].gravity = (0,) * (dim - 1) + (-9.81,)
+    scene.initialStress(1.0, K0=K0)
+    depth, factor = (0.75, 1) if dim == 2 else (0.875, 1)
+    messages = warningsOf(scene.prepare)
+    assert len(messages) == isWarned
+    if isWarned:
+        assert "body 'sand': 100 % of its particles start with a stress outside the yield surface of MohrCoulombDruckerPrager" in messages[0]
+        assert f"where the vertical stress is {-1.5 * 9.81 * depth:.3g} kPa it bears K0 from 0.3333 to 3, given is {K0:.4g}" in messages[0]
+        before = scene["sand"].stress.copy()
+        scene.dt = 1e-9
+        scene.run(steps=1)
+        change = np.abs(scene["sand"].stress - before).max()
+        assert f"changes it by up to {change:.3g} kPa" in messages[0]  # the warning says what happens
+    scene.run(steps=1)
+    assert warningsOf(scene.prepare) == []  # nobody asks after the first step
+
+
+def test_a_stress_of_the_users_own_beyond_yield_is_warned_of():
+    scene = oneBody(material=soil())
+    stress = np.zeros((scene["block"].count, 3, 3))
+    stress[:, 0, 1] = stress[:, 1, 0] = 4.0  # the cone bears 5 cos(30 degrees) = 4.33
+    scene["block"].stress = stress
+    assert warningsOf(scene.prepare) == []
+    stress[:4] = 10 * np.eye(3)  # beyond the apex, 8.66
+    scene["block"].stress = stress
+    message, = warningsOf(scene.prepare)
+    assert message == ("body 'block': 25 % of its particles start with a stress outside the yield surface of MohrCoulombDruckerPrager, and the first "
+                       "step changes it by up to 1.34 kPa; give a stress inside the yield surface")
+
+
 @pytest.mark.parametrize("friction, inPair, isWarned", ((30, 0.3, True), (0.3, 30, True), (0.58, 1.2, False), (1e3, 0, False)))
 def test_a_coefficient_of_friction_that_looks_like_an_angle_is_warned_of(friction, inPair, isWarned):
     scene = oneBody(group="soil")

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Stress that the material cannot bear: an update without strain, of a copy, says so.
+#pragma once
+
+#include "mpm/scene/Body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mpm {
+
+struct BeyondYield {
+    int count = 0, worst = 0; // particles; the one whose stress changes most,
+    double change = 0;        // a component by so much, kPa
+};
+
+// Copies of a run of particles, in reach of a material, at rest.
+template <int Dim> struct PointsAtRest {
+    static constexpr int most = 256;
+    double zero[most] = {}, ratio[most], stress[9][most];
+    std::vector<std::array<double, most>> state;
+    std::vector<double*> states;
+    MaterialPoints<Dim> points{};
+
+    explicit PointsAtRest(int variables) : state(variables) {
+        for (auto& variable : state) states.push_back(variable.data());
+        points.dt = 1, points.volumeRatio = ratio, points.state = states.data();
+        for (auto& component : points.velocityGradient) component = zero;
+        for (int c = 0; c < 9; ++c) points.stress[c] = stress[c];
+    }
+    void take(const Particles<Dim>& particles, int first, int count) {
+        points.count = count;
+        for (int c = 0; c < 9; ++c) {
+            points.deformationGradient[c] = particles.deformationGradient.plane(c) + first;
+            std::copy_n(particles.stress.plane(c) + first, count, stress[c]);
+        }
+        for (size_t k = 0; k < state.size(); ++k) std::copy_n(particles.state[k].plane() + first, count, states[k]);
+        for (int i = 0; i < count; ++i) ratio[i] = particles.volume.plane()[first + i] / particles.initialVolume.plane()[first + i];
+    }
+};
+
+// Particles of which the update changes the state and, by more than `tolerance` of its largest component, the stress.
+template <int Dim> BeyondYield beyondYield(const Body<Dim>& body, double tolerance) {
+    BeyondYield found;
+    const Particles<Dim>& particles = body.particles;
+    PointsAtRest<Dim> copy(int(particles.state.size()));
+    for (int first = 0; first < particles.size() && !copy.state.empty(); first += copy.most) {
+        const int count = std::min(copy.most, particles.size() - first);
+        copy.take(particles, first, count);
+        body.material->update(copy.points);
+        for (int i = 0; i < count; ++i) {
+            double change = 0, largest = 0;
+            for (int c = 0; c < 9; ++c) {
+                const double before = particles.stress.plane(c)[first + i];
+                change = std::max(change, std::abs(copy.stress[c][i] - before)), largest = std::max(largest, std::abs(before));
+            }
+            bool flows = false;
+            for (size_t k = 0; k < copy.state.size(); ++k) flows |= copy.state[k][i] != particles.state[k].plane()[first + i];
+            if (!flows || !(change > tolerance * largest)) continue;
+            ++found.count;
+            if (change > found.change) found.change = change, found.worst = first + i;
+        }
+    }
+    return found;
+}
+
+} // namespace mpm

@@ -468,6 +468,10 @@ class Scene(Guarded):
         for body in self.bodies:
             _warnOfUnits(body, gravity)
             _warnOfYield(body)
+        softest = min((b.material.lameConstants[1] for b in self.bodies), default=0.0)
+        for body in self.bodies:
+            if body.count and body.material.lameConstants[1] > STIFFER * softest:
+                _warnOfBending(body)
         if self._geostatic is not None and not np.isclose(self._geostatic, -gravity[-1] if gravity else 0):
             warnings.warn(f"Scene: initialStress was made for {self._geostatic:g} m/s2 downwards, the GridSolver has gravity = {gravity} m/s2; the "
                           f"ground will move", stacklevel=4)
@@ -673,6 +677,25 @@ def _bearableK0(material, vertical, up):
             good, bad = (middle, bad) if bears(middle) else (good, middle)
         ends.append(far if bears(far) else good)
     return ends
+
+
+STIFFER = 10   # a body is a structure in softer ones from this ratio of shear moduli on
+SLENDER = 4    # and bends from this ratio of its extents on
+
+
+def _warnOfBending(body):
+    """Warns of a slender body whose bending stiffness is that of the grid, not its own."""
+    corners = body.corners()
+    extents = np.ptp(corners.reshape(-1, corners.shape[-1]), axis=0)
+    axis = int(extents.argmin())
+    thin, cell = extents[axis], body._scene.cell[axis]
+    if extents.max() < SLENDER * thin:
+        return
+    faults = ["one particle wide"] if np.ptp(body.position[:, axis]) < 1e-6 * thin else []
+    faults += [f"thinner than a cell ({thin:.3g} of {cell:.3g} m)"] if thin < (1 - 1e-6) * cell else []
+    if faults:
+        warnings.warn(f"body '{body.name}' is {' and '.join(faults)}: its bending stiffness is wrong, by a factor and more; give two particles or more "
+                      f"across it and a cell no larger than its thickness, half of it for bending (doc/sheet-pile.md)", stacklevel=5)
 
 
 def _cell(cell, dim):

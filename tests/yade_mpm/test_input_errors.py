@@ -475,6 +475,27 @@ def test_a_stress_of_the_users_own_beyond_yield_is_warned_of():
                        "step changes it by up to 1.34 kPa; give a stress inside the yield surface")
 
 
+@pytest.mark.parametrize("thickness, perCell, young, text", (
+    (0.25, 2, 1e6, "one particle wide and thinner than a cell (0.25 of 0.5 m)"), (0.5, 1, 1e6, "one particle wide:"),
+    (0.25, 4, 1e6, "'wall' is thinner than a cell"), (0.5, 2, 1e6, None), (0.25, 2, 1e4, None)))
+def test_a_slender_structure_that_the_grid_bends_is_warned_of(thickness, perCell, young, text):
+    def warned(height):
+        scene = mpm.Scene((0, 0), (4, 4), 0.5)
+        scene.add("soil", box((0, 0), (2, 2)), mpm.LinearElastic(density=1.0, young=3e3, poisson=0.3), mpm.UGIMP())
+        scene.add("wall", box((2, 0), (2 + thickness, height)), mpm.LinearElastic(density=1.0, young=young, poisson=0.3), mpm.UGIMP(perCell=perCell))
+        return warningsOf(scene.prepare)
+    messages = warned(3)
+    assert len(messages) == bool(text) and (not text or text in messages[0] and "its bending stiffness is wrong" in messages[0])
+    assert warned(0.5) == []  # not slender
+
+
+def test_a_thin_body_alone_or_the_softest_is_no_structure():
+    scene = oneBody(region=box((0, 0), (0.25, 3)))
+    assert warningsOf(scene.prepare) == []
+    scene.add("stiff", box((1, 0), (3, 3)), elastic(lame=(1e5, 1e5)), mpm.UGIMP())
+    assert warningsOf(scene.prepare) == []
+
+
 @pytest.mark.parametrize("friction, inPair, isWarned", ((30, 0.3, True), (0.3, 30, True), (0.58, 1.2, False), (1e3, 0, False)))
 def test_a_coefficient_of_friction_that_looks_like_an_angle_is_warned_of(friction, inPair, isWarned):
     scene = oneBody(group="soil")

@@ -102,7 +102,7 @@ template <int Dim> struct Bind {
     }
     static bp::object interfaceFault(const S& scene, double limit) {
         const InterfaceFault f = checkInterface(scene, limit);
-        return f.found ? bp::object(bp::make_tuple(f.meshed, f.boxes, f.where, f.edge)) : bp::object();
+        return f.found ? bp::object(bp::make_tuple(f.meshed, f.boxes, f.where, f.edge, f.initialEdge)) : bp::object();
     }
     static bp::dict energies(const S& scene) {
         bp::dict d;

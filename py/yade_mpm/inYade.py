@@ -157,7 +157,7 @@ class Coupling:
         # Rows that yade.plot has already: none of a loaded run.
         self._inPlot = {} if saved else {e: len(e) for e in self._chain if isinstance(e, History)}
         self._tagRecorders()
-        self._estimateAt = _nextEstimate(scene.steps)
+        self._estimateAt, self._checkAt = _nextAt(scene.steps, limits.DT_PERIOD), _nextAt(scene.steps, limits.CHECK_PERIOD)
         self._iter = None                               # of the DEM step that has begun last
         self._cycleEnd = saved.get("cycleEnd", O.iter)  # iteration at which the MPM acts next
         self._isMpmStep, self._isOpen = False, False    # whether it acts in this DEM step, and is between its stages
@@ -318,6 +318,9 @@ class Coupling:
             return
         self._checkScene()
         self._checkClock(before)
+        if self.scene.steps >= self._checkAt:
+            self._checkAt = _nextAt(self.scene.steps, limits.CHECK_PERIOD)
+            self._run._checkDomains()
         if self.scene.steps >= self._estimateAt:
             self._reestimate()
         if self._asked is not None:
@@ -362,7 +365,7 @@ class Coupling:
                            f"MPM engines; mend that, and call inYade.attach(scene) again")
 
     def _reestimate(self):
-        self._estimateAt = _nextEstimate(self.scene.steps)
+        self._estimateAt = _nextAt(self.scene.steps, limits.DT_PERIOD)
         if self.scene._estimatedAt != self.scene.steps:
             self._run._reestimate()
         self._setLimits()
@@ -691,8 +694,8 @@ def _demStep(O):
     return DEM_SAFETY * PWaveTimeStep()
 
 
-def _nextEstimate(steps):
-    return (steps // limits.DT_PERIOD + 1) * limits.DT_PERIOD
+def _nextAt(steps, period):
+    return (steps // period + 1) * period
 
 
 def _tagOf(label):

@@ -23,7 +23,6 @@ class Run:
         self.progress = Progress(scene, progress, self)
         self.error, self.signal = None, None
         self._callsBefore = {e: e.calls for e in scene.engines}
-        self._warnedOfInterface = False
         self._stop = threading.Event()
         self._thread = None
 
@@ -118,21 +117,32 @@ class Run:
     def _takeSteps(self):
         scene = self.scene
         while self.stepsLeft() > 0 and self.signal is None and not self._stop.is_set():
+            if scene.steps > 0 and scene.steps % limits.CHECK_PERIOD == 0:
+                self._checkDomains()
             if scene.steps > 0 and scene.steps % limits.DT_PERIOD == 0 and scene._estimatedAt != scene.steps:
                 self._reestimate()
             callbacks = [e.stepsToCall(scene) for e in scene.engines]
-            scene.core.advance(min([self.stepsLeft(), limits.DT_PERIOD - scene.steps % limits.DT_PERIOD, *callbacks]), SLICE)
+            looks = [period - scene.steps % period for period in (limits.CHECK_PERIOD, limits.DT_PERIOD)]
+            scene.core.advance(min([self.stepsLeft(), *looks, *callbacks]), SLICE)
             self.progress.update()
             if time.monotonic() >= self._saveAt:
                 self._saveMeanwhile()
+        self._warnOfDomains()
+
+    def _checkDomains(self):
+        self.scene._checkInterface(limits.INTERFACE_RUN)
+        self._warnOfDomains()
+
+    def _warnOfDomains(self):
+        """Once: of edges beside uGIMP that have become too long."""
+        scene = self.scene
+        for what, fault in (("interface", scene._interfaceFault),):
+            if what not in scene._warnedOf and (text := fault()) is not None:
+                scene._warnedOf.add(what)
+                self.progress.say(f"warning: step {scene.steps}: {text}")
 
     def _reestimate(self):
         scene = self.scene
-        scene._checkInterface(limits.INTERFACE_RUN)
-        fault = None if self._warnedOfInterface else scene._interfaceFault(limits.INTERFACE_WARN)
-        if fault is not None:
-            self._warnedOfInterface = True
-            self.progress.say(f"warning: step {scene.steps}: {fault}")
         critical = scene._estimate()
         scene._estimatedAt = scene.steps
         if not critical > 0:

@@ -59,6 +59,7 @@ class Scene(Guarded):
         self._acting = None      # callback that is at work
         self._settling = None    # damping to go back to after settle()
         self._geostatic = None   # m/s2 that the initial stress balances
+        self._warnedOf = set()   # faults of the domains that runs have told
         self.scheme = scheme
         self.threads = threads
 
@@ -371,8 +372,8 @@ class Scene(Guarded):
 
         Before the first step the scene is checked: ValueError for a time step above the critical one (unless
         `allowUnstable`), an interface that is too coarse, or constraints that hold nothing. During the run RuntimeError
-        for particles outside the grid and distorted domains, after the state was saved. KeyboardInterrupt and
-        SystemExit(143) after Ctrl-C and SIGTERM, likewise.
+        for particles outside the grid, distorted domains and an interface that has become too coarse, after the state was
+        saved. KeyboardInterrupt and SystemExit(143) after Ctrl-C and SIGTERM, likewise.
         """
         self._refuseWhileRunning("run")
         if self._acting is not None:
@@ -534,17 +535,21 @@ class Scene(Guarded):
     def _checkInterface(self, limit):
         fault = self._interfaceFault(limit)
         if fault is not None:
-            raise ValueError(fault)
+            raise (ValueError(fault) if self.steps == 0 else RuntimeError(f"step {self.steps}: {fault}"))
 
-    def _interfaceFault(self, limit):
-        """What is wrong with the first APDI edge that is longer than `limit` cells within one cell of uGIMP; or None."""
+    def _interfaceFault(self, limit=limits.INTERFACE_WARN):
+        """What is wrong with the longest APDI edge within one cell of uGIMP, if it is longer than `limit` cells; or None."""
         fault = self.core.interfaceFault(limit)
         if fault is None:
             return None
-        meshed, boxes, where, edge = fault
-        return (f"interface of '{meshed}' and '{boxes}' near {where}: an edge of {edge:.6g} m is longer than the cell "
-                f"{min(self.cell):.6g} m within one cell of uGIMP particles; refine '{meshed}' there, e.g. "
-                f"APDI(size=..., matched=...)")
+        meshed, boxes, where, edge, initial = fault
+        cell = min(self.cell)
+        place = f"interface of '{meshed}' and '{boxes}' near {where}: an edge"
+        if initial > limits.INTERFACE_BUILD * cell:
+            return (f"{place} of {edge:.6g} m is longer than the cell {cell:.6g} m within one cell of uGIMP particles; refine '{meshed}' there, "
+                    f"e.g. APDI(size=..., matched=...)")
+        return (f"{place} has stretched from {initial:.3g} to {edge:.3g} m, {edge / cell:.3g} cells, within one cell of uGIMP particles, where the "
+                f"stress becomes wrong beyond one cell (a run ends at {limits.INTERFACE_RUN:g}); use UGIMP there, or APDI(onDistortion=\"convert\")")
 
     # --- results --------------------------------------------------------------------------------------
     constraints = property(lambda self: list(self._constraints), doc="All prescribed motions, faces included.")

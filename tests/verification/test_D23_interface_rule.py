@@ -58,14 +58,38 @@ def test_coarse_domains_are_allowed_a_cell_away():
 
 
 def test_the_rule_stays_checked_while_the_interface_moves(tmp_path, monkeypatch):
-    """Coarse domains start two cells away and particles drift towards them; the rule is looked at every 5000 steps."""
+    """Coarse domains start two cells away and particles drift towards them; the rule is looked at every 1000 steps."""
     monkeypatch.chdir(tmp_path)  # the state of the failed run goes to a file
     scene = hybrid(2 * H, gap=1.0)
-    scene["boxes"].velocity[:, 0] = 0.12
+    scene["boxes"].velocity[:, 0] = 0.2
     scene.dt = 1e-3
-    scene.run(steps=4999, progress=False)
-    with pytest.raises(ValueError, match="interface of 'meshed' and 'boxes' near .* an edge of 1.* m is longer"):
-        scene.run(steps=2, progress=False)
+    scene.run(steps=2400, progress=False)
+    with pytest.raises(RuntimeError, match="step 3000: interface of 'meshed' and 'boxes' near .* an edge of 1.* m is longer .*; refine 'meshed'"):
+        scene.run(steps=1000, progress=False)
+
+
+def stretched(by):
+    """The column of domains next to the particles, an edge h wide at the start, is `by` wider after the first step."""
+    scene = hybrid(H)
+    scene.dt = 1e-6
+    scene.run(steps=1, progress=False)
+    vertices = scene["meshed"].vertices
+    vertices[vertices[:, 0] > 2.1, 0] += by
+    return scene
+
+
+def test_domains_that_stretch_at_the_interface_are_told_from_a_coarse_mesh(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    expected = (r"interface of 'meshed' and 'boxes' near \(2.55, 0.25\): an edge has stretched from 0.5 to 1.1 m, 2.2 cells, .*; "
+                r'use UGIMP there, or APDI\(onDistortion="convert"\)')
+    with pytest.raises(RuntimeError, match="step 1: " + expected):
+        stretched(0.6).run(steps=1, progress=False)
+    scene = stretched(0.45)
+    scene.run(steps=1, progress=False)
+    assert "warning: step 2: interface of 'meshed' and 'boxes'" in capsys.readouterr().err
+    scene.run(steps=1, progress=False)
+    stretched(0.1).run(steps=1, progress=False)
+    assert capsys.readouterr().err == ""  # said once, and not of a fifth of a cell
 
 
 def columnStress(edge):

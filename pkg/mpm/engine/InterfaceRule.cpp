@@ -60,7 +60,7 @@ template <int Dim> struct Boxes {
 
 template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double limit) {
     InterfaceFault fault;
-    const double allowed = limit * scene.grid.cell.minCoeff();
+    double allowed = limit * scene.grid.cell.minCoeff();
     std::unique_ptr<Boxes<Dim>> boxes;
     for (auto& body : scene.bodies) {
         if (!body->type->isMeshed()) continue;
@@ -76,8 +76,8 @@ template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double
             }
             const Vec<Dim> reach = (1 - 1e-6) * scene.grid.cell;
             if (auto* entry = boxes->near(lower, upper, reach)) {
-                fault = {true, body->name, entry->body->name, place(Vec<Dim>(0.5 * (lower + upper))), edge};
-                return fault;
+                fault = {true, body->name, entry->body->name, place(Vec<Dim>(0.5 * (lower + upper))), edge, body->domains->initialEdge(p)};
+                allowed = edge;
             }
         }
     }

@@ -12,10 +12,10 @@ struct InterfaceFault {
     bool found = false;
     std::string meshed, boxes; // names of the bodies
     std::string where;
-    double edge = 0; // m
+    double edge = 0, initialEdge = 0; // m
 };
 
-// limit: longest edge allowed, in cells.
+// limit: longest edge allowed, in cells. The longest edge beyond it is reported.
 template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double limit);
 
 } // namespace mpm

@@ -196,6 +196,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     double longestEdge(int p) const override { return std::sqrt(longestSquare(p, vertices_.position)); }
+    double initialEdge(int p) const override { return std::sqrt(longestSquare(p, vertices_.reference)); }
 
     double minJacobian() const override {
         double least = 1e300;

@@ -115,8 +115,9 @@ template <int Dim> class Domains {
     // distort have none.
     virtual double minJacobian() const { return std::numeric_limits<double>::quiet_NaN(); }
     virtual double hourglass() const { return 0; }
-    // Longest edge of a domain, m.
+    // Longest edge of a domain, m, and what it was when the displacement was zero.
     virtual double longestEdge(int p) const = 0;
+    virtual double initialEdge(int p) const { return longestEdge(p); }
     virtual size_t bytes() const { return 0; }
 
     Particles<Dim>& particles;

@@ -120,6 +120,17 @@ template <int Dim> struct Bind {
     static double bytes(B& body) { return double(body.particles.bytes() + body.domains->bytes()); }
     static double minJacobian(B& body) { return body.domains->minJacobian(); }
     static double hourglass(B& body) { return body.domains->hourglass(); }
+    // Number of domains whose quality is at most `limit`, and the worst of all.
+    static bp::tuple poorDomains(B& body, double limit) {
+        Distorted worst{-1, 1};
+        int count = 0;
+        for (int p = 0; p < body.particles.size(); ++p) {
+            const double quality = body.domains->quality(p);
+            count += quality <= limit;
+            if (quality < worst.quality) worst = {p, quality};
+        }
+        return bp::make_tuple(count, worst.particle, worst.quality);
+    }
     static bp::tuple yielding(B& body, double tolerance) {
         const BeyondYield found = beyondYield(body, tolerance);
         return bp::make_tuple(found.count, found.worst, found.change);
@@ -146,6 +157,7 @@ template <int Dim> struct Bind {
             .add_property("bytes", bytes)
             .add_property("minJacobian", minJacobian)
             .add_property("hourglass", hourglass)
+            .def("poorDomains", poorDomains)
             .def("beyondYield", yielding)
             .def("buildLattice", buildLattice)
             .def("buildMesh", buildMesh)

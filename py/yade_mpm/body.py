@@ -2,6 +2,7 @@
 """Bodies: named sets of particles, whose fields are NumPy views of the solver's memory."""
 import numpy as np
 
+from . import limits
 from .attributes import Guarded
 from .regions import Region
 
@@ -28,6 +29,8 @@ class Body(Guarded):
                            doc="Smallest corner Jacobian of the domains over their initial volume; nan for uGIMP.")
     hourglassAmplitude = property(lambda self: self.core.hourglass,
                                   doc="Largest hourglass amplitude of the domains over their edge, -.")
+    distortedCount = property(lambda self: self.core.poorDomains(limits.POOR_QUALITY)[0],
+                              doc="Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run stops, or converts them.")
     bytesPerParticle = property(lambda self: self.core.bytes / max(1, self.count), doc="Memory, bytes per particle.")
 
     def __len__(self):

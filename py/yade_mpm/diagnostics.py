@@ -92,6 +92,11 @@ def hourglassAmplitude(scene):
     return float(max(values)) if values else float("nan")
 
 
+def distortedCount(scene):
+    """Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run stops, or converts them."""
+    return sum(body.distortedCount for body in scene.bodies)
+
+
 def invertedCount(scene):
     """Number of APDI domains with a corner Jacobian <= 0, and of uGIMP particles with det F <= 0."""
     return sum(_inverted(body) for body in scene.bodies if body.count)

@@ -31,6 +31,7 @@ _standard = {  # name -> (unit in 3D, function of the scene)
     "unbalancedRatio": ("-", diagnostics.unbalancedRatio),
     "minJacobian": ("-", diagnostics.minJacobian),
     "hourglassAmplitude": ("-", diagnostics.hourglassAmplitude),
+    "distortedCount": ("-", diagnostics.distortedCount),
     "invertedCount": ("-", diagnostics.invertedCount),
     "convertedCount": ("-", diagnostics.convertedCount),
 }
@@ -58,7 +59,7 @@ class History(Callback):
     with a `Contact` among the engines contact.A-B.fx, contact.A-B.fy (, .fz), the force on group B by group A for each pair of
     groups, contact.frictionWork and, of the last step, contact.largestPenetration (see `Contact`);
     mass, momentum.x ..., kineticEnergy, internalWork, externalWork, dampedEnergy, contactEnergy, energyError, workDone,
-    kineticRatio, unbalancedRatio, minJacobian, hourglassAmplitude, invertedCount, convertedCount (see
+    kineticRatio, unbalancedRatio, minJacobian, hourglassAmplitude, distortedCount, invertedCount, convertedCount (see
     `yade_mpm.diagnostics`). A value that does not exist is nan.
 
     energyError = externalWork - dampedEnergy - contactEnergy - internalWork - (kineticEnergy - kinetic energy at the start).

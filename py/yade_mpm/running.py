@@ -134,9 +134,9 @@ class Run:
         self._warnOfDomains()
 
     def _warnOfDomains(self):
-        """Once: of edges beside uGIMP that have become too long."""
+        """Once each: of edges beside uGIMP that have become too long, and of distorted domains."""
         scene = self.scene
-        for what, fault in (("interface", scene._interfaceFault),):
+        for what, fault in (("interface", scene._interfaceFault), ("distortion", scene._distortion)):
             if what not in scene._warnedOf and (text := fault()) is not None:
                 scene._warnedOf.add(what)
                 self.progress.say(f"warning: step {scene.steps}: {text}")

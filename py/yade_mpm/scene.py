@@ -551,6 +551,18 @@ class Scene(Guarded):
         return (f"{place} has stretched from {initial:.3g} to {edge:.3g} m, {edge / cell:.3g} cells, within one cell of uGIMP particles, where the "
                 f"stress becomes wrong beyond one cell (a run ends at {limits.INTERFACE_RUN:g}); use UGIMP there, or APDI(onDistortion=\"convert\")")
 
+    def _distortion(self):
+        """Which APDI domain is distorted most, if any is much; or None."""
+        poor = [(quality, body, particle, count) for body in self.bodies for count, particle, quality in [body.core.poorDomains(limits.POOR_QUALITY)]
+                if count]
+        if not poor:
+            return None
+        quality, body, particle, count = min(poor, key=lambda p: p[0])
+        number = f"{count} domains" if count > 1 else "a domain"
+        return (f"{number} of '{body.name}' distorted, most that of particle {body.id[particle]} at {_place(body.position[particle])}: smallest corner "
+                f"{100 * quality:.3g} % of its area, and at 5 % {'it becomes uGIMP' if body.type.core.converts else 'the run stops'}; use UGIMP there"
+                + ("" if body.type.core.converts else ", or APDI(onDistortion=\"convert\")"))
+
     # --- results --------------------------------------------------------------------------------------
     constraints = property(lambda self: list(self._constraints), doc="All prescribed motions, faces included.")
 

@@ -173,6 +173,41 @@ def test_an_inverted_domain_ends_the_run_and_is_named(scheme, recwarn):
     assert [str(w.message)[:10] for w in recwarn] == (["checkpoint"] if scheme == "USF" else []), "USF ends it within the step"
 
 
+@pytest.mark.parametrize("onDistortion", ["stop", "convert"])
+def test_a_distorted_domain_is_warned_of_once_before_it_ends_the_run(onDistortion, capsys):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25)
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI(onDistortion=onDistortion))
+    scene.dt = 1e-6
+    scene.run(steps=1)
+    start = body.vertices[0].copy()
+    body.vertices[0] = start + 0.44 * 0.25  # corner (1 - 2 a)/(1 - a) of the area = 0.214
+    scene.run(steps=1)
+    assert capsys.readouterr().err == "" and body.distortedCount == mpm.diagnostics.distortedCount(scene) == 0
+    body.vertices[0] = start + 0.46 * 0.25  # 0.148
+    scene.run(steps=1)
+    said = capsys.readouterr().err
+    assert body.distortedCount == mpm.diagnostics.distortedCount(scene) == 1
+    assert "warning: step 3: a domain of 'mesh' distorted, most that of particle 0 at (0.6" in said and "smallest corner 14.8 % of its area" in said
+    assert ("at 5 % the run stops; use UGIMP there, or APDI(onDistortion" in said) == (onDistortion == "stop")
+    scene.run(steps=1)
+    assert capsys.readouterr().err == ""
+
+
+def test_domains_are_looked_at_every_thousand_steps(capsys):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25)
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI())
+    def distort():
+        body.vertices[0] += 0.46 * 0.25 * (1 if scene.steps == 500 else -1)
+    scene.engines = [*scene.engines, mpm.PyRunner(distort, iterPeriod=500, label="distort")]
+    scene.dt = 1e-9
+    scene.run(steps=1001)
+    assert capsys.readouterr().err == ""  # there and back between two looks
+    body.vertices[0] += 0.46 * 0.25
+    scene.engines[-1].dead = True
+    scene.run(steps=1500)
+    assert "warning: step 2000: a domain of 'mesh' distorted" in capsys.readouterr().err
+
+
 def test_conversion_conserves_mass_momentum_volume_and_stress():
     stopped, converted = pulledMesh("stop"), pulledMesh("convert")
     with pytest.raises(RuntimeError, match="inverted"):

@@ -198,6 +198,12 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     double longestEdge(int p) const override { return std::sqrt(longestSquare(p, vertices_.position)); }
     double initialEdge(int p) const override { return std::sqrt(longestSquare(p, vertices_.reference)); }
 
+    double quality(int p) const override {
+        const auto X = numbersOf<Dim>(cornersOf(p));
+        const ClosedShape<Dim> shape(X);
+        return qualityOf(shape, smallestCorner(shape, X));
+    }
+
     double minJacobian() const override {
         double least = 1e300;
         for (int p = 0; p < particles.size(); ++p) {

@@ -106,6 +106,8 @@ template <int Dim> class Domains {
 
     // Distorted domains found in takeGradient(); empty for types that cannot distort.
     virtual std::vector<Distorted> distorted() const { return {}; }
+    // Quality of a domain as it is, see Distorted; boxes keep theirs.
+    virtual double quality(int /*particle*/) const { return 1; }
     virtual std::vector<Piece<Dim>> split(int /*particle*/, const Vec<Dim>& /*halfSize*/) const { return {}; }
     virtual void remove(const std::vector<int>& /*sorted particles*/) {}
     virtual void grown() {} // after particles were appended

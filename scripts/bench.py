@@ -21,6 +21,7 @@ import statistics
 import subprocess
 import sys
 import time
+import warnings
 from math import radians
 from pathlib import Path
 
@@ -139,7 +140,9 @@ def throughPython(repeats):
                      mpm.GridToParticle(), mpm.DomainUpdater()]
     scene.dt = 0.4 * h / soil.core.waveSpeed
     body.velocity = body.position * (2e-7 / scene.dt) * (1, -1)
-    scene.run(steps=3, progress=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the soil begins beyond yield, to yield everywhere
+        scene.run(steps=3, progress=False)
     best = float("inf")
     for _ in range(repeats):
         start = time.perf_counter()

@@ -51,7 +51,7 @@ class History(Callback):
         give functions again after loading (`history.columns["toe"] = ...`), the column is nan until then.
     average : reactions, moments and forces of contact are means over the time since the row before instead of values of the last step.
         Default True: explicit dynamics makes the value of one step noisy.
-    sampleEvery : steps between the samples that are averaged; default 10. One sample takes about 6 us.
+    sampleEvery : steps between the samples that are averaged; default 10. One sample takes about 6 us, with a `Contact` 12.
     state : rows of the run that is to be continued; given by checkpoints. The files are made to hold just these.
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces): NAME.fx,

@@ -10,7 +10,8 @@ from .body import Body
 from .engines import FACES, Callback, Engine, GridSolver, belongTo, classes
 from .files import checkWritable
 from .lattice import checkOverlap
-from .materials import Material, MaterialPoint
+from .materials import Material
+from .mistakes import likelyMistakes
 from .particles import ParticleType, classes as particleClasses
 from .regions import Region
 from .running import Run
@@ -457,32 +458,13 @@ class Scene(Guarded):
         for body in self.bodies:
             _checkFields(body)
         if self.steps == 0:
-            self._warnOfMistakes()
+            for mistake in likelyMistakes(self, self._solver("prepare").gravity):
+                warnings.warn(mistake, stacklevel=3)
         self._checkInterface(limits.INTERFACE_BUILD if self.steps == 0 else limits.INTERFACE_RUN)
         if not (self._checked and self._checkedState == self._stabilityState()):
             self.checkTimeStep()
         self.core.threads = self.threads
         self._prepared = True
-
-    def _warnOfMistakes(self):
-        gravity = self._solver("prepare").gravity
-        for body in self.bodies:
-            _warnOfUnits(body, gravity)
-            _warnOfYield(body)
-        softest = min((b.material.lameConstants[1] for b in self.bodies), default=0.0)
-        for body in self.bodies:
-            if body.count and body.material.lameConstants[1] > STIFFER * softest:
-                _warnOfBending(body)
-        if self._geostatic is not None and not np.isclose(self._geostatic, -gravity[-1] if gravity else 0):
-            warnings.warn(f"Scene: initialStress was made for {self._geostatic:g} m/s2 downwards, the GridSolver has gravity = {gravity} m/s2; the "
-                          f"ground will move", stacklevel=4)
-        groups = dict.fromkeys(b.group for b in self.bodies)
-        if len(groups) > 1 and not any(isinstance(e, classes["Contact"]) for e in self.engines):
-            warnings.warn(f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among the engines", stacklevel=4)
-        for engine, friction in ((e, f) for e in self.engines if hasattr(e, "frictions") for f in e.frictions()):
-            if ANGLES[0] <= friction <= ANGLES[1]:
-                warnings.warn(f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its tangent, "
-                              f"{np.tan(np.radians(friction)):.3g}, if it is one", stacklevel=4)
 
     def checkTimeStep(self):
         """Estimates the critical step; takes 0.8 of it if dt was left out, refuses a dt above it otherwise."""
@@ -643,76 +625,6 @@ def _checkFields(body):
             raise ValueError(f"body '{body.name}': {name} holds a value that is not finite (entry {number}); mend it")
         if name in ("mass", "volume", "initialVolume") and not (values > 0).all():
             raise ValueError(f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend it")
-
-
-UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
-ANGLES = 5, 85         # degrees; no coefficient of friction is that large
-FASTEST = 2e4          # m/s; compression waves in diamond: 1.8e4
-
-
-def _warnOfUnits(body, gravity):
-    """Warns of a density that looks like a unit weight, of a body that its own weight would crush, and of one stiffer than any solid:
-    units do not fit then."""
-    density, (lame, mu) = body.material.density, body.material.lameConstants
-    if UNIT_WEIGHTS[0] <= density <= UNIT_WEIGHTS[1]:
-        warnings.warn(f"body '{body.name}': density = {density:g} Mg/m3 looks like a unit weight in kN/m3; give {density / 9.81:.3g} "
-                      f"if it is one", stacklevel=5)
-    weight = density * np.linalg.norm(gravity) * np.ptp(body.corners()[..., -1]) if body.count else 0.0
-    if weight > lame + 2 * mu:
-        warnings.warn(f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness lambda + 2 mu = "
-                      f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?", stacklevel=5)
-    if body.material.waveSpeed > FASTEST:
-        warnings.warn(f"body '{body.name}': compression waves travel at {body.material.waveSpeed:.3g} m/s, faster than in any solid; units are Mg/m3, m "
-                      f"and kPa: is the stiffness in Pa?", stacklevel=5)
-
-
-def _warnOfYield(body):
-    """Warns of a stress that the material cannot bear: the first step changes it without any strain."""
-    count, worst, change = body.core.beyondYield(1e-6)
-    if not count:
-        return
-    vertical, horizontal = body.stress[worst, body._scene.dim - 1, body._scene.dim - 1], body.stress[worst, 0, 0]
-    bearable = _bearableK0(body.material, vertical, body._scene.dim - 1) if vertical < 0 else None
-    advice = "give a stress inside the yield surface" if bearable is None else (
-        f"where the vertical stress is {vertical:.3g} kPa it bears K0 from {bearable[0]:.4g} to {bearable[1]:.4g}, given is {horizontal / vertical:.4g}")
-    warnings.warn(f"body '{body.name}': {100 * count / body.count:.3g} % of its particles start with a stress outside the yield surface of "
-                  f"{type(body.material).__name__}, and the first step changes it by up to {change:.3g} kPa; {advice}", stacklevel=5)
-
-
-def _bearableK0(material, vertical, up):
-    """Least and largest K0 that a material bears at a vertical stress, by bisection from K0 = 1; None if it does not bear that."""
-    def bears(K0):
-        stress = vertical * np.diag([1.0 if k == up else K0 for k in range(3)])
-        return np.abs(MaterialPoint(material, stress).gradient(np.zeros((3, 3)), 1.0) - stress).max() <= 1e-6 * abs(vertical)
-    if not bears(1.0):
-        return None
-    ends = []
-    for far in (0.0, 100.0):
-        good, bad = 1.0, far
-        for _ in range(0 if bears(far) else 30):
-            middle = 0.5 * (good + bad)
-            good, bad = (middle, bad) if bears(middle) else (good, middle)
-        ends.append(far if bears(far) else good)
-    return ends
-
-
-STIFFER = 10   # a body is a structure in softer ones from this ratio of shear moduli on
-SLENDER = 4    # and bends from this ratio of its extents on
-
-
-def _warnOfBending(body):
-    """Warns of a slender body whose bending stiffness is that of the grid, not its own."""
-    corners = body.corners()
-    extents = np.ptp(corners.reshape(-1, corners.shape[-1]), axis=0)
-    axis = int(extents.argmin())
-    thin, cell = extents[axis], body._scene.cell[axis]
-    if extents.max() < SLENDER * thin:
-        return
-    faults = ["one particle wide"] if np.ptp(body.position[:, axis]) < 1e-6 * thin else []
-    faults += [f"thinner than a cell ({thin:.3g} of {cell:.3g} m)"] if thin < (1 - 1e-6) * cell else []
-    if faults:
-        warnings.warn(f"body '{body.name}' is {' and '.join(faults)}: its bending stiffness is wrong, by a factor and more; give two particles or more "
-                      f"across it and a cell no larger than its thickness, half of it for bending (doc/sheet-pile.md)", stacklevel=5)
 
 
 def _cell(cell, dim):

@@ -3,8 +3,8 @@
 """An elastic cylinder pressed onto an elastic half-plane, or another cylinder: contact pressure against Hertz.
 
 A cylinder of radius R = 20 a is pressed down until it touches the ground along a half-width of about a; or one of 2 R onto another
-of 2 R (--two), which is the same for 1/R = 1/R1 + 1/R2. Plane strain, no friction, no weight; the right halves are meshed, with rollers on the axis and below. Closed form (Hertz 1882; Johnson 1985, Contact
-Mechanics, sect. 4.2) for the load P and 1/E* = 2 (1 - nu^2)/E: half-width a = sqrt(4 P R / (pi E*)), pressure
+of 2 R (--two), which is the same for 1/R = 1/R1 + 1/R2. Plane strain, no friction, no weight; the right halves are meshed, with rollers
+on the axis and below. Closed form (Hertz 1882; Johnson 1985, Contact Mechanics, sect. 4.2) for the load P and 1/E* = 2 (1 - nu^2)/E: half-width a = sqrt(4 P R / (pi E*)), pressure
 p = p0 sqrt(1 - (x/a)^2), p0 = 2 P / (pi a). The half-width found is 2 sqrt(<x^2> - h^2/6), with the mean over the forces of the
 nodes; h^2/6 is what hat functions add.
 

@@ -421,8 +421,7 @@ class Contact(_generated["Contact"]):
 
     def forceOn(self, group):
         """Force on a group in the last step, kN (3,)."""
-        table = self.contactTable()
-        return table["force"][table["second"] == group].sum(axis=0) - table["force"][table["first"] == group].sum(axis=0)
+        return sum(((second == group) * force - (first == group) * force for (first, second), force in self.forces().items()), np.zeros(3))
 
 
 class Callback(Engine):

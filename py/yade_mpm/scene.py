@@ -235,8 +235,7 @@ class Scene(Guarded):
     @dt.setter
     def dt(self, value):
         self._refuseDuringStep("dt")
-        isNumber = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
-        if value is not None and not (isNumber and 0 < value < np.inf):
+        if value is not None and not (_isNumber(value) and 0 < value < np.inf):
             raise ValueError(f"Scene: dt = {value!r} s is not allowed; give a positive number, or None for an automatic step")
         self._dt = None if value is None else float(value)
         self._dirty()
@@ -389,8 +388,7 @@ class Scene(Guarded):
             raise ValueError(f"run: until = {until:g} s is not after the scene's time {self.time:g} s")
         if checkpointFile is not None:
             checkWritable(checkpointFile)
-        isNumber = isinstance(checkpointPeriod, (int, float, np.number)) and not isinstance(checkpointPeriod, bool)
-        if checkpointPeriod is not None and not (isNumber and checkpointPeriod >= 0):
+        if checkpointPeriod is not None and not (_isNumber(checkpointPeriod) and checkpointPeriod >= 0):
             raise ValueError(f"run: checkpointPeriod = {checkpointPeriod!r} is not allowed; give a wall time in s, or None")
         self.prepare()
         self._run = Run(self, until, steps, progress, checkpointFile, checkpointPeriod)
@@ -625,6 +623,10 @@ def _checkFields(body):
             raise ValueError(f"body '{body.name}': {name} holds a value that is not finite (entry {number}); mend it")
         if name in ("mass", "volume", "initialVolume") and not (values > 0).all():
             raise ValueError(f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend it")
+
+
+def _isNumber(value):
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
 
 
 def _cell(cell, dim):

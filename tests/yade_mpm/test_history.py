@@ -104,6 +104,9 @@ def test_contact_has_columns_of_force_between_groups_friction_and_overlap():
     columns = [f"contact.base-{group}.f{axis}" for group in ("block", "cap") for axis in "xy"]
     assert np.allclose(np.transpose([history[c] for c in columns]), means, rtol=1e-12, atol=1e-12)
     assert np.abs(means).max(axis=0).min() > 0.1 and not np.allclose(means, np.array(seen)[99::100], rtol=1e-3)  # the last step is another one
+    table = contact.contactTable()
+    for (a, b), force in contact.forces().items():
+        assert np.allclose(force, table["force"][(table["first"] == a) & (table["second"] == b)].sum(axis=0), rtol=1e-12, atol=1e-12)
     assert not history["contact.block-cap.fx"].any() and "contact.cap-block.fx" not in history.names
     assert history["contact.frictionWork"][-1] == contact.frictionWork > 0
     assert history["contact.largestPenetration"][-1] == contact.largestPenetration

@@ -30,7 +30,8 @@ REMEDIES = {
     "all, psi = 0": ["--remedies", "--psi", "0"],
 }
 COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "collarThickness": "collar (m)",
-           "resistanceScatter": "scatter of R (-)", "stripes": "stripes (-)", "minJacobian": "min J (-)", "wallSeconds": "wall (s)"}
+           "resistanceScatter": "scatter of R (-)", "stripes": "stripes (-)",
+           "stripesBelow": "stripes from 2 h below the tip (-)", "minJacobian": "min J (-)", "wallSeconds": "wall (s)"}
 
 
 def arguments(given=None):

@@ -14,6 +14,7 @@ import os
 import platform
 import resource
 import time
+from functools import partial
 from math import ceil, nan, radians, tan
 
 import numpy as np
@@ -27,6 +28,7 @@ PILE_LENGTH, EMBEDDED = 10.0, 1.0         # m
 ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5         # m: uGIMP zone, and how far it reaches below the final tip
 GRAVITY, K0 = 9.81, 0.43
 REMEDIES = {"friction": 0.3, "tip": 90.0, "dilatancyLimit": 0.05, "split": 1.3}
+STRIPES = {"stripes": 0, "stripesBelow": 2}  # columns of the history, and how many cells below the tip their line begins
 ARGUMENTS = "arguments.json"              # in the folder of the results, what --resume goes by
 MAY_CHANGE = {"resume", "until", "threads", "rateCheck", "compare"}
 
@@ -207,7 +209,7 @@ def soilBodies(scene):
 def run(a, out):
     """Runs the scene of the arguments and leaves its results in a folder; returns the summary."""
     os.makedirs(out, exist_ok=True)
-    snapshots, stripes = [], lambda scene: stripesBelow(a, scene)
+    snapshots, stripes = [], {name: partial(stripesFrom, a, cells) for name, cells in STRIPES.items()}
 
     def snapshot(scene):
         snapshots.append((float(penetrationAt(a, scene.time)), plot.Snapshot(scene, "plasticShearStrain")))
@@ -216,7 +218,7 @@ def run(a, out):
         scene = mpm.load(a.resume, callbacks={"snapshots": snapshot})
         if not a.until > scene.time:
             raise SystemExit(f"sheet_pile: {a.resume} is at t = {scene.time:g} s and the run ends at {a.until:g} s; give a later --until")
-        next(e for e in scene.engines if isinstance(e, mpm.History)).columns["stripes"] = stripes
+        next(e for e in scene.engines if isinstance(e, mpm.History)).columns.update(stripes)
         if a.threads:
             scene.threads = a.threads
     else:
@@ -225,7 +227,7 @@ def run(a, out):
         scene.engines = scene.engines + [
             mpm.Recorder(os.path.join(out, "sheet_pile.h5"), period=a.until / 40),
             mpm.History(period=a.until / 800, file=os.path.join(out, "history.csv"),
-                        columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})", "stripes": stripes}),
+                        columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})", **stripes}),
             mpm.PyRunner(snapshot, virtPeriod=a.until / 4, label="snapshots"),
         ]
     history = next(e for e in scene.engines if isinstance(e, mpm.History))
@@ -309,7 +311,6 @@ def summarise(a, scene, history, wall, steps):
     surface = surfaceOf(scene)
     heave, trough, openCavity = surface.areas(DEPTH, a.cell)
     settled = depth > a.cell
-    striped, stripes = depth[np.isfinite(history["stripes"])], history["stripes"][np.isfinite(history["stripes"])]
     ratios = history["kineticRatio"][settled]
     soilCount = sum(b.count for b in soil)
     tip = pile.reference[:, 1] < DEPTH - EMBEDDED + a.cell
@@ -345,8 +346,7 @@ def summarise(a, scene, history, wall, steps):
         "minJacobian": extreme(history["minJacobian"], np.nanmin),
         "invertedDomains": int(history["invertedCount"].max()),
         "convertedDomains": int(history["convertedCount"][-1]),
-        "stripes": extreme(stripes[striped > depth[-1] - a.cell], np.mean),
-        "stripesAt": atHalfMetres(striped, movingAverage(striped, stripes, a.cell)) if len(stripes) else {},
+        **stripeMeans(a, depth, history),
         "hourglassMax": extreme(history["hourglassAmplitude"], np.nanmax),
         "kineticEnergyRatioMax": extreme(ratios, np.nanmax),
         "energyError": float(history["energyError"][-1]),
@@ -369,14 +369,25 @@ def collar(a, soil, penetration):
     return float(area / (2 * EMBEDDED))
 
 
-def stripesBelow(a, scene):
-    """Stripes of the mean stress (`diagnostics.stripes`) along the second column of particles beside the pile, -: from its tip
-    down as far as the uGIMP zone of the hybrid reaches below the final one. Mean of both sides. It changes with the place of the tip in
-    its cell: only means over a cell of penetration tell something."""
+def stripesFrom(a, cells, scene):
+    """Stripes of the mean stress (`diagnostics.stripes`) along the second column of particles beside the pile, -: from so many cells
+    below its tip down as far as the uGIMP zone of the hybrid reaches below the final one. Mean of both sides. It changes with the place of
+    the tip in its cell: only means over a cell of penetration tell something."""
     tip = DEPTH - EMBEDDED - penetrationAt(a, scene.time)
     lines = [diagnostics.meanStressAlong(soilBodies(scene), a.width / 2 + side * (a.thickness / 2 + 0.75 * a.cell), a.cell / 2,
-                                         tip - ZONE_BELOW, tip)[1] for side in (-1, 1)]
+                                         tip - ZONE_BELOW, tip - cells * a.cell)[1] for side in (-1, 1)]
     return float(np.mean([diagnostics.stripes(p) for p in lines])) if min(map(len, lines)) > 2 else nan
+
+
+def stripeMeans(a, depth, history):
+    """Of each of STRIPES the mean over the last cell of penetration, and by depth over a cell about it."""
+    means = {}
+    for name in STRIPES:
+        known = np.isfinite(history[name])
+        at, values = depth[known], history[name][known]
+        means[name] = extreme(values[at > depth[-1] - a.cell], np.mean)
+        means[name + "At"] = atHalfMetres(at, movingAverage(at, values, a.cell)) if len(values) else {}
+    return means
 
 
 def extreme(values, which):

@@ -121,7 +121,8 @@ class Body(Guarded):
 
     @property
     def fbar(self):
-        """Whether the volumetric strain increment of the stress update is averaged over a cell."""
+        """Whether the stress update takes one increment of volumetric strain per cell, and makes the mean stress linear in it
+        (against volumetric locking); a flag."""
         return self.core.fbar
 
     @fbar.setter

@@ -76,7 +76,8 @@ class Scene(Guarded):
         region : Region; for APDI also (points (Nv, dim), cells (Nc, 4 or 8)), or the name of a mesh file.
         material : e.g. mpm.LinearElastic(...). type : e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).
         inertiaScale : factor on the inertial mass, not on the weight; default 1.
-        fbar : one increment of volumetric strain and one mean stress per cell (against volumetric locking); default False.
+        fbar : one increment of volumetric strain and one linear mean stress per cell (against volumetric locking; de Souza Neto et al.
+            1996, doc/decisions/0008); default False.
         group : name; bodies of one group stick together, between groups a `Contact` engine lets them slip; default "main".
 
         Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies that

@@ -20,7 +20,7 @@ KEYS = {"arguments", "versions", "threads", "particles", "soilParticles", "allUG
         "appliedForce", "resistanceAtBase", "heaveArea", "troughArea", "cavityArea", "displacedArea", "openCavityArea", "collarThickness",
         "surfaceHighest", "minJacobian", "invertedDomains", "convertedDomains", "stripes", "hourglassMax", "kineticEnergyRatioMax",
         "energyError", "reactionBalanceMaxTo1.5m", "reactionBalanceMax", "isolatedParticles", "surfaceContinuous", "openBesidePile",
-        "surfaceSingleValued", "tipDrift", "stripesAt", "quasiStatic", "files"}
+        "surfaceSingleValued", "tipDrift", "stripesAt", "stripesBelow", "stripesBelowAt", "quasiStatic", "files"}
 
 
 # --- particles of the default scene -------------------------------------------------------------------------
@@ -119,6 +119,23 @@ def test_a_particle_that_flies_off_is_isolated(one):
 
 def test_only_a_mesh_can_tell_whether_the_surface_is_single_valued(runs):
     assert [r[0]["surfaceSingleValued"] for r in runs[1:3]] == [True, None]
+
+
+# --- stripes ------------------------------------------------------------------------------------------------
+def test_stripes_leave_out_the_peak_at_the_tip_but_nothing_below():
+    a = sheet_pile.arguments([])
+    scene = sheet_pile.build(a)
+    tip = sheet_pile.DEPTH - sheet_pile.EMBEDDED
+
+    def both(pressure):
+        for body in sheet_pile.soilBodies(scene):
+            body.stress[...] = -pressure(tip - body.position[:, 1])[:, None, None] * np.eye(3)
+        return [sheet_pile.stripesFrom(a, cells, scene) for cells in sheet_pile.STRIPES.values()]
+
+    peak = both(lambda depth: 100.0 + 400 * (depth < a.cell))
+    assert peak[0] > 0.3 and peak[1] == 0
+    rows = both(lambda depth: 100.0 + 10 * (-1) ** np.floor(depth / (a.cell / 2)))
+    assert rows == pytest.approx([0.4, 0.4], rel=0.02)  # control
 
 
 # --- the files ----------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ sheetPile = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(sheetPile)
 
 OPTIONS = "--cell 1 --rate 2 --ramp 0.25 --psi 5 --until 0.9 --threads 1".split()
-RESULTS = ("penetration", "resistance", "appliedForce", "resistanceAtBase", "soilParticleRatio", "heaveArea", "energyError", "steps", "dt", "stripes", "stripesAt")
+RESULTS = ("penetration", "resistance", "appliedForce", "resistanceAtBase", "soilParticleRatio", "heaveArea", "energyError", "steps", "dt", "stripes", "stripesAt", "stripesBelow", "stripesBelowAt")
 
 
 def results(*words):

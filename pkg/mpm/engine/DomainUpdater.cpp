@@ -105,7 +105,6 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const auto* nodes = scene.grid.fields[body.velocityField].velocity.data();
         const int n = body.particles.size();
         Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
-        const double* volume = body.particles.volume.plane();
         const auto gradient = [&](int begin, int end) { body.domains->takeGradient(begin, end, nodes, scene.dt); };
         const auto rest = [&](int begin, int end) {
             deform(body.particles, scene.dt, begin, end);
@@ -119,14 +118,14 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             gradient(begin, end), average_.locate(body.particles, scene.grid, begin, end);
             traces(L, Dim, begin, end, change + begin);
         });
-        average_.sum(team, volume);
+        average_.sum<false>(team, body.particles);
         team.chunks(n, [&](int begin, int end) {
-            average_.toChanges(begin, end), rest(begin, end);
+            average_.toMeans(begin, end), rest(begin, end);
             traces(stress, 3, begin, end, change + begin);
         });
-        average_.sum(team, volume);
+        average_.sum<true>(team, body.particles);
         team.chunks(n, [&](int begin, int end) {
-            average_.toChanges(begin, end);
+            average_.toLinear(body.particles, begin, end);
             for (int k = 0; k < 3; ++k)
                 for (int p = begin; p < end; ++p) stress.plane(4 * k)[p] += change[p] / 3;
         });

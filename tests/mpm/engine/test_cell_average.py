@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""F-bar: after a step the particles of a body in one cell have one mean stress; its volume-weighted sum and the deviator stay."""
+"""F-bar: after a step the mean stress is linear in each cell of a body. The volume-weighted mean of the cell and the deviators stay, the
+slopes are those towards the neighbouring cells, and no value is beyond theirs."""
 import numpy as np
 import pytest
 
@@ -9,39 +10,85 @@ CELL = 0.5
 STRONG = dict(density=2.0, lame=(1e3, 1e3), cohesion=1e3, frictionAngle=0.0, dilatancyAngle=0.0)
 
 
-def randomlyStressed(kind, fbar):
-    """A block at rest with random stresses, after one step too short to change them; stress before."""
-    scene = mpm.Scene((0, 0), (4, 4), CELL)
+def stressed(kind, stress, fbar=True, dim=2):
+    """A block at rest with stress(positions), (N,) or (N, 3, 3), after one step too short to change it. Returns the body and the stress before."""
+    scene = mpm.Scene((0,) * dim, (4,) * dim, CELL)
     type_ = mpm.APDI(size=CELL / 2) if kind == "APDI" else mpm.UGIMP(perCell=2)
-    body = scene.add("block", mpm.box((1, 0.5), (3, 2.5)), mpm.MohrCoulombDruckerPrager(**STRONG), type_, fbar=fbar)
-    stress = np.random.default_rng(1).normal(size=(body.count, 3, 3))
-    body.stress[...] = stress + stress.transpose(0, 2, 1)
-    body.stress[:, :2, 2] = body.stress[:, 2, :2] = 0
+    body = scene.add("block", mpm.box((1, 0.5, 1)[:dim], (3, 2.5, 3)[:dim]), mpm.MohrCoulombDruckerPrager(**STRONG), type_, fbar=fbar)
+    given = stress(body.position)
+    body.stress[...] = given if given.ndim == 3 else given[:, None, None] * np.eye(3)
     before = body.stress.copy()
     scene.dt = 1e-13
     scene.run(steps=1, progress=False)
     return body, before
 
 
-def means(body, stress):
-    """Mean stress of the particles, and number of the cell they are in."""
-    cell = np.floor(body.position / CELL + 1e-9).astype(int)
-    return np.trace(stress, axis1=1, axis2=2) / 3, cell[:, 0] + 100 * cell[:, 1]
+def random(position):
+    stress = np.random.default_rng(1).normal(size=(len(position), 3, 3))
+    stress += stress.transpose(0, 2, 1)
+    stress[:, :2, 2] = stress[:, 2, :2] = 0
+    return stress
+
+
+def mean(stress):
+    return np.trace(stress, axis1=1, axis2=2) / 3
+
+
+def cells(body):
+    """Cell of each particle, (N, dim)."""
+    return np.floor(body.position / CELL + 1e-9).astype(int)
+
+
+def isInside(body):
+    """Whether the cell of a particle has neighbours with particles on all sides."""
+    cell = cells(body)
+    return ((cell > cell.min(axis=0)) & (cell < cell.max(axis=0))).all(axis=1)
 
 
 @pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
-def test_a_cell_has_one_mean_stress(kind):
-    body, before = randomlyStressed(kind, True)
-    p, cell = means(body, body.stress)
-    old, _ = means(body, before)
-    assert np.ptp(old[cell == cell[0]]) > 0.1
-    for c in np.unique(cell):
-        inside = cell == c
-        assert np.ptp(p[inside]) < 1e-8
-        assert p[inside].mean() == pytest.approx(np.average(old[inside], weights=body.volume[inside]), abs=1e-8)
+def test_cells_keep_their_mean_and_particles_their_deviator(kind):
+    body, before = stressed(kind, random)
+    p, old, cell = mean(body.stress), mean(before), cells(body)
+    assert np.abs(p - old).max() > 1
+    for c in np.unique(cell, axis=0):
+        inside = (cell == c).all(axis=1)
+        assert np.average(p[inside], weights=body.volume[inside]) == pytest.approx(np.average(old[inside], weights=body.volume[inside]), abs=1e-8)
     assert body.stress - p[:, None, None] * np.eye(3) == pytest.approx(before - old[:, None, None] * np.eye(3), abs=1e-8)
 
 
+@pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_linear_field_stays_and_what_alternates_within_cells_goes(kind, dim):
+    slope = np.array([3.0, -5.0, 2.0])[:dim]
+    body, before = stressed(kind, lambda x: 7 + x @ slope + 4 * (-1) ** np.floor(x[:, 1] / (CELL / 2) + 1e-9), dim=dim)
+    p, inside = mean(body.stress), isInside(body)
+    assert p[inside] == pytest.approx(7 + body.position[inside] @ slope, abs=1e-8)
+    assert mean(before)[inside] != pytest.approx(p[inside], abs=1)  # control
+
+
+@pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
+def test_a_cell_at_the_edge_of_the_body_is_constant_across_it(kind):
+    body, _ = stressed(kind, lambda x: 10 * x[:, 1])
+    cell, p = cells(body)[:, 1], mean(body.stress)
+    assert np.ptp(p[cell == cell.min()]) < 1e-8
+    assert np.ptp(p[cell == cell.min() + 1]) == pytest.approx(10 * CELL / 2)  # control
+
+
+@pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
+def test_no_value_is_beyond_the_means_of_the_neighbours(kind):
+    """Along one axis: a field that steepens, falls off and has an extremum."""
+    body, _ = stressed(kind, lambda x: np.where(x[:, 1] < 2, np.exp(3 * x[:, 1]), 0.0))
+    cell, p = cells(body)[:, 1], mean(body.stress)
+    means = {c: p[cell == c].mean() for c in np.unique(cell)}
+    for c in list(means)[1:-1]:
+        around = [means[c - 1], means[c], means[c + 1]]
+        assert min(around) - 1e-8 <= p[cell == c].min() and p[cell == c].max() <= max(around) + 1e-8
+    steep = list(means)[1]
+    assert np.ptp(p[cell == steep]) > 0.1 * means[steep]             # control: elsewhere it is not constant
+    top = max(means, key=means.get)
+    assert np.ptp(p[cell == top]) < 1e-8                             # at an extremum it is
+
+
 def test_without_fbar_each_particle_keeps_its_own():
-    body, before = randomlyStressed("UGIMP", False)
+    body, before = stressed("UGIMP", random, fbar=False)
     assert body.stress == pytest.approx(before, abs=1e-8)

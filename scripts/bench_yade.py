@@ -24,7 +24,7 @@ from math import radians
 
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, PyRunner, utils
-from yade_mpm import inYade
+from yade_mpm import commandLine, inYade
 from yade_mpm.commandLine import count
 
 CELL, WIDE, DEEP, YOUNG = 0.1, 250, 20, 1e4  # m, cells, cells, kPa
@@ -133,4 +133,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    commandLine.run(main)

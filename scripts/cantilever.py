@@ -14,7 +14,7 @@ import argparse
 import numpy as np
 
 import yade_mpm as mpm
-from yade_mpm import box
+from yade_mpm import box, commandLine
 from yade_mpm.commandLine import partOf, positive
 
 LENGTH, DEPTH = 4.0, 1.0
@@ -119,4 +119,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    commandLine.run(main)

@@ -202,4 +202,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    commandLine.run(main)

@@ -543,7 +543,4 @@ def print_(summary, out):
 
 
 if __name__ == "__main__":
-    try:
-        main()
-    except KeyboardInterrupt:
-        raise SystemExit(130) from None
+    commandLine.run(main)

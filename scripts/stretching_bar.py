@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 import yade_mpm as mpm
-from yade_mpm import box
+from yade_mpm import box, commandLine
 from yade_mpm.commandLine import between, count, partOf
 
 REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "verification" / "stretching_bar_reference.csv"
@@ -123,4 +123,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    commandLine.run(main)

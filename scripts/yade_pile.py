@@ -364,4 +364,4 @@ def main():
 
 
 if __name__ == "__main__":
-    main()
+    commandLine.run(main)

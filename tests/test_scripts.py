@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import yade_mpm as mpm
 
 RUN = Path(__file__).parents[1] / "scripts" / "run"
 WHERE = '"""Tells where it runs."""\nimport os, sys\nprint(sys.argv[1:], os.getcwd(), os.environ["PYTHONPATH"].split(":")[0])\n'
@@ -53,6 +54,42 @@ def test_what_is_not_there_is_named_and_the_scenes_listed(checkout):
     wrong = run(checkout, "dmeo", cwd=checkout)
     assert wrong.returncode == 2 and "there is no scene 'dmeo'" in wrong.stderr and "demo                 Tells where it runs." in wrong.stderr
     assert "demo  " in run(checkout, cwd=checkout).stdout
+
+
+ENDS = {  # of a scene: its main function, the exit code, what it says last
+    "the solver refuses": ("mpm.Scene((0, 0), (1, 1), 0.3)", 1, "demo: Scene"),
+    "the run fails": ("scene['block'].velocity = 9; scene.run(until=1)", 1, "demo: step "),
+    "a file fails": ("open('no/folder', 'w')", 1, "demo: [Errno 2] No such file or directory: 'no/folder'"),
+    "Ctrl-C": ("signal.raise_signal(signal.SIGINT)", 130, ""),
+    "the scene is wrong": ("int('one')", 1, "ValueError: invalid literal"),
+    "numpy refuses": ("np.zeros(2) + np.zeros(3)", 1, "ValueError: operands"),
+}
+
+
+@pytest.mark.parametrize("how", ENDS)
+def test_a_scene_ends_with_a_message_and_only_its_own_mistakes_show_a_traceback(how, tmp_path):
+    what, code, last = ENDS[how]
+    (tmp_path / "demo.py").write_text(f"""
+import signal
+import numpy as np
+import yade_mpm as mpm
+from yade_mpm import commandLine
+def main():
+    scene = mpm.Scene((0, 0), (1, 1), 0.25)
+    scene.add("block", mpm.box((0.25, 0.25), (0.5, 0.5)), mpm.LinearElastic(density=1, lame=(100, 100)), mpm.UGIMP(perCell=2))
+    {what}
+commandLine.run(main)
+""")
+    ended = subprocess.run([sys.executable, "demo.py"], cwd=tmp_path, capture_output=True, text=True,
+                           env={**os.environ, "PYTHONPATH": str(Path(mpm.__file__).parents[1])})
+    assert ended.returncode == code
+    assert ended.stderr.splitlines()[-1].startswith(last) if last else ended.stderr == ""
+    assert ("Traceback" in ended.stderr) == last.startswith("ValueError")
+
+
+@pytest.mark.parametrize("file", [f for f in sorted(RUN.parent.glob("*.py")) if f.stem != "bench"], ids=lambda f: f.stem)
+def test_every_scene_ends_that_way(file):
+    assert file.read_text().endswith('\nif __name__ == "__main__":\n    commandLine.run(main)\n')
 
 
 def test_the_package_without_its_solver_says_what_to_run():

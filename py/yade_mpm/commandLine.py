@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Command lines of scenes: numbers that argparse checks, --smoke, and which arguments were given.
+"""Command lines of scenes: numbers that argparse checks, --smoke, which arguments were given, and how a scene ends.
 
     parser.add_argument("--cell", type=commandLine.partOf(2.0), default=0.25)
     a = commandLine.parse(parser, words, cell=0.5)    # --smoke takes 0.5 unless --cell is given
 
 The functions of a number are for argparse's `type`: they return it, or raise ArgumentTypeError with what is allowed.
+
+It is part of the package, not of scripts/, so that a copy of a scene runs in any folder, and in YADE, which does not look beside a script.
 """
 import argparse
+import os
+import sys
 from math import inf, isfinite
 
 
@@ -75,3 +79,24 @@ def refuseBeside(parser, words, option, names, why):
     """Ends the program if any of the arguments `names` is given beside `option`, which takes no notice of them."""
     for name in sorted(given(parser, words) & set(names)):
         parser.error(f"--{name.replace('_', '-')} has no meaning beside {option}: {why}")
+
+
+def run(main):
+    """Calls the main function of a scene. What this package refuses or cannot go on with, and files that fail, end the program with their
+    message and 1, Ctrl-C ends it with 130; any other error keeps its traceback."""
+    try:
+        main()
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
+    except (ValueError, RuntimeError, OSError) as error:
+        if not (isinstance(error, OSError) or _isOfPackage(error)):
+            raise
+        raise SystemExit(f"{os.path.splitext(os.path.basename(sys.argv[0]))[0]}: {error}") from None
+
+
+def _isOfPackage(error):
+    """Whether an error was raised in this package, or in the solver below it."""
+    last = error.__traceback__
+    while last.tb_next:
+        last = last.tb_next
+    return os.path.dirname(last.tb_frame.f_code.co_filename) == os.path.dirname(__file__)

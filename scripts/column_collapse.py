@@ -24,7 +24,7 @@ from math import atan, degrees, radians
 import numpy as np
 import yade_mpm as mpm
 from yade_mpm import box, commandLine, plot
-from yade_mpm.commandLine import below, between, count, partOf
+from yade_mpm.commandLine import below, between, partOf
 
 WIDTH, HEIGHT, FLOOR, UNTIL = 0.2, 0.1, 0.8, 0.8     # m, m, m, s
 YOUNG, POISSON, DENSITY = 5840.0, 0.3, 2.04          # kPa, -, Mg/m3
@@ -33,25 +33,18 @@ STILL = ((0, 0.08, 0.06), (0.08, 0.12, 0.04), (0.12, 0.14, 0.02))  # m: from, to
 MOVED = 1e-3                                         # m: less is unmoved
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(given=None):
+    p = commandLine.Parser("column_collapse", __doc__, smoke={"cell": 0.01})
     p.add_argument("--types", choices=("ugimp", "hybrid"), default="ugimp", help="particle types (default %(default)s)")
     p.add_argument("--cell", type=partOf(0.04), default=0.005, help="cell size, m: 0.04 m (hybrid: 0.02 m) over a whole number (default %(default)s)")
     p.add_argument("--damping", type=below(1), default=0.05, help="local damping (default %(default)s)")
     p.add_argument("--until", type=between(0.05, 100), default=UNTIL, help="end, s, from 0.05 on, when it flows (default %(default)s)")
     p.add_argument("--compare", action="store_true", help="uGIMP and hybrid, cells of 10 and 5 mm")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cell 10 mm, unless given")
-    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-    p.add_argument("--out", default=os.path.join("results", "column_collapse"), help="folder of the results (default %(default)s)")
-    return p
-
-
-def arguments(given=None):
-    a = commandLine.parse(parser(), given, cell=0.01)
+    a = p.parse(given)
     if a.compare:
-        commandLine.refuseBeside(parser(), given, "--compare", ("types", "cell", "smoke"), "it runs both types with both cells")
+        p.refuseBeside(given, "--compare", ("types", "cell", "smoke"), "it runs both types with both cells")
     if a.types == "hybrid" and not commandLine.isWhole(0.02 / a.cell):
-        parser().error(f"--cell {a.cell:g} with --types hybrid is not allowed; give 0.02 over a whole number")
+        p.error(f"--cell {a.cell:g} with --types hybrid is not allowed; give 0.02 over a whole number")
     return a
 
 

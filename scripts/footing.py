@@ -32,14 +32,14 @@ from math import exp, pi, radians, tan
 import numpy as np
 import yade_mpm as mpm
 from yade_mpm import box, commandLine, plot
-from yade_mpm.commandLine import below, count, partOf, positive
+from yade_mpm.commandLine import below, partOf, positive
 
 WIDTH, DEPTH = 20.0, 10.0                          # m
 SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0  # kPa, kPa, kPa, Mg/m3 (inertia only)
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(given=None):
+    p = commandLine.Parser("footing", __doc__, smoke={"cell": 2 / 3, "rate": 0.04, "settlement": 0.12})
     p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), default="hybrid", help="particle types (default %(default)s)")
     p.add_argument("--phi", type=below(60), default=0.0, help="angles of friction and of dilatancy, degrees (default %(default)s)")
     p.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain")
@@ -50,19 +50,12 @@ def parser():
     p.add_argument("--widths", action="store_true", help="also run 0.6 of the width, and compare the loads")
     p.add_argument("--damping", type=below(1), default=0.7, help="local damping (default %(default)s)")
     p.add_argument("--compare", action="store_true", help="run without and with F-bar and draw both curves")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cells of 2/3 m, twice the rate, 0.12 m, where nothing else is given")
-    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-    p.add_argument("--out", default=os.path.join("results", "footing"), help="folder of the results (default %(default)s)")
-    return p
-
-
-def arguments(given=None):
-    a = commandLine.parse(parser(), given, cell=2 / 3, rate=0.04, settlement=0.12)
+    a = p.parse(given)
     if a.compare:
-        commandLine.refuseBeside(parser(), given, "--compare", ("fbar",), "it runs without and with F-bar")
+        p.refuseBeside(given, "--compare", ("fbar",), "it runs without and with F-bar")
     least = (0.5 / 0.6 if a.widths else 0.5) * a.cell
     if not least <= a.halfWidth < WIDTH - a.cell:
-        parser().error(f"--halfWidth {a.halfWidth:g} is not allowed; give {least:g} to below {WIDTH - a.cell:g}")
+        p.error(f"--halfWidth {a.halfWidth:g} is not allowed; give {least:g} to below {WIDTH - a.cell:g}")
     # The limit load belongs to small settlements: at half a cell (0.11 m) boxes under the edge pass to nodes that are not held.
     a.settlement = a.settlement or (0.11 if a.phi else 0.08)
     return a

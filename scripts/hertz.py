@@ -15,7 +15,6 @@ Units: Mg, m, s, kPa, per metre of thickness; a is 1 m.
     scripts/run hertz --two                            # two cylinders
     scripts/run hertz --smoke                          # 5 cells
 """
-import argparse
 import json
 import os
 import time
@@ -32,8 +31,8 @@ TYPES = ("apdi", "ugimp")
 CUT = True                                # boxes that the curve cuts hold the part inside (--cylinder cut)
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(given=None):
+    p = commandLine.Parser("hertz", __doc__, smoke={"cells": 5})
     p.add_argument("--cells", type=count, default=8, help="cells per nominal half-width (default %(default)s)")
     p.add_argument("--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)")
     p.add_argument("--cylinder", choices=(*TYPES, "cut"), default="apdi",
@@ -41,18 +40,11 @@ def parser():
     p.add_argument("--two", action="store_true", help="two cylinders of twice the radius; no cut boxes then")
     p.add_argument("--shift", type=between(-1, 1), default=0.0, help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)")
     p.add_argument("--normals", choices=("surface", "mass"), default="surface", help="as of Contact (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: 5 cells per half-width, unless given")
-    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-    p.add_argument("--out", default=os.path.join("results", "hertz"), help="folder of the results (default %(default)s)")
-    return p
-
-
-def arguments(given=None):
-    a = commandLine.parse(parser(), given, cells=5)
+    a = p.parse(given)
     if (a.ground, a.cylinder) != ("apdi", "apdi") and a.shift % 0.5:
-        parser().error(f"--shift {a.shift:g} with uGIMP is not allowed; give a multiple of 0.5")
+        p.error(f"--shift {a.shift:g} with uGIMP is not allowed; give a multiple of 0.5")
     if a.two and a.cylinder == "cut":
-        parser().error("--two --cylinder cut is not allowed; give --cylinder apdi or ugimp")
+        p.error("--two --cylinder cut is not allowed; give --cylinder apdi or ugimp")
     return a
 
 

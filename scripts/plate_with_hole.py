@@ -13,7 +13,6 @@ Units: kg, m, s, Pa, per metre of thickness.
     scripts/run plate_with_hole                  # 8 cells per radius
     scripts/run plate_with_hole --smoke          # 4 cells per radius
 """
-import argparse
 import json
 import os
 import time
@@ -28,17 +27,10 @@ SIGMA0, YOUNG, POISSON, DENSITY = 100.0, 1e6, 0.3, 1000.0  # Pa, Pa, -, kg/m3: s
 REFERENCE = {"side": 3.14, "crown": -1.11}               # hoop stress over sigma0 at (a, 0) and (0, a)
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--cells", type=count, default=8, help="cells per radius of the hole (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: 4 cells per radius, unless given")
-    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-    p.add_argument("--out", default=os.path.join("results", "plate_with_hole"), help="folder of the results (default %(default)s)")
-    return p
-
-
 def arguments(given=None):
-    return commandLine.parse(parser(), given, cells=4)
+    p = commandLine.Parser("plate_with_hole", __doc__, smoke={"cells": 4})
+    p.add_argument("--cells", type=count, default=8, help="cells per radius of the hole (default %(default)s)")
+    return p.parse(given)
 
 
 def quarterMesh(cell):

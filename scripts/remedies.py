@@ -11,13 +11,12 @@ of them.
 
 Units: Mg, m, s, kPa, per metre of thickness.
 """
-import argparse
 import json
 import os
 
 import sheet_pile
 from yade_mpm import commandLine, plot
-from yade_mpm.commandLine import count, positive
+from yade_mpm.commandLine import positive
 
 FRICTION, LIMIT = 0.3, 0.05
 REMEDIES = {
@@ -35,15 +34,12 @@ COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "c
 
 
 def arguments(given=None):
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    p = commandLine.Parser("remedies", __doc__, smoke={"cell": 0.5, "rate": 1.0, "penetration": 1.0})
     p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
     p.add_argument("--rate", type=positive, default=0.2, help="penetration rate, m/s (default %(default)s)")
     p.add_argument("--penetration", type=positive, default=2.0, help="m (default %(default)s)")
     p.add_argument("--only", nargs="+", choices=REMEDIES, default=list(REMEDIES), help="which runs (default: all)")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cells of 0.5 m, 1 m/s, 1 m, where nothing else is given")
-    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-    p.add_argument("--out", default=os.path.join("results", "remedies"), help="folder of the results (default %(default)s)")
-    return commandLine.parse(p, given, cell=0.5, rate=1.0, penetration=1.0)
+    return p.parse(given)
 
 
 def run(a, name):

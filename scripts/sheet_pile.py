@@ -20,7 +20,7 @@ from math import ceil, nan, radians, tan
 import numpy as np
 import yade_mpm as mpm
 from yade_mpm import box, commandLine, diagnostics, plot
-from yade_mpm.commandLine import between, count, notNegative, partOf, positive
+from yade_mpm.commandLine import between, notNegative, partOf, positive
 from yade_mpm.surface import groundSurface
 
 WIDTH, DEPTH, FREE = 30.0, 12.0, 12.0     # m: soil, and free grid above it
@@ -34,7 +34,8 @@ MAY_CHANGE = {"resume", "until", "threads", "rateCheck", "compare"}
 
 
 def options():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = commandLine.Parser("sheet_pile", __doc__, smoke={"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0})
+    parser.set_defaults(out=None)  # with --resume it is the folder of the run
     parser.add_argument("--types", choices=("hybrid", "ugimp", "apdi"), default="hybrid", help="particle types of the soil")
     parser.add_argument("--cell", type=partOf(ZONE_WIDTH), default=0.25, help="cell size, m: 2 m over a whole number (default 0.25)")
     parser.add_argument("--thickness", type=positive, help="thickness of the pile, m: a whole number of cells (default 0.25, at least one cell)")
@@ -58,23 +59,20 @@ def options():
     parser.add_argument("--flip", type=between(0, 1), default=1.0, help="FLIP share of the particle velocity (default 1: pure FLIP)")
     parser.add_argument("--dt", type=positive, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
     parser.add_argument("--on-distortion", choices=("stop", "convert"), default="stop", help="what distorted APDI domains do")
-    parser.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, 1 m/s, ramp 0.5 s, to 4 s, where nothing else is given")
     parser.add_argument("--rateCheck", action="store_true", help="also run the first metre at twice the rate, and compare")
     parser.add_argument("--compare", action="store_true", help="also run all-uGIMP and draw both side by side")
     parser.add_argument("--resume", metavar="CHECKPOINT",
                         help="continue the run that left this checkpoint in the folder of its results, with its arguments; of others "
                              "only --until, --threads, --rateCheck and --compare may be given")
-    parser.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-    parser.add_argument("--out", help="folder of the results (default results/sheet_pile)")
     return parser
 
 
 def arguments(words=None):
     """The arguments of the scene: of the command line, or of a list of words. With --resume those of the run that is continued."""
     parser = options()
-    a = commandLine.parse(parser, words, cell=0.5, rate=1.0, ramp=0.5, until=4.0)
+    a = parser.parse(words)
     if a.resume:
-        a = resumed(parser, a, commandLine.given(parser, words))
+        a = resumed(parser, a, parser.given(words))
     else:
         complete(parser, a)
     a.penetration = float(penetrationAt(a, a.until))

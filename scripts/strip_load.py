@@ -12,7 +12,6 @@ Units: Mg, m, s, kPa, per metre of thickness; b = 1 m.
     scripts/run strip_load                       # 4 cells per b, 51,200 domains
     scripts/run strip_load --smoke               # 2 cells per b, 20 b x 20 b
 """
-import argparse
 import json
 import os
 import time
@@ -20,32 +19,25 @@ import time
 import numpy as np
 import yade_mpm as mpm
 from yade_mpm import box, commandLine, plot
-from yade_mpm.commandLine import count, partOf, positive
+from yade_mpm.commandLine import partOf, positive
 
 B, Q = 1.0, 10.0                        # m: half width of the strip; kPa
 YOUNG, POISSON, DENSITY = 1e5, 0.3, 2.0  # kPa, -, Mg/m3: strains of 1e-4, so that the geometry does not matter
 DEPTHS = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(given=None):
+    p = commandLine.Parser("strip_load", __doc__, smoke={"cell": 0.5, "extent": 20.0})
     p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
     p.add_argument("--size", type=partOf(B), help="edge of the APDI domains, m: 1 m over a whole number (default: half a cell)")
     p.add_argument("--extent", type=positive, default=40.0, help="width and depth of the ground, m (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, extent 20 m, where nothing else is given")
-    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-    p.add_argument("--out", default=os.path.join("results", "strip_load"), help="folder of the results (default %(default)s)")
-    return p
-
-
-def arguments(given=None):
-    a = commandLine.parse(parser(), given, cell=0.5, extent=20.0)
+    a = p.parse(given)
     a.size = a.size or a.cell / 2
     if not commandLine.isWhole(B / a.size):  # the load would not end at B
-        parser().error(f"--cell {a.cell:g} is not allowed; give {2 * B:g} over a whole number, or --size too")
+        p.error(f"--cell {a.cell:g} is not allowed; give {2 * B:g} over a whole number, or --size too")
     for name in ("cell", "size"):
         if not commandLine.isWhole(0.5 * a.extent / vars(a)[name]):
-            parser().error(f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed; give two, four, six ... times that")
+            p.error(f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed; give two, four, six ... times that")
     return a
 
 

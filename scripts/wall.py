@@ -21,7 +21,6 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run wall --state active --cell 0.125
     scripts/run wall --smoke
 """
-import argparse
 import json
 import os
 import time
@@ -30,7 +29,7 @@ from math import radians, sqrt, tan
 import numpy as np
 import yade_mpm as mpm
 from yade_mpm import box, commandLine, plot
-from yade_mpm.commandLine import below, between, count, partOf, positive
+from yade_mpm.commandLine import below, between, partOf, positive
 
 HEIGHT, LENGTH, BEHIND = 5.0, 12.0, 0.5                  # m: soil; soil behind the wall's line
 GRAVITY, DENSITY, LAME = 9.81, 1.53, (9.48e3, 6.31e3)    # m/s2, Mg/m3, kPa
@@ -38,22 +37,15 @@ COHESION, FRICTION, K0 = 8.5, radians(30), 0.43
 MOVEMENT = {"active": -0.01 * HEIGHT, "passive": 0.05 * HEIGHT}  # m, positive into the soil
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(given=None):
+    p = commandLine.Parser("wall", __doc__, smoke={"cell": 0.5, "rate": 0.05})
     p.add_argument("--state", choices=("active", "passive", "both"), default="both", help="which (default %(default)s)")
     p.add_argument("--types", choices=("ugimp", "apdi"), default="ugimp", help="particle type (default %(default)s)")
     p.add_argument("--cell", type=partOf(1.0), default=0.25, help="cell size, m: 1 m over a whole number (default %(default)s)")
     p.add_argument("--psi", type=between(0, 30), default=10.0, help="dilatancy angle, degrees (default %(default)s)")
     p.add_argument("--rate", type=positive, default=0.02, help="speed of the wall, m/s (default %(default)s)")
     p.add_argument("--damping", type=below(1), default=0.1, help="local damping (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cell 0.5 m, 0.05 m/s, where nothing else is given")
-    p.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-    p.add_argument("--out", default=os.path.join("results", "wall"), help="folder of the results (default %(default)s)")
-    return p
-
-
-def arguments(given=None):
-    return commandLine.parse(parser(), given, cell=0.5, rate=0.05)
+    return p.parse(given)
 
 
 def rankine(state, z):

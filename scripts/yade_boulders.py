@@ -13,7 +13,6 @@ Units: Mg, m, s, kPa.
     scripts/run yade_boulders --count 10             # larger ones; 1000: smaller ones
     scripts/run yade_boulders --smoke
 """
-import argparse
 import json
 import os
 import time
@@ -37,8 +36,8 @@ FRAME = 0.05                                               # s
 AT_REST = 0.2                                              # m/s: they rock in their craters for long
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(given=None):
+    p = commandLine.Parser("yade_boulders", __doc__, smoke={"count": 3, "radius": 0.3, "cell": 0.2, "width": 3.0, "depth": 0.8, "until": 2.5})
     p.add_argument("--count", type=count, default=100, help="number of boulders (default %(default)s)")
     p.add_argument("--radius", type=positive, help="mean radius, m (default 0.22 (100/count)^(1/4))")
     p.add_argument("--cell", type=positive, default=0.15, help="cell size, m (default %(default)s)")
@@ -46,17 +45,10 @@ def parser():
     p.add_argument("--depth", type=positive, default=1.2, help="depth of the bed, m (default %(default)s)")
     p.add_argument("--until", type=positive, default=4.0, help="end, s (default %(default)s)")
     p.add_argument("--seed", type=int, default=1, help="of the places and sizes (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="few boulders and coarse: count 3, cell 0.2 m, bed 3 x 3 x 0.8 m, 2.5 s, where nothing else is given")
-    p.add_argument("--threads", type=count, help="of the MPM (default: chosen)")
-    p.add_argument("--out", default=os.path.join("results", "yade_boulders"), help="folder of the results (default %(default)s)")
-    return p
-
-
-def arguments(given=None):
-    a = commandLine.parse(parser(), given, count=3, radius=0.3, cell=0.2, width=3.0, depth=0.8, until=2.5)
+    a = p.parse(given)
     for name in ("width", "depth"):
         if not commandLine.isWhole(vars(a)[name] / a.cell):
-            parser().error(f"--{name} {vars(a)[name]:g} with --cell {a.cell:g} is not allowed; give a whole number of cells")
+            p.error(f"--{name} {vars(a)[name]:g} with --cell {a.cell:g} is not allowed; give a whole number of cells")
     a.radius = a.radius or 0.22 * (100 / a.count) ** 0.25
     return a
 

@@ -14,7 +14,6 @@ Units: Mg, m, s, kPa, kN.
     scripts/run yade_disc --friction 0.6 --types apdi --plane xz
     scripts/run yade_disc --smoke
 """
-import argparse
 import json
 import os
 import time
@@ -35,19 +34,13 @@ MASS = DENSITY * np.pi * RADIUS**2 * THICKNESS      # Mg
 BLOCKED = {"xy": "zXY", "xz": "yXZ", "yz": "xYZ"}     # degrees of freedom out of the plane
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(given=None):
+    p = commandLine.Parser("yade_disc", __doc__, smoke={"friction": [0.1, 0.6], "types": ["apdi"]}, threads=False)
     p.add_argument("--friction", type=notNegative, nargs="+", default=[0.0, 0.1, 0.3, 0.6], help="coefficients, - (default 0 0.1 0.3 0.6)")
     p.add_argument("--types", choices=("ugimp", "apdi"), nargs="+", default=["ugimp", "apdi"], help="particle types (default both)")
     p.add_argument("--cell", type=partOf(DEPTH), default=0.1, help="cell size, m: 0.4 m over a whole number (default %(default)s)")
     p.add_argument("--plane", choices=tuple(BLOCKED), default="xy", help="plane of YADE (default %(default)s)")
-    p.add_argument("--smoke", action="store_true", help="one sliding and one rolling disc on APDI, where nothing else is given")
-    p.add_argument("--out", default=os.path.join("results", "yade_disc"), help="folder of the results (default %(default)s)")
-    return p
-
-
-def arguments(given=None):
-    return commandLine.parse(parser(), given, friction=[0.1, 0.6], types=["apdi"])
+    return p.parse(given)
 
 
 def closedForm(friction):

@@ -16,7 +16,6 @@ Units: Mg, m, s, kPa, kN.
     scripts/run yade_footing --types ugimp apdi hybrid
     scripts/run yade_footing --smoke
 """
-import argparse
 import json
 import os
 import time
@@ -35,21 +34,15 @@ SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0    # kPa, kPa, kPa, Mg/m3 
 PRANDTL = (2 + pi) * COHESION
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(given=None):
+    p = commandLine.Parser("yade_footing", __doc__, smoke={"cell": [0.5]}, threads=False)
     p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), nargs="+", default=["hybrid"], help="particle types (default hybrid)")
     p.add_argument("--cell", type=partOf(1.5), nargs="+", default=[0.3, 0.15], help="cell sizes, m: 1.5 m over a whole number (default 0.3 0.15)")
     p.add_argument("--friction", type=notNegative, default=0.5, help="coefficient between box and ground (default %(default)s)")
     p.add_argument("--rate", type=positive, default=0.04, help="settlement rate, m/s (default %(default)s)")
     p.add_argument("--settlement", type=positive, default=0.06, help="final settlement, m (default %(default)s)")
     p.add_argument("--no-fbar", action="store_true", help="without F-bar: the ground locks")
-    p.add_argument("--smoke", action="store_true", help="coarse and fast: cells of 0.5 m, unless given")
-    p.add_argument("--out", default=os.path.join("results", "yade_footing"), help="folder of the results (default %(default)s)")
-    return p
-
-
-def arguments(given=None):
-    return commandLine.parse(parser(), given, cell=[0.5])
+    return p.parse(given)
 
 
 def addGround(scene, types, cell, fbar):

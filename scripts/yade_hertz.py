@@ -16,7 +16,6 @@ Units: Mg, m, s, kPa, kN.
     scripts/run yade_hertz --types ugimp --radius 6
     scripts/run yade_hertz --smoke
 """
-import argparse
 import json
 import os
 import time
@@ -34,17 +33,11 @@ THICKNESS, LENGTH, RATIO = 3, 9, 0.02               # T/a, L/a, a/R
 CASES = {"apdi": [3, 4, 6], "ugimp": [3, 4]}        # a in cells
 
 
-def parser():
-    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def arguments(given=None):
+    p = commandLine.Parser("yade_hertz", __doc__, smoke={"types": ["apdi"], "radius": [3]}, threads=False)
     p.add_argument("--types", choices=tuple(CASES), nargs="+", default=list(CASES), help="particle types (default both)")
     p.add_argument("--radius", type=count, nargs="+", help="contact radius in cells (default 3 4 6, uGIMP 3 4)")
-    p.add_argument("--smoke", action="store_true", help="APDI with a of three cells only, where nothing else is given")
-    p.add_argument("--out", default=os.path.join("results", "yade_hertz"), help="folder of the results (default %(default)s)")
-    return p
-
-
-def arguments(given=None):
-    return commandLine.parse(parser(), given, types=["apdi"], radius=[3])
+    return p.parse(given)
 
 
 # --- reference --------------------------------------------------------------------------------------------

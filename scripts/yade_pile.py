@@ -2,7 +2,8 @@
 """A rigid sheet pile of YADE slides into the soil of the sheet pile scene: DEM and MPM in one loop of O.engines.
 
 The pile is one clump of YADE, driven at a constant rate or by a hammer (a sphere that falls on its head); ground, material
-constants and mesh are those of sheet_pile.py, where the pile is elastic and bonded to the soil. Plane strain.
+constants and mesh are those of sheet_pile.py, where the pile is elastic and bonded to the soil. Plane strain. Beside --smoke
+the time step is larger, too, and the balance of forces is checked in every step. Without --threads the soil has as many as YADE, one without -j.
 
 Units: Mg, m, s, kPa, per metre of thickness.
 """
@@ -37,7 +38,8 @@ CUSHION = {"kn": 2e5, "cn": 1200.0, "ks": 1e5, "cs": 0.0}  # kN/m, kN s/m of eac
 
 
 def options():
-    parser = argparse.ArgumentParser(prog="yade_pile", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = commandLine.Parser("yade_pile", __doc__, smoke={"penetration": 0.6, "blows": 1})
+    parser.set_defaults(out=None)  # of a run of yade-batch a folder of its own
     parser.add_argument("--friction", type=notNegative, default=0.3, help="friction coefficient between pile and soil (default 0.3)")
     parser.add_argument("--drive", choices=("velocity", "hammer"), default="velocity", help="what moves the pile")
     parser.add_argument("--tip", choices=("wedge", "round", "flat"), default="wedge", help="a tilted box, a sphere or a box below the shaft")
@@ -51,9 +53,6 @@ def options():
     parser.add_argument("--blows", type=count, default=5, help="number of blows, one every 2 s (default 5)")
     parser.add_argument("--damping", type=below(1), default=0.2, help="YADE's local damping of the hammered pile (default 0.2)")
     parser.add_argument("--dt", type=positive, help="time step, s (default 1e-3 times the cell in m: stiff contact)")
-    parser.add_argument("--threads", type=count, help="number of threads of the soil (default: as many as YADE has, one without -j)")
-    parser.add_argument("--out", help="folder of the results (default results/yade_pile)")
-    parser.add_argument("--smoke", action="store_true", help="fast: 0.6 m or one blow, larger time step, where nothing else is given; balance of forces checked in every step")
     parser.add_argument("--compare", action="store_true", help="friction 0, 0.3, 0.6 and the bonded elastic pile in one picture")
     parser.add_argument("--merge", action="store_true", help="only collect what yade-batch has run into results/yade_pile/batch.csv")
     return parser
@@ -68,10 +67,10 @@ def arguments():
     given = {name: getattr(table, name) for name in defaults if getattr(table, name) != defaults[name]}
     words = [f"--{name}" if value is True else f"--{name}={value}" for name, value in given.items()]
     words += sys.argv[1:]
-    a = commandLine.parse(parser, words, penetration=0.6, blows=1)
-    commandLine.refuseBeside(parser, words, f"--drive {a.drive}", IGNORED[a.drive], "it belongs to the other drive")
+    a = parser.parse(words)
+    parser.refuseBeside(words, f"--drive {a.drive}", IGNORED[a.drive], "it belongs to the other drive")
     if a.compare:
-        commandLine.refuseBeside(parser, words, "--compare", ("friction",), "it runs " + ", ".join(map(str, FRICTIONS)))
+        parser.refuseBeside(words, "--compare", ("friction",), "it runs " + ", ".join(map(str, FRICTIONS)))
     if EMBEDDED + a.penetration > PILE_LENGTH - a.cell:
         parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --penetration")
     a.dt = a.dt or (min(4e-4, 1.6e-3 * a.cell) if a.smoke else 1e-3 * a.cell)

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Command lines of scenes: numbers that argparse checks, --smoke, which arguments were given, and how a scene ends.
+"""Command lines of scenes: what they share, numbers that argparse checks, and how a scene ends.
 
+    parser = commandLine.Parser("footing", __doc__, smoke={"cell": 0.5})    # --smoke takes 0.5 unless --cell is given
     parser.add_argument("--cell", type=commandLine.partOf(2.0), default=0.25)
-    a = commandLine.parse(parser, words, cell=0.5)    # --smoke takes 0.5 unless --cell is given
+    a = parser.parse()
 
 The functions of a number are for argparse's `type`: they return it, or raise ArgumentTypeError with what is allowed.
 
@@ -59,26 +60,47 @@ def _number(text, isAllowed, allowed):
     return number
 
 
-def parse(parser, words=None, **smoke):
-    """Arguments of a command line (default: of the program); with --smoke the values of `smoke` are the defaults."""
-    a = parser.parse_args(words)
-    if a.smoke:
-        parser.set_defaults(**smoke)
-        a = parser.parse_args(words)
-    return a
+class Parser(argparse.ArgumentParser):
+    """Command line of a scene, with --smoke, --threads and --out.
+
+    name : of the scene; results go to results/NAME. doc : docstring of the scene, its description. smoke : dict argument -> its default
+    beside --smoke. threads : whether the scene takes a number of threads; default True.
+    """
+
+    def __init__(self, name, doc, smoke, threads=True):
+        super().__init__(prog=name, description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+        self._smoke = smoke
+        shared = self.add_argument_group("all scenes")
+        shared.add_argument("--smoke", action="store_true", help="coarse and fast, where nothing else is given: " + " ".join(map(_option, smoke.items())))
+        if threads:
+            shared.add_argument("--threads", type=count, help="number of threads (default: chosen)")
+        shared.add_argument("--out", default=os.path.join("results", name), help=f"folder of the results (default results/{name})")
+
+    def parse(self, words=None):
+        """Arguments of a command line, a list of words (default: of the program)."""
+        a = self.parse_args(words)
+        if a.smoke:
+            self.set_defaults(**self._smoke)
+            a = self.parse_args(words)
+        return a
+
+    def given(self, words=None):
+        """Names of the arguments that stand on the command line, whatever their values."""
+        nothing = object()
+        a = self.parse_args(words, argparse.Namespace(**dict.fromkeys(vars(self.parse_args(words)), nothing)))
+        return {name for name, value in vars(a).items() if value is not nothing}
+
+    def refuseBeside(self, words, option, names, why):
+        """Ends the program if any of the arguments `names` is given beside `option`, which takes no notice of them."""
+        for name in sorted(self.given(words) & set(names)):
+            self.error(f"--{name.replace('_', '-')} has no meaning beside {option}: {why}")
 
 
-def given(parser, words=None):
-    """Names of the arguments that stand on the command line (default: of the program), whatever their values."""
-    nothing = object()
-    a = parser.parse_args(words, argparse.Namespace(**dict.fromkeys(vars(parser.parse_args(words)), nothing)))
-    return {name for name, value in vars(a).items() if value is not nothing}
-
-
-def refuseBeside(parser, words, option, names, why):
-    """Ends the program if any of the arguments `names` is given beside `option`, which takes no notice of them."""
-    for name in sorted(given(parser, words) & set(names)):
-        parser.error(f"--{name.replace('_', '-')} has no meaning beside {option}: {why}")
+def _option(item):
+    """An argument and its value as they stand on a command line."""
+    name, value = item
+    values = value if isinstance(value, list) else [value]
+    return f"--{name} " + " ".join(f"{v:.3g}" if isinstance(v, float) else str(v) for v in values)
 
 
 def run(main):

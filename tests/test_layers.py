@@ -74,6 +74,25 @@ def test_the_package_does_not_import_what_uses_it():
                 assert module.split(".")[0] not in ("scripts", "tests"), f"{path.name} imports {module}"
 
 
+def circle(imports):
+    """Modules that import each other in a circle; empty if there is none. imports: dict module -> set of modules."""
+    rest = dict(imports)
+    while free := [name for name, needs in rest.items() if not needs & set(rest)]:
+        for name in free:
+            del rest[name]
+    return set(rest)
+
+
+def test_no_module_of_the_package_imports_itself_through_others():
+    """Imports inside functions count."""
+    imports = {}
+    for path in (ROOT / "py" / "yade_mpm").glob("*.py"):
+        own = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.ImportFrom) and n.level]
+        imports[path.stem] = {n.module for n in own if n.module} | {a.name for n in own if not n.module for a in n.names}
+    assert "engines" in imports["scene"] and circle(imports) == set()
+    assert circle({**imports, "engines": imports["engines"] | {"scene"}}) >= {"engines", "scene"}
+
+
 @pytest.mark.parametrize("name, line", [
     ("mpm/base/types.hpp", '#include "mpm/state/Field.hpp"'),
     ("mpm/particle/New.cpp", '#include "mpm/engine/Engine.hpp"'),

@@ -24,6 +24,8 @@ import os as _os
 import sys as _sys
 import types as _types
 
+__version__ = "0.1.0"
+
 # Threads that wait at a barrier spin for a short while only, or they would take the processor from other jobs.
 # Read by GCC's OpenMP when the solver is loaded; set OMP_WAIT_POLICY or GOMP_SPINCOUNT to choose otherwise.
 if "OMP_WAIT_POLICY" not in _os.environ:
@@ -35,12 +37,12 @@ except ImportError as _error:
     raise ImportError(f"yade_mpm: there is no solver for this Python, {_sys.executable}, in {_os.path.dirname(__file__)} ({_error}); run scripts/run "
                       f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH") from None
 from .body import Body, BodyPart
-from .checkpoint import load
 from .engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner, RigidContact
 from .materials import Material, MaterialPoint
 from .mesh import Mesh, meshFromArrays, meshFromFile
 from .particles import ParticleType
 from .regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
+from .restoring import load
 from .scene import Scene
 from . import diagnostics, rigid
 from .certificate import Certificate, quasiStatic, rateSensitivity
@@ -51,7 +53,6 @@ from . import engines as _engines, materials as _materials, particles as _partic
 
 globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
 
-__version__ = "0.1.0"
 __all__ = sorted(["diagnostics", "rigid", *(name for name, thing in globals().items()
                                              if not (name.startswith("_") or isinstance(thing, _types.ModuleType)))])
 

@@ -8,7 +8,7 @@ import numpy as np
 from . import _core
 from .attributes import Attributed, Guarded, _plain, makeClasses
 from .body import Body, BodyPart
-from .mesh import boundaryFacets
+from .mesh import _FACETS, boundaryFacets
 from .regions import Region
 from .rigid import shapeRow
 
@@ -261,7 +261,6 @@ where : region; facets whose centre is inside are loaded (default: all boundary 
 
 def _facetNumber(cell, facet):
     """Which facet of a cell has these vertices."""
-    from .mesh import _FACETS
     dim = 2 if len(cell) == 4 else 3
     for number, corners in enumerate(_FACETS[dim]):
         if set(cell[list(corners)]) == set(facet):

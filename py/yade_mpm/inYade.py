@@ -24,6 +24,7 @@ from .engines import Callback
 from .files import checkWritable
 from .history import History
 from .recorder import Recorder
+from .restoring import load
 from .running import Run
 from .scene import Scene
 from .yadeBodies import Bodies  # noqa: F401, for users: inYade.Bodies
@@ -713,4 +714,4 @@ def _fromTag(O, label, callbacks):
         raise ValueError(f"inYade.attach: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE is at "
                          f"{O.iter}; load a file that O.save wrote with the scene attached, or give the scene")
     file = os.path.join(os.path.dirname(O.filename or ""), saved["file"])
-    return checkpoint.load(file, callbacks), saved
+    return load(file, callbacks), saved

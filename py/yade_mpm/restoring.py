@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A scene from a checkpoint, whose layout is in checkpoint.py."""
+import json
+import os
+import warnings
+
+import h5py
+import numpy as np
+
+from . import __version__
+from .body import BodyPart
+from .checkpoint import FORMAT, VERSION, storedFields
+from .engines import Callback, Drive, GridSolver, Hold, PyRunner, classes as engineClasses
+from .materials import classes as materialClasses, rebuilt
+from .mesh import Mesh
+from .particles import classes as particleClasses
+from .regions import regionFromSpec
+from .scene import Scene
+
+
+def load(file, callbacks=None):
+    """Scene from a checkpoint; `run` continues it with the same bits as if it had never stopped.
+
+    Parameters
+    ----------
+    file : name of the file.
+    callbacks : dict label -> function, for every `PyRunner` that calls a function (functions are not stored), or label ->
+        engine for a callback of a class of your own without `spec()`; None instead of either leaves it out. Without a
+        label the name of the function, or of the class, stands for it.
+
+    `body.mesh` is None where domains were converted before. Materials and particle types that bodies shared are
+    shared again. Raises FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or of a newer
+    format, for a callback that is missing or superfluous, and for a class that this installation does not have.
+    Warns when the state is that of an interrupted step, or of an interrupted `settle`.
+    """
+    file = os.fspath(file)
+    if not os.path.isfile(file):
+        raise FileNotFoundError(f"checkpoint '{file}' does not exist")
+    if not h5py.is_hdf5(file):
+        raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
+    try:
+        with h5py.File(file, "r") as h5:
+            spec = _readSpec(h5, file)
+            arrays = [_readArrays(h5[f"bodies/{k}"]) for k in range(len(spec["bodies"]))]
+    except (OSError, KeyError, RuntimeError, json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"checkpoint '{file}' is damaged: {error}; use an older one") from error
+    return _build(spec, arrays, dict(callbacks or {}), file)
+
+
+def _readSpec(h5, file):
+    if h5.attrs.get("format") != FORMAT:
+        raise ValueError(f"'{file}' is an HDF5 file, but no checkpoint of yade_mpm")
+    version = int(h5.attrs.get("formatVersion", 0))
+    if version != VERSION:
+        from . import __version__
+        raise ValueError(f"checkpoint '{file}' has format {version}, written by yade_mpm {h5.attrs.get('package')}; "
+                         f"yade_mpm {__version__} reads format {VERSION}; continue it with that version")
+    return json.loads(bytes(h5["scene"][...]).decode())
+
+
+def _readArrays(group):
+    return {kind: {name: data[...] for name, data in group.get(kind, {}).items()} for kind in ("particles", "domains", "tables")}
+
+
+def _build(spec, arrays, callbacks, file):
+    scene = Scene(spec["lower"], spec["upper"], spec["cell"], scheme=spec["scheme"], threads=spec["threads"])
+    _buildBodies(scene, spec, arrays, file)
+    if spec["engines"] is not None:
+        engines = [_buildEngine(e, scene, callbacks, file) for e in spec["engines"]]
+        scene.engines = [e for e in engines if e is not None]
+    if callbacks:
+        raise ValueError(f"load: checkpoint '{file}' has no callback {', '.join(map(repr, callbacks))}; check the labels")
+    scene.allowUnstable, scene.dtCritical, scene.stiffest = spec["allowUnstable"], spec["dtCritical"], spec["stiffest"]
+    scene.dt = spec["dt"]
+    scene.core.dt, scene.core.time, scene.core.step = spec["currentDt"], spec["time"], spec["steps"]
+    scene.core.energies = spec["energies"]
+    scene._estimatedAt, scene._checked, scene._checkedState = spec["estimatedAt"], spec["checked"], scene._stabilityState()
+    _warn(scene, spec, file)
+    return scene
+
+
+def _warn(scene, spec, file):
+    if spec["midStep"]:
+        warnings.warn(f"checkpoint '{file}' holds the state of an interrupted step {spec['steps']}: look at it, but do not "
+                      f"continue from it", stacklevel=4)
+    if spec["settling"] is not None:
+        scene._solver("load").damping = spec["settling"]
+        warnings.warn(f"checkpoint '{file}' was written during settle(): call settle() again (damping is back at "
+                      f"{spec['settling']:g})", stacklevel=4)
+
+
+def _buildBodies(scene, spec, arrays, file):
+    materials = [rebuilt(_classOf(materialClasses, m, file), m["attributes"]) for m in spec["materials"]]
+    types = {}
+    for entry, stored in zip(spec["bodies"], arrays):
+        number = entry["type"]
+        if number not in types:
+            types[number] = _buildType(spec["types"][number], scene, file)
+        _buildBody(scene, entry, stored, materials[entry["material"]], types[number], file)
+    for body, entry in zip(scene.bodies, spec["bodies"]):
+        if entry["convertsTo"] is not None:
+            scene._convertTo(body, scene[entry["convertsTo"]])
+
+
+def _buildType(spec, scene, file):
+    cls, attributes = _classOf(particleClasses, spec, file), dict(spec["attributes"])
+    if "matched" in spec:
+        attributes.update(size=spec["size"], matched=None if spec["matched"] is None else scene[spec["matched"]])
+    return cls(**attributes)
+
+
+def _buildBody(scene, entry, stored, material, kind, file):
+    region = None if entry["region"] is None else regionFromSpec(entry["region"])
+    body = scene._newBody(entry["name"], material, kind, region, entry["inertiaScale"], entry["fbar"],
+                          entry.get("group", "main"))
+    body.isDamped = entry.get("isDamped", True)
+    core = body.core
+    core.resize(entry["count"])
+    for field in core.fields(True):
+        core.resizeDomainField(field["name"], len(_stored(stored, "domains", field["name"], body, file)))
+    if entry["hasBodyForce"]:
+        core.view("bodyForce", False)
+    _fill(body, storedFields(body), False, stored, file)
+    _fill(body, [f["name"] for f in core.fields(True)], True, stored, file)
+    for name in core.tables():
+        core.setTable(name, np.ascontiguousarray(_stored(stored, "tables", name, body, file), np.int32))
+    core.restored()
+    core.converted, core.internalWork = entry["converted"], entry["internalWork"]
+    core.largestInertialMass = entry["largestInertialMass"]
+    if kind.core.isMeshed and body.converted == 0:
+        body.mesh = _meshOf(body, stored)
+
+
+def _fill(body, names, ofDomains, stored, file):
+    for name in names:
+        view = np.asarray(body.core.view(name, ofDomains))
+        values = _stored(stored, "domains" if ofDomains else "particles", name, body, file)
+        if view.shape != values.shape:
+            raise ValueError(f"checkpoint '{file}': {name} of '{body.name}' has the shape {values.shape} instead of {view.shape}")
+        view[...] = values
+
+
+def _stored(stored, kind, name, body, file):
+    if name not in stored[kind]:
+        raise ValueError(f"checkpoint '{file}': {name} of '{body.name}' is missing; it was written by a version of yade_mpm "
+                         f"with other fields")
+    return stored[kind][name]
+
+
+def _meshOf(body, stored):
+    """The mesh the body was made from."""
+    tables, fields = stored["tables"], stored["domains"]
+    return Mesh(fields["vertexReference"], tables["corners"].astype(int).reshape(body.count, -1), tables["slaves"].astype(int),
+                tables["masters"].astype(int).reshape(-1, 4), fields["masterWeight"])
+
+
+def _classOf(classes, spec, file):
+    if spec["class"] not in classes:
+        raise ValueError(f"checkpoint '{file}' needs the class {spec['class']}, which this installation does not have; "
+                         f"it has {', '.join(classes)}")
+    return classes[spec["class"]]
+
+
+def _buildEngine(spec, scene, callbacks, file):
+    if spec["class"] == "GridSolver":
+        return _buildSolver(spec, scene)
+    if "spec" in spec:
+        return _buildCallback(_classOf({**engineClasses, **_callbackClasses()}, spec, file), spec)
+    if "callback" in spec:
+        return _givenCallback(spec, callbacks, file)
+    return _classOf(engineClasses, spec, file)(**spec["attributes"])
+
+
+def _callbackClasses():
+    """Dict name -> class of everything derived from Callback."""
+    found, rest = {}, [Callback]
+    while rest:
+        cls = rest.pop()
+        found.setdefault(cls.__name__, cls)
+        rest.extend(cls.__subclasses__())
+    return found
+
+
+def _buildCallback(cls, spec):
+    engine = cls(**spec["spec"])
+    for name, value in spec["attributes"].items():
+        engine.core.set(name, value)
+    return engine
+
+
+def _givenCallback(spec, callbacks, file):
+    label, attributes = spec["callback"], spec["attributes"]
+    if label not in callbacks:
+        raise ValueError(f"checkpoint '{file}' has the callback '{label}', which cannot be stored; give "
+                         f"load(file, callbacks={{'{label}': function}}), or None in its place to leave it out")
+    given = callbacks.pop(label)
+    if given is None or isinstance(given, Callback):
+        return given
+    if spec["class"] != "PyRunner":
+        raise TypeError(f"load: callbacks['{label}'] = {given!r}; give an engine of the class {spec['class']}")
+    return PyRunner(given, **attributes)
+
+
+def _buildSolver(spec, scene):
+    holds = []
+    for h in spec["hold"]:
+        where = h["where"] if isinstance(h["where"], str) else regionFromSpec(h["where"])
+        holds.append(_restored(Hold(where, h["velocity"], h["ramp"], h["name"]), h))
+    drives = [_restored(Drive(_part(d, scene), d["velocity"], d["ramp"], d["name"]), d) for d in spec["drive"]]
+    solver = GridSolver(roller=spec["roller"], fixed=spec["fixed"], hold=holds, drive=drives, **spec["attributes"])
+    for face, h in spec["faces"].items():
+        solver._faces[face] = _restored(Hold(face, h["velocity"]), h)
+    return solver
+
+
+def _part(spec, scene):
+    return BodyPart(scene[spec["body"]], spec["lower"], spec["upper"], spec["ids"])
+
+
+def _restored(prescribed, spec):
+    for name, value in spec["state"].items():
+        setattr(prescribed.core, name, value)
+    prescribed._hasBegun = spec["hasBegun"]
+    return prescribed

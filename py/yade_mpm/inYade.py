@@ -321,7 +321,7 @@ class Coupling:
         self._checkClock(before)
         if self.scene.steps >= self._checkAt:
             self._checkAt = _nextAt(self.scene.steps, limits.CHECK_PERIOD)
-            self._run._checkDomains()
+            self._run._lookAtDomains(limits.INTERFACE_RUN)
         if self.scene.steps >= self._estimateAt:
             self._reestimate()
         if self._asked is not None:

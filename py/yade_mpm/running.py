@@ -118,7 +118,7 @@ class Run:
         scene = self.scene
         while self.stepsLeft() > 0 and self.signal is None and not self._stop.is_set():
             if scene.steps > 0 and scene.steps % limits.CHECK_PERIOD == 0:
-                self._checkDomains()
+                self._lookAtDomains(limits.INTERFACE_RUN)
             if scene.steps > 0 and scene.steps % limits.DT_PERIOD == 0 and scene._estimatedAt != scene.steps:
                 self._reestimate()
             callbacks = [e.stepsToCall(scene) for e in scene.engines]
@@ -127,19 +127,16 @@ class Run:
             self.progress.update()
             if time.monotonic() >= self._saveAt:
                 self._saveMeanwhile()
-        self._warnOfDomains()
+        self._lookAtDomains(math.inf)
 
-    def _checkDomains(self):
-        self.scene._checkInterface(limits.INTERFACE_RUN)
-        self._warnOfDomains()
-
-    def _warnOfDomains(self):
-        """Once each: of edges beside uGIMP that have become too long, and of distorted domains."""
+    def _lookAtDomains(self, longest):
+        """Ends a run with edges beside uGIMP of more than `longest` cells; warns, once each, of long ones and of distorted domains."""
         scene = self.scene
-        for what, fault in (("interface", scene._interfaceFault), ("distortion", scene._distortion)):
-            if what not in scene._warnedOf and (text := fault()) is not None:
+        faults = {"interface": scene._checkInterface(longest), "distortion": scene._distortion()}
+        for what, fault in faults.items():
+            if fault is not None and what not in scene._warnedOf:
                 scene._warnedOf.add(what)
-                self.progress.say(f"warning: step {scene.steps}: {text}")
+                self.progress.say(f"warning: step {scene.steps}: {fault}")
 
     def _reestimate(self):
         scene = self.scene

@@ -514,16 +514,17 @@ class Scene(Guarded):
             engine._isBound = True
 
     def _checkInterface(self, limit):
-        fault = self._interfaceFault(limit)
-        if fault is not None:
-            raise (ValueError(fault) if self.steps == 0 else RuntimeError(f"step {self.steps}: {fault}"))
-
-    def _interfaceFault(self, limit=limits.INTERFACE_WARN):
-        """What is wrong with the longest APDI edge within one cell of uGIMP, if it is longer than `limit` cells; or None."""
-        fault = self.core.interfaceFault(limit)
+        """Refuses APDI edges within one cell of uGIMP that are longer than `limit` cells. Returns what is wrong with the longest
+        of those above INTERFACE_WARN; or None."""
+        fault = self.core.interfaceFault(min(limit, limits.INTERFACE_WARN))
         if fault is None:
             return None
-        meshed, boxes, where, edge, initial = fault
+        told = self._interfaceFault(*fault)
+        if fault[3] > limit * min(self.cell):
+            raise (ValueError(told) if self.steps == 0 else RuntimeError(f"step {self.steps}: {told}"))
+        return told
+
+    def _interfaceFault(self, meshed, boxes, where, edge, initial):
         cell = min(self.cell)
         place = f"interface of '{meshed}' and '{boxes}' near {where}: an edge"
         if initial > limits.INTERFACE_BUILD * cell:

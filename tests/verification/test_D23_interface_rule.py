@@ -92,6 +92,27 @@ def test_domains_that_stretch_at_the_interface_are_told_from_a_coarse_mesh(tmp_p
     assert capsys.readouterr().err == ""  # said once, and not of a fifth of a cell
 
 
+def test_each_look_searches_once(monkeypatch):
+    monkeypatch.setattr(mpm.running.limits, "CHECK_PERIOD", 2)
+    looks = []
+
+    class Core:
+        def __init__(self, core):
+            self.__dict__["core"] = core
+
+        def __getattr__(self, name):
+            looks.append(name)
+            return getattr(self.core, name)
+
+        def __setattr__(self, name, value):
+            setattr(self.core, name, value)
+
+    scene = stretched(0.1)
+    scene.__dict__["core"] = Core(scene.core)
+    scene.run(steps=5, progress=False)  # from step 1 to 6
+    assert looks.count("interfaceFault") == 4  # before, at 2 and 4, at the end
+
+
 def columnStress(edge):
     """Vertical stress at the foot of a 4 m column under its weight, mean of the lowest rows, uGIMP below APDI or all uGIMP."""
     scene = mpm.Scene(lower=(0, 0), upper=(1, 6), cell=H, threads=1)

@@ -13,6 +13,7 @@ import json
 import os
 import platform
 import resource
+import sys
 import time
 from functools import partial
 from math import ceil, nan, radians, tan
@@ -30,6 +31,7 @@ GRAVITY, K0 = 9.81, 0.43
 REMEDIES = {"friction": 0.3, "tip": 90.0, "dilatancyLimit": 0.05, "split": 1.3}
 STRIPES = {"stripes": 0, "stripesBelow": 2}  # columns of the history, and how many cells below the tip their line begins
 ARGUMENTS = "arguments.json"              # in the folder of the results, what --resume goes by
+SUMMARY = "summary.json"
 MAY_CHANGE = {"resume", "until", "threads", "rateCheck", "compare"}
 
 
@@ -62,8 +64,8 @@ def options():
     parser.add_argument("--rateCheck", action="store_true", help="also run the first metre at twice the rate, and compare")
     parser.add_argument("--compare", action="store_true", help="also run all-uGIMP and draw both side by side")
     parser.add_argument("--resume", metavar="CHECKPOINT",
-                        help="continue the run that left this checkpoint in the folder of its results, with its arguments; of others "
-                             "only --until, --threads, --rateCheck and --compare may be given")
+                        help="continue the run that left this checkpoint in the folder of its results, with its arguments (and the run beside it of "
+                             "--compare); of others only --until, --threads, --rateCheck and --compare may be given")
     return parser
 
 
@@ -204,54 +206,78 @@ def soilBodies(scene):
     return [b for b in scene.bodies if b.name != "pile"]
 
 
-def run(a, out):
-    """Runs the scene of the arguments and leaves its results in a folder; returns the summary."""
+def run(a, out, resumeBy=None):
+    """Runs the scene of the arguments and leaves its results in a folder; returns summary, scene and history. A run that is resumed at its
+    end keeps its results.
+
+    resumeBy : the checkpoint that continues an interrupted run; default: its own.
+    """
     os.makedirs(out, exist_ok=True)
-    snapshots, stripes = [], {name: partial(stripesFrom, a, cells) for name, cells in STRIPES.items()}
+    checkpoint, results, snapshots = os.path.join(out, "checkpoint.h5"), os.path.join(out, SUMMARY), []
 
     def snapshot(scene):
         snapshots.append((float(penetrationAt(a, scene.time)), plot.Snapshot(scene, "plasticShearStrain")))
 
-    if a.resume:
-        scene = mpm.load(a.resume, callbacks={"snapshots": snapshot})
-        if not a.until > scene.time:
-            raise SystemExit(f"sheet_pile: {a.resume} is at t = {scene.time:g} s and the run ends at {a.until:g} s; give a later --until")
-        next(e for e in scene.engines if isinstance(e, mpm.History)).columns.update(stripes)
-        if a.threads:
-            scene.threads = a.threads
-    else:
+    if not a.resume:
         keep(a, out)
-        scene = build(a)
-        scene.engines = scene.engines + [
-            mpm.Recorder(os.path.join(out, "sheet_pile.h5"), period=a.until / 40),
-            mpm.History(period=a.until / 800, file=os.path.join(out, "history.csv"),
-                        columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})", **stripes}),
-            mpm.PyRunner(snapshot, virtPeriod=a.until / 4, label="snapshots"),
-        ]
-    history = next(e for e in scene.engines if isinstance(e, mpm.History))
-    pile = scene["pile"]
+    scene, history = loaded(a, snapshot) if a.resume else recorded(a, out, snapshot)
     scene.prepare()
-    print(f"{a.types}: {sum(b.count for b in soilBodies(scene))} soil and {pile.count} pile particles, dt = {scene.dt:.3g} s "
+    print(f"{a.types}: {sum(b.count for b in soilBodies(scene))} soil and {scene['pile'].count} pile particles, dt = {scene.dt:.3g} s "
           f"(critical {scene.dtCritical:.3g} s), {round(a.until / scene.dt)} steps, {scene.threads} threads", flush=True)
-    began, firstStep = time.monotonic(), scene.steps
-    scene.run(until=a.until, checkpointFile=os.path.join(out, "checkpoint.h5"))
+    began, firstStep, isAtEnd = time.monotonic(), scene.steps, a.until - scene.time < 1e-6 * scene.dt
+    if not isAtEnd:
+        try:
+            scene.run(until=a.until, checkpointFile=checkpoint)
+        except (KeyboardInterrupt, SystemExit):
+            print(f"continue with: scripts/run sheet_pile --resume {resumeBy or checkpoint}", file=sys.stderr)
+            raise
     wall = time.monotonic() - began
     history.flush()
-    if not snapshots:  # they are counted from the start of the run that was interrupted
-        snapshot(scene)
-    summary = summarise(a, scene, history, wall, scene.steps - firstStep)
     certificate = mpm.quasiStatic(history, rateSensitivity=rateCheck(a, *resistanceCurve(a, scene, history)) if a.rateCheck else None)
     print(certificate, flush=True)
+    if isAtEnd and os.path.exists(results):
+        with open(results) as file:
+            summary = json.load(file)
+    else:
+        if not snapshots:  # they are counted from the start of the run that was interrupted
+            snapshot(scene)
+        summary = summarise(a, scene, history, wall, scene.steps - firstStep)
+        summary["files"] = draw(a, out, scene, history, snapshots, summary)
     summary["quasiStatic"] = certificate.asDict()
-    summary["files"] = draw(a, out, scene, history, snapshots, summary)
-    with open(os.path.join(out, "summary.json"), "w") as file:
+    with open(results, "w") as file:
         json.dump(summary, file, indent=1)
+    scene.save(checkpoint)
     return summary, scene, history
 
 
+def recorded(a, out, snapshot):
+    """The scene with its output, and its history. snapshot : function of the scene, to call at every quarter."""
+    scene = build(a)
+    history = mpm.History(period=a.until / 800, file=os.path.join(out, "history.csv"),
+                          columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})",
+                                   **stripeColumns(a)})
+    scene.engines = [*scene.engines, mpm.Recorder(os.path.join(out, "sheet_pile.h5"), period=a.until / 40), history,
+                     mpm.PyRunner(snapshot, virtPeriod=a.until / 4, label="snapshots")]
+    return scene, history
+
+
+def loaded(a, snapshot):
+    """The same from the checkpoint of --resume."""
+    scene = mpm.load(a.resume, callbacks={"snapshots": snapshot})
+    if scene.time > a.until + scene.dt:
+        raise SystemExit(f"sheet_pile: {a.resume} is at t = {scene.time:g} s and the run ends at {a.until:g} s; give a later --until")
+    history = next(e for e in scene.engines if isinstance(e, mpm.History))
+    history.columns.update(stripeColumns(a))
+    if a.threads:
+        scene.threads = a.threads
+    return scene, history
+
+
 def keep(a, out):
-    """Writes the arguments of a run into the folder of its results, for --resume."""
-    file = os.path.join(out, ARGUMENTS)
+    """Writes the arguments of a run into the folder of its results, for --resume, in place of those of another run and its summary."""
+    file, old = (os.path.join(out, name) for name in (ARGUMENTS, SUMMARY))
+    if os.path.exists(old):
+        os.remove(old)
     with open(file + ".part", "w") as text:
         json.dump({**vars(a), "out": out}, text, indent=1)
     os.replace(file + ".part", file)
@@ -377,6 +403,11 @@ def stripesFrom(a, cells, scene):
     return float(np.mean([diagnostics.stripes(p) for p in lines])) if min(map(len, lines)) > 2 else nan
 
 
+def stripeColumns(a):
+    """Columns of the history."""
+    return {name: partial(stripesFrom, a, cells) for name, cells in STRIPES.items()}
+
+
 def stripeMeans(a, depth, history):
     """Of each of STRIPES the mean over the last cell of penetration, and by depth over a cell about it."""
     means = {}
@@ -496,7 +527,7 @@ def compare(a, hybrid, other):
     reach = d1 > a.cell
     result = {"soilParticles": [s1["soilParticles"], s2["soilParticles"]],
               "wallSeconds": [s1["wallSeconds"], s2["wallSeconds"]],
-              "wallRatio": s1["wallSeconds"] / s2["wallSeconds"],
+              "wallRatio": stepSeconds(s1) / stepSeconds(s2),
               **{name: [s1[name], s2[name]] for name in ("isolatedParticles", "surfaceContinuous", "openBesidePile")},
               "largestDifferenceTo2m": float(difference[reach & (d1 <= 2)].max()) if (reach & (d1 <= 2)).any() else None,
               "largestDifference": float(difference[reach].max()) if reach.any() else None,
@@ -519,13 +550,30 @@ def compare(a, hybrid, other):
     return result
 
 
+def stepSeconds(summary):
+    """Wall time of a step, s; of the last part where the run was resumed."""
+    return 1e-9 * summary["nsPerParticleStep"] * sum(body["count"] for body in summary["particles"].values())
+
+
+def allUGIMPRun(a):
+    """Arguments of the all-uGIMP run of --compare; with --resume it goes on, too, if it has begun."""
+    b = argparse.Namespace(**{**vars(a), "types": "ugimp", "resume": None, "compare": False, "out": os.path.join(a.out, "ugimp")})
+    checkpoint, file = os.path.join(b.out, "checkpoint.h5"), os.path.join(b.out, ARGUMENTS)
+    if a.resume and os.path.exists(checkpoint) and os.path.exists(file) and os.path.getmtime(checkpoint) >= os.path.getmtime(file):
+        with open(file) as text:
+            kept = json.load(text)
+        if all(kept.get(name) == value for name, value in vars(b).items() if name not in MAY_CHANGE | {"penetration"}):
+            b.resume = checkpoint
+    return b
+
+
 def main():
     a = arguments()
     first = run(a, a.out)
     print_(first[0], a.out)
     if a.compare:
-        b = argparse.Namespace(**{**vars(a), "types": "ugimp", "resume": None, "compare": False, "out": os.path.join(a.out, "ugimp")})
-        second = run(b, b.out)
+        b = allUGIMPRun(a)
+        second = run(b, b.out, resumeBy=os.path.join(a.out, "checkpoint.h5"))
         print_(second[0], b.out)
         result = compare(a, first, second)
         print(f"hybrid against all uGIMP: {result['soilParticles'][0] / result['soilParticles'][1]:.1%} of the soil particles, "

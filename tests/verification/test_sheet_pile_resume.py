@@ -4,6 +4,7 @@ import importlib.util
 import json
 import os
 import signal
+import time
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ sheetPile = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(sheetPile)
 
 OPTIONS = "--cell 1 --rate 2 --ramp 0.25 --psi 5 --until 0.9 --threads 1".split()
+DEEPER = "--cell 0.5 --rate 2 --ramp 0.25 --dt 4e-4 --until 0.9 --threads 1".split()  # three cells, for --compare
 RESULTS = ("penetration", "resistance", "appliedForce", "resistanceAtBase", "soilParticleRatio", "heaveArea", "energyError", "steps", "dt", "stripes", "stripesAt", "stripesBelow", "stripesBelowAt")
 
 
@@ -24,21 +26,26 @@ def results(*words):
     return json.loads((Path(a.out) / "summary.json").read_text())
 
 
-@pytest.fixture
-def interrupted(tmp_path, monkeypatch):
-    """Checkpoint of a run that Ctrl-C has ended at its first snapshot, after a quarter."""
-    monkeypatch.chdir(tmp_path)
+def interrupt(monkeypatch, body, run, *words):
+    """Ctrl-C at the first snapshot of the run that has this body, after a quarter."""
     snapshot = sheetPile.plot.Snapshot
 
-    def interrupt(scene, *words):
-        if scene.time > 0:
+    def signalled(scene, *words):
+        if scene.time > 0 and body in [b.name for b in scene.bodies]:
             signal.raise_signal(signal.SIGINT)
         return snapshot(scene, *words)
 
     with monkeypatch.context() as patch:
-        patch.setattr(sheetPile.plot, "Snapshot", interrupt)
+        patch.setattr(sheetPile.plot, "Snapshot", signalled)
         with pytest.raises(KeyboardInterrupt):
-            results(*OPTIONS, "--out", "cut")
+            run(*words)
+
+
+@pytest.fixture
+def interrupted(tmp_path, monkeypatch):
+    """Checkpoint of a run that Ctrl-C has ended."""
+    monkeypatch.chdir(tmp_path)
+    interrupt(monkeypatch, "pile", results, *OPTIONS, "--out", "cut")
     assert not Path("cut/summary.json").exists()
     return "cut/checkpoint.h5"
 
@@ -58,6 +65,42 @@ def test_until_may_change_also_where_no_snapshot_is_left(interrupted):
     assert summary["penetration"] == pytest.approx(2 * 0.4 - 0.25, abs=0.003) and list(summary["resistance"]) == ["0.5"]
     with pytest.raises(SystemExit, match="is at t = .* and the run ends at 0.1 s; give a later --until"):
         results("--resume", interrupted, "--until", "0.1")
+
+
+def compared(monkeypatch, *words):
+    """Runs the scene as a program and returns compare.json."""
+    monkeypatch.setattr("sys.argv", ["sheet_pile.py", *words])
+    sheetPile.main()
+    return json.loads(Path(sheetPile.arguments([*words]).out, "compare.json").read_text())
+
+
+def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sheetPile.plot, "save", lambda figure, file: Path(file).write_text(str(time.monotonic())) and sheetPile.plot.plt.close(figure))
+    words = [*DEEPER, "--compare", "--out", "cut"]
+    interrupt(monkeypatch, "soil", compared, monkeypatch, *words)
+    assert "continue with: scripts/run sheet_pile --resume cut/checkpoint.h5\n" in capsys.readouterr().err
+    assert Path("cut/summary.json").exists() and not Path("cut/ugimp/summary.json").exists()
+    first, picture = (Path("cut", name).read_bytes() for name in ("summary.json", "domains.png"))
+    rows = Path("cut/ugimp/history.csv").read_text().count("\n")
+    with monkeypatch.context() as patch:
+        patch.setattr(sheetPile, "build", None)  # neither run begins anew
+        resumed = compared(patch, "--resume", "cut/checkpoint.h5")
+        assert compared(patch, "--resume", "cut/checkpoint.h5") == resumed  # both are at their ends
+    assert (first, picture) == tuple(Path("cut", name).read_bytes() for name in ("summary.json", "domains.png"))
+    assert 1 < rows < Path("cut/ugimp/history.csv").read_text().count("\n")
+    s1, s2 = (json.loads(Path(folder, "summary.json").read_text())["resistance"] for folder in ("cut", "cut/ugimp"))
+    assert len(s1) == 3 and resumed["resistance"] == {depth: [s1[depth], s2[depth]] for depth in s1}
+
+
+def test_the_second_half_begins_anew_after_another_run(tmp_path, monkeypatch):
+    """What that left in the folder belongs to other arguments."""
+    monkeypatch.chdir(tmp_path)
+    interrupt(monkeypatch, "pile", results, *DEEPER, "--flip", "0.9", "--out", "cut")
+    a = sheetPile.arguments(["--resume", "cut/checkpoint.h5", "--compare"])
+    for flip, resume in (("1", None), ("0.9", "cut/ugimp/checkpoint.h5")):
+        interrupt(monkeypatch, "pile", results, *DEEPER, "--flip", flip, "--types", "ugimp", "--out", "cut/ugimp")
+        assert sheetPile.allUGIMPRun(a).resume == resume
 
 
 def refusal(capsys, *words):

@@ -139,6 +139,7 @@ class Drive(Prescribed):
         self.core.lower, self.core.upper = lower, upper
         if part.ids is not None:
             self.core.ids = part.ids
+        part.body._scene._made.append(self)
 
     def bind(self, scene):
         if not any(self.part.body is b for b in scene.bodies):
@@ -257,6 +258,7 @@ where : region; facets whose centre is inside are loaded (default: all boundary 
             raise ValueError(f"BoundaryLoad: no boundary facet of '{body.name}' is inside {where!r}; widen the region")
         pairs = [(owner, _facetNumber(body.mesh.cells[owner], facet)) for facet, owner in zip(facets, owners)]
         super().__init__(body=body.name, facets=np.array(pairs, float).ravel(), **attributes)
+        body._scene._made.append(self)
 
 
 def _facetNumber(cell, facet):
@@ -273,6 +275,8 @@ class RigidContact(_generated["RigidContact"]):
 
 Rigid bodies are added by `addBody` and moved by `setStates`, by YADE or a callback; until they are set anew they move on with
 their velocities. All arrays have a row per rigid body and three columns, in 2D scenes, too."""
+
+    _isFelt = True  # False: there are inYade.Bodies that no coupling has
 
     def addBody(self, shapes, friction=0.0, position=(0, 0, 0), orientation=(1, 0, 0, 0), velocity=(0, 0, 0),
                 angularVelocity=(0, 0, 0)):

@@ -27,7 +27,7 @@ from .recorder import Recorder
 from .restoring import load
 from .running import Run
 from .scene import Scene
-from .yadeBodies import Bodies  # noqa: F401, for users: inYade.Bodies
+from .yadeBodies import Bodies, checkExchanges  # for users: inYade.Bodies
 
 FRESH_DT = 1e-8      # s, O.dt of a YADE that nobody has told anything
 DEM_SAFETY = 0.8     # share of PWaveTimeStep taken when O.dt is left alone
@@ -348,6 +348,7 @@ class Coupling:
             self._fresh = False
             self.runs += 1
             self._steppers = _steppersIn(self._O.engines)
+            checkExchanges(self)
             if not scene._prepared or scene._checkedState != scene._stabilityState():
                 scene.prepare()
                 self._tagRecorders()

@@ -2,7 +2,7 @@
 """What is allowed in a scene, but is more likely a mistake: units that do not fit, stresses and piles that the model cannot bear."""
 import numpy as np
 
-from .engines import Contact
+from .engines import Contact, Drive
 from .materials import MaterialPoint
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
@@ -24,6 +24,7 @@ def likelyMistakes(scene, gravity):
     if scene._geostatic is not None and not np.isclose(scene._geostatic, -gravity[-1] if gravity else 0):
         yield (f"Scene: initialStress was made for {scene._geostatic:g} m/s2 downwards, the GridSolver has gravity = {gravity} m/s2; the "
                f"ground will move")
+    yield from _leftOut(scene)
     groups = dict.fromkeys(b.group for b in scene.bodies)
     if len(groups) > 1 and not any(isinstance(e, Contact) for e in scene.engines):
         yield f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among the engines"
@@ -31,6 +32,18 @@ def likelyMistakes(scene, gravity):
         if ANGLES[0] <= friction <= ANGLES[1]:
             yield (f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its tangent, "
                    f"{np.tan(np.radians(friction)):.3g}, if it is one")
+
+
+def _leftOut(scene):
+    """Loads and drives of its bodies that nobody has given to the scene."""
+    inUse = {id(part) for part in (*scene.engines, *scene.constraints)}
+    for part in (p for p in scene._made if id(p) not in inUse):
+        if isinstance(part, Drive):
+            yield (f"Drive: '{part.name}' of '{part.part.body.name}' is not given to the GridSolver and moves nothing; give GridSolver(drive=...), or make it when "
+                   f"it is needed")
+        else:
+            yield (f"BoundaryLoad: the load on '{part.body}' is not among the engines and does nothing; add it behind ParticleToGrid (USF: "
+                   f"DomainUpdater), with dead=True if it is for later")
 
 
 def _units(body, gravity):

@@ -60,6 +60,7 @@ class Scene(Guarded):
         self._acting = None      # callback that is at work
         self._settling = None    # damping to go back to after settle()
         self._geostatic = None   # m/s2 that the initial stress balances
+        self._made = []          # loads and drives that were made for its bodies
         self._warnedOf = set()   # faults of the domains that runs have told
         self.scheme = scheme
         self.threads = threads

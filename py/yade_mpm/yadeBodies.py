@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies of YADE that touch the soil: their states go to a `RigidContact`, its forces come back."""
+import sys
+
 import numpy as np
 
 from . import _core, rigid
+from .engines import RigidContact
 from .yadePlane import Plane
 
 EVERY = 100  # cycles, after which far bodies are looked for, too
@@ -44,6 +47,7 @@ class Bodies:
                 raise ValueError(f"inYade.Bodies: there is no body {number} in O.bodies")
         shapes = [_shapesOf(O, O.bodies[number], facetThickness, self._plane) for number in self.ids]
         isNew = self._take(contact, shapes, friction)
+        contact._isFelt = False  # by YADE, as long as no coupling has these bodies
         states = [O.bodies[number].state for number in self.ids]
         turns = [self._plane.turnToScene(_frameOf(O.bodies[number])).tolist() for number in self.ids]
         self._exchange = _core.BodyExchange(contact.core, states, self.ids, O.forces, self._plane.frame.tolist(), turns)
@@ -83,6 +87,21 @@ class Bodies:
         if len(known) != len(rows) or not np.allclose(known, rows, rtol=0, atol=1e-9):
             raise ValueError("inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its own")
         return False
+
+
+def checkExchanges(coupling):
+    """At the beginning of a run. RuntimeError for `Bodies` of a contact that the scene does not have; warns once of those that were made for a
+    contact of the scene, but that the coupling does not have."""
+    contacts = [e for e in coupling.scene.engines if isinstance(e, RigidContact)]
+    for bodies in (e for e in coupling.exchanges if isinstance(e, Bodies)):
+        if not any(bodies.contact is c for c in contacts):
+            raise RuntimeError(f"inYade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the scene '{coupling.label}'; put it behind "
+                               f"ParticleToGrid, and attach the scene again")
+        bodies.contact._isFelt = True
+    for contact in (c for c in contacts if not c._isFelt):
+        contact._isFelt = True
+        print(f"warning: the inYade.Bodies of a RigidContact of '{coupling.label}' are not in exchanges: its rigid bodies stand still, and those of YADE feel "
+              f"no soil; coupling.exchanges.append(bodies)", file=sys.stderr)
 
 
 def _frameOf(body):

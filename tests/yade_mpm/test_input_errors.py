@@ -387,7 +387,8 @@ def test_an_engine_serves_one_scene_alone(place, name):
 def test_the_reaction_of_a_drive_that_no_scene_has_is_refused():
     scene = oneBody()
     drive = mpm.Drive(scene["block"].above(0.5), (0, -1))
-    scene.run(steps=1)
+    with pytest.warns(UserWarning, match="moves nothing"):
+        scene.run(steps=1)
     refused("Drive: 'drive' is in no scene that was run; give it to GridSolver(drive=...)", lambda: drive.reaction, RuntimeError)
     scene.engines[1] = mpm.GridSolver(drive=drive)
     scene.run(steps=1)
@@ -532,6 +533,23 @@ def test_groups_without_contact_are_warned_of():
         slipping.add("pile", box((1, 0), (2, 1)), elastic(), mpm.UGIMP(), group="pile")
         slipping.engines.insert(2, mpm.Contact())
         slipping.run(steps=1)
+
+
+def test_a_load_or_a_drive_that_is_left_out_is_warned_of():
+    def prepared(*loads, drive=None, **more):
+        scene = oneBody(type=mpm.APDI())
+        for pressure in loads:
+            mpm.BoundaryLoad(scene["block"], pressure=pressure)  # nobody keeps it
+        kept = mpm.BoundaryLoad(scene["block"], pressure=1)
+        kept.dead = True  # for later, on purpose
+        motions = [mpm.Drive(scene["block"].above(0.5), velocity, name=name) for name, velocity in (drive or {}).items()]
+        scene.engines = [mpm.ParticleToGrid(), kept, mpm.GridSolver(drive=motions[:1]), *scene.engines[2:]]
+        return warningsOf(scene.prepare)
+    assert prepared() == prepared(drive={"given": (0, -1)}) == []
+    for text in prepared(10), prepared(10, 20)[1:]:
+        assert len(text) == 1 and "BoundaryLoad: the load on 'block' is not among the engines and does nothing; add it behind ParticleToGrid" in text[0]
+    text, = prepared(drive={"given": (0, -1), "forgotten": (1, 0)})
+    assert text.startswith("Drive: 'forgotten' of 'block' ") and "is not given to the GridSolver and moves nothing; give GridSolver(drive=...)" in text
 
 
 def test_a_drive_may_lose_its_part_in_the_course_of_a_run():

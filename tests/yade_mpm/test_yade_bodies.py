@@ -137,6 +137,27 @@ say("other", fails(ValueError, lambda: inYade.Bodies(contact, [1])))
 
 
 @needsYade
+def test_bodies_that_nobody_has_put_into_exchanges_and_a_contact_out_of_the_engines_are_told(tmp_path):
+    said, err = run("""
+import bodies
+soil, contact, coupling = bodies.build(True, isCoupled=False)
+O.run(1, True)
+O.run(1, True)
+coupling.scene.engines = [e for e in coupling.scene.engines if e is not contact]
+coupling = inYade.attach(coupling.scene)
+coupling.exchanges.append(inYade.Bodies(contact, bodies.IDS))
+say("left out", fails(RuntimeError, lambda: O.run(1, True)))
+""", tmp_path)
+    assert err.count("warning: the inYade.Bodies of a RigidContact of 'mpm' are not in exchanges") == 1
+    assert "the RigidContact of bodies [0, 1] is not among the engines of the scene 'mpm'; put it behind ParticleToGrid" in said["left out"]
+    assert "not in exchanges" not in run("""
+import bodies
+bodies.build(True)
+O.run(1, True)
+""", tmp_path)[1]
+
+
+@needsYade
 def test_the_benchmark_runs(tmp_path):
     run("""
 import bench_yade

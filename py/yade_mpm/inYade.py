@@ -20,7 +20,7 @@ import threading
 import time
 
 from . import checkpoint, limits
-from .engines import Callback
+from .engines import Callback, RigidContact
 from .files import checkWritable
 from .history import History
 from .recorder import Recorder
@@ -150,6 +150,8 @@ class Coupling:
             raise ValueError("inYade.attach: a time stepper stands behind the place of the MPM engines and would change O.dt "
                              "in the middle of a step; put it before the NewtonIntegrator")
         scene._refuseWhileRunning("attach")
+        if any(isinstance(e, RigidContact) and not e.frictions() for e in scene.engines):
+            raise ValueError("inYade.attach: a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, ids) before")
         scene.prepare()
         scene._run = self._run = _YadeRun(self)
         self._chain = scene.engines
@@ -196,6 +198,13 @@ class Coupling:
         kept = [e for e in engines if not self._isOurs(e)]
         newtons = [k for k, e in enumerate(kept) if type(e).__name__ == "NewtonIntegrator"]
         return kept, ours[0] if ours else newtons[0] if newtons else len(kept)
+
+    def _checkEngines(self):
+        """RuntimeError when someone has taken our engines out of O.engines."""
+        missing = len(self._engines) - sum(map(self._isOurs, self._O.engines))
+        if missing > 0 and self.error is None:
+            raise RuntimeError(f"O.engines has lost {missing} of the {len(self._engines)} engines of '{self.label}': it was assigned after inYade.attach(); "
+                               f"attach the scene again, behind that, or detach() it to go on without it")
 
     def _makeEngines(self, kept, place):
         from yade.wrapper import PyRunner
@@ -520,6 +529,7 @@ def _endingRun(method):
             _waitForStep(self)
             _raiseErrors()
             for coupling in _attached.values():
+                coupling._checkEngines()
                 coupling._fresh, coupling._loopThread = True, None
         try:
             result = method(self, *args, **keywords)

@@ -9,6 +9,7 @@ from .engines import RigidContact
 from .yadePlane import Plane
 
 EVERY = 100  # cycles, after which far bodies are looked for, too
+DENSER = 30  # times the densest body of the scene; steel on peat has 11
 
 
 class Bodies:
@@ -37,7 +38,9 @@ class Bodies:
 
     def __init__(self, contact, ids, friction=0.0, thickness=1.0, facetThickness=0.0, plane="xy"):
         from yade import O
-        self._O, self.contact, self.ids, self.thickness = O, contact, [int(i) for i in ids], float(thickness)
+        if not isinstance(contact, RigidContact):
+            raise TypeError(f"inYade.Bodies: contact = {contact!r}; give a mpm.RigidContact()")
+        self._O, self.contact, self.ids, self.thickness = O, contact, _numbers(ids), float(thickness)
         self._facetThickness = float(facetThickness)
         if not 0 < self.thickness < np.inf:
             raise ValueError(f"inYade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number")
@@ -51,7 +54,7 @@ class Bodies:
         states = [O.bodies[number].state for number in self.ids]
         turns = [self._plane.turnToScene(_frameOf(O.bodies[number])).tolist() for number in self.ids]
         self._exchange = _core.BodyExchange(contact.core, states, self.ids, O.forces, self._plane.frame.tolist(), turns)
-        self._cycles, self._run = 0, None
+        self._cycles, self._run, self._isWeighed = 0, None, False
         if isNew:
             self._exchange.read(-2, 0.0, 0.0, 1, True)  # in no step
 
@@ -72,6 +75,17 @@ class Bodies:
         duration = coupling.scene.dt * coupling.mpmSteps / self.thickness
         self._exchange.apply(self._O.iter, self._O.dt, duration)
 
+    def warnOfDensities(self, scene):
+        """Once, of a body that is far denser than the soil: YADE's own material has 1000, which are kg/m3."""
+        most = DENSER * max(body.material.density for body in scene.bodies)
+        for number in () if self._isWeighed else self.ids:
+            density = _density(self._O, self._O.bodies[number], self.thickness if scene.dim == 2 else None)
+            if density > most:
+                print(f"warning: inYade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the densest of the scene "
+                      f"{most / DENSER:.3g}; YADE's default material has 1000 (kg/m3): give it a material with a density in Mg/m3", file=sys.stderr)
+                break
+        self._isWeighed = True
+
     def spec(self):
         """Dict of constructor arguments besides the contact, of plain types, with which `attach` after O.load makes it anew."""
         return {"ids": self.ids, "thickness": self.thickness, "facetThickness": self._facetThickness, "plane": self._plane.name}
@@ -89,6 +103,14 @@ class Bodies:
         return False
 
 
+def _numbers(ids):
+    """Numbers of bodies; a single one is what O.bodies.append returns for a single body."""
+    ids = [ids] if isinstance(ids, int) else ids
+    if not (isinstance(ids, (list, tuple, range, np.ndarray)) and all(isinstance(i, (int, np.integer)) for i in ids)):
+        raise TypeError(f"inYade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them")
+    return [int(i) for i in ids]
+
+
 def checkExchanges(coupling):
     """At the beginning of a run. RuntimeError for `Bodies` of a contact that the scene does not have; warns once of those that were made for a
     contact of the scene, but that the coupling does not have."""
@@ -98,6 +120,7 @@ def checkExchanges(coupling):
             raise RuntimeError(f"inYade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the scene '{coupling.label}'; put it behind "
                                f"ParticleToGrid, and attach the scene again")
         bodies.contact._isFelt = True
+        bodies.warnOfDensities(coupling.scene)
     for contact in (c for c in contacts if not c._isFelt):
         contact._isFelt = True
         print(f"warning: the inYade.Bodies of a RigidContact of '{coupling.label}' are not in exchanges: its rigid bodies stand still, and those of YADE feel "
@@ -139,6 +162,20 @@ def _shapesAt(body, centre, turn, facetThickness, plane):
             raise ValueError(f"inYade.Bodies: wall {body.id} has sense 0; give 1 or -1, the side on which the soil is")
         return [rigid.Wall(tuple(plane.toScene(shape.sense * np.eye(3)[shape.axis])), tuple(centre))]
     raise ValueError(f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall and clumps of them can touch the soil")
+
+
+def _density(O, body, thickness):
+    """Mass over volume, Mg/m3; zero for what is moved by its velocity alone, and for facets. thickness : of a 2D scene; None in 3D."""
+    shapes = [O.bodies[member].shape for member in body.shape.members.keys()] if body.isClump else [body.shape]
+    if body.state.blockedDOFs == "xyzXYZ" or not all(type(shape).__name__ in ("Sphere", "Box") for shape in shapes):
+        return 0.0
+    return body.state.mass / sum(_volume(shape, thickness) for shape in shapes)
+
+
+def _volume(shape, thickness):
+    if type(shape).__name__ == "Box":
+        return 8 * shape.extents.prod()
+    return np.pi * shape.radius**2 * (4 / 3 * shape.radius if thickness is None else thickness)
 
 
 def _turned(quaternion, v):

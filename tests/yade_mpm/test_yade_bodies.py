@@ -157,6 +157,45 @@ O.run(1, True)
 """, tmp_path)[1]
 
 
+MISTAKES = """
+from yade import FrictMat, NewtonIntegrator, ForceResetter, utils
+scene = mpm.Scene((0, 0, 0), (1, 1, 2), 0.25)
+scene.add("soil", mpm.box((0, 0, 0), (1, 1, 1)), mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3), mpm.UGIMP(perCell=2))
+contact = mpm.RigidContact()
+scene.engines = [mpm.ParticleToGrid(), contact, *scene.engines[1:]]
+dense = O.bodies.append(utils.sphere((0.5, 0.5, 1.5), 0.2))  # of YADE's default material
+rock = O.materials.append(FrictMat(density=2.6, young=1e5))
+light = O.bodies.append(utils.sphere((0.5, 0.5, 1.5), 0.2, material=rock))
+say("no bodies", fails(ValueError, lambda: inYade.attach(scene)))
+say("no contact", fails(TypeError, lambda: inYade.Bodies([dense], contact)))
+for name, ids in (("body", O.bodies[dense]), ("text", "01"), ("share", [0.5])):
+    say(name, fails(TypeError, lambda: inYade.Bodies(contact, ids)))
+bodies = inYade.Bodies(contact, {body})  # one number is enough
+coupling = inYade.attach(scene)
+coupling.exchanges.append(bodies)
+empty()
+say("lost", fails(RuntimeError, lambda: O.run(1, True)))
+coupling = inYade.attach(scene)
+coupling.exchanges.append(bodies)
+O.run(1, True)
+O.run(1, True)
+say("steps", scene.steps)
+"""
+
+
+@needsYade
+@pytest.mark.parametrize("body", ("dense", "light"))
+def test_mistakes_with_bodies_and_engines_of_yade_are_told(tmp_path, body):
+    said, err = run(MISTAKES.replace("{body}", body), tmp_path)
+    assert "a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, ids) before" in said["no bodies"]
+    assert "contact = [0]; give a mpm.RigidContact()" in said["no contact"]
+    assert all("give numbers of bodies, as O.bodies.append returns them" in said[name] for name in ("body", "text", "share"))
+    assert "O.engines has lost 5 of the 5 engines of 'mpm': it was assigned after inYade.attach(); attach the scene again" in said["lost"]
+    assert said["steps"] == 2
+    assert err.count("warning: inYade.Bodies: body 0 has a density of 1e+03 Mg/m3, the densest of the scene 2; ") == (body == "dense")
+    assert err.count("warning") == (body == "dense")
+
+
 @needsYade
 def test_the_benchmark_runs(tmp_path):
     run("""

@@ -256,7 +256,7 @@ def recorded(a, out, snapshot):
     history = mpm.History(period=a.until / 800, file=os.path.join(out, "history.csv"),
                           columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})",
                                    **stripeColumns(a)})
-    scene.engines = [*scene.engines, mpm.Recorder(os.path.join(out, "sheet_pile.h5"), period=a.until / 40), history,
+    scene.engines = [*scene.engines, mpm.Recorder(os.path.join(out, "sheet_pile.vtkhdf"), period=a.until / 40), history,
                      mpm.PyRunner(snapshot, virtPeriod=a.until / 4, label="snapshots")]
     return scene, history
 
@@ -493,7 +493,7 @@ def draw(a, out, scene, history, snapshots, summary):
                  f"{summary['openCavityArea']:.2f} m², pile {summary['displacedArea']:.2f} m²")
     ax.legend(fontsize=8, loc="lower left")
     plot.save(figure, os.path.join(out, "surface.png"))
-    files = ["sheet_pile.h5", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]
+    files = ["sheet_pile.vtkhdf", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]
     if summary["convertedDomains"]:
         drawConversion(a, plot.Snapshot(scene, "plasticShearStrain"), os.path.join(out, "conversion.png"))
         files.append("conversion.png")
@@ -582,7 +582,7 @@ def main():
 
 
 def print_(summary, out):
-    resistance = ", ".join(f"{k} m: {v:.0f}" for k, v in summary["resistance"].items())
+    resistance = ", ".join(f"{k} m: {v:.0f}" for k, v in summary["resistance"].items()) or "half a metre: not reached"
     scatters = "" if summary["resistanceScatter"] is None else f", within {summary['resistanceScatter']:.1%} (rms) of the mean over 1 m"
     print(f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s ({summary['nsPerParticleStep']:.0f} ns per particle-step); "
           f"resistance in kN/m at {resistance}{scatters}; results in {out}/")

@@ -196,7 +196,7 @@ def run(a, out):
     scene = soil(a, contact)
     history = mpm.History(period=drive.until / 800, file=os.path.join(out, "history.csv"), columns=gauge.columns)
     scene.engines = scene.engines + [mpm.PyRunner(gauge.sample, iterPeriod=1), history,
-                                     mpm.Recorder(os.path.join(out, "vtk", "soil.h5"), period=drive.until / 40)]
+                                     mpm.Recorder(os.path.join(out, "vtk", "soil.vtkhdf"), period=drive.until / 40)]
     bodies = inYade.Bodies(contact, [number], friction=a.friction)
     O.dt = a.dt
     coupling = inYade.attach(scene, stages=False)

@@ -37,7 +37,7 @@ def test_the_scene_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     assert short != scene
     names = {}
     exec(short, names)
-    assert names["scene"].steps == 3 and (tmp_path / "sheet_pile.h5").exists()
+    assert names["scene"].steps == 3 and (tmp_path / "sheet_pile.vtkhdf").exists()
     assert len(capsys.readouterr().out.split()) >= 3
     assert names["drive"].reaction[1] < 0
 

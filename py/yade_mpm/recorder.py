@@ -17,6 +17,7 @@ from .engines import Callback
 from .files import checkWritable
 
 QUADRILATERAL, HEXAHEDRON = 9, 12  # VTK cell types
+OTHERS = (".vtk", ".vtu", ".vtp", ".pvtu", ".pvd", ".xmf", ".xdmf", ".csv")  # names of formats that this is not
 CHUNK = 16384                      # rows at most in a piece of a growing array
 
 _particleFields = ("id", "position", "velocity", "mass", "volume", "initialVolume", "stress", "deformationGradient",
@@ -35,8 +36,9 @@ class Recorder(Callback):
 
     Parameters
     ----------
-    file : name of the file, usually ending in .vtkhdf or .h5. A new run overwrites it, but not before the first step;
-        a run continued from a checkpoint cuts off the frames after the checkpoint's time and appends.
+    file : name of the file, ending in .vtkhdf or .hdf, by which ParaView knows it (with another, such as .h5, it asks for the reader:
+        VTKHDF Reader). A new run overwrites it, but not before the first step; a run continued from a checkpoint cuts off the frames after the
+        checkpoint's time and appends.
     period : scene time between frames, s; or iterPeriod : steps between frames. One of the two is needed.
     fields : names of particle fields (`body.fields()`), or "displacement", "volumeRatio", "meanStress",
         "deviatoricStress" (von Mises). Default: stress, velocity, displacement, volumeRatio, meanStress and all state
@@ -62,6 +64,8 @@ class Recorder(Callback):
             raise ValueError(f"Recorder: compress = {compress!r} is not allowed; give a gzip level, 0 to 9")
         super().__init__(iterPeriod, period, **attributes)
         self._file, self._compress = os.fspath(file), compress
+        if os.path.splitext(self._file)[1].lower() in OTHERS:
+            raise ValueError(f"Recorder: file = {self._file!r} would be taken for another format; give a name that ends in .vtkhdf")
         self._fields = None if fields is None else [str(f) for f in fields]
         self._bodies = None if bodies is None else [b if isinstance(b, str) else b.name for b in bodies]
         self._continued, self._run = run is not None, run or uuid.uuid4().hex

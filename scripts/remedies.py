@@ -39,7 +39,11 @@ def arguments(given=None):
     p.add_argument("--rate", type=positive, default=0.2, help="penetration rate, m/s (default %(default)s)")
     p.add_argument("--penetration", type=positive, default=2.0, help="m (default %(default)s)")
     p.add_argument("--only", nargs="+", choices=REMEDIES, default=list(REMEDIES), help="which runs (default: all)")
-    return p.parse(given)
+    a = p.parse(given)
+    most = sheet_pile.PILE_LENGTH - sheet_pile.EMBEDDED - a.cell
+    if a.penetration > most:
+        p.error(f"--penetration {a.penetration:g} is not allowed; give up to {most:g} m, or the pile vanishes in the ground")
+    return a
 
 
 def run(a, name):

@@ -12,8 +12,9 @@ import numpy as np
 
 def didYouMean(name, known):
     """End of an error about an unknown name: the nearest one, or nothing."""
-    near = difflib.get_close_matches(name, known, 1)
-    return f"; did you mean '{near[0]}'?" if near else ""
+    spelled = {other.lower(): other for other in known}
+    near = difflib.get_close_matches(name.lower(), spelled, 1)
+    return f"; did you mean '{spelled[near[0]]}'?" if near else ""
 
 
 class Guarded:

@@ -109,6 +109,8 @@ class History(Callback):
 
     def __getitem__(self, name):
         """Column as an array (rows,)."""
+        if not self._data:
+            raise KeyError("History: it has no rows yet; give it to scene.engines, and run the scene for a period or longer")
         if name not in self._data:
             raise KeyError(f"there is no column '{name}'; columns: {', '.join(self._data)}")
         return np.array(self._data[name])
@@ -288,13 +290,16 @@ class Columns(dict):
         super().__setitem__(name, column)
 
     def value(self, name, scene):
-        """The value of a column now; whatever it raises ends the run."""
+        """The value of a column now; ValueError, which ends the run, where it is no number or raises something."""
         column = self[name]
         if column is None:
             return math.nan
-        if isinstance(column, str):
-            return float(eval(self._code[name], {"scene": scene, "diagnostics": diagnostics, "np": np}))
-        return float(column(scene))
+        try:
+            known = {"scene": scene, "diagnostics": diagnostics, "np": np}
+            return float(eval(self._code[name], known) if isinstance(column, str) else column(scene))
+        except Exception as error:
+            raise ValueError(f"History: column '{name}' ({column if isinstance(column, str) else 'a function'}) gives no number: {type(error).__name__}: "
+                             f"{error}") from error
 
 
 def _contactOf(scene):

@@ -7,6 +7,7 @@ from .materials import MaterialPoint
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
 ANGLES = 5, 85         # degrees; no coefficient of friction is that large
+SLOWEST = 30           # m/s; compression waves in the softest soils are faster
 FASTEST = 2e4          # m/s; compression waves in diamond: 1.8e4
 STIFFER = 10           # a body is a structure in softer ones from this ratio of shear moduli on
 SLENDER = 4            # and bends from this ratio of its extents on
@@ -56,6 +57,9 @@ def _units(body, gravity):
     if weight > lame + 2 * mu:
         yield (f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness lambda + 2 mu = "
                f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?")
+    elif density > UNIT_WEIGHTS[1] and body.material.waveSpeed < SLOWEST:  # a scene in kg, m, s, Pa has faster waves
+        yield (f"body '{body.name}': density = {density:g} Mg/m3 is more than any matter has, and compression waves travel at {body.material.waveSpeed:.3g} m/s only; "
+               f"units are Mg/m3, m and kPa: is the density in kg/m3?")
     if body.material.waveSpeed > FASTEST:
         yield (f"body '{body.name}': compression waves travel at {body.material.waveSpeed:.3g} m/s, faster than in any solid; units are Mg/m3, m "
                f"and kPa: is the stiffness in Pa?")

@@ -14,12 +14,15 @@ plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.righ
 class Snapshot:
     """Domains of some bodies as they are now, for a picture later.
 
-    scene : 2D scene. value : name of a field (scalar) that colours them; bodies without it are drawn grey.
+    scene : 2D scene. value : name of a field (scalar) that colours them; bodies without it are drawn grey, ValueError if all are.
     """
 
     def __init__(self, scene, value):
         if scene.dim != 2:
             raise ValueError("Snapshot: pictures are made of 2D scenes; use the HDF5 file in ParaView for 3D")
+        known = {f["name"] for body in scene.bodies for f in body.fields() if not f["shape"]}
+        if value not in known:
+            raise ValueError(f"Snapshot: no body has a field {value!r} of one number per particle; fields: {', '.join(sorted(known))}")
         self.time, self.value = scene.time, value
         self.parts = []
         for body in scene.bodies:

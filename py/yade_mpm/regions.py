@@ -153,6 +153,8 @@ class Ball(Primitive):
     """Sphere in 3D, disc in 2D; see `sphere` and `disc`."""
 
     def __init__(self, kind, dim, centre, radius):
+        if hasattr(centre, "__len__") and len(centre) == 5 - dim:
+            raise ValueError(f"{kind}: centre = {centre!r} must have {dim} coordinates; {'in 2D give a disc()' if dim == 3 else 'in 3D give a sphere()'}")
         self._centre = _vector(kind, "centre", centre, dim)
         self._radius = float(_numbers(kind, "radius", radius, shape=()))
         if not 0 < self._radius < np.inf:

@@ -53,7 +53,7 @@ REFUSED = {  # of the scenes, which argument with which words
     "footing": ["--cell 0.3", "--rate 0", "--settlement -1", "--phi -5", "--halfWidth 0.1", "--halfWidth 30"],
     "strip_load": ["--cell 0.3", "--size 0.4", "--extent 5.3 with --cell 0.25 : --extent 5.3"],
     "wall": ["--cell 0.3", "--rate -0.1", "--damping -1", "--psi 31"],
-    "remedies": ["--rate 0", "--penetration -1"],
+    "remedies": ["--rate 0", "--penetration -1", "--penetration 9"],
 }
 
 

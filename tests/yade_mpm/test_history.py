@@ -310,9 +310,11 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path
     assert scene.steps == 0
 
 
-def test_what_a_column_raises_ends_the_run():
-    with pytest.raises(ZeroDivisionError):
-        runWith(mpm.History(iterPeriod=5, columns={"bad": "1 / 0"}))
+@pytest.mark.parametrize("column, told", (("1 / 0", r"\(1 / 0\) gives no number: ZeroDivisionError"), (lambda scene: scene["nobody"], r"\(a function\) .*KeyError"),
+                                          ("scene.bodies[0].position", r"\(scene.* gives no number: TypeError")))
+def test_a_column_that_gives_no_number_ends_the_run_and_is_named(column, told):
+    with pytest.raises(ValueError, match="History: column 'bad' " + told):
+        runWith(mpm.History(iterPeriod=5, columns={"good": "1", "bad": column}))
 
 
 def test_an_unknown_column_names_the_known_ones():

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import yade_mpm as mpm
-from yade_mpm import box, sphere
+from yade_mpm import box, plot, sphere
 
 LAME = (1e3, 1e3)
 UNIT = box((0, 0), (1, 1))
@@ -403,6 +403,8 @@ def test_the_reaction_of_a_drive_that_no_scene_has_is_refused():
     (dict(density=7.85, lame=(1.1e11, 8e10)), "body 'block': compression waves travel at 1.85e+05 m/s, faster than in any solid; units are Mg/m3, "
                                               "m and kPa: is the stiffness in Pa?"),
     (dict(density=3.51, lame=(8.5e7, 5.35e8)), None),                             # diamond
+    (dict(density=1800.0, lame=(1e4, 1e4)), "body 'block': density = 1800 Mg/m3 is more than any matter has, and compression waves travel at 4.08 m/s only; "
+                                            "units are Mg/m3, m and kPa: is the density in kg/m3?"),
     (dict(density=1800.0, lame=(1e6, 1e6)), None),                                # kg, Pa
     (dict(density=11.3), None), (dict(density=1.8), None)))
 def test_units_that_do_not_fit_are_warned_of_before_the_first_step(attributes, message):
@@ -550,6 +552,30 @@ def test_a_load_or_a_drive_that_is_left_out_is_warned_of():
         assert len(text) == 1 and "BoundaryLoad: the load on 'block' is not among the engines and does nothing; add it behind ParticleToGrid" in text[0]
     text, = prepared(drive={"given": (0, -1), "forgotten": (1, 0)})
     assert text.startswith("Drive: 'forgotten' of 'block' ") and "is not given to the GridSolver and moves nothing; give GridSolver(drive=...)" in text
+
+
+def test_a_picture_of_a_field_that_nobody_has_is_refused():
+    scene = oneBody(material=soil())
+    for name in ("plasticStrain", "stress"):
+        refused(f"Snapshot: no body has a field '{name}' of one number per particle; fields: ", lambda: plot.Snapshot(scene, name))
+    assert plot.Snapshot(scene, "plasticShearStrain").parts[0][3].shape == (scene.particleCount,)
+
+
+def test_a_history_without_rows_says_so():
+    history = mpm.History(period=1)
+    for read in (lambda: history["time"], lambda: mpm.quasiStatic(history)):
+        refused("History: it has no rows yet; give it to scene.engines, and run the scene for a period or longer", read, KeyError)
+
+
+def test_a_name_in_other_letters_is_found():
+    refused("Scene has no attribute 'DT'; did you mean 'dt'?", lambda: setattr(emptyScene(), "DT", 1), AttributeError)
+    refused("UGIMP has no attribute 'PERCELL'; did you mean 'perCell'?", lambda: mpm.UGIMP(PERCELL=2))
+
+
+def test_a_recorder_refuses_a_name_by_which_it_is_taken_for_another_format():
+    for name in ("a.vtk", "a.VTU"):
+        refused(f"Recorder: file = '{name}' would be taken for another format; give a name that ends in .vtkhdf", lambda: mpm.Recorder(name, period=1))
+    assert [mpm.Recorder(name, period=1).file for name in ("a.vtkhdf", "a.h5", "a")] == ["a.vtkhdf", "a.h5", "a"]
 
 
 def test_a_drive_may_lose_its_part_in_the_course_of_a_run():

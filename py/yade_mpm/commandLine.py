@@ -100,7 +100,7 @@ def _option(item):
     """An argument and its value as they stand on a command line."""
     name, value = item
     values = value if isinstance(value, list) else [value]
-    return f"--{name} " + " ".join(f"{v:.3g}" if isinstance(v, float) else str(v) for v in values)
+    return f"--{name} " + " ".join(f"{v:.7g}" if isinstance(v, float) else str(v) for v in values)
 
 
 def run(main):

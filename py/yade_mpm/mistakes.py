@@ -57,7 +57,7 @@ def _units(body, gravity):
     if weight > lame + 2 * mu:
         yield (f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness lambda + 2 mu = "
                f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?")
-    elif density > UNIT_WEIGHTS[1] and body.material.waveSpeed < SLOWEST:  # a scene in kg, m, s, Pa has faster waves
+    elif weight and density > UNIT_WEIGHTS[1] and body.material.waveSpeed < SLOWEST:  # a scene in kg, m, s, Pa has faster waves
         yield (f"body '{body.name}': density = {density:g} Mg/m3 is more than any matter has, and compression waves travel at {body.material.waveSpeed:.3g} m/s only; "
                f"units are Mg/m3, m and kPa: is the density in kg/m3?")
     if body.material.waveSpeed > FASTEST:

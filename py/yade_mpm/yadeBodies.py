@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies of YADE that touch the soil: their states go to a `RigidContact`, its forces come back."""
+import operator
 import sys
 
 import numpy as np
@@ -18,7 +19,7 @@ class Bodies:
     Parameters
     ----------
     contact : the `RigidContact` in the engines of the scene, before its first run.
-    ids : numbers of bodies in O.bodies: Sphere, Box, Facet, Polyhedra (3D; its faces touch, as facets), Wall (with sense 1 or -1), or clumps of
+    ids : numbers of bodies in O.bodies, or a single one: Sphere, Box, Facet, Polyhedra (3D; its faces touch, as facets), Wall (with sense 1 or -1), or clumps of
         these (the clump's own number).
     friction : coefficient against the soil, -; default 0.
     thickness : m, of a 2D scene in YADE's third direction; forces per metre are multiplied by it. Default 1, and 1 in 3D.
@@ -27,7 +28,8 @@ class Bodies:
 
     O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. After O.load `inYade.attach` makes it
     anew. Raises ValueError for a body that is not there, is of another shape or stands in a clump, for a wall with sense 0, and for a
-    contact that has other rigid bodies already; `read` raises RuntimeError where two of them serve one contact.
+    contact that has other rigid bodies already; TypeError for a contact or numbers that are none. RuntimeError at the beginning of a run where two of
+    them serve one contact, or where the scene does not have it. Warns of a free body that is 30 times as dense as the densest of the scene.
 
         contact = mpm.RigidContact()
         scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(...), mpm.GridToParticle(), mpm.DomainUpdater()]
@@ -105,10 +107,10 @@ class Bodies:
 
 def _numbers(ids):
     """Numbers of bodies; a single one is what O.bodies.append returns for a single body."""
-    ids = [ids] if isinstance(ids, int) else ids
-    if not (isinstance(ids, (list, tuple, range, np.ndarray)) and all(isinstance(i, (int, np.integer)) for i in ids)):
-        raise TypeError(f"inYade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them")
-    return [int(i) for i in ids]
+    try:
+        return [ids] if isinstance(ids, int) else [operator.index(i) for i in ids]
+    except TypeError:
+        raise TypeError(f"inYade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them") from None
 
 
 def checkExchanges(coupling):

@@ -18,9 +18,10 @@ import yade_mpm.scene
 from yade_mpm import box
 
 SCENE = """
-import sys, time
+import signal, sys, time
 import yade_mpm as mpm
 from yade_mpm import box
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which Python leaves out where the tests run in the background
 scene = mpm.Scene((0, 0), (2, 2), 0.25)
 scene.add("a", box((0.5, 0), (1.5, 1)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP())
 go = mpm.PyRunner(lambda: print("go", flush=True), iterPeriod=10, label="go")

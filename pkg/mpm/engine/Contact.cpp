@@ -117,7 +117,7 @@ void Contact::change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const V
     using NF = NodalField<Dim>;
     NF& field = scene.grid.fields[meet.field[side]];
     auto& motion = field.motion[meet.node];
-    const Vec<Dim> x = scene.grid.nodePosition(meet.node), force = (side == 0 ? -1 : 1) / scene.dt * meet.impulse;
+    const Vec<Dim> &x = meet.position, force = (side == 0 ? -1 : 1) / scene.dt * meet.impulse;
     double gained = 0;
     for (int k = 0; k < Dim; ++k) {
         const double change = answer[k] * J.all[k];
@@ -142,7 +142,7 @@ template <int Dim> void Contact::tell(Scene<Dim>& scene, const Meet<Dim>& meet, 
         for (int k = 0; k < 3; ++k) table.push_back(k < Dim ? v[k] : 0.0);
     };
     table.insert(table.end(), {double(meet.field[0]), double(meet.field[1])});
-    append(scene.grid.nodePosition(meet.node)), append(meet.normal);
+    append(meet.position), append(meet.normal);
     table.insert(table.end(), {meet.gap, meet.area});
     append(meet.impulse / scene.dt), append(slip);
     double* force = &forces[3 * (meet.field[0] * scene.groups.size() + meet.field[1])];

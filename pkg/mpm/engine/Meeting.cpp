@@ -4,6 +4,8 @@
 // along n.
 #include "mpm/engine/Meeting.hpp"
 
+#include "mpm/engine/HatIntegrals.hpp"
+
 #include <Eigen/Geometry>
 
 namespace mpm {
@@ -13,33 +15,31 @@ namespace {
 constexpr double edge = 0.9;       // flatness of a surface below which it has an edge
 constexpr double tolerated = 0.01; // overlap between nodes, in cells
 
-// f(node) for the 3^Dim nodes round one.
-template <int Dim, class F> void forNeighbours(const Grid<Dim>& grid, int node, F&& f) {
+// f(node, steps from the middle along each axis) for the 3^Dim nodes round one.
+template <int Dim, class F> MPM_INLINE void forNeighbours(const Grid<Dim>& grid, int node, F&& f) {
     if constexpr (Dim == 2) {
         for (int j = -1; j <= 1; ++j)
-            for (int i = -1; i <= 1; ++i) f(node + i + j * grid.strides[1], Vec<2>(i, j));
+            for (int i = -1; i <= 1; ++i) f(node + i + j * grid.strides[1], Index<2>{i, j});
     } else
         for (int l = -1; l <= 1; ++l)
             for (int j = -1; j <= 1; ++j)
-                for (int i = -1; i <= 1; ++i) f(node + i + j * grid.strides[1] + l * grid.strides[2], Vec<3>(i, j, l));
+                for (int i = -1; i <= 1; ++i) f(node + i + j * grid.strides[1] + l * grid.strides[2], Index<3>{i, j, l});
 }
 
-// f(node, hat function) for the nodes round a point.
-template <int Dim, class F> void forHats(const Grid<Dim>& grid, const Vec<Dim>& x, F&& f) {
-    int first = 0;
-    double part[Dim];
+template <int Dim> int nearestNode(const Grid<Dim>& grid, const Vec<Dim>& x) {
+    int node = 0;
+    for (int k = 0; k < Dim; ++k) node += int(grid.inCells(x[k], k) + 0.5) * grid.strides[k];
+    return node;
+}
+
+// The same for points begin ... begin + count - 1 at once.
+template <int Dim> void nearestNodes(const Grid<Dim>& grid, const Field& position, int begin, int count, int* node) {
+    std::fill(node, node + count, 0);
     for (int k = 0; k < Dim; ++k) {
-        const double c = grid.inCells(x[k], k), below = std::floor(c);
-        first += int(below) * grid.strides[k], part[k] = c - below;
-    }
-    for (int corner = 0; corner < (1 << Dim); ++corner) {
-        int node = first;
-        double S = 1;
-        for (int k = 0; k < Dim; ++k) {
-            const bool upper = corner >> k & 1;
-            node += upper ? grid.strides[k] : 0, S *= upper ? part[k] : 1 - part[k];
-        }
-        f(node, S);
+        const double* x = position.plane(k) + begin;
+        const int stride = grid.strides[k];
+#pragma omp simd
+        for (int i = 0; i < count; ++i) node[i] += int(grid.inCells(x[i], k) + 0.5) * stride;
     }
 }
 
@@ -54,36 +54,28 @@ template <int Dim> Vec<Dim> areaVector(const Field& X, const typename BoundaryFa
     }
 }
 
-// Integrals over the interval c - l ... c + l, in cells from a node, of the hat function N(y) = 1 - |y|, N', y N and y N'.
-struct HatIntegrals {
-    double N = 0, slope = 0, first = 0, firstOfSlope = 0;
-
-    HatIntegrals() = default;
-    HatIntegrals(double c, double l) { add(c + l, 1), add(c - l, -1); }
-
-  private:
-    void add(double end, double sign) {
-        const double y = std::min(1.0, std::max(-1.0, end)), size = std::abs(y);
-        N += sign * (y - 0.5 * y * size), slope += sign * (1 - size);
-        first += sign * (0.5 - size / 3) * y * y, firstOfSlope -= sign * 0.5 * y * size;
-    }
-};
-
 } // namespace
 
 template <int Dim> void Meeting<Dim>::Boundary::find(Body<Dim>& body) {
     particles = body.particles.size();
     facets.find(*body.domains);
+    const int count = body.domains->vertexPositions()->size();
+    firstAt.assign(count + 1, 0), facetsAt.resize(facets.facets.size() * facets.size);
+    for (auto& facet : facets.facets)
+        for (int v : facet) ++firstAt[v + 1];
     vertices.clear();
-    for (auto& facet : facets.facets) vertices.insert(vertices.end(), facet.begin(), facet.end());
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    outward.assign(body.domains->vertexPositions()->size(), Vec<Dim>::Zero()), extent.assign(outward.size(), 0.0);
-    node.assign(outward.size(), -1);
+    for (int v = 0; v < count; ++v) {
+        if (firstAt[v + 1] > 0) vertices.push_back(v);
+        firstAt[v + 1] += firstAt[v];
+    }
+    std::vector<int> next = firstAt;
+    for (size_t f = 0; f < facets.facets.size(); ++f)
+        for (int v : facets.facets[f]) facetsAt[next[v]++] = int(f);
+    near.clear(), place.assign(count, -1);
 }
 
 template <int Dim> void Meeting<Dim>::prepare(const Scene<Dim>& scene) {
-    slot_.assign(scene.grid.count, -1), isNear_.assign(scene.grid.count, 0);
+    slot_.assign(scene.grid.count, -1), near_.assign(scene.grid.count, -1);
     boundaries_.assign(scene.bodies.size(), {});
     meets.clear(), touches.clear(), pairs.clear(), step_ = -1;
 }
@@ -98,15 +90,15 @@ template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normals
         for (int b = a + 1; b < groups; ++b) {
             const size_t first = meets.size(), touched = touches.size();
             if (!findNodes(scene, a, b)) continue;
-            findSurfaces(scene, 0, a), findSurfaces(scene, 1, b);
+            findSurfaces(scene, 0, a, first), findSurfaces(scene, 1, b, first);
             normalsByMass ? findNormalsByMass(scene.grid, first) : findNormals(scene.grid, first);
             turnAtEdges(scene, 0, a, first), turnAtEdges(scene, 1, b, first);
             findFaces(scene, 0, a), findFaces(scene, 1, b);
-            findIntruders(scene.grid, 0, a, b), findIntruders(scene.grid, 1, b, a);
+            findIntruders(scene.grid, 0, a, b, first), findIntruders(scene.grid, 1, b, a, first);
             findGaps(scene.grid, first), borrow(scene.grid, first);
             findTouches(scene, a, b);
             pairs.push_back({first, meets.size(), touched, touches.size()});
-            forget(scene.grid, first);
+            forget(first);
         }
 }
 
@@ -116,6 +108,7 @@ template <int Dim> bool Meeting<Dim>::findNodes(const Scene<Dim>& scene, int a, 
     const auto &fieldA = grid.fields[a], &fieldB = grid.fields[b];
     const double least = scene.leastMass();
     const size_t first = meets.size();
+    lower_.setConstant(1e300), upper_ = -lower_, nearNodes_.clear();
     for (int slab = 0; slab < grid.slabs(); ++slab) {
         auto both = fieldA.extents[slab];
         for (int k = 0; k < Dim - 1; ++k) {
@@ -126,98 +119,172 @@ template <int Dim> bool Meeting<Dim>::findNodes(const Scene<Dim>& scene, int a, 
             if (!(fieldA.sum[node][NodalField<Dim>::mass] > least && fieldB.sum[node][NodalField<Dim>::mass] > least)) return;
             slot_[node] = int(meets.size());
             meets.emplace_back();
-            meets.back().node = node, meets.back().field[0] = a, meets.back().field[1] = b;
-            forNeighbours(grid, node, [&](int other, const Vec<Dim>&) { isNear_[other] = 1; });
+            Meet<Dim>& meet = meets.back();
+            meet.node = node, meet.field[0] = a, meet.field[1] = b, meet.position = grid.nodePosition(node);
+            lower_ = lower_.cwiseMin(meet.position - 2 * grid.cell), upper_ = upper_.cwiseMax(meet.position + 2 * grid.cell);
+            forNeighbours(grid, node, [&](int other, const Index<Dim>&) {
+                if (near_[other] < 0) near_[other] = 0, nearNodes_.push_back(other);
+            });
         });
     }
+    std::sort(nearNodes_.begin(), nearNodes_.end());
+    for (size_t i = 0; i < nearNodes_.size(); ++i) near_[nearNodes_[i]] = int(i);
     return meets.size() > first;
 }
 
-template <int Dim> void Meeting<Dim>::forget(const Grid<Dim>& grid, size_t first) {
-    for (size_t i = first; i < meets.size(); ++i) {
-        slot_[meets[i].node] = -1;
-        forNeighbours(grid, meets[i].node, [&](int other, const Vec<Dim>&) { isNear_[other] = 0; });
-    }
+template <int Dim> void Meeting<Dim>::forget(size_t first) {
+    for (size_t i = first; i < meets.size(); ++i) slot_[meets[i].node] = -1;
+    for (int node : nearNodes_) near_[node] = -1;
 }
 
-template <int Dim> int Meeting<Dim>::nearest(const Grid<Dim>& grid, const Field& position, int i) const {
-    int node = 0;
-    for (int k = 0; k < Dim; ++k) node += int(grid.inCells(position.plane(k)[i], k) + 0.5) * grid.strides[k];
-    return node;
+template <int Dim> void Meeting<Dim>::findSurfaces(const Scene<Dim>& scene, int side, int field, size_t first) {
+    findBoxes(scene, side, field);
+    if (!found_.empty())
+        for (size_t i = first; i < meets.size(); ++i) addBoxes(scene.grid, meets[i], side);
+    for (size_t b = 0; b < scene.bodies.size(); ++b)
+        if (Body<Dim>& body = *scene.bodies[b]; body.velocityField == field && body.type->isMeshed())
+            findVertices(body, boundaries_[b], scene.grid), addFacets(boundaries_[b], side);
 }
 
-template <int Dim> void Meeting<Dim>::findSurfaces(const Scene<Dim>& scene, int side, int field) {
-    boxes_[side].clear();
-    for (size_t b = 0; b < scene.bodies.size(); ++b) {
-        Body<Dim>& body = *scene.bodies[b];
-        if (body.velocityField != field) continue;
-        if (body.type->isMeshed())
-            addFacets(body, boundaries_[b], scene.grid, side);
-        else
-            addBoxes(body, scene.grid, side);
-    }
-}
-
-// int over the surface of phi n = int grad phi dV,  of phi d n^T = int (d grad phi^T + phi I) dV.
-template <int Dim> void Meeting<Dim>::addBoxes(const Body<Dim>& body, const Grid<Dim>& grid, int side) {
-    const Field& position = body.particles.position;
-    const double* V = body.particles.volume.plane();
-    const Vec<Dim> half = body.domains->halfSize().cwiseQuotient(grid.cell);
-    for (int p = 0; p < body.particles.size(); ++p) {
-        const int centre = nearest(grid, position, p);
-        if (!isNear_[centre]) continue;
-        const Vec<Dim> x = vectorAt<Dim>(position, p), middle = grid.nodePosition(centre);
-        boxes_[side].push_back({centre, x});
-        const double density = V[p] / (2 * half).prod();
-        HatIntegrals axes[Dim][3];
-        for (int k = 0; k < Dim; ++k)
-            for (int i = 0; i < 3; ++i) axes[k][i] = HatIntegrals((x[k] - middle[k]) / grid.cell[k] - (i - 1), half[k]);
-        const Mat<Dim> scale = density * grid.cell * grid.cell.cwiseInverse().transpose();
-        forNeighbours(grid, centre, [&](int node, const Vec<Dim>& step) {
-            if (slot_[node] < 0) return;
-            const auto axis = [&](int k) -> const HatIntegrals& { return axes[k][int(step[k]) + 1]; };
-            FaceSeen<Dim>& surface = meets[slot_[node]].surface[side];
-            for (int n = 0; n < Dim; ++n) {
-                double outward = density / grid.cell[n];
-                for (int k = 0; k < Dim; ++k) outward *= k == n ? axis(k).slope : axis(k).N;
-                surface.outward[n] += outward;
-                for (int m = 0; m < Dim; ++m) {
-                    double moment = scale(m, n);
-                    for (int k = 0; k < Dim; ++k)
-                        moment *= k == n ? (k == m ? axis(k).firstOfSlope + axis(k).N : axis(k).slope)
-                                         : (k == m ? axis(k).first : axis(k).N);
-                    surface.moment(m, n) += moment;
+// The boxes of a group that are near to meets: those of blocks that may have some, as the lowest nodes of boxes are at most `wander` slabs
+// away from their block.
+template <int Dim> void Meeting<Dim>::findBoxes(const Scene<Dim>& scene, int side, int field) {
+    const Grid<Dim>& grid = scene.grid;
+    const double below = grid.inCells(lower_[Dim - 1], Dim - 1) - grid.wander - 1, above = grid.inCells(upper_[Dim - 1], Dim - 1) + grid.wander + 1;
+    Boxes& boxes = boxes_[side];
+    found_.clear(), boxes.start.assign(nearNodes_.size() + 1, 0);
+    for (auto& body : scene.bodies) {
+        if (body->velocityField != field || body->type->isMeshed()) continue;
+        const Field& position = body->particles.position;
+        const double* V = body->particles.volume.plane();
+        const Vec<Dim> half = body->domains->halfSize().cwiseQuotient(grid.cell);
+        const double size = (2 * half).prod();
+        const BlockOrder<Dim>& order = body->domains->order;
+        for (int block = 0; block < order.blocks(); ++block) {
+            if ((block + 1) * grid.slabsPerBlock < below || block * grid.slabsPerBlock > above) continue;
+            for (int begin = order.start[block]; begin < order.start[block + 1]; begin += chunkSize) {
+                const int count = std::min(chunkSize, order.start[block + 1] - begin);
+                int node[chunkSize];
+                nearestNodes(grid, position, begin, count, node);
+                for (int i = 0; i < count; ++i) {
+                    const int near = near_[node[i]];
+                    if (near < 0) continue;
+                    found_.push_back({vectorAt<Dim>(position, begin + i), half, V[begin + i] / size, near}), ++boxes.start[near];
                 }
             }
-        });
+        }
+    }
+    const size_t room = found_.size() + 3; // to look at four at a time
+    for (int k = 0; k < Dim; ++k) boxes.centre[k].resize(room), boxes.half[k].resize(room);
+    boxes.density.resize(room);
+    std::partial_sum(boxes.start.begin(), boxes.start.end(), boxes.start.begin());
+    for (auto box = found_.rbegin(); box != found_.rend(); ++box) {
+        const int b = --boxes.start[box->near];
+        for (int k = 0; k < Dim; ++k) boxes.centre[k][b] = box->centre[k], boxes.half[k][b] = box->half[k];
+        boxes.density[b] = box->density;
     }
 }
 
-// Each facet as equal parts at its vertices.
-template <int Dim> void Meeting<Dim>::addFacets(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid, int side) {
+template <int Dim>
+template <class F>
+void Meeting<Dim>::forBoxes(const Grid<Dim>& grid, const Meet<Dim>& meet, const Boxes& boxes, F&& f) const {
+    forNeighbours(grid, meet.node, [&](int node, const Index<Dim>& step) {
+        if (step[0] < 0) f(boxes.start[near_[node]], boxes.start[near_[node] + 3]); // rows of three nodes follow each other
+    });
+}
+
+// int over the surface of phi n = int grad phi dV,  of phi d n^T = int (d grad phi^T + phi I) dV: for each box products of integrals
+// along the axes.
+template <int Dim> void Meeting<Dim>::addBoxes(const Grid<Dim>& grid, Meet<Dim>& meet, int side) const {
+    const Boxes& boxes = boxes_[side];
+    FourBoxes outward[Dim], moment[Dim][Dim];
+    for (int n = 0; n < Dim; ++n) {
+        outward[n].setZero();
+        for (int m = 0; m < Dim; ++m) moment[m][n].setZero();
+    }
+    const Vec<Dim> perCell = grid.cell.cwiseInverse();
+    forBoxes(grid, meet, boxes, [&](int begin, int end) {
+        for (int b = begin; b < end; b += 4) {
+            const auto at = [&](const std::vector<double>& values) { return FourBoxes::Map(values.data() + b); };
+            HatIntegrals phi[Dim];
+            MPM_UNROLL
+            for (int k = 0; k < Dim; ++k) phi[k] = HatIntegrals((at(boxes.centre[k]) - meet.position[k]) * perCell[k], at(boxes.half[k]));
+            FourBoxes density = at(boxes.density);
+            for (int rest = end - b; rest < 4; ++rest) density[rest] = 0;
+            const auto product = [&](auto&& factor) {
+                FourBoxes all = density;
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) all *= factor(phi[k], k);
+                return all;
+            };
+            MPM_UNROLL
+            for (int n = 0; n < Dim; ++n) {
+                outward[n] += product([&](auto& phi, int k) -> auto& { return k == n ? phi.slope : phi.N; });
+                MPM_UNROLL
+                for (int m = 0; m < Dim; ++m)
+                    moment[m][n] += product([&](auto& phi, int k) -> auto& {
+                        return k == n ? (k == m ? phi.slopeOfFirst : phi.slope) : (k == m ? phi.first : phi.N);
+                    });
+            }
+        }
+    });
+    FaceSeen<Dim>& surface = meet.surface[side];
+    for (int n = 0; n < Dim; ++n) {
+        surface.outward[n] += outward[n].sum() * perCell[n];
+        for (int m = 0; m < Dim; ++m) surface.moment(m, n) += moment[m][n].sum() * grid.cell[m] * perCell[n];
+    }
+}
+
+template <int Dim> NodesRound<Dim> Meeting<Dim>::nodesRound(const Grid<Dim>& grid, const Vec<Dim>& x) const {
+    int first = 0;
+    double part[Dim];
+    for (int k = 0; k < Dim; ++k) {
+        const double c = grid.inCells(x[k], k), below = std::floor(c);
+        first += int(below) * grid.strides[k], part[k] = c - below;
+    }
+    NodesRound<Dim> round;
+    for (int corner = 0; corner < round.size; ++corner) {
+        int node = first;
+        double S = 1;
+        for (int k = 0; k < Dim; ++k) {
+            const bool upper = corner >> k & 1;
+            node += upper ? grid.strides[k] : 0, S *= upper ? part[k] : 1 - part[k];
+        }
+        round.meet[corner] = slot_[node], round.S[corner] = S;
+    }
+    return round;
+}
+
+// Those near a meet, with their share of the boundary: each facet as equal parts at its vertices.
+template <int Dim> void Meeting<Dim>::findVertices(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid) {
     if (boundary.particles != body.particles.size()) boundary.find(body); // the first time, or after a conversion
     const Field& X = *body.domains->vertexPositions();
+    std::fill(boundary.place.begin(), boundary.place.end(), -1), boundary.near.clear();
     for (int v : boundary.vertices) {
-        const int node = nearest(grid, X, v);
-        boundary.outward[v].setZero(), boundary.extent[v] = 0, boundary.node[v] = isNear_[node] ? node : -1;
-    }
-    for (auto& facet : boundary.facets.facets) {
-        bool isClose = false;
-        for (int v : facet) isClose |= boundary.node[v] >= 0;
-        if (!isClose) continue;
-        const Vec<Dim> share = areaVector<Dim>(X, facet) / boundary.facets.size;
-        for (int v : facet) boundary.outward[v] += share, boundary.extent[v] += share.norm();
-    }
-    for (int v : boundary.vertices) {
-        if (boundary.node[v] < 0) continue;
         const Vec<Dim> x = vectorAt<Dim>(X, v);
-        forHats<Dim>(grid, x, [&](int node, double phi) {
-            if (slot_[node] < 0) return;
-            FaceSeen<Dim>& surface = meets[slot_[node]].surface[side];
-            surface.outward += phi * boundary.outward[v], surface.extent += phi * boundary.extent[v];
-            surface.moment += phi * (x - grid.nodePosition(node)) * boundary.outward[v].transpose();
-        });
+        if ((x.array() < lower_.array()).any() || (x.array() > upper_.array()).any()) continue;
+        const int node = nearestNode(grid, x);
+        if (near_[node] < 0) continue;
+        Vertex vertex{node, x, Vec<Dim>::Zero(), 0, 0, nodesRound(grid, x)};
+        for (int i = boundary.firstAt[v]; i < boundary.firstAt[v + 1]; ++i) {
+            const Vec<Dim> share = areaVector<Dim>(X, boundary.facets.facets[boundary.facetsAt[i]]) / boundary.facets.size;
+            vertex.outward += share, vertex.extent += share.norm();
+        }
+        vertex.size = vertex.outward.norm();
+        boundary.place[v] = int(boundary.near.size()), boundary.near.push_back(vertex);
     }
+}
+
+template <int Dim> void Meeting<Dim>::addFacets(const Boundary& boundary, int side) {
+    for (const Vertex& vertex : boundary.near)
+        for (int corner = 0; corner < vertex.round.size; ++corner) {
+            if (vertex.round.meet[corner] < 0) continue;
+            const double phi = vertex.round.S[corner];
+            Meet<Dim>& meet = meets[vertex.round.meet[corner]];
+            FaceSeen<Dim>& surface = meet.surface[side];
+            surface.outward += phi * vertex.outward, surface.extent += phi * vertex.extent;
+            surface.moment += phi * (vertex.position - meet.position) * vertex.outward.transpose();
+        }
 }
 
 // Boxes have faces along the axes; of two groups of them those count that look at each other. Else, at an edge of one group, the
@@ -261,22 +328,27 @@ template <int Dim> void Meeting<Dim>::findNormals(const Grid<Dim>& grid, size_t 
 // At an edge of a mesh against boxes the facets count as far as they move towards these: the tip of a pile pushes what lies below
 // it down, not aside.
 template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first) {
-    if (!isMeshed_[field]) return;
+    bool isAny = false;
+    for (size_t i = first; i < meets.size(); ++i) isAny |= meets[i].edgeOf == side;
+    if (!isAny) return;
     const Grid<Dim>& grid = scene.grid;
     std::vector<Vec<Dim>> sum(meets.size() - first, Vec<Dim>::Zero());
     forMeshes(scene, field, [&](const Field& X, const Boundary& boundary) {
         for (auto& facet : boundary.facets.facets)
             for (int v : facet) {
-                if (boundary.node[v] < 0) continue;
-                const Vec<Dim> share = areaVector<Dim>(X, facet) / boundary.facets.size;
-                forHats<Dim>(grid, vectorAt<Dim>(X, v), [&](int node, double phi) {
-                    if (slot_[node] < 0 || meets[slot_[node]].edgeOf != side) return;
-                    const Meet<Dim>& meet = meets[slot_[node]];
+                if (boundary.place[v] < 0) continue;
+                const NodesRound<Dim>& round = boundary.near[boundary.place[v]].round;
+                for (int corner = 0; corner < round.size; ++corner) {
+                    const int slot = round.meet[corner];
+                    if (slot < 0 || meets[slot].edgeOf != side) continue;
+                    const Meet<Dim>& meet = meets[slot];
+                    const Vec<Dim> share = areaVector<Dim>(X, facet) / boundary.facets.size;
                     double closing = 0;
                     for (int k = 0; k < Dim; ++k)
-                        closing += share[k] * (grid.fields[meet.field[side]].motion[node][k] - grid.fields[meet.field[1 - side]].motion[node][k]);
-                    if (closing > 0) sum[slot_[node] - first] += phi * closing / share.norm() * share;
-                });
+                        closing += share[k] * (grid.fields[meet.field[side]].motion[meet.node][k] -
+                                               grid.fields[meet.field[1 - side]].motion[meet.node][k]);
+                    if (closing > 0) sum[slot - first] += round.S[corner] * closing / share.norm() * share;
+                }
             }
     });
     for (size_t i = first; i < meets.size(); ++i)
@@ -287,7 +359,8 @@ template <int Dim> void Meeting<Dim>::findNormalsByMass(const Grid<Dim>& grid, s
     for (size_t i = first; i < meets.size(); ++i) {
         Vec<Dim> slope[2] = {Vec<Dim>::Zero(), Vec<Dim>::Zero()};
         for (int side = 0; side < 2; ++side)
-            forNeighbours(grid, meets[i].node, [&](int node, const Vec<Dim>& step) {
+            forNeighbours(grid, meets[i].node, [&](int node, const Index<Dim>& at) {
+                const Vec<Dim> step = Eigen::Map<const Eigen::Matrix<int, Dim, 1>>(at.data()).template cast<double>();
                 const double even = std::pow(0.5, step.squaredNorm()); // 1 2 1 across
                 const double mass = grid.fields[meets[i].field[side]].sum[node][NodalField<Dim>::mass];
                 slope[side] += even * mass * step.cwiseQuotient(grid.cell);
@@ -302,42 +375,48 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
     if (!isMeshed_[field]) return;
     const Grid<Dim>& grid = scene.grid;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
-    forMeshes(scene, field, [&](const Field& X, const Boundary& boundary) {
-        for (int v : boundary.vertices) {
-            const int centre = boundary.node[v];
-            if (centre < 0) continue;
-            const Vec<Dim> x = vectorAt<Dim>(X, v), &outward = boundary.outward[v];
-            forNeighbours(grid, centre, [&](int node, const Vec<Dim>&) {
+    forMeshes(scene, field, [&](const Field&, const Boundary& boundary) {
+        for (const Vertex& vertex : boundary.near)
+            forNeighbours(grid, vertex.node, [&](int node, const Index<Dim>&) {
                 if (slot_[node] < 0) return;
                 Meet<Dim>& meet = meets[slot_[node]];
                 FaceSeen<Dim>& face = meet.surface[side];
-                const Vec<Dim> d = x - grid.nodePosition(node);
+                const Vec<Dim> d = vertex.position - meet.position;
                 const double along = sign * d.dot(meet.normal), beside = std::max(0.0, d.squaredNorm() - along * along);
-                const double faces = sign * outward.dot(meet.normal) / outward.norm();
+                const double faces = sign * vertex.outward.dot(meet.normal) / vertex.size;
                 if (beside > h * h || beside >= face.nearest || !(faces > 0.5)) return;
-                face.nearest = beside, face.reach = faces > 0.9 ? d.dot(outward) / (faces * outward.norm()) : along;
+                face.nearest = beside, face.reach = faces > 0.9 ? d.dot(vertex.outward) / (faces * vertex.size) : along;
             });
-        }
     });
 }
 
 // Boxes against a mesh: where the centre of one has crossed its face, the gap is closed, whatever the others do. What lies deeper than
 // half a cell belongs to the other side.
-template <int Dim> void Meeting<Dim>::findIntruders(const Grid<Dim>& grid, int side, int field, int other) {
+template <int Dim> void Meeting<Dim>::findIntruders(const Grid<Dim>& grid, int side, int field, int other, size_t first) {
     if (isMeshed_[field] || !isMeshed_[other]) return;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
-    for (const Box& box : boxes_[side])
-        forNeighbours(grid, box.node, [&](int node, const Vec<Dim>&) {
-            if (slot_[node] < 0) return;
-            Meet<Dim>& meet = meets[slot_[node]];
-            const FaceSeen<Dim>& face = meet.surface[1 - side];
-            const Vec<Dim> d = box.centre - grid.nodePosition(node);
-            const double along = sign * d.dot(meet.normal);
-            const double overlap = along + face.reach;
-            if (face.nearest == 1e300 || overlap < 0 || overlap > 0.5 * h || d.squaredNorm() - along * along > 0.5 * h * h) return;
-            double& furthest = meet.surface[side].intruded;
-            furthest = std::max(furthest, along);
+    const Boxes& boxes = boxes_[side];
+    for (size_t i = first; i < meets.size(); ++i) {
+        const Meet<Dim>& meet = meets[i];
+        const FaceSeen<Dim>& face = meet.surface[1 - side];
+        if (face.nearest == 1e300) continue;
+        double furthest = -1e300;
+        forBoxes(grid, meet, boxes, [&](int begin, int end) {
+#pragma omp simd reduction(max : furthest)
+            for (int b = begin; b < end; ++b) {
+                double along = 0, square = 0;
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) {
+                    const double d = boxes.centre[k][b] - meet.position[k];
+                    along += sign * meet.normal[k] * d, square += d * d;
+                }
+                const double overlap = along + face.reach, beside = square - along * along;
+                const double reach = (overlap >= 0) & (overlap <= 0.5 * h) & (beside <= 0.5 * h * h) ? along : -1e300;
+                furthest = furthest > reach ? furthest : reach;
+            }
         });
+        meets[i].surface[side].intruded = furthest;
+    }
 }
 
 // How far each group reaches along the normal. Surfaces of boxes that seem to cross by half a cell face away from each other.
@@ -372,7 +451,7 @@ template <int Dim> void Meeting<Dim>::borrow(const Grid<Dim>& grid, size_t first
         if (meet.weight > least) continue;
         Vec<Dim> normal = Vec<Dim>::Zero();
         double weight = 0, gap = 0;
-        forNeighbours(grid, meet.node, [&](int node, const Vec<Dim>&) {
+        forNeighbours(grid, meet.node, [&](int node, const Index<Dim>&) {
             if (slot_[node] < 0 || !(meets[slot_[node]].weight > least)) return;
             const Meet<Dim>& other = meets[slot_[node]];
             normal += other.weight * other.normal, weight += other.weight, gap += other.weight * other.gap;
@@ -382,69 +461,65 @@ template <int Dim> void Meeting<Dim>::borrow(const Grid<Dim>& grid, size_t first
 }
 
 // Vertices at the surface of a mesh that are near to a meet and at no edge, by their nearest node.
-template <int Dim> auto Meeting<Dim>::skin(const Scene<Dim>& scene, int field) const -> std::vector<Skin> {
-    std::vector<Skin> found;
-    if (!isMeshed_[field]) return found;
-    forMeshes(scene, field, [&](const Field& X, const Boundary& boundary) {
-        for (int v : boundary.vertices) {
-            const int node = boundary.node[v];
-            const Vec<Dim>& outward = boundary.outward[v];
-            const double size = outward.norm();
-            if (node >= 0 && size > edge * boundary.extent[v]) found.push_back({node, vectorAt<Dim>(X, v), outward / size});
-        }
+template <int Dim> void Meeting<Dim>::findSkin(const Scene<Dim>& scene, int side, int field) {
+    skins_[side].clear();
+    if (!isMeshed_[field]) return;
+    forMeshes(scene, field, [&](const Field&, const Boundary& boundary) {
+        for (const Vertex& vertex : boundary.near)
+            if (vertex.size > edge * vertex.extent) skins_[side].push_back(&vertex);
     });
-    std::stable_sort(found.begin(), found.end());
-    return found;
+    std::stable_sort(skins_[side].begin(), skins_[side].end(), [](const Vertex* a, const Vertex* b) { return a->node < b->node; });
 }
 
 // Distance of a vertex from boxes, along its normal: from where the nodes round it see them, if that is a plane. 1e300: it is not.
-template <int Dim> double Meeting<Dim>::distanceOfBoxes(const Grid<Dim>& grid, const Skin& own, int side) const {
+template <int Dim> double Meeting<Dim>::distanceOfBoxes(const Grid<Dim>& grid, const Vertex& own, int side) const {
+    const Vec<Dim> n = own.outward / own.size;
     double facing = 0, all = 0, distance = 0;
-    forHats<Dim>(grid, own.position, [&](int node, double S) {
-        if (slot_[node] < 0) return;
-        const FaceSeen<Dim>& boxes = meets[slot_[node]].surface[1 - side];
-        const double area = -S * boxes.outward.dot(own.outward);
+    for (int corner = 0; corner < own.round.size; ++corner) {
+        if (own.round.meet[corner] < 0) continue;
+        const Meet<Dim>& meet = meets[own.round.meet[corner]];
+        const FaceSeen<Dim>& boxes = meet.surface[1 - side];
+        const double S = own.round.S[corner], area = -S * boxes.outward.dot(n);
         facing += area, all += S * boxes.outward.template lpNorm<1>();
-        distance += area * (grid.nodePosition(node) - own.position).dot(own.outward) - S * own.outward.dot(boxes.moment * own.outward);
-    });
+        distance += area * (meet.position - own.position).dot(n) - S * n.dot(boxes.moment * n);
+    }
     return facing > 0.4 * std::pow(grid.cell.minCoeff(), Dim - 1) && facing > edge * all ? distance / facing : 1e300;
 }
 
 // Distance of a vertex from another mesh: from the tangent plane at its nearest vertex, to which the normal is turned half-way.
-template <int Dim>
-double Meeting<Dim>::distanceOfMesh(const Grid<Dim>& grid, const Skin& own, const std::vector<Skin>& others, Vec<Dim>& normal) const {
-    const Skin* other = nullptr;
+template <int Dim> double Meeting<Dim>::distanceOfMesh(const Grid<Dim>& grid, const Vertex& own, int side, Vec<Dim>& normal) const {
+    const auto& others = skins_[1 - side];
+    const Vertex* other = nullptr;
     double least = 1e300;
-    forNeighbours(grid, own.node, [&](int node, const Vec<Dim>& step) {
+    forNeighbours(grid, own.node, [&](int node, const Index<Dim>& step) {
         if (step[0] > -1) return; // rows of three nodes follow each other
-        auto it = std::lower_bound(others.begin(), others.end(), node, [](const Skin& skin, int node) { return skin.node < node; });
-        for (; it != others.end() && it->node < node + 3; ++it)
-            if (const double d = (it->position - own.position).squaredNorm(); d < least) least = d, other = &*it;
+        auto it = std::lower_bound(others.begin(), others.end(), node, [](const Vertex* vertex, int node) { return vertex->node < node; });
+        for (; it != others.end() && (*it)->node < node + 3; ++it)
+            if (const double d = ((*it)->position - own.position).squaredNorm(); d < least) least = d, other = *it;
     });
-    if (!other || own.outward.dot(other->outward) > -edge) return 1e300;
-    normal = (own.outward - other->outward).normalized();
-    return (own.position - other->position).dot(other->outward);
+    if (!other) return 1e300;
+    const Vec<Dim> n = own.outward / own.size, facing = other->outward / other->size;
+    if (n.dot(facing) > -edge) return 1e300;
+    normal = (n - facing).normalized();
+    return (own.position - other->position).dot(facing);
 }
 
 // Where surfaces are curved they overlap between nodes that keep their gap. So the vertices of meshes keep their distance, too.
 template <int Dim> void Meeting<Dim>::findTouches(const Scene<Dim>& scene, int a, int b) {
     const Grid<Dim>& grid = scene.grid;
     const double h = grid.cell.minCoeff();
-    const std::vector<Skin> skins[2] = {skin(scene, a), skin(scene, b)};
+    findSkin(scene, 0, a), findSkin(scene, 1, b);
     for (int side = 0; side < 2; ++side)
-        for (const Skin& own : skins[side]) {
+        for (const Vertex* own : skins_[side]) {
+            bool isShared = true;
+            for (int meet : own->round.meet) isShared &= meet >= 0;
+            if (!isShared) continue;
             Touch<Dim> touch;
-            touch.normal = own.outward, touch.tolerated = tolerated * h;
-            touch.gap = isMeshed_[side == 0 ? b : a] ? distanceOfMesh(grid, own, skins[1 - side], touch.normal) : distanceOfBoxes(grid, own, side);
+            touch.normal = own->outward / own->size, touch.tolerated = tolerated * h;
+            touch.gap = isMeshed_[side == 0 ? b : a] ? distanceOfMesh(grid, *own, side, touch.normal) : distanceOfBoxes(grid, *own, side);
             if (side == 1) touch.normal = -touch.normal;
             if (std::abs(touch.gap) > 0.5 * h) continue;
-            int corner = 0;
-            bool isShared = true;
-            forHats<Dim>(grid, own.position, [&](int node, double S) {
-                isShared &= slot_[node] >= 0;
-                touch.meet[corner] = slot_[node], touch.S[corner++] = S;
-            });
-            if (!isShared) continue;
+            static_cast<NodesRound<Dim>&>(touch) = own->round;
             for (int meet : touch.meet) meets[meet].hasTouches = true;
             touches.push_back(touch);
         }

@@ -41,6 +41,7 @@ template <int Dim> struct Site {
 // A node that two groups move.
 template <int Dim> struct Meet : Site<Dim> {
     int node, field[2];
+    Vec<Dim> position;
     FaceSeen<Dim> surface[2];
     int edgeOf = -1;                      // which of the two has an edge here that the normal is taken from
     double weight = 0;                    // m2, of the surface that normal and gap rest on
@@ -50,12 +51,15 @@ template <int Dim> struct Meet : Site<Dim> {
     Vec<Dim> friction = Vec<Dim>::Zero(); // and what of it is friction
 };
 
-// A vertex of a mesh at the surface of the other group, between nodes that both move.
-template <int Dim> struct Touch : Site<Dim> {
+// The nodes round a point: their numbers among the meets, -1 where it is none, and their hat functions.
+template <int Dim> struct NodesRound {
     static constexpr int size = 1 << Dim;
-    int meet[size]; // nodes round it
-    double S[size]; // and their hat functions
+    int meet[size];
+    double S[size];
 };
+
+// A vertex of a mesh at the surface of the other group, between nodes that both move.
+template <int Dim> struct Touch : Site<Dim>, NodesRound<Dim> {};
 
 // Meets and touches of one pair of groups.
 struct Stretch {
@@ -75,40 +79,54 @@ template <int Dim> class Meeting {
     bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
 
   private:
+    struct Vertex { // at the boundary of a mesh, near a meet
+        int node;   // the nearest
+        Vec<Dim> position, outward; // area vector of its share of the facets, from
+        double size, extent;        // its size, and the area of the share
+        NodesRound<Dim> round;
+    };
     struct Boundary { // of a meshed body
         BoundaryFacets<Dim> facets;
         std::vector<int> vertices;
-        std::vector<Vec<Dim>> outward; // area vector and
-        std::vector<double> extent;    // area at each vertex, of those near a meet
-        std::vector<int> node;         // nearest to each vertex, -1: not near a meet
-        int particles = -1;            // when it was found
+        std::vector<int> facetsAt, firstAt; // numbers of the facets at each vertex, one vertex after the other; where they begin
+        std::vector<Vertex> near;           // of the vertices
+        std::vector<int> place;             // of each vertex in `near`, -1: not there
+        int particles = -1;                 // when it was found
         void find(Body<Dim>& body);
     };
-    struct Box { // near a meet
-        int node; // the nearest
-        Vec<Dim> centre;
+    struct Boxes { // near meets, by their nearest node
+        std::vector<double> centre[Dim], half[Dim], density; // m; cells; volume, m3, over that of the box in cells
+        std::vector<int> start;                              // of the boxes of each near node
     };
-    struct Skin { // a vertex at the surface of a mesh
-        int node; // the nearest
-        Vec<Dim> position, outward;
-        bool operator<(const Skin& other) const { return node < other.node; }
+    struct Box { // one of them
+        Vec<Dim> centre, half;
+        double density;
+        int near; // number of the nearest node
     };
     long step_ = -1;
     std::vector<Boundary> boundaries_; // per body
-    std::vector<Box> boxes_[2];        // of either group
+    Boxes boxes_[2];                   // of either group
+    std::vector<Box> found_;           // of one group, in the order of the particles
+    std::vector<const Vertex*> skins_[2]; // vertices of either group at no edge, by their nearest node
     std::vector<bool> isMeshed_;       // groups that are meshes altogether
     std::vector<int> slot_;            // of each node in `meets`, -1: none; of one pair of groups at a time
-    std::vector<char> isNear_;         // nodes that are, or are next to, one of these
+    std::vector<int> near_;            // number of each node that is, or is next to, one of these; -1: it is not
+    std::vector<int> nearNodes_;       // by their number, which grows with that of the node
+    Vec<Dim> lower_, upper_;           // of a box that holds all that is near
 
     bool findNodes(const Scene<Dim>& scene, int a, int b);
-    void findSurfaces(const Scene<Dim>& scene, int side, int field);
-    void addBoxes(const Body<Dim>& body, const Grid<Dim>& grid, int side);
-    void addFacets(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid, int side);
+    void findSurfaces(const Scene<Dim>& scene, int side, int field, size_t first);
+    void findBoxes(const Scene<Dim>& scene, int side, int field);
+    // f(begin, end) for the boxes whose nearest node is that of the meet, or next to it.
+    template <class F> void forBoxes(const Grid<Dim>& grid, const Meet<Dim>& meet, const Boxes& boxes, F&& f) const;
+    void addBoxes(const Grid<Dim>& grid, Meet<Dim>& meet, int side) const;
+    void findVertices(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid);
+    void addFacets(const Boundary& boundary, int side);
     void findNormals(const Grid<Dim>& grid, size_t first);
     void findNormalsByMass(const Grid<Dim>& grid, size_t first);
     void turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first);
     void findFaces(const Scene<Dim>& scene, int side, int field);
-    void findIntruders(const Grid<Dim>& grid, int side, int field, int other);
+    void findIntruders(const Grid<Dim>& grid, int side, int field, int other, size_t first);
     void findGaps(const Grid<Dim>& grid, size_t first);
     void findTouches(const Scene<Dim>& scene, int a, int b);
     // f(positions of the vertices, boundary) for the meshes of a group, not for bodies that take what these convert.
@@ -117,12 +135,12 @@ template <int Dim> class Meeting {
             if (const Body<Dim>& body = *scene.bodies[b]; body.velocityField == field && body.type->isMeshed())
                 f(*body.domains->vertexPositions(), boundaries_[b]);
     }
-    std::vector<Skin> skin(const Scene<Dim>& scene, int field) const;
-    double distanceOfBoxes(const Grid<Dim>& grid, const Skin& own, int side) const;
-    double distanceOfMesh(const Grid<Dim>& grid, const Skin& own, const std::vector<Skin>& others, Vec<Dim>& normal) const;
+    NodesRound<Dim> nodesRound(const Grid<Dim>& grid, const Vec<Dim>& x) const;
+    void findSkin(const Scene<Dim>& scene, int side, int field);
+    double distanceOfBoxes(const Grid<Dim>& grid, const Vertex& own, int side) const;
+    double distanceOfMesh(const Grid<Dim>& grid, const Vertex& own, int side, Vec<Dim>& normal) const;
     void borrow(const Grid<Dim>& grid, size_t first);
-    void forget(const Grid<Dim>& grid, size_t first);
-    int nearest(const Grid<Dim>& grid, const Field& position, int i) const;
+    void forget(size_t first);
 };
 
 } // namespace mpm

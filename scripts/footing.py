@@ -42,7 +42,7 @@ def arguments(given=None):
     p = commandLine.Parser("footing", __doc__, smoke={"cell": 2 / 3, "rate": 0.04, "settlement": 0.12})
     p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), default="hybrid", help="particle types (default %(default)s)")
     p.add_argument("--phi", type=below(60), default=0.0, help="angles of friction and of dilatancy, degrees (default %(default)s)")
-    p.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain")
+    p.add_argument("--fbar", action="store_true", help="against locking: cell-mean volumetric strain, mean stress linear in a cell")
     p.add_argument("--cell", type=partOf(DEPTH), default=2 / 9, help="cell size, m: 10 m over a whole number (default 2/9)")
     p.add_argument("--rate", type=positive, default=0.02, help="settlement rate, m/s (default %(default)s)")
     p.add_argument("--settlement", type=positive, help="final settlement, m (default 0.08, with friction 0.11)")

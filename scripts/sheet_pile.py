@@ -54,7 +54,7 @@ def options():
     parser.add_argument("--undamped", action="store_true", help="no local damping in the pile, which it brakes as it vibrates")
     parser.add_argument("--split", type=float, metavar="STRETCH",
                         help="cut uGIMP particles of the soil in two at this stretch, above 1 (default: never, published)")
-    parser.add_argument("--fbar", action="store_true", help="cell-mean volumetric strain in the soil (not published)")
+    parser.add_argument("--fbar", action="store_true", help="against locking of the soil: cell-mean volumetric strain, mean stress linear in a cell (not published)")
     parser.add_argument("--remedies", action="store_true",
                         help="the run to trust: " + " ".join(f"--{name} {value:g}" for name, value in REMEDIES.items()) +
                              " --fbar --undamped, and a ramp of 0.1 m, each where nothing else is given")

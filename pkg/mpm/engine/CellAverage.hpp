@@ -115,8 +115,9 @@ class CellAverage {
         return linear;
     }
 
-    // The mean of the slopes to both neighbours, and at most twice the smaller one: no value is beyond those of the neighbours (the
-    // monotonised central difference of van Leer 1977). Zero at an extremum and where a neighbour is empty.
+    // The mean of the slopes to both neighbours, and at most twice the smaller one: along an axis no value in an evenly filled cell is
+    // beyond those of the neighbours (the monotonised central difference of van Leer 1977). Zero at an extremum and where a neighbour
+    // is empty.
     double slope(const Cell& before, const Cell& cell, const Cell& after, int axis) const {
         if (before.round != round_ || after.round != round_) return 0;
         const auto between = [&](const Cell& a, const Cell& b) {

@@ -27,24 +27,22 @@ from yade_mpm.commandLine import between, count
 RADIUS, EXTENT = 20.0, 6.0                # m: of the cylinder; width and height of the ground and of what is meshed of the cylinder
 YOUNG, POISSON, DENSITY = 1e5, 0.3, 2.0   # kPa, -, Mg/m3
 DEPTH = 1.5 / RADIUS                      # m, how far the top is moved down
-TYPES = ("apdi", "ugimp")
-CUT = True                                # boxes that the curve cuts hold the part inside (--cylinder cut)
+TYPES = ("apdi", "ugimp", "cut")
+CUT, OUTLINE = True, True                 # as of UGIMP, where --ground or --cylinder is cut
 
 
 def arguments(given=None):
     p = commandLine.Parser("hertz", __doc__, smoke={"cells": 5})
     p.add_argument("--cells", type=count, default=8, help="cells per nominal half-width (default %(default)s)")
     p.add_argument("--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)")
-    p.add_argument("--cylinder", choices=(*TYPES, "cut"), default="apdi",
+    p.add_argument("--cylinder", choices=TYPES, default="apdi",
                    help="particles of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it (default %(default)s)")
-    p.add_argument("--two", action="store_true", help="two cylinders of twice the radius; no cut boxes then")
+    p.add_argument("--two", action="store_true", help="two cylinders of twice the radius")
     p.add_argument("--shift", type=between(-1, 1), default=0.0, help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)")
     p.add_argument("--normals", choices=("surface", "mass"), default="surface", help="as of Contact (default %(default)s)")
     a = p.parse(given)
     if (a.ground, a.cylinder) != ("apdi", "apdi") and a.shift % 0.5:
         p.error(f"--shift {a.shift:g} with uGIMP is not allowed; give a multiple of 0.5")
-    if a.two and a.cylinder == "cut":
-        p.error("--two --cylinder cut is not allowed; give --cylinder apdi or ugimp")
     return a
 
 
@@ -67,24 +65,27 @@ def build(a):
     h = 1 / a.cells
     surface, bottom = a.shift * h, -EXTENT + a.shift * h
     top = surface + EXTENT
-    over = lambda x: rise(x, 2 * RADIUS if a.two else RADIUS)  # the gap is over + under
+    radius = 2 * RADIUS if a.two else RADIUS
+    over = lambda x: rise(x, radius)  # the gap is over + under
     under = over if a.two else lambda x: 0 * x
     scene = mpm.Scene(lower=(0, -EXTENT - h * (1 + np.ceil(under(EXTENT) / h))), upper=(EXTENT + 2 * h, 2 * EXTENT), cell=h, threads=a.threads)
     steel = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
-    boxes, mesh = mpm.UGIMP(perCell=2), mpm.APDI()
+    kinds = {"apdi": mpm.APDI(), "ugimp": mpm.UGIMP(perCell=2), "cut": mpm.UGIMP(perCell=2, cut=CUT, outline=OUTLINE)}
     level = lambda y: lambda x: y + 0 * x
-    ground = scene.add("ground", block(level(bottom), lambda x: surface - under(x), h / 2) if a.ground == "apdi" else box((0, bottom), (EXTENT, surface)),
-                       steel, mesh if a.ground == "apdi" else boxes, group="ground")
+    below = box((0, bottom), (EXTENT, surface))
+    if a.ground == "cut" and a.two:
+        below = below & disc((0, surface - radius), radius)
+    ground = scene.add("ground", block(level(bottom), lambda x: surface - under(x), h / 2) if a.ground == "apdi" else below,
+                       steel, kinds[a.ground], group="ground")
     if a.ground == "ugimp":
         ground.position[:, 1] -= under(ground.position[:, 0])
         ground.zeroDisplacement()
-    if a.cylinder == "apdi":
-        cylinder = scene.add("cylinder", block(lambda x: surface + over(x), level(top), h / 2), steel, mesh, group="cylinder")
-    elif a.cylinder == "cut":
-        cylinder = scene.add("cylinder", box((0, surface), (EXTENT, top)) & disc((0, surface + RADIUS), RADIUS), steel,
-                             mpm.UGIMP(perCell=2, cut=CUT), group="cylinder")
-    else:
-        cylinder = scene.add("cylinder", box((0, surface), (EXTENT, top)), steel, boxes, group="cylinder")
+    above = box((0, surface), (EXTENT, top))
+    if a.cylinder == "cut":
+        above = above & disc((0, surface + radius), radius)
+    cylinder = scene.add("cylinder", block(lambda x: surface + over(x), level(top), h / 2) if a.cylinder == "apdi" else above,
+                         steel, kinds[a.cylinder], group="cylinder")
+    if a.cylinder == "ugimp":
         cylinder.position[:, 1] += over(cylinder.position[:, 0])
         cylinder.zeroDisplacement()
     press = mpm.Drive(cylinder.above(top - 1.01 * h), velocity=(None, 0), name="press")

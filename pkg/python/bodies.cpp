@@ -33,10 +33,12 @@ template <int Dim> struct Bind {
         throw InputError("body '" + body.name + "' has no field '" + name + "'");
     }
 
-    static void buildLattice(B& body, const bp::object& positions, const bp::object& halfSize) {
+    static void buildLattice(B& body, const bp::object& positions, const bp::object& halfSize, const bp::object& carriers,
+                             const bp::object& offsets, const bp::object& areas) {
         Geometry<Dim> g;
         g.positions = points<Dim>(positions);
         g.halfSize = points<Dim>(halfSize).at(0);
+        g.carriers = numbers<int>(carriers), g.offsets = points<Dim>(offsets), g.areas = points<Dim>(areas);
         body.build(g);
     }
     static void buildMesh(B& body, const bp::object& vertices, const bp::object& cells, const bp::object& slaves,

@@ -155,6 +155,19 @@ class Body(Guarded):
             unit = np.array([(*xy, z) for z in (-1, 1) for xy in unit])
         return self.position[:, None] + unit * self.halfSize
 
+    def outline(self):
+        """The outline of boxes that were cut from a region (`UGIMP(cut=True)`), as its particles carry it now.
+
+        Returns the middles of its facets, m (K, dim), and their outward area vectors, m2 (2D: m) (K, dim); None for other bodies.
+        """
+        if "outlineCarrier" not in [f["name"] for f in self.core.fields(True)]:
+            return None
+        carrier, offset, area = (np.asarray(self.core.view(f"outline{name}", True)) for name in ("Carrier", "Offset", "Area"))
+        p = np.argsort(self.id)[np.searchsorted(self.id, carrier, sorter=np.argsort(self.id))]
+        F = self.deformationGradient[p, : self._scene.dim, : self._scene.dim]
+        grown = np.linalg.det(F)[:, None] * np.linalg.solve(F.transpose(0, 2, 1), area[..., None])[..., 0]
+        return self.position[p] + np.einsum("pij,pj->pi", F, offset), grown
+
     def weights(self, particle):
         """Weights of one particle: list of (node position, phi, gradient of phi)."""
         return list(self.core.weights(int(particle)))

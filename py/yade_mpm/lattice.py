@@ -7,7 +7,9 @@ neighbour or leave a gap; it is refused here, before anything runs.
 from itertools import product
 
 import numpy as np
+from scipy.spatial import cKDTree
 
+from .outline import outlineFacets
 from .regions import formatNumber, formatPoint
 
 _EDGE_TOLERANCE = 1e-6  # of the spacing
@@ -43,8 +45,8 @@ def cellsInside(region, lower, upper, spacing, name):
 def cutCells(region, lower, upper, spacing, name):
     """Lattice cells, of which those that the boundary of the region cuts count with the part inside.
 
-    Arguments, order and errors are those of `latticePoints`. Returns the centroids (N, dim) of the parts inside, and their share
-    of a cell (N,), from 64 x 64 or 16 x 16 x 16 samples. Parts below a hundredth of a cell are left out.
+    Arguments, order and errors are those of `latticePoints`. Returns the centroids (N, dim) of the parts inside, their share
+    of a cell (N,), from 64 x 64 or 16 x 16 x 16 samples, and the numbers (N, dim) of the cells. Parts below a hundredth of a cell are left out.
     """
     spacing = asSpacing(spacing, region.dim, name)
     lower, upper = _asGrid(lower, upper, region, name)
@@ -53,7 +55,26 @@ def cutCells(region, lower, upper, spacing, name):
     cut, n = (shares > 0) & (shares < 1), _SAMPLES[region.dim]
     centroids[cut], shares[cut] = _samples(region, lower, spacing, numbers[cut], (np.arange(n) + 0.5) / n)
     inside = _notEmpty(np.flatnonzero(shares >= _LEAST_SHARE), region, spacing, name)
-    return centroids[inside], shares[inside]
+    return centroids[inside], shares[inside], numbers[inside]
+
+
+def cutOutline(region, lower, upper, spacing, name, numbers, centroids):
+    """The outline of a region as facets, each carried by one of the cells that `cutCells` returns.
+
+    The first arguments are those of `cutCells`. numbers, centroids: (N, dim), what it returns. Returns for each facet the row of
+    its cell (K,), where its middle is from the centroid (K, dim), m, and its outward area vector (K, dim), m2 (2D: m).
+    """
+    spacing = asSpacing(spacing, region.dim, name)
+    lower, upper = _asGrid(lower, upper, region, name)
+    block = _cellsRound(region, lower, upper, spacing, name)
+    rows, middles, areas = outlineFacets(region, lower, spacing, block)
+    strides = _strides(np.ptp(block, axis=0) + 1)
+    carrierOf = np.full(len(block), -1)
+    carrierOf[(numbers - block[0]) @ strides] = np.arange(len(numbers))
+    carriers = carrierOf[rows]
+    lost = carriers < 0  # in parts that were left out
+    carriers[lost] = cKDTree(centroids).query(middles[lost])[1]
+    return carriers, middles - centroids[carriers], areas
 
 
 def _samples(region, lower, spacing, numbers, steps):

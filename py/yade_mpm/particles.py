@@ -1,14 +1,27 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Particle types, as registered in pkg/mpm/particle, and how a region becomes particles or a mesh."""
 from inspect import cleandoc
+from typing import NamedTuple
 
 import numpy as np
 
 from . import _core
 from .attributes import Attributed, makeClasses
-from .lattice import asSpacing, cutCells, latticePoints
+from .lattice import asSpacing, cutCells, cutOutline, latticePoints
 from .mesh import Mesh, meshFromArrays, meshFromFile, meshRegion, refineNear
 from .regions import Region
+
+
+class Boxes(NamedTuple):
+    """A lattice of boxes: centres (N, dim) and half size (dim,), m; their shares (N,) of a whole box (None: all are whole), and the
+    facets of its outline: which box carries each (K,), offset from its centre (K, dim), m, and area vector (K, dim), m2 (2D: m)."""
+
+    positions: np.ndarray
+    halfSize: np.ndarray
+    shares: np.ndarray = None
+    carriers: np.ndarray = ()
+    offsets: np.ndarray = ()
+    areas: np.ndarray = ()
 
 
 class ParticleType(Attributed):
@@ -17,7 +30,7 @@ class ParticleType(Attributed):
     _fixed = None  # all: the domains are built
 
     def geometry(self, region, scene, name):
-        """Positions (N, dim) and half size (dim) of the boxes that fill a region; with `cut` their shares (N,), too."""
+        """The Boxes that fill a region."""
         if not isinstance(region, Region):
             raise TypeError(f"body '{name}': {type(self).__name__} particles fill a region, e.g. box((0, 0), (1, 1)); "
                             f"got {region!r}")
@@ -27,9 +40,9 @@ class ParticleType(Attributed):
             raise ValueError(f"body '{name}': perCell = {self.perCell} has {len(self.perCell)} numbers; give 1 or {scene.dim}")
         lattice = (region, scene.lower, scene.upper, spacing, name)
         if not getattr(self, "cut", False):
-            return latticePoints(*lattice), spacing / 2
-        positions, shares = cutCells(*lattice)
-        return positions, spacing / 2, shares
+            return Boxes(latticePoints(*lattice), spacing / 2)
+        positions, shares, numbers = cutCells(*lattice)
+        return Boxes(positions, spacing / 2, shares, *(cutOutline(*lattice, numbers, positions) if self.outline else ()))
 
 
 class MeshedType(ParticleType):

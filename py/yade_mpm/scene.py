@@ -12,7 +12,7 @@ from .files import checkWritable
 from .lattice import checkOverlap
 from .materials import Material
 from .mistakes import likelyMistakes
-from .particles import ParticleType, classes as particleClasses
+from .particles import Boxes, ParticleType, classes as particleClasses
 from .regions import Region
 from .running import Run
 
@@ -131,11 +131,11 @@ class Scene(Guarded):
 
     def _build(self, body, geometry):
         if isinstance(geometry, tuple):
-            positions, halfSize, *shares = geometry
-            body.core.buildLattice(_array(positions), _array(halfSize))
-            for share in shares:
+            outline = (_array(geometry.carriers, np.int32), _array(geometry.offsets), _array(geometry.areas))
+            body.core.buildLattice(_array(geometry.positions), _array(geometry.halfSize), *outline)
+            if geometry.shares is not None:
                 for field in ("mass", "volume", "initialVolume"):
-                    setattr(body, field, getattr(body, field) * share[body.id])
+                    setattr(body, field, getattr(body, field) * geometry.shares[body.id])
         else:
             body.mesh = geometry
             body.core.buildMesh(_array(geometry.points), _array(geometry.cells, np.int32), _array(geometry.slaves, np.int32),
@@ -146,7 +146,7 @@ class Scene(Guarded):
         spacing = self.cell / 2 if body.type.matched is None else 2 * body.type.matched.halfSize
         other = self._newBody(body.name + " (converted)", body.material, particleClasses["UGIMP"](), None,
                               body.inertiaScale, body.fbar, body.group)
-        other.core.buildLattice(np.zeros((0, self.dim)), _array(spacing / 2))
+        self._build(other, Boxes(np.zeros((0, self.dim)), spacing / 2))
         self._convertTo(body, other)
 
     def _convertTo(self, body, other):

@@ -95,7 +95,8 @@ def test_control_stress_update_last_loses_energy():
 
 
 # --- with contact ---------------------------------------------------------------------------------------
-SHAPES = pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.0125), "mesh"], ids=["UGIMP", "APDI", "mesh"])
+CUT = mpm.UGIMP(perCell=2, cut=True)
+SHAPES = pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), CUT, mpm.APDI(size=0.0125), "mesh"], ids=["UGIMP", "cut", "APDI", "mesh"])
 TOUCH = 1.586  # s
 
 
@@ -130,8 +131,22 @@ def outline(body):
     return body.vertices[edges[first[count == 1]]]
 
 
+def overlapOfFacets(one, other):
+    """How deep middles of the facets of one lie below the plane of the nearest facet of the other, m."""
+    deep = 0.0
+    for (points, _), (middles, areas) in ((one.outline(), other.outline()), (other.outline(), one.outline())):
+        away = np.linalg.norm(points[:, None] - middles, axis=2)
+        nearest = away.argmin(axis=1)
+        normals = areas[nearest] / np.linalg.norm(areas[nearest], axis=1)[:, None]
+        below = ((middles[nearest] - points) * normals).sum(axis=1)
+        deep = max(deep, below[away.min(axis=1) < 0.025].max(initial=0.0))
+    return deep
+
+
 def overlap(one, other):
     """How deep vertices of one outline lie within the other, m."""
+    if one.cells is None:
+        return overlapOfFacets(one, other)
     deep = 0.0
     for points, (a, b) in ((outline(p)[:, 0], outline(q).transpose(1, 0, 2)) for p, q in ((one, other), (other, one))):
         x, y = points.T[:, :, None]
@@ -144,9 +159,11 @@ def overlap(one, other):
     return deep
 
 
-@pytest.mark.parametrize("scheme, step", [("MUSL", 0.5), ("USF", 0.25)])
-def test_disks_hardly_overlap(scheme, step):
-    """Strained by 20 %; nodes alone would let them by 0.14 of a cell. 2 % are asked, 1 % is let pass."""
+@pytest.mark.parametrize("type_, scheme, step, allowed", [("mesh", "MUSL", 0.5, 0.015), ("mesh", "USF", 0.25, 0.015), (CUT, "MUSL", 0.5, 0.022), (CUT, "USF", 0.25, 0.027)])
+def test_disks_hardly_overlap(type_, scheme, step, allowed):
+    """Strained by 20 %; nodes alone would let meshes by 0.14 of a cell. 2 % are asked, 1 % is let pass. Facets of boxes do not quite move
+    with the hat functions, as vertices of a mesh do: 0.020 and, under USF, 0.025 of a cell.
+    """
     deepest, told = 0.0, 0.0
 
     class Watched(Collision):
@@ -157,8 +174,8 @@ def test_disks_hardly_overlap(scheme, step):
             if self.scene.steps % 10 == 0:
                 deepest = max(deepest, overlap(*self.disks) * 40)
 
-    Watched("mesh", scheme, contact=mpm.Contact(), step=step)
-    assert 0.005 < deepest < 0.015
+    Watched(type_, scheme, contact=mpm.Contact(), step=step)
+    assert 0.005 < deepest < allowed
     assert told == pytest.approx(deepest, rel=0.2)
 
 

@@ -29,7 +29,7 @@ def module(path):
 HERE = Path(__file__).resolve().parent
 d16 = module(HERE / "test_D16_two_disks.py")
 SCHEMES = pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
-TYPES = {"uGIMP": mpm.UGIMP(perCell=2), "APDI": mpm.APDI(size=0.0125), "mesh": mpm.APDI()}
+TYPES = {"uGIMP": mpm.UGIMP(perCell=2), "cut": mpm.UGIMP(perCell=2, cut=True), "APDI": mpm.APDI(size=0.0125), "mesh": mpm.APDI()}
 FREE = dict(friction=0.0)
 
 
@@ -104,7 +104,7 @@ LAWS = [dict(friction=0.3), dict(friction=2.0), dict(friction=0.3, adhesion=20.0
 
 
 @pytest.mark.parametrize("law", LAWS, ids=str)
-@pytest.mark.parametrize("kind, scheme", [("uGIMP", "MUSL"), ("APDI", "USF")])
+@pytest.mark.parametrize("kind, scheme", [("uGIMP", "MUSL"), ("cut", "MUSL"), ("APDI", "USF")])
 def test_of_discs_that_glance(kind, scheme, law):
     """Without slip the rounds between nodes and touches do not settle in one step of the staircases, and would give 0.26 % of the energy."""
     scene = discs(kind, scheme, law, off=0.06, step=0.25 if scheme == "USF" else 0.5)

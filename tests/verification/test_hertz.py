@@ -2,8 +2,9 @@
 """Hertz contact of an elastic cylinder and an elastic half-plane, and of two cylinders, plane strain (scripts/hertz.py).
 
 Set-up and closed form are in the docstring of the script; radius 20 half-widths, a half-width of 5.3 cells (--slow: 8.6).
-Tolerance: half-width and peak pressure, by the second moment of the nodal forces, 5 %; pressure at the axis 8 %
-(12 % where boxes and a mesh make two cylinders), rms of the whole curve 4 % of the peak. uGIMP boxes of the cylinder stand in columns that follow the curve.
+Tolerance: half-width and peak pressure, by the second moment of the nodal forces, 5 %; pressure at the axis 8 %, rms of the whole curve 4 % of the
+peak (12 and 5 % where boxes meet an explicit surface along a grid line); overlap 0.02 h. uGIMP boxes of the cylinder stand in columns that follow the
+curve; cut ones carry their outline.
 Control: a cylinder cut from the lattice, whose underside is a staircase with treads wider than the contact, gives another half-width.
 """
 import importlib.util
@@ -28,12 +29,12 @@ def press(*options, **changed):
     return module.run(module.arguments([*options]))[0]
 
 
-def isHertz(summary, axis=0.08):
+def isHertz(summary, axis=0.08, rms=0.04):
     assert summary["pressOverLoad"] == pytest.approx(1, rel=2e-3)  # at rest
     assert summary["halfWidth"] == pytest.approx(summary["hertzHalfWidth"], rel=0.05)
     assert summary["peakPressure"] == pytest.approx(summary["hertzPeakPressure"], rel=0.05)
     assert summary["axisPressure"] == pytest.approx(summary["hertzAxisPressure"], rel=axis)
-    assert summary["rmsError"] < 0.04
+    assert summary["rmsError"] < rms
     assert summary["largestPenetrationOverCell"] < 0.02
 
 
@@ -50,15 +51,26 @@ def test_two_cylinders_touch_as_hertz_says(ground, cylinder, axis):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shift", ["0", "0.5"])
-@pytest.mark.parametrize("ground, cylinder", [("apdi", "apdi"), ("ugimp", "apdi"), ("apdi", "ugimp"), ("ugimp", "ugimp")])
+@pytest.mark.parametrize("ground, cylinder", [("apdi", "apdi"), ("ugimp", "apdi"), ("apdi", "ugimp"), ("ugimp", "ugimp"), ("apdi", "cut"), ("ugimp", "cut"), ("cut", "cut")])
 def test_pressure_of_a_cylinder_is_that_of_hertz_on_a_finer_grid(ground, cylinder, shift):
     isHertz(press("--cells", "8", "--ground", ground, "--cylinder", cylinder, "--shift", shift))
 
 
-def test_boxes_cut_by_the_curve_come_near_to_hertz():
-    """Half-width within 10 %; whole boxes are the control: 41 % too wide."""
-    summary = press("--smoke", "--ground", "ugimp", "--cylinder", "cut")
-    assert summary["halfWidth"] == pytest.approx(summary["hertzHalfWidth"], rel=0.1)
+@pytest.mark.parametrize("ground, shift", [("apdi", "0"), ("ugimp", "0"), ("cut", "0"), ("apdi", "0.5"), ("ugimp", "0.5")])
+def test_pressure_of_a_cylinder_of_cut_boxes_is_that_of_hertz(ground, shift):
+    onLine = ground == "ugimp" and shift == "0"
+    isHertz(press("--smoke", "--ground", ground, "--cylinder", "cut", "--shift", shift), *((0.12, 0.05) if onLine else ()))
+
+
+@pytest.mark.parametrize("ground", ["apdi", "cut"])
+def test_cylinders_of_cut_boxes_touch_as_hertz_says(ground):
+    isHertz(press("--smoke", "--two", "--ground", ground, "--cylinder", "cut"))
+
+
+def test_control_whole_boxes_are_no_cylinder():
+    """41 % too wide; and with the faces of cut boxes as surface it is 7 % too narrow."""
+    boxes = press("--smoke", "--ground", "ugimp", "--cylinder", "cut", OUTLINE=False)
+    assert boxes["halfWidth"] < 0.95 * boxes["hertzHalfWidth"]
     whole = press("--smoke", "--ground", "ugimp", "--cylinder", "cut", CUT=False)
     assert whole["halfWidth"] > 1.3 * whole["hertzHalfWidth"]
 

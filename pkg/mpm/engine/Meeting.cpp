@@ -82,9 +82,11 @@ template <int Dim> void Meeting<Dim>::prepare(const Scene<Dim>& scene) {
 
 template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normalsByMass) {
     meets.clear(), touches.clear(), pairs.clear(), step_ = scene.step;
-    isMeshed_.assign(scene.groups.size(), true);
-    for (auto& body : scene.bodies)
-        if (!body->type->isMeshed() && body->particles.size() > 0) isMeshed_[body->velocityField] = false;
+    isExplicit_.assign(scene.groups.size(), true), hasOutline_.assign(scene.groups.size(), false);
+    for (auto& body : scene.bodies) {
+        if (!isExplicit(*body) && body->particles.size() > 0) isExplicit_[body->velocityField] = false;
+        if (body->domains->outline()) hasOutline_[body->velocityField] = true;
+    }
     const int groups = int(scene.groups.size());
     for (int a = 0; a < groups; ++a)
         for (int b = a + 1; b < groups; ++b) {
@@ -93,6 +95,7 @@ template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normals
             findSurfaces(scene, 0, a, first), findSurfaces(scene, 1, b, first);
             normalsByMass ? findNormalsByMass(scene.grid, first) : findNormals(scene.grid, first);
             turnAtEdges(scene, 0, a, first), turnAtEdges(scene, 1, b, first);
+            if (hasOutline_[a] || hasOutline_[b]) straighten(scene.grid, first);
             findFaces(scene, 0, a), findFaces(scene, 1, b);
             findIntruders(scene.grid, 0, a, b, first), findIntruders(scene.grid, 1, b, a, first);
             findGaps(scene.grid, first), borrow(scene.grid, first);
@@ -142,8 +145,10 @@ template <int Dim> void Meeting<Dim>::findSurfaces(const Scene<Dim>& scene, int 
     if (!found_.empty())
         for (size_t i = first; i < meets.size(); ++i) addBoxes(scene.grid, meets[i], side);
     for (size_t b = 0; b < scene.bodies.size(); ++b)
-        if (Body<Dim>& body = *scene.bodies[b]; body.velocityField == field && body.type->isMeshed())
-            findVertices(body, boundaries_[b], scene.grid), addFacets(boundaries_[b], side);
+        if (Body<Dim>& body = *scene.bodies[b]; body.velocityField == field && isExplicit(body)) {
+            body.type->isMeshed() ? findVertices(body, boundaries_[b], scene.grid) : findFacets(body, boundaries_[b], scene.grid);
+            addFacets(body.type->isMeshed() ? boundaries_[b].near : boundaries_[b].parts, side);
+        }
 }
 
 // The boxes of a group that are near to meets: those of blocks that may have some, as the lowest nodes of boxes are at most `wander` slabs
@@ -154,7 +159,7 @@ template <int Dim> void Meeting<Dim>::findBoxes(const Scene<Dim>& scene, int sid
     Boxes& boxes = boxes_[side];
     found_.clear(), boxes.start.assign(nearNodes_.size() + 1, 0);
     for (auto& body : scene.bodies) {
-        if (body->velocityField != field || body->type->isMeshed()) continue;
+        if (body->velocityField != field || isExplicit(*body)) continue;
         const Field& position = body->particles.position;
         const double* V = body->particles.volume.plane();
         const Vec<Dim> half = body->domains->halfSize().cwiseQuotient(grid.cell);
@@ -255,6 +260,10 @@ template <int Dim> NodesRound<Dim> Meeting<Dim>::nodesRound(const Grid<Dim>& gri
     return round;
 }
 
+template <int Dim> bool Meeting<Dim>::isNear(const Grid<Dim>& grid, const Vec<Dim>& x) const {
+    return (x.array() >= lower_.array()).all() && (x.array() <= upper_.array()).all() && near_[nearestNode(grid, x)] >= 0;
+}
+
 // Those near a meet, with their share of the boundary: each facet as equal parts at its vertices.
 template <int Dim> void Meeting<Dim>::findVertices(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid) {
     if (boundary.particles != body.particles.size()) boundary.find(body); // the first time, or after a conversion
@@ -262,10 +271,8 @@ template <int Dim> void Meeting<Dim>::findVertices(Body<Dim>& body, Boundary& bo
     std::fill(boundary.place.begin(), boundary.place.end(), -1), boundary.near.clear();
     for (int v : boundary.vertices) {
         const Vec<Dim> x = vectorAt<Dim>(X, v);
-        if ((x.array() < lower_.array()).any() || (x.array() > upper_.array()).any()) continue;
-        const int node = nearestNode(grid, x);
-        if (near_[node] < 0) continue;
-        Vertex vertex{node, x, Vec<Dim>::Zero(), 0, 0, nodesRound(grid, x)};
+        if (!isNear(grid, x)) continue;
+        Vertex vertex{nearestNode(grid, x), x, Vec<Dim>::Zero(), 0, 0, nodesRound(grid, x)};
         for (int i = boundary.firstAt[v]; i < boundary.firstAt[v + 1]; ++i) {
             const Vec<Dim> share = areaVector<Dim>(X, boundary.facets.facets[boundary.facetsAt[i]]) / boundary.facets.size;
             vertex.outward += share, vertex.extent += share.norm();
@@ -275,8 +282,43 @@ template <int Dim> void Meeting<Dim>::findVertices(Body<Dim>& body, Boundary& bo
     }
 }
 
-template <int Dim> void Meeting<Dim>::addFacets(const Boundary& boundary, int side) {
-    for (const Vertex& vertex : boundary.near)
+// The facets of an outline near a meet, and equal parts of each at its corners: it is taken to be a square as seen along the axis that
+// it faces most.
+template <int Dim> void Meeting<Dim>::findFacets(const Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid) {
+    const Outline<Dim>& outline = *body.domains->outline();
+    boundary.near.clear(), boundary.parts.clear();
+    const auto add = [&](std::vector<Vertex>& to, const Vec<Dim>& x, const Vec<Dim>& outward) {
+        if (const double size = outward.norm(); isNear(grid, x)) to.push_back({nearestNode(grid, x), x, outward, size, size, nodesRound(grid, x)});
+    };
+    for (int i = 0; i < outline.size(); ++i) {
+        const Vec<Dim> carrier = vectorAt<Dim>(body.particles.position, outline.particle(i));
+        if (((carrier + grid.cell).array() < lower_.array()).any() || ((carrier - grid.cell).array() > upper_.array()).any()) continue;
+        const auto [x, outward] = outline.at(body.particles, i);
+        add(boundary.near, x, outward);
+        int facing;
+        const double seen = outward.cwiseAbs().maxCoeff(&facing), half = 0.5 * (Dim == 2 ? seen : std::sqrt(seen));
+        for (int corner = 0; corner < BoundaryFacets<Dim>::size; ++corner) {
+            Vec<Dim> d;
+            for (int k = 0, bit = 0; k < Dim; ++k) d[k] = k == facing ? 0 : corner >> bit++ & 1 ? half : -half;
+            d[facing] = -d.dot(outward) / outward[facing];
+            add(boundary.parts, x + d, outward / BoundaryFacets<Dim>::size);
+        }
+    }
+}
+
+template <int Dim>
+template <class F>
+void Meeting<Dim>::forShares(Body<Dim>& body, const Boundary& boundary, F&& f) {
+    if (!body.type->isMeshed())
+        for (const Vertex& part : boundary.parts) f(part, part.outward);
+    for (auto& facet : boundary.facets.facets)
+        for (int v : facet)
+            if (boundary.place[v] >= 0)
+                f(boundary.near[boundary.place[v]], areaVector<Dim>(*body.domains->vertexPositions(), facet) / boundary.facets.size);
+}
+
+template <int Dim> void Meeting<Dim>::addFacets(const std::vector<Vertex>& vertices, int side) {
+    for (const Vertex& vertex : vertices)
         for (int corner = 0; corner < vertex.round.size; ++corner) {
             if (vertex.round.meet[corner] < 0) continue;
             const double phi = vertex.round.S[corner];
@@ -293,7 +335,7 @@ template <int Dim> void Meeting<Dim>::addFacets(const Boundary& boundary, int si
 template <int Dim> void Meeting<Dim>::findNormals(const Grid<Dim>& grid, size_t first) {
     for (size_t i = first; i < meets.size(); ++i) {
         Meet<Dim>& meet = meets[i];
-        const bool meshed[2] = {isMeshed_[meet.field[0]], isMeshed_[meet.field[1]]};
+        const bool meshed[2] = {isExplicit_[meet.field[0]], isExplicit_[meet.field[1]]};
         const Vec<Dim> outward[2] = {meet.surface[0].outward, -meet.surface[1].outward}; // along the normal, both
         Vec<Dim> sum = Vec<Dim>::Zero();
         if (!meshed[0] && !meshed[1]) {
@@ -333,26 +375,34 @@ template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int s
     if (!isAny) return;
     const Grid<Dim>& grid = scene.grid;
     std::vector<Vec<Dim>> sum(meets.size() - first, Vec<Dim>::Zero());
-    forMeshes(scene, field, [&](const Field& X, const Boundary& boundary) {
-        for (auto& facet : boundary.facets.facets)
-            for (int v : facet) {
-                if (boundary.place[v] < 0) continue;
-                const NodesRound<Dim>& round = boundary.near[boundary.place[v]].round;
-                for (int corner = 0; corner < round.size; ++corner) {
-                    const int slot = round.meet[corner];
-                    if (slot < 0 || meets[slot].edgeOf != side) continue;
-                    const Meet<Dim>& meet = meets[slot];
-                    const Vec<Dim> share = areaVector<Dim>(X, facet) / boundary.facets.size;
-                    double closing = 0;
-                    for (int k = 0; k < Dim; ++k)
-                        closing += share[k] * (grid.fields[meet.field[side]].motion[meet.node][k] -
-                                               grid.fields[meet.field[1 - side]].motion[meet.node][k]);
-                    if (closing > 0) sum[slot - first] += round.S[corner] * closing / share.norm() * share;
-                }
+    forBoundaries(scene, field, [&](Body<Dim>& body, const Boundary& boundary) {
+        forShares(body, boundary, [&](const Vertex& vertex, const Vec<Dim>& share) {
+            for (int corner = 0; corner < vertex.round.size; ++corner) {
+                const int slot = vertex.round.meet[corner];
+                if (slot < 0 || meets[slot].edgeOf != side) continue;
+                const Meet<Dim>& meet = meets[slot];
+                double closing = 0;
+                for (int k = 0; k < Dim; ++k)
+                    closing += share[k] * (grid.fields[meet.field[side]].motion[meet.node][k] -
+                                           grid.fields[meet.field[1 - side]].motion[meet.node][k]);
+                if (closing > 0) sum[slot - first] += vertex.round.S[corner] * closing / share.norm() * share;
             }
+        });
     });
     for (size_t i = first; i < meets.size(); ++i)
         if (meets[i].edgeOf == side && !sum[i - first].isZero(0)) meets[i].normal = (side == 0 ? 1 : -1) * sum[i - first].normalized();
+}
+
+// Where a constraint holds both groups along an axis they do not push each other along it: at a plane of symmetry an outline has facets on
+// that plane, and the normal would tilt.
+template <int Dim> void Meeting<Dim>::straighten(const Grid<Dim>& grid, size_t first) {
+    for (size_t i = first; i < meets.size(); ++i) {
+        Meet<Dim>& meet = meets[i];
+        Vec<Dim> free = meet.normal;
+        for (int k = 0; k < Dim; ++k)
+            if (grid.fields[meet.field[0]].holder[k][meet.node] >= 0 && grid.fields[meet.field[1]].holder[k][meet.node] >= 0) free[k] = 0;
+        if (free.norm() > 0.1) meet.normal = free.normalized();
+    }
 }
 
 template <int Dim> void Meeting<Dim>::findNormalsByMass(const Grid<Dim>& grid, size_t first) {
@@ -372,10 +422,10 @@ template <int Dim> void Meeting<Dim>::findNormalsByMass(const Grid<Dim>& grid, s
 // Where the tangent plane of the nearest vertex crosses the normal through a node, for groups that are meshes; vertices at edges
 // have no such plane, and count by themselves.
 template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int side, int field) {
-    if (!isMeshed_[field]) return;
+    if (!isExplicit_[field]) return;
     const Grid<Dim>& grid = scene.grid;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
-    forMeshes(scene, field, [&](const Field&, const Boundary& boundary) {
+    forBoundaries(scene, field, [&](const Body<Dim>&, const Boundary& boundary) {
         for (const Vertex& vertex : boundary.near)
             forNeighbours(grid, vertex.node, [&](int node, const Index<Dim>&) {
                 if (slot_[node] < 0) return;
@@ -393,7 +443,7 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
 // Boxes against a mesh: where the centre of one has crossed its face, the gap is closed, whatever the others do. What lies deeper than
 // half a cell belongs to the other side.
 template <int Dim> void Meeting<Dim>::findIntruders(const Grid<Dim>& grid, int side, int field, int other, size_t first) {
-    if (isMeshed_[field] || !isMeshed_[other]) return;
+    if (isExplicit_[field] || !isExplicit_[other]) return;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
     const Boxes& boxes = boxes_[side];
     for (size_t i = first; i < meets.size(); ++i) {
@@ -425,7 +475,7 @@ template <int Dim> void Meeting<Dim>::findGaps(const Grid<Dim>& grid, size_t fir
         Meet<Dim>& meet = meets[i];
         const Vec<Dim>& n = meet.normal;
         const double area[2] = {meet.surface[0].outward.dot(n), -meet.surface[1].outward.dot(n)};
-        const bool isMesh[2] = {isMeshed_[meet.field[0]], isMeshed_[meet.field[1]]};
+        const bool isMesh[2] = {isExplicit_[meet.field[0]], isExplicit_[meet.field[1]]};
         meet.area = std::max(0.0, std::min(area[0], area[1]));
         const bool intruded = meet.surface[0].intruded > -1e300 || meet.surface[1].intruded > -1e300;
         meet.weight = intruded ? area[isMesh[0] ? 0 : 1] : meet.area;
@@ -463,8 +513,8 @@ template <int Dim> void Meeting<Dim>::borrow(const Grid<Dim>& grid, size_t first
 // Vertices at the surface of a mesh that are near to a meet and at no edge, by their nearest node.
 template <int Dim> void Meeting<Dim>::findSkin(const Scene<Dim>& scene, int side, int field) {
     skins_[side].clear();
-    if (!isMeshed_[field]) return;
-    forMeshes(scene, field, [&](const Field&, const Boundary& boundary) {
+    if (!isExplicit_[field]) return;
+    forBoundaries(scene, field, [&](const Body<Dim>&, const Boundary& boundary) {
         for (const Vertex& vertex : boundary.near)
             if (vertex.size > edge * vertex.extent) skins_[side].push_back(&vertex);
     });
@@ -516,7 +566,7 @@ template <int Dim> void Meeting<Dim>::findTouches(const Scene<Dim>& scene, int a
             if (!isShared) continue;
             Touch<Dim> touch;
             touch.normal = own->outward / own->size, touch.tolerated = tolerated * h;
-            touch.gap = isMeshed_[side == 0 ? b : a] ? distanceOfMesh(grid, *own, side, touch.normal) : distanceOfBoxes(grid, *own, side);
+            touch.gap = isExplicit_[side == 0 ? b : a] ? distanceOfMesh(grid, *own, side, touch.normal) : distanceOfBoxes(grid, *own, side);
             if (side == 1) touch.normal = -touch.normal;
             if (std::abs(touch.gap) > 0.5 * h) continue;
             static_cast<NodesRound<Dim>&>(touch) = own->round;

@@ -79,17 +79,18 @@ template <int Dim> class Meeting {
     bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
 
   private:
-    struct Vertex { // at the boundary of a mesh, near a meet
+    struct Vertex { // at the boundary of a mesh, near a meet; or the middle of a facet of an outline, or one of its corners
         int node;   // the nearest
         Vec<Dim> position, outward; // area vector of its share of the facets, from
         double size, extent;        // its size, and the area of the share
         NodesRound<Dim> round;
     };
-    struct Boundary { // of a meshed body
+    struct Boundary { // of a body with an explicit surface: a mesh, or boxes with an outline
         BoundaryFacets<Dim> facets;
         std::vector<int> vertices;
         std::vector<int> facetsAt, firstAt; // numbers of the facets at each vertex, one vertex after the other; where they begin
-        std::vector<Vertex> near;           // of the vertices
+        std::vector<Vertex> near;           // of the vertices, or of the facets of the outline,
+        std::vector<Vertex> parts;          // and the corners of these
         std::vector<int> place;             // of each vertex in `near`, -1: not there
         int particles = -1;                 // when it was found
         void find(Body<Dim>& body);
@@ -108,7 +109,8 @@ template <int Dim> class Meeting {
     Boxes boxes_[2];                   // of either group
     std::vector<Box> found_;           // of one group, in the order of the particles
     std::vector<const Vertex*> skins_[2]; // vertices of either group at no edge, by their nearest node
-    std::vector<bool> isMeshed_;       // groups that are meshes altogether
+    std::vector<bool> isExplicit_;     // groups whose surface is explicit altogether
+    std::vector<bool> hasOutline_;     // groups with boxes that carry an outline
     std::vector<int> slot_;            // of each node in `meets`, -1: none; of one pair of groups at a time
     std::vector<int> near_;            // number of each node that is, or is next to, one of these; -1: it is not
     std::vector<int> nearNodes_;       // by their number, which grows with that of the node
@@ -121,20 +123,25 @@ template <int Dim> class Meeting {
     template <class F> void forBoxes(const Grid<Dim>& grid, const Meet<Dim>& meet, const Boxes& boxes, F&& f) const;
     void addBoxes(const Grid<Dim>& grid, Meet<Dim>& meet, int side) const;
     void findVertices(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid);
-    void addFacets(const Boundary& boundary, int side);
+    void findFacets(const Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid);
+    bool isNear(const Grid<Dim>& grid, const Vec<Dim>& x) const;
+    void addFacets(const std::vector<Vertex>& vertices, int side);
     void findNormals(const Grid<Dim>& grid, size_t first);
     void findNormalsByMass(const Grid<Dim>& grid, size_t first);
+    void straighten(const Grid<Dim>& grid, size_t first);
     void turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first);
     void findFaces(const Scene<Dim>& scene, int side, int field);
     void findIntruders(const Grid<Dim>& grid, int side, int field, int other, size_t first);
     void findGaps(const Grid<Dim>& grid, size_t first);
     void findTouches(const Scene<Dim>& scene, int a, int b);
-    // f(positions of the vertices, boundary) for the meshes of a group, not for bodies that take what these convert.
-    template <class F> void forMeshes(const Scene<Dim>& scene, int field, F&& f) const {
+    static bool isExplicit(const Body<Dim>& body) { return body.type->isMeshed() || body.domains->outline(); }
+    // f(body, boundary) for those bodies of a group that have one, not for bodies that take what these convert.
+    template <class F> void forBoundaries(const Scene<Dim>& scene, int field, F&& f) const {
         for (size_t b = 0; b < scene.bodies.size(); ++b)
-            if (const Body<Dim>& body = *scene.bodies[b]; body.velocityField == field && body.type->isMeshed())
-                f(*body.domains->vertexPositions(), boundaries_[b]);
+            if (Body<Dim>& body = *scene.bodies[b]; body.velocityField == field && isExplicit(body)) f(body, boundaries_[b]);
     }
+    // f(vertex, area vector of its share of a facet).
+    template <class F> static void forShares(Body<Dim>& body, const Boundary& boundary, F&& f);
     NodesRound<Dim> nodesRound(const Grid<Dim>& grid, const Vec<Dim>& x) const;
     void findSkin(const Scene<Dim>& scene, int side, int field);
     double distanceOfBoxes(const Grid<Dim>& grid, const Vertex& own, int side) const;

@@ -6,6 +6,7 @@
 
 #include "mpm/base/parameters.hpp"
 #include "mpm/base/registry.hpp"
+#include "mpm/particle/Outline.hpp"
 #include "mpm/state/BlockOrder.hpp"
 #include "mpm/state/Particles.hpp"
 
@@ -20,6 +21,9 @@ namespace mpm {
 template <int Dim> struct Geometry {
     std::vector<Vec<Dim>> positions; // lattice: centres of the domains
     Vec<Dim> halfSize;               // lattice: half edges of a domain
+    std::vector<int> carriers;       // lattice: facets of its outline, by the number of a domain,
+    std::vector<Vec<Dim>> offsets;   //          where they are from its centre,
+    std::vector<Vec<Dim>> areas;     //          and their area vectors
     std::vector<Vec<Dim>> points;    // mesh: vertices
     std::vector<int> cells;          // mesh: corners of every domain (VTK order)
     std::vector<int> slaves;         // mesh: hanging vertices,
@@ -97,6 +101,8 @@ template <int Dim> class Domains {
     virtual void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const = 0;
     // Half size of the box drawn for a particle, or zero where corners() says more.
     virtual Vec<Dim> halfSize() const { return Vec<Dim>::Zero(); }
+    // The surface of boxes that were cut from a region; nullptr where there is none.
+    virtual const Outline<Dim>* outline() const { return nullptr; }
     // Corner numbers (VTK order) of every domain into vertexPositions(); nullptr for boxes.
     virtual const std::vector<int>* cornerTable() const { return nullptr; }
     virtual Field* vertexPositions() { return nullptr; }

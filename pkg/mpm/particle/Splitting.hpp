@@ -11,7 +11,7 @@
 #pragma once
 
 #include "mpm/base/threads.hpp"
-#include "mpm/state/Particles.hpp"
+#include "mpm/particle/Outline.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -46,8 +46,8 @@ template <int Dim> class Splitting {
         forget();
     }
 
-    // Cuts what is too long; the new halves come last. Returns whether there were any.
-    bool cut(Particles<Dim>& particles, const Vec<Dim>& halfSize) {
+    // Cuts what is too long; the new halves come last. Facets of the outline go with the half that is nearer. Returns whether there were any.
+    bool cut(Particles<Dim>& particles, const Vec<Dim>& halfSize, Outline<Dim>& outline) {
         const std::vector<Cut> cuts = find(particles, halfSize);
         if (cuts.empty()) return false;
         const int first = particles.size();
@@ -63,6 +63,7 @@ template <int Dim> class Splitting {
             particles.id.integers()[other] = next++;
             shift(particles, p, cuts[i].offset);
             shift(particles, other, -cuts[i].offset);
+            outline.split(p, particles.id.integers()[other], cuts[i].reference);
         }
         forget();
         return true;
@@ -71,8 +72,15 @@ template <int Dim> class Splitting {
   private:
     struct Cut {
         int particle;
-        Vec<Dim> along, offset; // m; d
+        Vec<Dim> along, offset, reference; // m; d; F^-1 d
     };
+
+    Mat<Dim> shareOf(int p) const {
+        Mat<Dim> S;
+        for (int i = 0; i < Dim; ++i)
+            for (int j = 0; j < Dim; ++j) S(i, j) = share.plane(Dim * i + j)[p];
+        return S;
+    }
 
     MPM_INLINE Mat<Dim> domain(const Particles<Dim>& particles, int p) const {
         Mat<Dim> D;
@@ -105,7 +113,8 @@ template <int Dim> class Splitting {
             const double stretch = std::sqrt(stretches.eigenvalues()[Dim - 1]);
             if (!(stretch > limit_)) continue;
             const Vec<Dim> along = stretches.eigenvectors().col(Dim - 1);
-            cuts.push_back({p, along, 0.5 * along.cwiseProduct(halfSize).norm() * D * along});
+            const double half = 0.5 * along.cwiseProduct(halfSize).norm();
+            cuts.push_back({p, along, half * D * along, half * shareOf(p) * along});
         }
         return cuts;
     }

@@ -46,7 +46,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     using typename Base::L, typename Base::NF, typename Base::Planes;
     using Base::particles, Base::grid, Base::order, Base::damped_;
 
-    BoxDomains(Particles<Dim>& particles, const Grid<Dim>& grid, double splitAt) : Base(particles, grid), splitting_(splitAt) {}
+    BoxDomains(Particles<Dim>& particles, const Grid<Dim>& grid, double splitAt, bool hasOutline)
+        : Base(particles, grid), splitting_(splitAt), hasOutline_(hasOutline) {}
 
     void build(const Geometry<Dim>& geometry) override {
         const Vec<Dim> half = geometry.halfSize;
@@ -61,12 +62,16 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         }
         Base::create(geometry.positions, std::vector<double>(geometry.positions.size(), volume));
         if (splitting_.isOn()) splitting_.start(particles.size());
+        outline_.set(geometry.carriers, geometry.offsets, geometry.areas);
         regroup();
     }
 
     std::vector<Field*> fields() override {
-        if (splitting_.isOn()) return {&half_, &splitting_.share};
-        return {&half_};
+        std::vector<Field*> all{&half_};
+        if (splitting_.isOn()) all.push_back(&splitting_.share);
+        if (hasOutline_)
+            for (Field* field : outline_.fields()) all.push_back(field);
+        return all;
     }
     std::vector<std::pair<std::string, std::vector<int>*>> tables() override {
         auto all = Base::tables();
@@ -76,6 +81,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     void restored() override {
         cell_.assign(particles.size(), -1), local_.resize(particles.size());
+        outline_.find(particles);
         order.prepare(3);
     }
 
@@ -200,12 +206,13 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     void grown() override { regroup(); }
 
     bool splitStretched() override {
-        if (!splitting_.isOn() || !splitting_.cut(particles, halfSize())) return false;
+        if (!splitting_.isOn() || !splitting_.cut(particles, halfSize(), outline_)) return false;
         grown();
         return true;
     }
     size_t bytes() const override { return sizeof(int) * cell_.size() + local_.bytes(); }
 
+    const Outline<Dim>* outline() const override { return outline_.size() > 0 ? &outline_ : nullptr; }
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
     double longestEdge(int) const override { return 2 * halfSize().maxCoeff(); }
 
@@ -356,6 +363,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         order.group(grid, cell_);
         particles.permute(order.order);
         splitting_.permute(order.order);
+        outline_.find(particles);
         order.order.clear();
         order.prepare(3);
     }
@@ -364,6 +372,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     Field local_{"local", "-", "Position within the support, in cells.", {Dim}}; // ... with the position in it
     Field half_{"halfSize", "m", "Half edge of the box domains, one entry per axis."};
     Splitting<Dim> splitting_;
+    Outline<Dim> outline_;
+    const bool hasOutline_;
     bool isSorted_ = false; // in this round of locate() and settle()
     std::vector<int> runsWhenSorted_{0};
 };
@@ -371,7 +381,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 class UGIMP : public ParticleType {
   public:
     std::vector<double> perCell{2};
-    bool cut = false;
+    bool cut = false, outline = true;
     double splitAt = notGiven;
 
     std::string className() const override { return "UGIMP"; }
@@ -386,6 +396,8 @@ class UGIMP : public ParticleType {
                  Range::between(1, 1000)},
                 {"cut", "", "Whether boxes that the boundary of the region cuts hold the part inside, at its centroid; False: they are "
                             "whole, or left out where their centre is outside. For curved bodies in contact.", &cut},
+                {"outline", "", "With `cut`: whether the outline of the region goes with the particles as the surface that contact sees. False: the "
+                                "faces of the boxes are; for soil that flows, where the surface becomes another.", &outline},
                 {"splitAt", "-", "Stretch at which a particle is cut in two across its most stretched direction; its halves are cut when "
                                  "they are that long against the box again. None: never.", &splitAt,
                  Range::inside(1, std::numeric_limits<double>::infinity())}};
@@ -398,10 +410,10 @@ class UGIMP : public ParticleType {
     }
     bool isMeshed() const override { return false; }
     std::unique_ptr<Domains<2>> make(Particles<2>& p, const Grid<2>& g) const override {
-        return std::make_unique<BoxDomains<2>>(p, g, splitAt);
+        return std::make_unique<BoxDomains<2>>(p, g, splitAt, cut && outline);
     }
     std::unique_ptr<Domains<3>> make(Particles<3>& p, const Grid<3>& g) const override {
-        return std::make_unique<BoxDomains<3>>(p, g, splitAt);
+        return std::make_unique<BoxDomains<3>>(p, g, splitAt, cut && outline);
     }
 };
 

@@ -9,7 +9,8 @@ import pytest
 import yade_mpm as mpm
 from yade_mpm import box
 
-PAIRS = ["uu", "ua", "au", "aa"]  # u: uGIMP, a: APDI
+PAIRS = ["uu", "ua", "au", "aa"]  # u: uGIMP, a: APDI,
+CUT = ["uc", "ac", "cc"]          # c: uGIMP that carries its outline
 SCHEMES = ["MUSL", "USL", "USF"]
 G = 10.0  # m/s2
 
@@ -18,7 +19,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:Scene. the groups .* stick toget
 
 
 def typeOf(letter, cell):
-    return mpm.UGIMP(perCell=2) if letter == "u" else mpm.APDI(size=cell / 2)
+    return mpm.APDI(size=cell / 2) if letter == "a" else mpm.UGIMP(perCell=2, cut=letter == "c")
 
 
 def elastic(young=1e5):
@@ -140,7 +141,7 @@ class Incline:
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("pair", PAIRS)
+@pytest.mark.parametrize("pair", PAIRS + CUT)
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_block_slides_down_an_incline(dim, pair, friction):
     incline = Incline(pair, friction, dim, time=0.15 if dim == 2 else 0.06)
@@ -204,7 +205,7 @@ def means(scene, time, values):
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("pair", PAIRS)
+@pytest.mark.parametrize("pair", PAIRS + CUT)
 def test_adhesion_adds_its_stress_times_the_area_in_contact(pair, friction):
     scene, [drive], [weight] = drawn(mpm.Contact(friction=friction, adhesion=2.0), [pair])
     run(scene, until=0.2)
@@ -410,7 +411,7 @@ def same(one, other):
     return all(np.array_equal(a, b) for a, b in zip(bits(one), bits(other)))
 
 
-@pytest.mark.parametrize("pair", ["uu", "ua", "aa"])
+@pytest.mark.parametrize("pair", ["uu", "ua", "aa", "uc"])
 def test_any_number_of_threads_gives_the_same_bits(pair):
     one = Incline(pair, 0.3, time=0.05, threads=1)
     for threads in (2, 3):
@@ -418,9 +419,9 @@ def test_any_number_of_threads_gives_the_same_bits(pair):
     assert not same(one.scene, Incline(pair, 0.3001, time=0.05).scene)  # control
 
 
-@pytest.mark.parametrize("scheme", SCHEMES)
-def test_a_restart_in_the_middle_of_sliding_gives_the_same_bits(scheme):
-    incline = Incline("ua", 0.3, time=0.05, scheme=scheme)
+@pytest.mark.parametrize("pair, scheme", [*(("ua", scheme) for scheme in SCHEMES), ("uc", "MUSL")])
+def test_a_restart_in_the_middle_of_sliding_gives_the_same_bits(pair, scheme):
+    incline = Incline(pair, 0.3, time=0.05, scheme=scheme)
     incline.contact.pair("base", "block", friction=0.2, adhesion=0.1)
     incline.scene.save("sliding.h5")
     again = mpm.load("sliding.h5")

@@ -26,7 +26,8 @@ def outlineFacets(region, lower, spacing, numbers):
     """
     dim, shape = region.dim, np.ptp(numbers, axis=0) + 1
     corners = np.array(list(product((0, 1), repeat=dim)))
-    inside = region.contains(_cornerPoints(lower, spacing, numbers, corners).reshape(-1, dim), closed=False).reshape(len(numbers), -1)
+    inside = np.concatenate([region.contains(_cornerPoints(lower, spacing, some, corners).reshape(-1, dim), closed=False).reshape(len(some), -1)
+                             for some in np.array_split(numbers, 1 + len(numbers) // 10**5)])
     mixed = np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1))
     crossing = _crossings(region, _cornerPoints(lower, spacing, numbers[mixed], corners), inside[mixed], corners)
     area, moment = _faces(inside, mixed, crossing, corners)  # of the part inside of each face, in units of the face

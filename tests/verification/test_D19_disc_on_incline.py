@@ -5,6 +5,7 @@ Set-up: elastic disc of radius 0.5 m on a base 5 x 0.3 m, g = 10 m/s2, E = 1e5 k
 gravity across the base, gravity is turned by the slope. 0.4 s, the first tenth left out.
 Reference: rigid cylinder. It rolls, a = 2/3 g sin(slope), where tan(slope) <= 3 mu, and else slides, a = g (sin(slope) - mu cos(slope)).
 Source: Bardenhagen, Brackbill & Sulsky 2000, Comput. Methods Appl. Mech. Eng. 187, 529-541; Bardenhagen et al. 2001, CMES 2, 509-522.
+A ball in 3D rolls with 5/7 g sin(slope) where tan(slope) <= 3.5 mu.
 Tolerance: 5 %, overlap 0.02 h. Pairs are base and disc; u: uGIMP, a: APDI. A uGIMP disc is cut from the lattice and carries its outline. Of whole
 boxes it is a staircase: on an APDI base it rolls 5.8 % too slowly at R = 10 h, and slides 8 % too slowly at R = 5 h.
 What holds the base ends two cells below its surface: held nodes hold both groups, and one cell below the surface they brake the disc.
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 
 import yade_mpm as mpm
-from yade_mpm import box
+from yade_mpm import box, sphere
 
 R, G = 0.5, 10.0
 SLIDING, SLIPPERY, ROLLING = (60, 0.495), (45, 0.1), (30, 0.6)  # slope in degrees, friction
@@ -103,6 +104,33 @@ def test_a_disc_of_boxes_stays_round_over_a_full_turn():
     radius = np.linalg.norm(out, axis=1)
     assert ((areas * out).sum(axis=1) / size / radius).min() > cos(radians(5))
     assert radius == pytest.approx(R, rel=0.02)
+
+
+@slow
+@pytest.mark.parametrize("base", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.05), mpm.UGIMP(perCell=2, cut=True)], ids=["uGIMP", "APDI", "cut"])
+@pytest.mark.parametrize("slope, friction", [ROLLING, (60, 0.3)])
+def test_a_ball_of_cut_boxes_rolls_or_slides(base, slope, friction):
+    """R = 4 h."""
+    slope, h, radius = radians(slope), 0.1, 0.4
+    scene = mpm.Scene((0, 0, 0), (2.4, 1.2, 1.4), h, threads=1)
+    rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
+    scene.add("base", box((0, 0, 0), (2.4, 1.2, 0.3)), rubber, base, group="base")
+    ball = scene.add("ball", sphere((0.6, 0.6, 0.3 + radius), radius), rubber, mpm.UGIMP(perCell=2, cut=True), group="ball")
+    contact = mpm.Contact(friction=friction)
+    solver = mpm.GridSolver(gravity=(0, 0, -G * cos(slope)), damping=0.7, hold=mpm.Hold(box((-1, -1, -1), (9, 9, 0.11)), velocity=(0, 0, 0)))
+    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.run(until=0.05, progress=False)
+    for body in scene.bodies:
+        body.velocity[...] = 0
+    solver.gravity, solver.damping, rows, deepest = (G * sin(slope), 0, -G * cos(slope)), 0, [], 0.0
+    while scene.time < 0.2:
+        scene.run(steps=10, progress=False)
+        rows.append((scene.time, ball.mass @ ball.velocity[:, 0] / ball.mass.sum()))
+        deepest = max(deepest, contact.largestPenetration / h)
+    time, speed = np.array(rows).T
+    exact = 5 / 7 * G * sin(slope) if tan(slope) <= 3.5 * friction else G * (sin(slope) - friction * cos(slope))
+    assert np.polyfit(time[time > 0.07], speed[time > 0.07], 1)[0] == pytest.approx(exact, rel=0.05)
+    assert 0.005 < deepest < 0.02
 
 
 def test_control_whole_boxes_are_no_disc():

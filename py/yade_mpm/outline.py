@@ -85,19 +85,12 @@ def _faces(inside, mixed, crossing, corners):
 
 def _boundary(inside, crossing, corners, k, side):
     """Corners that are inside and crossings round a face (M, slots, dim), nan where there are none."""
-    dim, far = corners.shape[1], 2 ** (corners.shape[1] - 1)
-    ring = [c for c in _ring(dim, k, side)]
-    slots = []
+    dim, slots = corners.shape[1], []
+    ring = [int(np.flatnonzero((corners == c).all(axis=1))[0]) for c in _ring(dim, k, side)]
     for a, b in zip(ring, ring[1:] + ring[:1]):
-        number = lambda c: int(np.dot(c, 2 ** np.arange(dim)[::-1]))  # noqa: E731
-        slots.append(np.where(inside[:, number(a), None], np.array(a, float), np.nan))
-        along = int(np.flatnonzero(np.array(a) != b)[0])
-        starts = np.flatnonzero(corners[:, along] == 0)
-        lowest = min(number(a), number(b))
-        slots.append(crossing[:, along, int(np.flatnonzero(starts == lowest)[0])])
-        if dim == 2:  # one edge, there and not back
-            slots.append(np.where(inside[:, number(b), None], np.array(b, float), np.nan))
-            break
+        slots.append(np.where(inside[:, a, None], corners[a], np.nan))
+        along = int(np.flatnonzero(corners[a] != corners[b])[0])
+        slots.append(crossing[:, along, list(np.flatnonzero(corners[:, along] == 0)).index(min(a, b))])
     return np.stack(slots, axis=1)
 
 

@@ -32,6 +32,24 @@ template <int Dim> void deform(Particles<Dim>& particles, double dt, int begin, 
     }
 }
 
+// sigma : L of a particle, sigma symmetric.
+template <int Dim> struct Power {
+    const double *stress[9], *L[Dim * Dim];
+
+    explicit Power(const MaterialPoints<Dim>& points) {
+        std::copy(points.stress, points.stress + 9, stress);
+        std::copy(points.velocityGradient, points.velocityGradient + Dim * Dim, L);
+    }
+    MPM_INLINE double operator()(int p) const {
+        double sum = 0;
+        MPM_UNROLL
+        for (int i = 0; i < Dim; ++i)
+            MPM_UNROLL
+            for (int j = 0; j < Dim; ++j) sum += stress[i <= j ? 3 * i + j : 3 * j + i][p] * L[Dim * i + j][p];
+        return sum;
+    }
+};
+
 // Traces of a tensor field with planes size*i + j.
 void traces(const Field& tensor, int size, int begin, int end, double* trace) {
     std::fill(trace, trace + end - begin, 0.0);
@@ -105,11 +123,12 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const auto* nodes = scene.grid.fields[body.velocityField].velocity.data();
         const int n = body.particles.size();
         Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
+        std::vector<double*> state(body.particles.state.size());
         const auto gradient = [&](int begin, int end) { body.domains->takeGradient(begin, end, nodes, scene.dt); };
         const auto rest = [&](int begin, int end) {
             deform(body.particles, scene.dt, begin, end);
             body.domains->volumes(begin, end);
-            work.of(begin) = updateStress(body, scene.dt, begin, end, body.fbar ? average_.values() : nullptr);
+            work.of(begin) = updateStress(body, scene.dt, begin, end, state.data(), body.fbar ? average_.values() : nullptr);
         };
         if (!body.fbar) return team.chunksNoWait(n, shares, [&](int begin, int end) { gradient(begin, end), rest(begin, end); });
         average_.start(team, n, scene.grid);
@@ -132,11 +151,11 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     }
 
     // Stress update of particles [begin, end); returns their internal work V sigma : D dt, with the mean
-    // of old and new stress. change: of tr L, by F-bar.
-    template <int Dim> double updateStress(Body<Dim>& body, double dt, int begin, int end, const double* change) const {
+    // of old and new stress. state: memory for MaterialPoints. change: of tr L, by F-bar.
+    template <int Dim> double updateStress(Body<Dim>& body, double dt, int begin, int end, double** state, const double* change) const {
         auto& particles = body.particles;
         const double *V = particles.volume.plane() + begin, *V0 = particles.initialVolume.plane() + begin;
-        double ratio[chunkSize], twice[chunkSize], averaged[Dim][chunkSize];
+        double ratio[chunkSize], before[chunkSize], averaged[Dim][chunkSize];
         MaterialPoints<Dim> points{};
         points.count = end - begin, points.dt = dt, points.volumeRatio = ratio;
         for (int c = 0; c < Dim * Dim; ++c) points.velocityGradient[c] = particles.velocityGradient.plane(c) + begin;
@@ -144,9 +163,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             points.deformationGradient[c] = particles.deformationGradient.plane(c) + begin;
             points.stress[c] = particles.stress.plane(c) + begin;
         }
-        std::vector<double*> state;
-        for (Field& variable : particles.state) state.push_back(variable.plane() + begin);
-        points.state = state.data();
+        for (size_t k = 0; k < particles.state.size(); ++k) state[k] = particles.state[k].plane() + begin;
+        points.state = state;
         for (int i = 0; i < points.count; ++i) ratio[i] = V[i] / V0[i];
 
         MaterialPoints<Dim> averagedPoints = points;
@@ -156,33 +174,14 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + change[begin + i] / Dim;
                 averagedPoints.velocityGradient[(Dim + 1) * k] = averaged[k];
             }
-        std::fill(twice, twice + points.count, 0.0);
-        addPower(points, twice);
+        const Power<Dim> power(points);
+#pragma omp simd
+        for (int i = 0; i < points.count; ++i) before[i] = power(i);
         body.material->update(averagedPoints);
-        addPower(points, twice);
-        double work = 0;
-#pragma omp simd reduction(+ : work)
-        for (int i = 0; i < points.count; ++i) work += twice[i] * V[i];
-        return 0.5 * dt * work;
-    }
-
-    // power += sigma : L, sigma symmetric.
-    template <int Dim> static void addPower(const MaterialPoints<Dim>& q, double* power) {
-        const int count = q.count;
-        if constexpr (Dim == 2) {
-            const double *xx = q.stress[0], *xy = q.stress[1], *yy = q.stress[4];
-            const double *Lxx = q.velocityGradient[0], *Lxy = q.velocityGradient[1], *Lyx = q.velocityGradient[2],
-                         *Lyy = q.velocityGradient[3];
-#pragma omp simd
-            for (int p = 0; p < count; ++p) power[p] += xx[p] * Lxx[p] + yy[p] * Lyy[p] + xy[p] * (Lxy[p] + Lyx[p]);
-        } else {
-            for (int i = 0; i < Dim; ++i)
-                for (int j = 0; j < Dim; ++j) {
-                    const double *s = q.stress[i <= j ? 3 * i + j : 3 * j + i], *L = q.velocityGradient[Dim * i + j];
-#pragma omp simd
-                    for (int p = 0; p < count; ++p) power[p] += s[p] * L[p];
-                }
-        }
+        double twice = 0;
+#pragma omp simd reduction(+ : twice)
+        for (int i = 0; i < points.count; ++i) twice += (before[i] + power(i)) * V[i];
+        return 0.5 * dt * twice;
     }
 
     template <int Dim> void resolveDistortion(Scene<Dim>& scene, Body<Dim>& body) const {

@@ -169,7 +169,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // With the gradient comes the volume after the step: the polygon area (polyhedron volume) itself; J V0 differs from
     // it by O(dt). The shapes are made anew: that takes less time than to fetch them from memory.
     void takeGradient(int begin, int end, const typename NF::Velocity*, double dt) override {
-        batches(begin, end, [&](const Batch<Dim>& batch) { gradients(batch, dt); });
+        batches(begin, end, [&](const Batch<Dim>& batch) { dt > 0 ? gradients<true>(batch, dt) : gradients<false>(batch, 0); });
     }
 
     // A batch takes about as long as 16 domains more than it has, and twice as long where it has to copy.
@@ -343,7 +343,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     using Hat = typename MeshVertices<Dim>::Hat;
     static constexpr int modes = Shapes::modes;
 
-    void gradients(const Batch<Dim>& batch, double dt) {
+    // moves: and the volume after the step. Not asked in the loop: its stores would be masked ones, which are slow.
+    template <bool moves> void gradients(const Batch<Dim>& batch, double dt) {
         double *volume = particles.volume.plane(), *L[Dim * Dim];
         for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
         const int first = batch.first, count = batch.count;
@@ -360,6 +361,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                     for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
                     L[Dim * i + j][first + p] = sum;
                 }
+            if constexpr (!moves) return;
             const auto before = X.at(p), velocity = V.at(p);
             CornerNumbers<Dim> x;
             MPM_UNROLL
@@ -367,12 +369,11 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                 MPM_UNROLL
                 for (int a = 0; a < NC; ++a) x[k][a] = before[k][a] + dt * velocity[k][a];
             const ClosedShape<Dim> after(x);
-            const double least = qualityOf(after, smallestCorner(after, x)); // outside the condition, or it takes longer
-            if (dt > 0) volume[first + p] = after.volume, quality[p] = least;
+            volume[first + p] = after.volume, quality[p] = qualityOf(after, smallestCorner(after, x));
         };
 #pragma omp simd
         for (int p = 0; p < count; ++p) one(p);
-        for (int p = 0; p < count && dt > 0; ++p)
+        for (int p = 0; p < count && moves; ++p)
             if (!(quality[p] > worstQuality) || (converts_ && isStretched(first + p))) noteDistorted({first + p, quality[p]});
     }
 
@@ -381,7 +382,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         double least = shape.w[0];
         MPM_UNROLL
         for (int a = 1; a < NC; ++a) least = shape.w[a] < least ? shape.w[a] : least;
-        const double quality = corner / shape.volume, capped = quality < 0 ? quality : 0;
+        const double quality = corner * shape.overVolume, capped = quality < 0 ? quality : 0;
         return shape.volume > 0 ? (least < leastWeight ? capped : quality) : -1.0;
     }
 

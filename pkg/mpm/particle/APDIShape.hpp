@@ -44,7 +44,7 @@ template <int Dim> CornerNumbers<Dim> numbersOf(const Corners<Dim>& X) {
 
 // The shape of a quadrilateral in closed form, in plain numbers so that loops over domains vectorise.
 struct QuadrilateralShape {
-    double w[4], g[4][2], volume;
+    double w[4], g[4][2], volume, overVolume;
     double smallestCorner;      // 4 det J at a corner: the area of a parallelogram, not above zero where concave or inverted
     std::array<double, 2> skew; // what follows is w; both zero for a parallelogram
     double pattern[1][2];       // coefficient of xi eta in the position: the hourglass pattern of the corners
@@ -58,7 +58,8 @@ struct QuadrilateralShape {
         const double V = 0.5 * ((x[2] - x[0]) * (y[3] - y[1]) - (x[3] - x[1]) * (y[2] - y[0]));
         const double a = (x[3] - x[0]) * (y[1] - y[2]) - (x[1] - x[2]) * (y[3] - y[0]);
         const double b = (x[2] - x[3]) * (y[0] - y[1]) - (x[0] - x[1]) * (y[2] - y[3]);
-        const double half = 0.5 / V, scale = half / 12;
+        overVolume = 1 / V;
+        const double half = 0.5 * overVolume, scale = half / 12;
         volume = V, skew = {a * scale, b * scale};
         smallestCorner = V - 0.5 * (std::abs(a) + std::abs(b)); // 4 det J = V -+ b xi / 2 -+ a eta / 2
         const auto fromSkew = weights(skew);
@@ -136,7 +137,7 @@ template <class T> struct Trilinear {
 //     1/3 (h_k+2 . A_k+2 + h_k . A_k+1 + h_3 . B_k+1 / 3)        of xi_k,
 //     1/9 (h_3 . (A_k+2 - H_k+2 / 3) - a_k . H_k+1 - a_k+1 . H_k)   of the term of h_k.
 struct HexahedronShape {
-    double w[8], g[8][3], volume;
+    double w[8], g[8][3], volume, overVolume;
     std::array<double, 7> skew; // the coefficients of w but for the mean, 1/8; all zero for a parallelepiped
     double pattern[4][3];       // h
 
@@ -161,7 +162,7 @@ struct HexahedronShape {
         }
         volume = 8 * (dot(a[0], A[0]) + sum / 3);
 
-        const double overV = 1 / volume;
+        const double overV = overVolume = 1 / volume;
         Trilinear<Triple> gradient;
         gradient.mean = gradient.h[3] = {0, 0, 0};
         MPM_UNROLL

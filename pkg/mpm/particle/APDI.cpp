@@ -97,7 +97,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         const bool hasBodyForce = particles.hasBodyForce && withForce;
         const DeformedPattern deformed(*this);
         if (!isCleared_) clear(team);
-        pieces(team, [&](const Batch<Dim>& batch) {
+        pieces(team, [&](const Batch<Dim>& batch, int) {
             const Shapes d(batch, vertices_.position, skew_);
             FromDomains from;
             q.momenta(batch.first, batch.count, inertiaScale, from.momentum);
@@ -129,11 +129,11 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         if (nodalMomentum)
             team.chunksNoWait(vertices_.size(), [&](int begin, int end) { scale(begin, end, planes<Dim>(control), how.dt); });
         nodes ? take(team, nodes, planes<2 * Dim>(motion)) : team.wait();
-        pieces(team, [&](const Batch<Dim>& batch) {
+        pieces(team, [&](const Batch<Dim>& batch, int piece) {
             const BatchWeights<Dim> d(batch, skew_);
             if (nodes) {
                 const AtCorners<Dim, 2 * Dim> at(batch, planes<2 * Dim>(motion));
-                damped_[batch.first / pieceSize_] +=
+                damped_[piece] +=
                     q.move(batch.first, batch.count, how, [&](int k, int p) __attribute__((always_inline)) {
                         double sum = 0;
                         MPM_UNROLL
@@ -321,7 +321,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     void addForce(Team& team, typename NF::Sum* nodes, const double* const tensor[9]) override {
         const Planes q(particles);
         clear(team);
-        pieces(team, [&](const Batch<Dim>& batch) {
+        pieces(team, [&](const Batch<Dim>& batch, int) {
             const Shapes d(batch, vertices_.position, skew_);
             FromDomains from;
             q.tension(batch.first, batch.count, tensor, from.tension);
@@ -529,7 +529,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             for (int v = begin; v < end; ++v) x[v] = factor == 0 ? 0 : factor * x[v];
     }
 
-    int pieceCount() const { return (particles.size() + pieceSize_ - 1) / pieceSize_; }
+    int pieceCount() const { return int(pieceStart_.size()) - 1; }
 
     template <class F> void batches(int begin, int end, F&& f) const {
         for (int first = begin; first < end;) {
@@ -539,10 +539,10 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         }
     }
 
-    // f(batch) for batches of domains; those that share a vertex take turns.
+    // f(batch, piece) for batches of domains; pieces that share a vertex take turns.
     template <class F> void pieces(Team& team, F&& f) {
         team.inTurns(pieces_, [&](int piece) {
-            batches(piece * pieceSize_, std::min(particles.size(), (piece + 1) * pieceSize_), f);
+            batches(pieceStart_[piece], pieceStart_[piece + 1], [&](const Batch<Dim>& batch) { f(batch, piece); });
         });
     }
 
@@ -572,18 +572,28 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // Pieces that share a vertex take turns. Longer pieces need fewer colours: in a regular mesh two are enough once a
     // piece is as long as a row.
     void cutIntoPieces() {
-        for (pieceSize_ = 128; pieceSize_ <= 512; pieceSize_ *= 2)
+        for (int least : {128, 256, 512, 256}) {
+            cutIntoPieces(least);
             if (pieces_.graph(neighboursOfPieces()) <= 2) break;
-        if (pieceSize_ > 512) pieceSize_ = 256, pieces_.graph(neighboursOfPieces());
-        pieces_.shares.set(pieceCount(), [&](int piece) {
-            return workOf(piece * pieceSize_, std::min(particles.size(), (piece + 1) * pieceSize_));
-        });
+        }
+        pieces_.shares.set(pieceCount(), [&](int piece) { return workOf(pieceStart_[piece], pieceStart_[piece + 1]); });
+    }
+
+    // At the ends of rows, where these are not too long.
+    void cutIntoPieces(int least) {
+        const int n = particles.size();
+        pieceStart_ = {0};
+        while (pieceStart_.back() < n) {
+            const int start = pieceStart_.back();
+            pieceStart_.push_back(std::min(rowEnd_[std::min(start + least, n) - 1], start + 2 * least));
+        }
     }
 
     std::vector<std::vector<int>> neighboursOfPieces() const {
         std::vector<std::vector<int>> neighbours(pieceCount()), at(vertices_.size()); // at: pieces at a vertex
+        int piece = 0;
         for (size_t slot = 0; slot < corner_.size(); ++slot) {
-            const int piece = int(slot) / NC / pieceSize_;
+            if (int(slot) / NC == pieceStart_[piece + 1]) ++piece;
             auto& here = at[corner_[slot]];
             if (std::find(here.begin(), here.end(), piece) != here.end()) continue;
             for (int other : here) neighbours[piece].push_back(other), neighbours[other].push_back(piece);
@@ -629,7 +639,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     Field carried_{"carried", "", "What the vertices hold during a transfer.", {vertexPlanes}};
     Field skew_{"skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
     std::atomic<bool> isCleared_{false}; // whether the vertices hold nothing, since locate()
-    int pieceSize_ = 0;                  // domains per piece of the stage between domains and vertices
+    std::vector<int> pieceStart_;        // of the stage between domains and vertices: first domain of each piece, and one past the last
     Turns pieces_;
     std::vector<Distorted> distorted_; // found in the last takeGradient(), in order
     std::mutex mutex_;

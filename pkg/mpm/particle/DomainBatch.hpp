@@ -12,20 +12,27 @@ namespace mpm {
 // mesh: what its corners hold lies side by side in memory.
 template <int Dim> struct Batch {
     static constexpr int NC = corners<Dim>;
-    static constexpr int most = Dim == 2 ? 64 : 32, leastStraight = 8;
+    static constexpr int most = Dim == 2 ? 96 : 32, leastStraight = 8;
 
     int first, count;
     bool isStraight;
     const int* corner; // NC per domain
 
-    // From domain `first` on, before `end`: in a straight row to its end, else to the next one that is not short. rowEnd: for
-    // every domain the end of its straight row.
+    // From domain `first` on, before `end`: in a straight row a part of what is left of it (all parts are about as long, for a
+    // short batch takes hardly less time), else to the next row that is not short. rowEnd: for every domain the end of its
+    // straight row.
     Batch(int first, int end, const std::vector<int>& corners, const std::vector<int>& rowEnd)
         : first(first), corner(corners.data() + NC * first) {
+        count = std::min(rowEnd[first], end) - first;
+        isStraight = count >= leastStraight;
+        if (isStraight) {
+            const int parts = (count + most - 1) / most;
+            count = std::min(count, (count / parts + 3) / 4 * 4);
+            return;
+        }
         const int last = std::min(end, first + most);
-        int stop = std::min(rowEnd[first], last);
-        isStraight = stop - first >= leastStraight;
-        while (!isStraight && stop < last && rowEnd[stop] - stop < leastStraight) stop = std::min(rowEnd[stop], last);
+        int stop = first + count;
+        while (stop < last && rowEnd[stop] - stop < leastStraight) stop = std::min(rowEnd[stop], last);
         count = stop - first;
     }
 

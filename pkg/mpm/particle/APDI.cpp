@@ -102,21 +102,23 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             FromDomains from;
             q.momenta(batch.first, batch.count, inertiaScale, from.momentum);
             if (withForce) q.tension(batch.first, batch.count, stress.data(), from.tension);
-            if (hasBodyForce) q.bodyForces(batch.first, batch.count, from.bodyForce);
-            batch.addToCorners(planes<Dim + 1>(momentum), [&](int a, int k, int p) __attribute__((always_inline)) {
-                return d.w[a][p] * from.momentum[k][p];
-            });
-            if (withForce) addTension(batch, d, from);
-            if (hasBodyForce) batch.addToCorners(planes<Dim>(force), [&](int a, int k, int p) __attribute__((always_inline)) {
-                return d.w[a][p] * from.bodyForce[k][p];
-            });
-            if (controls()) addControl(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
+            else std::memset(from.tension, 0, sizeof from.tension);
+            resist(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
                 deformed(batch.first + p, h);
                 MPM_UNROLL
                 for (int m = 0; m < modes; ++m)
                     MPM_UNROLL
                     for (int k = 0; k < Dim; ++k) h[m][k] = d.pattern[m][k][p] - h[m][k];
             });
+            batch.addToCorners(planes<vertexPlanes>(0), [&](int a, int k, int p) __attribute__((always_inline)) {
+                return given(d, from, a, k, p);
+            });
+            if (hasBodyForce) {
+                q.bodyForces(batch.first, batch.count, from.bodyForce);
+                batch.addToCorners(planes<Dim>(force), [&](int a, int k, int p) __attribute__((always_inline)) {
+                    return d.w[a][p] * from.bodyForce[k][p];
+                });
+            }
         });
         sumToNodes(team, nodes, withForce, 1 / inertiaScale);
     }
@@ -325,14 +327,16 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             const Shapes d(batch, vertices_.position, skew_);
             FromDomains from;
             q.tension(batch.first, batch.count, tensor, from.tension);
-            addTension(batch, d, from);
             const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(vertices_.velocity));
-            if (controls()) addControl(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
+            resist(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
                 for (int m = 0; m < modes; ++m)
                     for (int k = 0; k < Dim; ++k) {
                         h[m][k] = 0;
                         for (int a = 0; a < NC; ++a) h[m][k] += gamma(d, m, a, p) * V.x[a][k][p];
                     }
+            });
+            batch.addToCorners(planes<2 * Dim>(force), [&](int a, int k, int p) __attribute__((always_inline)) {
+                return given(d, from, a, force + k, p);
             });
         });
         sumToNodes(team, nodes, true, 1);
@@ -438,16 +442,19 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         double control[modes][Dim][Batch<Dim>::most]; // times gamma: forces against the hourglass patterns
     };
 
-    void addTension(const Batch<Dim>& batch, const Shapes& d, const FromDomains& from) {
-        batch.addToCorners(planes<Dim>(force), [&](int a, int k, int p) __attribute__((always_inline)) {
-            double sum = 0;
+    // To plane k of corner a.
+    MPM_INLINE static double given(const Shapes& d, const FromDomains& from, int a, int k, int p) {
+        double sum = 0;
+        if (k < force)
+            sum = d.w[a][p] * from.momentum[k][p];
+        else if (k < control)
             MPM_UNROLL
-            for (int j = 0; j < Dim; ++j) sum += d.g[a][j][p] * from.tension[k][j][p];
-            return sum;
-        });
+            for (int j = 0; j < Dim; ++j) sum += d.g[a][j][p] * from.tension[k - force][j][p];
+        else
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m) sum += gamma(d, m, a, p) * from.control[m][k - control][p];
+        return sum;
     }
-
-    bool controls() const { return hourglassCoefficient_ > 0; }
 
     // What a linear field does not show of pattern m at corner a (Flanagan & Belytschko 1981).
     MPM_INLINE static double gamma(const Shapes& d, int m, int a, int p) {
@@ -457,12 +464,12 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         return sum;
     }
 
-    // Forces of hourglass control on the vertices, where amplitude(p, h) gives what they resist, per mode and axis.
+    // Forces of hourglass control, where amplitude(p, h) gives what they resist, per mode and axis.
     // Stiffness form of Flanagan & Belytschko 1981: f_a = -k h gamma_a with gamma_a = G_a/2^Dim - g_a . (pattern
     // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
     // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
     template <class Amplitude>
-    void addControl(const Batch<Dim>& batch, const Shapes& d, FromDomains& from, Amplitude&& amplitude) {
+    void resist(const Batch<Dim>& batch, const Shapes& d, FromDomains& from, Amplitude&& amplitude) const {
         auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
             double h[modes][Dim], sum = 0;
             amplitude(p, h);
@@ -478,12 +485,6 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         };
 #pragma omp simd
         for (int p = 0; p < batch.count; ++p) one(p);
-        batch.addToCorners(planes<Dim>(control), [&](int a, int k, int p) __attribute__((always_inline)) {
-            double sum = 0;
-            MPM_UNROLL
-            for (int m = 0; m < modes; ++m) sum += gamma(d, m, a, p) * from.control[m][k][p];
-            return sum;
-        });
     }
 
     // Then the nodes take it; the forces of hourglass control stay on the vertices, too. overScale: weight mass over inertial mass.

@@ -56,13 +56,15 @@ template <int Dim> class Transfers : public Domains<Dim> {
         }
         template <size_t most>
         void tension(int first, int count, const double* const tensor[9], double (&out)[Dim][Dim][most]) const {
-            const double* V = volume + first;
+            const double *V = volume + first, *sigma[Dim][Dim];
             for (int i = 0; i < Dim; ++i)
-                for (int j = 0; j < Dim; ++j) {
-                    const double* sigma = tensor[i <= j ? 3 * i + j : 3 * j + i] + first;
+                for (int j = 0; j < Dim; ++j) sigma[i][j] = tensor[i <= j ? 3 * i + j : 3 * j + i] + first;
 #pragma omp simd
-                    for (int p = 0; p < count; ++p) out[i][j][p] = -V[p] * sigma[p];
-                }
+            for (int p = 0; p < count; ++p)
+                MPM_UNROLL
+                for (int i = 0; i < Dim; ++i)
+                    MPM_UNROLL
+                    for (int j = 0; j < Dim; ++j) out[i][j][p] = -V[p] * sigma[i][j][p];
         }
         template <size_t most> void bodyForces(int first, int count, double (&out)[Dim][most]) const {
             for (int k = 0; k < Dim; ++k)

@@ -328,6 +328,20 @@ def test_loads_act_under_every_scheme_wherever_the_updater_was_put(scheme):
     assert (body.mass * body.velocity[:, 0]).sum() == pytest.approx(4.0 * scene.time, rel=0.02)
 
 
+def test_vertices_and_particles_follow_the_same_nodes_under_a_load():
+    """Under USL vertices move with the solution on the nodes, and so do particles with flip = 0: their velocity is the mean of their corners'."""
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme="USL")
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.APDI(size=0.25))
+    scene.engines = [mpm.ParticleToGrid(), mpm.BoundaryLoad(body, traction=(1.0, 2.0)), mpm.GridSolver(gravity=(0.0, -9.81)),
+                     mpm.GridToParticle(flip=0.0), mpm.DomainUpdater()]
+    scene.dt = 1e-4
+    before = body.vertices.copy()
+    scene.run(steps=1)
+    corners = (body.vertices - before)[body.cells].mean(axis=1) / scene.dt
+    assert body.velocity == pytest.approx(corners, rel=1e-6, abs=1e-10)
+    assert (body.mass[:, None] * body.velocity).sum(axis=0) == pytest.approx([4.0 * scene.dt, (8.0 - 9.81) * scene.dt], rel=1e-9)
+
+
 def test_estimates_of_the_time_step_leave_no_trace(monkeypatch):
     """Neither in the fields nor in the work of the loads, which is that on the vertices."""
     monkeypatch.setattr(mpm.limits, "DT_PERIOD", 5)

@@ -31,14 +31,17 @@ class GridSolver : public EngineOf<GridSolver> {
         const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
         partial_.resize(size_t(slabs) * (n + 1));
         const double least = scene.leastMass();
+        typename NodalField<Dim>::Velocity lanes = Pack<4>::zero();
+        for (int k = 0; k < Dim; ++k) NodalField<Dim>::setVelocity(lanes, k, gravity[k]);
+        const Quad g = lanes.part[0];
         parallel(scene.threads, [&](Team& team) {
             for (auto& field : scene.grid.fields)
                 team.inShares(field.shares, [&](int slab) {
                     Tally* tally = &partial_[size_t(slab) * (n + 1)];
                     if (&field == &scene.grid.fields.front()) std::fill(tally, tally + n + 1, Tally{});
-                    double gravityWork = 0;
-                    scene.grid.forNodes(field, slab, [&](int node) { gravityWork += solve(scene, field, node, least, tally); });
-                    tally[n].gravity += gravityWork;
+                    Quad power{};
+                    scene.grid.forNodes(field, slab, [&](int node) { power += solve(scene, field, node, g, least, tally); });
+                    for (int k = 0; k < Dim; ++k) tally[n].gravity += power[NodalField<Dim>::lane(k)] * scene.dt;
                 });
         });
         addUp(scene);
@@ -58,36 +61,38 @@ class GridSolver : public EngineOf<GridSolver> {
                 " for this scene");
     }
 
-    // Returns the work of gravity.
+    // Returns the power of gravity. Vectors are in the lanes of a velocity.
     template <int Dim>
-    MPM_INLINE double solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, double least, Tally* tally) const {
+    MPM_INLINE Quad solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, Quad g, double least, Tally* tally) const {
         using NF = NodalField<Dim>;
         const auto& sum = field.sum[node];
-        auto motion = NF::Motion::zero();
-        const double m = sum[NF::mass], dt = scene.dt;
-        double work = 0;
-        if (m > least) {
+        typename NF::Velocity v = NF::Velocity::zero(), a = v;
+        Quad weight{};
+        if (const double m = sum[NF::mass]; m > least) {
             const double overMass = 1 / m;
-            MPM_UNROLL
-            for (int k = 0; k < Dim; ++k) {
-                const double weight = sum[NF::weightMass] * gravity[k], f = sum[NF::force(k)] + weight;
-                double a = f * overMass, v = sum[NF::momentum + k] * overMass + dt * a;
-                if (const int c = field.holder[k][node]; c >= 0) {
-                    // momentum and force are both replaced, or the FLIP increment leaks
-                    v = scene.prescribed(c, k, scene.time + dt);
-                    a = (v - scene.prescribed(c, k, scene.time)) / dt;
-                    react(scene, c, node, k, m * a - f, v, tally[c]);
-                }
-                work += weight * v * dt;
-                motion.set(k, v);
-                motion.set(Dim + k, a);
-            }
+            weight = sum[NF::weightMass] * g;
+            a.part[0] = overMass * (NF::forceIn(sum) + weight);
+            v.part[0] = overMass * NF::momentumIn(sum) + scene.dt * a.part[0];
+            if (field.isHeld(node)) hold(scene, field, node, weight, v, a, tally);
         }
-        field.motion[node] = motion;
+        field.motion[node] = NF::motionOf(v, a);
         // Under MUSL this velocity is summed up anew from the particles; they find it cleared.
+        field.velocity[node] = scene.scheme == Scheme::MUSL ? NF::Velocity::zero() : v;
+        return weight * v.part[0];
+    }
+
+    // Momentum and force are both replaced where a node is held, or the FLIP increment leaks.
+    template <int Dim>
+    static void hold(const Scene<Dim>& scene, const NodalField<Dim>& field, int node, const Quad& weight, Pack<4>& v, Pack<4>& a, Tally* tally) {
+        using NF = NodalField<Dim>;
+        const auto& sum = field.sum[node];
         for (int k = 0; k < Dim; ++k)
-            NF::setVelocity(field.velocity[node], k, scene.scheme == Scheme::MUSL ? 0.0 : motion[k]);
-        return work;
+            if (const int c = field.holder[k][node]; c >= 0) {
+                const double after = scene.prescribed(c, k, scene.time + scene.dt);
+                const double change = (after - scene.prescribed(c, k, scene.time)) / scene.dt;
+                NF::setVelocity(v, k, after), NF::setVelocity(a, k, change);
+                react(scene, c, node, k, sum[NF::mass] * change - (sum[NF::force(k)] + weight[NF::lane(k)]), after, tally[c]);
+            }
     }
 
     template <int Dim>

@@ -26,6 +26,23 @@ template <int Dim> struct NodalField {
     using Motion = Pack<Dim == 2 ? 4 : 8>; // velocity, acceleration: what particles take
     using Velocity = Pack<4>;              // the velocity that enters the velocity gradient
 
+    // Of a sum in the lanes of a velocity, and from these lanes. A force may have been added to lane force(k) alone.
+    MPM_INLINE static Quad momentumIn(const Sum& sum) {
+        const Quad p = sum.part[0];
+        return Dim == 2 ? Quad{p[0], p[0], p[1], p[1]} : Quad{p[0], p[1], p[2], 0};
+    }
+    MPM_INLINE static Quad forceIn(const Sum& sum) {
+        const Quad f = sum.part[1];
+        return Dim == 2 ? Quad{f[0], f[0], f[2], f[2]} : Quad{f[0], f[1], f[2], 0};
+    }
+    MPM_INLINE static Motion motionOf(const Velocity& v, const Velocity& a) {
+        Motion motion;
+        if constexpr (Dim == 2)
+            motion.part[0] = Quad{v[0], v[2], a[0], a[2]};
+        else
+            motion.part[0] = Quad{v[0], v[1], v[2], a[0]}, motion.part[1] = Quad{a[1], a[2], 0, 0};
+        return motion;
+    }
     static void setVelocity(Velocity& v, int k, double value) {
         for (int l = lane(k); l < (Dim == 2 ? lane(k + 1) : lane(k) + 1); ++l) v.set(l, value);
     }

@@ -5,12 +5,12 @@
 // with the slip s of the history (Cundall & Strack 1979). One thread does all of it, in the order of the points' numbers: the
 // same bits for any number of threads, and after a restart.
 //
-// Vertices pass a force on with their own hat functions. A box with its centre at x_p has its surface at x_c = x_p + d, d along
-// the normal. The gap follows from x_p alone, hence the normal force acts there; slip and friction belong to x_c, with the
-// weights of the particle to first order in d:
-//     f_i = phi_i F_n + (phi_i + grad phi_i . d) F_t
-// so that sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0): force and moment balance to round-off, and both springs see the
-// motion that their force does work on. With F_n at x_c the stiffness matrix was not symmetric, and a bouncing disc gained energy.
+// Vertices pass a force on with their own hat functions. A box with its centre at x_p has its surface at x_c = x_p + d, d against
+// the normal. It moves with the particle and its velocity gradient, hence a force there goes to the nodes by
+//     f_i = (phi_i + q grad phi_i . d) F_n + (phi_i + grad phi_i . d) F_t
+// q is the part of the strain that the gap sees, 1 as long as it is small. So sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0):
+// force and moment balance to round-off, and both springs see the motion that their force does work on. With a gap that follows x_p
+// alone and F_n at x_c the stiffness matrix is not symmetric, and a bouncing disc gains energy.
 #include "mpm/engine/RigidContact.hpp"
 
 namespace mpm {
@@ -28,7 +28,8 @@ bool isBefore(const RigidTouch& a, const RigidTouch& b) {
 }
 bool isSamePair(const RigidTouch& a, const RigidTouch& b) { return !isBefore(a, b) && !isBefore(b, a); }
 
-constexpr double sameSide = 0.5; // cosine between normals above which two touches of a pair are one
+constexpr double roundOff = 1e-12; // of a cell; a body that touches flat ground gets no force
+constexpr double sameSide = 0.5;   // cosine between normals above which two touches of a pair are one
 
 template <int Dim> Mat<3> gradientOf(const Body<Dim>& soil, int p) {
     Mat<3> L = Mat<3>::Zero();
@@ -37,25 +38,31 @@ template <int Dim> Mat<3> gradientOf(const Body<Dim>& soil, int p) {
     return L;
 }
 
+// Where the surface of a point is, d from it, and the part q of the strain that the gap sees.
+struct Arm {
+    Vec3 d;
+    double q;
+};
+
 // How far the surface has moved since the last step. A particle's own part is taken from its place: under FLIP its velocity is
 // another one.
-template <int Dim> Vec3 movedSince(const Body<Dim>& soil, int index, const RigidTouch& t, const Vec3& d, double dt) {
+template <int Dim> Vec3 movedSince(const Body<Dim>& soil, int index, const RigidTouch& t, const Arm& arm, double dt) {
     const Vec3 moved = t.point - t.before;
     if (soil.type->isMeshed()) return moved;
-    const Vec3 spun = dt * (gradientOf(soil, index) * d);
-    return moved + spun - t.normal.dot(spun) * t.normal;
+    const Vec3 ofArm = dt * (gradientOf(soil, index) * arm.d);
+    return moved + ofArm - (1 - arm.q) * t.normal.dot(ofArm) * t.normal;
 }
 
-// Shares of a normal force at the point and of a friction force at d from it, see above.
+// Shares of a normal and a friction force, see above.
 template <int Dim>
-void addForce(const Body<Dim>& soil, int index, const Vec3& d, const Vec3& normal, const Vec3& friction,
+void addForce(const Body<Dim>& soil, int index, const Arm& arm, const Vec3& normal, const Vec3& friction,
               typename NodalField<Dim>::Sum* nodes) {
     using NF = NodalField<Dim>;
     if (soil.type->isMeshed()) return soil.domains->addVertexForce(index, Vec<Dim>((normal + friction).template head<Dim>()), nodes);
     soil.domains->weights(index, [&](int node, double phi, const Vec<Dim>& gradient) {
-        const double shifted = phi + gradient.dot(d.head<Dim>());
+        const double shift = gradient.dot(arm.d.head<Dim>());
         for (int k = 0; k < Dim; ++k)
-            nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + phi * normal[k] + shifted * friction[k]);
+            nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + (phi + arm.q * shift) * normal[k] + (phi + shift) * friction[k]);
     });
 }
 
@@ -68,9 +75,9 @@ template <int Dim> class RigidContact::Balance {
 
     Balance(const Scene<Dim>& scene, int bodies) : scene_(scene), nodes_(bodies) {}
 
-    void add(const Body<Dim>& soil, int body, int index, const Vec3& d, const Vec3& normal, const Vec3& friction) {
+    void add(const Body<Dim>& soil, int body, int index, const Arm& arm, const Vec3& normal, const Vec3& friction) {
         if (nodes_[body].empty()) nodes_[body].assign(scene_.grid.count, NF::Sum::zero());
-        addForce(soil, index, d, normal, friction, nodes_[body].data());
+        addForce(soil, index, arm, normal, friction, nodes_[body].data());
     }
 
     void check(const RigidContact& engine) const {
@@ -110,7 +117,7 @@ std::vector<Parameter> RigidContact::attributes() {
             {"stiffness", "kPa/m", "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.",
              &stiffness, Range::positive()},
             {"stiffnessFactor", "-", "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
-                                     "4 [1 - (dt/dtCritical)^2] over max(1, shearRatio (1 + 2 half size / cell)).",
+                                     "4 [1 - (dt/dtCritical)^2] over 1 + 2 half size / cell (vertices: 1).",
              &stiffnessFactor, {0, 1, true, false}},
             {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},
             {"normalDamping", "-", "Viscous damping of the normal motion over the critical one of a point.", &normalDamping,
@@ -193,7 +200,7 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
 }
 
 // kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points alone, for any number
-// of contacts at once: omega^2 <= kappa A/m, of friction kappa_t A/m (1 + 2 l/h) for boxes of half size l with their grad phi.
+// of contacts at once: omega^2 <= kappa A/m, times 1 + 2 l/h for boxes of half size l with their grad phi.
 template <int Dim>
 double RigidContact::chooseStiffness(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
     double least = 1e300;
@@ -216,6 +223,7 @@ template <int Dim> Reach RigidContact::reachOf(const Scene<Dim>& scene, const st
 
 template <int Dim>
 std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
+    const double cell = scene.grid.cell.minCoeff();
     std::vector<RigidTouch> touches;
     touches.reserve(2 * history.size() / RigidTouch::size + 16);
     for (const RigidShape& shape : shape_) {
@@ -229,10 +237,13 @@ std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene, const std::v
                 Vec3 n;
                 shape.directions(local, [&](const Surface& s) {
                     const Vec3 normal = R * s.normal;
-                    const double clear = s.distance - points[soil].support(normal);
+                    const double clear = s.distance - points[soil].halfAlong(normal);
                     if (clear > gap) gap = clear, n = normal;
                 });
-                if (gap >= 0) return;
+                const double half = points[soil].halfAlong(n);
+                if (gap >= TouchPoints<Dim>::mostStretch * half) return;
+                gap -= half * (points[soil].stretch(i, n).factor - 1);
+                if (gap >= -roundOff * cell) return;
                 const Surface s = shape.nearest(local);
                 touches.push_back({soil, shape.body, points[soil].id(i), n, Vec3::Zero(), x, gap, Vec3::Zero(), i,
                                    int(&shape - shape_.data()), local - s.distance * s.normal, Vec3::Zero(), Vec3::Constant(notGiven)});
@@ -324,12 +335,14 @@ void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, Rigid
     const Body<Dim>& soil = *scene.bodies[t.soil];
     const RigidState& rigid = state_[t.body];
     const int index = points.index(t.place);
-    const Vec3 n = t.normal, d = soil.type->isMeshed() ? Vec3(Vec3::Zero()) : Vec3(-points.exitAlong(n) * n), at = t.point + d;
+    const Vec3 n = t.normal;
+    const Arm arm{-points.halfAlong(n) * n, points.stretch(t.place, n).rate};
+    const Vec3 at = t.point + arm.d;
     const double area = points.area(t.place, n), kn = stiffnessUsed * area, kt = shearRatio * kn;
 
     const bool isOld = t.before.allFinite();
     const Vec3 carried = scene.dt * rigid.velocityAt(at);
-    const Vec3 relative = isOld ? Vec3(movedSince(soil, index, t, d, scene.dt) - carried) : Vec3(Vec3::Zero());
+    const Vec3 relative = isOld ? Vec3(movedSince(soil, index, t, arm, scene.dt) - carried) : Vec3(Vec3::Zero());
     const double approach = -relative.dot(n) / scene.dt;
     const double normal = std::max(0.0, -kn * t.gap + 2 * normalDamping * std::sqrt(kn * points.mass(t.place)) * approach);
     t.slip += relative + approach * scene.dt * n;
@@ -340,8 +353,8 @@ void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, Rigid
     const Vec3 pushed = normal * n, dragged = -kt * t.slip;
     t.force = pushed + dragged;
 
-    addForce(soil, index, d, pushed, dragged, scene.grid.fields[soil.velocityField].sum.data());
-    if (checkBalance) balance.add(soil, t.body, index, d, pushed, dragged);
+    addForce(soil, index, arm, pushed, dragged, scene.grid.fields[soil.velocityField].sum.data());
+    if (checkBalance) balance.add(soil, t.body, index, arm, pushed, dragged);
     const Vec3 torque = (at - rigid.position).cross(t.force);
     for (int k = 0; k < 3; ++k) forces.plane(k)[t.body] -= t.force[k], torques.plane(k)[t.body] -= torque[k];
     if (isOld) scene.energies.loads += 0.5 * (t.forceBefore + t.force).dot(relative + carried);

@@ -33,27 +33,38 @@ template <int Dim> class TouchPoints {
     double mass(int i) const { return isMeshed_ ? mass_[i] : inertiaScale_ * body_->particles.mass.plane()[i]; }
     Vec3 position(int i) const { return spatial(*position_, index(i)); }
 
-    // Extent of a box along n from its centre, and how far n runs inside it.
-    double support(const Vec3& n) const {
-        double s = 0;
-        for (int k = 0; k < Dim; ++k) s += half_[k] * std::abs(n[k]);
-        return s;
+    // Along n from the centre to the surface of the ellipsoid inscribed in a box, m; a vertex has no extent. A body that touches a
+    // flat row of boxes overlaps with none of their ellipsoids, but with the corners of those beside the place.
+    double halfAlong(const Vec3& n) const {
+        if (isMeshed_) return 0;
+        double sum = 0;
+        for (int k = 0; k < 3; ++k) sum += std::pow(n[k] / (k < Dim ? half_[k] : half_.maxCoeff()), 2); // out of the plane: a body beside it
+        return 1 / std::sqrt(sum);
     }
-    double exitAlong(const Vec3& n) const {
-        double s = 1e300;
-        for (int k = 0; k < Dim; ++k)
-            if (half_[k] < s * std::abs(n[k])) s = half_[k] / std::abs(n[k]);
-        return s;
+
+    // Stretch of point i along n, |F^T n|, limited to 1 -+ mostStretch: boxes keep their size where the soil flows. And the
+    // derivative of the limited stretch.
+    struct Stretch {
+        double factor = 1, rate = 0;
+    };
+    static constexpr double mostStretch = 0.05;
+    Stretch stretch(int i, const Vec3& n) const {
+        if (isMeshed_) return {};
+        Vec3 across = Vec3::Zero(); // F^T n
+        for (int c = 0; c < 9; ++c) across[c % 3] += body_->particles.deformationGradient.plane(c)[i] * n[c / 3];
+        const double t = std::tanh((across.norm() - 1) / mostStretch);
+        return {1 + mostStretch * t, 1 - t * t};
     }
+
     // Area that point i stands for under a normal n: of a vertex its share of the facets, of a box volume over extent.
     double area(int i, const Vec3& n) const {
-        return isMeshed_ ? area_[i] : body_->particles.initialVolume.plane()[i] / (2 * support(n));
+        return isMeshed_ ? area_[i] : body_->particles.initialVolume.plane()[i] / (2 * halfAlong(n));
     }
 
     // Makes a box so large that it holds all points and their extents.
     void widen(const Grid<Dim>& grid, Vec3& lower, Vec3& upper) const {
         if (count() == 0) return;
-        const double far = std::numeric_limits<double>::infinity(), reach = half_.norm() + skin(grid);
+        const double far = std::numeric_limits<double>::infinity(), reach = this->reach(grid);
         for (int k = 0; k < Dim; ++k) {
             if (lowest_[k] == 0) lower[k] = -far;
             if (highest_[k] == grid.cells[k] + 1) upper[k] = far;
@@ -62,9 +73,9 @@ template <int Dim> class TouchPoints {
         }
     }
 
-    // f(i) for the points that may be closer to a shape than their support; others, too.
+    // f(i) for the points that may touch a shape; others, too.
     template <class F> void near(const RigidShape& shape, const RigidState& at, const Grid<Dim>& grid, F&& f) const {
-        const double reach = half_.norm() + skin(grid), radius = 0.5 * grid.cell.norm() + reach; // of a point, of a bin
+        const double reach = this->reach(grid), radius = 0.5 * grid.cell.norm() + reach; // of a point, of a bin
         const Eigen::Quaterniond back = at.orientation.conjugate();
         Vec3 lower, upper;
         shape.bounds(at, lower, upper);
@@ -117,6 +128,7 @@ template <int Dim> class TouchPoints {
     std::vector<double> filledAt_[Dim], inBin_[Dim]; // in the order of the points, and of the bins
     Index<Dim> lowest_, highest_; // occupied bins
 
+    double reach(const Grid<Dim>& grid) const { return (1 + mostStretch) * half_.maxCoeff() + skin(grid); } // of a point, m
     static double skin(const Grid<Dim>& grid) { return 0.1 * grid.cell.minCoeff(); }
     static int binOf(const Grid<Dim>& grid, double x, int k) {
         const double c = std::floor((x - grid.lower[k]) / grid.cell[k]) + 1;

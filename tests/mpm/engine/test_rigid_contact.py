@@ -42,11 +42,11 @@ class Free:
         self.contact.setStates(self.x, self.q, self.v, self.w)
         self.log.append((scene.time, *self.v[0], *self.w[0], *self.contact.forces[0]))
 
-    def acceleration(self, first):
-        """Slope of the velocity along x since entry `first`, the first fifth left out."""
+    def acceleration(self, first, column=1):
+        """Slope of the velocity along x, or of the spin (column 6), since entry `first`, the first fifth left out."""
         rows = np.array(self.log[first:])
         rows = rows[len(rows) // 5:]
-        return np.polyfit(rows[:, 0], rows[:, 1], 1)[0]
+        return np.polyfit(rows[:, 0], rows[:, column], 1)[0]
 
 
 def thrown(kind, dim, threads=1, friction=0.4, **attributes):
@@ -209,7 +209,7 @@ def test_a_disc_slides_or_rolls_down_an_incline(kind, friction):
     expected, other = (slides, rolls) if isSliding else (rolls, slides)
     assert disc.acceleration(first) == pytest.approx(expected, rel=0.05)
     assert disc.acceleration(first) != pytest.approx(other, rel=0.05)  # control
-    roll = abs(disc.w[0, 2]) * radius / disc.v[0, 0]
+    roll = -disc.acceleration(first, 6) * radius / disc.acceleration(first)
     assert roll == pytest.approx(1, rel=0.05) if not isSliding else roll < 0.9
 
 
@@ -251,25 +251,74 @@ def forceOverHertz(cells, radiusInCells, ratio=0.2, young=1e4, poisson=0.3, isMe
     return 4 * contact.forces[0, 2] / hertz, layerFactor(np.sqrt(radius * depth) / size, poisson)
 
 
-def test_a_sphere_on_an_elastic_block_follows_hertz():
-    """Coarse: contact radius of three cells, 1000 domains; within 3 % of Hertz for a layer (0.5 % were measured)."""
-    found, expected = forceOverHertz(10, 3)
-    assert found == pytest.approx(expected, rel=0.03)
+@pytest.mark.parametrize("isMeshed, ratio", [(True, 0.2), (False, 0.05)], ids=["APDI", "UGIMP"])
+def test_a_sphere_on_an_elastic_block_follows_hertz(isMeshed, ratio):
+    """Coarse: contact radius of three cells, 1000 cells. Within 3 % of Hertz for a layer, uGIMP 6 %; 0.5, 4.1 and 0.9 % were measured. With the
+    corners of boxes (+ 27 %), or with forces at their centres (+ 8 %), uGIMP is beyond."""
+    found, expected = forceOverHertz(10, 3, ratio, isMeshed=isMeshed)
+    assert found == pytest.approx(expected, rel=0.03 if isMeshed else 0.06)
     assert expected > 1.2 and abs(found - 1) > 0.2  # control: the layer is seen
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cells, radius", [(18, 5), (24, 4)])
-def test_a_sphere_on_a_finer_block_follows_hertz(cells, radius):
-    found, expected = forceOverHertz(cells, radius)
+@pytest.mark.parametrize("cells, radius, isMeshed", [(18, 5, True), (24, 4, True), (24, 6, False)])
+def test_a_sphere_on_a_finer_block_follows_hertz(cells, radius, isMeshed):
+    found, expected = forceOverHertz(cells, radius, isMeshed=isMeshed)
     assert found == pytest.approx(expected, rel=0.03)
 
 
-@pytest.mark.slow
-def test_uGIMP_is_stiffer_than_hertz_by_first_order_in_the_cell():
-    """The pressure is spread over half a cell beyond the contact: + 22 % for a radius of three cells, + 10 % for six."""
-    found, expected = forceOverHertz(24, 6, isMeshed=False)
-    assert found == pytest.approx(1.10 * expected, rel=0.03)
+# --- touching, without overlap ----------------------------------------------------------------------------
+TOUCHING = {  # shape, and its lowest point below its position
+    "small sphere": (rigid.Sphere(0.05), 0.05), "sphere as large as a cell": (rigid.Sphere(0.1), 0.1), "sphere": (rigid.Sphere(0.5), 0.5),
+    "flat sphere": (rigid.Sphere(2.0), 2.0), "box": (rigid.Box((0.13, 0.1, 0.13)), 0.1),
+    "box on its edge": (rigid.Box((0.1, 0.1, 0.1), orientation=(np.cos(np.pi / 8), 0, 0, np.sin(np.pi / 8))), 0.1 * np.sqrt(2)),
+    "facet": (rigid.Facet([(-0.1, 0), (0.1, 0.02)], thickness=0.02), 0.01),
+}
+
+
+@pytest.mark.parametrize("name", TOUCHING)
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_body_that_only_touches_flat_ground_gets_no_force(kind, dim, name):
+    """Wherever it stands against the boxes. Control: 2 cm lower it is touched."""
+    shape, low = TOUCHING[name]
+    up = 2 if dim == 3 else 1
+    turn = (np.sqrt(0.5), np.sqrt(0.5), 0, 0) if dim == 3 else (1, 0, 0, 0)  # y of the shapes is up
+    found = {0.0: 0, 2e-2: 0}
+    scene = mpm.Scene((0,) * dim, (1.2,) * (dim - 1) + (0.8,), 0.1, threads=1)
+    scene.add("soil", box((0,) * dim, (1.2,) * (dim - 1) + (0.5,)), elastic(), typeOf(kind, 0.1))
+    contact = mpm.RigidContact(checkBalance=True)
+    contact.addBody(shape, position=(0.6, 0.6, 0.6))
+    scene.engines = chain(contact, fixed="bottom")
+    for deep in found:
+        for shift in (0, 0.013, 0.025, 0.04):
+            at = np.array([0.6 + shift, 0.6, 0.6 if dim == 3 else 0.0])
+            at[up] = 0.5 + low - deep
+            contact.setStates([at], [turn], np.zeros((1, 3)), np.zeros((1, 3)))
+            scene.run(steps=1, progress=False)
+            if deep == 0:
+                assert contact.contacts == 0 and not contact.forces.any()
+            found[deep] += contact.contacts
+    assert found[2e-2] > 0
+
+
+def test_a_body_that_touches_the_ground_is_not_thrown_off_by_small_steps():
+    """A disc under its weight, steps of 1/20 of the critical one: the contact is 400 times as stiff. It only ever goes down. Control: put
+    1 mm deeper it is thrown up."""
+    def velocities(deep):
+        scene = mpm.Scene((0, 0), (1.2, 1.8), 0.1, threads=1)
+        scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), mpm.UGIMP(perCell=2))
+        contact = mpm.RigidContact()
+        contact.addBody(rigid.Sphere(0.5), position=(0.62, 1.0 - deep))
+        disc = Free(contact, 1.5, 1.5 * 0.5**2 / 2, load=(0, -15, 0))
+        scene.engines = chain(contact, mpm.PyRunner(disc, iterPeriod=1), fixed="bottom")
+        scene.dt = 0.05 * scene.criticalTimeStep()
+        scene.run(steps=400, progress=False)
+        return np.array(disc.log)[:, 2], contact.forces[0, 1]
+
+    velocity, force = velocities(0.0)
+    assert velocity.max() < 0 and force > 5
+    assert velocities(1e-3)[0].max() > 0.05
 
 
 # --- the rest ---------------------------------------------------------------------------------------------
@@ -291,25 +340,26 @@ def test_nothing_holds_a_body_that_leaves(kind):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_contact_gives_no_more_energy_than_its_spring_had(kind):
-    """Soil under a disc that is fixed at some overlap, without any damping, 4000 steps at the largest safe factor.
+    """Soil under a disc that is fixed at some overlap, without any damping, 4000 steps at the largest safe factor: work on the soil and
+    energy of the springs stay what the springs had (uGIMP loses 18 %, to the limit of the stretch).
 
     The energy of the soil itself is not looked at: undamped uGIMP gains some where particles cross cells.
     """
-    def workOfContact(factor, steps):
-        scene = mpm.Scene((0, 0), (1.2, 1.6), 0.1, threads=1)
-        scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), typeOf(kind, 0.1))
-        contact = mpm.RigidContact(stiffnessFactor=factor)
-        contact.addBody(rigid.Sphere(0.3), position=(0.6, 0.795))
-        scene.engines = chain(contact, fixed=("bottom", "left", "right"))
-        work = []
-        scene.engines = [*scene.engines, mpm.PyRunner(lambda: work.append(scene.core.energies["loads"]), iterPeriod=1)]
-        scene.dt = 0.8 * scene.criticalTimeStep()
-        scene.run(steps=1, progress=False)
-        spring = 0.5 * contact.contactTable()["force"][:, 1].sum() * 0.005
-        scene.run(steps=steps, progress=False)
-        return np.array(work) / spring
-    work = workOfContact(0.7, 4000)
-    assert work[:1000].max() < 2 and np.abs(work).max() < 3
+    scene = mpm.Scene((0, 0), (1.2, 1.6), 0.1, threads=1)
+    scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), typeOf(kind, 0.1))
+    contact, energies = mpm.RigidContact(stiffnessFactor=0.7), []
+    contact.addBody(rigid.Sphere(0.3), position=(0.6, 0.78))
+
+    def look():
+        table = contact.contactTable()
+        springs = -0.5 * ((table["force"] * table["normal"]).sum(axis=1) * table["gap"]).sum()
+        energies.append(scene.core.energies["loads"] + springs)
+
+    scene.engines = chain(contact, mpm.PyRunner(look, iterPeriod=1), fixed=("bottom", "left", "right"))
+    scene.dt = 0.8 * scene.criticalTimeStep()
+    scene.run(steps=4000, progress=False)
+    energies = np.array(energies) / energies[0]
+    assert energies.max() < 1.05 and energies.min() > 0.7
 
 
 def test_a_stiffness_beyond_the_bound_is_refused():

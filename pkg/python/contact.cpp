@@ -4,6 +4,7 @@
 
 #include "mpm/engine/Contact.hpp"
 #include "mpm/engine/RigidContact.hpp"
+#include "mpm/scene/Scene.hpp"
 
 namespace mpm::python {
 
@@ -15,11 +16,20 @@ void setStates(RigidContact& c, const bp::object& positions, const bp::object& o
                 numbers<double>(angularVelocities));
 }
 
+// Tuples (rigid body, body of the scene, depth in m).
+template <int Dim> bp::list overlaps(RigidContact& c, Scene<Dim>& scene) {
+    bp::list all;
+    for (const RigidContact::Overlap& o : c.overlaps(scene)) all.append(bp::make_tuple(o.body, o.soil, o.depth));
+    return all;
+}
+
 } // namespace
 
 void exposeContact() {
     bp::class_<RigidContact, std::shared_ptr<RigidContact>, bp::bases<Engine>, boost::noncopyable>("RigidContactCore", bp::no_init)
         .def("setStates", setStates)
+        .def("overlaps", overlaps<2>)
+        .def("overlaps", overlaps<3>)
         .def("clearImpulses", &RigidContact::clearImpulses)
         .add_property("forces", +[](const RigidContact& c) { return ArrayView(c.forces); })
         .add_property("torques", +[](const RigidContact& c) { return ArrayView(c.torques); })

@@ -2,7 +2,7 @@
 """What is allowed in a scene, but is more likely a mistake: units that do not fit, stresses and piles that the model cannot bear."""
 import numpy as np
 
-from .engines import Contact, Drive
+from .engines import Contact, Drive, RigidContact
 from .materials import MaterialPoint
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
@@ -12,6 +12,7 @@ FASTEST = 2e4          # m/s; compression waves in diamond: 1.8e4
 STIFFER = 10           # a body is a structure in softer ones from this ratio of shear moduli on
 SLENDER = 4            # and bends from this ratio of its extents on
 ROUNDOFF = 1e-6        # relative, of a stress
+OVERLAP = 0.02         # cells, of a rigid body with the soil; with the default stiffness p/kappa is less under 0.5 % of rho c^2
 
 
 def likelyMistakes(scene, gravity):
@@ -29,10 +30,22 @@ def likelyMistakes(scene, gravity):
     groups = dict.fromkeys(b.group for b in scene.bodies)
     if len(groups) > 1 and not any(isinstance(e, Contact) for e in scene.engines):
         yield f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among the engines"
+    for engine in (e for e in scene.engines if isinstance(e, RigidContact) and not e.dead):
+        yield from _overlap(scene, engine)
     for engine, friction in ((e, f) for e in scene.engines if hasattr(e, "frictions") for f in e.frictions()):
         if ANGLES[0] <= friction <= ANGLES[1]:
             yield (f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its tangent, "
                    f"{np.tan(np.radians(friction)):.3g}, if it is one")
+
+
+def _overlap(scene, contact):
+    """Rigid bodies that stand in the soil."""
+    found = [o for o in contact.core.overlaps(scene.core) if o[2] > OVERLAP * min(scene.cell)]
+    if found:
+        body, soil, depth = max(found, key=lambda o: o[2])
+        others = f", and {len(found) - 1} others are in the soil" if len(found) > 1 else ""
+        yield (f"RigidContact: rigid body {body} is {depth:.3g} m deep in '{scene.bodies[soil].name}'{others}; what overlaps at the start is thrown out, the "
+               f"faster the smaller the time step; start where the two only touch, or leave the place of the body empty (region - box(...))")
 
 
 def _leftOut(scene):

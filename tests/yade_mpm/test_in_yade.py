@@ -420,7 +420,7 @@ for name in ("xy", "xz", "yz"): say(name, planes.fall(name))
 say("thinner", planes.fall("xy", thickness=0.25))
 say("told another", fails(ValueError, lambda: planes.fall("xz", as_="xy")))
 """, tmp_path)
-    assert said["xy"]["contacts"] >= 3
+    assert said["xy"]["contacts"] >= 2
     for name in ("states", "forces"):
         for plane in ("xz", "yz"):
             assert np.array(said[plane][name]) == pytest.approx(np.array(said["xy"][name]), rel=1e-9, abs=1e-9)

@@ -521,6 +521,26 @@ def test_an_angle_for_the_friction_of_a_rigid_body_is_warned_of():
         scene.prepare()
 
 
+def test_a_rigid_body_that_starts_in_the_soil_is_warned_of():
+    """Not one that touches it, nor where the soil leaves its place empty."""
+    def prepared(*positions, region=box((0, 0), (2, 1))):
+        scene, contact = mpm.Scene((0, 0), (2, 3), 0.25), mpm.RigidContact()
+        scene.add("soil", region, elastic(), mpm.UGIMP())
+        for position in positions:
+            contact.addBody(mpm.rigid.Box((0.25, 0.5)), position=position)
+        scene.engines.insert(1, contact)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            scene.prepare()
+        return [str(w.message) for w in caught]
+
+    inside, = prepared((0.5, 1.5), (1.25, 1.4), (1.75, 1.45))
+    assert "RigidContact: rigid body 1 is 0.1 m deep in 'soil', and 1 others are in the soil; what overlaps at the start is thrown out" in inside
+    assert "rigid body 0 is 0.25 m deep in 'soil'; what" in prepared((1.25, 1.0))[0]
+    assert prepared((0.5, 1.5), (1.25, 1.496)) == []
+    assert prepared((1.25, 1.0), region=box((0, 0), (2, 1)) - box((1, 0.5), (1.5, 1))) == []
+
+
 def test_groups_without_contact_are_warned_of():
     scene = oneBody(group="soil")
     scene.add("pile", box((1, 0), (2, 1)), elastic(), mpm.UGIMP(), group="pile")

@@ -73,6 +73,6 @@ def test_control_without_the_forces_on_the_boulders(tmp_path):
     summary, rows = fall(tmp_path, "--out", str(tmp_path), until=0.2,
                          change="inYade.Bodies.apply = lambda self, coupling: None; boulders.DROP = 0.05")
     assert summary["momentumError"] > 1e-2 * summary["momentumExchanged"]
-    assert abs(summary["meanForceAtEnd"] - summary["weight"]) > summary["weight"]
+    assert abs(summary["meanForceAtEnd"] - summary["weight"]) > 0.3 * summary["weight"]
     assert surplus(summary, rows) > 0.02 * summary["fallingEnergy"]
     assert (tmp_path / "picture.png").stat().st_size > 5e4

@@ -303,14 +303,29 @@ void RigidContact::remember(std::vector<RigidTouch>& touches) const {
     }
 }
 
-template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
+// Where the points of the scene and the rigid bodies are.
+template <int Dim> std::vector<TouchPoints<Dim>>& RigidContact::look(Scene<Dim>& scene) {
     auto& points = std::get<Points<Dim>>(points_).of;
     points.resize(scene.bodies.size());
     for (size_t s = 0; s < points.size(); ++s) points[s].update(*scene.bodies[s], scene.grid);
-    reach = reachOf(scene, points);
-    stiffnessUsed = chooseStiffness(scene, points);
     state_.clear();
     for (int b = 0; b < bodies(); ++b) state_.emplace_back(&states[RigidState::size * b]);
+    return points;
+}
+
+template <int Dim> std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<Dim>& scene) {
+    std::vector<Overlap> deepest;
+    for (int b = 0; b < bodies(); ++b) deepest.push_back({b, 0, 0.0});
+    for (const RigidTouch& t : find(scene, look(scene)))
+        if (-t.gap > deepest[t.body].depth) deepest[t.body] = {t.body, t.soil, -t.gap};
+    deepest.erase(std::remove_if(deepest.begin(), deepest.end(), [](const Overlap& o) { return o.depth == 0; }), deepest.end());
+    return deepest;
+}
+
+template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
+    const auto& points = look(scene);
+    reach = reachOf(scene, points);
+    stiffnessUsed = chooseStiffness(scene, points);
     std::vector<RigidTouch> touches = find(scene, points);
     forgetRenumbered(scene);
     remember(touches);
@@ -374,6 +389,8 @@ void RigidContact::pack(const std::vector<RigidTouch>& touches) {
 
 template void RigidContact::act<2>(Scene<2>&);
 template void RigidContact::act<3>(Scene<3>&);
+template std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<2>&);
+template std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<3>&);
 
 MPM_REGISTER(Engine, RigidContact);
 

@@ -65,6 +65,13 @@ class RigidContact : public EngineOf<RigidContact> {
 
     template <int Dim> void act(Scene<Dim>& scene);
 
+    // Deepest overlap of every rigid body that has one, as all stand now.
+    struct Overlap {
+        int body, soil; // numbers of the two bodies
+        double depth;   // m
+    };
+    template <int Dim> std::vector<Overlap> overlaps(Scene<Dim>& scene);
+
   private:
     template <int Dim> struct Points {
         std::vector<TouchPoints<Dim>> of; // per body of the scene
@@ -77,6 +84,7 @@ class RigidContact : public EngineOf<RigidContact> {
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> Reach reachOf(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
     template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
+    template <int Dim> std::vector<TouchPoints<Dim>>& look(Scene<Dim>& scene);
     template <int Dim> std::vector<RigidTouch> find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);
     void dropRepeats(std::vector<RigidTouch>& touches) const;

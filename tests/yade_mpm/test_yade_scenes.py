@@ -24,7 +24,7 @@ for name, options in {"fine": {"cell": 0.3}, "hybrid": {}, "smooth": {"friction"
 
 @pytest.mark.parametrize("name", ["fine", "hybrid", "smooth", "apdi", "ugimp"])
 def test_a_box_of_yade_fails_the_ground_at_the_load_of_prandtl(footings, name):
-    """Load over the width that the grid sees, B + h/2; 0.3 to 1.2 % were measured. A plateau."""
+    """Load over the width that the grid sees, B + h/2; 0.2 to 1.6 % were measured. A plateau."""
     assert footings[name]["effectiveError"] == pytest.approx(0, abs=0.05)
     assert abs(footings[name]["slopeOverElastic"]) < 0.02
 
@@ -61,9 +61,9 @@ say("factors", [yade_hertz.layerFactor(chi) for chi in (0.01, 0.1, 0.3)])
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("types, cells, low, high", [("apdi", 4, -0.03, 0.03), ("apdi", 6, -0.03, 0.03), ("ugimp", 3, 0.25, 0.30)])
+@pytest.mark.parametrize("types, cells, low, high", [("apdi", 4, -0.03, 0.03), ("apdi", 6, -0.03, 0.03), ("ugimp", 3, -0.05, 0.05)])
 def test_a_sphere_of_yade_on_finer_grids(tmp_path, types, cells, low, high):
-    """uGIMP is too stiff, in proportion to the cell: its bounds are what was measured (27 %)."""
+    """0.8, 1.0 and 3.2 % were measured; 27 % on the corners of boxes."""
     said, _ = run(f"import yade_hertz\nsay('fine', yade_hertz.run({types!r}, {cells})[0])", tmp_path, patience=600)
     assert low < said["fine"]["error"] < high
 
@@ -82,7 +82,7 @@ for name, (types, friction, plane) in {DISCS!r}.items(): say(name, yade_disc.run
 
 @pytest.mark.parametrize("name", DISCS)
 def test_a_disc_of_yade_slides_or_rolls_down_an_incline(discs, name):
-    """Acceleration within 5 % (0.5 to 0.8 % were measured), spin within 7 %, in every plane. Control: the other mode."""
+    """Acceleration within 5 % (0.5 to 0.8 % were measured; up to 2.4 % from other places to start), spin within 7 %, in every plane. Control: the other mode."""
     disc, friction = discs[name], DISCS[name][1]
     assert disc["acceleration"] == pytest.approx(disc["closedForm"], rel=0.05) and disc["outOfPlane"] == 0
     assert disc["spinOverAcceleration"] == pytest.approx(disc["closedFormSpin"], rel=0.07)

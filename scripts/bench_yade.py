@@ -28,7 +28,7 @@ from yade_mpm import commandLine, inYade
 from yade_mpm.commandLine import count
 
 CELL, WIDE, DEEP, YOUNG = 0.1, 250, 20, 1e4  # m, cells, cells, kPa
-SPEED, DEPTH, AWAY = 0.01, 0.1, 100.0        # m/s; first overlap over the half size of a particle; m
+SPEED, DEPTH, AWAY = 0.01, 0.07, 100.0       # m/s; first overlap over the half size of a particle; m
 WARM, STEPS = 30, 50
 
 
@@ -74,7 +74,8 @@ def build(count, away, stages):
     radius = 0.4 * min(space, 5 * CELL)
     height = DEEP * CELL + radius - DEPTH * CELL / 4 + away
     for i in range(count):
-        disc = utils.sphere(((i + 0.5) * space, height, 0), radius)
+        column = int((i + 0.5) * space / (CELL / 2))  # of particles; above the middle of one, which it touches
+        disc = utils.sphere(((column + 0.5) * CELL / 2, height, 0), radius)
         disc.state.blockedDOFs, disc.state.vel = "xyzXYZ", (0, -SPEED, 0)
         O.bodies.append(disc)
     O.engines = [ForceResetter(), NewtonIntegrator()]

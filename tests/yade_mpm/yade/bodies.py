@@ -23,7 +23,7 @@ def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False):
     held = {} if isFree else {"hold": mpm.Hold(mpm.box((0, 0, 0), (1.2, 1.2, 0.21)), velocity=(0, 0, 0)), "damping": 0.3}
     scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(gravity=(0, 0, 0), **held), mpm.GridToParticle(),
                      mpm.DomainUpdater()]
-    O.bodies.append(utils.sphere((0.5, 0.6, 0.5948), 0.1))  # between four boxes, which it touches
+    O.bodies.append(utils.sphere((0.5, 0.6, 0.5948), 0.1))  # touches the four boxes below it
     O.bodies.append(polyhedron((0.75, 0.6, 0.56), (0.08, 0.1, 0.05)) if isPolyhedron else utils.box((0.75, 0.6, 0.56), (0.08, 0.1, 0.05)))
     for number in IDS:
         state = O.bodies[number].state
@@ -63,6 +63,7 @@ def fly(cycles, **options):
 def rest(**options):
     """Mean force on the box when it has come to rest, and its velocity."""
     soil, contact, coupling = build(False, **options)
+    O.bodies[0].state.pos = (0.5, 0.6, 0.6)  # clear of the soil
     O.run(3500, True)
     forces = []
     for _ in range(40):

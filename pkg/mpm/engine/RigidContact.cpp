@@ -8,7 +8,8 @@
 // Vertices pass a force on with their own hat functions. A box with its centre at x_p has its surface at x_c = x_p + d, d against
 // the normal. It moves with the particle and its velocity gradient, hence a force there goes to the nodes by
 //     f_i = (phi_i + q grad phi_i . d) F_n + (phi_i + grad phi_i . d) F_t
-// q is the part of the strain that the gap sees, 1 as long as it is small. So sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0):
+// Friction acts where the normal leaves the box. q |d| is how far from x_p the gap sees strain: the extent of the ball, as long as strain
+// is small. (With friction at the ball pairs of boxes stuck below the edges of a wedge, and slipped off.) So sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0):
 // force and moment balance to round-off, and both springs see the motion that their force does work on. With a gap that follows x_p
 // alone and F_n at x_c the stiffness matrix is not symmetric, and a bouncing disc gains energy.
 #include "mpm/engine/RigidContact.hpp"
@@ -38,7 +39,7 @@ template <int Dim> Mat<3> gradientOf(const Body<Dim>& soil, int p) {
     return L;
 }
 
-// Where the surface of a point is, d from it, and the part q of the strain that the gap sees.
+// Where the surface of a point is, d from it, and the part q of its strain along d that the gap sees.
 struct Arm {
     Vec3 d;
     double q;
@@ -117,7 +118,8 @@ std::vector<Parameter> RigidContact::attributes() {
             {"stiffness", "kPa/m", "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.",
              &stiffness, Range::positive()},
             {"stiffnessFactor", "-", "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
-                                     "4 [1 - (dt/dtCritical)^2] over 1 + 2 half size / cell (vertices: 1).",
+                                     "4 [1 - (dt/dtCritical)^2] over the larger of 1 + 2 l/h and shearRatio (1 + 2 Dim l/h), l the half size of a "
+                                     "box, h the cell (vertices: over 1).",
              &stiffnessFactor, {0, 1, true, false}},
             {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},
             {"normalDamping", "-", "Viscous damping of the normal motion over the critical one of a point.", &normalDamping,
@@ -200,7 +202,7 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
 }
 
 // kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points alone, for any number
-// of contacts at once: omega^2 <= kappa A/m, times 1 + 2 l/h for boxes of half size l with their grad phi.
+// of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times 1 + 2 l/h; of friction kappa_t A/m (1 + 2 Dim l/h).
 template <int Dim>
 double RigidContact::chooseStiffness(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
     double least = 1e300;
@@ -351,7 +353,8 @@ void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, Rigid
     const RigidState& rigid = state_[t.body];
     const int index = points.index(t.place);
     const Vec3 n = t.normal;
-    const Arm arm{-points.halfAlong(n) * n, points.stretch(t.place, n).rate};
+    const double out = points.exitAlong(n);
+    const Arm arm{-out * n, out > 0 ? points.stretch(t.place, n).rate * points.halfAlong(n) / out : 0};
     const Vec3 at = t.point + arm.d;
     const double area = points.area(t.place, n), kn = stiffnessUsed * area, kt = shearRatio * kn;
 

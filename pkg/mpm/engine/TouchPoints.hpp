@@ -38,8 +38,16 @@ template <int Dim> class TouchPoints {
     double halfAlong(const Vec3& n) const {
         if (isMeshed_) return 0;
         double sum = 0;
-        for (int k = 0; k < 3; ++k) sum += std::pow(n[k] / (k < Dim ? half_[k] : half_.maxCoeff()), 2); // out of the plane: a body beside it
+        for (int k = 0; k < 3; ++k) sum += std::pow(n[k] / half(k), 2);
         return 1 / std::sqrt(sum);
+    }
+
+    // Along n from the centre to the surface of the box itself, m: half the edge along an axis, more on a diagonal.
+    double exitAlong(const Vec3& n) const {
+        if (isMeshed_) return 0;
+        double s = std::numeric_limits<double>::infinity();
+        for (int k = 0; k < 3; ++k) s = std::min(s, half(k) / std::abs(n[k]));
+        return s;
     }
 
     // Stretch of point i along n, |F^T n|, limited to 1 -+ mostStretch: boxes keep their size where the soil flows. And the
@@ -129,6 +137,7 @@ template <int Dim> class TouchPoints {
     Index<Dim> lowest_, highest_; // occupied bins
 
     double reach(const Grid<Dim>& grid) const { return (1 + mostStretch) * half_.maxCoeff() + skin(grid); } // of a point, m
+    double half(int k) const { return k < Dim ? half_[k] : half_.maxCoeff(); } // out of the plane: for a body beside it
     static double skin(const Grid<Dim>& grid) { return 0.1 * grid.cell.minCoeff(); }
     static int binOf(const Grid<Dim>& grid, double x, int k) {
         const double c = std::floor((x - grid.lower[k]) / grid.cell[k]) + 1;

@@ -112,6 +112,28 @@ def test_force_and_moment_on_the_nodes_are_those_on_the_body(kind, dim):
     assert np.abs(wrong + contact.torques[0]).max() > 1e-4 * reach
 
 
+@pytest.mark.parametrize("angle", [0.0, 0.4, np.pi / 4])
+def test_friction_acts_where_the_normal_leaves_the_box(angle):
+    """One box on a wall that slides along itself. With friction at the inscribed ball boxes stuck below the edge of a wedge, and its pile met 30 % more."""
+    scene = mpm.Scene((0, 0), (1, 1), 0.2, threads=1)
+    half = 0.05
+    block = scene.add("box", box((0.4, 0.4), (0.5, 0.5)), elastic(), mpm.UGIMP(perCell=2))
+    normal, along = np.array((np.sin(angle), np.cos(angle), 0)), np.array((np.cos(angle), -np.sin(angle), 0))
+    centre = np.append(block.position[0], 0)
+    contact = mpm.RigidContact(stiffnessFactor=0.1)
+    contact.addBody(rigid.Wall(normal=tuple(normal)), friction=0.9, position=centre - 0.95 * half * normal, velocity=0.1 * along)
+    scene.engines, scene.dt = chain(contact), 1e-4
+    scene.run(steps=1, progress=False)
+    before = np.append(block.position[0], 0)  # where the second step finds the box
+    wall = contact.positions[0].copy()
+    scene.run(steps=1, progress=False)
+    force = -contact.forces[0]
+    assert force @ along > 1e-3 * (force @ normal) > 0
+    surface = before - half / max(abs(normal[:2])) * normal
+    arm = np.cross(surface - wall, -force)[2]
+    assert contact.torques[0, 2] == pytest.approx(arm, rel=1e-9, abs=1e-15)
+
+
 # --- a plate on the ground --------------------------------------------------------------------------------
 def plateOnGround(kind, friction=0.3, weight=10.0, length=4.0):
     """Scene, contact and plate (0.9 m wide) after it has come to rest under its weight."""

@@ -360,6 +360,7 @@ def test_nothing_holds_a_body_that_leaves(kind):
     assert contact.contacts == 0 and not contact.forces.any() and sphere.v[0, 1] > block.velocity[:, 1].mean()
 
 
+@pytest.mark.filterwarnings("ignore:RigidContact. rigid body 0 is .* m deep")
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_contact_gives_no_more_energy_than_its_spring_had(kind):
     """Soil under a disc that is fixed at some overlap, without any damping, 4000 steps at the largest safe factor: work on the soil and

@@ -163,7 +163,8 @@ class Body(Guarded):
         if "outlineCarrier" not in [f["name"] for f in self.core.fields(True)]:
             return None
         carrier, offset, area = (np.asarray(self.core.view(f"outline{name}", True)) for name in ("Carrier", "Offset", "Area"))
-        p = np.argsort(self.id)[np.searchsorted(self.id, carrier, sorter=np.argsort(self.id))]
+        order = np.argsort(self.id)
+        p = order[np.searchsorted(self.id, carrier, sorter=order)]
         F = self.deformationGradient[p, : self._scene.dim, : self._scene.dim]
         grown = np.linalg.det(F)[:, None] * np.linalg.solve(F.transpose(0, 2, 1), area[..., None])[..., 0]
         return self.position[p] + np.einsum("pij,pj->pi", F, offset), grown

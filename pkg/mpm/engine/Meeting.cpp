@@ -335,10 +335,10 @@ template <int Dim> void Meeting<Dim>::addFacets(const std::vector<Vertex>& verti
 template <int Dim> void Meeting<Dim>::findNormals(const Grid<Dim>& grid, size_t first) {
     for (size_t i = first; i < meets.size(); ++i) {
         Meet<Dim>& meet = meets[i];
-        const bool meshed[2] = {isExplicit_[meet.field[0]], isExplicit_[meet.field[1]]};
+        const bool explicitly[2] = {isExplicit_[meet.field[0]], isExplicit_[meet.field[1]]};
         const Vec<Dim> outward[2] = {meet.surface[0].outward, -meet.surface[1].outward}; // along the normal, both
         Vec<Dim> sum = Vec<Dim>::Zero();
-        if (!meshed[0] && !meshed[1]) {
+        if (!explicitly[0] && !explicitly[1]) {
             for (int k = 0; k < Dim; ++k)
                 if (const double a = outward[0][k], b = outward[1][k]; a * b > 0) sum[k] = std::abs(a) < std::abs(b) ? a : b;
             meet.normal = unit<Dim>(sum, 0.0);
@@ -347,14 +347,14 @@ template <int Dim> void Meeting<Dim>::findNormals(const Grid<Dim>& grid, size_t 
         double size[2], flatness[2];
         for (int side = 0; side < 2; ++side) {
             size[side] = outward[side].norm();
-            const double extent = meshed[side] ? meet.surface[side].extent : outward[side].template lpNorm<1>();
+            const double extent = explicitly[side] ? meet.surface[side].extent : outward[side].template lpNorm<1>();
             flatness[side] = size[side] / std::max(extent, 1e-300);
         }
         const double flattest = std::max(flatness[0], flatness[1]);
         bool counts[2];
         for (int side = 0; side < 2; ++side) counts[side] = size[side] > 0 && flatness[side] > 0.99 * flattest;
-        if (meshed[0] != meshed[1]) { // boxes count where they are flat and the mesh has an edge, or at a plane of symmetry
-            const int mesh = meshed[0] ? 0 : 1;
+        if (explicitly[0] != explicitly[1]) { // boxes count where they are flat and the mesh has an edge, or at a plane of symmetry
+            const int mesh = explicitly[0] ? 0 : 1;
             const bool isHeld = grid.fields[meet.field[0]].isHeld(meet.node) || grid.fields[meet.field[1]].isHeld(meet.node);
             const bool face = outward[0].dot(outward[1]) > 0; // else boxes caught inside the mesh hide the surface of the others
             if (counts[mesh] || (!isHeld && (!face || flatness[1 - mesh] < edge))) counts[mesh] = size[mesh] > 0, counts[1 - mesh] = !counts[mesh];
@@ -363,7 +363,7 @@ template <int Dim> void Meeting<Dim>::findNormals(const Grid<Dim>& grid, size_t 
             if (counts[side]) sum += outward[side] / size[side];
         meet.normal = unit<Dim>(sum, 1e-6);
         for (int side = 0; side < 2; ++side)
-            if (counts[side] && meshed[side] && !meshed[1 - side] && flatness[side] < edge) meet.edgeOf = side;
+            if (counts[side] && explicitly[side] && !explicitly[1 - side] && flatness[side] < edge) meet.edgeOf = side;
     }
 }
 
@@ -475,21 +475,21 @@ template <int Dim> void Meeting<Dim>::findGaps(const Grid<Dim>& grid, size_t fir
         Meet<Dim>& meet = meets[i];
         const Vec<Dim>& n = meet.normal;
         const double area[2] = {meet.surface[0].outward.dot(n), -meet.surface[1].outward.dot(n)};
-        const bool isMesh[2] = {isExplicit_[meet.field[0]], isExplicit_[meet.field[1]]};
+        const bool explicitly[2] = {isExplicit_[meet.field[0]], isExplicit_[meet.field[1]]};
         meet.area = std::max(0.0, std::min(area[0], area[1]));
         const bool intruded = meet.surface[0].intruded > -1e300 || meet.surface[1].intruded > -1e300;
-        meet.weight = intruded ? area[isMesh[0] ? 0 : 1] : meet.area;
+        meet.weight = intruded ? area[explicitly[0] ? 0 : 1] : meet.area;
         if (!(meet.weight > 0)) continue;
         double reach[2];
         for (int side = 0; side < 2; ++side) {
             const FaceSeen<Dim>& face = meet.surface[side];
-            reach[side] = isMesh[side] && face.nearest < 1e300 ? face.reach
+            reach[side] = explicitly[side] && face.nearest < 1e300 ? face.reach
                           : area[side] > 0.05 * meet.weight    ? n.dot(face.moment * n) / area[side]
                                                                : -1e300;
             reach[side] = std::max(reach[side], face.intruded);
         }
         meet.gap = -reach[1] - reach[0];
-        if (!isMesh[0] && !isMesh[1] && meet.gap < -0.5 * grid.cell.minCoeff()) meet.weight = 0;
+        if (!explicitly[0] && !explicitly[1] && meet.gap < -0.5 * grid.cell.minCoeff()) meet.weight = 0;
     }
 }
 

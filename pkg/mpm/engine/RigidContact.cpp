@@ -9,9 +9,9 @@
 // the normal. It moves with the particle and its velocity gradient, hence a force there goes to the nodes by
 //     f_i = (phi_i + q grad phi_i . d) F_n + (phi_i + grad phi_i . d) F_t
 // Friction acts where the normal leaves the box. q |d| is how far from x_p the gap sees strain: the extent of the ball, as long as strain
-// is small. (With friction at the ball pairs of boxes stuck below the edges of a wedge, and slipped off.) So sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0):
-// force and moment balance to round-off, and both springs see the motion that their force does work on. With a gap that follows x_p
-// alone and F_n at x_c the stiffness matrix is not symmetric, and a bouncing disc gains energy.
+// is small. (With friction at the ball pairs of boxes stuck below the edges of a wedge, and slipped off.) So sum f_i = F and
+// sum x_i x f_i = x_c x F (d x F_n = 0): force and moment balance to round-off, and both springs see the motion that their force does
+// work on. With a gap that follows x_p alone and F_n at x_c the stiffness matrix is not symmetric, and a bouncing disc gains energy.
 #include "mpm/engine/RigidContact.hpp"
 
 namespace mpm {

@@ -4,10 +4,6 @@
 // along n.
 #include "mpm/engine/Meeting.hpp"
 
-#include "mpm/engine/HatIntegrals.hpp"
-
-#include <Eigen/Geometry>
-
 namespace mpm {
 
 namespace {
@@ -15,68 +11,11 @@ namespace {
 constexpr double edge = 0.9;       // flatness of a surface below which it has an edge
 constexpr double tolerated = 0.01; // overlap between nodes, in cells
 
-// f(node, steps from the middle along each axis) for the 3^Dim nodes round one.
-template <int Dim, class F> MPM_INLINE void forNeighbours(const Grid<Dim>& grid, int node, F&& f) {
-    if constexpr (Dim == 2) {
-        for (int j = -1; j <= 1; ++j)
-            for (int i = -1; i <= 1; ++i) f(node + i + j * grid.strides[1], Index<2>{i, j});
-    } else
-        for (int l = -1; l <= 1; ++l)
-            for (int j = -1; j <= 1; ++j)
-                for (int i = -1; i <= 1; ++i) f(node + i + j * grid.strides[1] + l * grid.strides[2], Index<3>{i, j, l});
-}
-
-template <int Dim> int nearestNode(const Grid<Dim>& grid, const Vec<Dim>& x) {
-    int node = 0;
-    for (int k = 0; k < Dim; ++k) node += int(grid.inCells(x[k], k) + 0.5) * grid.strides[k];
-    return node;
-}
-
-// The same for points begin ... begin + count - 1 at once.
-template <int Dim> void nearestNodes(const Grid<Dim>& grid, const Field& position, int begin, int count, int* node) {
-    std::fill(node, node + count, 0);
-    for (int k = 0; k < Dim; ++k) {
-        const double* x = position.plane(k) + begin;
-        const int stride = grid.strides[k];
-#pragma omp simd
-        for (int i = 0; i < count; ++i) node[i] += int(grid.inCells(x[i], k) + 0.5) * stride;
-    }
-}
-
-template <int Dim> Vec<Dim> areaVector(const Field& X, const typename BoundaryFacets<Dim>::Facet& facet) {
-    const auto at = [&](int a) { return vectorAt<Dim>(X, facet[a]); };
-    if constexpr (Dim == 2) {
-        const Vec<2> along = at(1) - at(0);
-        return Vec<2>(along[1], -along[0]);
-    } else {
-        const Vec<3> first = at(2) - at(0), second = at(3) - at(1);
-        return 0.5 * first.cross(second);
-    }
-}
-
 } // namespace
 
-template <int Dim> void Meeting<Dim>::Boundary::find(Body<Dim>& body) {
-    particles = body.particles.size();
-    facets.find(*body.domains);
-    const int count = body.domains->vertexPositions()->size();
-    firstAt.assign(count + 1, 0), facetsAt.resize(facets.facets.size() * facets.size);
-    for (auto& facet : facets.facets)
-        for (int v : facet) ++firstAt[v + 1];
-    vertices.clear();
-    for (int v = 0; v < count; ++v) {
-        if (firstAt[v + 1] > 0) vertices.push_back(v);
-        firstAt[v + 1] += firstAt[v];
-    }
-    std::vector<int> next = firstAt;
-    for (size_t f = 0; f < facets.facets.size(); ++f)
-        for (int v : facets.facets[f]) facetsAt[next[v]++] = int(f);
-    near.clear(), place.assign(count, -1);
-}
-
 template <int Dim> void Meeting<Dim>::prepare(const Scene<Dim>& scene) {
-    slot_.assign(scene.grid.count, -1), near_.assign(scene.grid.count, -1);
-    boundaries_.assign(scene.bodies.size(), {});
+    neighbourhood_.prepare(scene.grid);
+    surfaces_.assign(scene.bodies.size(), {});
     meets.clear(), touches.clear(), pairs.clear(), step_ = -1;
 }
 
@@ -84,7 +23,7 @@ template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normals
     meets.clear(), touches.clear(), pairs.clear(), step_ = scene.step;
     isExplicit_.assign(scene.groups.size(), true), hasOutline_.assign(scene.groups.size(), false);
     for (auto& body : scene.bodies) {
-        if (!isExplicit(*body) && body->particles.size() > 0) isExplicit_[body->velocityField] = false;
+        if (!ExplicitSurface<Dim>::isOf(*body) && body->particles.size() > 0) isExplicit_[body->velocityField] = false;
         if (body->domains->outline()) hasOutline_[body->velocityField] = true;
     }
     const int groups = int(scene.groups.size());
@@ -101,7 +40,6 @@ template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normals
             findGaps(scene.grid, first), borrow(scene.grid, first);
             findTouches(scene, a, b);
             pairs.push_back({first, meets.size(), touched, touches.size()});
-            forget(first);
         }
 }
 
@@ -111,7 +49,7 @@ template <int Dim> bool Meeting<Dim>::findNodes(const Scene<Dim>& scene, int a, 
     const auto &fieldA = grid.fields[a], &fieldB = grid.fields[b];
     const double least = scene.leastMass();
     const size_t first = meets.size();
-    lower_.setConstant(1e300), upper_ = -lower_, nearNodes_.clear();
+    neighbourhood_.clear();
     for (int slab = 0; slab < grid.slabs(); ++slab) {
         auto both = fieldA.extents[slab];
         for (int k = 0; k < Dim - 1; ++k) {
@@ -120,204 +58,28 @@ template <int Dim> bool Meeting<Dim>::findNodes(const Scene<Dim>& scene, int a, 
         }
         grid.forNodes(both, slab, [&](int node) {
             if (!(fieldA.sum[node][NodalField<Dim>::mass] > least && fieldB.sum[node][NodalField<Dim>::mass] > least)) return;
-            slot_[node] = int(meets.size());
+            neighbourhood_.add(grid, node, int(meets.size()));
             meets.emplace_back();
             Meet<Dim>& meet = meets.back();
             meet.node = node, meet.field[0] = a, meet.field[1] = b, meet.position = grid.nodePosition(node);
-            lower_ = lower_.cwiseMin(meet.position - 2 * grid.cell), upper_ = upper_.cwiseMax(meet.position + 2 * grid.cell);
-            forNeighbours(grid, node, [&](int other, const Index<Dim>&) {
-                if (near_[other] < 0) near_[other] = 0, nearNodes_.push_back(other);
-            });
         });
     }
-    std::sort(nearNodes_.begin(), nearNodes_.end());
-    for (size_t i = 0; i < nearNodes_.size(); ++i) near_[nearNodes_[i]] = int(i);
+    neighbourhood_.finish();
     return meets.size() > first;
 }
 
-template <int Dim> void Meeting<Dim>::forget(size_t first) {
-    for (size_t i = first; i < meets.size(); ++i) slot_[meets[i].node] = -1;
-    for (int node : nearNodes_) near_[node] = -1;
-}
-
 template <int Dim> void Meeting<Dim>::findSurfaces(const Scene<Dim>& scene, int side, int field, size_t first) {
-    findBoxes(scene, side, field);
-    if (!found_.empty())
-        for (size_t i = first; i < meets.size(); ++i) addBoxes(scene.grid, meets[i], side);
-    for (size_t b = 0; b < scene.bodies.size(); ++b)
-        if (Body<Dim>& body = *scene.bodies[b]; body.velocityField == field && isExplicit(body)) {
-            body.type->isMeshed() ? findVertices(body, boundaries_[b], scene.grid) : findFacets(body, boundaries_[b], scene.grid);
-            addFacets(body.type->isMeshed() ? boundaries_[b].near : boundaries_[b].parts, side);
-        }
-}
-
-// The boxes of a group that are near to meets: those of blocks that may have some, as the lowest nodes of boxes are at most `wander` slabs
-// away from their block.
-template <int Dim> void Meeting<Dim>::findBoxes(const Scene<Dim>& scene, int side, int field) {
-    const Grid<Dim>& grid = scene.grid;
-    const double below = grid.inCells(lower_[Dim - 1], Dim - 1) - grid.wander - 1, above = grid.inCells(upper_[Dim - 1], Dim - 1) + grid.wander + 1;
-    Boxes& boxes = boxes_[side];
-    found_.clear(), boxes.start.assign(nearNodes_.size() + 1, 0);
-    for (auto& body : scene.bodies) {
-        if (body->velocityField != field || isExplicit(*body)) continue;
-        const Field& position = body->particles.position;
-        const double* V = body->particles.volume.plane();
-        const Vec<Dim> half = body->domains->halfSize().cwiseQuotient(grid.cell);
-        const double size = (2 * half).prod();
-        const BlockOrder<Dim>& order = body->domains->order;
-        for (int block = 0; block < order.blocks(); ++block) {
-            if ((block + 1) * grid.slabsPerBlock < below || block * grid.slabsPerBlock > above) continue;
-            for (int begin = order.start[block]; begin < order.start[block + 1]; begin += chunkSize) {
-                const int count = std::min(chunkSize, order.start[block + 1] - begin);
-                int node[chunkSize];
-                nearestNodes(grid, position, begin, count, node);
-                for (int i = 0; i < count; ++i) {
-                    const int near = near_[node[i]];
-                    if (near < 0) continue;
-                    found_.push_back({vectorAt<Dim>(position, begin + i), half, V[begin + i] / size, near}), ++boxes.start[near];
-                }
-            }
-        }
-    }
-    const size_t room = found_.size() + 3; // to look at four at a time
-    for (int k = 0; k < Dim; ++k) boxes.centre[k].resize(room), boxes.half[k].resize(room);
-    boxes.density.resize(room);
-    std::partial_sum(boxes.start.begin(), boxes.start.end(), boxes.start.begin());
-    for (auto box = found_.rbegin(); box != found_.rend(); ++box) {
-        const int b = --boxes.start[box->near];
-        for (int k = 0; k < Dim; ++k) boxes.centre[k][b] = box->centre[k], boxes.half[k][b] = box->half[k];
-        boxes.density[b] = box->density;
-    }
-}
-
-template <int Dim>
-template <class F>
-void Meeting<Dim>::forBoxes(const Grid<Dim>& grid, const Meet<Dim>& meet, const Boxes& boxes, F&& f) const {
-    forNeighbours(grid, meet.node, [&](int node, const Index<Dim>& step) {
-        if (step[0] < 0) f(boxes.start[near_[node]], boxes.start[near_[node] + 3]); // rows of three nodes follow each other
+    boxes_[side].find(scene, field, neighbourhood_);
+    if (!boxes_[side].isEmpty())
+        for (size_t i = first; i < meets.size(); ++i)
+            boxes_[side].addTo(meets[i].surface[side], scene.grid, neighbourhood_, meets[i].node, meets[i].position);
+    forSurfaces(scene, field, [&](Body<Dim>& body, ExplicitSurface<Dim>& surface) {
+        surface.find(body, scene.grid, neighbourhood_);
+        addParts(surface.parts(body), side);
     });
 }
 
-// int over the surface of phi n = int grad phi dV,  of phi d n^T = int (d grad phi^T + phi I) dV: for each box products of integrals
-// along the axes.
-template <int Dim> void Meeting<Dim>::addBoxes(const Grid<Dim>& grid, Meet<Dim>& meet, int side) const {
-    const Boxes& boxes = boxes_[side];
-    FourBoxes outward[Dim], moment[Dim][Dim];
-    for (int n = 0; n < Dim; ++n) {
-        outward[n].setZero();
-        for (int m = 0; m < Dim; ++m) moment[m][n].setZero();
-    }
-    const Vec<Dim> perCell = grid.cell.cwiseInverse();
-    forBoxes(grid, meet, boxes, [&](int begin, int end) {
-        for (int b = begin; b < end; b += 4) {
-            const auto at = [&](const std::vector<double>& values) { return FourBoxes::Map(values.data() + b); };
-            HatIntegrals phi[Dim];
-            MPM_UNROLL
-            for (int k = 0; k < Dim; ++k) phi[k] = HatIntegrals((at(boxes.centre[k]) - meet.position[k]) * perCell[k], at(boxes.half[k]));
-            FourBoxes density = at(boxes.density);
-            for (int rest = end - b; rest < 4; ++rest) density[rest] = 0;
-            const auto product = [&](auto&& factor) {
-                FourBoxes all = density;
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) all *= factor(phi[k], k);
-                return all;
-            };
-            MPM_UNROLL
-            for (int n = 0; n < Dim; ++n) {
-                outward[n] += product([&](auto& phi, int k) -> auto& { return k == n ? phi.slope : phi.N; });
-                MPM_UNROLL
-                for (int m = 0; m < Dim; ++m)
-                    moment[m][n] += product([&](auto& phi, int k) -> auto& {
-                        return k == n ? (k == m ? phi.slopeOfFirst : phi.slope) : (k == m ? phi.first : phi.N);
-                    });
-            }
-        }
-    });
-    FaceSeen<Dim>& surface = meet.surface[side];
-    for (int n = 0; n < Dim; ++n) {
-        surface.outward[n] += outward[n].sum() * perCell[n];
-        for (int m = 0; m < Dim; ++m) surface.moment(m, n) += moment[m][n].sum() * grid.cell[m] * perCell[n];
-    }
-}
-
-template <int Dim> NodesRound<Dim> Meeting<Dim>::nodesRound(const Grid<Dim>& grid, const Vec<Dim>& x) const {
-    int first = 0;
-    double part[Dim];
-    for (int k = 0; k < Dim; ++k) {
-        const double c = grid.inCells(x[k], k), below = std::floor(c);
-        first += int(below) * grid.strides[k], part[k] = c - below;
-    }
-    NodesRound<Dim> round;
-    for (int corner = 0; corner < round.size; ++corner) {
-        int node = first;
-        double S = 1;
-        for (int k = 0; k < Dim; ++k) {
-            const bool upper = corner >> k & 1;
-            node += upper ? grid.strides[k] : 0, S *= upper ? part[k] : 1 - part[k];
-        }
-        round.meet[corner] = slot_[node], round.S[corner] = S;
-    }
-    return round;
-}
-
-template <int Dim> bool Meeting<Dim>::isNear(const Grid<Dim>& grid, const Vec<Dim>& x) const {
-    return (x.array() >= lower_.array()).all() && (x.array() <= upper_.array()).all() && near_[nearestNode(grid, x)] >= 0;
-}
-
-// Those near a meet, with their share of the boundary: each facet as equal parts at its vertices.
-template <int Dim> void Meeting<Dim>::findVertices(Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid) {
-    if (boundary.particles != body.particles.size()) boundary.find(body); // the first time, or after a conversion
-    const Field& X = *body.domains->vertexPositions();
-    std::fill(boundary.place.begin(), boundary.place.end(), -1), boundary.near.clear();
-    for (int v : boundary.vertices) {
-        const Vec<Dim> x = vectorAt<Dim>(X, v);
-        if (!isNear(grid, x)) continue;
-        Vertex vertex{nearestNode(grid, x), x, Vec<Dim>::Zero(), 0, 0, nodesRound(grid, x)};
-        for (int i = boundary.firstAt[v]; i < boundary.firstAt[v + 1]; ++i) {
-            const Vec<Dim> share = areaVector<Dim>(X, boundary.facets.facets[boundary.facetsAt[i]]) / boundary.facets.size;
-            vertex.outward += share, vertex.extent += share.norm();
-        }
-        vertex.size = vertex.outward.norm();
-        boundary.place[v] = int(boundary.near.size()), boundary.near.push_back(vertex);
-    }
-}
-
-// The facets of an outline near a meet, and equal parts of each at its corners: it is taken to be a square as seen along the axis that
-// it faces most.
-template <int Dim> void Meeting<Dim>::findFacets(const Body<Dim>& body, Boundary& boundary, const Grid<Dim>& grid) {
-    const Outline<Dim>& outline = *body.domains->outline();
-    boundary.near.clear(), boundary.parts.clear();
-    const auto add = [&](std::vector<Vertex>& to, const Vec<Dim>& x, const Vec<Dim>& outward) {
-        if (const double size = outward.norm(); isNear(grid, x)) to.push_back({nearestNode(grid, x), x, outward, size, size, nodesRound(grid, x)});
-    };
-    for (int i = 0; i < outline.size(); ++i) {
-        const Vec<Dim> carrier = vectorAt<Dim>(body.particles.position, outline.particle(i));
-        if (((carrier + grid.cell).array() < lower_.array()).any() || ((carrier - grid.cell).array() > upper_.array()).any()) continue;
-        const auto [x, outward] = outline.at(body.particles, i);
-        add(boundary.near, x, outward);
-        int facing;
-        const double seen = outward.cwiseAbs().maxCoeff(&facing), half = 0.5 * (Dim == 2 ? seen : std::sqrt(seen));
-        for (int corner = 0; corner < BoundaryFacets<Dim>::size; ++corner) {
-            Vec<Dim> d;
-            for (int k = 0, bit = 0; k < Dim; ++k) d[k] = k == facing ? 0 : corner >> bit++ & 1 ? half : -half;
-            d[facing] = -d.dot(outward) / outward[facing];
-            add(boundary.parts, x + d, outward / BoundaryFacets<Dim>::size);
-        }
-    }
-}
-
-template <int Dim>
-template <class F>
-void Meeting<Dim>::forShares(Body<Dim>& body, const Boundary& boundary, F&& f) {
-    if (!body.type->isMeshed())
-        for (const Vertex& part : boundary.parts) f(part, part.outward);
-    for (auto& facet : boundary.facets.facets)
-        for (int v : facet)
-            if (boundary.place[v] >= 0)
-                f(boundary.near[boundary.place[v]], areaVector<Dim>(*body.domains->vertexPositions(), facet) / boundary.facets.size);
-}
-
-template <int Dim> void Meeting<Dim>::addFacets(const std::vector<Vertex>& vertices, int side) {
+template <int Dim> void Meeting<Dim>::addParts(const std::vector<Vertex>& vertices, int side) {
     for (const Vertex& vertex : vertices)
         for (int corner = 0; corner < vertex.round.size; ++corner) {
             if (vertex.round.meet[corner] < 0) continue;
@@ -375,8 +137,8 @@ template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int s
     if (!isAny) return;
     const Grid<Dim>& grid = scene.grid;
     std::vector<Vec<Dim>> sum(meets.size() - first, Vec<Dim>::Zero());
-    forBoundaries(scene, field, [&](Body<Dim>& body, const Boundary& boundary) {
-        forShares(body, boundary, [&](const Vertex& vertex, const Vec<Dim>& share) {
+    forSurfaces(scene, field, [&](Body<Dim>& body, const ExplicitSurface<Dim>& surface) {
+        surface.forShares(body, [&](const Vertex& vertex, const Vec<Dim>& share) {
             for (int corner = 0; corner < vertex.round.size; ++corner) {
                 const int slot = vertex.round.meet[corner];
                 if (slot < 0 || meets[slot].edgeOf != side) continue;
@@ -425,11 +187,12 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
     if (!isExplicit_[field]) return;
     const Grid<Dim>& grid = scene.grid;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
-    forBoundaries(scene, field, [&](const Body<Dim>&, const Boundary& boundary) {
-        for (const Vertex& vertex : boundary.near)
+    forSurfaces(scene, field, [&](const Body<Dim>&, const ExplicitSurface<Dim>& surface) {
+        for (const Vertex& vertex : surface.near)
             forNeighbours(grid, vertex.node, [&](int node, const Index<Dim>&) {
-                if (slot_[node] < 0) return;
-                Meet<Dim>& meet = meets[slot_[node]];
+                const int slot = neighbourhood_.meet(node);
+                if (slot < 0) return;
+                Meet<Dim>& meet = meets[slot];
                 FaceSeen<Dim>& face = meet.surface[side];
                 const Vec<Dim> d = vertex.position - meet.position;
                 const double along = sign * d.dot(meet.normal), beside = std::max(0.0, d.squaredNorm() - along * along);
@@ -445,27 +208,11 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
 template <int Dim> void Meeting<Dim>::findIntruders(const Grid<Dim>& grid, int side, int field, int other, size_t first) {
     if (isExplicit_[field] || !isExplicit_[other]) return;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
-    const Boxes& boxes = boxes_[side];
     for (size_t i = first; i < meets.size(); ++i) {
-        const Meet<Dim>& meet = meets[i];
+        Meet<Dim>& meet = meets[i];
         const FaceSeen<Dim>& face = meet.surface[1 - side];
-        if (face.nearest == 1e300) continue;
-        double furthest = -1e300;
-        forBoxes(grid, meet, boxes, [&](int begin, int end) {
-#pragma omp simd reduction(max : furthest)
-            for (int b = begin; b < end; ++b) {
-                double along = 0, square = 0;
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) {
-                    const double d = boxes.centre[k][b] - meet.position[k];
-                    along += sign * meet.normal[k] * d, square += d * d;
-                }
-                const double overlap = along + face.reach, beside = square - along * along;
-                const double reach = (overlap >= 0) & (overlap <= 0.5 * h) & (beside <= 0.5 * h * h) ? along : -1e300;
-                furthest = furthest > reach ? furthest : reach;
-            }
-        });
-        meets[i].surface[side].intruded = furthest;
+        if (face.nearest < 1e300)
+            meet.surface[side].intruded = boxes_[side].crossed(grid, neighbourhood_, meet.node, meet.position, sign * meet.normal, -face.reach, h);
     }
 }
 
@@ -502,8 +249,9 @@ template <int Dim> void Meeting<Dim>::borrow(const Grid<Dim>& grid, size_t first
         Vec<Dim> normal = Vec<Dim>::Zero();
         double weight = 0, gap = 0;
         forNeighbours(grid, meet.node, [&](int node, const Index<Dim>&) {
-            if (slot_[node] < 0 || !(meets[slot_[node]].weight > least)) return;
-            const Meet<Dim>& other = meets[slot_[node]];
+            const int slot = neighbourhood_.meet(node);
+            if (slot < 0 || !(meets[slot].weight > least)) return;
+            const Meet<Dim>& other = meets[slot];
             normal += other.weight * other.normal, weight += other.weight, gap += other.weight * other.gap;
         });
         meet.normal = unit<Dim>(normal, 0.1 * weight), meet.gap = weight > 0 ? gap / weight : 0;
@@ -514,8 +262,8 @@ template <int Dim> void Meeting<Dim>::borrow(const Grid<Dim>& grid, size_t first
 template <int Dim> void Meeting<Dim>::findSkin(const Scene<Dim>& scene, int side, int field) {
     skins_[side].clear();
     if (!isExplicit_[field]) return;
-    forBoundaries(scene, field, [&](const Body<Dim>&, const Boundary& boundary) {
-        for (const Vertex& vertex : boundary.near)
+    forSurfaces(scene, field, [&](const Body<Dim>&, const ExplicitSurface<Dim>& surface) {
+        for (const Vertex& vertex : surface.near)
             if (vertex.size > edge * vertex.extent) skins_[side].push_back(&vertex);
     });
     std::stable_sort(skins_[side].begin(), skins_[side].end(), [](const Vertex* a, const Vertex* b) { return a->node < b->node; });

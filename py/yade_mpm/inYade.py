@@ -7,19 +7,15 @@
 
 YADE is used through its Python interface only. An engine of ours is a PyRunner whose command is `inYade.act(...)`.
 """
-import atexit
 import builtins
-import functools
 import json
 import math
 import os
 import re
-import signal
 import sys
 import threading
-import time
 
-from . import checkpoint, limits
+from . import checkpoint, limits, yadeLoop
 from .engines import Callback, RigidContact
 from .files import checkWritable
 from .history import History
@@ -31,12 +27,6 @@ from .yadeBodies import Bodies, checkExchanges  # for users: inYade.Bodies
 
 FRESH_DT = 1e-8      # s, O.dt of a YADE that nobody has told anything
 DEM_SAFETY = 0.8     # share of PWaveTimeStep taken when O.dt is left alone
-SIGNAL_PERIOD = 0.1  # s of wall time between looks for signals
-STEP_PATIENCE = 10.0  # s to wait for the end of a step in which YADE itself may have failed
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
-
-_attached = {}  # label -> Coupling
-_errors = []    # of engines, not raised yet
 
 
 def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", plot=False, callbacks=None):
@@ -62,7 +52,7 @@ def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", p
     Raises ImportError without YADE, TypeError and ValueError for arguments that are not allowed, ValueError for a
     time stepper behind the engines, what `Scene.prepare` raises, and RuntimeError while YADE runs.
     """
-    O = _omega()
+    O = yadeLoop.omega()
     if O.running:
         raise RuntimeError("inYade.attach: YADE is running; O.pause() and O.wait() first")
     if not (isinstance(label, str) and label.isidentifier()):
@@ -74,7 +64,7 @@ def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", p
         raise ValueError("inYade.attach: callbacks go with a checkpoint; leave them out where the scene is given")
     if not isinstance(scene, Scene):
         raise TypeError(f"inYade.attach: scene = {scene!r}; give a yade_mpm.Scene")
-    for other in _attached.values():
+    for other in yadeLoop.attached.values():
         if other.scene is scene and other.label != label:
             raise ValueError(f"inYade.attach: this scene is attached as '{other.label}' already; detach() it there")
     mpmSteps = saved.get("mpmSteps", 1) if mpmSteps is None else _count("mpmSteps", mpmSteps)
@@ -85,30 +75,30 @@ def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", p
     if stages and mpmSteps > 1:
         raise ValueError("inYade.attach: engines per stage cannot act several times in a DEM step; give stages=False "
                          "(scene.timing() still tells the time of each stage)")
-    _waitForStep(O)
-    _errors.clear()
-    if label in _attached:
-        _attached.pop(label)._letGo()
+    yadeLoop.waitForStep(O)
+    yadeLoop.errors.clear()
+    if label in yadeLoop.attached:
+        yadeLoop.attached.pop(label)._letGo()
     coupling = Coupling(O, scene, mpmSteps, demSteps, stages, label, bool(plot), saved)
-    _attached[label] = coupling
+    yadeLoop.attached[label] = coupling
     builtins.inYade = sys.modules[__name__]  # where the commands of the engines find it, wherever it was imported
-    _wrapOmega(type(O))
-    _signals.install()
+    yadeLoop.wrapOmega(type(O))
+    yadeLoop.signals.install()
     return coupling
 
 
 def act(label, number=None):
     """What an engine of ours does: the whole step, or stage `number`. Never raises; an error pauses YADE and is raised
     after the step."""
-    coupling = _attached.get(label)
+    coupling = yadeLoop.attached.get(label)
     if coupling is not None:
         coupling._act(number)
-    elif not _errors:
+    elif not yadeLoop.errors:
         message = f"inYade: no scene is attached as '{label}'; after O.load call inYade.attach()"
         print(message, file=sys.stderr)
-        _errors.append(RuntimeError(message))
-    if _errors:
-        _pause(_omega())
+        yadeLoop.errors.append(RuntimeError(message))
+    if yadeLoop.errors:
+        yadeLoop.pauseAfterStep(yadeLoop.omega())
 
 
 def checkpointOf(file, label="mpm"):
@@ -229,11 +219,11 @@ class Coupling:
         """
         if self._O.running:
             raise RuntimeError("detach: YADE is running; O.pause() and O.wait() first")
-        _waitForStep(self._O)
+        yadeLoop.waitForStep(self._O)
         self.flush()
         self._O.engines = [e for e in self._O.engines if not self._isOurs(e)]
-        if _attached.get(self.label) is self:
-            del _attached[self.label]
+        if yadeLoop.attached.get(self.label) is self:
+            del yadeLoop.attached[self.label]
         self._letGo()
 
     def _letGo(self):
@@ -291,8 +281,8 @@ class Coupling:
     # --- the step ---------------------------------------------------------------------------------------
     def _act(self, number):
         if self.error is not None:
-            if not _errors:
-                _errors.append(RuntimeError(f"'{self.label}' was stopped by an error ({self.error}); attach it again"))
+            if not yadeLoop.errors:
+                yadeLoop.errors.append(RuntimeError(f"'{self.label}' was stopped by an error ({self.error}); attach it again"))
             return
         self._thread = self._loopThread = threading.get_ident()
         try:
@@ -314,8 +304,8 @@ class Coupling:
         if self._isOpen:  # the last stage was switched off during the step
             self._close()
         self._forward()
-        if _signals.isPending():
-            _pause(O)
+        if yadeLoop.signals.isPending():
+            yadeLoop.pauseAfterStep(O)
         if self._iter < self._cycleEnd - self.demSteps:
             self._refuseClock()
         self._isMpmStep = self._iter >= self._cycleEnd
@@ -426,8 +416,8 @@ class Coupling:
 
     def _fail(self, error):
         self.error = error
-        _errors.append(error)
-        _pause(self._O)
+        yadeLoop.errors.append(error)
+        yadeLoop.pauseAfterStep(self._O)
         self._run._failed(error)
         self._isOpen, self.scene._acting = False, None
 
@@ -491,7 +481,7 @@ class _YadeRun(Run):
         return threading.get_ident() == self._coupling._thread
 
     def stop(self):
-        _pause(self._coupling._O)
+        yadeLoop.pauseAfterStep(self._coupling._O)
 
     def wait(self):
         if not self.isThisThread():
@@ -502,191 +492,7 @@ class _YadeRun(Run):
         super()._failed(error)
 
 
-# --- errors and files: around methods of O ------------------------------------------------------------------
-_ENDS_RUN = "run", "step", "wait", "pause"
-_FORGETS = "load", "loadTmp", "reload", "reset", "resetThisScene", "resetAllScenes"
-_originals = {}  # name -> method of Omega
-
-
-def _wrapOmega(Omega):
-    """Once: run, step, wait and pause raise our errors, save writes our checkpoints too, load and reset forget what was
-    attached."""
-    if _originals:
-        return
-    for names, wrapper in ((_ENDS_RUN, _endingRun), (("save",), _saving), (_FORGETS, _forgetting)):
-        for name in names:
-            if hasattr(Omega, name):
-                _originals[name] = getattr(Omega, name)
-                setattr(Omega, name, wrapper(_originals[name]))
-
-
-def _endingRun(method):
-    @functools.wraps(method)
-    def wrapped(self, *args, **keywords):
-        if _isInStep():
-            return method(self, *args, **keywords)
-        if not self.running:
-            _waitForStep(self)
-            _raiseErrors()
-            for coupling in _attached.values():
-                coupling._checkEngines()
-                coupling._fresh, coupling._loopThread = True, None
-        try:
-            result = method(self, *args, **keywords)
-        except BaseException:  # of another engine: YADE has left the step half done
-            for coupling in _attached.values():
-                coupling._loopThread = None
-            raise
-        if not self.running:
-            _waitForStep(self)
-            for coupling in _attached.values():
-                coupling._loopThread = None
-                coupling.flush()
-            _signals.afterRun()
-            _raiseErrors()
-        return result
-    return wrapped
-
-
-def _pause(O):
-    """Tells YADE to stop after this step; from inside a step."""
-    _originals.get("pause", type(O).pause)(O)
-
-
-def _isInStep():
-    """Whether the caller is a callback of YADE's loop."""
-    return any(c._loopThread == threading.get_ident() for c in _attached.values())
-
-
-def _waitForStep(O):
-    """After a pause YADE calls itself not running while it still finishes the step; its number moves on at the end."""
-    deadline = time.monotonic() + STEP_PATIENCE
-
-    def isUnfinished(coupling):
-        isOpen = coupling._loopThread is not None and coupling._iter == O.iter
-        return coupling._thread is not None or isOpen and time.monotonic() < deadline
-
-    while any(isUnfinished(c) for c in _attached.values()):
-        time.sleep(0.0005)
-
-
-def _saving(method):
-    @functools.wraps(method)
-    def wrapped(self, file, *args, **keywords):
-        if _attached and (self.running or _isInStep()):
-            raise RuntimeError("O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() and O.wait() "
-                               "first")
-        _waitForStep(self)
-        for coupling in _attached.values():
-            coupling._saveBeside(file)
-        return method(self, file, *args, **keywords)
-    return wrapped
-
-
-def _forgetting(method):
-    @functools.wraps(method)
-    def wrapped(self, *args, **keywords):
-        if self.running and not _isInStep():
-            self.pause()
-        for coupling in list(_attached.values()):
-            coupling.flush()
-            coupling._letGo()
-        _attached.clear()
-        _errors.clear()
-        return method(self, *args, **keywords)
-    return wrapped
-
-
-def _raiseErrors():
-    if _errors:
-        error = _errors[0]
-        _errors.clear()
-        raise error
-
-
-@atexit.register
-def _flushAll():
-    for coupling in _attached.values():
-        if coupling.error is None and not coupling._O.running:
-            coupling.flush()
-
-
-# --- signals ------------------------------------------------------------------------------------------------
-class _Signals:
-    """Ctrl-C and SIGTERM. O.run(n, True) keeps Python's handlers waiting until it ends, so a pipe tells the engines to
-    pause it; the handler, in the main thread, saves when YADE has stopped."""
-
-    def __init__(self):
-        self._before, self._pipe, self._looked, self._noted = {}, None, 0.0, None
-
-    def install(self):
-        if threading.current_thread() is not threading.main_thread() or self._pipe is not None:
-            return
-        self._pipe = os.pipe()
-        for end in self._pipe:
-            os.set_blocking(end, False)
-        signal.set_wakeup_fd(self._pipe[1], warn_on_full_buffer=False)
-        for number in SIGNALS:
-            self._before[number] = signal.signal(number, self._handle)
-
-    def isPending(self):
-        """Whether a signal has come; looks every 0.1 s."""
-        now = time.monotonic()
-        if self._pipe is None or now - self._looked < SIGNAL_PERIOD:
-            return False
-        self._looked = now
-        try:
-            return any(number in SIGNALS for number in os.read(self._pipe[0], 64))
-        except BlockingIOError:
-            return False
-
-    def _handle(self, number, frame):
-        self._noted = number
-        if not _isInStep():  # else afterRun() sees to it
-            O = _omega()
-            if O.running:
-                O.pause()
-            self.afterRun()
-
-    def afterRun(self):
-        number = self._noted
-        if number is None or threading.current_thread() is not threading.main_thread():
-            return
-        self._noted = None
-        moved = [c for c in _attached.values() if c.error is None and c.scene.steps > c._stepsSaved]
-        if moved:
-            self._save(moved[0]._O)
-        before = self._before.get(number)
-        if callable(before):
-            before(number, None)
-        elif before != signal.SIG_IGN:
-            raise SystemExit(128 + number)
-
-    def _save(self, O):
-        file = f"{O.tags['id']}.interrupted.yade.gz"
-        at = f"interrupted at O.iter = {O.iter}, O.time = {O.time:g} s"
-        try:
-            O.save(file)
-            print(f"{at}; the state is in {file} and beside it (continue with O.load and inYade.attach())", file=sys.stderr)
-        except Exception as error:
-            print(f"{at}; the state could not be saved: {error}", file=sys.stderr)
-
-
-_signals = _Signals()
-if "yade" in sys.modules:  # errors of engines that come from O.load, before attach(), are raised too
-    _wrapOmega(type(sys.modules["yade"].O))
-
-
 # --- helpers ------------------------------------------------------------------------------------------------
-def _omega():
-    try:
-        from yade import O
-    except ImportError as error:
-        raise ImportError(f"inYade needs YADE ({error}); run the script with the command `yade` (Debian: apt install yade), or "
-                          f"put the folder that holds YADE's Python package on sys.path") from None
-    return O
-
-
 def _count(name, value):
     if not isinstance(value, int) or isinstance(value, bool) or value < 1:
         raise ValueError(f"inYade.attach: {name} = {value!r} is not allowed; give a whole number from 1 on")

@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""YADE's loop with engines of ours in it: their errors, files that go with YADE's own, Ctrl-C and SIGTERM.
+
+Methods of YADE's `O` are wrapped once. What is attached says by itself how it checks, writes and lets go; see inYade.
+"""
+import atexit
+import functools
+import os
+import signal
+import sys
+import threading
+import time
+
+SIGNAL_PERIOD = 0.1  # s of wall time between looks for signals
+STEP_PATIENCE = 10.0  # s to wait for the end of a step in which YADE itself may have failed
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+attached = {}  # label -> Coupling
+errors = []    # of engines, not raised yet
+
+
+def omega():
+    try:
+        from yade import O
+    except ImportError as error:
+        raise ImportError(f"inYade needs YADE ({error}); run the script with the command `yade` (Debian: apt install yade), or "
+                          f"put the folder that holds YADE's Python package on sys.path") from None
+    return O
+
+
+_ENDS_RUN = "run", "step", "wait", "pause"
+_FORGETS = "load", "loadTmp", "reload", "reset", "resetThisScene", "resetAllScenes"
+_originals = {}  # name -> method of Omega
+
+
+def wrapOmega(Omega):
+    """Once: run, step, wait and pause raise our errors, save writes our checkpoints too, load and reset forget what was
+    attached."""
+    if _originals:
+        return
+    for names, wrapper in ((_ENDS_RUN, _endingRun), (("save",), _saving), (_FORGETS, _forgetting)):
+        for name in names:
+            if hasattr(Omega, name):
+                _originals[name] = getattr(Omega, name)
+                setattr(Omega, name, wrapper(_originals[name]))
+
+
+def _endingRun(method):
+    @functools.wraps(method)
+    def wrapped(self, *args, **keywords):
+        if isInStep():
+            return method(self, *args, **keywords)
+        if not self.running:
+            waitForStep(self)
+            _raiseErrors()
+            for coupling in attached.values():
+                coupling._checkEngines()
+                coupling._fresh, coupling._loopThread = True, None
+        try:
+            result = method(self, *args, **keywords)
+        except BaseException:  # of another engine: YADE has left the step half done
+            for coupling in attached.values():
+                coupling._loopThread = None
+            raise
+        if not self.running:
+            waitForStep(self)
+            for coupling in attached.values():
+                coupling._loopThread = None
+                coupling.flush()
+            signals.afterRun()
+            _raiseErrors()
+        return result
+    return wrapped
+
+
+def pauseAfterStep(O):
+    """Tells YADE to stop after this step; from inside a step."""
+    _originals.get("pause", type(O).pause)(O)
+
+
+def isInStep():
+    """Whether the caller is a callback of YADE's loop."""
+    return any(c._loopThread == threading.get_ident() for c in attached.values())
+
+
+def waitForStep(O):
+    """After a pause YADE calls itself not running while it still finishes the step; its number moves on at the end."""
+    deadline = time.monotonic() + STEP_PATIENCE
+
+    def isUnfinished(coupling):
+        isOpen = coupling._loopThread is not None and coupling._iter == O.iter
+        return coupling._thread is not None or isOpen and time.monotonic() < deadline
+
+    while any(isUnfinished(c) for c in attached.values()):
+        time.sleep(0.0005)
+
+
+def _saving(method):
+    @functools.wraps(method)
+    def wrapped(self, file, *args, **keywords):
+        if attached and (self.running or isInStep()):
+            raise RuntimeError("O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() and O.wait() "
+                               "first")
+        waitForStep(self)
+        for coupling in attached.values():
+            coupling._saveBeside(file)
+        return method(self, file, *args, **keywords)
+    return wrapped
+
+
+def _forgetting(method):
+    @functools.wraps(method)
+    def wrapped(self, *args, **keywords):
+        if self.running and not isInStep():
+            self.pause()
+        for coupling in list(attached.values()):
+            coupling.flush()
+            coupling._letGo()
+        attached.clear()
+        errors.clear()
+        return method(self, *args, **keywords)
+    return wrapped
+
+
+def _raiseErrors():
+    if errors:
+        error = errors[0]
+        errors.clear()
+        raise error
+
+
+@atexit.register
+def _flushAll():
+    for coupling in attached.values():
+        if coupling.error is None and not coupling._O.running:
+            coupling.flush()
+
+
+class _Signals:
+    """Ctrl-C and SIGTERM. O.run(n, True) keeps Python's handlers waiting until it ends, so a pipe tells the engines to
+    pause it; the handler, in the main thread, saves when YADE has stopped."""
+
+    def __init__(self):
+        self._before, self._pipe, self._looked, self._noted = {}, None, 0.0, None
+
+    def install(self):
+        if threading.current_thread() is not threading.main_thread() or self._pipe is not None:
+            return
+        self._pipe = os.pipe()
+        for end in self._pipe:
+            os.set_blocking(end, False)
+        signal.set_wakeup_fd(self._pipe[1], warn_on_full_buffer=False)
+        for number in SIGNALS:
+            self._before[number] = signal.signal(number, self._handle)
+
+    def isPending(self):
+        """Whether a signal has come; looks every 0.1 s."""
+        now = time.monotonic()
+        if self._pipe is None or now - self._looked < SIGNAL_PERIOD:
+            return False
+        self._looked = now
+        try:
+            return any(number in SIGNALS for number in os.read(self._pipe[0], 64))
+        except BlockingIOError:
+            return False
+
+    def _handle(self, number, frame):
+        self._noted = number
+        if not isInStep():  # else afterRun() sees to it
+            O = omega()
+            if O.running:
+                O.pause()
+            self.afterRun()
+
+    def afterRun(self):
+        number = self._noted
+        if number is None or threading.current_thread() is not threading.main_thread():
+            return
+        self._noted = None
+        moved = [c for c in attached.values() if c.error is None and c.scene.steps > c._stepsSaved]
+        if moved:
+            self._save(moved[0]._O)
+        before = self._before.get(number)
+        if callable(before):
+            before(number, None)
+        elif before != signal.SIG_IGN:
+            raise SystemExit(128 + number)
+
+    def _save(self, O):
+        file = f"{O.tags['id']}.interrupted.yade.gz"
+        at = f"interrupted at O.iter = {O.iter}, O.time = {O.time:g} s"
+        try:
+            O.save(file)
+            print(f"{at}; the state is in {file} and beside it (continue with O.load and inYade.attach())", file=sys.stderr)
+        except Exception as error:
+            print(f"{at}; the state could not be saved: {error}", file=sys.stderr)
+
+
+signals = _Signals()
+if "yade" in sys.modules:  # errors of engines that come from O.load, before attach(), are raised too
+    wrapOmega(type(sys.modules["yade"].O))

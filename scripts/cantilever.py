@@ -12,9 +12,9 @@ a fifth of its length and comes back. Both components are held at the clamp. Uni
 import argparse
 
 import numpy as np
-
 import yade_mpm as mpm
-from yade_mpm import box, commandLine
+from matplotlib.collections import PolyCollection
+from yade_mpm import box, commandLine, plot
 from yade_mpm.commandLine import partOf, positive
 
 LENGTH, DEPTH = 4.0, 1.0
@@ -79,12 +79,8 @@ def run(until=1.5, progress=None, **arguments):
 
 def draw(scene, history, file):
     """Domains as they are now, coloured by horizontal stress, and the path of the tip."""
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    from matplotlib.collections import PolyCollection
     beam = scene["beam"]
-    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4))
+    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(11, 4))
     domains = PolyCollection(beam.corners(), array=beam.stress[:, 0, 0] / 1e3, cmap="coolwarm", edgecolor="k", linewidth=0.1)
     left.add_collection(domains)
     left.set(xlim=(-0.1, LENGTH + 0.4), ylim=(-1.5, 1.3), aspect="equal", xlabel="x (m)", ylabel="y (m)",
@@ -98,7 +94,7 @@ def draw(scene, history, file):
     right.set(xlabel="time (s)", ylabel="displacement (m)", ylim=(-0.85, 0.2))
     right.legend(loc="upper center", ncol=3)
     figure.tight_layout()
-    figure.savefig(file, dpi=150)
+    plot.save(figure, file, dpi=150)
 
 
 def main():

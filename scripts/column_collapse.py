@@ -16,14 +16,13 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run column_collapse --smoke
 """
 import argparse
-import json
 import os
 import time
 from math import atan, degrees, radians
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, plot
+from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import below, between, partOf
 
 WIDTH, HEIGHT, FLOOR, UNTIL = 0.2, 0.1, 0.8, 0.8     # m, m, m, s
@@ -168,8 +167,7 @@ def main():
               f"{s['slopeDegrees']:.1f} degrees, height at the wall {s['heightAtWall']:.4f} m; "
               f"{sum(s['particles'].values())} particles, {s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
     drawSurfaces(results, os.path.join(a.out, "surfaces.png"))
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump({label: r[0] for label, r in results.items()} if a.compare else results[label][0], file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), {label: r[0] for label, r in results.items()} if a.compare else results[label][0])
     print(f"results in {a.out}/")
 
 

@@ -24,14 +24,13 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run footing --smoke
 """
 import argparse
-import json
 import os
 import time
 from math import exp, pi, radians, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, plot
+from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import below, partOf, positive
 
 WIDTH, DEPTH = 20.0, 10.0                          # m
@@ -193,8 +192,7 @@ def main():
             print(f"by the growth of the load with the width: {limit:.1f} kPa ({summary['errorByWidths']:+.1%}); the footing reaches "
                   f"{overhang:.2f} of a cell beyond its last node")
     drawCurves(curves, summaries[0]["reference"], os.path.join(a.out, "load_settlement.png"))
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump(summaries if a.compare else summaries[0], file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), summaries if a.compare else summaries[0])
     print(f"results in {a.out}/")
 
 

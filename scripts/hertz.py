@@ -15,13 +15,12 @@ Units: Mg, m, s, kPa, per metre of thickness; a is 1 m.
     scripts/run hertz --two                            # two cylinders
     scripts/run hertz --smoke                          # 5 cells
 """
-import json
 import os
 import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, disc, plot
+from yade_mpm import box, commandLine, disc, files, plot
 from yade_mpm.commandLine import between, count
 
 RADIUS, EXTENT = 20.0, 6.0                # m: of the cylinder; width and height of the ground and of what is meshed of the cylinder
@@ -183,8 +182,7 @@ def main():
     a = arguments()
     os.makedirs(a.out, exist_ok=True)
     summary, scene = run(a)
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump(summary, file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), summary)
     draw(scene, summary, a.out)
     print(f"{summary['particles']} particles, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
     print("                    reached      Hertz    error")

@@ -13,13 +13,12 @@ Units: kg, m, s, Pa, per metre of thickness.
     scripts/run plate_with_hole                  # 8 cells per radius
     scripts/run plate_with_hole --smoke          # 4 cells per radius
 """
-import json
 import os
 import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, plot
+from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import count
 
 HALF_WIDTH, HALF_LENGTH, RADIUS = 2.5, 4.0, 0.5          # m; the load is along y
@@ -148,8 +147,7 @@ def main():
     a = arguments()
     os.makedirs(a.out, exist_ok=True)
     summary, scene = run(a)
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump(summary, file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), summary)
     draw(scene, summary, a.out)
     print(f"{summary['domains']} domains, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
     for side in REFERENCE:

@@ -11,11 +11,10 @@ of them.
 
 Units: Mg, m, s, kPa, per metre of thickness.
 """
-import json
 import os
 
 import sheet_pile
-from yade_mpm import commandLine, plot
+from yade_mpm import commandLine, files, plot
 from yade_mpm.commandLine import positive
 
 FRICTION, LIMIT = 0.3, 0.05
@@ -91,9 +90,8 @@ def main():
     results, scenes = {}, {}
     for name in a.only:
         results[name], scenes[name] = run(a, name)
-    with open(os.path.join(a.out, "remedies.json"), "w") as file:
-        json.dump(results, file, indent=1)
-    with open(os.path.join(a.out, "remedies.md"), "w") as file:
+    files.saveJson(os.path.join(a.out, "remedies.json"), results)
+    with files.replacing(os.path.join(a.out, "remedies.md")) as part, open(part, "w") as file:
         file.write(table(results) + "\n")
     draw(a, scenes, os.path.join(a.out, "remedies.png"))
     print(table(results))

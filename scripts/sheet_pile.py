@@ -20,7 +20,7 @@ from math import ceil, nan, radians, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, diagnostics, plot
+from yade_mpm import box, commandLine, diagnostics, files, plot
 from yade_mpm.commandLine import between, notNegative, partOf, positive
 from yade_mpm.surface import groundSurface
 
@@ -244,8 +244,7 @@ def run(a, out, resumeBy=None):
         summary = summarise(a, scene, history, wall, scene.steps - firstStep)
         summary["files"] = draw(a, out, scene, history, snapshots, summary)
     summary["quasiStatic"] = certificate.asDict()
-    with open(results, "w") as file:
-        json.dump(summary, file, indent=1)
+    files.saveJson(results, summary)
     scene.save(checkpoint)
     return summary, scene, history
 
@@ -278,9 +277,7 @@ def keep(a, out):
     file, old = (os.path.join(out, name) for name in (ARGUMENTS, SUMMARY))
     if os.path.exists(old):
         os.remove(old)
-    with open(file + ".part", "w") as text:
-        json.dump({**vars(a), "out": out}, text, indent=1)
-    os.replace(file + ".part", file)
+    files.saveJson(file, {**vars(a), "out": out})
 
 
 def surfaceOf(scene):
@@ -456,11 +453,10 @@ def reactionBalance(a, scene, history, reach):
 def draw(a, out, scene, history, snapshots, summary):
     """CSV files and pictures; returns their names."""
     depth, raw, smooth = resistanceCurve(a, scene, history)
-    np.savetxt(os.path.join(out, "resistance.csv"), np.column_stack([depth, raw, smooth]), delimiter=",", comments="",
-               header="penetration_m,resistance_kN_per_m,resistance_over_one_cell_kN_per_m", fmt="%.8g")
+    files.saveTable(os.path.join(out, "resistance.csv"), {"penetration_m": depth, "resistance_kN_per_m": raw,
+                                                          "resistance_over_one_cell_kN_per_m": smooth})
     surface = surfaceOf(scene)
-    np.savetxt(os.path.join(out, "surface.csv"), np.column_stack([surface.x, surface.y, surface.explicit]), delimiter=",",
-               comments="", header="x_m,y_m,is_mesh_vertex", fmt="%.8g")
+    files.saveTable(os.path.join(out, "surface.csv"), {"x_m": surface.x, "y_m": surface.y, "is_mesh_vertex": surface.explicit})
     limit = 0.5
     window = (a.width / 2 - 5, a.width / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
     figure, axes = plot.plt.subplots(1, len(snapshots), figsize=(3.4 * len(snapshots), 3.9), sharey=True, squeeze=False,
@@ -493,11 +489,11 @@ def draw(a, out, scene, history, snapshots, summary):
                  f"{summary['openCavityArea']:.2f} m², pile {summary['displacedArea']:.2f} m²")
     ax.legend(fontsize=8, loc="lower left")
     plot.save(figure, os.path.join(out, "surface.png"))
-    files = ["sheet_pile.vtkhdf", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]
+    written = ["sheet_pile.vtkhdf", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]
     if summary["convertedDomains"]:
         drawConversion(a, plot.Snapshot(scene, "plasticShearStrain"), os.path.join(out, "conversion.png"))
-        files.append("conversion.png")
-    return files
+        written.append("conversion.png")
+    return written
 
 
 def drawConversion(a, snapshot, file):
@@ -545,8 +541,7 @@ def compare(a, hybrid, other):
     axes[2].invert_yaxis()
     axes[2].legend()
     plot.save(figure, os.path.join(a.out, "compare.png"))
-    with open(os.path.join(a.out, "compare.json"), "w") as file:
-        json.dump(result, file, indent=1)
+    files.saveJson(os.path.join(a.out, "compare.json"), result)
     return result
 
 

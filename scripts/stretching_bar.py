@@ -14,9 +14,9 @@ import argparse
 from pathlib import Path
 
 import numpy as np
-
 import yade_mpm as mpm
-from yade_mpm import box, commandLine
+from matplotlib.collections import PolyCollection
+from yade_mpm import box, commandLine, plot
 from yade_mpm.commandLine import between, count, partOf
 
 REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "verification" / "stretching_bar_reference.csv"
@@ -78,12 +78,8 @@ def run(until=LOWEST, progress=None, **arguments):
 
 def draw(bars, file):
     """The bars side by side, coloured by vertical stress, with the lower end of the reference; and the centres of mass."""
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    from matplotlib.collections import PolyCollection
     t, centre, end, _ = np.loadtxt(REFERENCE, delimiter=",").T
-    figure, axes = plt.subplots(1, len(bars) + 1, figsize=(2.3 * len(bars) + 4.2, 5.4), width_ratios=[1] * len(bars) + [1.6],
+    figure, axes = plot.plt.subplots(1, len(bars) + 1, figsize=(2.3 * len(bars) + 4.2, 5.4), width_ratios=[1] * len(bars) + [1.6],
                                 layout="constrained")
     for ax, (name, (scene, watch)) in zip(axes, bars.items()):
         bar = scene["bar"]
@@ -100,7 +96,7 @@ def draw(bars, file):
     axes[-1].plot(t, centre, "k.", ms=5, label="finite elements")
     axes[-1].set(xlabel="time (s)", ylabel="height of the centre of mass (m)", xlim=(0, 1.05 * scene.time), ylim=(-1.7, 0.6))
     axes[-1].legend(fontsize=9)
-    figure.savefig(file, dpi=110)
+    plot.save(figure, file, dpi=110)
 
 
 def main():

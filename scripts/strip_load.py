@@ -12,13 +12,12 @@ Units: Mg, m, s, kPa, per metre of thickness; b = 1 m.
     scripts/run strip_load                       # 4 cells per b, 51,200 domains
     scripts/run strip_load --smoke               # 2 cells per b, 20 b x 20 b
 """
-import json
 import os
 import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, plot
+from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import partOf, positive
 
 B, Q = 1.0, 10.0                        # m: half width of the strip; kPa
@@ -120,8 +119,7 @@ def main():
     a = arguments()
     os.makedirs(a.out, exist_ok=True)
     summary, scene = run(a)
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump(summary, file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), summary)
     draw(scene, summary, a.out)
     print(f"{summary['domains']} domains, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
     print("  z/b  sigma_z/q  closed form    error")

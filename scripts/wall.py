@@ -21,14 +21,13 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run wall --state active --cell 0.125
     scripts/run wall --smoke
 """
-import json
 import os
 import time
 from math import radians, sqrt, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, plot
+from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import below, between, partOf, positive
 
 HEIGHT, LENGTH, BEHIND = 5.0, 12.0, 0.5                  # m: soil; soil behind the wall's line
@@ -152,8 +151,7 @@ def main():
         print(f"{state}: thrust {s['thrust']:.2f} kN/m, Rankine {s['reference']:.2f} ({s['error']:+.1%}); pressure without tension "
               f"{s['pressureThrust']:.2f}, Rankine {s['pressureReference']:.2f} ({s['pressureError']:+.1%}); "
               f"{s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump({"arguments": vars(a), **{state: r[0] for state, r in results.items()}}, file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), {"arguments": vars(a), **{state: r[0] for state, r in results.items()}})
     draw(results, a)
     print(f"results in {a.out}/")
 

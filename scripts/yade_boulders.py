@@ -13,7 +13,6 @@ Units: Mg, m, s, kPa.
     scripts/run yade_boulders --count 10             # larger ones; 1000: smaller ones
     scripts/run yade_boulders --smoke
 """
-import json
 import os
 import time
 from math import radians
@@ -25,7 +24,7 @@ from scipy.ndimage import gaussian_filter, median_filter, zoom
 from yade import (Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom,
                   InsertionSortCollider, InteractionLoop, Ip2_ViscElMat_ViscElMat_ViscElPhys, Law2_ScGeom_ViscElPhys_Basic,
                   NewtonIntegrator, O, PyRunner, ViscElMat, VTKRecorder, utils)
-from yade_mpm import box, commandLine, diagnostics, inYade, plot
+from yade_mpm import box, commandLine, diagnostics, files, inYade, plot
 from yade_mpm.commandLine import count, positive
 
 GRAVITY, DROP = 9.81, 2.0                                  # m/s2, m from the bed to the lowest boulder
@@ -322,8 +321,7 @@ def main():
     s, scene, centres, radii, rows = run(a)
     picture = os.path.join(a.out, "yade_boulders.png")
     draw(a, scene, centres, radii, picture)
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump({**s, "rows": rows}, file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), {**s, "rows": rows})
     print(f"{a.count} boulders ({s['weight']:.1f} kN; the soil carries {s['meanForceAtEnd']:.1f} kN) on {s['particles']} particles: "
           f"{s['moving']} move faster than {AT_REST} m/s; craters down to {s['craterDepth']:.3f} m, {s['craterVolume']:.2f} m3, rims up to "
           f"{s['rimHeight']:.3f} m; {s['momentumError']:.1e} of {s['momentumExchanged']:.1f} Mg m/s of momentum are missing; "

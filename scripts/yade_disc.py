@@ -14,7 +14,6 @@ Units: Mg, m, s, kPa, kN.
     scripts/run yade_disc --friction 0.6 --types apdi --plane xz
     scripts/run yade_disc --smoke
 """
-import json
 import os
 import time
 
@@ -22,7 +21,7 @@ import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
-from yade_mpm import box, commandLine, inYade, plot
+from yade_mpm import box, commandLine, files, inYade, plot
 from yade_mpm.commandLine import notNegative, partOf
 from yade_mpm.yadePlane import Plane
 
@@ -163,8 +162,7 @@ def main():
             print(f"{types}, mu = {friction:g}: {s['acceleration']:.4f} m/s2 ({s['error']:+.2%} of {s['closedForm']:.4f}), spin over "
                   f"acceleration {s['spinOverAcceleration']:.3f} ({s['closedFormSpin']:.3f}), {s['wallSeconds']:.1f} s", flush=True)
     draw(results, os.path.join(a.out, "velocity.png"))
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump([s for s, _ in results], file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), [s for s, _ in results])
     print(f"results in {a.out}/")
 
 

@@ -16,7 +16,6 @@ Units: Mg, m, s, kPa, kN.
     scripts/run yade_footing --types ugimp apdi hybrid
     scripts/run yade_footing --smoke
 """
-import json
 import os
 import time
 from math import pi
@@ -25,7 +24,7 @@ import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
-from yade_mpm import box, commandLine, inYade, plot
+from yade_mpm import box, commandLine, files, inYade, plot
 from yade_mpm.commandLine import notNegative, partOf, positive
 
 WIDTH, DEPTH, HALF_WIDTH, HEIGHT = 15.0, 7.5, 3.0, 0.6   # m
@@ -162,8 +161,7 @@ def main():
                   f"{s['effectiveError']:+.1%}; slope {s['slopeOverElastic']:.2%} of the elastic one; {s['particles']} particles, "
                   f"{s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
     draw(results, os.path.join(a.out, "load_settlement.png"))
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump([r[0] for r in results], file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), [r[0] for r in results])
     print(f"results in {a.out}/")
 
 

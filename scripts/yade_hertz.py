@@ -16,7 +16,6 @@ Units: Mg, m, s, kPa, kN.
     scripts/run yade_hertz --types ugimp --radius 6
     scripts/run yade_hertz --smoke
 """
-import json
 import os
 import time
 from math import pi
@@ -25,7 +24,7 @@ import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
-from yade_mpm import box, commandLine, inYade, plot
+from yade_mpm import box, commandLine, files, inYade, plot
 from yade_mpm.commandLine import count
 
 CELL, YOUNG, POISSON, DENSITY = 0.1, 1e4, 0.3, 2.0  # m, kPa, -, Mg/m3
@@ -188,8 +187,7 @@ def main():
             print(f"{types}, a = {cells} cells: {s['force']:.4f} kN ({s['error']:+.1%} of {s['reference']:.4f}; {s['withOverlap']:+.1%} with the "
                   f"overlap in d); {s['particles']} particles, {s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
     draw(results, os.path.join(a.out, "hertz.png"))
-    with open(os.path.join(a.out, "summary.json"), "w") as file:
-        json.dump([r[0] for r in results], file, indent=1)
+    files.saveJson(os.path.join(a.out, "summary.json"), [r[0] for r in results])
     print(f"results in {a.out}/")
 
 

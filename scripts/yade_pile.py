@@ -21,7 +21,7 @@ from yade import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, Box, ForceResetter, Ig2_Box_Sph
                   InteractionLoop, Ip2_ViscElMat_ViscElMat_ViscElPhys, Law2_ScGeom_ViscElPhys_Basic, NewtonIntegrator, O, PyRunner,
                   Quaternion, ViscElMat, VTKRecorder, utils)
 import yade_mpm as mpm
-from yade_mpm import commandLine, inYade, plot
+from yade_mpm import commandLine, files, inYade, plot
 from yade_mpm.commandLine import below, count, notNegative, positive
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(sys.argv[0])))
@@ -232,8 +232,7 @@ def report(a, out, number, scene, history, gauge, wall):
     else:
         ends = HAMMER_PERIOD * np.arange(1, a.blows + 2)
         summary["afterBlow"] = {f"{n}": float(d) for n, d in enumerate(np.interp(ends, curves["time"], depth))}
-    with open(os.path.join(out, "summary.json"), "w") as file:
-        json.dump(summary, file, indent=1)
+    files.saveJson(os.path.join(out, "summary.json"), summary)
     return {**curves, "summary": summary, "scene": scene, "soil": plot.Snapshot(scene, "plasticShearStrain"), "pile": outline(number)}
 
 
@@ -242,7 +241,7 @@ def weight(scene):
 
 
 def table(file, columns):
-    np.savetxt(file, np.column_stack(list(columns.values())), delimiter=",", comments="", header=",".join(columns), fmt="%.8g")
+    files.saveTable(file, columns)
 
 
 # --- pictures -----------------------------------------------------------------------------------------------
@@ -342,7 +341,7 @@ def merge(folder=BATCH, file=os.path.join(RESULTS, "batch.csv")):
     if not rows:
         raise SystemExit(f"yade_pile: there is no run in {folder}; run yade-batch first")
     columns = list(dict.fromkeys(name for row in rows for name in row))
-    with open(file, "w", newline="") as out:
+    with files.replacing(file) as part, open(part, "w", newline="") as out:
         writer = csv.DictWriter(out, columns)
         writer.writeheader()
         writer.writerows(rows)

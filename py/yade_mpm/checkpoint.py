@@ -8,14 +8,13 @@ a checksum.
 """
 import json
 import os
-import threading
 
 import h5py
 import numpy as np
 
 from . import __version__
 from .engines import Callback, GridSolver
-from .files import checkWritable
+from .files import checkWritable, replacing
 
 FORMAT, VERSION = "yade-mpm checkpoint", 1
 
@@ -31,18 +30,14 @@ def save(scene, file, midStep=False):
     file = os.fspath(file)
     checkWritable(file)
     text = json.dumps({**_describe(scene), "midStep": bool(midStep)})
-    part = f"{file}.{os.getpid()}-{threading.get_ident()}.part"
     try:
-        with h5py.File(part, "w") as h5:
-            _writeAll(h5, scene, text)
-        _syncToDisk(part)
-        os.replace(part, file)
+        with replacing(file) as part:
+            with h5py.File(part, "w") as h5:
+                _writeAll(h5, scene, text)
+            _syncToDisk(part)
         _syncToDisk(os.path.dirname(os.path.abspath(file)))
     except (OSError, RuntimeError) as error:  # h5py raises RuntimeError when a full disk fails the closing of a file
         raise OSError(f"checkpoint '{file}' could not be written: {error}") from error
-    finally:
-        if os.path.exists(part):
-            os.remove(part)
 
 
 def _writeAll(h5, scene, text):

@@ -9,7 +9,7 @@ import numpy as np
 
 from . import diagnostics
 from .engines import Callback, Contact, Hold
-from .files import checkWritable
+from .files import checkWritable, replacing
 from .recorder import Recorder, checkPeriod, extend
 
 FLUSH = 5.0  # s of wall time at most between writes
@@ -248,9 +248,8 @@ class History(Callback):
             with open(self._file, "a", encoding="utf-8") as f:
                 f.write(self._lines(self._inFile))
         else:
-            with open(self._file + ".part", "w", encoding="utf-8") as f:
+            with replacing(self._file) as part, open(part, "w", encoding="utf-8") as f:
                 f.write(header + "\n" + self._lines(0))
-            os.replace(self._file + ".part", self._file)
         self._header, self._inFile = header, self._count
 
     def _lines(self, first):

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Pictures of 2D scenes with matplotlib."""
+import os
+
 import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
+
+from .files import replacing  # noqa: E402
 
 plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "figure.dpi": 130,
                      "savefig.dpi": 130, "axes.grid": False, "legend.frameon": False})
@@ -51,7 +55,8 @@ class Snapshot:
         return coloured
 
 
-def save(figure, file):
-    """Writes a picture and closes the figure."""
-    figure.savefig(file, bbox_inches="tight")
+def save(figure, file, **how):
+    """Writes a picture and closes the figure. how : for `Figure.savefig`, such as dpi."""
+    with replacing(file) as part:
+        figure.savefig(part, format=os.path.splitext(file)[1][1:] or "png", bbox_inches="tight", **how)
     plt.close(figure)

@@ -52,7 +52,6 @@ def _readSpec(h5, file):
         raise ValueError(f"'{file}' is an HDF5 file, but no checkpoint of yade_mpm")
     version = int(h5.attrs.get("formatVersion", 0))
     if version != VERSION:
-        from . import __version__
         raise ValueError(f"checkpoint '{file}' has format {version}, written by yade_mpm {h5.attrs.get('package')}; "
                          f"yade_mpm {__version__} reads format {VERSION}; continue it with that version")
     return json.loads(bytes(h5["scene"][...]).decode())

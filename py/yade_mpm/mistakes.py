@@ -43,7 +43,7 @@ def _overlap(scene, contact):
     found = [o for o in contact.core.overlaps(scene.core) if o[2] > OVERLAP * min(scene.cell)]
     if found:
         body, soil, depth = max(found, key=lambda o: o[2])
-        others = f", and {len(found) - 1} others are in the soil" if len(found) > 1 else ""
+        others = {1: "", 2: ", and another one is in the soil"}.get(len(found), f", and {len(found) - 1} others are in the soil")
         yield (f"RigidContact: rigid body {body} is {depth:.3g} m deep in '{scene.bodies[soil].name}'{others}; what overlaps at the start is thrown out, the "
                f"faster the smaller the time step; start where the two only touch, or leave the place of the body empty (region - box(...))")
 

@@ -535,7 +535,8 @@ def test_a_rigid_body_that_starts_in_the_soil_is_warned_of():
         return [str(w.message) for w in caught]
 
     inside, = prepared((0.5, 1.5), (1.25, 1.4), (1.75, 1.45))
-    assert "RigidContact: rigid body 1 is 0.1 m deep in 'soil', and 1 others are in the soil; what overlaps at the start is thrown out" in inside
+    assert "RigidContact: rigid body 1 is 0.1 m deep in 'soil', and another one is in the soil; what overlaps at the start is thrown out" in inside
+    assert "in 'soil', and 2 others are in the soil; what" in prepared((1.25, 1.4), (1.75, 1.45), (0.5, 1.45))[0]
     assert "rigid body 0 is 0.25 m deep in 'soil'; what" in prepared((1.25, 1.0))[0]
     assert prepared((0.5, 1.5), (1.25, 1.496)) == []
     assert prepared((1.25, 1.0), region=box((0, 0), (2, 1)) - box((1, 0.5), (1.5, 1))) == []

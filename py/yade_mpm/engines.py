@@ -332,7 +332,8 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
         """Dict of arrays over the contacts of the last step.
 
         soil : number of the body in scene.bodies; body : rigid body; id : particle (uGIMP) or vertex (APDI); normal (n, 3), out
-        of the rigid body; slip (n, 3), m, held by the tangential spring; point (n, 3), m; gap, m; force (n, 3), kN, on the soil.
+        of the rigid body; slip (n, 3), m, held by the tangential spring; point (n, 3), m, the vertex, or where the
+        particle would be had it moved as it is strained; gap, m; force (n, 3), kN, on the soil.
         """
         rows = np.reshape(self.core.value("history"), (-1, 16))
         table = {name: rows[:, k].astype(int) for k, name in enumerate(("soil", "body", "id"))}

@@ -39,6 +39,26 @@ template <int Dim> Mat<3> gradientOf(const Body<Dim>& soil, int p) {
     return L;
 }
 
+// From a particle to where it would be had it moved with the velocity that strains it. That one is mapped back from the particles
+// (MUSL, USF), the one that moves them is not; under FLIP what lies between them adds up to dt (v_p - sum phi_i v_i).
+template <int Dim> Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>& soil, int p) {
+    using NF = NodalField<Dim>;
+    Vec3 straining = Vec3::Zero(), own = Vec3::Zero();
+    if (soil.type->isMeshed() || scene.scheme == Scheme::USL) return own;
+    const auto& field = scene.grid.fields[soil.velocityField];
+    const double least = scene.leastMass();
+    soil.domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {
+        const auto& sum = field.sum[node];
+        if (sum[NF::mass] <= least) return;
+        for (int k = 0; k < Dim; ++k) {
+            const int c = field.holder[k][node];
+            straining[k] += phi * (c < 0 ? sum[NF::momentum + k] / sum[NF::mass] : scene.prescribed(c, k, scene.time));
+        }
+    });
+    for (int k = 0; k < Dim; ++k) own[k] = soil.particles.velocity.plane(k)[p];
+    return scene.dt * (straining - own);
+}
+
 // Where the surface of a point is, d from it, and the part q of its strain along d that the gap sees.
 struct Arm {
     Vec3 d;
@@ -223,9 +243,10 @@ template <int Dim> Reach RigidContact::reachOf(const Scene<Dim>& scene, const st
     return reach;
 }
 
+// Points that overlap or nearly do.
 template <int Dim>
 std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
-    const double cell = scene.grid.cell.minCoeff();
+    const double near = TouchPoints<Dim>::mostShift * scene.grid.cell.minCoeff();
     std::vector<RigidTouch> touches;
     touches.reserve(2 * history.size() / RigidTouch::size + 16);
     for (const RigidShape& shape : shape_) {
@@ -243,16 +264,25 @@ std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene, const std::v
                     if (clear > gap) gap = clear, n = normal;
                 });
                 const double half = points[soil].halfAlong(n);
-                if (gap >= TouchPoints<Dim>::mostStretch * half) return;
+                if (gap >= near + TouchPoints<Dim>::mostStretch * half) return;
                 gap -= half * (points[soil].stretch(i, n).factor - 1);
-                if (gap >= -roundOff * cell) return;
+                if (gap >= near) return;
                 const Surface s = shape.nearest(local);
                 touches.push_back({soil, shape.body, points[soil].id(i), n, Vec3::Zero(), x, gap, Vec3::Zero(), i,
                                    int(&shape - shape_.data()), local - s.distance * s.normal, Vec3::Zero(), Vec3::Constant(notGiven)});
             });
     }
-    dropRepeats(touches);
     return touches;
+}
+
+// Of points that nearly overlap, those that do.
+template <int Dim> void RigidContact::moveToStrainedPlaces(const Scene<Dim>& scene, std::vector<RigidTouch>& touches) const {
+    const double least = roundOff * scene.grid.cell.minCoeff();
+    for (RigidTouch& t : touches) {
+        const Vec3 shift = toStrainedPlace(scene, *scene.bodies[t.soil], t.place);
+        t.point += shift, t.gap += t.normal.dot(shift);
+    }
+    touches.erase(std::remove_if(touches.begin(), touches.end(), [&](const RigidTouch& t) { return t.gap >= -least; }), touches.end());
 }
 
 // Of the touches of a pair that look the same way only the deepest counts (flush boxes of a clump, neighbouring facets), and none
@@ -318,7 +348,9 @@ template <int Dim> std::vector<TouchPoints<Dim>>& RigidContact::look(Scene<Dim>&
 template <int Dim> std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<Dim>& scene) {
     std::vector<Overlap> deepest;
     for (int b = 0; b < bodies(); ++b) deepest.push_back({b, 0, 0.0});
-    for (const RigidTouch& t : find(scene, look(scene)))
+    std::vector<RigidTouch> touches = find(scene, look(scene));
+    dropRepeats(touches);
+    for (const RigidTouch& t : touches)
         if (-t.gap > deepest[t.body].depth) deepest[t.body] = {t.body, t.soil, -t.gap};
     deepest.erase(std::remove_if(deepest.begin(), deepest.end(), [](const Overlap& o) { return o.depth == 0; }), deepest.end());
     return deepest;
@@ -329,6 +361,8 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     reach = reachOf(scene, points);
     stiffnessUsed = chooseStiffness(scene, points);
     std::vector<RigidTouch> touches = find(scene, points);
+    moveToStrainedPlaces(scene, touches);
+    dropRepeats(touches);
     forgetRenumbered(scene);
     remember(touches);
 
@@ -355,7 +389,7 @@ void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, Rigid
     const Vec3 n = t.normal;
     const double out = points.exitAlong(n);
     const Arm arm{-out * n, out > 0 ? points.stretch(t.place, n).rate * points.halfAlong(n) / out : 0};
-    const Vec3 at = t.point + arm.d;
+    const Vec3 at = points.position(t.place) + arm.d; // where the nodes find it
     const double area = points.area(t.place, n), kn = stiffnessUsed * area, kt = shearRatio * kn;
 
     const bool isOld = t.before.allFinite();

@@ -16,7 +16,7 @@ struct RigidTouch {
     int64_t id;     // of the particle or vertex
     Vec3 normal;    // out of the rigid body
     Vec3 slip;      // m, tangential displacement that the spring holds
-    Vec3 point;     // m, the particle or vertex
+    Vec3 point;     // m, the vertex, or where the particle would be had it moved as it is strained
     double gap;     // m, negative
     Vec3 force;     // kN, on the soil
     // Not kept.
@@ -86,6 +86,7 @@ class RigidContact : public EngineOf<RigidContact> {
     template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
     template <int Dim> std::vector<TouchPoints<Dim>>& look(Scene<Dim>& scene);
     template <int Dim> std::vector<RigidTouch> find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
+    template <int Dim> void moveToStrainedPlaces(const Scene<Dim>& scene, std::vector<RigidTouch>& touches) const;
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);
     void dropRepeats(std::vector<RigidTouch>& touches) const;
     void remember(std::vector<RigidTouch>& touches) const;

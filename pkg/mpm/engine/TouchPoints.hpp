@@ -118,6 +118,8 @@ template <int Dim> class TouchPoints {
         }
     }
 
+    static constexpr double mostShift = 0.05; // of a cell, how far from a point contact may look for it
+
   private:
     const Body<Dim>* body_ = nullptr;
     const Field* position_ = nullptr;
@@ -136,7 +138,9 @@ template <int Dim> class TouchPoints {
     std::vector<double> filledAt_[Dim], inBin_[Dim]; // in the order of the points, and of the bins
     Index<Dim> lowest_, highest_; // occupied bins
 
-    double reach(const Grid<Dim>& grid) const { return (1 + mostStretch) * half_.maxCoeff() + skin(grid); } // of a point, m
+    double reach(const Grid<Dim>& grid) const { // of a point, m
+        return (1 + mostStretch) * half_.maxCoeff() + mostShift * grid.cell.minCoeff() + skin(grid);
+    }
     double half(int k) const { return k < Dim ? half_[k] : half_.maxCoeff(); } // out of the plane: for a body beside it
     static double skin(const Grid<Dim>& grid) { return 0.1 * grid.cell.minCoeff(); }
     static int binOf(const Grid<Dim>& grid, double x, int k) {

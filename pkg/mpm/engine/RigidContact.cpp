@@ -65,13 +65,12 @@ struct Arm {
     double q;
 };
 
-// How far the surface has moved since the last step. A particle's own part is taken from its place: under FLIP its velocity is
-// another one.
+// How far the place where friction acts has moved since the last step. A particle's own part is taken from its place: under FLIP its
+// velocity is another one.
 template <int Dim> Vec3 movedSince(const Body<Dim>& soil, int index, const RigidTouch& t, const Arm& arm, double dt) {
     const Vec3 moved = t.point - t.before;
     if (soil.type->isMeshed()) return moved;
-    const Vec3 ofArm = dt * (gradientOf(soil, index) * arm.d);
-    return moved + ofArm - (1 - arm.q) * t.normal.dot(ofArm) * t.normal;
+    return moved + dt * (gradientOf(soil, index) * arm.d);
 }
 
 // Shares of a normal and a friction force, see above.
@@ -331,6 +330,7 @@ void RigidContact::remember(std::vector<RigidTouch>& touches) const {
             if (normal.dot(t.normal) <= nearest) continue;
             nearest = normal.dot(t.normal);
             t.slip = turned(Vec3::Map(same + 6), normal, t.normal), t.before = Vec3::Map(same + 9), t.forceBefore = Vec3::Map(same + 13);
+            t.gapBefore = same[12];
         }
     }
 }
@@ -394,10 +394,12 @@ void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, Rigid
 
     const bool isOld = t.before.allFinite();
     const Vec3 carried = scene.dt * rigid.velocityAt(at);
-    const Vec3 relative = isOld ? Vec3(movedSince(soil, index, t, arm, scene.dt) - carried) : Vec3(Vec3::Zero());
-    const double approach = -relative.dot(n) / scene.dt;
-    const double normal = std::max(0.0, -kn * t.gap + 2 * normalDamping * std::sqrt(kn * points.mass(t.place)) * approach);
-    t.slip += relative + approach * scene.dt * n;
+    const Vec3 slid = isOld ? Vec3(movedSince(soil, index, t, arm, scene.dt) - carried) : Vec3(Vec3::Zero());
+    const double opened = isOld ? t.gap - t.gapBefore : 0;
+    const double viscous = 2 * normalDamping * std::sqrt(kn * points.mass(t.place)) * opened / scene.dt;
+    const double normal = std::max(0.0, -kn * t.gap - viscous);
+    const Vec3 along = slid - slid.dot(n) * n;
+    t.slip += along;
     if (const double most = friction[t.body] * normal / kt, length = t.slip.norm(); length > most) {
         frictionWork += kt * most * (length - most);
         t.slip *= most / length, ++sliding;
@@ -409,7 +411,7 @@ void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, Rigid
     if (checkBalance) balance.add(soil, t.body, index, arm, pushed, dragged);
     const Vec3 torque = (at - rigid.position).cross(t.force);
     for (int k = 0; k < 3; ++k) forces.plane(k)[t.body] -= t.force[k], torques.plane(k)[t.body] -= torque[k];
-    if (isOld) scene.energies.loads += 0.5 * (t.forceBefore + t.force).dot(relative + carried);
+    if (isOld) scene.energies.loads += 0.5 * (t.forceBefore + t.force).dot(opened * n + along + carried);
     largestPenetration = std::max(largestPenetration, -t.gap);
 }
 

@@ -23,8 +23,9 @@ struct RigidTouch {
     int place = -1; // of the point in its body
     int shape = -1;
     Vec3 edge = Vec3::Zero();               // point of the shape nearest to the particle, in the frame of the rigid body
-    Vec3 forceBefore = Vec3::Zero();        // force and
-    Vec3 before = Vec3::Constant(notGiven); // point in the step before; not a number: a new touch
+    Vec3 forceBefore = Vec3::Zero();        // force,
+    Vec3 before = Vec3::Constant(notGiven); // point (not a number: a new touch)
+    double gapBefore = 0;                   // and gap in the step before
 
     static constexpr int size = 16;
 };

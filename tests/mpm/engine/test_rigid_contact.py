@@ -376,7 +376,7 @@ def test_contact_gives_no_more_energy_than_its_springs_had(kind, friction, x):
     the work on the soil with that of the springs. At the places of uGIMP particles, ahead of their strain, the springs gave the soil 210 (sticking: 10)
     times what they had.
 
-    Velocities belong to the middle of steps, so the sum swings up to 1.44 and ends near 0.9.
+    Velocities belong to the middle of steps, so the sum swings up to 1.44 and ends near 0.9. With the arm of a step's end the work was up to 35 % off.
     """
     scene = mpm.Scene((0, 0), (1.2, 1.6), 0.1, threads=1)
     scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), typeOf(kind, 0.1))
@@ -388,7 +388,7 @@ def test_contact_gives_no_more_energy_than_its_springs_had(kind, friction, x):
     scene.run(steps=4000, progress=False)
     springs, soil, work = np.array(rows).T / rows[0][0]
     assert (springs + soil).max() < 1.6 and (springs + soil)[-1000:].max() < 1.1
-    assert (springs + work).max() < 1.05 and (springs + work).min() > 0.7
+    assert (springs + work).max() < 1.02 and (springs + work).min() > 0.95
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -76,16 +76,24 @@ DISCS = {"apdi slides": ("apdi", 0.1, "xz"), "apdi rolls": ("apdi", 0.6, "xy"), 
 def discs(tmp_path_factory):
     return run(f"""
 import yade_disc
-for name, (types, friction, plane) in {DISCS!r}.items(): say(name, yade_disc.run(types, friction, planeName=plane)[0])
+for name, (types, friction, plane) in {DISCS!r}.items():
+    summary, rows = yade_disc.run(types, friction, planeName=plane)
+    time, _, velocity, spin = rows[rows[:, 0] < 0.2].T
+    say(name, {{**summary, "spinAtFirst": (time @ spin) / (time @ velocity)}})
 """, tmp_path_factory.mktemp("discs"))[0]
 
 
 @pytest.mark.parametrize("name", DISCS)
 def test_a_disc_of_yade_slides_or_rolls_down_an_incline(discs, name):
-    """Acceleration within 5 % (0.5 to 0.8 % were measured; up to 2.4 % from other places to start), spin within 7 %, in every plane. Control: the other mode."""
+    """Acceleration within 5 % (0.5 to 0.8 % were measured; up to 2.5 % from other places to start), in every plane. Control: the other mode.
+
+    Spin within 7 %. On uGIMP within 0.3 % in the first 0.2 s (0.03 % were measured; 0.5 % with a fortieth of the shearRatio): from 0.8 m/s on the disc hops
+    over the boxes, half of the time in the air with the spin it has, and ends at 0.88 to 0.95 by chance.
+    """
     disc, friction = discs[name], DISCS[name][1]
     assert disc["acceleration"] == pytest.approx(disc["closedForm"], rel=0.05) and disc["outOfPlane"] == 0
-    assert disc["spinOverAcceleration"] == pytest.approx(disc["closedFormSpin"], rel=0.07)
+    spin, error = (disc["spinAtFirst"], 0.003) if name == "ugimp rolls" else (disc["spinOverAcceleration"], 0.07)
+    assert spin == pytest.approx(disc["closedFormSpin"], rel=error)
     slope, g = np.radians(30), 9.81
     other = 2 / 3 * g * np.sin(slope) if name.endswith("slides") else g * (np.sin(slope) - friction * np.cos(slope))
     assert disc["acceleration"] != pytest.approx(other, rel=0.05)

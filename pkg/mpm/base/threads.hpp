@@ -161,15 +161,17 @@ class Team {
         inSharesNoWait(shares, [&](int c) { f(c * chunkSize, std::min(n, (c + 1) * chunkSize)); });
     }
 
-    // Until all threads are here.
+    // Until all threads are here. One thread alone would be made to wake the others by a system call.
     void wait() {
+        if (omp_get_num_threads() == 1) return;
 #pragma omp barrier
     }
 
     // One thread calls f while the others wait.
     template <class F> void once(F&& f) {
-#pragma omp single
+#pragma omp single nowait
         guard(0, f);
+        wait();
     }
 
     // Whether a piece has thrown. To be asked where all threads get the same answer: inside once(), or behind a barrier that

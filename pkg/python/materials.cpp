@@ -31,10 +31,10 @@ class MaterialPoint {
         Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> L(given.data());
         Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(F_);
         F = (F + dt * L * F).eval();
-        const double J = F.determinant();
+        const double J = F.determinant(), initial = 1;
         require(J > 0, "MaterialPoint: the step turns the point inside out (J = ", J, "); take a smaller increment");
         MaterialPoints<3> points{};
-        points.count = 1, points.dt = dt, points.volumeRatio = &J;
+        points.count = 1, points.dt = dt, points.volume = &J, points.initialVolume = &initial;
         std::vector<double*> state;
         for (double& s : state_) state.push_back(&s);
         points.state = state.data();

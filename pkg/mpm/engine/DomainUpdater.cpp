@@ -154,10 +154,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // of old and new stress. state: memory for MaterialPoints. change: of tr L, by F-bar.
     template <int Dim> double updateStress(Body<Dim>& body, double dt, int begin, int end, double** state, const double* change) const {
         auto& particles = body.particles;
-        const double *V = particles.volume.plane() + begin, *V0 = particles.initialVolume.plane() + begin;
-        double ratio[chunkSize], before[chunkSize], averaged[Dim][chunkSize];
+        const double* V = particles.volume.plane() + begin;
+        double before[chunkSize], averaged[Dim][chunkSize];
         MaterialPoints<Dim> points{};
-        points.count = end - begin, points.dt = dt, points.volumeRatio = ratio;
+        points.count = end - begin, points.dt = dt, points.volume = V, points.initialVolume = particles.initialVolume.plane() + begin;
         for (int c = 0; c < Dim * Dim; ++c) points.velocityGradient[c] = particles.velocityGradient.plane(c) + begin;
         for (int c = 0; c < 9; ++c) {
             points.deformationGradient[c] = particles.deformationGradient.plane(c) + begin;
@@ -165,7 +165,6 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         }
         for (size_t k = 0; k < particles.state.size(); ++k) state[k] = particles.state[k].plane() + begin;
         points.state = state;
-        for (int i = 0; i < points.count; ++i) ratio[i] = V[i] / V0[i];
 
         MaterialPoints<Dim> averagedPoints = points;
         if (change)

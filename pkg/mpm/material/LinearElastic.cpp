@@ -23,8 +23,7 @@ Symmetric spectralLogOfIdentityPlus(const Symmetric& e) {
 }
 
 // Cauchy stress from ln(b), which is twice the strain.
-MPM_INLINE Symmetric cauchy(double lambda, double mu, const Symmetric& logarithm, double J) {
-    const double overJ = 1 / J;
+MPM_INLINE Symmetric cauchy(double lambda, double mu, const Symmetric& logarithm, double overJ) {
     return plusSpherical(mu * overJ * logarithm, 0.5 * lambda * overJ * trace(logarithm));
 }
 
@@ -147,7 +146,7 @@ private:
         const double lambda = elasticity_.lambda(), mu = elasticity_.mu();
         const double *exx = points.state[0], *eyy = points.state[1], *ezz = points.state[2],
                      *exy = points.state[3];
-        const double* J = points.volumeRatio;
+        const double *V = points.volume, *V0 = points.initialVolume;
         double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
                *zz = points.stress[8];
         const int count = points.count;
@@ -159,7 +158,7 @@ private:
             const double t = 2 * r * (1 + mean + r) / (1 + growth), Q = logOnePlus(t) / (2 * r);
             const double logDet = logOnePlus(growth), logZ = logOnePlus(ezz[p]);
 
-            const double overJ = 1 / J[p], spread = mu * Q; // 2 mu * 1/2 Q
+            const double overJ = V0[p] / V[p], spread = mu * Q; // 2 mu * 1/2 Q
             const double volumetric = 0.5 * lambda * (logDet + logZ);
             const double inPlane = volumetric + 0.5 * mu * logDet;
             xx[p] = overJ * (inPlane + spread * half);
@@ -174,19 +173,19 @@ private:
         const double lambda = elasticity_.lambda(), mu = elasticity_.mu();
         const auto state = planes<6>(points.state);
         const auto stress = planes<9>(points.stress);
-        const double* J = points.volumeRatio;
+        const double *V = points.volume, *V0 = points.initialVolume;
         const int count = points.count;
         double largest = 0;
 #pragma omp simd reduction(max : largest)
         for (int p = 0; p < count; ++p) {
             const Symmetric e = stretchAt(state, p);
             largest = std::max(largest, largestRow(e));
-            scatter(cauchy(lambda, mu, logOfIdentityPlus(e), J[p]), stress, p);
+            scatter(cauchy(lambda, mu, logOfIdentityPlus(e), V0[p] / V[p]), stress, p);
         }
         for (int p = 0; p < count && largest > logarithmLimit; ++p) {
             const Symmetric e = stretchAt(state, p);
             if (largestRow(e) > logarithmLimit)
-                scatter(cauchy(lambda, mu, spectralLogOfIdentityPlus(e), J[p]), stress, p);
+                scatter(cauchy(lambda, mu, spectralLogOfIdentityPlus(e), V0[p] / V[p]), stress, p);
         }
     }
 

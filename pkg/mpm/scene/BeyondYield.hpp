@@ -17,14 +17,14 @@ struct BeyondYield {
 // Copies of a run of particles, in reach of a material, at rest.
 template <int Dim> struct PointsAtRest {
     static constexpr int most = 256;
-    double zero[most] = {}, ratio[most], stress[9][most];
+    double zero[most] = {}, stress[9][most];
     std::vector<std::array<double, most>> state;
     std::vector<double*> states;
     MaterialPoints<Dim> points{};
 
     explicit PointsAtRest(int variables) : state(variables) {
         for (auto& variable : state) states.push_back(variable.data());
-        points.dt = 1, points.volumeRatio = ratio, points.state = states.data();
+        points.dt = 1, points.state = states.data();
         for (auto& component : points.velocityGradient) component = zero;
         for (int c = 0; c < 9; ++c) points.stress[c] = stress[c];
     }
@@ -35,7 +35,7 @@ template <int Dim> struct PointsAtRest {
             std::copy_n(particles.stress.plane(c) + first, count, stress[c]);
         }
         for (size_t k = 0; k < state.size(); ++k) std::copy_n(particles.state[k].plane() + first, count, states[k]);
-        for (int i = 0; i < count; ++i) ratio[i] = particles.volume.plane()[first + i] / particles.initialVolume.plane()[first + i];
+        points.volume = particles.volume.plane() + first, points.initialVolume = particles.initialVolume.plane() + first;
     }
 };
 

@@ -377,16 +377,21 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         };
 #pragma omp simd
         for (int p = 0; p < count; ++p) one(p);
-        for (int p = 0; p < count && moves; ++p)
+        if constexpr (!moves) return;
+        int bad = converts_;
+#pragma omp simd reduction(| : bad)
+        for (int p = 0; p < count; ++p) bad |= !(quality[p] > worstQuality);
+        for (int p = 0; p < count && bad; ++p)
             if (!(quality[p] > worstQuality) || (converts_ && isStretched(first + p))) noteDistorted({first + p, quality[p]});
     }
 
-    // Smallest corner area over the area, but not above 0 if a corner weight is too small.
+    // Smallest corner area over the area, but not above 0 if a corner weight is too small. In 2D a corner is flat before its weight is.
     template <class S> MPM_INLINE static double qualityOf(const S& shape, double corner) {
+        const double quality = corner * shape.overVolume, capped = quality < 0 ? quality : 0;
+        if (Dim == 2) return shape.volume > 0 ? quality : -1.0;
         double least = shape.w[0];
         MPM_UNROLL
         for (int a = 1; a < NC; ++a) least = shape.w[a] < least ? shape.w[a] : least;
-        const double quality = corner * shape.overVolume, capped = quality < 0 ? quality : 0;
         return shape.volume > 0 ? (least < leastWeight ? capped : quality) : -1.0;
     }
 

@@ -16,13 +16,10 @@ struct BoxAxis {
     BoxAxis(double half, double h) : l(half / h), quarter(h / (4 * half)), slope(0.5 / half) {}
 };
 
-MPM_INLINE double positive(double x) { return x > 0 ? x : 0; }
-MPM_INLINE double clipped(double x, double highest) { return positive(x) < highest ? positive(x) : highest; }
-
 // Weights of the three nodes that each particle of a batch reaches in one direction, and their gradients. c: position
-// in cells from the lowest of them, in [1/2, 3/2). S is the hat function averaged over the box, S = 1/(2l) int hat,
-// written without branches: `below` and `above` are the lengths of the box on the outer flanks of the first and the
-// last hat.
+// in cells from the middle one, in [-1/2, 1/2). S is the hat function averaged over the box, S = 1/(2l) int hat,
+// written without branches: `below` and `above` are the lengths of the box on either side of the middle node, `left` and
+// `right` how far the box is from it.
 template <int size> struct BoxWeights {
     double S[3][size], G[3][size];
 
@@ -30,12 +27,11 @@ template <int size> struct BoxWeights {
         const double l = axis.l, quarter = axis.quarter, slope = axis.slope;
 #pragma omp simd
         for (int p = 0; p < count; ++p) {
-            const double c = position[p], under = 1 - c, over = c - 1;
-            const double below = clipped(l + under, 2 * l), above = clipped(l + over, 2 * l);
-            const double first = below * below * quarter + positive(under - l);
-            const double last = above * above * quarter + positive(over - l);
+            const double c = position[p] - 1, cut = c < l ? c : l, middle = cut > -l ? cut : -l, beyond = c - middle;
+            const double below = l - middle, above = l + middle, right = beyond > 0 ? beyond : 0, left = right - beyond;
+            const double first = below * below * quarter + left, last = above * above * quarter + right;
             S[0][p] = first, S[1][p] = 1 - first - last, S[2][p] = last;
-            G[0][p] = -below * slope, G[1][p] = (below - above) * slope, G[2][p] = above * slope;
+            G[0][p] = -slope * below, G[1][p] = -2 * slope * middle, G[2][p] = slope * above;
         }
     }
 };

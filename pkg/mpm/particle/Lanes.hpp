@@ -2,7 +2,8 @@
 // Products with the gradient of a weight, in as few vector operations as the dimension allows. phi_i is a product over the
 // axes, S(x) S(y) or S(x) S(y) S(z), and G stands for the derivative of an S. Nodes are visited in rows along x:
 //
-//   Row     what one particle gives to a row of nodes: add() to the sums of each node, finish() when all have given
+//   Row     what one particle gives to a row of nodes: phi value and B grad phi. add() to the sums of each node, finish() when
+//           all have given
 //   Sum     the other way: add() the nodes of a row, then addRow() with the weights across it
 //
 // In 2D the lanes of one Quad hold the products with d_x phi and d_y phi for both components side by side, and a vector
@@ -32,10 +33,13 @@ template <> struct Lanes<2> {
     MPM_INLINE static Quad alongY(double S, double G) { return alternating(S, G); }
 
     struct Row {
-        Quad product;
-        MPM_INLINE Row(const Set& B, const Across<2>& w) : product(alongY(w.S, w.G[0]) * B[0]) {}
-        MPM_INLINE void add(Quad& sum, double S, double G) const { sum += alongX(S, G) * product; }
-        MPM_INLINE static Quad finish(const Quad& sum) { return sum + Quad{sum[1], sum[0], sum[3], sum[2]}; }
+        Quad value, product;
+        MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w) : value(w.S * value), product(alongY(w.S, w.G[0]) * B[0]) {}
+        MPM_INLINE void add(Pack<8>& sum, double S, double G) const { sum.part[0] += S * value, sum.part[1] += alongX(S, G) * product; }
+        MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) {
+            const Quad B = sum.part[1];
+            node.part[0] += sum.part[0], node.part[1] += B + Quad{B[1], B[0], B[3], B[2]};
+        }
     };
     struct Sum {
         Quad row{}, all{};
@@ -53,11 +57,13 @@ template <> struct Lanes<3> {
     static constexpr int entryAt(int set, int lane) { return 3 * lane + set; }
 
     struct Row {
-        Quad withG, withS; // what takes the derivative along the row, and what does not
-        MPM_INLINE Row(const Set& B, const Across<3>& w)
-            : withG(w.S * B[0]), withS(w.G[0] * B[1] + w.G[1] * B[2] + w.S * B[3]) {}
-        MPM_INLINE void add(Quad& sum, double S, double G) const { sum += G * withG, sum += S * withS; }
-        MPM_INLINE static Quad finish(const Quad& sum) { return sum; }
+        Quad value, withG, withS; // of B: what takes the derivative along the row, and what does not
+        MPM_INLINE Row(const Quad& value, const Set& B, const Across<3>& w)
+            : value(w.S * value), withG(w.S * B[0]), withS(w.G[0] * B[1] + w.G[1] * B[2] + w.S * B[3]) {}
+        MPM_INLINE void add(Pack<8>& sum, double S, double G) const {
+            sum.part[0] += S * value, sum.part[1] += G * withG, sum.part[1] += S * withS;
+        }
+        MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) { node += sum; }
     };
     struct Sum {
         Quad withG{}, withS{};

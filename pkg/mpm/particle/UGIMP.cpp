@@ -231,6 +231,11 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
   private:
     static constexpr int power(int base, int exponent) { return exponent == 0 ? 1 : base * power(base, exponent - 1); }
     static constexpr int rows = power(3, Dim - 1); // of three nodes along the first axis
+#ifdef __AVX512VL__
+    static constexpr int rowsAtOnce = 3; // 18 sums, in 32 registers
+#else
+    static constexpr int rowsAtOnce = 1;
+#endif
     static constexpr int batch = Base::lot;
 
     // Weights of a batch of particles, short enough to stay in the first cache while it is used.
@@ -298,23 +303,24 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         });
     }
 
-    // First Quad of node += phi * value, second one += B grad phi; one row of nodes at a time.
+    // First Quad of node += phi * value, second one += B grad phi; as many rows of nodes at a time as registers can hold the sums of.
     MPM_INLINE void scatter(typename NF::Sum* nodes, int first, int count, const Weights& w, const Quad* value,
                             const typename L::Set* B) const {
         const auto& x = w.axis[0];
         stretches(first, count, [&](int begin, int end, int cell) {
-            for (int row = 0; row < rows; ++row) {
-                Quad sum[3] = {}, force[3] = {};
-                for (int p = begin; p < end; ++p) {
-                    const Across<Dim> across = w.across(row, p);
-                    const Quad v = across.S * value[p];
-                    const typename L::Row given(B[p], across);
+            for (int top = 0; top < rows; top += rowsAtOnce) {
+                typename NF::Sum sum[rowsAtOnce][3] = {};
+                for (int p = begin; p < end; ++p)
                     MPM_UNROLL
-                    for (int i = 0; i < 3; ++i) sum[i] += x.S[i][p] * v, given.add(force[i], x.S[i][p], x.G[i][p]);
-                }
-                auto* node = nodes + cell + rowOffset(row);
+                    for (int row = 0; row < rowsAtOnce; ++row) {
+                        const typename L::Row given(value[p], B[p], w.across(top + row, p));
+                        MPM_UNROLL
+                        for (int i = 0; i < 3; ++i) given.add(sum[row][i], x.S[i][p], x.G[i][p]);
+                    }
                 MPM_UNROLL
-                for (int i = 0; i < 3; ++i) node[i].part[0] += sum[i], node[i].part[1] += L::Row::finish(force[i]);
+                for (int row = 0; row < rowsAtOnce; ++row)
+                    MPM_UNROLL
+                    for (int i = 0; i < 3; ++i) L::Row::finish(sum[row][i], nodes[cell + rowOffset(top + row) + i]);
             }
         });
     }

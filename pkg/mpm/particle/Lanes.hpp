@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Products with the gradient of a weight, in as few vector operations as the dimension allows. phi_i is a product over the
-// axes, S(x) S(y) or S(x) S(y) S(z), and G stands for the derivative of an S. Nodes are visited in rows along x:
+// What one particle gives to a row of nodes along x, in as few vector operations as the dimension allows: products with a
+// weight phi_i and with its gradient, where phi_i is a product over the axes, S(x) S(y) or S(x) S(y) S(z), and G stands for the
+// derivative of an S.
 //
-//   Row     what one particle gives to a row of nodes: phi value and B grad phi. add() to the sums of each node, finish() when
-//           all have given
-//   Sum     the other way: add() the nodes of a row, then addRow() with the weights across it
+//   Row     add() to the sums of each node of the row, finish() when all particles have given
 //
 // In 2D the lanes of one Quad hold the products with d_x phi and d_y phi for both components side by side, and a vector
 // fills two lanes per component; in 3D there is a Quad for each axis, and a vector has one lane per component.
@@ -15,18 +14,16 @@
 namespace mpm {
 
 // Weights across a row of nodes: S of the other axes, and in [k - 1] the same with the derivative along axis k.
-template <int Dim> struct Across {
-    double S, G[Dim - 1];
+template <int Dim, class Number = double> struct Across {
+    Number S, G[Dim - 1];
 };
 
 template <int Dim> struct Lanes;
 
 template <> struct Lanes<2> {
-    using Set = std::array<Quad, 1>;      // { B_xx, B_xy, B_yx, B_yy }: B_ik takes d_k phi
-    using Gradient = std::array<Quad, 1>; // { d_x v_x, d_y v_x, d_x v_y, d_y v_y }
-    static constexpr int used = 4;        // lanes of a vector, and the component in each
+    using Set = std::array<Quad, 1>; // { B_xx, B_xy, B_yx, B_yy }: B_ik takes d_k phi
+    static constexpr int used = 4;   // lanes of a vector, and the component in each
     static constexpr int component(int lane) { return lane / 2; }
-    static constexpr int entryAt(int /*set*/, int lane) { return lane; } // Dim i + j of d_j v_i there in Gradient
 
     // d_x phi in the even lanes, d_y phi in the odd ones, as a product of this for the axes.
     MPM_INLINE static Quad alongX(double S, double G) { return alternating(G, S); }
@@ -41,20 +38,12 @@ template <> struct Lanes<2> {
             node.part[0] += sum.part[0], node.part[1] += B + Quad{B[1], B[0], B[3], B[2]};
         }
     };
-    struct Sum {
-        Quad row{}, all{};
-        MPM_INLINE void add(const Quad& v, double S, double G) { row += alongX(S, G) * v; }
-        MPM_INLINE void addRow(const Across<2>& w) { all += alongY(w.S, w.G[0]) * row, row = Quad{}; }
-        MPM_INLINE Gradient gradient() const { return {all}; }
-    };
 };
 
 template <> struct Lanes<3> {
-    using Set = std::array<Quad, 4>;      // { B_1k, B_2k, B_3k, 0 } for each axis k, and what takes phi itself
-    using Gradient = std::array<Quad, 3>; // { d_k v_1, d_k v_2, d_k v_3, 0 } for each axis k
+    using Set = std::array<Quad, 4>; // { B_1k, B_2k, B_3k, 0 } for each axis k, and what takes phi itself
     static constexpr int used = 3;
     static constexpr int component(int lane) { return lane; }
-    static constexpr int entryAt(int set, int lane) { return 3 * lane + set; }
 
     struct Row {
         Quad value, withG, withS; // of B: what takes the derivative along the row, and what does not
@@ -64,16 +53,6 @@ template <> struct Lanes<3> {
             sum.part[0] += S * value, sum.part[1] += G * withG, sum.part[1] += S * withS;
         }
         MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) { node += sum; }
-    };
-    struct Sum {
-        Quad withG{}, withS{};
-        Gradient all{};
-        MPM_INLINE void add(const Quad& v, double S, double G) { withG += G * v, withS += S * v; }
-        MPM_INLINE void addRow(const Across<3>& w) {
-            all[0] += w.S * withG, all[1] += w.G[0] * withS, all[2] += w.G[1] * withS;
-            withG = withS = Quad{};
-        }
-        MPM_INLINE Gradient gradient() const { return all; }
     };
 };
 

@@ -120,14 +120,6 @@ template <int Dim> class Transfers : public Domains<Dim> {
             }
             return how.inertiaScale * dt * taken;
         }
-
-        void setGradients(int first, int count, const typename L::Gradient* in) const {
-            std::array<double*, L::used> plane;
-            for (size_t set = 0; set < in->size(); ++set) {
-                for (int l = 0; l < L::used; ++l) plane[l] = velocityGradient[L::entryAt(int(set), l)] + first;
-                separate(&in[0][set], int(in->size()), count, plane);
-            }
-        }
     };
 
     // Between the lanes of the nodes and planes, plane[k] being an array: vectors as in NodalField::Velocity, and NodalField::Motion.

@@ -19,7 +19,7 @@ struct BoxAxis {
 // Weights of the three nodes that each particle of a batch reaches in one direction, and their gradients. c: position
 // in cells from the middle one, in [-1/2, 1/2). S is the hat function averaged over the box, S = 1/(2l) int hat,
 // written without branches: `below` and `above` are the lengths of the box on either side of the middle node, `left` and
-// `right` how far the box is from it.
+// `right` how far the box is from it. Four lanes beyond the batch are zero, see fours().
 template <int size> struct BoxWeights {
     double S[3][size], G[3][size];
 
@@ -33,6 +33,7 @@ template <int size> struct BoxWeights {
             S[0][p] = first, S[1][p] = 1 - first - last, S[2][p] = last;
             G[0][p] = -slope * below, G[1][p] = -2 * slope * middle, G[2][p] = slope * above;
         }
+        for (int i = 0; i < 3; ++i) storeQuad(S[i] + count, Quad{}), storeQuad(G[i] + count, Quad{});
     }
 };
 
@@ -122,13 +123,10 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum, const Move& how) override {
         const Planes q(particles);
-        const int* cells = cell_.data();
         batches(team, [&](int first, int count, const Weights& w, int block) {
             if (nodes) {
-                typename NF::Motion motion[batch];
-                for (int i = 0; i < count; ++i) motion[i] = gather(nodes + cells[first + i], w, i);
-                double taken[2 * Dim][batch];
-                Base::unpackMotion(motion, count, taken);
+                double taken[2 * Dim][padded];
+                gather(nodes, first, count, w, taken);
                 damped_[block] += q.move(first, count, how, [&](int k, int i) __attribute__((always_inline)) { return taken[k][i]; });
             }
             if (momentum) {
@@ -143,13 +141,12 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double) override {
         const Planes q(particles);
-        const int* cells = cell_.data();
         for (int first = begin; first < end; first += batch) {
             const int count = std::min(batch, end - first);
             const Weights w(*this, first, count);
-            typename L::Gradient gradient[batch];
-            for (int i = 0; i < count; ++i) gradient[i] = gatherGradient(nodes + cells[first + i], w, i);
-            q.setGradients(first, count, gradient);
+            double gradient[Dim * Dim][padded];
+            gatherGradient(nodes, first, count, w, gradient);
+            for (int c = 0; c < Dim * Dim; ++c) std::copy_n(gradient[c], count, q.velocityGradient[c] + first);
         }
     }
 
@@ -236,11 +233,11 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 #else
     static constexpr int rowsAtOnce = 1;
 #endif
-    static constexpr int batch = Base::lot;
+    static constexpr int batch = Base::lot, padded = batch + 4; // room for four particles from each one on
 
     // Weights of a batch of particles, short enough to stay in the first cache while it is used.
     struct Weights {
-        BoxWeights<batch> axis[Dim];
+        BoxWeights<padded> axis[Dim];
 
         Weights(const BoxDomains& d, int first, int count) {
             for (int k = 0; k < Dim; ++k)
@@ -254,10 +251,25 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             else
                 return {y.S[j][p] * z.S[k][p], {y.G[j][p] * z.S[k][p], y.S[j][p] * z.G[k][p]}};
         }
+        MPM_INLINE Across<Dim, Quad> acrossFour(int row, int p) const {
+            const auto &y = axis[1], &z = axis[Dim - 1];
+            const int j = row % 3, k = row / 3;
+            const Quad S = loadQuad(y.S[j] + p), G = loadQuad(y.G[j] + p);
+            if constexpr (Dim == 2)
+                return {S, {G}};
+            else {
+                const Quad Sz = loadQuad(z.S[k] + p);
+                return {S * Sz, {G * Sz, S * loadQuad(z.G[k] + p)}};
+            }
+        }
     };
 
     MPM_INLINE int rowOffset(int row) const {
         return row % 3 * grid.strides[1] + (Dim == 3 ? row / 3 * grid.strides[Dim - 1] : 0);
+    }
+
+    MPM_INLINE static std::array<Quad, 3> fourOf(const double (&weight)[3][padded], int p) {
+        return {loadQuad(weight[0] + p), loadQuad(weight[1] + p), loadQuad(weight[2] + p)};
     }
 
     // f(first, count, weights, block) for batches of particles, by blocks in turns.
@@ -325,31 +337,57 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         });
     }
 
-    // sum phi N over the nodes of particle p of a batch.
-    template <class Node> MPM_INLINE Node gather(const Node* nodes, const Weights& w, int p) const {
-        Node sum = Node::zero();
-        MPM_UNROLL
-        for (int row = 0; row < rows; ++row) {
-            const Node* node = nodes + rowOffset(row);
-            Node along = w.axis[0].S[0][p] * node[0];
-            along.add(w.axis[0].S[1][p], node[1]);
-            along.add(w.axis[0].S[2][p], node[2]);
-            sum.add(w.across(row, p).S, along);
+    // Particles of a batch with the same support, up to four at a time: f(first of them, its first node). Each has a lane; lanes without
+    // a particle belong to the next ones, which come later.
+    template <class F> MPM_INLINE void fours(int first, int count, F&& f) const {
+        const int* cells = cell_.data() + first;
+        for (int p = 0, next; p < count; p = next) {
+            const int cell = cells[p], end = std::min(p + 4, count);
+            for (next = p + 1; next < end && cells[next] == cell;) ++next;
+            f(p, cell);
         }
-        return sum;
     }
 
-    // sum N_i d_j phi.
-    MPM_INLINE typename L::Gradient gatherGradient(const typename NF::Velocity* nodes, const Weights& w, int p) const {
-        const auto& x = w.axis[0];
-        typename L::Sum sum;
-        MPM_UNROLL
-        for (int row = 0; row < rows; ++row) {
+    // taken[k] = sum phi N_k over the nodes.
+    template <size_t n, class Node>
+    MPM_INLINE void gather(const Node* nodes, int first, int count, const Weights& w, double (&taken)[n][padded]) const {
+        fours(first, count, [&](int p, int cell) __attribute__((always_inline)) {
+            const auto S = fourOf(w.axis[0].S, p);
+            Quad sum[n] = {};
             MPM_UNROLL
-            for (int i = 0; i < 3; ++i) sum.add(nodes[rowOffset(row) + i].part[0], x.S[i][p], x.G[i][p]);
-            sum.addRow(w.across(row, p));
-        }
-        return sum.gradient();
+            for (int row = 0; row < rows; ++row) {
+                const Node* node = nodes + cell + rowOffset(row);
+                const Quad across = w.acrossFour(row, p).S;
+                MPM_UNROLL
+                for (size_t k = 0; k < n; ++k) sum[k] += across * (node[0][k] * S[0] + node[1][k] * S[1] + node[2][k] * S[2]);
+            }
+            MPM_UNROLL
+            for (size_t k = 0; k < n; ++k) storeQuad(taken[k] + p, sum[k]);
+        });
+    }
+
+    // gradient[Dim i + j] = sum v_i d_j phi.
+    MPM_INLINE void gatherGradient(const typename NF::Velocity* nodes, int first, int count, const Weights& w,
+                                   double (&gradient)[Dim * Dim][padded]) const {
+        fours(first, count, [&](int p, int cell) __attribute__((always_inline)) {
+            const auto S = fourOf(w.axis[0].S, p), G = fourOf(w.axis[0].G, p);
+            Quad sum[Dim * Dim] = {};
+            MPM_UNROLL
+            for (int row = 0; row < rows; ++row) {
+                const auto* node = nodes + cell + rowOffset(row);
+                const auto across = w.acrossFour(row, p);
+                MPM_UNROLL
+                for (int i = 0; i < Dim; ++i) {
+                    const double a = node[0][NF::lane(i)], b = node[1][NF::lane(i)], c = node[2][NF::lane(i)];
+                    const Quad along = a * S[0] + b * S[1] + c * S[2];
+                    sum[Dim * i] += across.S * (a * G[0] + b * G[1] + c * G[2]);
+                    MPM_UNROLL
+                    for (int j = 1; j < Dim; ++j) sum[Dim * i + j] += across.G[j - 1] * along;
+                }
+            }
+            MPM_UNROLL
+            for (int c = 0; c < Dim * Dim; ++c) storeQuad(gradient[c] + p, sum[c]);
+        });
     }
 
     bool find(int begin, int end) {

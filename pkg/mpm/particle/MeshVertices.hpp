@@ -50,7 +50,7 @@ template <int Dim> class MeshVertices {
         hanging.within(begin, end, [&](int s, int slave) { // round-off would let it creep off the line between its masters
             for (double* component : x) component[slave] = hanging.mean(s, component);
         });
-        hasMoved_[begin / chunkSize] = find(begin, end, x, cell_.data(), local);
+        hasMoved_[begin / chunkSize] |= find(begin, end, x, cell_.data(), local); // until settle(): there are looks between the steps
     }
 
     void group() { order_.group(grid_, cell_, false); }
@@ -60,6 +60,7 @@ template <int Dim> class MeshVertices {
         if (order_.isReady()) {
             for (int v = 0; v < size(); v += hasMoved_[v / chunkSize] ? 1 : chunkSize)
                 if (hasMoved_[v / chunkSize]) order_.extend(block_[v], grid_, cell_[v]);
+            std::fill(hasMoved_.begin(), hasMoved_.end(), 0);
             if (!order_.broken(grid_)) return;
             group();
         }
@@ -194,7 +195,7 @@ template <int Dim> class MeshVertices {
     std::vector<int> cell_;      // once per step
     std::vector<int> block_;     // of the order, that each vertex belongs to
     std::vector<int> rowEnd_;    // where in the order the numbers no longer follow each other
-    std::vector<char> hasMoved_; // chunks in which a vertex is in another cell than before
+    std::vector<char> hasMoved_; // chunks in which a vertex is in another cell than at the last settle()
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
 };
 

@@ -170,13 +170,15 @@ def test_volume_grows_with_the_trace_of_the_velocity_gradient(name, dim, scheme)
         assert np.abs(body.vertices - vertices - scene.dt * np.asarray(body.core.view("vertexVelocity", True))).max() <= 1e-15
 
 
-def fall(name, dim, steps, g=2.0):
-    """Position of a block that falls over some two cells, where it was, and the step."""
+def fall(name, dim, steps, g=2.0, look=None):
+    """Position of a block that falls over some two cells, where it was, and the step. look(scene, body) after every step."""
     scene = makeScene(dim)
     body = addBlock(scene, name)
     gravity = np.zeros(dim)
     gravity[-1] = -g
     scene.engines = engines(gravity=tuple(gravity))
+    if look:
+        scene.engines = [*scene.engines, mpm.PyRunner(lambda: look(scene, body), iterPeriod=1)]
     scene.dt = np.sqrt(3.2 * scene.cell[-1] / g) / steps
     before = body.position[np.argsort(body.id)].copy()
     scene.run(steps=steps, progress=False)
@@ -195,6 +197,20 @@ def test_free_fall_is_exact(name, dim):
     assert stress <= 1e-9  # kPa
     halfStep = 0.5 * g * dt**2 * steps**2  # control: the formula of the other start is told apart
     assert np.abs(before[:, -1] - halfStep - after[:, -1]).min() > 1e-6
+
+
+LOOKS = {"criticalTimeStep": lambda scene, body: scene.criticalTimeStep(iterations=1), "weights": lambda scene, body: body.weights(0)}
+
+
+@everyType
+@pytest.mark.parametrize("look", LOOKS)
+def test_looks_between_steps_change_nothing(name, dim, look):
+    """They find out where the body is before the step does, which all the same has to learn that it has reached new nodes."""
+    expected, before, _, _ = fall(name, dim, 200)
+    after, _, _, stress = fall(name, dim, 200, look=LOOKS[look])
+    assert np.abs(after - expected).max() <= 1e-12
+    assert stress <= 1e-9  # kPa
+    assert np.abs(expected - before).max() > 1.6 * CELL[dim - 1]  # control: there were some
 
 
 @everyType

@@ -27,8 +27,8 @@ class CellAverage {
         std::fill(cell_.begin() + begin, cell_.begin() + end, 0);
         for (int k = 0; k < Dim; ++k) {
             const double *x = particles.position.plane(k), last = grid.nodes[k] - 2.0;
-            for (int p = begin; p < end; ++p) { // a particle that just left the grid is found out by the next step
-                const double c = std::min(std::max(grid.inCells(x[p], k), 1.0), last);
+            for (int p = begin; p < end; ++p) { // a particle that just left the grid, or has no place (nan), is found out by the next step
+                const double c = std::min(std::max(1.0, grid.inCells(x[p], k)), last);
                 cell_[p] += int(c) * grid.strides[k];
             }
         }

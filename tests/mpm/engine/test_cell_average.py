@@ -92,3 +92,17 @@ def test_no_value_is_beyond_the_means_of_the_neighbours(kind):
 def test_without_fbar_each_particle_keeps_its_own():
     body, before = stressed("UGIMP", random, fbar=False)
     assert body.stress == pytest.approx(before, abs=1e-8)
+
+
+@pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_stress_that_is_no_number_ends_the_run_with_its_error(kind, dim):
+    """Positions become nan before F-bar looks which cells they are in."""
+    scene = mpm.Scene((0,) * dim, (4,) * dim, CELL)
+    type_ = mpm.APDI(size=CELL / 2) if kind == "APDI" else mpm.UGIMP(perCell=2)
+    body = scene.add("block", mpm.box((1,) * dim, (3,) * dim), mpm.MohrCoulombDruckerPrager(**STRONG), type_, fbar=True)
+    def spoil():
+        body.stress[3] = np.nan
+    scene.engines = [*scene.engines, mpm.PyRunner(spoil, iterPeriod=1)]
+    with pytest.raises(RuntimeError, match="no finite position|distorted|inverted"):
+        scene.run(steps=3, progress=False)

@@ -1,9 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+import signal
+
 import pytest
 
 
 def pytest_addoption(parser):
     parser.addoption("--slow", action="store_true", help="also run the tests marked slow (minutes to hours)")
+
+
+def pytest_runtest_makereport(item, call):
+    """SIGTERM ends the session. A run of a scene turns it into SystemExit, which pytest would take for a test that failed, and go on."""
+    if call.excinfo and call.excinfo.errisinstance(SystemExit) and call.excinfo.value.code == 128 + signal.SIGTERM:
+        pytest.exit(f"SIGTERM in {item.nodeid}", returncode=128 + signal.SIGTERM)
 
 
 @pytest.fixture(autouse=True)

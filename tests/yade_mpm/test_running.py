@@ -2,6 +2,7 @@
 """Nothing is lost: an error or a signal leaves a checkpoint and a message, and a non-zero exit code."""
 import gc
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -75,6 +76,28 @@ def test_signals_leave_a_checkpoint_and_an_exit_code(script, number, codes):
     scene = mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None})
     assert scene.steps >= 10
     scene.run(steps=5)
+
+
+TESTS = """
+import os, signal
+def test_that_is_cut_off():
+    scene.engines = [*scene.engines[:-1], mpm.PyRunner(lambda: os.kill(os.getpid(), signal.SIGTERM), iterPeriod=5)]
+    scene.run(steps=100)
+def test_that_would_be_next():
+    print("went on")
+"""
+
+
+def test_a_signal_ends_these_tests_and_is_no_test_that_failed(pytestconfig):
+    """A time limit on a long run of the tests would leave a failure without a cause, of the test that it happened to cut off."""
+    shutil.copy(pytestconfig.rootpath / "tests/conftest.py", ".")
+    with open("test_cut_off.py", "w") as file:
+        file.write(SCENE + TESTS)
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
+    tests = subprocess.run([sys.executable, "-m", "pytest", "-s", "test_cut_off.py"], env=environment, text=True, capture_output=True, timeout=60)
+    assert tests.returncode == 143, tests.stdout
+    assert "SIGTERM in test_cut_off.py::test_that_is_cut_off" in tests.stdout
+    assert "1 failed" not in tests.stdout and "went on" not in tests.stdout
 
 
 WITH_FILES = """

@@ -100,7 +100,7 @@ template <int Dim> class NearBoxes {
                     along += n[k] * d, square += d * d;
                 }
                 const double overlap = along - plane, beside = square - along * along;
-                const double reach = (overlap >= 0) & (overlap <= 0.5 * h) & (beside <= 0.5 * h * h) ? along : -1e300;
+                const double reach = ((overlap >= 0) & (overlap <= 0.5 * h) & (beside <= 0.5 * h * h)) ? along : -1e300;
                 furthest = furthest > reach ? furthest : reach;
             }
         });

@@ -4,6 +4,7 @@
 #include "mpm/engine/CriticalTimeStep.hpp"
 #include "mpm/engine/Engine.hpp"
 #include "mpm/engine/InterfaceRule.hpp"
+#include "mpm/engine/Stages.hpp"
 
 namespace mpm::python {
 
@@ -75,9 +76,7 @@ template <int Dim> struct Bind {
     class RatesKept {
       public:
         explicit RatesKept(S& scene) {
-            parallel(scene.threads, [&](Team& team) {
-                for (auto& body : scene.bodies) body->domains->locate(team);
-            });
+            parallel(scene.threads, [&](Team& team) { locateAll(team, scene); });
             for (auto& body : scene.bodies) {
                 keep(body->particles.velocityGradient);
                 if (Field* velocities = body->domains->vertexVelocities()) keep(*velocities);

@@ -380,6 +380,23 @@ def test_estimates_of_the_time_step_leave_no_trace(monkeypatch):
     assert before[1] == pytest.approx(4.0 * 0.3 * scene.time, rel=0.05)  # force times velocity times time
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_rates_stay_with_their_particles_where_an_estimate_sorts_these(dim):
+    scene = mpm.Scene((0,) * dim, (2,) * dim, 0.25)
+    body = scene.add("soft", box((0.5,) * dim, (1.5,) * dim), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP())
+    body.velocity = (0.0,) * (dim - 1) + (-3.0,)
+    scene.dt, sorts = 1e-3, 0
+    for _ in range(150):
+        scene.run(steps=1)
+        ids = body.id.copy()
+        body.velocityGradient = np.random.default_rng(1).normal(size=body.velocityGradient.shape)
+        expected = dict(zip(ids, body.velocityGradient.copy()))
+        scene.criticalTimeStep(iterations=1)
+        sorts += not np.array_equal(ids, body.id)
+        assert all(np.array_equal(L, expected[i]) for i, L in zip(body.id, body.velocityGradient))
+    assert sorts > 0
+
+
 def test_until_is_reached_and_not_passed():
     scene = smallScene()
     scene.dt = 1e-3

@@ -118,7 +118,7 @@ template <int Dim> class TouchPoints {
         }
     }
 
-    static constexpr double mostShift = 0.05; // of a cell, how far from a point contact may look for it
+    static constexpr double mostShift = 0.01; // of a cell, how far from a point contact may look for it
 
   private:
     const Body<Dim>* body_ = nullptr;

@@ -47,17 +47,16 @@ template <int Dim> class Neighbourhood {
   public:
     Vec<Dim> lower, upper; // of a box that holds all that is near
 
-    void prepare(const Grid<Dim>& grid) { meet_.assign(grid.count, -1), near_.assign(grid.count, -1), nodes_.clear(), met_.clear(); }
+    void prepare(const Grid<Dim>& grid) { meet_.assign(grid.count, -1), near_.assign(grid.count, -1), nodes_.clear(); }
 
     void clear() {
-        for (int node : met_) meet_[node] = -1;
-        for (int node : nodes_) near_[node] = -1;
-        met_.clear(), nodes_.clear(), lower.setConstant(1e300), upper = -lower;
+        for (int node : nodes_) meet_[node] = near_[node] = -1;
+        nodes_.clear(), lower.setConstant(1e300), upper = -lower;
     }
 
     // Before finish(): the groups meet on this node, `number` among the meets.
     void add(const Grid<Dim>& grid, int node, int number) {
-        meet_[node] = number, met_.push_back(node);
+        meet_[node] = number;
         const Vec<Dim> x = grid.nodePosition(node);
         lower = lower.cwiseMin(x - 2 * grid.cell), upper = upper.cwiseMax(x + 2 * grid.cell);
         forNeighbours(grid, node, [&](int other, const Index<Dim>&) {
@@ -99,7 +98,7 @@ template <int Dim> class Neighbourhood {
 
   private:
     std::vector<int> meet_, near_; // of all nodes of the grid
-    std::vector<int> nodes_, met_; // that are near, in order; on which the groups meet
+    std::vector<int> nodes_;       // that are near, those on which the groups meet among them; in order
 };
 
 } // namespace mpm

@@ -122,6 +122,21 @@ template <int Dim> struct Bind {
     static double bytes(B& body) { return double(body.particles.bytes() + body.domains->bytes()); }
     static double minJacobian(B& body) { return body.domains->minJacobian(); }
     static double hourglass(B& body) { return body.domains->hourglass(); }
+    // Momentum of the particles and twice their kinetic energy, without inertial scaling. One after the other: the dot products of NumPy
+    // give other last digits with another number of threads.
+    static bp::tuple motion(B& body) {
+        const auto& q = body.particles;
+        Vec<Dim> momentum = Vec<Dim>::Zero();
+        double energy = 0;
+        for (int p = 0; p < q.size(); ++p) {
+            const double m = q.mass.plane()[p];
+            for (int k = 0; k < Dim; ++k) {
+                const double v = q.velocity.plane(k)[p];
+                momentum[k] += m * v, energy += m * v * v;
+            }
+        }
+        return bp::make_tuple(listOf(std::vector<double>(momentum.data(), momentum.data() + Dim)), energy);
+    }
     // Number of domains whose quality is at most `limit`, and the worst of all.
     static bp::tuple poorDomains(B& body, double limit) {
         Distorted worst{-1, 1};
@@ -159,6 +174,7 @@ template <int Dim> struct Bind {
             .add_property("bytes", bytes)
             .add_property("minJacobian", minJacobian)
             .add_property("hourglass", hourglass)
+            .def("motion", motion)
             .def("poorDomains", poorDomains)
             .def("beyondYield", yielding)
             .def("buildLattice", buildLattice)

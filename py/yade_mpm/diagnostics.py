@@ -14,12 +14,12 @@ def mass(scene):
 
 def momentum(scene):
     """Momentum, sum s m v, Mg m/s (dim,), with the inertial mass (s: inertiaScale of the body)."""
-    return sum((body.inertiaScale * (body.mass @ body.velocity) for body in scene.bodies), np.zeros(scene.dim))
+    return sum((body.inertiaScale * np.array(body.core.motion()[0]) for body in scene.bodies), np.zeros(scene.dim))
 
 
 def kineticEnergy(scene):
     """Kinetic energy, sum 1/2 s m v.v, kJ, with the inertial mass (s: inertiaScale of the body)."""
-    return float(sum(0.5 * body.inertiaScale * (body.mass @ (body.velocity**2).sum(axis=1)) for body in scene.bodies))
+    return float(sum(0.5 * body.inertiaScale * body.core.motion()[1] for body in scene.bodies))
 
 
 def internalWork(scene):
@@ -188,7 +188,7 @@ def sectionForce(body, height, thickness=None):
     inside = np.minimum(top, height + h / 2) - np.maximum(bottom, height - h / 2)
     share = np.clip(inside, 0, None) / (top - bottom)
     up = body._scene.dim - 1
-    return float((share * body.volume) @ body.stress[:, up, up] / h)
+    return float((share * body.volume * body.stress[:, up, up]).sum() / h)
 
 
 # --- inside ---------------------------------------------------------------------------------------------

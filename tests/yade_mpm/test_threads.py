@@ -105,5 +105,20 @@ def test_threads_do_not_change_a_bit(tmp_path, name, scheme, steps):
     assert control != runs[0], "the control: one bit at the start is seen at the end"
 
 
+def test_energies_are_the_same_for_any_number_of_threads_that_numpy_has(tmp_path):
+    """Of 40,000 particles: the library that NumPy multiplies with shares the work then, and adds in another order."""
+    text = """import numpy as np, yade_mpm as mpm
+scene = mpm.Scene((0, 0), (100, 100), 1.0)
+body = scene.add("body", mpm.box((0, 0), (100, 100)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.UGIMP(perCell=2))
+body.velocity[...] = np.random.default_rng(1).random((body.count, 2))
+body.stress[...] = np.random.default_rng(2).random(body.count)[:, None, None] * np.eye(3)
+print(mpm.diagnostics.kineticEnergy(scene), *mpm.diagnostics.momentum(scene), mpm.diagnostics.sectionForce(body, 50, thickness=96))"""
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
+    runs = [subprocess.run([sys.executable, "-c", text], env={**environment, "OMP_NUM_THREADS": n, "OPENBLAS_NUM_THREADS": n}, capture_output=True,
+                           text=True, timeout=300, cwd=tmp_path) for n in "12"]
+    assert runs[0].returncode == 0, runs[0].stderr
+    assert len(runs[0].stdout.split()) == 4 and runs[0].stdout == runs[1].stdout
+
+
 if __name__ == "__main__":
     print(*digests(sys.argv[1], sys.argv[2], int(sys.argv[3])), sep="\n")

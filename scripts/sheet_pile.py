@@ -390,19 +390,24 @@ def collar(a, soil, penetration):
     return float(area / (2 * EMBEDDED))
 
 
-def stripesFrom(a, cells, scene):
-    """Stripes of the mean stress (`diagnostics.stripes`) along the second column of particles beside the pile, -: from so many cells
-    below its tip down as far as the uGIMP zone of the hybrid reaches below the final one. Mean of both sides. It changes with the place of
-    the tip in its cell: only means over a cell of penetration tell something."""
+def stripesFrom(a, scene):
+    """Of each of STRIPES the stripes of the mean stress (`diagnostics.stripes`) along the second column of particles beside the pile, -: from
+    so many cells below its tip down as far as the uGIMP zone of the hybrid reaches below the final one. Mean of both sides. It changes with the
+    place of the tip in its cell: only means over a cell of penetration tell something."""
     tip = DEPTH - EMBEDDED - penetrationAt(a, scene.time)
     lines = [diagnostics.meanStressAlong(soilBodies(scene), a.width / 2 + side * (a.thickness / 2 + 0.75 * a.cell), a.cell / 2,
-                                         tip - ZONE_BELOW, tip - cells * a.cell)[1] for side in (-1, 1)]
-    return float(np.mean([diagnostics.stripes(p) for p in lines])) if min(map(len, lines)) > 2 else nan
+                                         tip - ZONE_BELOW, tip) for side in (-1, 1)]
+    return [meanStripes([p[y <= tip - cells * a.cell] for y, p in lines]) for cells in STRIPES.values()]
+
+
+def meanStripes(lines):
+    """Mean of the stripes of lines; nan where one is too short."""
+    return sum(map(diagnostics.stripes, lines)) / len(lines) if min(map(len, lines)) > 2 else nan
 
 
 def stripeColumns(a):
     """Columns of the history."""
-    return {name: partial(stripesFrom, a, cells) for name, cells in STRIPES.items()}
+    return {tuple(STRIPES): partial(stripesFrom, a)}
 
 
 def stripeMeans(a, depth, history):

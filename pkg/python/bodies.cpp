@@ -137,6 +137,27 @@ template <int Dim> struct Bind {
         }
         return bp::make_tuple(listOf(std::vector<double>(momentum.data(), momentum.data() + Dim)), energy);
     }
+    // Height and mean stress of the particles around a vertical line of a 2D scene, see diagnostics.meanStressAlong.
+    static bp::list meanStresses(B& body, double x, double reach, double lower, double upper) {
+        const Field &position = body.particles.position, &stress = body.particles.stress;
+        bp::list all;
+        for (int p = 0; p < body.particles.size(); ++p) {
+            const double y = position.plane(1)[p];
+            if (!(std::abs(position.plane(0)[p] - x) <= reach && y >= lower && y <= upper)) continue;
+            all.append(bp::make_tuple(y, (stress.plane(0)[p] + stress.plane(4)[p] + stress.plane(8)[p]) / 3));
+        }
+        return all;
+    }
+    // Number of particles with det F <= 0.
+    static int inverted(B& body) {
+        int count = 0;
+        for (int p = 0; p < body.particles.size(); ++p) {
+            Mat<3> F;
+            for (int c = 0; c < 9; ++c) F(c / 3, c % 3) = body.particles.deformationGradient.plane(c)[p];
+            count += F.determinant() <= 0;
+        }
+        return count;
+    }
     // Number of domains whose quality is at most `limit`, and the worst of all.
     static bp::tuple poorDomains(B& body, double limit) {
         Distorted worst{-1, 1};
@@ -175,6 +196,8 @@ template <int Dim> struct Bind {
             .add_property("minJacobian", minJacobian)
             .add_property("hourglass", hourglass)
             .def("motion", motion)
+            .def("meanStresses", meanStresses)
+            .add_property("inverted", inverted)
             .def("poorDomains", poorDomains)
             .def("beyondYield", yielding)
             .def("buildLattice", buildLattice)

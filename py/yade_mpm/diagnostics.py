@@ -3,6 +3,8 @@
 
 In 2D masses, forces and energies are per metre of thickness.
 """
+from operator import itemgetter
+
 import numpy as np
 
 
@@ -43,17 +45,18 @@ def contactEnergy(scene):
     return float(scene.core.energies["contact"])
 
 
-def energyError(scene, initialKineticEnergy=0.0, relative=False):
+def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
     """What is missing in the energy balance, W_ext - W_damp - W_contact - W_int - (E_kin - E_kin,0), kJ.
 
     initialKineticEnergy : E_kin,0 at the start, kJ; default 0.
     relative : divide by |W_ext| + W_damp + W_contact + |W_int| + E_kin + E_kin,0; 0 where all are zero.
+    kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
 
     Positive: energy was lost in the transfers, in hourglass control or in conversions. Velocities belong to the middle
     of steps, so dt/2 dE_kin/dt is always part of it; that oscillates and does not add up.
     """
-    kinetic, external = kineticEnergy(scene), externalWork(scene)
-    internal, damped = internalWork(scene), dampedEnergy(scene) + contactEnergy(scene)
+    kinetic = kineticEnergy(scene) if kinetic is None else kinetic
+    external, internal, damped = externalWork(scene), internalWork(scene), dampedEnergy(scene) + contactEnergy(scene)
     error = external - damped - internal - (kinetic - initialKineticEnergy)
     if not relative:
         return error
@@ -70,13 +73,16 @@ def workDone(scene):
     return float(abs(energies["gravity"]) + abs(energies["loads"]) + sum(abs(c.work) for c in scene.constraints))
 
 
-def kineticRatio(scene):
+def kineticRatio(scene, kinetic=None):
     """Kinetic energy over the work done, E_kin / `workDone`, -; nan before any work is done.
+
+    kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
 
     Small values (a few percent) mean that a run is quasi-static, see `yade_mpm.quasiStatic`.
     """
     done = workDone(scene)
-    return kineticEnergy(scene) / done if done > 0 else float("nan")
+    kinetic = kineticEnergy(scene) if kinetic is None else kinetic
+    return kinetic / done if done > 0 else float("nan")
 
 
 # --- domains --------------------------------------------------------------------------------------------
@@ -133,11 +139,9 @@ def meanStressAlong(bodies, x, width, lower, upper):
     bodies : whose particles count. x, width : the line and the width of the strip around it that particles are in, by their
     present positions, m. lower, upper : the stretch of heights, m. Returns y (m) and tr(sigma)/3 (kPa, tension positive), (N,).
     """
-    position = np.concatenate([b.position for b in bodies if b.count])
-    stress = np.concatenate([b.stress for b in bodies if b.count])
-    inside = (np.abs(position[:, 0] - x) <= width / 2) & (position[:, 1] >= lower) & (position[:, 1] <= upper)
-    order = np.argsort(position[inside, 1], kind="stable")
-    return position[inside, 1][order], np.trace(stress[inside], axis1=1, axis2=2)[order] / 3
+    pairs = (pair for body in bodies for pair in body.core.meanStresses(x, width / 2, lower, upper))
+    y, mean = np.reshape(sorted(pairs, key=itemgetter(0)), (-1, 2)).T
+    return y, mean
 
 
 def stripes(values):
@@ -186,7 +190,7 @@ def sectionForce(body, height, thickness=None):
         return 0.0
     bottom, top = _verticalExtent(body)
     inside = np.minimum(top, height + h / 2) - np.maximum(bottom, height - h / 2)
-    share = np.clip(inside, 0, None) / (top - bottom)
+    share = np.maximum(inside, 0) / (top - bottom)
     up = body._scene.dim - 1
     return float((share * body.volume * body.stress[:, up, up]).sum() / h)
 
@@ -198,7 +202,7 @@ def _isMeshed(body):
 
 def _inverted(body):
     if not _isMeshed(body):
-        return int((np.linalg.det(body.deformationGradient) <= 0).sum())
+        return body.core.inverted
     if body.minJacobian > 0:
         return 0
     return int((cornerJacobians(body.corners()) <= 0).any(axis=1).sum())

@@ -27,7 +27,6 @@ _standard = {  # name -> (unit in 3D, function of the scene)
     "dampedEnergy": ("kJ", diagnostics.dampedEnergy),
     "contactEnergy": ("kJ", diagnostics.contactEnergy),
     "workDone": ("kJ", diagnostics.workDone),
-    "kineticRatio": ("-", diagnostics.kineticRatio),
     "unbalancedRatio": ("-", diagnostics.unbalancedRatio),
     "minJacobian": ("-", diagnostics.minJacobian),
     "hourglassAmplitude": ("-", diagnostics.hourglassAmplitude),
@@ -47,8 +46,9 @@ class History(Callback):
     file : name of a CSV file with one column each and the units in the header; default: none. Besides, the columns go
         to /history (/history/`label` if the engine has a label) of the file of the first Recorder of the scene.
     columns : dict name -> function of the scene that returns a number, or such an expression as text in which `scene`
-        and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}. A checkpoint can keep only text;
-        give functions again after loading (`history.columns["toe"] = ...`), the column is nan until then.
+        and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}; or tuple of names -> function that returns a number
+        for each. A checkpoint can keep only text; give functions again after loading (`history.columns["toe"] = ...`), the
+        column is nan until then.
     average : reactions, moments and forces of contact are means over the time since the row before instead of values of the last step.
         Default True: explicit dynamics makes the value of one step noisy.
     sampleEvery : steps between the samples that are averaged; default 10. One sample takes about 6 us, with a `Contact` 12.
@@ -117,7 +117,7 @@ class History(Callback):
 
     def spec(self):
         """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew, rows included."""
-        columns = {name: c if isinstance(c, str) else None for name, c in self._columns.items()}
+        columns = {name: c if isinstance(c, str) else None for key, c in self._columns.items() for name in _names(key)}
         return dict(period=self.virtPeriod, iterPeriod=self._iterPeriod, file=self._file, columns=columns,
                     average=self._average, sampleEvery=self._sampleEvery, state=self._state(),
                     label=self.label, dead=self.dead)
@@ -197,9 +197,11 @@ class History(Callback):
             elif name == "mass":
                 row.update((f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", diagnostics.momentum(scene)))
             elif name == "contactEnergy":
-                row["energyError"] = ("kJ", diagnostics.energyError(scene, self._initialEnergy))
-        for name in self._columns:
-            row[name] = ("", self._columns.value(name, scene))
+                row["energyError"] = ("kJ", diagnostics.energyError(scene, self._initialEnergy, kinetic=row["kineticEnergy"][1]))
+            elif name == "workDone":
+                row["kineticRatio"] = ("-", diagnostics.kineticRatio(scene, row["kineticEnergy"][1]))
+        for key in self._columns:
+            row.update((name, ("", value)) for name, value in self._columns.measure(key, scene))
         self._append({name: (_perMetre(unit) if scene.dim == 2 else unit, value) for name, (unit, value) in row.items()})
         self._sums, self._samples = {}, 0
 
@@ -271,7 +273,7 @@ class History(Callback):
 
 
 class Columns(dict):
-    """Columns that the user adds: name -> function of the scene, expression as text, or None (nan)."""
+    """Columns that the user adds: name, or tuple of names -> function of the scene, expression as text, or None (nan)."""
 
     def __init__(self, columns):
         super().__init__()
@@ -280,25 +282,33 @@ class Columns(dict):
             self[name] = column
 
     def __setitem__(self, name, column):
-        if not (column is None or callable(column) or isinstance(column, str)):
-            raise TypeError(f"History: column '{name}' = {column!r}; give a function of the scene, or an expression as text")
-        if isinstance(name, str) and any(mark in name for mark in ',"\n'):
+        isText = isinstance(column, str) and not isinstance(name, tuple)  # a checkpoint keeps each text by its name
+        if not (column is None or callable(column) or isText):
+            orText = "" if isinstance(name, tuple) else ", or an expression as text"
+            raise TypeError(f"History: column '{name}' = {column!r}; give a function of the scene{orText}")
+        if any(mark in str(one) for one in _names(name) for mark in ',"\n'):
             raise ValueError(f"History: the name of column {name!r} may hold no comma, quote or line end")
-        if isinstance(column, str):
+        if isText:
             self._code[name] = compile(column, f"<column {name}>", "eval")
         super().__setitem__(name, column)
 
-    def value(self, name, scene):
-        """The value of a column now; ValueError, which ends the run, where it is no number or raises something."""
+    def measure(self, name, scene):
+        """(name, value) of a column now, or of each of several; ValueError, which ends the run, where one is no number or raises something."""
         column = self[name]
         if column is None:
-            return math.nan
+            return [(one, math.nan) for one in _names(name)]
         try:
             known = {"scene": scene, "diagnostics": diagnostics, "np": np}
-            return float(eval(self._code[name], known) if isinstance(column, str) else column(scene))
+            found = eval(self._code[name], known) if isinstance(column, str) else column(scene)
+            return [(one, float(value)) for one, value in zip(_names(name), found if isinstance(name, tuple) else [found], strict=True)]
         except Exception as error:
             raise ValueError(f"History: column '{name}' ({column if isinstance(column, str) else 'a function'}) gives no number: {type(error).__name__}: "
                              f"{error}") from error
+
+
+def _names(key):
+    """Names of the columns that the user gave as one name or a tuple."""
+    return key if isinstance(key, tuple) else (key,)
 
 
 def _contactOf(scene):

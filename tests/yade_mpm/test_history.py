@@ -209,6 +209,31 @@ def test_columns_of_the_user_are_functions_or_text():
     assert np.array_equal(history["late"], [np.nan, np.nan, np.nan, 7], equal_nan=True)
 
 
+def test_one_function_may_give_several_columns_and_is_called_once_a_row():
+    calls = []
+
+    def both(scene):
+        calls.append(scene.steps)
+        return scene["pile"].position[:, 1].min(), np.float64(scene.steps)
+
+    history = mpm.History(iterPeriod=20, columns={"first": "scene.time", ("toe", "at"): both, "last": "1"})
+    scene = runWith(history, steps=60)
+    assert history.names[-4:] == ["first", "toe", "at", "last"] and calls == [20, 40, 60] == list(history["at"])
+    assert history["toe"][-1] == scene["pile"].position[:, 1].min()
+    assert history.spec()["columns"] == {"first": "scene.time", "toe": None, "at": None, "last": "1"}
+    other = mpm.History(**json.loads(json.dumps(history.spec())))
+    other.columns.update({("toe", "at"): both})
+    scene.engines = [*scene.engines[:4], other]
+    scene.run(steps=20, progress=False)
+    assert other.names == history.names and other["at"][-1] == 80 and other["toe"][-1] == scene["pile"].position[:, 1].min()
+
+
+@pytest.mark.parametrize("found", ((1,), (1, 2, 3), 1, (1, None)))
+def test_several_columns_need_a_number_each(found):
+    with pytest.raises(ValueError, match=r"History: column '\('a', 'b'\)' \(a function\) gives no number"):
+        runWith(mpm.History(iterPeriod=5, columns={("a", "b"): lambda scene: found}))
+
+
 def test_csv_holds_the_same_numbers_with_units_in_the_header(tmp_path):
     history = mpm.History(iterPeriod=10, file=tmp_path / "a.csv")
     scene = runWith(history, steps=30)
@@ -296,6 +321,8 @@ def test_a_second_history_needs_a_label():
     (dict(iterPeriod=5, sampleEvery=0), ValueError, "sampleEvery = 0 is not allowed; give a whole number of steps"),
     (dict(iterPeriod=5, columns={"a": 7}), TypeError, "column 'a' = 7; give a function of the scene, or an expression"),
     (dict(iterPeriod=5, columns={"a,b": "1"}), ValueError, "may hold no comma"),
+    (dict(iterPeriod=5, columns={("a", "b,c"): lambda scene: (1, 2)}), ValueError, "may hold no comma"),
+    (dict(iterPeriod=5, columns={("a", "b"): "1, 2"}), TypeError, "= '1, 2'; give a function of the scene$"),
     (dict(iterPeriod=5, columns={"a": "1 +"}), SyntaxError, ""),
 ])
 def test_wrong_arguments_are_refused(arguments, error, text):

@@ -92,7 +92,8 @@ template <int Dim> struct Bind {
     }
     static bp::object cornerTable(B& body) {
         const auto* table = body.domains->cornerTable();
-        return table ? bp::object(listOf(*table)) : bp::object();
+        if (!table) return {};
+        return bp::object(bp::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(table->data()), table->size() * sizeof(int))));
     }
     static bp::tuple halfSize(B& body) {
         bp::list l;

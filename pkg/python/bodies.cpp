@@ -161,14 +161,8 @@ template <int Dim> struct Bind {
     }
     // Number of domains whose quality is at most `limit`, and the worst of all.
     static bp::tuple poorDomains(B& body, double limit) {
-        Distorted worst{-1, 1};
-        int count = 0;
-        for (int p = 0; p < body.particles.size(); ++p) {
-            const double quality = body.domains->quality(p);
-            count += quality <= limit;
-            if (quality < worst.quality) worst = {p, quality};
-        }
-        return bp::make_tuple(count, worst.particle, worst.quality);
+        const Poor found = body.domains->poor(limit);
+        return bp::make_tuple(found.count, found.worst.particle, found.worst.quality);
     }
     static bp::tuple yielding(B& body, double tolerance) {
         const BeyondYield found = beyondYield(body, tolerance);

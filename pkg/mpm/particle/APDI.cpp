@@ -200,10 +200,16 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     double longestEdge(int p) const override { return std::sqrt(longestSquare(p, vertices_.position)); }
     double initialEdge(int p) const override { return std::sqrt(longestSquare(p, vertices_.reference)); }
 
-    double quality(int p) const override {
-        const auto X = numbersOf<Dim>(cornersOf(p));
-        const ClosedShape<Dim> shape(X);
-        return qualityOf(shape, smallestCorner(shape, X));
+    Poor poor(double limit) const override {
+        Poor found;
+        for (int p = 0; p < particles.size(); ++p) {
+            const auto X = numbersOf<Dim>(cornersOf(p));
+            const ClosedShape<Dim> shape(X);
+            const double quality = qualityOf(shape, smallestCorner(shape, X));
+            found.count += quality <= limit;
+            if (quality < found.worst.quality) found.worst = {p, quality};
+        }
+        return found;
     }
 
     double minJacobian() const override {

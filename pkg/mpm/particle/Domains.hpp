@@ -37,6 +37,12 @@ struct Distorted {
     double quality; // smallest corner area over domain area: 1 for a parallelogram, <= 0 concave
 };
 
+// Domains of poor quality: their number, and the worst of all.
+struct Poor {
+    int count = 0;
+    Distorted worst{-1, 1};
+};
+
 // A small uGIMP-like piece of a domain: what conversion hands over.
 template <int Dim> struct Piece {
     int parent;
@@ -112,8 +118,8 @@ template <int Dim> class Domains {
 
     // Distorted domains found in takeGradient(); empty for types that cannot distort.
     virtual std::vector<Distorted> distorted() const { return {}; }
-    // Quality of a domain as it is, see Distorted; boxes keep theirs.
-    virtual double quality(int /*particle*/) const { return 1; }
+    // Domains whose quality is at most `limit`, and the worst of all; boxes keep theirs.
+    virtual Poor poor(double /*limit*/) const { return {}; }
     virtual std::vector<Piece<Dim>> split(int /*particle*/, const Vec<Dim>& /*halfSize*/) const { return {}; }
     virtual void remove(const std::vector<int>& /*sorted particles*/) {}
     virtual void grown() {} // after particles were appended

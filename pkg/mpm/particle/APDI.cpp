@@ -223,14 +223,16 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     // Largest hourglass amplitude over the mean edge of its domain.
     double hourglass() const override {
-        double largest = 0;
+        double largest = 0; // its 2 Dim-th power: no root in the loop
+        const DeformedPattern deformed(*this);
         for (int p = 0; p < particles.size(); ++p) {
             HourglassAmplitude<Dim> h;
-            DeformedPattern(*this)(p, reinterpret_cast<double(*)[Dim]>(h.data()));
-            largest = std::max(largest, (hourglassPattern<Dim>(cornersOf(p)) - h).colwise().norm().maxCoeff() /
-                                            std::pow(particles.volume.plane()[p], 1.0 / Dim));
+            deformed(p, reinterpret_cast<double(*)[Dim]>(h.data()));
+            const double square = (hourglassPattern<Dim>(cornersOf(p)) - h).colwise().squaredNorm().maxCoeff();
+            const double volume = particles.volume.plane()[p];
+            largest = std::max(largest, (Dim == 2 ? 1 : square) * square * square / (volume * volume));
         }
-        return largest;
+        return std::pow(largest, 0.5 / Dim);
     }
 
     std::vector<Distorted> distorted() const override { return distorted_; }

@@ -42,10 +42,7 @@ class Field {
     // memory keeps that alive and goes stale, but never dangles.
     void resize(int n) {
         const size_t pitch = (size_t(n) + 7) / 8 * 8 + 8; // the extra 8 keeps planes off each other's cache sets
-        std::shared_ptr<void> memory(std::calloc(components_ * pitch + 8, 8), std::free); // not touched: not resident
-        preferLargePages(memory.get(), (components_ * pitch + 8) * 8);
-        const size_t toCacheLine = -reinterpret_cast<std::uintptr_t>(memory.get()) % 64;
-        std::shared_ptr<void> fresh(memory, static_cast<char*>(memory.get()) + toCacheLine);
+        const std::shared_ptr<void> fresh = zeroes(components_ * pitch * 8);
         const int kept = n < size_ ? n : size_;
         for (int c = 0; c < components_ && kept > 0; ++c)
             std::memcpy(static_cast<double*>(fresh.get()) + c * pitch, plane(c), size_t(kept) * 8);

@@ -47,9 +47,9 @@ template <int Dim> struct NodalField {
         for (int l = lane(k); l < (Dim == 2 ? lane(k + 1) : lane(k) + 1); ++l) v.set(l, value);
     }
 
-    std::vector<Sum> sum;
-    std::vector<Motion> motion;
-    std::vector<Velocity> velocity;
+    std::vector<Sum, OnLargePages<Sum>> sum;
+    std::vector<Motion, OnLargePages<Motion>> motion;
+    std::vector<Velocity, OnLargePages<Velocity>> velocity;
 
     // Which constraint holds each component of a node, -1: none. Fixed sets of nodes are entered by
     // Scene::prepare(), driven ones anew in every step by ParticleToGrid (see engine/Driving.hpp).
@@ -68,15 +68,10 @@ template <int Dim> struct NodalField {
     Shares shares; // of the slabs, by the number of their touched nodes
 
     void setSize(int nodes, int slabs) {
-        setSize(sum, nodes), setSize(motion, nodes), setSize(velocity, nodes);
+        sum.assign(nodes, Sum::zero()), motion.assign(nodes, Motion::zero()), velocity.assign(nodes, Velocity::zero());
         for (auto& axis : holder) axis.assign(nodes, -1);
         extents.resize(slabs);
         forgetExtents();
-    }
-    template <class Lanes> static void setSize(std::vector<Lanes>& values, int nodes) {
-        values.clear(), values.reserve(nodes);
-        preferLargePages(values.data(), nodes * sizeof(Lanes));
-        values.assign(nodes, Lanes::zero());
     }
     void forgetExtents() {
         Extent none;

@@ -55,7 +55,7 @@ class Shares {
 // that it has something in common with, not for the whole colour.
 class Turns {
   public:
-    // Pieces in a row that share memory with the one before and the one after: even ones first.
+    // Pieces in a row that share memory with the one before and the one after: even ones before odd ones.
     void line(int n) {
         std::vector<std::vector<int>> neighbours(n);
         for (int i = 0; i + 1 < n; ++i) neighbours[i].push_back(i + 1), neighbours[i + 1].push_back(i);
@@ -74,13 +74,13 @@ class Turns {
             colour[i] = int(std::find(taken.begin(), taken.end(), 0) - taken.begin());
             colours = std::max(colours, colour[i] + 1);
         }
-        sequence_.clear(), before_.assign(n, {});
-        for (int c = 0; c < colours; ++c)
-            for (int i = 0; i < n; ++i)
-                if (colour[i] == c) sequence_.push_back(i);
+        before_.assign(n, {});
         for (int i = 0; i < n; ++i)
             for (int other : neighbours[i])
                 if (colour[other] < colour[i]) before_[i].push_back(other);
+        sequence_.clear();
+        std::vector<char> isIn(n, 0);
+        for (int i = 0; i < n; ++i) append(i, isIn);
         done_ = std::make_unique<std::atomic<long>[]>(n);
         for (int i = 0; i < n; ++i) done_[i] = 0;
         return colours;
@@ -91,15 +91,25 @@ class Turns {
 
   private:
     friend class Team;
-    std::vector<int> sequence_;            // pieces in the order in which they are handed out
+    std::vector<int> sequence_;            // pieces in the order in which a thread takes its own
     std::vector<std::vector<int>> before_; // pieces that piece i waits for
     std::unique_ptr<std::atomic<long>[]> done_; // how many times each piece has been done
 
-    void await(int piece) const {
+    // A piece, right behind those that it waits for: what it has in common with them is still in the cache then.
+    void append(int piece, std::vector<char>& isIn) {
+        if (isIn[piece]) return;
+        for (int other : before_[piece]) append(other, isIn);
+        sequence_.push_back(piece), isIn[piece] = 1;
+    }
+
+    bool mayBegin(int piece) const {
         const long round = done_[piece].load(std::memory_order_relaxed);
-        for (int other : before_[piece])
-            for (int spins = 0; done_[other].load(std::memory_order_acquire) <= round; ++spins)
-                if (spins > 1000) std::this_thread::yield(); // more threads than cores
+        return std::all_of(before_[piece].begin(), before_[piece].end(),
+                           [&](int other) { return done_[other].load(std::memory_order_acquire) > round; });
+    }
+    void await(int piece) const {
+        for (int spins = 0; !mayBegin(piece); ++spins)
+            if (spins > 1000) std::this_thread::yield(); // more threads than cores
     }
     void finished(int piece) { done_[piece].fetch_add(1, std::memory_order_release); }
 };
@@ -131,11 +141,19 @@ class Team {
         wait();
     }
 
-    // Calls f(i) once for each piece of `turns`.
+    // Calls f(i) once for each piece of `turns`. Pieces that wait for another thread come last: it has begun with them, or will not be long.
     template <class F> void inTurns(Turns& turns, F&& f) {
         const int me = omp_get_thread_num(), threads = omp_get_num_threads();
-        for (int piece : turns.sequence_) {
+        const auto& sequence = turns.sequence_;
+        std::vector<int> later;
+        for (size_t i = 0; i < sequence.size() + later.size(); ++i) {
+            const bool isLater = i >= sequence.size();
+            const int piece = isLater ? later[i - sequence.size()] : sequence[i];
             if (turns.shares.owner(piece, threads) != me) continue;
+            if (!isLater && !turns.mayBegin(piece)) {
+                later.push_back(piece);
+                continue;
+            }
             turns.await(piece);
             guard(piece, [&] { f(piece); });
             turns.finished(piece);

@@ -584,10 +584,11 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     };
 
     // Pieces that share a vertex take turns. Longer pieces need fewer colours: in a regular mesh two are enough once a
-    // piece is as long as a row.
+    // piece is as long as a row. In a large mesh they are longer, some 64 in all, so that few vertices lie between two of them.
     void cutIntoPieces() {
+        const int longer = std::min(particles.size() / 64, 2048);
         for (int least : {128, 256, 512, 256}) {
-            cutIntoPieces(least);
+            cutIntoPieces(std::max(least, longer));
             if (pieces_.graph(neighboursOfPieces()) <= 2) break;
         }
         pieces_.shares.set(pieceCount(), [&](int piece) { return workOf(pieceStart_[piece], pieceStart_[piece + 1]); });

@@ -141,7 +141,8 @@ class Team {
         wait();
     }
 
-    // Calls f(i) once for each piece of `turns`. Pieces that wait for another thread come last: it has begun with them, or will not be long.
+    // Calls f(i) once for each piece of `turns`. A piece that has to wait comes after all others of the thread: what it waits for may be the
+    // last that another thread does.
     template <class F> void inTurns(Turns& turns, F&& f) {
         const int me = omp_get_thread_num(), threads = omp_get_num_threads();
         const auto& sequence = turns.sequence_;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Large arrays ask for large pages (base/largePages.hpp), which saves up to a quarter of a step of 200,000 particles."""
+"""Large arrays ask for large pages (base/largePages.hpp), and begin at one: with 200,000 particles up to 12 % of a step each."""
 from pathlib import Path
 
 import pytest

@@ -4,6 +4,7 @@ import math
 import operator
 import os
 import time
+from collections.abc import MutableMapping
 
 import numpy as np
 
@@ -280,6 +281,8 @@ class Columns(dict):
         self._code = {}
         for name, column in dict(columns).items():
             self[name] = column
+
+    update = MutableMapping.update  # one by one, too
 
     def __setitem__(self, name, column):
         isText = isinstance(column, str) and not isinstance(name, tuple)  # a checkpoint keeps each text by its name

@@ -209,6 +209,15 @@ def test_columns_of_the_user_are_functions_or_text():
     assert np.array_equal(history["late"], [np.nan, np.nan, np.nan, 7], equal_nan=True)
 
 
+def test_columns_that_are_added_together_are_looked_at_like_single_ones():
+    history = mpm.History(iterPeriod=20)
+    history.columns.update({"toe": "scene['pile'].position[:, 1].min()"}, at="scene.steps")
+    scene = runWith(history, steps=20)
+    assert history["toe"][-1] == scene["pile"].position[:, 1].min() and history["at"][-1] == 20
+    with pytest.raises(TypeError, match="column 'a' = 7; give a function"):
+        history.columns.update(a=7)
+
+
 def test_one_function_may_give_several_columns_and_is_called_once_a_row():
     calls = []
 

@@ -6,7 +6,7 @@ Units: Mg, m, s, kPa (2D: per metre of thickness); tension positive; angles in r
 Scene, load                    a scene (`help(mpm.Scene)` is the place to start); one from a checkpoint
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
-Mesh, meshFromFile, meshFromArrays                               meshes; scene.add takes the name of a file, too
+Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes the name of a file, too
 LinearElastic, NeoHookean, MohrCoulombDruckerPrager, Material    materials
 MaterialPoint                  one point of a material, strained by hand
 UGIMP, APDI, ParticleType      particle types
@@ -40,6 +40,7 @@ from .body import Body, BodyPart
 from .engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner, RigidContact
 from .materials import Material, MaterialPoint
 from .mesh import Mesh, meshFromArrays, meshFromFile
+from .meshRows import inRows
 from .particles import ParticleType
 from .regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
 from .restoring import load

@@ -14,7 +14,7 @@ from .lattice import asSpacing, cellsInside, firstNear
 from .regions import formatPoint
 
 _QUAD = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
-_CORNERS = {2: _QUAD, 3: np.array([(*xy, z) for z in (0, 1) for xy in _QUAD])}
+CORNERS = {2: _QUAD, 3: np.array([(*xy, z) for z in (0, 1) for xy in _QUAD])}
 _MIRROR = {2: [0, 3, 2, 1], 3: [0, 3, 2, 1, 4, 7, 6, 5]}
 _FACETS = {2: [(0, 1), (1, 2), (2, 3), (3, 0)],  # outward
            3: [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]}
@@ -28,6 +28,7 @@ class Mesh:
     points: (Nv, dim). cells: (Nc, 4 or 8) vertex numbers. slaves: (Ns,) vertices that sit on an edge
     or face of a coarser cell. masters: (Ns, 4) corners of that edge or face, padded with -1; never
     slaves themselves. masterWeights: (Ns, 4), padded with 0; a slave is at sum(weight * master).
+    cellNumbers: (Nc,) numbers that the cells had before `inRows`; None: they have them still.
     """
 
     points: np.ndarray
@@ -35,6 +36,7 @@ class Mesh:
     slaves: np.ndarray = field(default_factory=lambda: np.zeros(0, int))
     masters: np.ndarray = field(default_factory=lambda: np.zeros((0, _MAX_MASTERS), int))
     masterWeights: np.ndarray = field(default_factory=lambda: np.zeros((0, _MAX_MASTERS)))
+    cellNumbers: np.ndarray = None
 
     @property
     def dim(self):
@@ -51,7 +53,7 @@ def meshRegion(region, lower, upper, size, name):
     """
     size = asSpacing(size, region.dim, name)
     numbers = cellsInside(region, lower, upper, size, name)
-    vertices, cells = _numberVertices(numbers[:, None] + _CORNERS[region.dim])
+    vertices, cells = _numberVertices(numbers[:, None] + CORNERS[region.dim])
     return Mesh(np.asarray(lower, float) + vertices * size, cells)
 
 
@@ -77,7 +79,7 @@ def refineNear(mesh, positions, halfSize, distance, ratio=2):
     if ratio == 1 or not np.any(isSplit):
         return mesh
     # From here on coordinates are whole numbers in units of the fine edge.
-    corners = _CORNERS[mesh.dim]
+    corners = CORNERS[mesh.dim]
     coarse = (numbers[~isSplit, None] + corners) * ratio
     children = np.array(list(product(range(ratio), repeat=mesh.dim)))
     fine = (numbers[isSplit, None] * ratio + children).reshape(-1, 1, mesh.dim) + corners
@@ -185,12 +187,12 @@ def cornerJacobians(points, cells):
     points: (Nv, dim). cells: (Nc, 4 or 8). Returns (Nc, 4 or 8).
     """
     corners = points[cells]
-    return np.stack([np.linalg.det(_jacobian(corners, at)) for at in _CORNERS[points.shape[1]]], axis=1)
+    return np.stack([np.linalg.det(_jacobian(corners, at)) for at in CORNERS[points.shape[1]]], axis=1)
 
 
 def _jacobian(corners, at):
     """dx/dxi (Nc, dim, dim) at unit coordinates of cells with given corners (Nc, 4 or 8, dim)."""
-    unit = _CORNERS[len(at)]
+    unit = CORNERS[len(at)]
     factors = np.where(unit == 1, at, 1 - np.asarray(at, float))
     gradient = 2.0 * unit - 1
     for d in range(len(at)):
@@ -231,10 +233,10 @@ def _hangingVertices(vertices, coarse, ratio):
             continue
         found = _find(vertices, coarse + local)
         cells, found = coarse[found >= 0], found[found >= 0]
-        weight = np.prod(np.where(_CORNERS[dim] == 1, local / ratio, 1 - local / ratio), axis=1)
+        weight = np.prod(np.where(CORNERS[dim] == 1, local / ratio, 1 - local / ratio), axis=1)
         active = np.flatnonzero(weight)
         corner = np.full((len(found), _MAX_MASTERS), -1)
-        corner[:, :len(active)] = _find(vertices, cells[:, None] + _CORNERS[dim][active] * ratio)
+        corner[:, :len(active)] = _find(vertices, cells[:, None] + CORNERS[dim][active] * ratio)
         slaves.append(found)
         masters.append(corner)
         weights.append(np.tile(np.pad(weight[active], (0, _MAX_MASTERS - len(active))), (len(found), 1)))
@@ -251,7 +253,7 @@ def _boxLattice(mesh):
     lower, extent = corners.min(axis=1), np.ptp(corners, axis=1)
     origin, size = mesh.points.min(axis=0), extent[0]
     numbers = np.round((lower - origin) / size).astype(int)
-    expected = origin + (numbers[:, None] + _CORNERS[mesh.dim]) * size
+    expected = origin + (numbers[:, None] + CORNERS[mesh.dim]) * size
     if len(mesh.slaves) or np.any(np.abs(corners - expected) > 1e-6 * size):
         raise ValueError("refineNear: the mesh is not made of equal boxes with shared corners; "
                          "give it as meshRegion() makes it, and refine once only")
@@ -261,7 +263,7 @@ def _boxLattice(mesh):
 def _coarseVertices(mesh, numbers):
     """Lattice coordinates (Nv, dim) of the vertices of a mesh of equal boxes."""
     coordinates = np.zeros((len(mesh.points), mesh.dim), int)
-    coordinates[mesh.cells] = numbers[:, None] + _CORNERS[mesh.dim]
+    coordinates[mesh.cells] = numbers[:, None] + CORNERS[mesh.dim]
     return coordinates
 
 

@@ -9,6 +9,7 @@ from . import _core
 from .attributes import Attributed, makeClasses
 from .lattice import asSpacing, cutCells, cutOutline, latticePoints
 from .mesh import Mesh, meshFromArrays, meshFromFile, meshRegion, refineNear
+from .meshRows import inRows
 from .regions import Region
 
 
@@ -52,7 +53,8 @@ class MeshedType(ParticleType):
     size : edge of a domain, m (default: the cell size).
     matched : a uGIMP body; the domains within one cell of it get the spacing of its particles.
 
-    A region is filled with domains along the axes: its slanted and curved edges become stairs. A mesh follows them.
+    A region is filled with domains along the axes: its slanted and curved edges become stairs. A mesh follows them. Steps take
+    least time where its cells follow each other in rows: mesh files are numbered so, for arrays see `inRows`.
     """
 
     def __init__(self, size=None, matched=None, **attributes):
@@ -63,11 +65,11 @@ class MeshedType(ParticleType):
     matched = property(lambda self: self._matched, doc="Body that the neighbouring domains are refined to.")
 
     def geometry(self, region, scene, name):
-        """Mesh of a region, of (points, cells), or of a mesh file."""
+        """Mesh of a region, of (points, cells), or of a mesh file, which is numbered anew in rows."""
         if isinstance(region, Mesh):
             return region
         if isinstance(region, (str, bytes)) or hasattr(region, "__fspath__"):
-            return meshFromFile(region, name)
+            return inRows(meshFromFile(region, name))
         if isinstance(region, tuple) and len(region) == 2:
             return meshFromArrays(*region, name)
         if not isinstance(region, Region):

@@ -74,7 +74,8 @@ class Scene(Guarded):
         """Adds a body and returns it.
 
         name : used in messages, results and checkpoints.
-        region : Region; for APDI also (points (Nv, dim), cells (Nc, 4 or 8)), or the name of a mesh file.
+        region : Region; for APDI also (points (Nv, dim), cells (Nc, 4 or 8)), a Mesh, or the name of a mesh file. Domains are in the order
+            of the cells; those of a file are numbered anew in rows, for speed: `body.mesh.cellNumbers` tells which cell each is.
         material : e.g. mpm.LinearElastic(...). type : e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).
         inertiaScale : factor on the inertial mass, not on the weight; default 1.
         fbar : one increment of volumetric strain and one linear mean stress per cell (against volumetric locking; de Souza Neto et al.

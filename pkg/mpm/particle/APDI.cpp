@@ -129,7 +129,12 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         const Planes q(particles);
         isCleared_ = false;
         if (nodalMomentum)
-            team.chunksNoWait(vertices_.size(), [&](int begin, int end) { scale(begin, end, planes<Dim>(control), how.dt); });
+            team.chunksNoWait(vertices_.size(), [&](int begin, int end) {
+                scale(begin, end, planes<Dim>(control), how.dt);
+                vertices_.hanging.within(begin, end, [&](int, int slave) { // its masters have that of addSum()
+                    for (double* x : planes<Dim>(control)) x[slave] = 0;
+                });
+            });
         nodes ? take(team, nodes, planes<2 * Dim>(motion)) : team.wait();
         pieces(team, [&](const Batch<Dim>& batch, int piece) {
             const BatchWeights<Dim> d(batch, skew_);
@@ -153,8 +158,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         });
         if (!nodalMomentum) return;
         const auto given = planes<Dim>(control);
-        vertices_.hanging.give(team, given);
-        vertices_.scatter(team, nodalMomentum, [&](int first, int count, typename NF::Velocity* out) {
+        vertices_.scatter(team, nodalMomentum, given, [&](int first, int count, typename NF::Velocity* out) {
             std::array<const double*, Dim> from;
             for (int k = 0; k < Dim; ++k) from[k] = given[k] + first;
             Base::packVectors(from, count, out->part);
@@ -503,9 +507,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // Then the nodes take it; the forces of hourglass control stay on the vertices, too. overScale: weight mass over inertial mass.
     void sumToNodes(Team& team, typename NF::Sum* nodes, bool withControl, double overScale) {
         const auto given = planes<vertexPlanes>(0);
-        vertices_.hanging.give(team, given);
         const double factor = withControl ? 1 : 0;
-        vertices_.scatter(team, nodes, [&](int first, int count, typename NF::Sum* out) {
+        vertices_.scatter(team, nodes, given, [&](int first, int count, typename NF::Sum* out) {
             double total[Dim][chunkSize], weightMass[chunkSize];
             std::array<const double*, Dim> all;
             for (int k = 0; k < Dim; ++k) {

@@ -40,8 +40,8 @@ class HangingVertices {
 
     // f(number, vertex) for the slaves among vertices [begin, end).
     template <class F> void within(int begin, int end, F&& f) const {
-        for (auto s = std::lower_bound(slaves.begin(), slaves.end(), begin); s != slaves.end() && *s < end; ++s)
-            f(int(s - slaves.begin()), *s);
+        for (int s = firstSlave_[begin / chunkSize]; s < count() && slaves[s] < end; ++s)
+            if (slaves[s] >= begin) f(s, slaves[s]);
     }
 
     // Of a plane of numbers at the vertices, the weighted mean over the masters of slave number s.
@@ -51,16 +51,24 @@ class HangingVertices {
         return sum;
     }
 
-    // The transpose: slaves hand what they have to their masters.
-    template <size_t n> void give(Team& team, const std::array<double*, n>& plane) const {
-        if (slaves.empty()) return;
-        team.once([&] {
-            for (double* x : plane)
-                for (int s = 0; s < count(); ++s) {
-                    eachMaster(s, [&](int master, double w) { x[master] += w * x[slaves[s]]; });
-                    x[slaves[s]] = 0;
-                }
-        });
+    // The transpose: masters among vertices [begin, end) add what their slaves hold.
+    template <size_t n> void collect(int begin, int end, const std::array<double*, n>& plane) const {
+        for (size_t i = firstShare_[begin / chunkSize]; i < shares_.size() && shares_[i].master < end; ++i)
+            if (const Share& share = shares_[i]; share.master >= begin)
+                for (double* x : plane) x[share.master] += share.weight * x[share.slave];
+    }
+
+    // After slaves, masters or weights were set. vertices: their number.
+    void restored(int vertices) {
+        shares_.clear();
+        for (int s = 0; s < count(); ++s)
+            eachMaster(s, [&](int master, double w) { shares_.push_back({master, slaves[s], w}); });
+        std::stable_sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.master < b.master; });
+        firstSlave_.assign(chunksOf(vertices) + 1, 0), firstShare_ = firstSlave_;
+        for (int v : slaves) ++firstSlave_[v / chunkSize + 1];
+        for (const Share& share : shares_) ++firstShare_[share.master / chunkSize + 1];
+        std::partial_sum(firstSlave_.begin(), firstSlave_.end(), firstSlave_.begin());
+        std::partial_sum(firstShare_.begin(), firstShare_.end(), firstShare_.begin());
     }
 
     // Those with keep(number) stay; the others are free vertices from now on.
@@ -80,6 +88,14 @@ class HangingVertices {
         for (int& v : masters)
             if (v >= 0) v = number[v];
     }
+
+  private:
+    struct Share {
+        int master, slave;
+        double weight;
+    };
+    std::vector<Share> shares_;                // by master
+    std::vector<int> firstSlave_, firstShare_; // in or behind each chunk of vertices
 };
 
 } // namespace mpm

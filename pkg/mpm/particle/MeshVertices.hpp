@@ -38,6 +38,7 @@ template <int Dim> class MeshVertices {
     // After the number of vertices, or their order from a checkpoint, was set.
     void restored() {
         order_.forget();
+        hanging.restored(size());
         hasMoved_.assign(chunksOf(size()), 1);
         cell_.resize(size()), local_.resize(size());
     }
@@ -99,9 +100,10 @@ template <int Dim> class MeshVertices {
         });
     }
 
-    // give(first, count, values) fills in what vertices with consecutive numbers give; hanging ones must have handed it on. The
-    // sums of a cell stay in registers, and towards the next one along the first axis only nodes that are left behind are written.
-    template <class Node, class Give> void scatter(Team& team, Node* nodes, Give&& give) const {
+    // give(first, count, values) fills in what vertices with consecutive numbers give, from what they hold in the planes; what hanging ones
+    // hold is added to that of their masters. The sums of a cell stay in registers, and towards the next one along the first axis only
+    // nodes that are left behind are written.
+    template <class Node, size_t held, class Give> void scatter(Team& team, Node* nodes, const std::array<double*, held>& plane, Give&& give) const {
         team.inTurns(order_.turns, [&](int b) {
             const int start = order_.start[b], end = order_.start[b + 1];
             if (start == end) return;
@@ -113,7 +115,9 @@ template <int Dim> class MeshVertices {
                 const int first = order_.order[begin];
                 const Hats hat(*this, first, next - begin);
                 Node given[chunkSize];
+                hanging.collect(first, first + next - begin, plane);
                 give(first, next - begin, given);
+                hanging.within(first, first + next - begin, [&](int, int slave) { given[slave - first] = Node::zero(); });
                 for (int i = 0; i < next - begin; ++i) {
                     const int here = hat.cell[first + i];
                     if (here == cell + 1)

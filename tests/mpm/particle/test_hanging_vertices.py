@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Vertices of fine domains on the edges of coarse ones: what they hold goes to the nodes by way of their masters, once."""
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+from yade_mpm.mesh import Mesh, meshRegion, refineNear
+
+EDGE = 1.0
+
+
+def block(dim, hourglass):
+    """A block of coarse domains with fine ones in its middle, its free vertices out of order; scene and body."""
+    scene = mpm.Scene((0,) * dim, (8,) * dim, EDGE, threads=1)
+    region = mpm.box((2,) * dim, (6,) * dim)
+    mesh = refineNear(meshRegion(region, scene.lower, scene.upper, EDGE, "block"), np.full((1, dim), 3.7), 0.1, 0.5)
+    assert len(mesh.slaves) >= 4 and len(mesh.cells) > 4**dim
+    points = mesh.points + 0.05 * np.random.default_rng(1).uniform(-1, 1, mesh.points.shape) + 0.1
+    mesh = Mesh(onMasters(points, mesh), mesh.cells, mesh.slaves, mesh.masters, mesh.masterWeights)
+    body = scene.add("block", mesh, mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3), mpm.APDI(hourglass=hourglass))
+    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.dt, scene.allowUnstable = 1e-4, True
+    return scene, body
+
+
+def onMasters(values, mesh):
+    """Values at the vertices, those of slaves the means of their masters."""
+    values = values.copy()
+    values[mesh.slaves] = np.einsum("sm,smd->sd", mesh.masterWeights, values[mesh.masters])
+    return values
+
+
+def nodeTable(scene):
+    """Mass, momentum and force of all nodes, as the last ParticleToGrid left them."""
+    table = np.zeros((len(scene.nodePositions()), 1 + 2 * scene.dim))
+    for row in scene.core.nodalValues():
+        table[row[0]] = row[1:2 + 2 * scene.dim]
+    return table
+
+
+def matrix(scene, body):
+    """phi_ip (nodes, particles) of the body as it stands."""
+    number = {tuple(x.round(6)): i for i, x in enumerate(scene.nodePositions())}
+    phi = np.zeros((len(number), body.count))
+    for p in range(body.count):
+        for x, weight, _ in body.weights(p):
+            phi[number[tuple(np.round(x, 6))], p] += weight
+    return phi
+
+
+def hats(scene, points):
+    """S_i (nodes, points): products of hats of one cell's width."""
+    return np.maximum(1 - np.abs(scene.nodePositions()[:, None] - points) / EDGE, 0).prod(axis=2)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_nodes_get_what_the_weights_say(dim):
+    scene, body = block(dim, hourglass=0)
+    rng = np.random.default_rng(5)
+    body.velocity = rng.normal(size=(body.count, dim))
+    stress = rng.normal(size=(body.count, 3, 3))
+    body.stress = stress + stress.swapaxes(1, 2)
+    number = {tuple(x.round(6)): i for i, x in enumerate(scene.nodePositions())}
+    expected = np.zeros((len(number), 1 + 2 * dim))
+    for p in range(body.count):
+        for x, phi, gradient in body.weights(p):
+            f = -body.volume[p] * body.stress[p, :dim, :dim] @ gradient
+            expected[number[tuple(np.round(x, 6))]] += np.concatenate([[phi * body.mass[p]], phi * body.mass[p] * body.velocity[p], f])
+    for engine in scene.engines[1:]:
+        engine.dead = True
+    scene.run(steps=1, progress=False)
+    assert np.abs(nodeTable(scene) - expected).max() <= 1e-13 * np.abs(expected).max()
+    assert nodeTable(scene)[:, 0].sum() == pytest.approx(body.mass.sum(), rel=1e-14)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_impulse_of_hourglass_control_comes_once(dim):
+    """MUSL: m_i v_i = sum phi m v_p + dt times the forces of hourglass control, here the only ones; vertices move with v."""
+    scene, body = block(dim, hourglass=0.1)
+    body.vertices[...] = onMasters(body.vertices + 0.1 * np.random.default_rng(2).uniform(-1, 1, body.vertices.shape), body.mesh)
+    phi, S = matrix(scene, body), hats(scene, body.vertices)
+    scene.run(steps=1, progress=False)
+    mass, force = nodeTable(scene)[:, :1], nodeTable(scene)[:, 1 + dim:]
+    momentum = phi @ (body.mass[:, None] * body.velocity) + scene.dt * force
+    velocity = np.divide(momentum, mass, out=np.zeros_like(momentum), where=mass > 0)
+    expected = onMasters(S.T @ velocity, body.mesh)
+    found = np.asarray(body.core.view("vertexVelocity", True))
+    assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
+    withoutControl = S.T @ np.divide(momentum - scene.dt * force, mass, out=np.zeros_like(momentum), where=mass > 0)
+    assert np.abs(withoutControl - expected)[body.mesh.slaves].max() > 0.1 * np.abs(expected).max()  # control

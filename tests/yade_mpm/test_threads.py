@@ -65,11 +65,21 @@ def take(scene, steps):
     return sorts
 
 
-def digests(name, scheme, steps):
-    """Runs a scene with THREADS, and as a control with 1 thread and one velocity off by its last bit."""
+def digest(scene):
     import hashlib
 
     import numpy as np
+    text = hashlib.sha256(repr([scene.dt, scene.core.energies, [c.work for c in scene.constraints]]).encode())
+    for body in scene.bodies:
+        for field in body.fields():
+            text.update(np.ascontiguousarray(getattr(body, field["name"])).tobytes())
+        if body.cells is not None:
+            text.update(np.ascontiguousarray(body.vertices).tobytes())
+    return text.hexdigest()
+
+
+def digests(name, scheme, steps):
+    """Runs a scene with THREADS, and as a control with 1 thread and one velocity off by its last bit."""
     found = []
     for threads, isControl in [(n, False) for n in THREADS] + [(1, True)]:
         scene = globals()[name](scheme)
@@ -77,13 +87,7 @@ def digests(name, scheme, steps):
         if isControl:
             scene["block" if name == "solid" else "flying"].velocity[0, -1] *= 1 + 2e-16
         assert take(scene, steps) > steps // 1000, "the particles were not re-sorted"
-        text = hashlib.sha256(repr([scene.dt, scene.core.energies, [c.work for c in scene.constraints]]).encode())
-        for body in scene.bodies:
-            for field in body.fields():
-                text.update(np.ascontiguousarray(getattr(body, field["name"])).tobytes())
-            if body.cells is not None:
-                text.update(np.ascontiguousarray(body.vertices).tobytes())
-        found.append(text.hexdigest())
+        found.append(digest(scene))
     return found
 
 
@@ -103,6 +107,45 @@ def test_threads_do_not_change_a_bit(tmp_path, name, scheme, steps):
     *runs, control = out.stdout.split()
     assert len(runs) == len(THREADS) and set(runs) == {runs[0]}
     assert control != runs[0], "the control: one bit at the start is seen at the end"
+
+
+def test_callbacks_may_change_the_number_of_threads_and_run_another_scene():
+    """Threads stay together from step to step; whoever asks for others gets others."""
+    plain, plainOther = hybrid(), solid()
+    plain.threads = plainOther.threads = 1
+    plain.run(steps=40, progress=False), plainOther.run(steps=8, progress=False)
+    scene, other = hybrid(), solid()
+    numbers, seen = iter([1, 2, 2, 3, 1, 1, 3, 2]), []
+
+    def change(s):
+        other.threads = s.threads                # the same threads, within the other scene's step,
+        other.run(steps=1, progress=False)
+        s.threads = next(numbers)                # or others from the next step on
+        seen.append(s.threads)
+
+    scene.threads = 2
+    scene.engines.append(mpm.PyRunner(change, iterPeriod=5))
+    scene.run(steps=40, progress=False)
+    assert len(seen) == 8 and digest(other) == digest(plainOther)
+    assert digest(scene) == digest(plain)
+    other.threads = 2
+    other.run(steps=1, progress=False)
+    assert digest(other) != digest(plainOther)  # control
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_threads_go_on_after_an_error(threads):
+    scene = hybrid()
+    scene.threads = threads
+    scene.run(steps=10, progress=False)
+    body = scene["flying"]
+    kept = body.position[5].copy()
+    body.position[5] = (100.0, 100.0)
+    with pytest.raises(RuntimeError, match="outside the grid"):
+        scene.run(steps=10, progress=False)
+    body.position[5] = kept
+    scene.run(steps=10, progress=False)
+    assert scene.steps == 20
 
 
 def test_energies_are_the_same_for_any_number_of_threads_that_numpy_has(tmp_path):

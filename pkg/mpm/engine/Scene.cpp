@@ -60,9 +60,7 @@ template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
     size_t lastStage = 0; // the clock moves on after it, so that callbacks at the end see the new time
     for (size_t e = 0; e < engines.size(); ++e)
         if (engines[e]->isStage() && !engines[e]->dead) lastStage = e;
-    long taken = 0;
-    for (; taken < steps; ++taken) {
-        if (taken > 0 && since(start) >= seconds) break;
+    const auto takeStep = [&] {
         for (size_t e = 0; e < engines.size(); ++e) {
             Engine& engine = *engines[e];
             const auto tick = [&] {
@@ -76,7 +74,13 @@ template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
             }
             tick();
         }
-    }
+    };
+    long taken = 0;
+    const auto goesOn = [&] { return taken < steps && (taken == 0 || since(start) < seconds); };
+    while (goesOn())
+        Crew::keep(threads, [&, now = threads] { // a callback may ask for another number
+            for (; goesOn() && threads == now; ++taken) takeStep();
+        });
     return taken;
 }
 

@@ -9,6 +9,7 @@ import threading
 import time
 
 from . import checkpoint, limits
+from .pace import Pace
 
 SLICE = 0.1   # s of wall time between looks at signals and the progress bar
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
@@ -115,7 +116,7 @@ class Run:
             raise KeyboardInterrupt
 
     def _takeSteps(self):
-        scene = self.scene
+        scene, pace = self.scene, Pace(self.scene)
         while self.stepsLeft() > 0 and self.signal is None and not self._stop.is_set():
             if scene.steps > 0 and scene.steps % limits.CHECK_PERIOD == 0:
                 self._lookAtDomains(limits.INTERFACE_RUN)
@@ -123,10 +124,12 @@ class Run:
                 self._reestimate()
             callbacks = [e.stepsToCall(scene) for e in scene.engines]
             looks = [period - scene.steps % period for period in (limits.CHECK_PERIOD, limits.DT_PERIOD)]
+            pace.look()
             scene.core.advance(min([self.stepsLeft(), *looks, *callbacks]), SLICE)
             self.progress.update()
             if time.monotonic() >= self._saveAt:
                 self._saveMeanwhile()
+        scene.core.threads = scene.threads
         self._lookAtDomains(math.inf)
 
     def _lookAtDomains(self, longest):
@@ -225,7 +228,7 @@ class Progress:
         steps = self.scene.steps - self.firstStep
         wall = time.monotonic() - self.began
         rate = wall / max(1, steps) / max(1, self.scene.particleCount) * 1e9
-        threads = f"{self.scene.threads} thread{'s' if self.scene.threads > 1 else ''}"
+        threads = f"{self.scene.core.threads} thread{'s' if self.scene.core.threads > 1 else ''}"
         return f"t = {self.scene.time:.4g} s, {rate:.3g} ns per particle-step on {threads}"
 
     def update(self):

@@ -17,7 +17,7 @@ from .regions import Region
 from .running import Run
 
 MOST_THREADS = 1024
-PARTICLES_PER_THREAD = 750  # from 500 on two threads gain, at 1500 1.4 times (doc/performance.md)
+PARTICLES_PER_THREAD = 1000  # a block of 2000 is 1.5 times as fast on two (doc/performance.md)
 
 
 class Scene(Guarded):
@@ -29,8 +29,8 @@ class Scene(Guarded):
         3D scene. Ghost nodes outside are added by the solver.
     cell : cell size, m; one number or one per axis. upper - lower must be a multiple of it.
     scheme : "MUSL" (default), "USF" or "USL": when the stress is updated in a step (Sulsky et al. 1995; Bardenhagen 2002).
-    threads : number of threads; default: one for every 750 particles, at most OMP_NUM_THREADS. The results are
-        the same bits for any number.
+    threads : number of threads; default: one for every 1000 particles, at most OMP_NUM_THREADS, and a single one while a run
+        finds that faster, as it is beside other jobs. The results are the same bits for any number.
 
     Raises ValueError for a grid that is not made of whole cells.
     """
@@ -245,7 +245,8 @@ class Scene(Guarded):
 
     @property
     def threads(self):
-        """Number of threads in use: as given, or one for every 750 particles but at most OMP_NUM_THREADS (all cores)."""
+        """Number of threads in use: as given, or one for every 1000 particles but at most OMP_NUM_THREADS (all cores); a
+        run tries a single one now and then, and stays with the faster."""
         return self._threads or min(_core.availableThreads(), max(1, self.particleCount // PARTICLES_PER_THREAD))
 
     @threads.setter

@@ -8,7 +8,7 @@ from math import radians
 import pytest
 
 import yade_mpm as mpm
-from yade_mpm import box
+from yade_mpm import box, pace, running
 
 THREADS = (1, 2, 3, 8, 16)
 
@@ -131,6 +131,23 @@ def test_callbacks_may_change_the_number_of_threads_and_run_another_scene():
     other.threads = 2
     other.run(steps=1, progress=False)
     assert digest(other) != digest(plainOther)  # control
+
+
+def test_a_run_that_changes_its_number_of_threads_gives_the_same_bits(monkeypatch):
+    """As it does beside other jobs, but at every step."""
+    plain = hybrid()
+    plain.threads = 1
+    plain.run(steps=60, progress=False)
+    for name, value in dict(FIRST=0.0, LATER=0.0, TRIAL=0.0, GAIN=2.0).items():
+        monkeypatch.setattr(pace, name, value)
+    monkeypatch.setattr(running, "SLICE", 0.0)
+    monkeypatch.setattr(mpm.Scene, "threads", property(lambda scene: scene._threads or 3, mpm.Scene.threads.fset))
+    scene, seen = hybrid(), []
+    begin = pace.Pace._begin
+    monkeypatch.setattr(pace.Pace, "_begin", lambda self, threads: (seen.append(threads), begin(self, threads)))
+    scene.run(steps=60, progress=False)
+    assert seen.count(1) > 5 and seen.count(3) > 5
+    assert digest(scene) == digest(plain)
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3])

@@ -4,14 +4,13 @@
 // pieces. Hence the same bits for any number of threads.
 #pragma once
 
-#include "mpm/base/Barrier.hpp"
+#include "mpm/base/Crew.hpp"
 
 #include <omp.h>
 
 #include <algorithm>
 #include <atomic>
 #include <exception>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -115,68 +114,6 @@ class Turns {
             if (spins > 1000) std::this_thread::yield(); // more threads than cores
     }
     void finished(int piece) { done_[piece].fetch_add(1, std::memory_order_release); }
-};
-
-inline bool areTooMany(int threads) {
-    static const int processors = omp_get_num_procs(); // it asks the system
-    return threads > processors;
-}
-
-// Threads that stay together for many calls of parallel(): a parallel region of their own for each would take 1.8 us, like this it is 0.5.
-class Crew {
-  public:
-    // Calls f() on this thread, while the others stand by.
-    template <class F> static void keep(int threads, F&& f) {
-        if (threads == 1 || mine_) return f();
-        Crew crew(threads);
-        std::exception_ptr error;
-#pragma omp parallel num_threads(threads)
-        if (omp_get_thread_num() > 0)
-            crew.standBy();
-        else {
-            mine_ = &crew;
-            try {
-                f();
-            } catch (...) {
-                error = std::current_exception();
-            }
-            mine_ = nullptr;
-            crew.all(nullptr);
-        }
-        if (error) std::rethrow_exception(error);
-    }
-
-    // Calls f() on all of so many threads, those of this thread's crew if it has as many.
-    static void call(int threads, const std::function<void()>& f) {
-        if (mine_ && mine_->threads_ == threads) return mine_->all(&f);
-#pragma omp parallel num_threads(threads) if (threads > 1)
-        f();
-    }
-
-  private:
-    explicit Crew(int threads) : threads_(threads) {}
-
-    void all(const std::function<void()>* f) {
-        task_ = f;
-        wait();
-        if (!f) return;
-        (*f)();
-        wait();
-    }
-
-    void standBy() {
-        for (wait(); task_; wait()) {
-            (*task_)();
-            wait();
-        }
-    }
-
-    void wait() { barrier_.wait(omp_get_num_threads(), areTooMany(threads_)); }
-
-    inline static thread_local Crew* mine_ = nullptr;
-    const int threads_;
-    const std::function<void()>* task_ = nullptr; // for all of them; none: the end
-    Barrier barrier_;
 };
 
 // All threads of one parallel region. Every thread calls the same functions in the same order; each

@@ -45,8 +45,10 @@ def inRows(mesh):
     mesh: Mesh. Returns a Mesh; its `cellNumbers` (Nc,) tell which cell of the given one each of its cells is. Corner 0 of a cell may be
     another one than before, its corners go round as before. The first row goes along the first axis through the lowest cell.
     scene.add does this with the name of a mesh file; meshes from arrays keep their numbers:
-    scene.add("soil", inRows(meshFromArrays(points, cells, "soil")), material, APDI()).
+    scene.add("soil", inRows(meshFromArrays(points, cells, "soil")), material, APDI()). Raises TypeError for anything but a Mesh.
     """
+    if not isinstance(mesh, Mesh):
+        raise TypeError(f"inRows: got a {type(mesh).__name__}; give a Mesh, as meshFromArrays(points, cells, name) and meshFromFile(path, name) return it")
     order, points, cells = _rows(mesh.points, mesh.cells)
     numbers = np.empty(len(points), int)
     numbers[points] = np.arange(len(points))

@@ -72,6 +72,11 @@ def test_a_shuffled_block_gets_its_rows_back(counts):
         assert np.mean(rows(shuffled(points, cells)[1])) < 1.1  # control: there were none
 
 
+def test_what_is_no_mesh_is_refused():
+    with pytest.raises(TypeError, match="inRows: got a tuple; give a Mesh, as meshFromArrays"):
+        mpm.inRows(block((2, 2)))
+
+
 def star(n):
     """Three blocks of n x n cells round a vertex, as in a mesh that a generator paved."""
     points, cells = block((n, n))

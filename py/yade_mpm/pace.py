@@ -17,28 +17,30 @@ class Pace:
     """Chooses the number of threads of a run, slice by slice."""
 
     def __init__(self, scene, clock=time.monotonic):
-        self._scene, self._clock = scene, clock
-        self._steady, self._wait = scene.threads, FIRST
-        self._begin(scene.threads)
+        self._scene, self._clock, self._isSingle, self._wait = scene, clock, False, FIRST
+        self._begin(isTrial=False)
 
     def look(self):
         """To be called between slices; gives the scene the number of threads for the next one."""
         scene, most = self._scene, self._scene.threads
         if scene._threads is not None or most == 1:
-            self._steady = most
-            return self._begin(most)
-        wall = self._clock() - self._began
-        if self._now != self._steady:                              # in a trial
-            if wall >= TRIAL and scene.steps > self._firstStep:
-                if self._stepTime() < GAIN * self._stepTimeBefore:
-                    self._steady, self._wait = self._now, FIRST
-                self._begin(self._steady)
-        elif wall >= self._wait and scene.steps > self._firstStep:
-            self._stepTimeBefore, self._wait = self._stepTime(), min(2 * self._wait, LATER)
-            self._begin(most if self._steady == 1 else 1)
+            scene.core.threads = most
+            return
+        self._decide()
+        scene.core.threads = 1 if self._isSingle != self._isTrial else most
 
-    def _begin(self, threads):
-        self._now = self._scene.core.threads = threads
+    def _decide(self):
+        wall = self._clock() - self._began
+        if wall < (TRIAL if self._isTrial else self._wait) or self._scene.steps == self._firstStep:
+            return
+        if not self._isTrial:
+            self._stepTimeBefore, self._wait = self._stepTime(), min(2 * self._wait, LATER)
+        elif self._stepTime() < GAIN * self._stepTimeBefore:
+            self._isSingle, self._wait = not self._isSingle, FIRST
+        self._begin(isTrial=not self._isTrial)
+
+    def _begin(self, isTrial):
+        self._isTrial = isTrial
         self._began, self._firstStep, self._before = self._clock(), self._scene.steps, self._seconds()
 
     def _stepTime(self):

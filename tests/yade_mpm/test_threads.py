@@ -143,8 +143,8 @@ def test_a_run_that_changes_its_number_of_threads_gives_the_same_bits(monkeypatc
     monkeypatch.setattr(running, "SLICE", 0.0)
     monkeypatch.setattr(mpm.Scene, "threads", property(lambda scene: scene._threads or 3, mpm.Scene.threads.fset))
     scene, seen = hybrid(), []
-    begin = pace.Pace._begin
-    monkeypatch.setattr(pace.Pace, "_begin", lambda self, threads: (seen.append(threads), begin(self, threads)))
+    look = pace.Pace.look
+    monkeypatch.setattr(pace.Pace, "look", lambda self: (look(self), seen.append(scene.core.threads)))
     scene.run(steps=60, progress=False)
     assert seen.count(1) > 5 and seen.count(3) > 5
     assert digest(scene) == digest(plain)

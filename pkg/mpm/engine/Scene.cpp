@@ -60,27 +60,25 @@ template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
     size_t lastStage = 0; // the clock moves on after it, so that callbacks at the end see the new time
     for (size_t e = 0; e < engines.size(); ++e)
         if (engines[e]->isStage() && !engines[e]->dead) lastStage = e;
-    const auto takeStep = [&] {
-        for (size_t e = 0; e < engines.size(); ++e) {
-            Engine& engine = *engines[e];
-            const auto tick = [&] {
-                if (e == lastStage) setWatched(time, time + dt), setWatched(step, step + 1);
-            };
-            try {
-                actAlone(engine);
-            } catch (...) { // what ends a step at its last stage (a distorted domain) has made all of it
-                tick();
-                throw;
-            }
-            tick();
-        }
-    };
     long taken = 0;
-    const auto goesOn = [&] { return taken < steps && (taken == 0 || since(start) < seconds); };
-    while (goesOn())
-        Crew::keep(threads, [&, now = threads] { // a callback may ask for another number
-            for (; goesOn() && threads == now; ++taken) takeStep();
-        });
+    Crew::keep(threads, [&] {
+        for (; taken < steps; ++taken) {
+            if (taken > 0 && since(start) >= seconds) break;
+            for (size_t e = 0; e < engines.size(); ++e) {
+                Engine& engine = *engines[e];
+                const auto tick = [&] {
+                    if (e == lastStage) setWatched(time, time + dt), setWatched(step, step + 1);
+                };
+                try {
+                    actAlone(engine);
+                } catch (...) { // what ends a step at its last stage (a distorted domain) has made all of it
+                    tick();
+                    throw;
+                }
+                tick();
+            }
+        }
+    });
     return taken;
 }
 

@@ -43,6 +43,13 @@ class Engine(Attributed):
     def bind(self, scene):
         """Called before a run; engines that need the scene look things up here."""
 
+    def flush(self):
+        """Called when a run ends or is saved; engines that write files write here what is not in them yet."""
+
+    def frictions(self):
+        """All coefficients of friction that the engine was given."""
+        return []
+
     def stepsToCall(self, scene):
         """After so many steps Python may have been called, and certainly not before: the run looks then whether to stop."""
         return 1 << 30
@@ -164,6 +171,8 @@ class Hold(Prescribed):
     name : for histories; default the name of the face or "hold".
     """
 
+    _isFound = False  # whether its nodes are known: the grid stays as it is
+
     def __init__(self, where, velocity, ramp=0.0, name=None):
         if not isinstance(where, (str, Region)):
             raise TypeError(f"Hold: where = {where!r}; give the name of a face or a region")
@@ -172,11 +181,14 @@ class Hold(Prescribed):
 
     def bind(self, scene):
         super().bind(scene)
+        if self._isFound:
+            return
         nodes = scene.faceNodes(self.where) if isinstance(self.where, str) else scene.nodesInside(self.where)
         if len(nodes) == 0:
             raise ValueError(f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell size)")
         self.core.nodes = np.ascontiguousarray(nodes, np.int32)
         self.core.centre = list(scene.nodePositions()[nodes].mean(axis=0))
+        self._isFound = True
 
 
 class GridSolver(_generated["GridSolver"]):

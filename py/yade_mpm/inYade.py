@@ -441,7 +441,7 @@ class Coupling:
         """Writes rows and frames that are not in the files yet; O.run, O.step, O.wait and O.save do it."""
         self._forward()
         for engine in self._chain:
-            if hasattr(engine, "flush") and engine._scene is not None:
+            if isinstance(engine, Callback) and engine._scene is not None:
                 engine.flush()
 
     def _tagRecorders(self):

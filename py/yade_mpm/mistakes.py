@@ -32,7 +32,7 @@ def likelyMistakes(scene, gravity):
         yield f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among the engines"
     for engine in (e for e in scene.engines if isinstance(e, RigidContact) and not e.dead):
         yield from _overlap(scene, engine)
-    for engine, friction in ((e, f) for e in scene.engines if hasattr(e, "frictions") for f in e.frictions()):
+    for engine, friction in ((e, f) for e in scene.engines for f in e.frictions()):
         if ANGLES[0] <= friction <= ANGLES[1]:
             yield (f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its tangent, "
                    f"{np.tan(np.radians(friction)):.3g}, if it is one")

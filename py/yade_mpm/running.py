@@ -164,8 +164,7 @@ class Run:
 
     def _flush(self):
         for engine in self.scene.engines:
-            if hasattr(engine, "flush"):
-                engine.flush()
+            engine.flush()
 
     def _saveMeanwhile(self):
         """For what leaves no time to save: power that fails, a killed process."""

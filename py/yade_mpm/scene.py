@@ -504,8 +504,7 @@ class Scene(Guarded):
         for engine in engines:
             belongTo(self, engine)
             engine.bind(self)
-        solvers = [e for e in engines if hasattr(e, "constraints")]
-        constraints = [c for solver in solvers for c in solver.constraints(self)]
+        constraints = [c for e in engines if isinstance(e, GridSolver) for c in e.constraints(self)]
         for constraint in constraints:
             constraint.bind(self)
         self._constraints = constraints

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 import yade_mpm as mpm
+import yade_mpm.attributes
 import yade_mpm.scene
 from yade_mpm import box
 
@@ -538,3 +539,16 @@ def test_a_ramp_counts_from_the_end_of_settling():
     before = block.position[:, 1].max()
     scene.run(until=scene.time + 0.1)
     assert before - block.position[:, 1].max() == pytest.approx(0.005, rel=0.2)  # without the ramp 0.01
+
+
+def test_a_run_looks_up_no_more_than_it_must(monkeypatch):
+    """Loops of short runs are common: similar names and the nodes of faces are not searched in each run."""
+    scene = smallScene(mpm.PyRunner(lambda: None, iterPeriod=5))
+    scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed=("bottom",), hold=mpm.Hold(box((0.4, 0.4), (0.8, 0.8)), (0, None)))
+    scene.run(steps=1)
+    def refuse(*arguments):
+        raise AssertionError("looked up again")
+    monkeypatch.setattr(yade_mpm.attributes, "didYouMean", refuse)
+    monkeypatch.setattr(mpm.Scene, "nodePositions", refuse)
+    scene.run(steps=3)
+    assert scene.steps == 4 and scene.constraints[-1].heldNodes == 4

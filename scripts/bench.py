@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Times the stages of the step: a block of yielding soil as uGIMP, APDI or both, with build/mpm_bench (C++, no Python).
 
-One line per case: ns per particle-step of every stage and of the whole step (minimum over the repeats, of the step also the
-maximum), bytes per particle, share of the particles that yield meanwhile, and us per step outside of the stages. Beside it
-the step of the stored baseline and the ratio to it, below 1: faster now. A ratio to a stored figure tells of the machine and
+One line per case, in ns per particle-step: every stage, the shortest of all single steps, and their sum, which other jobs on the machine disturb little; the
+mean step of the quietest repeat and of the noisiest; bytes per particle, share of the particles that yield meanwhile, and us per step outside of the stages.
+Beside it the sum in the stored baseline and the ratio to it, below 1: faster now. A ratio to a stored figure tells of the machine and
 of the hour as well. The only honest comparison of two builds is --against, which runs them alternately on one machine:
 
     scripts/run bench --quick                                   # a choice of cases, under a minute
@@ -113,7 +113,8 @@ def measure(binary, case, repeats):
             sys.exit(f"bench: {case}: {line['error_message']}")
     found = {line["aggregate_name"]: line for line in result["benchmarks"] if line["run_type"] == "aggregate"}
     least, most = found["min"], found["max"]
-    figures = dict(case=case, particles=int(least["particles"]), **{stage: round(least[stage], 2) for stage in STAGES},
+    stages = {stage: round(least[stage], 2) for stage in STAGES}
+    figures = dict(case=case, particles=int(least["particles"]), **stages, shortest=round(sum(stages.values()), 2),
                    step=round(least["step"], 2), slowest=round(most["step"], 2), overhead=round(least["overhead"], 3),
                    bytes=round(least["bytesPerParticle"]), yielding=round(least["yielding"], 3))
     return figures, result["context"]
@@ -122,7 +123,7 @@ def measure(binary, case, repeats):
 def yardstick(binary, repeats):
     """ns per particle-step of a bare kernel, see pkg/bench/yardstick.hpp: what machines differ by."""
     result = json.loads(call(binary, "--benchmark_filter=^yardstick/", f"--benchmark_repetitions={repeats}", "--benchmark_format=json"))
-    return min(line["step"] for line in result["benchmarks"] if line["run_type"] == "iteration")
+    return min(line["shortest"] for line in result["benchmarks"] if line["run_type"] == "iteration")
 
 
 # ---- the same through Python -------------------------------------------------------------------------
@@ -158,7 +159,7 @@ def comparePython(binary, repeats):
     except ImportError:
         return f"{THROUGH_PYTHON} through Scene.run: left out, there is no yade_mpm here"
     program = measure(binary, THROUGH_PYTHON, repeats)[0]["step"]
-    return f"{THROUGH_PYTHON} through Scene.run: {python:.1f} ns per particle-step, mpm_bench {program:.1f}"
+    return f"{THROUGH_PYTHON} through Scene.run: mean step {python:.1f} ns per particle-step, mpm_bench {program:.1f}"
 
 
 # ---- the table ---------------------------------------------------------------------------------------
@@ -174,15 +175,15 @@ def described(m):
 
 def headline():
     stages = " ".join(f"{short:>7}" for short in STAGES.values())
-    return (f"{'ns per particle-step':36} {stages} {'step':>7} {'(max)':>9} {'bytes':>6} {'yielding':>8} {'us besides':>10} "
+    return (f"{'ns per particle-step':36} {stages} {'sum':>7} {'mean':>7} {'(max)':>9} {'bytes':>6} {'yielding':>8} {'us besides':>10} "
             f"{'baseline':>9} ratio")
 
 
 def line(f, before):
     stages = " ".join(f"{f[stage]:7.1f}" for stage in STAGES)
     slowest = f"({f['slowest']:.1f})"
-    against = f"{before['step']:9.1f} {f['step'] / before['step']:5.2f}" if before else ""
-    return (f"{f['case']:36} {stages} {f['step']:7.1f} {slowest:>9} {f['bytes']:6} {f['yielding']:8.0%} {f['overhead']:10.2f} "
+    against = f"{before['shortest']:9.1f} {f['shortest'] / before['shortest']:5.2f}" if before else ""
+    return (f"{f['case']:36} {stages} {f['shortest']:7.1f} {f['step']:7.1f} {slowest:>9} {f['bytes']:6} {f['yielding']:8.0%} {f['overhead']:10.2f} "
             f"{against}")
 
 
@@ -220,9 +221,9 @@ def table(a, binary):
 
 def compare(a, binary, other):
     """A B A B: each pair gives a ratio, and the machine had no time to change within one."""
-    print("step in ns per particle-step, this build / the other, pair by pair; below 1: this build is faster")
+    print("shortest step in ns per particle-step, this build / the other, pair by pair; below 1: this build is faster")
     for case in casesOf(binary, pattern(a)):
-        pairs = [[measure(program, case, 2)[0]["step"] for program in (binary, other)] for _ in range(a.repeats)]
+        pairs = [[measure(program, case, 2)[0]["shortest"] for program in (binary, other)] for _ in range(a.repeats)]
         ratios = [mine / its for mine, its in pairs]
         best, bestOther = (min(steps) for steps in zip(*pairs))
         print(f"{case:36} {best:7.1f} / {bestOther:7.1f}  median {statistics.median(ratios):.3f}  pairs",

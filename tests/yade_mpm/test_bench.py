@@ -45,10 +45,11 @@ def test_figures_are_complete_and_fit_together(case, particles):
         assert figures["particles"] == particles
         stages = [figures[stage] for stage in STAGES]
         assert min(stages) > 0
-        assert 0.5 * figures["step"] < sum(stages) < 1.05 * figures["step"]
+        assert figures["shortest"] == pytest.approx(sum(stages))
+        assert 0.4 * figures["step"] < figures["shortest"] < figures["step"]
         # The program's own clock against that of the library, which times a step: us against ns per particle.
         assert figures["real_time"] == pytest.approx(figures["step"] * particles / 1000, rel=0.2)
-        assert figures["overhead"] == pytest.approx((figures["step"] - sum(stages)) * particles / 1000, abs=0.01)
+        assert 0 < figures["overhead"] < 5  # us
         assert 200 < figures["bytesPerParticle"] < 2000
         assert figures["yielding"] > 0.5
     assert context["processor"] and context["compiler"] and context["flags"]
@@ -58,6 +59,7 @@ def test_yardstick_keeps_its_momentum_and_takes_time():
     repeats, _ = measured("yardstick")
     assert all("error_message" not in figures and figures["particles"] == 20164 for figures in repeats)
     assert all(figures["step"] == pytest.approx(figures["real_time"] / 20164, rel=0.05) for figures in repeats)
+    assert all(0.4 * figures["step"] < figures["shortest"] <= figures["step"] for figures in repeats)
 
 
 def test_control_elastic_soil_does_not_yield():
@@ -76,8 +78,8 @@ def test_the_table_compares_with_what_was_saved(tmp_path):
     assert yardstick.startswith("yardstick") and float(yardstick.split()[-4]) > 1
     row = last.split()
     assert row[0] == saved["case"] == "2D/apdi/mcdp/2000/threads:1"
-    assert float(row[-2]) == pytest.approx(saved["step"], abs=0.051)
-    assert float(row[-1]) == pytest.approx(float(row[5]) / saved["step"], abs=0.01)
+    assert float(row[-2]) == pytest.approx(saved["shortest"], abs=0.051)
+    assert float(row[-1]) == pytest.approx(float(row[5]) / saved["shortest"], abs=0.01)
 
 
 @pytest.mark.parametrize("words, ignored", [("--quick --dim 3", "--dim"), ("--filter 2D --threads 2", "--threads"), ("--against other --save file", "--save")])

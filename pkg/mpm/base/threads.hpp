@@ -57,13 +57,6 @@ class Shares {
 // that it has something in common with, not for the whole colour.
 class Turns {
   public:
-    // Pieces in a row that share memory with the one before and the one after: even ones before odd ones.
-    void line(int n) {
-        std::vector<std::vector<int>> neighbours(n);
-        for (int i = 0; i + 1 < n; ++i) neighbours[i].push_back(i + 1), neighbours[i + 1].push_back(i);
-        graph(neighbours);
-    }
-
     // neighbours[i]: the pieces that piece i shares memory with. Returns the number of colours.
     int graph(const std::vector<std::vector<int>>& neighbours) {
         const int n = int(neighbours.size());

@@ -15,11 +15,17 @@ template <int Dim> class NearBoxes {
   public:
     bool isEmpty() const { return found_.empty(); }
 
-    // Looks at those of blocks that may have some, as the lowest nodes of boxes are at most `wander` slabs away from their block.
+    // Looks at those of blocks that may have some, as the lowest nodes of boxes are at most `wander` nodes away from their block.
     void find(const Scene<Dim>& scene, int field, const Neighbourhood<Dim>& neighbourhood) {
         const Grid<Dim>& grid = scene.grid;
-        const double below = grid.inCells(neighbourhood.lower[Dim - 1], Dim - 1) - grid.wander - 1,
-                     above = grid.inCells(neighbourhood.upper[Dim - 1], Dim - 1) + grid.wander + 1;
+        const auto isFar = [&](int block) {
+            const Index<Dim> begin = grid.blockBegin(block);
+            bool far = false;
+            for (int k = 1; k < Dim; ++k)
+                far |= begin[k] + grid.blockWidth < grid.inCells(neighbourhood.lower[k], k) - grid.wander - 1 ||
+                       begin[k] > grid.inCells(neighbourhood.upper[k], k) + grid.wander + 1;
+            return far;
+        };
         found_.clear(), start_.assign(neighbourhood.size() + 1, 0);
         for (auto& body : scene.bodies) {
             if (body->velocityField != field || ExplicitSurface<Dim>::isOf(*body)) continue;
@@ -29,7 +35,7 @@ template <int Dim> class NearBoxes {
             const double size = (2 * half).prod();
             const BlockOrder<Dim>& order = body->domains->order;
             for (int block = 0; block < order.blocks(); ++block) {
-                if ((block + 1) * grid.slabsPerBlock < below || block * grid.slabsPerBlock > above) continue;
+                if (isFar(block)) continue;
                 for (int begin = order.start[block]; begin < order.start[block + 1]; begin += chunkSize) {
                     const int count = std::min(chunkSize, order.start[block + 1] - begin);
                     int node[chunkSize];

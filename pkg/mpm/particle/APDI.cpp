@@ -53,7 +53,6 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         }
         Base::create(centres, volumes);
         restored();
-        regroup();
     }
 
     std::vector<Field*> fields() override {
@@ -72,6 +71,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         skew_.resize(particles.size());
         rowEnd_ = Batch<Dim>::rowEnds(corner_);
         cutIntoPieces();
+        if (!order.isOf(grid)) regroup();
     }
 
     // --- the step -----------------------------------------------------------------------------------

@@ -65,7 +65,7 @@ template <int Dim> class MeshVertices {
             if (!order_.broken(grid_)) return;
             group();
         }
-        order_.prepare(2);
+        order_.prepare(grid_, 2);
         block_.resize(size()), rowEnd_.resize(size());
         for (int b = 0; b < order_.blocks(); ++b) {
             order_.inspect(b, grid_, cell_);

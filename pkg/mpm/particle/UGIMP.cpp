@@ -79,7 +79,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     void restored() override {
         cell_.assign(particles.size(), -1), local_.resize(particles.size());
         outline_.find(particles);
-        order.prepare(3);
+        order.isOf(grid) ? order.prepare(grid, 3) : regroup();
     }
 
     // --- the step -----------------------------------------------------------------------------------
@@ -405,7 +405,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         splitting_.permute(order.order);
         outline_.find(particles);
         order.order.clear();
-        order.prepare(3);
+        order.prepare(grid, 3);
     }
 
     std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Points (particles or vertices) grouped by blocks of grid slabs. A block is scattered by one thread;
-// blocks of one colour touch disjoint nodes. A point may wander `Grid::wander` slabs out of its block
+// Points (particles or vertices) grouped by blocks of the grid. A block is scattered by one thread;
+// blocks of one colour touch disjoint nodes. A point may wander `Grid::wander` nodes out of its block
 // before the grouping is made anew, so the grouping is part of the state (and of a checkpoint).
 #pragma once
 
@@ -19,6 +19,8 @@ template <int Dim> class BlockOrder {
     Turns turns;            // neighbouring blocks touch the same nodes
 
     int blocks() const { return int(start.size()) - 1; }
+    // Not before the first grouping, nor from the checkpoint of a version with other blocks.
+    bool isOf(const Grid<Dim>& grid) const { return blocks() == grid.blocks(); }
     int at(int i) const { return order.empty() ? i : order[i]; }
 
     // Groups points by block, within a block by cell if so wanted, and then by number.
@@ -26,19 +28,22 @@ template <int Dim> class BlockOrder {
         isReady_ = false;
         order.resize(cell.size());
         std::iota(order.begin(), order.end(), 0);
+        std::vector<int> block(cell.size());
+        std::transform(cell.begin(), cell.end(), block.begin(), [&](int c) { return grid.blockAt(grid.indices(c)); });
         std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-            const int divisor = byCell ? 1 : grid.strides[Dim - 1] * grid.slabsPerBlock;
-            return cell[a] / divisor < cell[b] / divisor;
+            return block[a] != block[b] ? block[a] < block[b] : byCell && cell[a] < cell[b];
         });
         start.assign(grid.blocks() + 1, 0);
-        for (int c : cell) ++start[grid.slabOf(c) / grid.slabsPerBlock + 1];
+        for (int b : block) ++start[b + 1];
         for (size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
     }
 
     // Before the first look at a new grouping. `support`: nodes per direction. One thread.
     bool isReady() const { return isReady_; }
-    void prepare(int support) {
-        turns.line(blocks());
+    void prepare(const Grid<Dim>& grid, int support) {
+        std::vector<std::vector<int>> beside(blocks());
+        for (int b = 0; b < blocks(); ++b) grid.blocksBeside(b, [&](int other) { beside[b].push_back(other); });
+        turns.graph(beside);
         turns.shares.set(blocks(), [&](int b) { return start[b + 1] - start[b]; });
         touched_.assign(blocks(), {});
         runs_.assign(blocks(), 0);
@@ -79,11 +84,11 @@ template <int Dim> class BlockOrder {
 
     // A point left the neighbourhood of its block.
     bool broken(const Grid<Dim>& grid) const {
-        for (int b = 0; b < blocks(); ++b)
-            if (start[b] < start[b + 1] &&
-                (touched_[b].first[Dim - 1] < b * grid.slabsPerBlock - grid.wander ||
-                 touched_[b].last[Dim - 1] >= (b + 1) * grid.slabsPerBlock + grid.wander))
-                return true;
+        for (int b = 0; b < blocks(); ++b) {
+            const Index<Dim> begin = grid.blockBegin(b);
+            for (int k = 1; k < Dim && start[b] < start[b + 1]; ++k)
+                if (touched_[b].first[k] < begin[k] - grid.wander || touched_[b].last[k] >= begin[k] + grid.blockWidth + grid.wander) return true;
+        }
         return false;
     }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The background grid: a box of equal cells with ghost nodes around it. Nodes are numbered with the first
-// axis fastest; a slab is the set of nodes with the same number along the last axis.
+// axis fastest; a slab is the set of nodes with the same number along the last axis. A block is four rows of nodes wide along each axis but the
+// first, along which it is as long as the grid.
 #pragma once
 
 #include "mpm/base/largePages.hpp"
@@ -89,9 +90,9 @@ template <int Dim> struct NodalField {
 
 template <int Dim> class Grid {
   public:
-    static constexpr int ghost = 2;         // layers of nodes outside the box
-    static constexpr int slabsPerBlock = 4; // pieces of deterministic scatter, see Body::order
-    static constexpr int wander = 1;        // slabs a particle may leave its block by before it is re-sorted
+    static constexpr int ghost = 2;      // layers of nodes outside the box
+    static constexpr int blockWidth = 4; // in nodes; blocks are the pieces of deterministic scatter, see BlockOrder
+    static constexpr int wander = 1;     // nodes that a particle may leave its block by before it is re-sorted
 
     Grid(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell) : lower(lower), upper(upper), cell(cell) {
         int stride = 1;
@@ -127,8 +128,41 @@ template <int Dim> class Grid {
     }
 
     int slabs() const { return nodes[Dim - 1]; }
-    int blocks() const { return (slabs() + slabsPerBlock - 1) / slabsPerBlock; }
-    int slabOf(int node) const { return node / strides[Dim - 1]; }
+    // Blocks are numbered tile by tile. A tile is two of them wide along each axis but the first and has one of each colour, so that threads with a few
+    // tiles each begin with the first colour, go on with the next, and hardly wait for each other.
+    int blocks() const {
+        int product = 1;
+        for (int k = 1; k < Dim; ++k) product *= 2 * tilesAlong(k);
+        return product;
+    }
+    int blockAt(const Index<Dim>& node) const {
+        int tile = 0, within = 0;
+        for (int k = Dim - 1; k > 0; --k) {
+            const int place = node[k] / blockWidth;
+            tile = tile * tilesAlong(k) + place / 2, within = 2 * within + place % 2;
+        }
+        return (tile << (Dim - 1)) + within;
+    }
+    // The first node of a block along each axis.
+    Index<Dim> blockBegin(int block) const {
+        Index<Dim> begin;
+        begin[0] = 0;
+        for (int k = 1, within = block, tile = block >> (Dim - 1); k < Dim; within /= 2, tile /= tilesAlong(k++))
+            begin[k] = (2 * (tile % tilesAlong(k)) + within % 2) * blockWidth;
+        return begin;
+    }
+    // f(block) for the blocks beside a block, those across an edge too.
+    template <class F> void blocksBeside(int block, F&& f) const {
+        for (int n = 0; n < (Dim == 2 ? 3 : 9); ++n) {
+            Index<Dim> there = blockBegin(block);
+            bool isInside = true;
+            for (int k = 1, rest = n; k < Dim; rest /= 3, ++k) {
+                there[k] += (rest % 3 - 1) * blockWidth;
+                isInside &= there[k] >= 0 && there[k] < nodes[k];
+            }
+            if (isInside && blockAt(there) != block) f(blockAt(there));
+        }
+    }
 
     // Position in cells from the lowest ghost node.
     double inCells(double x, int axis) const { return (x - lower[axis]) / cell[axis] + ghost; }
@@ -165,6 +199,8 @@ template <int Dim> class Grid {
 
   private:
     std::array<double, Dim> overStride_;
+
+    int tilesAlong(int axis) const { return (nodes[axis] + 2 * blockWidth - 1) / (2 * blockWidth); }
 };
 
 } // namespace mpm

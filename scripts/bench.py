@@ -189,7 +189,10 @@ def line(f, before):
 
 def load(file):
     """A stored baseline, or an empty one."""
-    return json.loads(Path(file).read_text()) if Path(file).exists() else {"machine": None, "cases": []}
+    baseline = json.loads(Path(file).read_text()) if Path(file).exists() else {"machine": None, "cases": []}
+    if not all("shortest" in case for case in baseline["cases"]):
+        sys.exit(f"bench: {file} has no shortest steps, it is of an earlier version; save it anew, or leave out --baseline")
+    return baseline
 
 
 def save(file, m, cases):

@@ -57,6 +57,7 @@ def test_a_checkpoint_with_other_blocks_goes_on(tmp_path, particles):
         last, _ = tables["blockStart"][-1], tables.pop("blockStart")
         tables["blockStart"] = np.array([0, last], np.int32)
     other = mpm.load(tmp_path / "a.h5")
+    assert len(other["flying"].core.tables()["blockStart"]) == len(body.core.tables()["blockStart"])
     for one in (scene, other):
         one.run(steps=20, progress=False)
     order, otherOrder = np.argsort(body.id), np.argsort(other["flying"].id)

@@ -82,6 +82,12 @@ def test_the_table_compares_with_what_was_saved(tmp_path):
     assert float(row[-1]) == pytest.approx(float(row[5]) / saved["shortest"], abs=0.01)
 
 
+def test_a_baseline_of_an_earlier_version_is_refused(tmp_path):
+    (tmp_path / "old.json").write_text('{"machine": {}, "cases": [{"case": "2D/apdi/mcdp/2000/threads:1", "step": 50.0}]}')
+    done = subprocess.run([sys.executable, SCRIPT, "--quick", "--baseline", tmp_path / "old.json"], capture_output=True, text=True)
+    assert done.returncode == 1 and "old.json has no shortest steps" in done.stderr
+
+
 @pytest.mark.parametrize("words, ignored", [("--quick --dim 3", "--dim"), ("--filter 2D --threads 2", "--threads"), ("--against other --save file", "--save")])
 def test_arguments_that_would_have_no_effect_are_refused(words, ignored):
     done = subprocess.run([sys.executable, SCRIPT, *words.split()], capture_output=True, text=True)

@@ -15,7 +15,7 @@ constexpr double tolerated = 0.01; // overlap between nodes, in cells
 
 template <int Dim> void Meeting<Dim>::prepare(const Scene<Dim>& scene) {
     neighbourhood_.prepare(scene.grid);
-    surfaces_.assign(scene.bodies.size(), {});
+    surfaces_.resize(scene.bodies.size()); // bodies stay; a mesh that loses domains is looked at anew
     meets.clear(), touches.clear(), pairs.clear(), step_ = -1;
 }
 

@@ -519,3 +519,17 @@ def test_groups_have_names():
     for group in ("", None, 3):
         with raises(f"group = {group!r}; give a name"):
             two(("a", group))
+
+
+def test_a_body_added_between_two_runs_touches_too():
+    """What a run knows of the surfaces of bodies stays for the next one."""
+    scene = mpm.Scene((0, 0), (3, 2), 0.1)
+    scene.add("base", box((0, 0), (3, 0.2)), elastic(), mpm.APDI(size=0.05), group="base")
+    scene.add("first", box((0.5, 0.2), (1.1, 0.5)), elastic(), mpm.APDI(size=0.05), group="first")
+    contact = mpm.Contact(friction=0.3)
+    scene.engines = chain(contact, gravity=(0, -9.81), fixed="bottom")
+    scene.run(until=0.01)
+    scene.add("second", box((1.7, 0.2), (2.3, 0.5)), elastic(), mpm.APDI(size=0.05), group="second")
+    scene.run(until=0.2)
+    forces = contact.forces()
+    assert forces["base", "first"][1] > 0 and forces["base", "second"][1] > 0

@@ -183,10 +183,12 @@ template <int Dim> class Transfers : public Domains<Dim> {
             int node = 0;
             MPM_UNROLL
             for (int k = 0; k < Dim; ++k) {
-                const double c = (at[k][p] - origin[k]) * overCell[k] + ghost, base = std::floor(c - offset);
+                const double c = (at[k][p] - origin[k]) * overCell[k] + ghost;
+                const bool isInside = c >= lowest && c <= highest[k];
+                const double base = isInside ? std::floor(c - offset) : 0; // nan and what is far away are no whole numbers
                 inside[k][p] = c - base;
                 node += stride[k] * int(base);
-                wrong |= !(c >= lowest && c <= highest[k]);
+                wrong |= !isInside;
             }
             changed |= cell[p] != node;
             cell[p] = node;

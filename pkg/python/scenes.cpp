@@ -124,7 +124,7 @@ template <int Dim> struct Bind {
                     total[0] += field.sum[node][NodalField<Dim>::mass];
                     for (int k = 0; k < Dim; ++k) {
                         total[1 + k] += field.sum[node][NodalField<Dim>::momentum + k];
-                        total[1 + Dim + k] += field.sum[node][NodalField<Dim>::force(k)];
+                        total[1 + Dim + k] += NodalField<Dim>::forceOf(field.sum[node], k);
                     }
                 });
         return tupleOf(total);
@@ -173,7 +173,7 @@ template <int Dim> struct Bind {
                     row.append(node);
                     row.append(field.sum[node][NodalField<Dim>::mass]);
                     for (int k = 0; k < Dim; ++k) row.append(field.sum[node][NodalField<Dim>::momentum + k]);
-                    for (int k = 0; k < Dim; ++k) row.append(field.sum[node][NodalField<Dim>::force(k)]);
+                    for (int k = 0; k < Dim; ++k) row.append(NodalField<Dim>::forceOf(field.sum[node], k));
                     for (int k = 0; k < 2 * Dim; ++k) row.append(field.motion[node][k]);
                     all.append(row);
                 });

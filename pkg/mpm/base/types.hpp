@@ -32,8 +32,7 @@ typedef double Quad __attribute__((vector_size(32)));
 
 // even and odd lanes from two numbers
 MPM_INLINE Quad alternating(double even, double odd) {
-    typedef int64_t Mask __attribute__((vector_size(32)));
-    return Mask{0, -1, 0, -1} ? Quad{odd, odd, odd, odd} : Quad{even, even, even, even};
+    return __builtin_shufflevector(Quad{even, even, even, even}, Quad{odd, odd, odd, odd}, 0, 5, 2, 7);
 }
 #else
 struct Quad {
@@ -57,16 +56,32 @@ struct Quad {
 MPM_INLINE Quad alternating(double even, double odd) { return {even, odd, even, odd}; }
 #endif
 
+// The widest vectors that W lanes fill.
+template <int W> struct Widest {
+    using Vector = Quad;
+};
+#ifdef __AVX512F__
+template <> struct Widest<8> {
+    typedef double Vector __attribute__((vector_size(64), may_alias));
+};
+#endif
+
 // W lanes of nodal or particle data that are weighted together: one multiply-add treats mass,
 // momentum and force of a node alike. W is a multiple of four.
-template <int W> struct Pack {
+template <int W> struct alignas(8 * W) Pack {
+    using Wide = typename Widest<W>::Vector;
+    static constexpr int wides = 8 * W / int(sizeof(Wide));
     Quad part[W / 4];
 
-    // Copied by Quads: as plain bytes GCC 12 moves halves of them through memory, which stalls the next load.
+    // The same lanes. What was written by parts must not be read whole at once: the load would wait for the stores.
+    MPM_INLINE Wide& wide(int k) { return reinterpret_cast<Wide*>(part)[k]; }
+    MPM_INLINE const Wide& wide(int k) const { return reinterpret_cast<const Wide*>(part)[k]; }
+
+    // Copied by vectors: as plain bytes GCC 12 moves halves of them through memory, which stalls the next load.
     Pack() = default;
     MPM_INLINE Pack(const Pack& other) { *this = other; }
     MPM_INLINE Pack& operator=(const Pack& other) {
-        for (int k = 0; k < W / 4; ++k) part[k] = other.part[k];
+        for (int k = 0; k < wides; ++k) wide(k) = other.wide(k);
         return *this;
     }
 
@@ -75,22 +90,22 @@ template <int W> struct Pack {
 
     MPM_INLINE static Pack zero() {
         Pack z;
-        for (int k = 0; k < W / 4; ++k) z.part[k] = Quad{0, 0, 0, 0};
+        for (int k = 0; k < wides; ++k) z.wide(k) = Wide{};
         return z;
     }
     MPM_INLINE Pack& operator+=(const Pack& other) {
-        for (int k = 0; k < W / 4; ++k) part[k] += other.part[k];
+        for (int k = 0; k < wides; ++k) wide(k) += other.wide(k);
         return *this;
     }
     // this += s * other
     MPM_INLINE void add(double s, const Pack& other) {
-        for (int k = 0; k < W / 4; ++k) part[k] += s * other.part[k];
+        for (int k = 0; k < wides; ++k) wide(k) += s * other.wide(k);
     }
 };
 
 template <int W> MPM_INLINE Pack<W> operator*(double s, const Pack<W>& a) {
     Pack<W> r;
-    for (int k = 0; k < W / 4; ++k) r.part[k] = s * a.part[k];
+    for (int k = 0; k < Pack<W>::wides; ++k) r.wide(k) = s * a.wide(k);
     return r;
 }
 

@@ -124,7 +124,7 @@ void Contact::change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const V
         gained += scene.gravity[k] * change;
         motion.set(Dim + k, motion[Dim + k] + answer[k] * meet.impulse[k] / scene.dt);
         motion.set(k, motion[k] + change);
-        if (scene.scheme != Scheme::MUSL) NF::setVelocity(field.velocity[meet.node], k, motion[k]);
+        if (scene.scheme != Scheme::MUSL) field.velocity[meet.node].set(k, motion[k]);
         const int holder = field.holder[k][meet.node];
         if (holder < 0) continue;
         Constraint& constraint = *scene.constraints[holder];
@@ -277,7 +277,7 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
             for (int side = 0; side < 2; ++side) {
                 const NF& field = scene.grid.fields[meeting.meets[i].field[side]];
                 nodes[i].W[side] = mobility(field, meeting.meets[i].node);
-                for (int k = 0; k < Dim; ++k) nodes[i].v[side][k] = field.velocity[meeting.meets[i].node][NF::lane(k)];
+                for (int k = 0; k < Dim; ++k) nodes[i].v[side][k] = field.velocity[meeting.meets[i].node][k];
                 nodes[i].start[side] = nodes[i].v[side];
             }
         }
@@ -285,7 +285,7 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
         for (size_t i = pair.meet; i < pair.lastMeet; ++i) {
             Meet<Dim>& meet = meeting.meets[i];
             for (int side = 0; side < 2; ++side)
-                for (int k = 0; k < Dim; ++k) NF::setVelocity(scene.grid.fields[meet.field[side]].velocity[meet.node], k, nodes[i].v[side][k]);
+                for (int k = 0; k < Dim; ++k) scene.grid.fields[meet.field[side]].velocity[meet.node].set(k, nodes[i].v[side][k]);
             if (scene.scheme == Scheme::MUSL && meet.acts) tell<Dim>(scene, meet, nodes[i].v[0] - nodes[i].v[1]);
         }
     }

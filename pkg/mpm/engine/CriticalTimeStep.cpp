@@ -50,7 +50,7 @@ template <int Dim> class ElasticOperator {
     void apply(const std::vector<double>& x, std::vector<double>& y) {
         clear();
         for (int i = 0; i < size(); ++i)
-            NF::setVelocity(scene_.grid.fields[dofs_[i].field].velocity[dofs_[i].node], dofs_[i].axis, x[i]);
+            scene_.grid.fields[dofs_[i].field].velocity[dofs_[i].node].set(dofs_[i].axis, x[i]);
         parallel(scene_.threads, [&](Team& team) {
             for (size_t b = 0; b < scene_.bodies.size(); ++b) {
                 auto& body = *scene_.bodies[b];
@@ -72,7 +72,7 @@ template <int Dim> class ElasticOperator {
         });
         y.resize(size());
         for (int i = 0; i < size(); ++i)
-            y[i] = -scene_.grid.fields[dofs_[i].field].sum[dofs_[i].node][NF::force(dofs_[i].axis)] / mass_[i];
+            y[i] = -NF::forceOf(scene_.grid.fields[dofs_[i].field].sum[dofs_[i].node], dofs_[i].axis) / mass_[i];
     }
 
     // Body with the largest elastic power in the motion applied last.

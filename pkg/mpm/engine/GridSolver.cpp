@@ -31,9 +31,8 @@ class GridSolver : public EngineOf<GridSolver> {
         const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
         partial_.resize(size_t(slabs) * (n + 1));
         const double least = scene.leastMass();
-        typename NodalField<Dim>::Velocity lanes = Pack<4>::zero();
-        for (int k = 0; k < Dim; ++k) NodalField<Dim>::setVelocity(lanes, k, gravity[k]);
-        const Quad g = lanes.part[0];
+        Quad g{};
+        for (int k = 0; k < Dim; ++k) NodalField<Dim>::setComponent(g, k, gravity[k]);
         parallel(scene.threads, [&](Team& team) {
             for (auto& field : scene.grid.fields)
                 team.inShares(field.shares, [&](int slab) {
@@ -61,37 +60,37 @@ class GridSolver : public EngineOf<GridSolver> {
                 " for this scene");
     }
 
-    // Returns the power of gravity. Vectors are in the lanes of a velocity.
+    // Returns the power of gravity.
     template <int Dim>
     MPM_INLINE Quad solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, Quad g, double least, Tally* tally) const {
         using NF = NodalField<Dim>;
         const auto& sum = field.sum[node];
-        typename NF::Velocity v = NF::Velocity::zero(), a = v;
-        Quad weight{};
-        if (const double m = sum[NF::mass]; m > least) {
+        const double m = sum[NF::mass];
+        Quad v{}, a{}, weight{};
+        if (m > least) {
             const double overMass = 1 / m;
             weight = sum[NF::weightMass] * g;
-            a.part[0] = overMass * (NF::forceIn(sum) + weight);
-            v.part[0] = overMass * NF::momentumIn(sum) + scene.dt * a.part[0];
+            a = overMass * (NF::forceIn(sum) + weight);
+            v = overMass * NF::momentumIn(sum) + scene.dt * a;
             if (field.isHeld(node)) hold(scene, field, node, weight, v, a, tally);
         }
-        field.motion[node] = NF::motionOf(v, a);
-        // Under MUSL this velocity is summed up anew from the particles; they find it cleared.
-        field.velocity[node] = scene.scheme == Scheme::MUSL ? NF::Velocity::zero() : v;
-        return weight * v.part[0];
+        NF::setMotion(field.motion[node], v, a);
+        // Under MUSL this velocity is summed up anew from the particles.
+        field.velocity[node] = scene.scheme == Scheme::MUSL ? NF::noMomentum(m) : NF::velocityOf(v);
+        return weight * v;
     }
 
     // Momentum and force are both replaced where a node is held, or the FLIP increment leaks.
     template <int Dim>
-    static void hold(const Scene<Dim>& scene, const NodalField<Dim>& field, int node, const Quad& weight, Pack<4>& v, Pack<4>& a, Tally* tally) {
+    static void hold(const Scene<Dim>& scene, const NodalField<Dim>& field, int node, const Quad& weight, Quad& v, Quad& a, Tally* tally) {
         using NF = NodalField<Dim>;
         const auto& sum = field.sum[node];
         for (int k = 0; k < Dim; ++k)
             if (const int c = field.holder[k][node]; c >= 0) {
                 const double after = scene.prescribed(c, k, scene.time + scene.dt);
                 const double change = (after - scene.prescribed(c, k, scene.time)) / scene.dt;
-                NF::setVelocity(v, k, after), NF::setVelocity(a, k, change);
-                react(scene, c, node, k, sum[NF::mass] * change - (sum[NF::force(k)] + weight[NF::lane(k)]), after, tally[c]);
+                NF::setComponent(v, k, after), NF::setComponent(a, k, change);
+                react(scene, c, node, k, sum[NF::mass] * change - (NF::forceOf(sum, k) + weight[NF::lane(k)]), after, tally[c]);
             }
     }
 

@@ -106,7 +106,7 @@ template <int Dim> class RigidContact::Balance {
             double size = 0, moments = 0;
             for (int node = 0; node < int(nodes_[b].size()); ++node) {
                 Vec3 f = Vec3::Zero(), x = Vec3::Zero();
-                for (int k = 0; k < Dim; ++k) f[k] = nodes_[b][node][NF::force(k)];
+                for (int k = 0; k < Dim; ++k) f[k] = NF::forceOf(nodes_[b][node], k);
                 if (f.isZero(0)) continue;
                 x.head<Dim>() = scene_.grid.nodePosition(node);
                 const Vec3 arm = x - engine.state_[b].position;

@@ -42,7 +42,9 @@ template <int Dim> void sumOnNodes(Team& team, Scene<Dim>& scene, bool withForce
 // Before the particles add their momentum to it.
 template <int Dim> void clearVelocity(Team& team, Scene<Dim>& scene) {
     for (auto& field : scene.grid.fields)
-        forActiveNodes(team, scene, field, [&](int node) { field.velocity[node] = Pack<4>::zero(); });
+        forActiveNodes(team, scene, field, [&](int node) {
+            field.velocity[node] = NodalField<Dim>::noMomentum(field.sum[node][NodalField<Dim>::mass]);
+        });
 }
 
 // From the momentum of the particles to the velocity that enters the velocity gradient (MUSL, USF), with what is
@@ -52,12 +54,12 @@ template <int Dim> void velocityFromMomentum(Team& team, Scene<Dim>& scene, doub
     const double least = scene.leastMass();
     for (auto& field : scene.grid.fields)
         forActiveNodes(team, scene, field, [&](int node) {
-            const double m = field.sum[node][NF::mass];
-            Pack<4>& v = field.velocity[node];
-            v = m > least ? (1 / m) * v : Pack<4>::zero();
+            auto& v = field.velocity[node];
+            const double m = v[Dim];
+            v = m > least ? (1 / m) * v : NF::Velocity::zero();
             if (m > least && field.isHeld(node))
                 for (int k = 0; k < Dim; ++k)
-                    if (const int c = field.holder[k][node]; c >= 0) NF::setVelocity(v, k, scene.prescribed(c, k, time));
+                    if (const int c = field.holder[k][node]; c >= 0) v.set(k, scene.prescribed(c, k, time));
         });
 }
 

@@ -161,7 +161,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         vertices_.scatter(team, nodalMomentum, given, [&](int first, int count, typename NF::Velocity* out) {
             std::array<const double*, Dim> from;
             for (int k = 0; k < Dim; ++k) from[k] = given[k] + first;
-            Base::packVectors(from, count, out->part);
+            Base::packMomenta(from, count, out->part);
         });
     }
 
@@ -507,19 +507,18 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // Then the nodes take it; the forces of hourglass control stay on the vertices, too. overScale: weight mass over inertial mass.
     void sumToNodes(Team& team, typename NF::Sum* nodes, bool withControl, double overScale) {
         const auto given = planes<vertexPlanes>(0);
-        const double factor = withControl ? 1 : 0;
         vertices_.scatter(team, nodes, given, [&](int first, int count, typename NF::Sum* out) {
-            double total[Dim][chunkSize], weightMass[chunkSize];
-            std::array<const double*, Dim> all;
-            for (int k = 0; k < Dim; ++k) {
-                all[k] = total[k];
-                for (int i = 0; i < count; ++i) total[k][i] = given[force + k][first + i] + factor * given[control + k][first + i];
-            }
+            double weightMass[chunkSize];
             for (int i = 0; i < count; ++i) weightMass[i] = overScale * given[Dim][first + i];
+            std::array<const double*, Dim> f, c;
+            for (int k = 0; k < Dim; ++k) f[k] = given[force + k] + first, c[k] = withControl ? given[control + k] + first : Base::none;
             if constexpr (Dim == 2) {
                 interleave({given[0] + first, given[1] + first, given[2] + first, weightMass}, count, out->part, 2);
-                interleave({total[0], total[0], total[1], total[1]}, count, out->part + 1, 2);
+                interleave({f[0], c[0], f[1], c[1]}, count, out->part + 1, 2);
             } else {
+                double total[Dim][chunkSize];
+                for (int k = 0; k < Dim; ++k)
+                    for (int i = 0; i < count; ++i) total[k][i] = f[k][i] + c[k][i];
                 interleave({given[0] + first, given[1] + first, given[2] + first, given[3] + first}, count, out->part, 2);
                 interleave({total[0], total[1], total[2], weightMass}, count, out->part + 1, 2);
             }
@@ -531,7 +530,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         vertices_.gather(team, nodes, plane,
                          [](const Node* in, int count, const std::array<double*, n>& out) {
                              if constexpr (n == Dim)
-                                 Base::unpackVectors(in, count, out);
+                                 Base::unpackVelocity(in, count, out);
                              else
                                  Base::unpackMotion(in, count, out);
                          });

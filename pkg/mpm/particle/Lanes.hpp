@@ -3,10 +3,10 @@
 // weight phi_i and with its gradient, where phi_i is a product over the axes, S(x) S(y) or S(x) S(y) S(z), and G stands for the
 // derivative of an S.
 //
-//   Row     add() to the sums of each node of the row, finish() when all particles have given
+//   Row     add() to the sums of each node of the row; when all particles have given, finish(): by the vectors in which they were summed
 //
-// In 2D the lanes of one Quad hold the products with d_x phi and d_y phi for both components side by side, and a vector
-// fills two lanes per component; in 3D there is a Quad for each axis, and a vector has one lane per component.
+// In 2D the lanes of one Quad hold the products with d_x phi and d_y phi for both components side by side, so that component k of
+// the force is the sum of two lanes; in 3D there is a Quad for each axis, and a lane for each component.
 #pragma once
 
 #include "mpm/base/types.hpp"
@@ -22,28 +22,30 @@ template <int Dim> struct Lanes;
 
 template <> struct Lanes<2> {
     using Set = std::array<Quad, 1>; // { B_xx, B_xy, B_yx, B_yy }: B_ik takes d_k phi
-    static constexpr int used = 4;   // lanes of a vector, and the component in each
-    static constexpr int component(int lane) { return lane / 2; }
 
-    // d_x phi in the even lanes, d_y phi in the odd ones, as a product of this for the axes.
-    MPM_INLINE static Quad alongX(double S, double G) { return alternating(G, S); }
-    MPM_INLINE static Quad alongY(double S, double G) { return alternating(S, G); }
+#ifdef __AVX512F__ // value and product side by side in one vector
+    typedef double Octo __attribute__((vector_size(64)));
+    typedef int64_t Mask __attribute__((vector_size(64)));
+    MPM_INLINE static Octo all(double a) { return Octo{a, a, a, a, a, a, a, a}; }
 
     struct Row {
-        Quad value, product;
-        MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w) : value(w.S * value), product(alongY(w.S, w.G[0]) * B[0]) {}
-        MPM_INLINE void add(Pack<8>& sum, double S, double G) const { sum.part[0] += S * value, sum.part[1] += alongX(S, G) * product; }
-        MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) {
-            const Quad B = sum.part[1];
-            node.part[0] += sum.part[0], node.part[1] += B + Quad{B[1], B[0], B[3], B[2]};
-        }
+        Octo both;
+        MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w)
+            : both((Mask{0, 0, 0, 0, 0, -1, 0, -1} ? all(w.G[0]) : all(w.S)) * __builtin_shufflevector(value, B[0], 0, 1, 2, 3, 4, 5, 6, 7)) {}
+        MPM_INLINE void add(Pack<8>& sum, double S, double G) const { sum.wide(0) += (Mask{0, 0, 0, 0, -1, 0, -1, 0} ? all(G) : all(S)) * both; }
     };
+#else
+    struct Row { // d_x phi in the even lanes, d_y phi in the odd ones, as a product of weights along the axes
+        Quad value, product;
+        MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w) : value(w.S * value), product(alternating(w.S, w.G[0]) * B[0]) {}
+        MPM_INLINE void add(Pack<8>& sum, double S, double G) const { sum.part[0] += S * value, sum.part[1] += alternating(G, S) * product; }
+    };
+#endif
+    MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) { node += sum; }
 };
 
 template <> struct Lanes<3> {
     using Set = std::array<Quad, 4>; // { B_1k, B_2k, B_3k, 0 } for each axis k, and what takes phi itself
-    static constexpr int used = 3;
-    static constexpr int component(int lane) { return lane; }
 
     struct Row {
         Quad value, withG, withS; // of B: what takes the derivative along the row, and what does not
@@ -52,8 +54,8 @@ template <> struct Lanes<3> {
         MPM_INLINE void add(Pack<8>& sum, double S, double G) const {
             sum.part[0] += S * value, sum.part[1] += G * withG, sum.part[1] += S * withS;
         }
-        MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) { node += sum; }
     };
+    MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) { node.part[0] += sum.part[0], node.part[1] += sum.part[1]; }
 };
 
 } // namespace mpm

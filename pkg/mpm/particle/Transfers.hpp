@@ -122,16 +122,16 @@ template <int Dim> class Transfers : public Domains<Dim> {
         }
     };
 
-    // Between the lanes of the nodes and planes, plane[k] being an array: vectors as in NodalField::Velocity, and NodalField::Motion.
-    template <class Planes> static void packVectors(const Planes& plane, int count, Quad* out) {
-        const double zero[Dim == 2 ? 1 : chunkSize] = {};
-        interleave({plane[0], plane[L::component(1)], plane[L::component(2)], Dim == 2 ? plane[1] : zero}, count, out);
+    // Between the lanes of the nodes and planes, plane[k] being an array: as in NodalField::Velocity, the force of NodalField::Sum, and
+    // NodalField::Motion.
+    static constexpr double none[chunkSize] = {};
+    template <class Planes> static void packMomenta(const Planes& plane, int count, Quad* out) {
+        interleave({plane[0], plane[1], Dim == 2 ? none : plane[Dim - 1], none}, count, out);
     }
-    template <class Planes> static void unpackVectors(const typename NF::Velocity* in, int count, Planes& plane) {
-        std::array<double*, L::used> all;
-        for (int l = 0; l < L::used; ++l) all[l] = plane[L::component(l)];
-        separate(in->part, 1, count, all);
+    template <class Planes> static void packForces(const Planes& plane, int count, Quad* out) {
+        interleave({plane[0], Dim == 2 ? none : plane[1], plane[Dim - 1], none}, count, out);
     }
+    static void unpackVelocity(const typename NF::Velocity* in, int count, const std::array<double*, Dim>& plane) { separate(in->part, 1, count, plane); }
     template <class Planes> static void unpackMotion(const typename NF::Motion* in, int count, Planes& plane) {
         constexpr int parts = sizeof(typename NF::Motion) / sizeof(Quad);
         separate(in->part, parts, count, std::array<double*, 4>{plane[0], plane[1], plane[2], plane[3]});

@@ -115,7 +115,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             if (hasBodyForce) {
                 double given[Dim][batch];
                 q.bodyForces(first, count, given);
-                Base::packVectors(given, count, value);
+                Base::packForces(given, count, value);
                 scatter<1>(nodes, first, count, w, value);
             }
         });
@@ -133,7 +133,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                 double given[Dim + 1][batch];
                 Quad value[batch];
                 q.momenta(first, count, how.inertiaScale, given);
-                Base::packVectors(given, count, value);
+                Base::packMomenta(given, count, value);
                 scatter<0>(momentum, first, count, w, value);
             }
         });
@@ -309,8 +309,11 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                         for (int i = 0; i < 3; ++i) sum[row][i] += w.axis[0].S[i][p] * v;
                     }
                 MPM_UNROLL
-                for (int row = 0; row < 3; ++row)
-                    for (int i = 0; i < 3; ++i) nodes[cell + rowOffset(layer + row) + i].part[part] += sum[row][i];
+                for (int row = 0; row < 3; ++row) {
+                    Node* node = nodes + cell + rowOffset(layer + row);
+                    MPM_UNROLL
+                    for (int i = 0; i < 3; ++i) node[i].part[part] += sum[row][i];
+                }
             }
         });
     }
@@ -330,9 +333,11 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                         for (int i = 0; i < 3; ++i) given.add(sum[row][i], x.S[i][p], x.G[i][p]);
                     }
                 MPM_UNROLL
-                for (int row = 0; row < rowsAtOnce; ++row)
+                for (int row = 0; row < rowsAtOnce; ++row) {
+                    auto* node = nodes + cell + rowOffset(top + row);
                     MPM_UNROLL
-                    for (int i = 0; i < 3; ++i) L::Row::finish(sum[row][i], nodes[cell + rowOffset(top + row) + i]);
+                    for (int i = 0; i < 3; ++i) L::finish(sum[row][i], node[i]);
+                }
             }
         });
     }
@@ -378,7 +383,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                 const auto across = w.acrossFour(row, p);
                 MPM_UNROLL
                 for (int i = 0; i < Dim; ++i) {
-                    const double a = node[0][NF::lane(i)], b = node[1][NF::lane(i)], c = node[2][NF::lane(i)];
+                    const double a = node[0][i], b = node[1][i], c = node[2][i];
                     const Quad along = a * S[0] + b * S[1] + c * S[2];
                     sum[Dim * i] += across.S * (a * G[0] + b * G[1] + c * G[2]);
                     MPM_UNROLL

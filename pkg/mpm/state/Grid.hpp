@@ -17,35 +17,47 @@ namespace mpm {
 // Nodal data of one velocity field. Bodies that share a velocity field stick together; where there is a Contact,
 // each group of bodies has its own.
 template <int Dim> struct NodalField {
-    // Where component k of force and velocity is in its four lanes: in 2D each fills two, see particle/Lanes.hpp.
-    static constexpr int lane(int k) { return Dim == 2 ? 2 * k : k; }
-
-    // What particles give: momentum, mass, weight mass (mass without inertial scaling), and force.
-    static constexpr int momentum = 0, mass = Dim, weightMass = Dim == 2 ? 3 : 7;
-    static constexpr int force(int k) { return 4 + lane(k); }
+    // What particles give: momentum, mass, weight mass (mass without inertial scaling), and force: in 2D component k is the sum of two lanes,
+    // see particle/Lanes.hpp.
     using Sum = Pack<8>;
-    using Motion = Pack<Dim == 2 ? 4 : 8>; // velocity, acceleration: what particles take
-    using Velocity = Pack<4>;              // the velocity that enters the velocity gradient
+    static constexpr int momentum = 0, mass = Dim, weightMass = Dim == 2 ? 3 : 7;
+    static constexpr int lane(int k) { return Dim == 2 ? 2 * k : k; }
+    static constexpr int force(int k) { return 4 + lane(k); }
+    static double forceOf(const Sum& sum, int k) { return Dim == 2 ? sum[force(k)] + sum[force(k) + 1] : sum[force(k)]; }
 
-    // Of a sum in the lanes of a velocity, and from these lanes. A force may have been added to lane force(k) alone.
+    // Velocity, acceleration: what particles take.
+    using Motion = Pack<Dim == 2 ? 4 : 8>;
+
+    // The velocity that enters the velocity gradient. Where it is summed up from particles (MUSL, USF): their momentum, and behind it the mass.
+    using Velocity = Pack<4>;
+    MPM_INLINE static Velocity noMomentum(double mass) {
+        Velocity v;
+        v.part[0] = Dim == 2 ? Quad{0, 0, mass, 0} : Quad{0, 0, 0, mass};
+        return v;
+    }
+
+    // Vectors with component k in lane(k), in 2D also in the next.
     MPM_INLINE static Quad momentumIn(const Sum& sum) {
         const Quad p = sum.part[0];
         return Dim == 2 ? Quad{p[0], p[0], p[1], p[1]} : Quad{p[0], p[1], p[2], 0};
     }
     MPM_INLINE static Quad forceIn(const Sum& sum) {
         const Quad f = sum.part[1];
-        return Dim == 2 ? Quad{f[0], f[0], f[2], f[2]} : Quad{f[0], f[1], f[2], 0};
+        return Dim == 2 ? f + Quad{f[1], f[0], f[3], f[2]} : Quad{f[0], f[1], f[2], 0};
     }
-    MPM_INLINE static Motion motionOf(const Velocity& v, const Velocity& a) {
-        Motion motion;
+    static void setComponent(Quad& vector, int k, double value) {
+        for (int l = lane(k); l < (Dim == 2 ? lane(k + 1) : lane(k) + 1); ++l) vector[l] = value;
+    }
+    MPM_INLINE static void setMotion(Motion& motion, const Quad& v, const Quad& a) {
         if constexpr (Dim == 2)
             motion.part[0] = Quad{v[0], v[2], a[0], a[2]};
         else
             motion.part[0] = Quad{v[0], v[1], v[2], a[0]}, motion.part[1] = Quad{a[1], a[2], 0, 0};
-        return motion;
     }
-    static void setVelocity(Velocity& v, int k, double value) {
-        for (int l = lane(k); l < (Dim == 2 ? lane(k + 1) : lane(k) + 1); ++l) v.set(l, value);
+    MPM_INLINE static Velocity velocityOf(const Quad& v) {
+        Velocity velocity;
+        velocity.part[0] = Dim == 2 ? Quad{v[0], v[2], 0, 0} : v;
+        return velocity;
     }
 
     std::vector<Sum, OnLargePages<Sum>> sum;

@@ -22,18 +22,18 @@ MPM_INLINE void transpose(Quad& a, Quad& b, Quad& c, Quad& d) {
 }
 #endif
 
-MPM_INLINE Quad loadQuad(const double* from) {
-    Quad q;
-    std::memcpy(&q, from, sizeof q);
-    return q;
+template <class Vector> MPM_INLINE Vector load(const double* from) {
+    Vector v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
 }
-MPM_INLINE void storeQuad(double* to, const Quad& q) { std::memcpy(to, &q, sizeof q); }
+template <class Vector> MPM_INLINE void store(double* to, const Vector& v) { std::memcpy(to, &v, sizeof v); }
 
 // out[stride i] = {plane[0][i] ... plane[3][i]}
 MPM_INLINE void interleave(const std::array<const double*, 4>& plane, int count, Quad* out, int stride = 1) {
     int i = 0;
     for (; i + 4 <= count; i += 4) {
-        Quad a = loadQuad(plane[0] + i), b = loadQuad(plane[1] + i), c = loadQuad(plane[2] + i), d = loadQuad(plane[3] + i);
+        Quad a = load<Quad>(plane[0] + i), b = load<Quad>(plane[1] + i), c = load<Quad>(plane[2] + i), d = load<Quad>(plane[3] + i);
         transpose(a, b, c, d);
         out[stride * i] = a, out[stride * (i + 1)] = b, out[stride * (i + 2)] = c, out[stride * (i + 3)] = d;
     }
@@ -47,7 +47,7 @@ template <size_t n> MPM_INLINE void separate(const Quad* in, int stride, int cou
         Quad lane[4] = {in[stride * i], in[stride * (i + 1)], in[stride * (i + 2)], in[stride * (i + 3)]};
         transpose(lane[0], lane[1], lane[2], lane[3]);
         MPM_UNROLL
-        for (size_t k = 0; k < n; ++k) storeQuad(plane[k] + i, lane[k]);
+        for (size_t k = 0; k < n; ++k) store(plane[k] + i, lane[k]);
     }
     for (; i < count; ++i)
         for (size_t k = 0; k < n; ++k) plane[k][i] = in[stride * i][k];

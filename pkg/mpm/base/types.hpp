@@ -56,20 +56,22 @@ struct Quad {
 MPM_INLINE Quad alternating(double even, double odd) { return {even, odd, even, odd}; }
 #endif
 
-// The widest vectors that W lanes fill.
+// The widest vectors that W lanes fill; InPack where these are also Quads.
 template <int W> struct Widest {
     using Vector = Quad;
+    using InPack = Quad;
 };
 #ifdef __AVX512F__
 template <> struct Widest<8> {
-    typedef double Vector __attribute__((vector_size(64), may_alias));
+    typedef double Vector __attribute__((vector_size(64)));
+    typedef Vector InPack __attribute__((may_alias));
 };
 #endif
 
 // W lanes of nodal or particle data that are weighted together: one multiply-add treats mass,
 // momentum and force of a node alike. W is a multiple of four.
 template <int W> struct alignas(8 * W) Pack {
-    using Wide = typename Widest<W>::Vector;
+    using Wide = typename Widest<W>::InPack;
     static constexpr int wides = 8 * W / int(sizeof(Wide));
     Quad part[W / 4];
 

@@ -19,8 +19,8 @@ struct BoxAxis {
 // Weights of the three nodes that each particle of a batch reaches in one direction, and their gradients. c: position
 // in cells from the middle one, in [-1/2, 1/2). S is the hat function averaged over the box, S = 1/(2l) int hat,
 // written without branches: `below` and `above` are the lengths of the box on either side of the middle node, `left` and
-// `right` how far the box is from it. Four lanes beyond the batch are zero, see fours().
-template <int size> struct BoxWeights {
+// `right` how far the box is from it. `lanes` beyond the batch are zero, see together().
+template <int size, int lanes> struct BoxWeights {
     double S[3][size], G[3][size];
 
     void set(const double* position, int count, const BoxAxis& axis) {
@@ -33,7 +33,7 @@ template <int size> struct BoxWeights {
             S[0][p] = first, S[1][p] = 1 - first - last, S[2][p] = last;
             G[0][p] = -slope * below, G[1][p] = -2 * slope * middle, G[2][p] = slope * above;
         }
-        for (int i = 0; i < 3; ++i) storeQuad(S[i] + count, Quad{}), storeQuad(G[i] + count, Quad{});
+        for (int i = 0; i < 3; ++i) std::fill_n(S[i] + count, lanes, 0.0), std::fill_n(G[i] + count, lanes, 0.0);
     }
 };
 
@@ -233,11 +233,14 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 #else
     static constexpr int rowsAtOnce = 1;
 #endif
-    static constexpr int batch = Base::lot, padded = batch + 4; // room for four particles from each one on
+    // A lane for each particle of a support, where there are two along each axis.
+    using Several = typename Widest<corners<Dim>>::Vector;
+    static constexpr int lanes = sizeof(Several) / sizeof(double);
+    static constexpr int batch = Base::lot, padded = batch + lanes; // room for so many from each one on
 
     // Weights of a batch of particles, short enough to stay in the first cache while it is used.
     struct Weights {
-        BoxWeights<padded> axis[Dim];
+        BoxWeights<padded, lanes> axis[Dim];
 
         Weights(const BoxDomains& d, int first, int count) {
             for (int k = 0; k < Dim; ++k)
@@ -251,15 +254,15 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             else
                 return {y.S[j][p] * z.S[k][p], {y.G[j][p] * z.S[k][p], y.S[j][p] * z.G[k][p]}};
         }
-        MPM_INLINE Across<Dim, Quad> acrossFour(int row, int p) const {
+        MPM_INLINE Across<Dim, Several> acrossSeveral(int row, int p) const {
             const auto &y = axis[1], &z = axis[Dim - 1];
             const int j = row % 3, k = row / 3;
-            const Quad S = loadQuad(y.S[j] + p), G = loadQuad(y.G[j] + p);
+            const Several S = load<Several>(y.S[j] + p), G = load<Several>(y.G[j] + p);
             if constexpr (Dim == 2)
                 return {S, {G}};
             else {
-                const Quad Sz = loadQuad(z.S[k] + p);
-                return {S * Sz, {G * Sz, S * loadQuad(z.G[k] + p)}};
+                const Several Sz = load<Several>(z.S[k] + p);
+                return {S * Sz, {G * Sz, S * load<Several>(z.G[k] + p)}};
             }
         }
     };
@@ -268,8 +271,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         return row % 3 * grid.strides[1] + (Dim == 3 ? row / 3 * grid.strides[Dim - 1] : 0);
     }
 
-    MPM_INLINE static std::array<Quad, 3> fourOf(const double (&weight)[3][padded], int p) {
-        return {loadQuad(weight[0] + p), loadQuad(weight[1] + p), loadQuad(weight[2] + p)};
+    MPM_INLINE static std::array<Several, 3> severalOf(const double (&weight)[3][padded], int p) {
+        return {load<Several>(weight[0] + p), load<Several>(weight[1] + p), load<Several>(weight[2] + p)};
     }
 
     // f(first, count, weights, block) for batches of particles, by blocks in turns.
@@ -342,12 +345,12 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         });
     }
 
-    // Particles of a batch with the same support, up to four at a time: f(first of them, its first node). Each has a lane; lanes without
+    // Particles of a batch with the same support, as many as there are lanes: f(first of them, its first node). Lanes without
     // a particle belong to the next ones, which come later.
-    template <class F> MPM_INLINE void fours(int first, int count, F&& f) const {
+    template <class F> MPM_INLINE void together(int first, int count, F&& f) const {
         const int* cells = cell_.data() + first;
         for (int p = 0, next; p < count; p = next) {
-            const int cell = cells[p], end = std::min(p + 4, count);
+            const int cell = cells[p], end = std::min(p + lanes, count);
             for (next = p + 1; next < end && cells[next] == cell;) ++next;
             f(p, cell);
         }
@@ -356,42 +359,42 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     // taken[k] = sum phi N_k over the nodes.
     template <size_t n, class Node>
     MPM_INLINE void gather(const Node* nodes, int first, int count, const Weights& w, double (&taken)[n][padded]) const {
-        fours(first, count, [&](int p, int cell) __attribute__((always_inline)) {
-            const auto S = fourOf(w.axis[0].S, p);
-            Quad sum[n] = {};
+        together(first, count, [&](int p, int cell) __attribute__((always_inline)) {
+            const auto S = severalOf(w.axis[0].S, p);
+            Several sum[n] = {};
             MPM_UNROLL
             for (int row = 0; row < rows; ++row) {
                 const Node* node = nodes + cell + rowOffset(row);
-                const Quad across = w.acrossFour(row, p).S;
+                const Several across = w.acrossSeveral(row, p).S;
                 MPM_UNROLL
                 for (size_t k = 0; k < n; ++k) sum[k] += across * (node[0][k] * S[0] + node[1][k] * S[1] + node[2][k] * S[2]);
             }
             MPM_UNROLL
-            for (size_t k = 0; k < n; ++k) storeQuad(taken[k] + p, sum[k]);
+            for (size_t k = 0; k < n; ++k) store(taken[k] + p, sum[k]);
         });
     }
 
     // gradient[Dim i + j] = sum v_i d_j phi.
     MPM_INLINE void gatherGradient(const typename NF::Velocity* nodes, int first, int count, const Weights& w,
                                    double (&gradient)[Dim * Dim][padded]) const {
-        fours(first, count, [&](int p, int cell) __attribute__((always_inline)) {
-            const auto S = fourOf(w.axis[0].S, p), G = fourOf(w.axis[0].G, p);
-            Quad sum[Dim * Dim] = {};
+        together(first, count, [&](int p, int cell) __attribute__((always_inline)) {
+            const auto S = severalOf(w.axis[0].S, p), G = severalOf(w.axis[0].G, p);
+            Several sum[Dim * Dim] = {};
             MPM_UNROLL
             for (int row = 0; row < rows; ++row) {
                 const auto* node = nodes + cell + rowOffset(row);
-                const auto across = w.acrossFour(row, p);
+                const auto across = w.acrossSeveral(row, p);
                 MPM_UNROLL
                 for (int i = 0; i < Dim; ++i) {
                     const double a = node[0][i], b = node[1][i], c = node[2][i];
-                    const Quad along = a * S[0] + b * S[1] + c * S[2];
+                    const Several along = a * S[0] + b * S[1] + c * S[2];
                     sum[Dim * i] += across.S * (a * G[0] + b * G[1] + c * G[2]);
                     MPM_UNROLL
                     for (int j = 1; j < Dim; ++j) sum[Dim * i + j] += across.G[j - 1] * along;
                 }
             }
             MPM_UNROLL
-            for (int c = 0; c < Dim * Dim; ++c) storeQuad(gradient[c] + p, sum[c]);
+            for (int c = 0; c < Dim * Dim; ++c) store(gradient[c] + p, sum[c]);
         });
     }
 

@@ -24,7 +24,7 @@ template <> struct Lanes<2> {
     using Set = std::array<Quad, 1>; // { B_xx, B_xy, B_yx, B_yy }: B_ik takes d_k phi
 
 #ifdef __AVX512F__ // value and product side by side in one vector
-    typedef double Octo __attribute__((vector_size(64)));
+    using Octo = Widest<8>::Vector;
     typedef int64_t Mask __attribute__((vector_size(64)));
     MPM_INLINE static Octo all(double a) { return Octo{a, a, a, a, a, a, a, a}; }
 

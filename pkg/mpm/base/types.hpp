@@ -18,6 +18,12 @@
 
 namespace mpm {
 
+// A pointer in a register of its own. GCC otherwise makes base plus index of it in every operand, which processors take apart again.
+template <class T> MPM_INLINE T* inRegister(T* pointer) {
+    asm("" : "+r"(pointer));
+    return pointer;
+}
+
 template <int Dim> using Vec = Eigen::Matrix<double, Dim, 1>;
 template <int Dim> using Mat = Eigen::Matrix<double, Dim, Dim>;
 template <int Dim> using Index = std::array<int, Dim>;
@@ -34,6 +40,8 @@ typedef double Quad __attribute__((vector_size(32)));
 MPM_INLINE Quad alternating(double even, double odd) {
     return __builtin_shufflevector(Quad{even, even, even, even}, Quad{odd, odd, odd, odd}, 0, 5, 2, 7);
 }
+// the even lanes of two
+MPM_INLINE Quad evenLanes(const Quad& a, const Quad& b) { return __builtin_shufflevector(a, b, 0, 2, 4, 6); }
 #else
 struct Quad {
     typedef double Pair __attribute__((vector_size(16)));
@@ -54,6 +62,7 @@ struct Quad {
 };
 
 MPM_INLINE Quad alternating(double even, double odd) { return {even, odd, even, odd}; }
+MPM_INLINE Quad evenLanes(const Quad& a, const Quad& b) { return {a[0], a[2], b[0], b[2]}; }
 #endif
 
 // The widest vectors that W lanes fill; InPack where these are also Quads.

@@ -27,7 +27,7 @@ template <int Dim> struct Batch {
         isStraight = count >= leastStraight;
         if (isStraight) {
             const int parts = (count + most - 1) / most;
-            count = std::min(count, (count / parts + 3) / 4 * 4);
+            count = std::min(count, (count / parts + 7) / 8 * 8);
             return;
         }
         const int last = std::min(end, first + most);

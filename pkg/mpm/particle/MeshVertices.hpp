@@ -77,26 +77,41 @@ template <int Dim> class MeshVertices {
         }
     }
 
-    // unpack(values, plane) puts what vertices from `begin` on take into planes.
+    // unpack(values, count, plane) puts what vertices take into planes, a few at a time: they do not leave the registers.
     template <class Node, size_t n, class Unpack>
     void gather(Team& team, const Node* nodes, const std::array<double*, n>& plane, Unpack&& unpack) const {
         team.chunks(size(), [&](int begin, int end) {
             const Hats hat(*this, begin, end - begin);
-            Node taken[chunkSize];
-            for (int i = 0; i < end - begin; ++i) {
-                const Node* node = nodes + hat.cell[begin + i];
+            const auto put = [&](const Node* taken, int v, int count) __attribute__((always_inline)) {
+                std::array<double*, n> to = plane;
+                for (double*& x : to) x += v;
+                unpack(taken, count, to);
+            };
+            const auto take = [&](int i) __attribute__((always_inline)) {
+                const Node* node = inRegister(nodes + hat.cell[begin + i]);
                 Node sum = hat.S[0][i] * node[0];
+                sum.add(hat.S[1][i], node[1]);
                 MPM_UNROLL
-                for (int k = 1; k < NC; ++k) sum.add(hat.S[k][i], node[hat.offset[k]]);
-                taken[i] = sum;
+                for (int k = 2; k < NC; k += 2) {
+                    const Node* row = inRegister(node + hat.offset[k]);
+                    sum.add(hat.S[k][i], row[0]), sum.add(hat.S[k + 1][i], row[1]);
+                }
+                return sum;
+            };
+            int i = 0;
+            for (; i + 4 <= end - begin; i += 4) {
+                const Node taken[4] = {take(i), take(i + 1), take(i + 2), take(i + 3)};
+                put(taken, begin + i, 4);
+            }
+            for (; i < end - begin; ++i) {
+                const Node taken = take(i);
+                put(&taken, begin + i, 1);
             }
             hanging.within(begin, end, [&](int s, int slave) { // where its masters are: another thread may be at these
-                Node& sum = taken[slave - begin] = Node::zero();
+                Node sum = Node::zero();
                 hanging.eachMaster(s, [&](int v, double w) { hat(v, [&](int node, double S) { sum.add(w * S, nodes[node]); }); });
+                put(&sum, slave, 1);
             });
-            std::array<double*, n> to = plane;
-            for (double*& x : to) x += begin;
-            unpack(taken, end - begin, to);
         });
     }
 
@@ -110,6 +125,7 @@ template <int Dim> class MeshVertices {
             Node sum[NC];
             for (auto& s : sum) s = Node::zero();
             int cell = cell_[order_.order[start]];
+            Node* at = nodes + cell; // the sums belong to
             for (int begin = start, next; begin < end; begin = next) {
                 next = std::min(rowEnd_[begin], begin + chunkSize);
                 const int first = order_.order[begin];
@@ -120,20 +136,22 @@ template <int Dim> class MeshVertices {
                 hanging.within(first, first + next - begin, [&](int, int slave) { given[slave - first] = Node::zero(); });
                 for (int i = 0; i < next - begin; ++i) {
                     const int here = hat.cell[first + i];
-                    if (here == cell + 1)
+                    if (here == cell + 1) {
                         MPM_UNROLL
-                        for (int n = 0; n < NC; n += 2)
-                            nodes[cell + hat.offset[n]] += sum[n], sum[n] = sum[n + 1], sum[n + 1] = Node::zero();
-                    else if (here != cell)
+                        for (int n = 0; n < NC; n += 2) at[hat.offset[n]] += sum[n], sum[n] = sum[n + 1], sum[n + 1] = Node::zero();
+                        ++at;
+                    } else if (here != cell) {
                         MPM_UNROLL
-                        for (int n = 0; n < NC; ++n) nodes[cell + hat.offset[n]] += sum[n], sum[n] = Node::zero();
+                        for (int n = 0; n < NC; ++n) at[hat.offset[n]] += sum[n], sum[n] = Node::zero();
+                        at += here - cell;
+                    }
                     cell = here;
                     MPM_UNROLL
                     for (int n = 0; n < NC; ++n) sum[n].add(hat.S[n][i], given[i]);
                 }
             }
             const Hat hat(*this);
-            for (int n = 0; n < NC; ++n) nodes[cell + hat.offset[n]] += sum[n];
+            for (int n = 0; n < NC; ++n) at[hat.offset[n]] += sum[n];
         });
     }
 

@@ -20,7 +20,7 @@ struct BoxAxis {
 // in cells from the middle one, in [-1/2, 1/2). S is the hat function averaged over the box, S = 1/(2l) int hat,
 // written without branches: `below` and `above` are the lengths of the box on either side of the middle node, `left` and
 // `right` how far the box is from it. `lanes` beyond the batch are zero, see together().
-template <int size, int lanes> struct BoxWeights {
+template <int size, int lanes> struct alignas(64) BoxWeights {
     double S[3][size], G[3][size];
 
     void set(const double* position, int count, const BoxAxis& axis) {
@@ -77,7 +77,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     }
 
     void restored() override {
-        cell_.assign(particles.size(), -1), local_.resize(particles.size());
+        cell_.assign(particles.size(), -1), local_.resize(particles.size()), stretchEnd_.resize(particles.size());
         outline_.find(particles);
         order.isOf(grid) ? order.prepare(grid, 3) : regroup();
     }
@@ -85,7 +85,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     // --- the step -----------------------------------------------------------------------------------
     void locate(Team& team) override {
         team.inSharesNoWait(order.turns.shares, [&](int b) {
-            if (find(order.start[b], order.start[b + 1]) || !order.isKnown(b)) order.inspect(b, grid, cell_);
+            const int begin = order.start[b], end = order.start[b + 1];
+            if (find(begin, end) || !order.isKnown(b)) order.inspect(b, grid, cell_), endStretches(begin, end);
         });
     }
 
@@ -203,7 +204,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         grown();
         return true;
     }
-    size_t bytes() const override { return sizeof(int) * cell_.size() + local_.bytes(); }
+    size_t bytes() const override { return sizeof(int) * (cell_.size() + stretchEnd_.size()) + local_.bytes(); }
 
     const Outline<Dim>* outline() const override { return outline_.size() > 0 ? &outline_ : nullptr; }
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
@@ -236,7 +237,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     // A lane for each particle of a support, where there are two along each axis.
     using Several = typename Widest<corners<Dim>>::Vector;
     static constexpr int lanes = sizeof(Several) / sizeof(double);
-    static constexpr int batch = Base::lot, padded = batch + lanes; // room for so many from each one on
+    static constexpr int batch = Base::lot, padded = batch + 8; // room for all lanes from each one on; whole cache lines
 
     // Weights of a batch of particles, short enough to stay in the first cache while it is used.
     struct Weights {
@@ -278,8 +279,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     // f(first, count, weights, block) for batches of particles, by blocks in turns.
     template <class F> void batches(Team& team, F&& f) {
         team.inTurns(order.turns, [&](int b) {
-            for (int first = order.start[b], end = order.start[b + 1]; first < end; first += batch) {
-                const int count = std::min(batch, end - first);
+            for (int first = order.start[b], end = order.start[b + 1], count; first < end; first += count) {
+                count = std::min(batch - first % 8, end - first);
                 const Weights w(*this, first, count);
                 if constexpr (std::is_invocable_v<F, int, int, const Weights&, int>)
                     f(first, count, w, b);
@@ -291,9 +292,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     // Stretches of a batch that have the same support are summed before the grid is touched: f(begin, end, its first node).
     template <class F> MPM_INLINE void stretches(int first, int count, F&& f) const {
-        const int* cells = cell_.data() + first;
-        for (int begin = 0, end = 0; begin < count; begin = end) {
-            while (end < count && cells[end] == cells[begin]) ++end;
+        const int *cells = cell_.data() + first, *ends = stretchEnd_.data() + first;
+        for (int begin = 0, end; begin < count; begin = end) {
+            end = std::min(ends[begin] - first, count);
             f(begin, end, cells[begin]);
         }
     }
@@ -313,7 +314,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                     }
                 MPM_UNROLL
                 for (int row = 0; row < 3; ++row) {
-                    Node* node = nodes + cell + rowOffset(layer + row);
+                    Node* node = inRegister(nodes + cell + rowOffset(layer + row));
                     MPM_UNROLL
                     for (int i = 0; i < 3; ++i) node[i].part[part] += sum[row][i];
                 }
@@ -337,7 +338,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                     }
                 MPM_UNROLL
                 for (int row = 0; row < rowsAtOnce; ++row) {
-                    auto* node = nodes + cell + rowOffset(top + row);
+                    auto* node = inRegister(nodes + cell + rowOffset(top + row));
                     MPM_UNROLL
                     for (int i = 0; i < 3; ++i) L::finish(sum[row][i], node[i]);
                 }
@@ -348,12 +349,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     // Particles of a batch with the same support, as many as there are lanes: f(first of them, its first node). Lanes without
     // a particle belong to the next ones, which come later.
     template <class F> MPM_INLINE void together(int first, int count, F&& f) const {
-        const int* cells = cell_.data() + first;
-        for (int p = 0, next; p < count; p = next) {
-            const int cell = cells[p], end = std::min(p + lanes, count);
-            for (next = p + 1; next < end && cells[next] == cell;) ++next;
-            f(p, cell);
-        }
+        const int *cells = cell_.data() + first, *ends = stretchEnd_.data() + first;
+        for (int p = 0; p < count; p = std::min(ends[p] - first, p + lanes)) f(p, cells[p]);
     }
 
     // taken[k] = sum phi N_k over the nodes.
@@ -364,7 +361,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             Several sum[n] = {};
             MPM_UNROLL
             for (int row = 0; row < rows; ++row) {
-                const Node* node = nodes + cell + rowOffset(row);
+                const Node* node = inRegister(nodes + cell + rowOffset(row));
                 const Several across = w.acrossSeveral(row, p).S;
                 MPM_UNROLL
                 for (size_t k = 0; k < n; ++k) sum[k] += across * (node[0][k] * S[0] + node[1][k] * S[1] + node[2][k] * S[2]);
@@ -382,7 +379,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             Several sum[Dim * Dim] = {};
             MPM_UNROLL
             for (int row = 0; row < rows; ++row) {
-                const auto* node = nodes + cell + rowOffset(row);
+                const auto* node = inRegister(nodes + cell + rowOffset(row));
                 const auto across = w.acrossSeveral(row, p);
                 MPM_UNROLL
                 for (int i = 0; i < Dim; ++i) {
@@ -404,9 +401,16 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         return Base::support(begin, end, x, 0.5, cell_.data(), local, "particle", particles.id.integers());
     }
 
+    void endStretches(int begin, int end) {
+        for (int p = end - 1, last = end; p >= begin; --p) {
+            if (p + 1 < end && cell_[p] != cell_[p + 1]) last = p + 1;
+            stretchEnd_[p] = last;
+        }
+    }
+
     // Sorts the particles by block and cell.
     void regroup() {
-        cell_.resize(particles.size()), local_.resize(particles.size());
+        cell_.resize(particles.size()), local_.resize(particles.size()), stretchEnd_.resize(particles.size());
         find(0, particles.size());
         order.group(grid, cell_);
         particles.permute(order.order);
@@ -418,6 +422,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...
     Field local_{"local", "-", "Position within the support, in cells.", {Dim}}; // ... with the position in it
+    std::vector<int> stretchEnd_; // one past the last of the particles from each one on, in its block, that have the same support
     Field half_{"halfSize", "m", "Half edge of the box domains, one entry per axis."};
     Splitting<Dim> splitting_;
     Outline<Dim> outline_;

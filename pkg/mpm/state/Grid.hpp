@@ -45,18 +45,19 @@ template <int Dim> struct NodalField {
         const Quad f = sum.part[1];
         return Dim == 2 ? f + Quad{f[1], f[0], f[3], f[2]} : Quad{f[0], f[1], f[2], 0};
     }
-    static void setComponent(Quad& vector, int k, double value) {
-        for (int l = lane(k); l < (Dim == 2 ? lane(k + 1) : lane(k) + 1); ++l) vector[l] = value;
+    MPM_INLINE static void setComponent(Quad& vector, int k, double value) { // not lane by lane: the vector would be read before it is in memory
+        const auto in = [&](int l) { return (Dim == 2 ? l / 2 : l) == k ? value : vector[l]; };
+        vector = Quad{in(0), in(1), in(2), in(3)};
     }
     MPM_INLINE static void setMotion(Motion& motion, const Quad& v, const Quad& a) {
         if constexpr (Dim == 2)
-            motion.part[0] = Quad{v[0], v[2], a[0], a[2]};
+            motion.part[0] = evenLanes(v, a);
         else
             motion.part[0] = Quad{v[0], v[1], v[2], a[0]}, motion.part[1] = Quad{a[1], a[2], 0, 0};
     }
     MPM_INLINE static Velocity velocityOf(const Quad& v) {
         Velocity velocity;
-        velocity.part[0] = Dim == 2 ? Quad{v[0], v[2], 0, 0} : v;
+        velocity.part[0] = Dim == 2 ? evenLanes(v, Quad{}) : v;
         return velocity;
     }
 

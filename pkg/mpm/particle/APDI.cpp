@@ -49,7 +49,11 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             for (int a = 0; a < NC; ++a) centres[p] += shape.w[a] * X.col(a);
             volumes[p] = shape.volume;
             const HourglassAmplitude<Dim> h = hourglassPattern<Dim>(X);
-            for (int i = 0; i < h.size(); ++i) hourglass0_.plane(i)[p] = h.data()[i];
+            double farthest = 0;
+            for (int i = 0; i < X.size(); ++i) farthest = std::max(farthest, std::abs(X.data()[i]));
+            const double roundOff = 4 * std::numeric_limits<double>::epsilon() * farthest;
+            for (int i = 0; i < h.size(); ++i)
+                if (std::abs(h.data()[i]) > roundOff) hourglass0_.plane(i)[p] = h.data()[i];
         }
         Base::create(centres, volumes);
         restored();
@@ -70,6 +74,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         carried_.resize(vertices_.size());
         skew_.resize(particles.size());
         rowEnd_ = Batch<Dim>::rowEnds(corner_);
+        isPatterned_ = false;
+        for (int i = 0; i < hourglass0_.components(); ++i)
+            isPatterned_ |= std::any_of(hourglass0_.plane(i), hourglass0_.plane(i) + particles.size(), [](double h) { return h != 0; });
         cutIntoPieces();
         if (!order.isOf(grid)) regroup();
     }
@@ -103,13 +110,10 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             q.momenta(batch.first, batch.count, inertiaScale, from.momentum);
             if (withForce) q.tension(batch.first, batch.count, stress.data(), from.tension);
             else std::memset(from.tension, 0, sizeof from.tension);
-            resist(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
-                deformed(batch.first + p, h);
-                MPM_UNROLL
-                for (int m = 0; m < modes; ++m)
-                    MPM_UNROLL
-                    for (int k = 0; k < Dim; ++k) h[m][k] = d.pattern[m][k][p] - h[m][k];
-            });
+            if (isPatterned_)
+                resist(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) { deformed.takeFrom(h, batch.first + p); });
+            else
+                resist(batch, d, from, [](int, double (*)[Dim]) __attribute__((always_inline)) {});
             batch.addToCorners(planes<vertexPlanes>(0), [&](int a, int k, int p) __attribute__((always_inline)) {
                 return given(d, from, a, k, p);
             });
@@ -230,9 +234,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         double largest = 0; // its 2 Dim-th power: no root in the loop
         const DeformedPattern deformed(*this);
         for (int p = 0; p < particles.size(); ++p) {
-            HourglassAmplitude<Dim> h;
-            deformed(p, reinterpret_cast<double(*)[Dim]>(h.data()));
-            const double square = (hourglassPattern<Dim>(cornersOf(p)) - h).colwise().squaredNorm().maxCoeff();
+            HourglassAmplitude<Dim> h = hourglassPattern<Dim>(cornersOf(p));
+            deformed.takeFrom(reinterpret_cast<double(*)[Dim]>(h.data()), p);
+            const double square = h.colwise().squaredNorm().maxCoeff();
             const double volume = particles.volume.plane()[p];
             largest = std::max(largest, (Dim == 2 ? 1 : square) * square * square / (volume * volume));
         }
@@ -481,15 +485,19 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         return sum;
     }
 
-    // Forces of hourglass control, where amplitude(p, h) gives what they resist, per mode and axis.
+    // Forces of hourglass control. h, per mode and axis, is what they resist: the pattern of a domain, which resisted(p, h) may change.
     // Stiffness form of Flanagan & Belytschko 1981: f_a = -k h gamma_a with gamma_a = G_a/2^Dim - g_a . (pattern
     // of X), so that it does no work in a linear field. k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2:
     // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
-    template <class Amplitude>
-    void resist(const Batch<Dim>& batch, const Shapes& d, FromDomains& from, Amplitude&& amplitude) const {
+    template <class Resisted>
+    void resist(const Batch<Dim>& batch, const Shapes& d, FromDomains& from, Resisted&& resisted) const {
         auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
             double h[modes][Dim], sum = 0;
-            amplitude(p, h);
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m)
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) h[m][k] = d.pattern[m][k][p];
+            resisted(p, h);
             MPM_UNROLL
             for (int a = 0; a < NC; ++a)
                 MPM_UNROLL
@@ -572,7 +580,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                 for (int m = 0; m < modes; ++m) pattern[m][i] = d.hourglass0_.plane(Dim * m + i);
             }
         }
-        MPM_INLINE void operator()(int p, double (*h)[Dim]) const {
+        MPM_INLINE void takeFrom(double (*h)[Dim], int p) const {
             MPM_UNROLL
             for (int m = 0; m < modes; ++m)
                 MPM_UNROLL
@@ -580,7 +588,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                     double sum = 0;
                     MPM_UNROLL
                     for (int j = 0; j < Dim; ++j) sum += F[i][j][p] * pattern[m][j][p];
-                    h[m][i] = sum;
+                    h[m][i] -= sum;
                 }
         }
     };
@@ -650,6 +658,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     double hourglassModulus_ = 0; // kPa
     MeshVertices<Dim> vertices_;
     Field hourglass0_{"hourglassReference", "m", "Hourglass pattern of the undeformed domain.", {hourglassModes<Dim>, Dim}};
+    bool isPatterned_ = true; // whether any undeformed domain has one: parallelograms have none
     std::vector<int> corner_; // 2^Dim per domain
     std::vector<int> rowEnd_; // see Batch
 

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Hourglass control resists what a domain's pattern differs from that of the undeformed one by. Where all of these are parallelograms there is
+nothing to compare with, and the deformation gradient is not asked."""
+from itertools import product
+
+import numpy as np
+import pytest
+
+import yade_mpm as mpm
+
+EDGE = 0.06
+
+
+def meshOf(dim, n, unevenness):
+    """A mesh of n domains in each direction whose vertices are off a lattice by a part of the edge: points, cells."""
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    if dim == 3:
+        corners = [(*c, z) for z in (0, 1) for c in corners]
+    points = np.array(list(product(np.arange(n + 1.0), repeat=dim)))[:, ::-1]
+    points += np.random.default_rng(1).uniform(-unevenness, unevenness, points.shape)
+    cells = np.array(list(product(range(n), repeat=dim)))[:, ::-1]
+    return 0.5 + EDGE * points, (cells[:, None] + corners) @ ((n + 1) ** np.arange(dim))
+
+
+def speedAfterAStep(points, cells, deform=None, push=0.0):
+    """Largest speed of particles or vertices, m/s, after one step from rest without stress; the body may be deformed before, by F in all points
+    alike, and one vertex in its middle be pushed by a part of the edge."""
+    dim = points.shape[1]
+    scene = mpm.Scene((0,) * dim, (2,) * dim, 0.1, threads=1)
+    body = scene.add("soil", (points, cells), mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3), mpm.APDI(hourglass=1))
+    if deform is not None:
+        body.vertices[...] = 0.5 + (body.vertices - 0.5) @ deform.T
+        body.deformationGradient[:, :dim, :dim] = deform
+    middle = np.argmin(np.linalg.norm(body.vertices - body.vertices.mean(axis=0), axis=1))
+    body.vertices[middle] += push * EDGE
+    scene.dt = 2e-4
+    scene.run(steps=1, progress=False)
+    return max(np.abs(body.velocity).max(), np.abs(body.core.view("vertexVelocity", True)).max())
+
+
+@pytest.mark.parametrize("unevenness", [0, 0.15])
+@pytest.mark.parametrize("dim, n", [(2, 11), (3, 5)])
+def test_what_is_not_deformed_or_deformed_evenly_is_not_resisted(dim, n, unevenness):
+    points, cells = meshOf(dim, n, unevenness)
+    F = np.eye(dim) + 0.2 * np.random.default_rng(3).uniform(-1, 1, (dim, dim))
+    pushed = speedAfterAStep(points, cells, push=0.01)
+    assert pushed > 1e-4  # control: a pattern is resisted
+    assert speedAfterAStep(points, cells) < 1e-10 * pushed
+    assert speedAfterAStep(points, cells, F) < 1e-10 * pushed
+    assert speedAfterAStep(points, cells, F, push=0.01) > 0.01 * pushed  # control

@@ -49,9 +49,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             for (int a = 0; a < NC; ++a) centres[p] += shape.w[a] * X.col(a);
             volumes[p] = shape.volume;
             const HourglassAmplitude<Dim> h = hourglassPattern<Dim>(X);
-            double farthest = 0;
-            for (int i = 0; i < X.size(); ++i) farthest = std::max(farthest, std::abs(X.data()[i]));
-            const double roundOff = 4 * std::numeric_limits<double>::epsilon() * farthest;
+            const double roundOff = 4 * std::numeric_limits<double>::epsilon() * X.cwiseAbs().maxCoeff();
             for (int i = 0; i < h.size(); ++i)
                 if (std::abs(h.data()[i]) > roundOff) hourglass0_.plane(i)[p] = h.data()[i];
         }

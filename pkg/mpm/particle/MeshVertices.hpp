@@ -125,7 +125,7 @@ template <int Dim> class MeshVertices {
             Node sum[NC];
             for (auto& s : sum) s = Node::zero();
             int cell = cell_[order_.order[start]];
-            Node* at = nodes + cell; // the sums belong to
+            Node* at = nodes + cell; // lowest node of that cell, whose sums are kept
             for (int begin = start, next; begin < end; begin = next) {
                 next = std::min(rowEnd_[begin], begin + chunkSize);
                 const int first = order_.order[begin];

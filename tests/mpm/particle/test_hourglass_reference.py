@@ -1,33 +1,31 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Hourglass control resists what a domain's pattern differs from that of the undeformed one by. Where all of these are parallelograms there is
 nothing to compare with, and the deformation gradient is not asked."""
-from itertools import product
-
 import numpy as np
 import pytest
 
 import yade_mpm as mpm
 
 EDGE = 0.06
+SOIL = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3)
+
+
+def emptyScene(dim):
+    return mpm.Scene((0,) * dim, (2,) * dim, 0.1, threads=1)
 
 
 def meshOf(dim, n, unevenness):
     """A mesh of n domains in each direction whose vertices are off a lattice by a part of the edge: points, cells."""
-    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
-    if dim == 3:
-        corners = [(*c, z) for z in (0, 1) for c in corners]
-    points = np.array(list(product(np.arange(n + 1.0), repeat=dim)))[:, ::-1]
-    points += np.random.default_rng(1).uniform(-unevenness, unevenness, points.shape)
-    cells = np.array(list(product(range(n), repeat=dim)))[:, ::-1]
-    return 0.5 + EDGE * points, (cells[:, None] + corners) @ ((n + 1) ** np.arange(dim))
+    body = emptyScene(dim).add("lattice", mpm.box((8 * EDGE,) * dim, ((8 + n) * EDGE,) * dim), SOIL, mpm.APDI(size=EDGE))
+    return 0.5 - 8 * EDGE + body.vertices + EDGE * np.random.default_rng(1).uniform(-unevenness, unevenness, body.vertices.shape), body.cells
 
 
 def speedAfterAStep(points, cells, deform=None, push=0.0):
     """Largest speed of particles or vertices, m/s, after one step from rest without stress; the body may be deformed before, by F in all points
     alike, and one vertex in its middle be pushed by a part of the edge."""
     dim = points.shape[1]
-    scene = mpm.Scene((0,) * dim, (2,) * dim, 0.1, threads=1)
-    body = scene.add("soil", (points, cells), mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3), mpm.APDI(hourglass=1))
+    scene = emptyScene(dim)
+    body = scene.add("soil", (points, cells), SOIL, mpm.APDI(hourglass=1))
     if deform is not None:
         body.vertices[...] = 0.5 + (body.vertices - 0.5) @ deform.T
         body.deformationGradient[:, :dim, :dim] = deform

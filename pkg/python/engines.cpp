@@ -82,6 +82,10 @@ void exposeEngines() {
                       +[](C& c, const bp::object& v) { c.ids = numbers<int64_t>(v); })
         .add_property("centre", +[](const C& c) { return three(c.centre); },
                       +[](C& c, const bp::object& v) { setThree(c.centre, v); })
+        .add_property("impulse", +[](const C& c) { return three(c.impulse); },
+                      +[](C& c, const bp::object& v) { setThree(c.impulse, v); })
+        .add_property("angularImpulse", +[](const C& c) { return three(c.angularImpulse); },
+                      +[](C& c, const bp::object& v) { setThree(c.angularImpulse, v); })
         .add_property("reaction", +[](const C& c) { return three(c.reaction); },
                       +[](C& c, const bp::object& v) { setThree(c.reaction, v); })
         .add_property("moment", +[](const C& c) { return three(c.moment); },

@@ -207,6 +207,7 @@ template <int Dim> struct Bind {
             .def("prepare", prepare)
             .def("advance", advance)
             .def("actAlone", actAlone)
+            .def("endStep", &S::endStep)
             .def("criticalTimeStep", critical)
             .def("interfaceFault", interfaceFault)
             .def("balance", balance)

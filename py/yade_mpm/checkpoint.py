@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Checkpoints: a scene in an HDF5 file, from which a run continues with the same bits; restoring.py reads them.
 
-Layout, format 1: root attributes `format`, `formatVersion`, `package`; dataset `scene`, UTF-8 text of a JSON object with
+Layout, format 2: root attributes `format`, `formatVersion`, `package`; dataset `scene`, UTF-8 text of a JSON object with
 everything but arrays; groups `bodies/0`, `bodies/1` ... with `particles/FIELD` (one row per particle, in the order of
 the solver), `domains/FIELD` and `tables/NAME` (how particles and vertices are grouped and connected). Datasets carry
 a checksum.
@@ -16,9 +16,9 @@ from . import __version__
 from .engines import Callback, GridSolver
 from .files import checkWritable, replacing
 
-FORMAT, VERSION = "yade-mpm checkpoint", 1
+FORMAT, VERSION = "yade-mpm checkpoint", 2
 
-_CONSTRAINT_STATE = ("work", "began", "active", "reaction", "moment", "centre", "heldNodes")
+_CONSTRAINT_STATE = ("work", "began", "active", "reaction", "moment", "impulse", "angularImpulse", "centre", "heldNodes")
 
 
 def save(scene, file, midStep=False):

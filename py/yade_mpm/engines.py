@@ -62,7 +62,8 @@ class Prescribed(Guarded):
     """A prescribed velocity; base of `Drive` and `Hold`.
 
     Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D), both
-    exerted by the constraint on the material (2D: per metre), and `work` kJ since the start.
+    exerted by the constraint on the material (2D: per metre). Since the start: `work` kJ, and `impulse` (dim,) kN s, the time
+    integral of the reaction, whose difference between two times makes the mean.
     """
 
     _owner = None
@@ -81,7 +82,6 @@ class Prescribed(Guarded):
         """Called before a run: the ramp counts from the first one."""
         if self.dim != scene.dim:
             raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
-        belongTo(scene, self)
         if not self._hasBegun:
             self.core.began, self._hasBegun = scene.time, True
 
@@ -111,6 +111,8 @@ class Prescribed(Guarded):
             kind = type(self).__name__
             raise RuntimeError(f"{kind}: '{self.name}' is in no scene that was run; give it to GridSolver({kind.lower()}=...) and run the scene")
         return np.array(self.core.reaction)[: self.dim]
+
+    impulse = property(lambda self: np.array(self.core.impulse)[: self.dim], doc="Time integral of the reaction since the start, kN s (2D: kN s/m).")
 
     @property
     def moment(self):
@@ -431,9 +433,15 @@ class Contact(_generated["Contact"]):
 
     def forces(self):
         """Dict (A, B) -> force on group B by group A in the last step, kN (3,), for all pairs of groups; zero where they do not meet."""
-        groups, forces = self._groups, np.reshape(self.core.forces, (-1, 3))
-        n = len(groups)
-        return {(groups[a], groups[b]): forces[n * a + b] if len(forces) == n * n else np.zeros(3) for a in range(n) for b in range(a + 1, n)}
+        return self._byPair(self.core.forces)
+
+    def forceImpulses(self):
+        """Dict (A, B) -> time integral of the force on group B by group A since the start, kN s (3,), for all pairs of groups."""
+        return self._byPair(self.impulses)
+
+    def _byPair(self, values):
+        rows, pairs = np.reshape(values, (-1, 3)), [(a, b) for b in range(len(self._groups)) for a in range(b)]
+        return {(self._groups[a], self._groups[b]): rows[k] if k < len(rows) else np.zeros(3) for k, (a, b) in enumerate(pairs)}
 
     def forceOn(self, group):
         """Force on a group in the last step, kN (3,)."""

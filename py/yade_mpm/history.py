@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Time histories: reactions, energies and diagnostics as columns in memory, in CSV, and in the recorder's file."""
 import math
-import operator
 import os
 import time
 from collections.abc import MutableMapping
@@ -50,9 +49,8 @@ class History(Callback):
         and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}; or tuple of names -> function that returns a number
         for each. A checkpoint can keep only text; give functions again after loading (`history.columns["toe"] = ...`), the
         column is nan until then.
-    average : reactions, moments and forces of contact are means over the time since the row before instead of values of the last step.
+    average : reactions, moments and forces of contact are means over all steps since the row before instead of values of the last step.
         Default True: explicit dynamics makes the value of one step noisy.
-    sampleEvery : steps between the samples that are averaged; default 10. One sample takes about 6 us, with a `Contact` 12.
     state : rows of the run that is to be continued; given by checkpoints. The files are made to hold just these.
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces): NAME.fx,
@@ -70,20 +68,15 @@ class History(Callback):
     step.
     """
 
-    def __init__(self, period=0.0, iterPeriod=0, file=None, columns=None, average=True, sampleEvery=10, state=None,
-                 **attributes):
+    def __init__(self, period=0.0, iterPeriod=0, file=None, columns=None, average=True, state=None, **attributes):
         checkPeriod("History", period, iterPeriod)
-        if not (isinstance(sampleEvery, int) and sampleEvery >= 1):
-            raise ValueError(f"History: sampleEvery = {sampleEvery!r} is not allowed; give a whole number of steps from 1 on")
-        self._iterPeriod, self._average, self._sampleEvery = int(iterPeriod), bool(average), sampleEvery
-        steps = iterPeriod
-        if average:  # samples fall on the steps of the rows
-            steps = math.gcd(self._iterPeriod, sampleEvery) if iterPeriod else sampleEvery
-        super().__init__(steps, period, **attributes)
+        super().__init__(iterPeriod, period, **attributes)
+        self._average = bool(average)
         self._file = None if file is None else os.fspath(file)
         self._columns = Columns(columns or {})
         self._data, self._units, self._count = {}, {}, 0
-        self._sums, self._samples = {}, 0
+        self._before = {}   # name -> time of the last row, time integrals until then
+        self._motions = {}  # name -> prescribed motion that bears it
         self._initialEnergy = None
         self._header, self._inFile = None, 0       # of the CSV file as it is
         self._recorder, self._inRecorder = None, 0
@@ -94,7 +87,6 @@ class History(Callback):
     file = property(lambda self: self._file, doc="Name of the CSV file, or None.")
     columns = property(lambda self: self._columns, doc="Dict of the columns that the user added.")
     average = property(lambda self: self._average, doc="Whether reactions are means over the period.")
-    sampleEvery = property(lambda self: self._sampleEvery, doc="Steps between the samples that are averaged.")
     names = property(lambda self: list(self._data), doc="Names of the columns.")
     units = property(lambda self: dict(self._units), doc="Dict name -> unit.")
 
@@ -119,20 +111,17 @@ class History(Callback):
     def spec(self):
         """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew, rows included."""
         columns = {name: c if isinstance(c, str) else None for key, c in self._columns.items() for name in _names(key)}
-        return dict(period=self.virtPeriod, iterPeriod=self._iterPeriod, file=self._file, columns=columns,
-                    average=self._average, sampleEvery=self._sampleEvery, state=self._state(),
-                    label=self.label, dead=self.dead)
+        return dict(period=self.virtPeriod, iterPeriod=self.iterPeriod, file=self._file, columns=columns,
+                    average=self._average, state=self._state(), label=self.label, dead=self.dead)
 
     def _state(self):
-        """Rows so far and the samples since the last one, as plain types."""
-        return dict(data=self._data, units=self._units, sums=self._sums, samples=self._samples,
-                    initialEnergy=self._initialEnergy)
+        """Rows so far and what the next one starts from, as plain types."""
+        return dict(data=self._data, units=self._units, before=self._before, initialEnergy=self._initialEnergy)
 
     def _restore(self, state):
         self._data = {name: list(column) for name, column in state["data"].items()}
         self._count = max((len(column) for column in self._data.values()), default=0)
-        self._units, self._sums = dict(state["units"]), dict(state["sums"])
-        self._samples, self._initialEnergy = state["samples"], state["initialEnergy"]
+        self._units, self._before, self._initialEnergy = dict(state["units"]), dict(state["before"]), state["initialEnergy"]
 
     # --- engine ---
     def bind(self, scene):
@@ -140,18 +129,21 @@ class History(Callback):
         others = [e for e in scene.engines if isinstance(e, History) and e is not self]
         if any(e.label == self.label or (self._file and e.file == self._file) for e in others):
             raise ValueError("History: two histories have the same label or file; give each its own")
-        if not self._count and not self._samples:
+        if self._initialEnergy is None:
             self._initialEnergy = diagnostics.kineticEnergy(scene)
+        for c in scene.constraints:
+            if self._motions.setdefault(c.name, c) is not c:  # another one of that name
+                self._before.pop(c.name, None)
+                self._motions[c.name] = c
+        for name, integrals in _integrals(scene).items():
+            self._before.setdefault(name, [scene.time, *integrals])
         if self._file is not None:
             checkWritable(self._file, "History")
 
     def act(self, scene):
-        if self._average:
-            self._sample(scene)
-        if not self._average or self._rowIsDue(scene):
-            self._row(scene)
-            if time.monotonic() - self._flushed > FLUSH:
-                self.flush()
+        self._row(scene)
+        if time.monotonic() - self._flushed > FLUSH:
+            self.flush()
 
     def stepsToCall(self, scene):
         """No call ever stops the run: it need not look after each."""
@@ -164,37 +156,14 @@ class History(Callback):
             self._writeCSV()
             self._writeRecorder()
 
-    # --- sampling ---
-    def _rowIsDue(self, scene):
-        if self._iterPeriod:
-            return scene.steps % self._iterPeriod == 0
-        t, half, period = scene.time, 0.5 * scene.core.dt, self.core.value("virtPeriod")
-        return math.floor((t + half) / period) > math.floor((t - half) / period)
-
-    def _sample(self, scene):
-        sums = self._sums
-        for c in scene._constraints:
-            core, name = c.core, c.core.name
-            fx, fy, fz = core.reaction
-            mx, my, mz = core.moment
-            total = sums.get(name)
-            if total is None:
-                sums[name] = [fx, fy, fz, mx, my, mz, 1]
-            else:
-                sums[name] = [total[0] + fx, total[1] + fy, total[2] + fz, total[3] + mx, total[4] + my, total[5] + mz,
-                              total[6] + 1]
-        for name, force in _contactForces(scene):
-            *total, count = sums.get(name, (0.0, 0.0, 0.0, 0))
-            sums[name] = [*map(operator.add, total, force), count + 1]
-        self._samples += 1
-
+    # --- rows ---
     def _row(self, scene):
-        row = {}
+        row, means = {}, self._means(scene)
         for name, (unit, function) in _standard.items():
             row[name] = (unit, function(scene))
             if name == "particles":
-                row.update(self._motions(scene))
-                row.update(self._contacts(scene))
+                row.update(self._reactions(scene, means))
+                row.update(self._contacts(scene, means))
             elif name == "mass":
                 row.update((f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", diagnostics.momentum(scene)))
             elif name == "contactEnergy":
@@ -204,33 +173,37 @@ class History(Callback):
         for key in self._columns:
             row.update((name, ("", value)) for name, value in self._columns.measure(key, scene))
         self._append({name: (_perMetre(unit) if scene.dim == 2 else unit, value) for name, (unit, value) in row.items()})
-        self._sums, self._samples = {}, 0
+        self._before = {name: [scene.time, *integrals] for name, integrals in _integrals(scene).items()}
 
-    def _motions(self, scene):
+    def _means(self, scene):
+        """Dict of what is averaged -> mean since the last row; nothing for what has seen no step since."""
+        if not self._average:
+            return {}
+        return {name: [(now - before) / (scene.time - since) for now, before in zip(integrals, start)]
+                for name, integrals in _integrals(scene).items()
+                for since, *start in [self._before[name]] if scene.time > since}
+
+    def _reactions(self, scene, means):
         """Reaction, moment and work of every prescribed motion."""
         row, dim = {}, scene.dim
-        for c in scene._constraints:
-            six = [*c.core.reaction, *c.core.moment]
-            if self._average:
-                *six, count = self._sums[c.name]
-                six = [total / count for total in six]
+        for c in scene.constraints:
+            six = means.get(c.name, [*c.core.reaction, *c.core.moment])
             row.update((f"{c.name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[:dim], six))
             if not (isinstance(c, Hold) and isinstance(c.where, str) and c.name == c.where):  # a face
                 row.update((f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in ((2,) if dim == 2 else (0, 1, 2)))
             row[f"{c.name}.work"] = ("kJ", c.work)
         return row
 
-    def _contacts(self, scene):
+    def _contacts(self, scene, means):
         """Force between each pair of groups; work of friction and overlap of all."""
-        row, contact = {}, _contactOf(scene)
-        for name, force in _contactForces(scene):
-            if self._average and name in self._sums:
-                *force, count = self._sums[name]
-                force = [total / count for total in force]
-            row.update((f"{name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[: scene.dim], force))
-        if contact is not None:
-            row.update({"contact.frictionWork": ("kJ", contact.frictionWork), "contact.largestPenetration": ("m", contact.largestPenetration)})
-        return row
+        contact = _contactOf(scene)
+        if contact is None:
+            return {}
+        row = {}
+        for pair, force in contact.forces().items():
+            name = _nameOf(pair)
+            row.update((f"{name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[: scene.dim], means.get(name, force)))
+        return {**row, "contact.frictionWork": ("kJ", contact.frictionWork), "contact.largestPenetration": ("m", contact.largestPenetration)}
 
     def _append(self, row):
         for name, (unit, value) in row.items():
@@ -319,10 +292,17 @@ def _contactOf(scene):
     return next((e for e in scene.engines if isinstance(e, Contact) and not e.dead), None)
 
 
-def _contactForces(scene):
-    """Name and force in the last step, on the second, of each pair of groups that may slip on each other."""
+def _nameOf(pair):
+    return "contact.{}-{}".format(*pair)
+
+
+def _integrals(scene):
+    """Dict name -> time integrals of what a history averages: reaction and moment of each prescribed motion, force between each pair of groups."""
+    all = {c.name: [*c.core.impulse, *c.core.angularImpulse] for c in scene.constraints}
     contact = _contactOf(scene)
-    return [] if contact is None else [(f"contact.{a}-{b}", force) for (a, b), force in contact.forces().items()]
+    if contact is not None:
+        all.update((_nameOf(pair), impulse.tolist()) for pair, impulse in contact.forceImpulses().items())
+    return all
 
 
 def _perMetre(unit):

@@ -405,7 +405,7 @@ class Coupling:
     def _close(self):
         """The end of a step that was taken stage by stage."""
         core = self.scene.core
-        core.time, core.step = self._end, core.step + 1
+        core.endStep(self._end)
         self._isOpen, self.scene._acting = False, None
         self._at = core.step, core.time
         self._apply()

@@ -501,13 +501,14 @@ class Scene(Guarded):
         engines = self.engines
         _checkOrder(engines, self.scheme)  # the list itself may have been changed since it was given
         _checkComplete(engines, self.scheme)
-        for engine in engines:
-            belongTo(self, engine)
-            engine.bind(self)
         constraints = [c for e in engines if isinstance(e, GridSolver) for c in e.constraints(self)]
+        for part in [*engines, *constraints]:
+            belongTo(self, part)
         for constraint in constraints:
             constraint.bind(self)
         self._constraints = constraints
+        for engine in sorted(engines, key=lambda e: isinstance(e, Callback)):  # which look at the others
+            engine.bind(self)
         self.core.setConstraints([c.core for c in constraints])
         self.core.setEngines([e.core for e in engines])
         self.core.prepare()

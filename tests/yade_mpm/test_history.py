@@ -97,10 +97,10 @@ def slide(history, steps, *more):
 
 
 def test_contact_has_columns_of_force_between_groups_friction_and_overlap():
-    seen, history = [], mpm.History(iterPeriod=100, sampleEvery=5)
+    seen, history = [], mpm.History(iterPeriod=100)
     watch = mpm.PyRunner(lambda s: seen.append([*s.engines[2].forceOn("block")[:2], *s.engines[2].forceOn("cap")[:2]]), iterPeriod=1)
     scene, contact = slide(history, 400, watch)
-    means = np.array(seen)[4::5].reshape(4, 20, 4).mean(axis=1)
+    means = np.array(seen).reshape(4, 100, 4).mean(axis=1)
     columns = [f"contact.base-{group}.f{axis}" for group in ("block", "cap") for axis in "xy"]
     assert np.allclose(np.transpose([history[c] for c in columns]), means, rtol=1e-12, atol=1e-12)
     assert np.abs(means).max(axis=0).min() > 0.1 and not np.allclose(means, np.array(seen)[99::100], rtol=1e-3)  # the last step is another one
@@ -159,14 +159,14 @@ def test_a_hold_in_a_region_has_force_and_moment():
     assert history["layer.fy"][0] > 0 and "layer.mz" in history.names
 
 
-def test_reactions_are_means_of_the_samples_since_the_row_before():
+def test_reactions_are_means_over_all_steps_since_the_row_before():
     seen = []
-    scene, history = makeScene(), mpm.History(iterPeriod=40, sampleEvery=4)
+    scene, history = makeScene(), mpm.History(iterPeriod=40)
     watch = mpm.PyRunner(lambda s: seen.append((*s.engines[1].drive.reaction, s.engines[1].drive.moment)), iterPeriod=1)
     scene.engines = chain(watch, history, drive=press(scene))
     scene.run(steps=80, progress=False)
-    samples = np.array(seen)[3::4].reshape(2, 10, 3)
-    for name, column in zip(("drive.fx", "drive.fy", "drive.mz"), np.moveaxis(samples.mean(axis=1), 1, 0)):
+    steps = np.array(seen).reshape(2, 40, 3)
+    for name, column in zip(("drive.fx", "drive.fy", "drive.mz"), np.moveaxis(steps.mean(axis=1), 1, 0)):
         assert np.allclose(history[name], column, rtol=1e-12, atol=1e-12), name
     last = np.array(seen)[39::40]  # the control: the last step alone is something else
     assert not np.allclose(history["drive.fy"], last[:, 1], rtol=1e-3)
@@ -175,27 +175,55 @@ def test_reactions_are_means_of_the_samples_since_the_row_before():
     assert np.array_equal(momentary["drive.fy"], last[:, 1])
 
 
-def test_a_motion_that_begins_amid_two_rows_is_averaged_over_its_own_samples():
+@pytest.mark.parametrize("before", [False, True])
+def test_a_motion_that_begins_amid_two_rows_is_averaged_over_its_own_steps(before):
     seen = []
-    scene, history = makeScene(), mpm.History(iterPeriod=40, sampleEvery=4)
-    scene.engines = chain(history)
+    scene, history = makeScene(), mpm.History(iterPeriod=40)
+    scene.engines = chain(history, **({"drive": press(scene)} if before else {}))  # another one of the same name
     scene.run(steps=20, progress=False)
-    watch = mpm.PyRunner(lambda s: seen.append(s.engines[1].drive.reaction[1]), iterPeriod=4)
+    watch = mpm.PyRunner(lambda s: seen.append(s.engines[1].drive.reaction[1]), iterPeriod=1)
     scene.engines = chain(watch, history, drive=press(scene))
     scene.run(steps=20, progress=False)
-    assert history["drive.fy"][0] == pytest.approx(np.mean(seen), rel=1e-12) and len(seen) == 5
+    assert history["drive.fy"][0] == pytest.approx(np.mean(seen), rel=1e-12) and len(seen) == 20
+
+
+def test_a_history_that_begins_late_is_averaged_over_its_own_steps():
+    scene, history = makeScene(), mpm.History(iterPeriod=40)
+    drive = press(scene)
+    scene.engines = chain(drive=drive)
+    scene.run(steps=60, progress=False)
+    impulse, time = drive.impulse, scene.time
+    scene.engines = chain(history, drive=drive)
+    scene.run(steps=20, progress=False)
+    assert history["drive.fy"][0] == pytest.approx((drive.impulse - impulse)[1] / (scene.time - time), rel=1e-12)
+    assert abs(impulse[1]) > 0.1 * abs(drive.impulse[1])  # the control: it counts
+
+
+def test_impulses_of_all_that_holds_a_scene_and_its_weight_are_its_momentum():
+    scene = runWith(mpm.History(iterPeriod=100), steps=250)
+    given = sum(constraint.impulse for constraint in scene.constraints)
+    weight = np.array((0, -9.81)) * diagnostics.mass(scene) * scene.time
+    assert np.allclose(given + weight, diagnostics.momentum(scene), rtol=0, atol=1e-12 * np.abs(weight).max())
+    assert np.linalg.norm(diagnostics.momentum(scene)) > 1e-3 * np.abs(weight).max()
+
+
+def test_impulses_between_groups_go_on_when_another_group_comes():
+    scene, contact = slide(mpm.History(iterPeriod=100), 200)
+    before = contact.forceImpulses()
+    steel = scene["cap"].material
+    scene.add("lid", box((2, 0.5), (2.5, 0.75)), steel, mpm.APDI(size=0.125), group="lid")
+    seen = []
+    scene.engines = [*scene.engines[:-1], mpm.PyRunner(lambda s: seen.append([*contact.forces().values()]), iterPeriod=1)]
+    scene.run(steps=50, progress=False)
+    for k, (pair, impulse) in enumerate(contact.forceImpulses().items()):
+        assert np.allclose(impulse, before.get(pair, 0) + scene.dt * np.sum(seen, axis=0)[k], rtol=1e-12, atol=1e-14), pair
+    assert abs(before["base", "cap"][1]) > 1e-3 and abs(contact.forceImpulses()["cap", "lid"][1]) > 1e-6
 
 
 def test_the_mean_force_times_the_way_is_the_work():
-    history = mpm.History(iterPeriod=100, sampleEvery=1)
+    history = mpm.History(iterPeriod=100)
     runWith(history, steps=100)
     assert history["drive.work"][0] == pytest.approx(-0.1 * 0.1 * history["drive.fy"][0], rel=1e-9)
-
-
-def test_samples_fall_on_the_rows_even_if_the_periods_do_not_match():
-    history = mpm.History(iterPeriod=25, sampleEvery=10)
-    runWith(history, steps=100)
-    assert list(history["step"]) == [25, 50, 75, 100]
 
 
 def test_columns_of_the_user_are_functions_or_text():
@@ -301,7 +329,7 @@ def test_a_history_loaded_from_a_checkpoint_continues_bitwise_in_memory_and_file
 
     scene = mpm.load(tmp_path / "state.h5", callbacks={"save": None})
     spec = scene.engines[5].spec()
-    spec["state"].update(sums={}, samples=0)  # the control: without the samples taken so far the mean differs
+    spec["state"]["before"] = {}  # the control: of the steps since the checkpoint alone, the mean differs
     forgetful = mpm.History(**spec)
     scene.engines = [*scene.engines[:4], forgetful]
     scene.run(steps=70, progress=False)
@@ -327,7 +355,6 @@ def test_a_second_history_needs_a_label():
 @pytest.mark.parametrize("arguments, error, text", [
     (dict(), ValueError, "give one of the two, positive"),
     (dict(period=1.0, iterPeriod=2), ValueError, "give one of the two, positive"),
-    (dict(iterPeriod=5, sampleEvery=0), ValueError, "sampleEvery = 0 is not allowed; give a whole number of steps"),
     (dict(iterPeriod=5, columns={"a": 7}), TypeError, "column 'a' = 7; give a function of the scene, or an expression"),
     (dict(iterPeriod=5, columns={"a,b": "1"}), ValueError, "may hold no comma"),
     (dict(iterPeriod=5, columns={("a", "b,c"): lambda scene: (1, 2)}), ValueError, "may hold no comma"),

@@ -43,11 +43,17 @@ std::vector<Parameter> Contact::attributes() {
             {"normals", "", "'surface': area vectors of the surfaces; 'mass': gradient of the nodal mass.", &normals, {},
              {"surface", "mass"}},
             {"pairs", "", "Friction and adhesion of pairs of groups that differ: numbers of the groups, friction, adhesion.", &pairs},
-            {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork}};
+            {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
+            {"impulses", "kN s", "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses}};
 }
 
 void Contact::finish() {
     require(pairs.size() % 4 == 0, "Contact: pairs has ", pairs.size(), " entries; use pair()");
+}
+
+void Contact::stepped(double dt) {
+    impulses.resize(forces.size());
+    for (size_t i = 0; i < forces.size(); ++i) impulses[i] += dt * forces[i];
 }
 
 template <int Dim> void Contact::check(Scene<Dim>& scene) {
@@ -145,7 +151,7 @@ template <int Dim> void Contact::tell(Scene<Dim>& scene, const Meet<Dim>& meet, 
     append(meet.position), append(meet.normal);
     table.insert(table.end(), {meet.gap, meet.area});
     append(meet.impulse / scene.dt), append(slip);
-    double* force = &forces[3 * (meet.field[0] * scene.groups.size() + meet.field[1])];
+    double* force = &forces[3 * pairOf(meet.field[0], meet.field[1])];
     for (int k = 0; k < Dim; ++k) force[k] += meet.impulse[k] / scene.dt;
     if (!meet.hasTouches) largestPenetration = std::max(largestPenetration, -meet.gap);
     sliding += meet.slides;
@@ -230,7 +236,7 @@ template <int Dim> void Contact::addFriction(Meeting<Dim>& meeting, const Stretc
 template <int Dim> void Contact::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     table.clear(), largestPenetration = gridLoss = 0, sliding = reduced = 0;
-    forces.assign(3 * scene.groups.size() * scene.groups.size(), 0.0);
+    forces.assign(3 * pairOf(0, int(scene.groups.size())), 0.0);
     const double loss = separation || slip ? impactLoss : 0;
     Meeting<Dim>& meeting = this->meeting(scene);
     auto& nodes = std::get<std::vector<Pair<Dim>>>(nodes_);

@@ -13,10 +13,11 @@ class Contact : public EngineOf<Contact> {
     bool separation = true, slip = true;
     std::string normals = "surface";
     std::vector<double> pairs;
+    std::vector<double> impulses; // time integrals of the forces since the start
 
     // Of the last step.
     std::vector<double> table; // groups (2), node (3), normal (3), gap, area, force on the second group (3), slip rate (3)
-    std::vector<double> forces; // on group b by group a < b, kN, at 3 (a n + b); n: number of groups
+    std::vector<double> forces; // on group b by group a < b, kN, from 3 pairOf(a, b) on
     double largestPenetration = 0, gridLoss = 0; // m; kJ
     int sliding = 0, reduced = 0;
 
@@ -30,7 +31,12 @@ class Contact : public EngineOf<Contact> {
     void remapped(Scene<2>& scene) override { tie(scene); }
     void remapped(Scene<3>& scene) override { tie(scene); }
 
+    void stepped(double dt) override;
+
     template <int Dim> void act(Scene<Dim>& scene);
+
+    // Numbers that stay when there are more groups.
+    static size_t pairOf(int a, int b) { return size_t(b) * (b - 1) / 2 + a; }
 
   private:
     struct Law {

@@ -26,6 +26,8 @@ class Engine : public Configurable {
     // The velocity fields have been made anew from the momentum of the particles (MUSL, USF). One thread.
     virtual void remapped(Scene<2>&) {}
     virtual void remapped(Scene<3>&) {}
+    // A step is complete; what is of the last step may be summed up.
+    virtual void stepped(double /*dt*/) {}
 
     virtual void prepare(Scene<2>&) {}
     virtual void prepare(Scene<3>&) {}

@@ -53,6 +53,13 @@ template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {
     setWatched(engine.calls, engine.calls + 1);
 }
 
+template <int Dim> void Scene<Dim>::endStep(double newTime) {
+    for (auto& constraint : constraints) constraint->stepped(dt);
+    for (auto& engine : engines)
+        if (!engine->dead) engine->stepped(dt);
+    setWatched(time, newTime), setWatched(step, step + 1);
+}
+
 template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
     using Clock = std::chrono::steady_clock;
     const auto since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
@@ -67,7 +74,7 @@ template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
             for (size_t e = 0; e < engines.size(); ++e) {
                 Engine& engine = *engines[e];
                 const auto tick = [&] {
-                    if (e == lastStage) setWatched(time, time + dt), setWatched(step, step + 1);
+                    if (e == lastStage) endStep(time + dt);
                 };
                 try {
                     actAlone(engine);

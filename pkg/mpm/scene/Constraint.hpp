@@ -41,6 +41,12 @@ class Constraint {
     double work = 0;                // kJ since the start
     int heldNodes = 0;
 
+    // Time integrals of reaction and moment since the start, kN s and kN m s: their difference between two times makes a mean.
+    double impulse[3] = {0, 0, 0}, angularImpulse[3] = {0, 0, 0};
+    void stepped(double dt) {
+        for (int k = 0; k < 3; ++k) impulse[k] += dt * reaction[k], angularImpulse[k] += dt * moment[k];
+    }
+
     bool drivesBody() const { return !body.empty(); }
 
     // Prescribed velocity along an axis at a time after the constraint began.

@@ -74,8 +74,9 @@ template <int Dim> class Scene {
     void separateGroups();
     // Takes up to `steps` steps, and no new one after `seconds` of wall time; returns how many it took.
     long advance(long steps, double seconds);
-    // One engine, for a host that calls them one by one; the clock stands still.
+    // One engine, for a host that calls them one by one and then ends the step itself; the clock stands still.
     void actAlone(Engine& engine);
+    void endStep(double newTime);
 
     // Velocity of the nodes as prescribed, at time t.
     double prescribed(int constraint, int axis, double t) const {

@@ -67,8 +67,9 @@ class GridSolver : public EngineOf<GridSolver> {
         const auto& sum = field.sum[node];
         const double m = sum[NF::mass];
         Quad v{}, a{}, weight{};
+        double overMass = 0;
         if (m > least) {
-            const double overMass = 1 / m;
+            overMass = 1 / m;
             weight = sum[NF::weightMass] * g;
             a = overMass * (NF::forceIn(sum) + weight);
             v = overMass * NF::momentumIn(sum) + scene.dt * a;
@@ -76,7 +77,7 @@ class GridSolver : public EngineOf<GridSolver> {
         }
         NF::setMotion(field.motion[node], v, a);
         // Under MUSL this velocity is summed up anew from the particles.
-        field.velocity[node] = scene.scheme == Scheme::MUSL ? NF::noMomentum(m) : NF::velocityOf(v);
+        field.velocity[node] = scene.scheme == Scheme::MUSL ? NF::noMomentum(overMass) : NF::velocityOf(v);
         return weight * v;
     }
 

@@ -41,23 +41,23 @@ template <int Dim> void sumOnNodes(Team& team, Scene<Dim>& scene, bool withForce
 
 // Before the particles add their momentum to it.
 template <int Dim> void clearVelocity(Team& team, Scene<Dim>& scene) {
+    const double least = scene.leastMass();
     for (auto& field : scene.grid.fields)
         forActiveNodes(team, scene, field, [&](int node) {
-            field.velocity[node] = NodalField<Dim>::noMomentum(field.sum[node][NodalField<Dim>::mass]);
+            const double m = field.sum[node][NodalField<Dim>::mass];
+            field.velocity[node] = NodalField<Dim>::noMomentum(m > least ? 1 / m : 0);
         });
 }
 
 // From the momentum of the particles to the velocity that enters the velocity gradient (MUSL, USF), with what is
 // prescribed at the given time.
 template <int Dim> void velocityFromMomentum(Team& team, Scene<Dim>& scene, double time) {
-    using NF = NodalField<Dim>;
-    const double least = scene.leastMass();
     for (auto& field : scene.grid.fields)
         forActiveNodes(team, scene, field, [&](int node) {
             auto& v = field.velocity[node];
-            const double m = v[Dim];
-            v = m > least ? (1 / m) * v : NF::Velocity::zero();
-            if (m > least && field.isHeld(node))
+            const double overMass = v[Dim];
+            v = overMass * v;
+            if (overMass > 0 && field.isHeld(node))
                 for (int k = 0; k < Dim; ++k)
                     if (const int c = field.holder[k][node]; c >= 0) v.set(k, scene.prescribed(c, k, time));
         });

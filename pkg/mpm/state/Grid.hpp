@@ -28,11 +28,11 @@ template <int Dim> struct NodalField {
     // Velocity, acceleration: what particles take.
     using Motion = Pack<Dim == 2 ? 4 : 8>;
 
-    // The velocity that enters the velocity gradient. Where it is summed up from particles (MUSL, USF): their momentum, and behind it the mass.
+    // The velocity that enters the velocity gradient. Where it is summed up from particles (MUSL, USF): their momentum, and behind it 1/mass.
     using Velocity = Pack<4>;
-    MPM_INLINE static Velocity noMomentum(double mass) {
+    MPM_INLINE static Velocity noMomentum(double overMass) {
         Velocity v;
-        v.part[0] = Dim == 2 ? Quad{0, 0, mass, 0} : Quad{0, 0, 0, mass};
+        v.part[0] = Dim == 2 ? Quad{0, 0, overMass, 0} : Quad{0, 0, 0, overMass};
         return v;
     }
 

@@ -18,7 +18,7 @@ namespace {
 // Inverse masses per component: what a group answers to an impulse with. Zero where a constraint holds it.
 template <int Dim> Vec<Dim> mobility(const NodalField<Dim>& field, int node) {
     Vec<Dim> W;
-    for (int k = 0; k < Dim; ++k) W[k] = field.holder[k][node] >= 0 ? 0 : 1 / field.sum[node][NodalField<Dim>::mass];
+    for (int k = 0; k < Dim; ++k) W[k] = field.holder[node][k] >= 0 ? 0 : 1 / field.sum[node][NodalField<Dim>::mass];
     return W;
 }
 
@@ -131,7 +131,7 @@ void Contact::change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const V
         motion.set(Dim + k, motion[Dim + k] + answer[k] * meet.impulse[k] / scene.dt);
         motion.set(k, motion[k] + change);
         if (scene.scheme != Scheme::MUSL) field.velocity[meet.node].set(k, motion[k]);
-        const int holder = field.holder[k][meet.node];
+        const int holder = field.holder[meet.node][k];
         if (holder < 0) continue;
         Constraint& constraint = *scene.constraints[holder];
         addReaction<Dim>(x, constraint.centre, k, -force[k], constraint.reaction, constraint.moment);

@@ -32,7 +32,7 @@ template <int Dim> class ElasticOperator {
                 scene.grid.forNodes(field, slab, [&](int node) {
                     const double m = field.sum[node][NF::mass];
                     for (int k = 0; k < Dim; ++k)
-                        if (m > least && field.holder[k][node] < 0) {
+                        if (m > least && field.holder[node][k] < 0) {
                             dofs_.push_back({int(&field - scene.grid.fields.data()), node, k});
                             mass_.push_back(m);
                         }

@@ -32,7 +32,7 @@ template <int Dim> std::vector<int> drivenPart(const Body<Dim>& body, Constraint
 // nodalMass: scratch, zero on entry and exit.
 template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& nodalMass) {
     for (auto held = scene.driven.rbegin(); held != scene.driven.rend(); ++held)
-        scene.grid.fields[held->field].holder[held->axis][held->node] = held->before;
+        scene.grid.fields[held->field].holder[held->node][held->axis] = held->before;
     scene.driven.clear();
     std::vector<int> touched;
     for (int c = 0; c < int(scene.constraints.size()); ++c) {
@@ -47,8 +47,8 @@ template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& 
             const bool mostly = body.inertiaScale * nodalMass[node] > 0.5 * field.sum[node][NodalField<Dim>::mass];
             for (int k = 0; k < Dim && mostly; ++k)
                 if (!std::isnan(drive.velocity[k])) {
-                    scene.driven.push_back({body.velocityField, node, k, field.holder[k][node]});
-                    field.holder[k][node] = short(c);
+                    scene.driven.push_back({body.velocityField, node, k, field.holder[node][k]});
+                    field.holder[node][k] = short(c);
                 }
             nodalMass[node] = 0;
         }

@@ -87,7 +87,7 @@ class GridSolver : public EngineOf<GridSolver> {
         using NF = NodalField<Dim>;
         const auto& sum = field.sum[node];
         for (int k = 0; k < Dim; ++k)
-            if (const int c = field.holder[k][node]; c >= 0) {
+            if (const int c = field.holder[node][k]; c >= 0) {
                 const double after = scene.prescribed(c, k, scene.time + scene.dt);
                 const double change = (after - scene.prescribed(c, k, scene.time)) / scene.dt;
                 NF::setComponent(v, k, after), NF::setComponent(a, k, change);

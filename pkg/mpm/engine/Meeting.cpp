@@ -162,7 +162,7 @@ template <int Dim> void Meeting<Dim>::straighten(const Grid<Dim>& grid, size_t f
         Meet<Dim>& meet = meets[i];
         Vec<Dim> free = meet.normal;
         for (int k = 0; k < Dim; ++k)
-            if (grid.fields[meet.field[0]].holder[k][meet.node] >= 0 && grid.fields[meet.field[1]].holder[k][meet.node] >= 0) free[k] = 0;
+            if (grid.fields[meet.field[0]].holder[meet.node][k] >= 0 && grid.fields[meet.field[1]].holder[meet.node][k] >= 0) free[k] = 0;
         if (free.norm() > 0.1) meet.normal = free.normalized();
     }
 }

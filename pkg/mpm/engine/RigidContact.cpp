@@ -51,7 +51,7 @@ template <int Dim> Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>
         const auto& sum = field.sum[node];
         if (sum[NF::mass] <= least) return;
         for (int k = 0; k < Dim; ++k) {
-            const int c = field.holder[k][node];
+            const int c = field.holder[node][k];
             straining[k] += phi * (c < 0 ? sum[NF::momentum + k] / sum[NF::mass] : scene.prescribed(c, k, scene.time));
         }
     });

@@ -14,7 +14,7 @@ template <int Dim> void Scene<Dim>::prepare() {
     driven.clear();
     separateGroups();
     for (auto& field : grid.fields)
-        for (auto& axis : field.holder) axis.assign(grid.count, -1);
+        field.holder.assign(grid.count, NodalField<Dim>::free());
     for (size_t c = 0; c < constraints.size(); ++c) {
         const Constraint& constraint = *constraints[c];
         if (constraint.drivesBody()) body(constraint.body);
@@ -22,7 +22,7 @@ template <int Dim> void Scene<Dim>::prepare() {
         for (auto& field : grid.fields)
             for (int node : constraint.nodes)
                 for (int k = 0; k < Dim; ++k)
-                    if (!std::isnan(constraint.velocity[k])) field.holder[k][node] = short(c);
+                    if (!std::isnan(constraint.velocity[k])) field.holder[node][k] = short(c);
     }
     for (auto& body : bodies) body->domains->lame = body->material->lame(); // may have been changed since
     for (auto& engine : engines) engine->finish(), engine->prepare(*this);

@@ -59,7 +59,7 @@ template <int Dim> void velocityFromMomentum(Team& team, Scene<Dim>& scene, doub
             v = overMass * v;
             if (overMass > 0 && field.isHeld(node))
                 for (int k = 0; k < Dim; ++k)
-                    if (const int c = field.holder[k][node]; c >= 0) v.set(k, scene.prescribed(c, k, time));
+                    if (const int c = field.holder[node][k]; c >= 0) v.set(k, scene.prescribed(c, k, time));
         });
 }
 

@@ -67,10 +67,16 @@ template <int Dim> struct NodalField {
 
     // Which constraint holds each component of a node, -1: none. Fixed sets of nodes are entered by
     // Scene::prepare(), driven ones anew in every step by ParticleToGrid (see engine/Driving.hpp).
-    std::array<std::vector<short>, Dim> holder;
+    using Holders = std::array<short, Dim>;
+    std::vector<Holders> holder;
+    static Holders free() {
+        Holders none;
+        none.fill(-1);
+        return none;
+    }
     bool isHeld(int node) const {
         bool held = false;
-        for (int k = 0; k < Dim; ++k) held |= holder[k][node] >= 0;
+        for (short h : holder[node]) held |= h >= 0;
         return held;
     }
 
@@ -83,7 +89,7 @@ template <int Dim> struct NodalField {
 
     void setSize(int nodes, int slabs) {
         sum.assign(nodes, Sum::zero()), motion.assign(nodes, Motion::zero()), velocity.assign(nodes, Velocity::zero());
-        for (auto& axis : holder) axis.assign(nodes, -1);
+        holder.assign(nodes, free());
         extents.resize(slabs);
         forgetExtents();
     }

@@ -389,8 +389,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             const ClosedShape<Dim> after(x);
             volume[first + p] = after.volume, quality[p] = qualityOf(after, smallestCorner(after, x));
         };
-#pragma omp simd
-        for (int p = 0; p < count; ++p) one(p);
+        byVectors(count, one);
         if constexpr (!moves) return;
         int bad = converts_;
 #pragma omp simd reduction(| : bad)
@@ -506,8 +505,7 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                 MPM_UNROLL
                 for (int k = 0; k < Dim; ++k) from.control[m][k][p] = -stiffness * h[m][k];
         };
-#pragma omp simd
-        for (int p = 0; p < batch.count; ++p) one(p);
+        byVectors(batch.count, one);
     }
 
     // Then the nodes take it; the forces of hourglass control stay on the vertices, too. overScale: weight mass over inertial mass.

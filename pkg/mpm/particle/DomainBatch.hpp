@@ -3,6 +3,7 @@
 // over it vectorise.
 #pragma once
 
+#include "mpm/base/byVectors.hpp"
 #include "mpm/particle/APDIShape.hpp"
 #include "mpm/state/Field.hpp"
 
@@ -48,16 +49,16 @@ template <int Dim> struct Batch {
     }
 
     // plane k of corner a of each domain p += value(a, k, p), corner by corner.
-    template <size_t n, class Value> void addToCorners(const std::array<double*, n>& plane, Value&& value) const {
+    template <size_t n, class Value> MPM_INLINE void addToCorners(const std::array<double*, n>& plane, Value&& value) const {
         MPM_UNROLL
         for (int a = 0; a < NC; ++a)
             if (isStraight) {
                 std::array<double*, n> at = plane;
                 for (double*& x : at) x += corner[a];
-#pragma omp simd
-                for (int p = 0; p < count; ++p)
+                byVectors(count, [&](int p) __attribute__((always_inline)) {
                     MPM_UNROLL
                     for (size_t k = 0; k < n; ++k) at[k][p] += value(a, int(k), p);
+                });
             } else {
                 double given[n][most];
 #pragma omp simd
@@ -130,8 +131,7 @@ template <int Dim> struct BatchWeights {
             MPM_UNROLL
             for (int a = 0; a < NC; ++a) w[a][p] = all[a];
         };
-#pragma omp simd
-        for (int p = 0; p < batch.count; ++p) one(p);
+        byVectors(batch.count, one);
     }
 };
 
@@ -161,8 +161,7 @@ template <int Dim> struct BatchShapes {
                 MPM_UNROLL
                 for (int k = 0; k < Dim; ++k) pattern[m][k][p] = shape.pattern[m][k];
         };
-#pragma omp simd
-        for (int p = 0; p < batch.count; ++p) one(p);
+        byVectors(batch.count, one);
     }
 };
 

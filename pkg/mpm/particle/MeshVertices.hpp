@@ -39,7 +39,7 @@ template <int Dim> class MeshVertices {
     void restored() {
         order_.forget();
         hanging.restored(size());
-        hasMoved_.assign(chunksOf(size()), 1);
+        hasLeft_.assign(chunksOf(size()), 1);
         cell_.resize(size()), local_.resize(size());
     }
 
@@ -51,7 +51,12 @@ template <int Dim> class MeshVertices {
         hanging.within(begin, end, [&](int s, int slave) { // round-off would let it creep off the line between its masters
             for (double* component : x) component[slave] = hanging.mean(s, component);
         });
-        hasMoved_[begin / chunkSize] |= find(begin, end, x, cell_.data(), local); // until settle(): there are looks between the steps
+        bool leaves = find(begin, end, x, cell_.data(), local);
+        if (leaves && order_.isReady()) { // vertices near a node pass it all the time
+            leaves = false;
+            for (int v = begin; v < end; ++v) leaves |= !order_.covers(block_[v], grid_, cell_[v]);
+        }
+        hasLeft_[begin / chunkSize] |= leaves; // until settle(): there are looks between the steps
     }
 
     void group() { order_.group(grid_, cell_, false); }
@@ -59,9 +64,9 @@ template <int Dim> class MeshVertices {
     // Vertices stay where they are in memory; only the list of those of a block is made anew.
     void settle() {
         if (order_.isReady()) {
-            for (int v = 0; v < size(); v += hasMoved_[v / chunkSize] ? 1 : chunkSize)
-                if (hasMoved_[v / chunkSize]) order_.extend(block_[v], grid_, cell_[v]);
-            std::fill(hasMoved_.begin(), hasMoved_.end(), 0);
+            for (int v = 0; v < size(); v += hasLeft_[v / chunkSize] ? 1 : chunkSize)
+                if (hasLeft_[v / chunkSize]) order_.extend(block_[v], grid_, cell_[v]);
+            std::fill(hasLeft_.begin(), hasLeft_.end(), 0);
             if (!order_.broken(grid_)) return;
             group();
         }
@@ -217,7 +222,7 @@ template <int Dim> class MeshVertices {
     std::vector<int> cell_;      // once per step
     std::vector<int> block_;     // of the order, that each vertex belongs to
     std::vector<int> rowEnd_;    // where in the order the numbers no longer follow each other
-    std::vector<char> hasMoved_; // chunks in which a vertex is in another cell than at the last settle()
+    std::vector<char> hasLeft_;  // chunks in which a vertex has left what its block is known to touch, since the last settle()
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
 };
 

@@ -108,7 +108,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
                 for (int k = 0; k < Dim; ++k) {
                     double &velocity = q.velocity[k][first + i], v = motion(k, i), a = motion(Dim + k, i);
                     const double before = velocity;
-                    if (damped) {
+                    if constexpr (damped) {
                         const double resisting = damping * std::copysign(std::abs(a), before + 0.5 * dt * a);
                         v -= dt * resisting, a -= resisting;
                         power += resisting * (before + 0.5 * dt * a);
@@ -116,7 +116,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
                     velocity = flip * (before + dt * a) + (1 - flip) * v;
                     q.position[k][first + i] += dt * v;
                 }
-                taken += q.mass[first + i] * power;
+                if constexpr (damped) taken += q.mass[first + i] * power;
             }
             return how.inertiaScale * dt * taken;
         }

@@ -70,7 +70,14 @@ template <int Dim> class BlockOrder {
     }
     bool isKnown(int b) const { return touched_[b].isKnown; }
 
-    // The same for one point of block b that is in another cell now; what its old cell needed is kept.
+    // Whether the part of the grid noted for block b has the support of a point in this cell.
+    bool covers(int b, const Grid<Dim>& grid, int cell) const {
+        const Index<Dim> index = grid.indices(cell);
+        bool isInside = true;
+        for (int k = 0; k < Dim; ++k) isInside &= index[k] >= touched_[b].first[k] && index[k] <= touched_[b].last[k];
+        return isInside;
+    }
+    // Notes a point of block b that is in another cell now; what its old cell needed is kept.
     void extend(int b, const Grid<Dim>& grid, int cell) {
         const Index<Dim> index = grid.indices(cell);
         for (int k = 0; k < Dim; ++k) {

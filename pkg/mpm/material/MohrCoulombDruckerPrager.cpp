@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Elastic-perfectly plastic c-phi soil: Mohr-Coulomb yield surface, Drucker-Prager plastic potential.
+#include "mpm/base/longChains.hpp"
 #include "mpm/material/Material.hpp"
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/tensors.hpp"
@@ -28,8 +29,9 @@ struct Constants {
     double bulkCompliance;  // 1/K
 };
 
+template <class Number>
 struct Returned {
-    double scale, p; // s = scale s_trial, mean stress p
+    Number scale, p; // s = scale s_trial, mean stress p
 };
 
 // Along the plastic potential back to the cone. q = sqrt(J2) and qA = q A(theta) of the trial stress; scaling
@@ -39,23 +41,25 @@ struct Returned {
 // Dilation may lower p by no more than `room`, K times what is left up to the limit. A return that would pass
 // it (volumetric f/slope > room) goes along the potential down to there and on at constant p, in one division.
 // Where it would end beyond the apex, so would the return without limit, and both go there.
-template <bool limited>
-MPM_INLINE Returned returnMap(const Constants& k, double p, double q, double qA, double plasticVolumetric) {
-    const double f = qA + (p * k.sinPhi - k.cCosPhi), volumetric = 3 * k.bulk * k.beta * q;
-    double excess = f, slope = k.mu * qA + volumetric * k.sinPhi, room = 0;
-    bool passes = false;
+template <bool limited, class Number>
+MPM_INLINE Returned<Number> returnMap(const Constants& k, Number p, Number q, Number qA, Number plasticVolumetric) {
+    const Number f = qA + (p * k.sinPhi - k.cCosPhi), volumetric = 3 * k.bulk * k.beta * q;
+    const Number freely = k.mu * qA + volumetric * k.sinPhi;
+    Number excess = f, slope = freely, room = 0;
+    const auto ifPasses = [&](Number then, Number otherwise) __attribute__((always_inline)) {
+        return limited ? whereGreater(volumetric * f, room * freely, then, otherwise) : otherwise;
+    };
     if constexpr (limited) {
-        const double left = k.dilatancyLimit - plasticVolumetric;
-        room = left > 0 ? k.bulk * left : 0;
-        passes = volumetric * f > room * slope;
-        excess = passes ? f - room * k.sinPhi : f;
-        slope = passes ? k.mu * qA : slope;
+        const Number left = k.dilatancyLimit - plasticVolumetric;
+        room = whereGreater(left, 0, k.bulk * left, 0);
+        excess = ifPasses(f - room * k.sinPhi, f);
+        slope = ifPasses(k.mu * qA, freely);
     }
-    const double ratio = excess / slope;
-    const double dlamOverQ = ratio > 0 ? ratio : 0;
-    const double scale = 1 - k.mu * dlamOverQ, dilated = passes ? p - room : p - volumetric * dlamOverQ;
-    const double pBack = scale < 0 ? k.apex : dilated;
-    return {scale < 0 ? 0 : scale, pBack > k.tensionCutOff ? k.tensionCutOff : pBack};
+    const Number ratio = excess / slope;
+    const Number dlamOverQ = whereGreater(ratio, 0, ratio, 0);
+    const Number scale = 1 - k.mu * dlamOverQ, dilated = ifPasses(p - room, p - volumetric * dlamOverQ);
+    const Number pBack = whereGreater(0, scale, k.apex, dilated);
+    return {whereGreater(scale, 0, scale, 0), whereGreater(pBack, k.tensionCutOff, k.tensionCutOff, pBack)};
 }
 
 // Trial stress in, stress out.
@@ -66,24 +70,23 @@ void returnToYield(const Constants& constants, const MaterialPoints<2>& points) 
     double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
            *zz = points.stress[8];
     double *plasticShear = points.state[0], *plasticVolumetric = points.state[1];
-    const int count = points.count;
-#pragma omp simd
-    for (int i = 0; i < count; ++i) {
+    inLongChains(points.count, [&](auto at) __attribute__((always_inline)) {
         // Principal deviators a + r, a - r and -2a: no Lode angle needed.
-        const double mean = 0.5 * (xx[i] + yy[i]), half = 0.5 * (xx[i] - yy[i]), shear = xy[i];
-        const double a = third * (mean - zz[i]), p = mean - a;
-        const double r2 = half * half + shear * shear, r = std::sqrt(r2), q = std::sqrt(r2 + 3 * a * a);
-        const double s1 = a + r > -2 * a ? a + r : -2 * a, s3 = a - r < -2 * a ? a - r : -2 * a;
-        const double qA = major * s1 - minor * s3; // (s1 - s3)/2 + (s1 + s3)/2 sin(phi)
+        const auto mean = 0.5 * (at(xx) + at(yy)), half = 0.5 * (at(xx) - at(yy)), shear = at(xy);
+        const auto a = third * (mean - at(zz)), p = mean - a;
+        const auto r2 = half * half + shear * shear, r = root(r2), q = root(r2 + 3 * a * a);
+        const auto s1 = whereGreater(a + r, -2 * a, a + r, -2 * a), s3 = whereGreater(-2 * a, a - r, a - r, -2 * a);
+        const auto qA = major * s1 - minor * s3; // (s1 - s3)/2 + (s1 + s3)/2 sin(phi)
 
-        const Returned back = returnMap<limited>(k, p, q, qA, plasticVolumetric[i]);
-        xx[i] = back.p + back.scale * (a + half);
-        yy[i] = back.p + back.scale * (a - half);
-        zz[i] = back.p - back.scale * 2 * a;
-        xy[i] = yx[i] = back.scale * shear;
-        plasticShear[i] += (1 - back.scale) * q * k.shearCompliance;
-        plasticVolumetric[i] += (p - back.p) * k.bulkCompliance;
-    }
+        const auto back = returnMap<limited>(k, p, q, qA, at(plasticVolumetric));
+        at.set(xx, back.p + back.scale * (a + half));
+        at.set(yy, back.p + back.scale * (a - half));
+        at.set(zz, back.p - back.scale * 2 * a);
+        const auto scaled = back.scale * shear;
+        at.set(xy, scaled), at.set(yx, scaled);
+        at.set(plasticShear, at(plasticShear) + (1 - back.scale) * q * k.shearCompliance);
+        at.set(plasticVolumetric, at(plasticVolumetric) + (p - back.p) * k.bulkCompliance);
+    });
 }
 
 // q A(theta) = q (cos(theta) - sin(theta) sin(phi)/sqrt(3)) of a deviator s with q^2 = J2. cos(3 theta) comes
@@ -126,7 +129,7 @@ void returnToYield(const Constants& constants, const MaterialPoints<3>& points) 
         const Symmetric s = plusSpherical(trial, -p);
         const double J2 = halfSquare(s), q = std::sqrt(J2);
 
-        const Returned back = returnMap<limited>(k, p, q, lodeStrength(s, J2, q, k.sinPhi), plasticVolumetric[i]);
+        const Returned<double> back = returnMap<limited>(k, p, q, lodeStrength(s, J2, q, k.sinPhi), plasticVolumetric[i]);
         scatter(plusSpherical(back.scale * s, back.p), stress, i);
         plasticShear[i] += (1 - back.scale) * q * k.shearCompliance;
         plasticVolumetric[i] += (p - back.p) * k.bulkCompliance;

@@ -4,6 +4,7 @@
 //   D, W = sym, skew of g (I + g/2)^-1,  g = dt L
 #pragma once
 
+#include "mpm/base/longChains.hpp"
 #include "mpm/material/Material.hpp"
 #include "mpm/material/tensors.hpp"
 
@@ -16,28 +17,26 @@ inline void trialStress(double lambda, double mu, const MaterialPoints<2>& point
     auto L = points.velocityGradient;
     const double *L11 = L[0], *L12 = L[1], *L21 = L[2], *L22 = L[3];
     double *xx = points.stress[0], *xy = points.stress[1], *yy = points.stress[4], *zz = points.stress[8];
-    const int count = points.count;
-#pragma omp simd
-    for (int i = 0; i < count; ++i) {
-        const double g11 = dt * L11[i], g12 = dt * L12[i], g21 = dt * L21[i], g22 = dt * L22[i];
-        const double detG = g11 * g22 - g12 * g21, D2 = 1 + 0.5 * (g11 + g22) + 0.25 * detG;
-        const double spin = 0.25 * (g12 - g21), D4 = D2 * D2, norm = D4 + spin * spin;
-        const double overD2 = 1 / D2, overNorm = 1 / norm;
-        const double cosR = (D4 - spin * spin) * overNorm, sinR = 2 * spin * D2 * overNorm;
+    inLongChains(points.count, [&](auto at) __attribute__((always_inline)) {
+        const auto g11 = dt * at(L11), g12 = dt * at(L12), g21 = dt * at(L21), g22 = dt * at(L22);
+        const auto detG = g11 * g22 - g12 * g21, D2 = 1 + 0.5 * (g11 + g22) + 0.25 * detG;
+        const auto spin = 0.25 * (g12 - g21), D4 = D2 * D2, norm = D4 + spin * spin;
+        const auto overD2 = inverse(D2), overNorm = inverse(norm);
+        const auto cosR = (D4 - spin * spin) * overNorm, sinR = 2 * spin * D2 * overNorm;
         // Of the double angle; this form keeps cos2^2 + sin2^2 = 1 best, hence the norm of the stress.
-        const double cos2 = 1 - 2 * sinR * sinR, sin2 = 2 * sinR * cosR;
+        const auto cos2 = 1 - 2 * sinR * sinR, sin2 = 2 * sinR * cosR;
 
         // As mean and half difference in the plane, shear, and out of plane.
-        const double half0 = 0.5 * (xx[i] - yy[i]), shear0 = xy[i];
-        const double volumetric = (g11 + g22 + detG) * overD2;
-        const double dHalf = mu * (g11 - g22) * overD2, dShear = mu * (g12 + g21) * overD2;
-        const double mean = 0.5 * (xx[i] + yy[i]) + (lambda + mu) * volumetric;
-        const double half = half0 * cos2 + shear0 * sin2 + dHalf * cosR + dShear * sinR;
-        xx[i] = mean + half;
-        yy[i] = mean - half;
-        zz[i] += lambda * volumetric;
-        xy[i] = shear0 * cos2 - half0 * sin2 + dShear * cosR - dHalf * sinR;
-    }
+        const auto half0 = 0.5 * (at(xx) - at(yy)), shear0 = at(xy);
+        const auto volumetric = (g11 + g22 + detG) * overD2;
+        const auto dHalf = mu * (g11 - g22) * overD2, dShear = mu * (g12 + g21) * overD2;
+        const auto mean = 0.5 * (at(xx) + at(yy)) + (lambda + mu) * volumetric;
+        const auto half = half0 * cos2 + shear0 * sin2 + dHalf * cosR + dShear * sinR;
+        at.set(xx, mean + half);
+        at.set(yy, mean - half);
+        at.set(zz, at(zz) + lambda * volumetric);
+        at.set(xy, shear0 * cos2 - half0 * sin2 + dShear * cosR - dHalf * sinR);
+    });
 }
 
 struct Midpoint {

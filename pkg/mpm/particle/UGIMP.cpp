@@ -145,9 +145,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         for (int first = begin; first < end; first += batch) {
             const int count = std::min(batch, end - first);
             const Weights w(*this, first, count);
-            double gradient[Dim * Dim][padded];
-            gatherGradient(nodes, first, count, w, gradient);
-            for (int c = 0; c < Dim * Dim; ++c) std::copy_n(gradient[c], count, q.velocityGradient[c] + first);
+            gatherGradient(nodes, first, count, w, q.velocityGradient);
         }
     }
 
@@ -371,9 +369,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         });
     }
 
-    // gradient[Dim i + j] = sum v_i d_j phi.
+    // gradient[Dim i + j] = sum v_i d_j phi, of the particles of the batch alone: the next ones may be another thread's.
     MPM_INLINE void gatherGradient(const typename NF::Velocity* nodes, int first, int count, const Weights& w,
-                                   double (&gradient)[Dim * Dim][padded]) const {
+                                   double* const (&gradient)[Dim * Dim]) const {
         together(first, count, [&](int p, int cell) __attribute__((always_inline)) {
             const auto S = severalOf(w.axis[0].S, p), G = severalOf(w.axis[0].G, p);
             Several sum[Dim * Dim] = {};
@@ -391,7 +389,11 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                 }
             }
             MPM_UNROLL
-            for (int c = 0; c < Dim * Dim; ++c) store(gradient[c] + p, sum[c]);
+            for (int c = 0; c < Dim * Dim; ++c)
+                if (p + lanes <= count)
+                    store(gradient[c] + first + p, sum[c]);
+                else
+                    std::memcpy(gradient[c] + first + p, &sum[c], (count - p) * sizeof(double));
         });
     }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Batches of APDI domains: what their corners hold, and their shapes, number by number across the batch, so that the loops
-// over it vectorise.
+// over it vectorise. Arrays of a batch begin at a cache line: no vector of eight lies across two.
 #pragma once
 
 #include "mpm/base/byVectors.hpp"
@@ -104,7 +104,7 @@ template <int Dim, int n> class AtCorners {
     }
 
   private:
-    double copy_[NC][n][Batch<Dim>::most];
+    alignas(64) double copy_[NC][n][Batch<Dim>::most];
 };
 
 template <int Dim> std::array<const double*, Dim> vectorPlanes(const Field& field) {
@@ -118,7 +118,7 @@ template <int Dim> struct BatchWeights {
     static constexpr int NC = corners<Dim>;
     using Skew = decltype(ClosedShape<Dim>::skew);
     static constexpr int skews = int(std::tuple_size<Skew>());
-    double w[NC][Batch<Dim>::most];
+    alignas(64) double w[NC][Batch<Dim>::most];
 
     BatchWeights(const Batch<Dim>& batch, const Field& skewField) {
         const double* skew[skews];
@@ -139,7 +139,7 @@ template <int Dim> struct BatchWeights {
 template <int Dim> struct BatchShapes {
     static constexpr int NC = corners<Dim>, modes = hourglassModes<Dim>, most = Batch<Dim>::most;
     static constexpr int skews = BatchWeights<Dim>::skews;
-    double w[NC][most], g[NC][Dim][most], volume[most], pattern[modes][Dim][most];
+    alignas(64) double w[NC][most], g[NC][Dim][most], volume[most], pattern[modes][Dim][most];
 
     BatchShapes(const Batch<Dim>& batch, const Field& positions, Field& skewField) {
         const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(positions));

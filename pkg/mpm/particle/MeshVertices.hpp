@@ -204,7 +204,7 @@ template <int Dim> class MeshVertices {
   private:
     // The same for a batch of vertices with consecutive numbers.
     struct Hats : Hat {
-        double S[NC][chunkSize];
+        alignas(64) double S[NC][chunkSize];
 
         Hats(const MeshVertices& m, int first, int count) : Hat(m) {
             const auto set = [&](int i) __attribute__((always_inline)) { // its array would stop the loop below from vectorising

@@ -14,7 +14,7 @@ namespace mpm {
 
 #ifdef __AVX512F__
 struct Sixteen {
-    typedef double Eight __attribute__((vector_size(64)));
+    using Eight = Widest<8>::Vector;
     Eight low, high;
 
     Sixteen() = default;

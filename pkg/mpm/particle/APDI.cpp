@@ -453,8 +453,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     // What a batch of domains gives to its vertices.
-    struct FromDomains {
-        alignas(64) double momentum[Dim + 1][Batch<Dim>::most];   // and inertial mass, times w
+    struct alignas(64) FromDomains {
+        double momentum[Dim + 1][Batch<Dim>::most];   // and inertial mass, times w
         double tension[Dim][Dim][Batch<Dim>::most];   // -V sigma, times g
         double bodyForce[Dim][Batch<Dim>::most];      // times w
         double control[modes][Dim][Batch<Dim>::most]; // times gamma: forces against the hourglass patterns

@@ -114,11 +114,11 @@ template <int Dim> std::array<const double*, Dim> vectorPlanes(const Field& fiel
 }
 
 // Corner weights of a batch, from the skew that Shapes has found.
-template <int Dim> struct BatchWeights {
+template <int Dim> struct alignas(64) BatchWeights {
     static constexpr int NC = corners<Dim>;
     using Skew = decltype(ClosedShape<Dim>::skew);
     static constexpr int skews = int(std::tuple_size<Skew>());
-    alignas(64) double w[NC][Batch<Dim>::most];
+    double w[NC][Batch<Dim>::most];
 
     BatchWeights(const Batch<Dim>& batch, const Field& skewField) {
         const double* skew[skews];
@@ -136,10 +136,10 @@ template <int Dim> struct BatchWeights {
 };
 
 // Shapes of a batch; the skew of the weights is kept for BatchWeights.
-template <int Dim> struct BatchShapes {
+template <int Dim> struct alignas(64) BatchShapes {
     static constexpr int NC = corners<Dim>, modes = hourglassModes<Dim>, most = Batch<Dim>::most;
     static constexpr int skews = BatchWeights<Dim>::skews;
-    alignas(64) double w[NC][most], g[NC][Dim][most], volume[most], pattern[modes][Dim][most];
+    double w[NC][most], g[NC][Dim][most], volume[most], pattern[modes][Dim][most];
 
     BatchShapes(const Batch<Dim>& batch, const Field& positions, Field& skewField) {
         const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(positions));

@@ -6,12 +6,12 @@
 
 One thread, MCDP soil that bears no load, cells of twice the mean edge; the shortest of many runs of five steps, stage by stage, and their sum.
 """
+
 import argparse
 import time
 from math import radians
 
 import numpy as np
-
 import yade_mpm as mpm
 from yade_mpm import commandLine
 
@@ -30,9 +30,11 @@ def block(n):
     lowest = np.flatnonzero((x < n) & (y < n))
     cells = lowest[:, None] + [0, 1, n + 2, n + 1]
     rng = np.random.default_rng(1)
-    for name, order, rows in (("row by row", np.arange(len(points)), np.arange(len(cells))),
-                              ("column by column", np.argsort(x, kind="stable"), np.argsort(x[lowest], kind="stable")),
-                              ("at random", rng.permutation(len(points)), rng.permutation(len(cells)))):
+    for name, order, rows in (
+        ("row by row", np.arange(len(points)), np.arange(len(cells))),
+        ("column by column", np.argsort(x, kind="stable"), np.argsort(x[lowest], kind="stable")),
+        ("at random", rng.permutation(len(points)), rng.permutation(len(cells))),
+    ):
         number = np.argsort(order)
         yield name, mpm.Mesh(points[order], number[cells[rows]])
 
@@ -44,7 +46,9 @@ def stepTime(mesh, seconds):
     cell = 2 * (np.prod(extent) / n) ** (1 / dim)
     lower = mesh.points.min(axis=0) - cell
     scene = mpm.Scene(tuple(lower), tuple(lower + cell * np.ceil(extent / cell + 2)), cell, threads=1)
-    soil = mpm.MohrCoulombDruckerPrager(density=2.0, young=1e3, poisson=0.3, cohesion=1.0, frictionAngle=radians(25))
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=2.0, young=1e3, poisson=0.3, cohesion=1.0, frictionAngle=radians(25)
+    )
     scene.add("soil", mesh, soil, mpm.APDI())
     scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
     scene.dt = 1e-3 * cell / soil.core.waveSpeed

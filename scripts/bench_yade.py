@@ -16,6 +16,7 @@ touching. One line per number of discs, microseconds per step, minimum over the 
     scripts/run bench_yade
     scripts/run bench_yade --bodies 200 --chain       # the scene as one engine of YADE instead of one per stage
 """
+
 import argparse
 import builtins
 import json
@@ -28,14 +29,22 @@ from yade_mpm import commandLine, inYade
 from yade_mpm.commandLine import count
 
 CELL, WIDE, DEEP, YOUNG = 0.1, 250, 20, 1e4  # m, cells, cells, kPa
-SPEED, DEPTH, AWAY = 0.01, 0.07, 100.0       # m/s; first overlap over the half size of a particle; m
+SPEED, DEPTH, AWAY = 0.01, 0.07, 100.0  # m/s; first overlap over the half size of a particle; m
 WARM, STEPS = 30, 50
 
 
 def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    p.add_argument("--bodies", type=count, nargs="+", default=[10, 100, 200, 1000], help="numbers of discs (default %(default)s)")
-    p.add_argument("--repeats", type=count, default=40, help="of %d steps each (default %%(default)s)" % STEPS)
+    p.add_argument(
+        "--bodies",
+        type=count,
+        nargs="+",
+        default=[10, 100, 200, 1000],
+        help="numbers of discs (default %(default)s)",
+    )
+    p.add_argument(
+        "--repeats", type=count, default=40, help="of %d steps each (default %%(default)s)" % STEPS
+    )
     p.add_argument("--chain", action="store_true", help="the scene as one engine of YADE (stages=False)")
     p.add_argument("--out", metavar="FILE", help="also write the figures there as JSON")
     return p.parse_args()
@@ -63,18 +72,26 @@ def build(count, away, stages):
     """Scene, contact, exchange and coupling of `count` discs side by side on the ground, or `away` m above it."""
     O.reset()
     scene = mpm.Scene((0, 0), (WIDE * CELL, (DEEP + 4) * CELL), CELL, threads=1)
-    soil = mpm.MohrCoulombDruckerPrager(density=1.8, young=YOUNG, poisson=0.3, cohesion=5.0, frictionAngle=radians(30),
-                                        dilatancyAngle=0.0)
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=1.8, young=YOUNG, poisson=0.3, cohesion=5.0, frictionAngle=radians(30), dilatancyAngle=0.0
+    )
     scene.add("soil", mpm.box((0, 0), (WIDE * CELL, DEEP * CELL)), soil, mpm.UGIMP(perCell=2))
     scene.initialStress(surface=DEEP * CELL, K0=0.5)
     contact = mpm.RigidContact()
-    scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom"),
-                     mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        contact,
+        mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom"),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     space = WIDE * CELL / count
     radius = 0.4 * min(space, 5 * CELL)
     height = DEEP * CELL + radius - DEPTH * CELL / 4 + away
     for i in range(count):
-        column = int((i + 0.5) * space / (CELL / 2))  # of particles; above the middle of one, which it touches
+        column = int(
+            (i + 0.5) * space / (CELL / 2)
+        )  # of particles; above the middle of one, which it touches
         disc = utils.sphere(((column + 0.5) * CELL / 2, height, 0), radius)
         disc.state.blockedDOFs, disc.state.vel = "xyzXYZ", (0, -SPEED, 0)
         O.bodies.append(disc)
@@ -101,7 +118,11 @@ def measure(count, away, a):
     O.run(WARM, True)
 
     def look():
-        seconds = exchange.seconds, contact.core.seconds, sum(e.core.seconds for e in scene.engines if e is not contact)
+        seconds = (
+            exchange.seconds,
+            contact.core.seconds,
+            sum(e.core.seconds for e in scene.engines if e is not contact),
+        )
         exchange.seconds = 0.0
         for engine in scene.engines:
             engine.core.seconds = 0.0
@@ -112,21 +133,33 @@ def measure(count, away, a):
     coupling.detach()
     yade = min(whole for whole, _ in stretches(a.repeats, lambda: None))
     inExchange, inContact, inMpm, left = map(min, zip(*rows))
-    return {"exchange": inExchange, "contact": inContact, "mpm": inMpm, "bridge": left - yade, "yade": yade,
-            "share": (inExchange + inContact) / (inExchange + inContact + inMpm), "contacts": contacts,
-            "particles": scene["soil"].count}
+    return {
+        "exchange": inExchange,
+        "contact": inContact,
+        "mpm": inMpm,
+        "bridge": left - yade,
+        "yade": yade,
+        "share": (inExchange + inContact) / (inExchange + inContact + inMpm),
+        "contacts": contacts,
+        "particles": scene["soil"].count,
+    }
 
 
 def main():
     a = arguments()
     figures = []
-    print(f"{'bodies':>6} {'contacts':>8} {'far':>6} {'exchange':>8} {'contact':>8} {'mpm':>8} {'bridge':>7} {'yade':>7} {'share':>6}")
+    print(
+        f"{'bodies':>6} {'contacts':>8} {'far':>6} {'exchange':>8} {'contact':>8} {'mpm':>8} {'bridge':>7} {'yade':>7} {'share':>6}"
+    )
     for count in a.bodies:
         far = measure(count, AWAY, a)
         f = {"bodies": count, "far": far["exchange"] + far["contact"], **measure(count, 0.0, a)}
         figures.append(f)
-        print(f"{count:6} {f['contacts']:8} {f['far']:6.1f} {f['exchange']:8.1f} {f['contact']:8.1f} {f['mpm']:8.1f} {f['bridge']:7.1f} "
-              f"{f['yade']:7.1f} {f['share']:6.1%}", flush=True)
+        print(
+            f"{count:6} {f['contacts']:8} {f['far']:6.1f} {f['exchange']:8.1f} {f['contact']:8.1f} {f['mpm']:8.1f} {f['bridge']:7.1f} "
+            f"{f['yade']:7.1f} {f['share']:6.1%}",
+            flush=True,
+        )
     print(f"us per step; {figures[0]['particles']} particles, one thread")
     if a.out:
         with open(a.out, "w") as file:

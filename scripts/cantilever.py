@@ -9,6 +9,7 @@ a fifth of its length and comes back. Both components are held at the clamp. Uni
     scripts/run cantilever --cell 0.0625 --picture cantilever.png
     scripts/run cantilever --type UGIMP         # boxes that do not turn with the beam
 """
+
 import argparse
 
 import numpy as np
@@ -81,10 +82,18 @@ def draw(scene, history, file):
     """Domains as they are now, coloured by horizontal stress, and the path of the tip."""
     beam = scene["beam"]
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(11, 4))
-    domains = PolyCollection(beam.corners(), array=beam.stress[:, 0, 0] / 1e3, cmap="coolwarm", edgecolor="k", linewidth=0.1)
+    domains = PolyCollection(
+        beam.corners(), array=beam.stress[:, 0, 0] / 1e3, cmap="coolwarm", edgecolor="k", linewidth=0.1
+    )
     left.add_collection(domains)
-    left.set(xlim=(-0.1, LENGTH + 0.4), ylim=(-1.5, 1.3), aspect="equal", xlabel="x (m)", ylabel="y (m)",
-             title=f"t = {scene.time:.2f} s")
+    left.set(
+        xlim=(-0.1, LENGTH + 0.4),
+        ylim=(-1.5, 1.3),
+        aspect="equal",
+        xlabel="x (m)",
+        ylabel="y (m)",
+        title=f"t = {scene.time:.2f} s",
+    )
     figure.colorbar(domains, ax=left, label="horizontal stress (kPa)", orientation="horizontal", pad=0.2)
     t, tip, centre = np.array(history.rows).T
     right.plot(t, tip, label="tip")
@@ -98,10 +107,19 @@ def draw(scene, history, file):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cell", type=partOf(0.5), default=0.125, help="cell size, m: 0.5 m over a whole number (default %(default)s)")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--cell",
+        type=partOf(0.5),
+        default=0.125,
+        help="cell size, m: 0.5 m over a whole number (default %(default)s)",
+    )
     parser.add_argument("--until", type=positive, default=1.5, help="end, s (default %(default)s)")
-    parser.add_argument("--type", choices=("APDI", "UGIMP"), default="APDI", help="particle type (default %(default)s)")
+    parser.add_argument(
+        "--type", choices=("APDI", "UGIMP"), default="APDI", help="particle type (default %(default)s)"
+    )
     parser.add_argument("--picture", metavar="FILE", help="draw the beam and the path of its tip")
     given = parser.parse_args()
     scene, history = run(given.until, cell=given.cell, type=given.type)

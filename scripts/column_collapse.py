@@ -15,6 +15,7 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run column_collapse --compare        # both types and two cell sizes
     scripts/run column_collapse --smoke
 """
+
 import argparse
 import os
 import time
@@ -25,19 +26,35 @@ import yade_mpm as mpm
 from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import below, between, partOf
 
-WIDTH, HEIGHT, FLOOR, UNTIL = 0.2, 0.1, 0.8, 0.8     # m, m, m, s
-YOUNG, POISSON, DENSITY = 5840.0, 0.3, 2.04          # kPa, -, Mg/m3
+WIDTH, HEIGHT, FLOOR, UNTIL = 0.2, 0.1, 0.8, 0.8  # m, m, m, s
+YOUNG, POISSON, DENSITY = 5840.0, 0.3, 2.04  # kPa, -, Mg/m3
 FRICTION, GRAVITY, K0 = radians(19.8), 9.81, 0.6
-STILL = ((0, 0.08, 0.06), (0.08, 0.12, 0.04), (0.12, 0.14, 0.02))  # m: from, to, height; stairs meshed in the hybrid
-MOVED = 1e-3                                         # m: less is unmoved
+STILL = (
+    (0, 0.08, 0.06),
+    (0.08, 0.12, 0.04),
+    (0.12, 0.14, 0.02),
+)  # m: from, to, height; stairs meshed in the hybrid
+MOVED = 1e-3  # m: less is unmoved
 
 
 def arguments(given=None):
     p = commandLine.Parser("column_collapse", __doc__, smoke={"cell": 0.01})
-    p.add_argument("--types", choices=("ugimp", "hybrid"), default="ugimp", help="particle types (default %(default)s)")
-    p.add_argument("--cell", type=partOf(0.04), default=0.005, help="cell size, m: 0.04 m (hybrid: 0.02 m) over a whole number (default %(default)s)")
+    p.add_argument(
+        "--types", choices=("ugimp", "hybrid"), default="ugimp", help="particle types (default %(default)s)"
+    )
+    p.add_argument(
+        "--cell",
+        type=partOf(0.04),
+        default=0.005,
+        help="cell size, m: 0.04 m (hybrid: 0.02 m) over a whole number (default %(default)s)",
+    )
     p.add_argument("--damping", type=below(1), default=0.05, help="local damping (default %(default)s)")
-    p.add_argument("--until", type=between(0.05, 100), default=UNTIL, help="end, s, from 0.05 on, when it flows (default %(default)s)")
+    p.add_argument(
+        "--until",
+        type=between(0.05, 100),
+        default=UNTIL,
+        help="end, s, from 0.05 on, when it flows (default %(default)s)",
+    )
     p.add_argument("--compare", action="store_true", help="uGIMP and hybrid, cells of 10 and 5 mm")
     a = p.parse(given)
     if a.compare:
@@ -50,13 +67,21 @@ def arguments(given=None):
 def build(a):
     """The scene: the column at rest, the gate just gone (without output)."""
     scene = mpm.Scene(lower=(0, 0), upper=(FLOOR, 1.2 * HEIGHT), cell=a.cell, threads=a.threads)
-    bars = mpm.MohrCoulombDruckerPrager(density=DENSITY, young=YOUNG, poisson=POISSON, cohesion=0.0, frictionAngle=FRICTION,
-                                        dilatancyAngle=0.0)
+    bars = mpm.MohrCoulombDruckerPrager(
+        density=DENSITY,
+        young=YOUNG,
+        poisson=POISSON,
+        cohesion=0.0,
+        frictionAngle=FRICTION,
+        dilatancyAngle=0.0,
+    )
     column = box((0, 0), (WIDTH, HEIGHT))
     if a.types == "ugimp":
         scene.add("bars", column, bars, mpm.UGIMP(perCell=2))
     else:
-        still = sum((box((left, 0), (right, top)) for left, right, top in STILL[1:]), box((0, 0), STILL[0][1:]))
+        still = sum(
+            (box((left, 0), (right, top)) for left, right, top in STILL[1:]), box((0, 0), STILL[0][1:])
+        )
         moving = scene.add("moving bars", column - still, bars, mpm.UGIMP(perCell=2))
         scene.add("still bars", column & still, bars, mpm.APDI(size=a.cell, matched=moving))
     scene.initialStress(surface=HEIGHT, K0=K0, gravity=GRAVITY)
@@ -80,19 +105,25 @@ def run(a):
     front = frontOf(scene)
     x, y = surfaceOf(scene)
     slope = np.polyfit(*[v[(x > unmovedTop(scene) + 0.02) & (y > 0.1 * HEIGHT)] for v in (x, y)], 1)[0]
-    return {
-        "arguments": vars(a),
-        "particles": {b.name: b.count for b in scene.bodies},
-        "steps": scene.steps,
-        "wallSeconds": time.monotonic() - began,
-        "front": front,
-        "runout": (front - WIDTH) / WIDTH,
-        "unmovedTop": unmovedTop(scene),
-        "slopeDegrees": degrees(atan(-slope)),
-        "heightAtWall": float(y[x < 0.02].mean()),
-        "kineticEnergy": mpm.diagnostics.kineticEnergy(scene),
-        "centre": float(sum(b.mass @ b.position[:, 0] for b in scene.bodies) / mpm.diagnostics.mass(scene)),
-    }, scene, snapshots
+    return (
+        {
+            "arguments": vars(a),
+            "particles": {b.name: b.count for b in scene.bodies},
+            "steps": scene.steps,
+            "wallSeconds": time.monotonic() - began,
+            "front": front,
+            "runout": (front - WIDTH) / WIDTH,
+            "unmovedTop": unmovedTop(scene),
+            "slopeDegrees": degrees(atan(-slope)),
+            "heightAtWall": float(y[x < 0.02].mean()),
+            "kineticEnergy": mpm.diagnostics.kineticEnergy(scene),
+            "centre": float(
+                sum(b.mass @ b.position[:, 0] for b in scene.bodies) / mpm.diagnostics.mass(scene)
+            ),
+        },
+        scene,
+        snapshots,
+    )
 
 
 def frontOf(scene, share=0.99):
@@ -112,7 +143,9 @@ def surfaceOf(scene, slice_=0.02):
         corners = body.corners()
         left, right = corners[:, :, 0].min(axis=1), corners[:, :, 0].max(axis=1)
         for k in range(len(area)):
-            overlap = np.clip(np.minimum(right, edges[k + 1]) - np.maximum(left, edges[k]), 0, None) / (right - left)
+            overlap = np.clip(np.minimum(right, edges[k + 1]) - np.maximum(left, edges[k]), 0, None) / (
+                right - left
+            )
             area[k] += (overlap * body.initialVolume).sum()
     return 0.5 * (edges[1:] + edges[:-1]), area / slice_
 
@@ -129,8 +162,14 @@ def unmovedTop(scene):
 
 
 def draw(scene, snapshots, file):
-    figure, axes = plot.plt.subplots(len(snapshots), 1, figsize=(7, 1.6 * len(snapshots) + 0.6), sharex=True, squeeze=False,
-                                     layout="constrained")
+    figure, axes = plot.plt.subplots(
+        len(snapshots),
+        1,
+        figsize=(7, 1.6 * len(snapshots) + 0.6),
+        sharex=True,
+        squeeze=False,
+        layout="constrained",
+    )
     for ax, snapshot in zip(axes[:, 0], snapshots):
         coloured = snapshot.draw(ax, 2.0, window=(0, 0.5, 0, 1.1 * HEIGHT))
         ax.plot([0, WIDTH, WIDTH], [HEIGHT, HEIGHT, 0], "k--", lw=0.6)
@@ -163,11 +202,17 @@ def main():
         results[label] = run(argparse.Namespace(**{**vars(a), "types": types, "cell": cell}))
         s, scene, snapshots = results[label]
         draw(scene, snapshots, os.path.join(a.out, f"{types}_{1e3 * cell:g}mm.png"))
-        print(f"{label}: run-out {s['runout']:.3f} of the width, unmoved top {s['unmovedTop']:.3f} m, slope "
-              f"{s['slopeDegrees']:.1f} degrees, height at the wall {s['heightAtWall']:.4f} m; "
-              f"{sum(s['particles'].values())} particles, {s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
+        print(
+            f"{label}: run-out {s['runout']:.3f} of the width, unmoved top {s['unmovedTop']:.3f} m, slope "
+            f"{s['slopeDegrees']:.1f} degrees, height at the wall {s['heightAtWall']:.4f} m; "
+            f"{sum(s['particles'].values())} particles, {s['steps']} steps in {s['wallSeconds']:.1f} s",
+            flush=True,
+        )
     drawSurfaces(results, os.path.join(a.out, "surfaces.png"))
-    files.saveJson(os.path.join(a.out, "summary.json"), {label: r[0] for label, r in results.items()} if a.compare else results[label][0])
+    files.saveJson(
+        os.path.join(a.out, "summary.json"),
+        {label: r[0] for label, r in results.items()} if a.compare else results[label][0],
+    )
     print(f"results in {a.out}/")
 
 

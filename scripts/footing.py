@@ -23,6 +23,7 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run footing --compare                # without and with F-bar in one picture
     scripts/run footing --smoke
 """
+
 import argparse
 import os
 import time
@@ -33,19 +34,42 @@ import yade_mpm as mpm
 from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import below, partOf, positive
 
-WIDTH, DEPTH = 20.0, 10.0                          # m
+WIDTH, DEPTH = 20.0, 10.0  # m
 SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0  # kPa, kPa, kPa, Mg/m3 (inertia only)
 
 
 def arguments(given=None):
     p = commandLine.Parser("footing", __doc__, smoke={"cell": 2 / 3, "rate": 0.04, "settlement": 0.12})
-    p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), default="hybrid", help="particle types (default %(default)s)")
-    p.add_argument("--phi", type=below(60), default=0.0, help="angles of friction and of dilatancy, degrees (default %(default)s)")
-    p.add_argument("--fbar", action="store_true", help="against locking: cell-mean volumetric strain, mean stress linear in a cell")
-    p.add_argument("--cell", type=partOf(DEPTH), default=2 / 9, help="cell size, m: 10 m over a whole number (default 2/9)")
+    p.add_argument(
+        "--types",
+        choices=("ugimp", "apdi", "hybrid"),
+        default="hybrid",
+        help="particle types (default %(default)s)",
+    )
+    p.add_argument(
+        "--phi",
+        type=below(60),
+        default=0.0,
+        help="angles of friction and of dilatancy, degrees (default %(default)s)",
+    )
+    p.add_argument(
+        "--fbar",
+        action="store_true",
+        help="against locking: cell-mean volumetric strain, mean stress linear in a cell",
+    )
+    p.add_argument(
+        "--cell",
+        type=partOf(DEPTH),
+        default=2 / 9,
+        help="cell size, m: 10 m over a whole number (default 2/9)",
+    )
     p.add_argument("--rate", type=positive, default=0.02, help="settlement rate, m/s (default %(default)s)")
-    p.add_argument("--settlement", type=positive, help="final settlement, m (default 0.08, with friction 0.11)")
-    p.add_argument("--halfWidth", type=positive, default=3.0, help="half width of the footing, m (default %(default)s)")
+    p.add_argument(
+        "--settlement", type=positive, help="final settlement, m (default 0.08, with friction 0.11)"
+    )
+    p.add_argument(
+        "--halfWidth", type=positive, default=3.0, help="half width of the footing, m (default %(default)s)"
+    )
     p.add_argument("--widths", action="store_true", help="also run 0.6 of the width, and compare the loads")
     p.add_argument("--damping", type=below(1), default=0.7, help="local damping (default %(default)s)")
     p.add_argument("--compare", action="store_true", help="run without and with F-bar and draw both curves")
@@ -74,8 +98,13 @@ def effectiveHalfWidth(a):
 def build(a):
     """The scene: ground and footing (without output)."""
     scene = mpm.Scene(lower=(0, 0), upper=(WIDTH, DEPTH + 4 * a.cell), cell=a.cell, threads=a.threads)
-    clay = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=(BULK - 2 / 3 * SHEAR, SHEAR), cohesion=COHESION,
-                                        frictionAngle=radians(a.phi), dilatancyAngle=radians(a.phi))
+    clay = mpm.MohrCoulombDruckerPrager(
+        density=DENSITY,
+        lame=(BULK - 2 / 3 * SHEAR, SHEAR),
+        cohesion=COHESION,
+        frictionAngle=radians(a.phi),
+        dilatancyAngle=radians(a.phi),
+    )
     ground = box((0, 0), (WIDTH, DEPTH))
     if a.types == "ugimp":
         scene.add("ground", ground, clay, mpm.UGIMP(perCell=2), fbar=a.fbar)
@@ -143,7 +172,12 @@ def drawCurves(curves, limit, file):
         ax.plot(1e3 * settlement, pressure, label=label)
     ax.axhline(limit, color="k", lw=0.9, ls="--")
     ax.text(0, 1.01 * limit, " Prandtl", va="bottom", ha="left")
-    ax.set(xlabel="settlement (mm)", ylabel="mean pressure under the footing (kPa)", xlim=(0, None), ylim=(0, None))
+    ax.set(
+        xlabel="settlement (mm)",
+        ylabel="mean pressure under the footing (kPa)",
+        xlim=(0, None),
+        ylim=(0, None),
+    )
     ax.legend(loc="lower right")
     plot.save(figure, file)
 
@@ -175,22 +209,29 @@ def main():
     a = arguments()
     os.makedirs(a.out, exist_ok=True)
     curves, summaries = [], []
-    for fbar in ([False, True] if a.compare else [a.fbar]):
+    for fbar in [False, True] if a.compare else [a.fbar]:
         one = argparse.Namespace(**{**vars(a), "fbar": fbar})
         summary, scene, settlement, pressure = run(one, a.out)
         name = "with F-bar" if fbar else "without F-bar"
         curves.append((f"{a.types}, {name}", settlement, pressure))
         summaries.append(summary)
         drawGround(one, scene, os.path.join(a.out, "ground_fbar.png" if fbar else "ground.png"))
-        print(f"{a.types}, {name}: {summary['pressure']:.1f} kPa ({summary['error']:+.1%} of {summary['reference']:.1f} kPa, at the end "
-              f"{summary['finalError']:+.1%}), {'a plateau' if summary['plateau'] else 'no plateau'} (slope "
-              f"{summary['slopeOverElastic']:.2%} of the elastic one); {summary['particles']} particles, "
-              f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s", flush=True)
+        print(
+            f"{a.types}, {name}: {summary['pressure']:.1f} kPa ({summary['error']:+.1%} of {summary['reference']:.1f} kPa, at the end "
+            f"{summary['finalError']:+.1%}), {'a plateau' if summary['plateau'] else 'no plateau'} (slope "
+            f"{summary['slopeOverElastic']:.2%} of the elastic one); {summary['particles']} particles, "
+            f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s",
+            flush=True,
+        )
         if a.widths:
             limit, overhang = compareWidths(one, summary["pressure"])
-            summary.update(limitByWidths=limit, errorByWidths=limit / summary["reference"] - 1, overhangOverCell=overhang)
-            print(f"by the growth of the load with the width: {limit:.1f} kPa ({summary['errorByWidths']:+.1%}); the footing reaches "
-                  f"{overhang:.2f} of a cell beyond its last node")
+            summary.update(
+                limitByWidths=limit, errorByWidths=limit / summary["reference"] - 1, overhangOverCell=overhang
+            )
+            print(
+                f"by the growth of the load with the width: {limit:.1f} kPa ({summary['errorByWidths']:+.1%}); the footing reaches "
+                f"{overhang:.2f} of a cell beyond its last node"
+            )
     drawCurves(curves, summaries[0]["reference"], os.path.join(a.out, "load_settlement.png"))
     files.saveJson(os.path.join(a.out, "summary.json"), summaries if a.compare else summaries[0])
     print(f"results in {a.out}/")

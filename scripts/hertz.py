@@ -15,6 +15,7 @@ Units: Mg, m, s, kPa, per metre of thickness; a is 1 m.
     scripts/run hertz --two                            # two cylinders
     scripts/run hertz --smoke                          # 5 cells
 """
+
 import os
 import time
 
@@ -23,22 +24,43 @@ import yade_mpm as mpm
 from yade_mpm import box, commandLine, disc, files, plot
 from yade_mpm.commandLine import between, count
 
-RADIUS, EXTENT = 20.0, 6.0                # m: of the cylinder; width and height of the ground and of what is meshed of the cylinder
-YOUNG, POISSON, DENSITY = 1e5, 0.3, 2.0   # kPa, -, Mg/m3
-DEPTH = 1.5 / RADIUS                      # m, how far the top is moved down
+RADIUS, EXTENT = (
+    20.0,
+    6.0,
+)  # m: of the cylinder; width and height of the ground and of what is meshed of the cylinder
+YOUNG, POISSON, DENSITY = 1e5, 0.3, 2.0  # kPa, -, Mg/m3
+DEPTH = 1.5 / RADIUS  # m, how far the top is moved down
 TYPES = ("apdi", "ugimp", "cut")
-CUT, OUTLINE = True, True                 # as of UGIMP, where --ground or --cylinder is cut
+CUT, OUTLINE = True, True  # as of UGIMP, where --ground or --cylinder is cut
 
 
 def arguments(given=None):
     p = commandLine.Parser("hertz", __doc__, smoke={"cells": 5})
-    p.add_argument("--cells", type=count, default=8, help="cells per nominal half-width (default %(default)s)")
-    p.add_argument("--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)")
-    p.add_argument("--cylinder", choices=TYPES, default="apdi",
-                   help="particles of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it (default %(default)s)")
+    p.add_argument(
+        "--cells", type=count, default=8, help="cells per nominal half-width (default %(default)s)"
+    )
+    p.add_argument(
+        "--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)"
+    )
+    p.add_argument(
+        "--cylinder",
+        choices=TYPES,
+        default="apdi",
+        help="particles of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it (default %(default)s)",
+    )
     p.add_argument("--two", action="store_true", help="two cylinders of twice the radius")
-    p.add_argument("--shift", type=between(-1, 1), default=0.0, help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)")
-    p.add_argument("--normals", choices=("surface", "mass"), default="surface", help="as of Contact (default %(default)s)")
+    p.add_argument(
+        "--shift",
+        type=between(-1, 1),
+        default=0.0,
+        help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)",
+    )
+    p.add_argument(
+        "--normals",
+        choices=("surface", "mass"),
+        default="surface",
+        help="as of Contact (default %(default)s)",
+    )
     a = p.parse(given)
     if (a.ground, a.cylinder) != ("apdi", "apdi") and a.shift % 0.5:
         p.error(f"--shift {a.shift:g} with uGIMP is not allowed; give a multiple of 0.5")
@@ -67,23 +89,42 @@ def build(a):
     radius = 2 * RADIUS if a.two else RADIUS
     over = lambda x: rise(x, radius)  # the gap is over + under
     under = over if a.two else lambda x: 0 * x
-    scene = mpm.Scene(lower=(0, -EXTENT - h * (1 + np.ceil(under(EXTENT) / h))), upper=(EXTENT + 2 * h, 2 * EXTENT), cell=h, threads=a.threads)
+    scene = mpm.Scene(
+        lower=(0, -EXTENT - h * (1 + np.ceil(under(EXTENT) / h))),
+        upper=(EXTENT + 2 * h, 2 * EXTENT),
+        cell=h,
+        threads=a.threads,
+    )
     steel = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
-    kinds = {"apdi": mpm.APDI(), "ugimp": mpm.UGIMP(perCell=2), "cut": mpm.UGIMP(perCell=2, cut=CUT, outline=OUTLINE)}
+    kinds = {
+        "apdi": mpm.APDI(),
+        "ugimp": mpm.UGIMP(perCell=2),
+        "cut": mpm.UGIMP(perCell=2, cut=CUT, outline=OUTLINE),
+    }
     level = lambda y: lambda x: y + 0 * x
     below = box((0, bottom), (EXTENT, surface))
     if a.ground == "cut" and a.two:
         below = below & disc((0, surface - radius), radius)
-    ground = scene.add("ground", block(level(bottom), lambda x: surface - under(x), h / 2) if a.ground == "apdi" else below,
-                       steel, kinds[a.ground], group="ground")
+    ground = scene.add(
+        "ground",
+        block(level(bottom), lambda x: surface - under(x), h / 2) if a.ground == "apdi" else below,
+        steel,
+        kinds[a.ground],
+        group="ground",
+    )
     if a.ground == "ugimp":
         ground.position[:, 1] -= under(ground.position[:, 0])
         ground.zeroDisplacement()
     above = box((0, surface), (EXTENT, top))
     if a.cylinder == "cut":
         above = above & disc((0, surface + radius), radius)
-    cylinder = scene.add("cylinder", block(lambda x: surface + over(x), level(top), h / 2) if a.cylinder == "apdi" else above,
-                         steel, kinds[a.cylinder], group="cylinder")
+    cylinder = scene.add(
+        "cylinder",
+        block(lambda x: surface + over(x), level(top), h / 2) if a.cylinder == "apdi" else above,
+        steel,
+        kinds[a.cylinder],
+        group="cylinder",
+    )
     if a.cylinder == "ugimp":
         cylinder.position[:, 1] += over(cylinder.position[:, 0])
         cylinder.zeroDisplacement()
@@ -105,7 +146,9 @@ def nodalForces(contact, h, scene, samples=20):
     for _ in range(samples):
         scene.run(steps=5, progress=False)
         table = contact.contactTable()
-        np.add.at(force, np.round(table["node"][:, 0] / h).astype(int), np.abs(table["force"][:, 1]) / samples)
+        np.add.at(
+            force, np.round(table["node"][:, 0] / h).astype(int), np.abs(table["force"][:, 1]) / samples
+        )
     force[0] *= 2  # the other half
     return np.arange(len(force)) * h, force
 
@@ -162,17 +205,26 @@ def draw(scene, summary, out):
     peak, a = summary["hertzPeakPressure"], summary["hertzHalfWidth"]
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.0), layout="constrained")
     for body in scene.bodies:
-        domains = plot.PolyCollection(body.corners() / a, array=-body.stress[:, 1, 1] / peak, cmap="inferno_r", edgecolors="face",
-                                      linewidths=0.1)
+        domains = plot.PolyCollection(
+            body.corners() / a,
+            array=-body.stress[:, 1, 1] / peak,
+            cmap="inferno_r",
+            edgecolors="face",
+            linewidths=0.1,
+        )
         domains.set_clim(0, 1)
         left.add_collection(domains)
     left.set(xlim=(0, 3), ylim=(-1.8, 1.8), aspect="equal", xlabel="x / a", ylabel="y / a")
     figure.colorbar(domains, ax=left, label="vertical stress / $p_0$")
     x = np.linspace(0, a, 200)
     right.plot(x / a, np.sqrt(1 - (x / a) ** 2), "k-", lw=1, label="Hertz")
-    nodes, exact, reached = (np.array(summary[key])[np.array(summary["x"]) < 1.5 * a] for key in ("x", "closedForm", "pressure"))
+    nodes, exact, reached = (
+        np.array(summary[key])[np.array(summary["x"]) < 1.5 * a] for key in ("x", "closedForm", "pressure")
+    )
     right.plot(nodes / a, exact / peak, "k+", ms=7, clip_on=False, label="Hertz, mean over a hat")
-    right.plot(nodes / a, reached / peak, "C3o", ms=4, mfc="none", clip_on=False, label="force of a node / cell")
+    right.plot(
+        nodes / a, reached / peak, "C3o", ms=4, mfc="none", clip_on=False, label="force of a node / cell"
+    )
     right.set(xlabel="x / a", ylabel="pressure / $p_0$", xlim=(0, 1.5), ylim=(0, 1.1))
     right.legend(loc="lower left", bbox_to_anchor=(0, 0.03))
     plot.save(figure, os.path.join(out, "hertz.png"))
@@ -186,9 +238,14 @@ def main():
     draw(scene, summary, a.out)
     print(f"{summary['particles']} particles, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
     print("                    reached      Hertz    error")
-    for name, own, exact in (("half-width, m", "halfWidth", "hertzHalfWidth"), ("peak pressure, kPa", "peakPressure", "hertzPeakPressure"),
-                             ("at the axis, kPa", "axisPressure", "hertzAxisPressure")):
-        print(f"{name:18s} {summary[own]:10.4g} {summary[exact]:10.4g} {summary[own] / summary[exact] - 1:8.1%}")
+    for name, own, exact in (
+        ("half-width, m", "halfWidth", "hertzHalfWidth"),
+        ("peak pressure, kPa", "peakPressure", "hertzPeakPressure"),
+        ("at the axis, kPa", "axisPressure", "hertzAxisPressure"),
+    ):
+        print(
+            f"{name:18s} {summary[own]:10.4g} {summary[exact]:10.4g} {summary[own] / summary[exact] - 1:8.1%}"
+        )
     print(f"rms of the curve {summary['rmsError']:.1%} of the peak; results in {a.out}/")
 
 

@@ -13,6 +13,7 @@ Units: kg, m, s, Pa, per metre of thickness.
     scripts/run plate_with_hole                  # 8 cells per radius
     scripts/run plate_with_hole --smoke          # 4 cells per radius
 """
+
 import os
 import time
 
@@ -21,14 +22,16 @@ import yade_mpm as mpm
 from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import count
 
-HALF_WIDTH, HALF_LENGTH, RADIUS = 2.5, 4.0, 0.5          # m; the load is along y
+HALF_WIDTH, HALF_LENGTH, RADIUS = 2.5, 4.0, 0.5  # m; the load is along y
 SIGMA0, YOUNG, POISSON, DENSITY = 100.0, 1e6, 0.3, 1000.0  # Pa, Pa, -, kg/m3: strains of 1e-4
-REFERENCE = {"side": 3.14, "crown": -1.11}               # hoop stress over sigma0 at (a, 0) and (0, a)
+REFERENCE = {"side": 3.14, "crown": -1.11}  # hoop stress over sigma0 at (a, 0) and (0, a)
 
 
 def arguments(given=None):
     p = commandLine.Parser("plate_with_hole", __doc__, smoke={"cells": 4})
-    p.add_argument("--cells", type=count, default=8, help="cells per radius of the hole (default %(default)s)")
+    p.add_argument(
+        "--cells", type=count, default=8, help="cells per radius of the hole (default %(default)s)"
+    )
     return p.parse(given)
 
 
@@ -37,18 +40,21 @@ def quarterMesh(cell):
 
     No edge is longer than a cell, so that every grid node inside the plate belongs to some vertex. Rings are closest at the hole.
     """
-    across = int(np.ceil(HALF_WIDTH / cell))   # rays that end on the top, y = HALF_LENGTH
-    along = int(np.ceil(HALF_LENGTH / cell))   # rays that end on the right, x = HALF_WIDTH
-    outer = np.concatenate([
-        np.stack([np.full(along, HALF_WIDTH), np.linspace(0, HALF_LENGTH, along + 1)[:-1]], axis=1),
-        np.stack([np.linspace(HALF_WIDTH, 0, across + 1), np.full(across + 1, HALF_LENGTH)], axis=1)])
+    across = int(np.ceil(HALF_WIDTH / cell))  # rays that end on the top, y = HALF_LENGTH
+    along = int(np.ceil(HALF_LENGTH / cell))  # rays that end on the right, x = HALF_WIDTH
+    outer = np.concatenate(
+        [
+            np.stack([np.full(along, HALF_WIDTH), np.linspace(0, HALF_LENGTH, along + 1)[:-1]], axis=1),
+            np.stack([np.linspace(HALF_WIDTH, 0, across + 1), np.full(across + 1, HALF_LENGTH)], axis=1),
+        ]
+    )
     angle = np.linspace(0, np.pi / 2, len(outer))
     inner = RADIUS * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     inner[-1, 0] = 0.0
     longest = np.linalg.norm(outer - inner, axis=1).max()
     rings = int(np.ceil(1.3 * longest / cell))
     s = np.linspace(0, 1, rings + 1)[:, None, None]
-    s = 0.6 * s + 0.4 * s**2                     # steps from 0.6 to 1.4 of the mean
+    s = 0.6 * s + 0.4 * s**2  # steps from 0.6 to 1.4 of the mean
     points = ((1 - s) * inner + s * outer).reshape(-1, 2)
     first = (np.arange(rings)[:, None] * len(outer) + np.arange(len(outer) - 1)).ravel()
     cells = np.stack([first, first + len(outer), first + len(outer) + 1, first + 1], axis=1)
@@ -58,13 +64,17 @@ def quarterMesh(cell):
 def build(a):
     """The scene: upper right quarter of the plate, the hole's centre at the origin, pulled at the top."""
     cell = RADIUS / a.cells
-    scene = mpm.Scene(lower=(0, 0), upper=(HALF_WIDTH + 2 * cell, HALF_LENGTH + 2 * cell), cell=cell, threads=a.threads)
+    scene = mpm.Scene(
+        lower=(0, 0), upper=(HALF_WIDTH + 2 * cell, HALF_LENGTH + 2 * cell), cell=cell, threads=a.threads
+    )
     metal = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
     plate = scene.add("plate", quarterMesh(cell), metal, mpm.APDI())
     end = box((-cell, HALF_LENGTH - 1e-6), (HALF_WIDTH + cell, HALF_LENGTH + 1e-6))
     scene.engines = [
         mpm.ParticleToGrid(),
-        mpm.BoundaryLoad(plate, where=end, traction=(0.0, SIGMA0), ramp=4 * 4 * HALF_LENGTH / metal.waveSpeed),
+        mpm.BoundaryLoad(
+            plate, where=end, traction=(0.0, SIGMA0), ramp=4 * 4 * HALF_LENGTH / metal.waveSpeed
+        ),
         mpm.GridSolver(damping=0.7, roller=("left", "bottom")),
         mpm.GridToParticle(),
         mpm.DomainUpdater(),
@@ -125,8 +135,13 @@ def run(a, tolerance=1e-2):
 def draw(scene, summary, out):
     plate = scene["plate"]
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.0), layout="constrained")
-    domains = plot.PolyCollection(plate.corners(), array=plate.stress[:, 1, 1] / SIGMA0, cmap="coolwarm", edgecolors=(0, 0, 0, 0.3),
-                                  linewidths=0.15)
+    domains = plot.PolyCollection(
+        plate.corners(),
+        array=plate.stress[:, 1, 1] / SIGMA0,
+        cmap="coolwarm",
+        edgecolors=(0, 0, 0, 0.3),
+        linewidths=0.15,
+    )
     domains.set_clim(-3.2, 3.2)
     left.add_collection(domains)
     left.set(xlim=(0, 1.6), ylim=(0, 1.6), aspect="equal", xlabel="x (m)", ylabel="y (m)")
@@ -151,8 +166,10 @@ def main():
     draw(scene, summary, a.out)
     print(f"{summary['domains']} domains, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
     for side in REFERENCE:
-        print(f"{side:6s} hoop stress / sigma0 {summary['concentration'][side]:7.3f}, reference {REFERENCE[side]:6.2f} "
-              f"({summary['error'][side]:+.1%})")
+        print(
+            f"{side:6s} hoop stress / sigma0 {summary['concentration'][side]:7.3f}, reference {REFERENCE[side]:6.2f} "
+            f"({summary['error'][side]:+.1%})"
+        )
     print(f"results in {a.out}/")
 
 

@@ -11,6 +11,7 @@ of them.
 
 Units: Mg, m, s, kPa, per metre of thickness.
 """
+
 import os
 
 import sheet_pile
@@ -27,9 +28,16 @@ REMEDIES = {
     "all": ["--remedies"],
     "all, psi = 0": ["--remedies", "--psi", "0"],
 }
-COLUMNS = {"heaveArea": "heave (m²)", "openCavityArea": "open cavity (m²)", "collarThickness": "collar (m)",
-           "resistanceScatter": "scatter of R (-)", "stripes": "stripes (-)",
-           "stripesBelow": "stripes from 2 h below the tip (-)", "minJacobian": "min J (-)", "wallSeconds": "wall (s)"}
+COLUMNS = {
+    "heaveArea": "heave (m²)",
+    "openCavityArea": "open cavity (m²)",
+    "collarThickness": "collar (m)",
+    "resistanceScatter": "scatter of R (-)",
+    "stripes": "stripes (-)",
+    "stripesBelow": "stripes from 2 h below the tip (-)",
+    "minJacobian": "min J (-)",
+    "wallSeconds": "wall (s)",
+}
 
 
 def arguments(given=None):
@@ -37,18 +45,32 @@ def arguments(given=None):
     p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
     p.add_argument("--rate", type=positive, default=0.2, help="penetration rate, m/s (default %(default)s)")
     p.add_argument("--penetration", type=positive, default=2.0, help="m (default %(default)s)")
-    p.add_argument("--only", nargs="+", choices=REMEDIES, default=list(REMEDIES), help="which runs (default: all)")
+    p.add_argument(
+        "--only", nargs="+", choices=REMEDIES, default=list(REMEDIES), help="which runs (default: all)"
+    )
     a = p.parse(given)
     most = sheet_pile.PILE_LENGTH - sheet_pile.EMBEDDED - a.cell
     if a.penetration > most:
-        p.error(f"--penetration {a.penetration:g} is not allowed; give up to {most:g} m, or the pile vanishes in the ground")
+        p.error(
+            f"--penetration {a.penetration:g} is not allowed; give up to {most:g} m, or the pile vanishes in the ground"
+        )
     return a
 
 
 def run(a, name):
     """Runs one variant; returns (summary, scene)."""
     ramp = 0.1 / a.rate
-    words = ["--cell", a.cell, "--rate", a.rate, "--ramp", ramp, "--until", a.penetration / a.rate + 0.5 * ramp, *REMEDIES[name]]
+    words = [
+        "--cell",
+        a.cell,
+        "--rate",
+        a.rate,
+        "--ramp",
+        ramp,
+        "--until",
+        a.penetration / a.rate + 0.5 * ramp,
+        *REMEDIES[name],
+    ]
     words += ["--threads", a.threads] if a.threads else []
     b = sheet_pile.arguments([str(w) for w in words])
     folder = os.path.join(a.out, name.replace(" ", "").replace(",", "_").replace("=", ""))
@@ -70,11 +92,17 @@ def table(results):
 
 def draw(a, scenes, file):
     """Pictures of all runs beside each other."""
-    figure, axes = plot.plt.subplots(1, len(scenes), figsize=(2.4 * len(scenes), 3.4), sharey=True, squeeze=False,
-                                     layout="constrained")
+    figure, axes = plot.plt.subplots(
+        1, len(scenes), figsize=(2.4 * len(scenes), 3.4), sharey=True, squeeze=False, layout="constrained"
+    )
     for ax, (name, scene) in zip(axes[0], scenes.items()):
         middle = scene.upper[0] / 2
-        window = (middle - 3, middle + 3, sheet_pile.DEPTH - sheet_pile.EMBEDDED - a.penetration - 1.5, sheet_pile.DEPTH + 1.5)
+        window = (
+            middle - 3,
+            middle + 3,
+            sheet_pile.DEPTH - sheet_pile.EMBEDDED - a.penetration - 1.5,
+            sheet_pile.DEPTH + 1.5,
+        )
         coloured = plot.Snapshot(scene, "plasticShearStrain").draw(ax, 0.5, window=window)
         ax.set_title(name, fontsize=9)
         ax.set_xticks([middle - 2, middle, middle + 2], ["-2", "0", "2"])

@@ -8,6 +8,7 @@ matched to the particles where they meet. Material constants, time step, damping
 
 Units: Mg, m, s, kPa, per metre of thickness.
 """
+
 import argparse
 import json
 import os
@@ -24,48 +25,112 @@ from yade_mpm import box, commandLine, diagnostics, files, plot
 from yade_mpm.commandLine import between, notNegative, partOf, positive
 from yade_mpm.surface import groundSurface
 
-WIDTH, DEPTH, FREE = 30.0, 12.0, 12.0     # m: soil, and free grid above it
-PILE_LENGTH, EMBEDDED = 10.0, 1.0         # m
-ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5         # m: uGIMP zone, and how far it reaches below the final tip
+WIDTH, DEPTH, FREE = 30.0, 12.0, 12.0  # m: soil, and free grid above it
+PILE_LENGTH, EMBEDDED = 10.0, 1.0  # m
+ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5  # m: uGIMP zone, and how far it reaches below the final tip
 GRAVITY, K0 = 9.81, 0.43
 REMEDIES = {"friction": 0.3, "tip": 90.0, "dilatancyLimit": 0.05, "split": 1.3}
-STRIPES = {"stripes": 0, "stripesBelow": 2}  # columns of the history, and how many cells below the tip their line begins
-ARGUMENTS = "arguments.json"              # in the folder of the results, what --resume goes by
+STRIPES = {
+    "stripes": 0,
+    "stripesBelow": 2,
+}  # columns of the history, and how many cells below the tip their line begins
+ARGUMENTS = "arguments.json"  # in the folder of the results, what --resume goes by
 SUMMARY = "summary.json"
 MAY_CHANGE = {"resume", "until", "threads", "rateCheck", "compare"}
 
 
 def options():
-    parser = commandLine.Parser("sheet_pile", __doc__, smoke={"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0})
+    parser = commandLine.Parser(
+        "sheet_pile", __doc__, smoke={"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0}
+    )
     parser.set_defaults(out=None)  # with --resume it is the folder of the run
-    parser.add_argument("--types", choices=("hybrid", "ugimp", "apdi"), default="hybrid", help="particle types of the soil")
-    parser.add_argument("--cell", type=partOf(ZONE_WIDTH), default=0.25, help="cell size, m: 2 m over a whole number (default 0.25)")
-    parser.add_argument("--thickness", type=positive, help="thickness of the pile, m: a whole number of cells (default 0.25, at least one cell)")
-    parser.add_argument("--rate", type=positive, default=0.1, help="penetration rate, m/s (default 0.1; published 0.01)")
+    parser.add_argument(
+        "--types", choices=("hybrid", "ugimp", "apdi"), default="hybrid", help="particle types of the soil"
+    )
+    parser.add_argument(
+        "--cell",
+        type=partOf(ZONE_WIDTH),
+        default=0.25,
+        help="cell size, m: 2 m over a whole number (default 0.25)",
+    )
+    parser.add_argument(
+        "--thickness",
+        type=positive,
+        help="thickness of the pile, m: a whole number of cells (default 0.25, at least one cell)",
+    )
+    parser.add_argument(
+        "--rate", type=positive, default=0.1, help="penetration rate, m/s (default 0.1; published 0.01)"
+    )
     parser.add_argument("--until", type=positive, help="scene time, s (default: 4 m of penetration)")
-    parser.add_argument("--ramp", type=notNegative, help="time over which the rate grows from zero, s (default 0)")
-    parser.add_argument("--psi", type=between(0, 30), default=10.0, help="dilatancy angle, degrees (default 10, published)")
-    parser.add_argument("--dilatancyLimit", type=notNegative, metavar="STRAIN",
-                        help="plastic volumetric strain from which on the soil dilates no more (default: without limit, published)")
-    parser.add_argument("--friction", type=notNegative, metavar="MU",
-                        help="the soil slips on the pile with this coefficient of friction (default: bonded, published)")
-    parser.add_argument("--tip", type=float, metavar="DEGREES",
-                        help="angle of the wedge at the tip of the pile; needs --friction (default 180: flat)")
-    parser.add_argument("--undamped", action="store_true", help="no local damping in the pile, which it brakes as it vibrates")
-    parser.add_argument("--split", type=float, metavar="STRETCH",
-                        help="cut uGIMP particles of the soil in two at this stretch, above 1 (default: never, published)")
-    parser.add_argument("--fbar", action="store_true", help="against locking of the soil: cell-mean volumetric strain, mean stress linear in a cell (not published)")
-    parser.add_argument("--remedies", action="store_true",
-                        help="the run to trust: " + " ".join(f"--{name} {value:g}" for name, value in REMEDIES.items()) +
-                             " --fbar --undamped, and a ramp of 0.1 m, each where nothing else is given")
-    parser.add_argument("--flip", type=between(0, 1), default=1.0, help="FLIP share of the particle velocity (default 1: pure FLIP)")
-    parser.add_argument("--dt", type=positive, help="time step, s (default 2e-4, halved with the cell below 0.25 m)")
-    parser.add_argument("--on-distortion", choices=("stop", "convert"), default="stop", help="what distorted APDI domains do")
-    parser.add_argument("--rateCheck", action="store_true", help="also run the first metre at twice the rate, and compare")
-    parser.add_argument("--compare", action="store_true", help="also run all-uGIMP and draw both side by side")
-    parser.add_argument("--resume", metavar="CHECKPOINT",
-                        help="continue the run that left this checkpoint in the folder of its results, with its arguments (and the run beside it of "
-                             "--compare); of others only --until, --threads, --rateCheck and --compare may be given")
+    parser.add_argument(
+        "--ramp", type=notNegative, help="time over which the rate grows from zero, s (default 0)"
+    )
+    parser.add_argument(
+        "--psi", type=between(0, 30), default=10.0, help="dilatancy angle, degrees (default 10, published)"
+    )
+    parser.add_argument(
+        "--dilatancyLimit",
+        type=notNegative,
+        metavar="STRAIN",
+        help="plastic volumetric strain from which on the soil dilates no more (default: without limit, published)",
+    )
+    parser.add_argument(
+        "--friction",
+        type=notNegative,
+        metavar="MU",
+        help="the soil slips on the pile with this coefficient of friction (default: bonded, published)",
+    )
+    parser.add_argument(
+        "--tip",
+        type=float,
+        metavar="DEGREES",
+        help="angle of the wedge at the tip of the pile; needs --friction (default 180: flat)",
+    )
+    parser.add_argument(
+        "--undamped", action="store_true", help="no local damping in the pile, which it brakes as it vibrates"
+    )
+    parser.add_argument(
+        "--split",
+        type=float,
+        metavar="STRETCH",
+        help="cut uGIMP particles of the soil in two at this stretch, above 1 (default: never, published)",
+    )
+    parser.add_argument(
+        "--fbar",
+        action="store_true",
+        help="against locking of the soil: cell-mean volumetric strain, mean stress linear in a cell (not published)",
+    )
+    parser.add_argument(
+        "--remedies",
+        action="store_true",
+        help="the run to trust: "
+        + " ".join(f"--{name} {value:g}" for name, value in REMEDIES.items())
+        + " --fbar --undamped, and a ramp of 0.1 m, each where nothing else is given",
+    )
+    parser.add_argument(
+        "--flip",
+        type=between(0, 1),
+        default=1.0,
+        help="FLIP share of the particle velocity (default 1: pure FLIP)",
+    )
+    parser.add_argument(
+        "--dt", type=positive, help="time step, s (default 2e-4, halved with the cell below 0.25 m)"
+    )
+    parser.add_argument(
+        "--on-distortion", choices=("stop", "convert"), default="stop", help="what distorted APDI domains do"
+    )
+    parser.add_argument(
+        "--rateCheck", action="store_true", help="also run the first metre at twice the rate, and compare"
+    )
+    parser.add_argument(
+        "--compare", action="store_true", help="also run all-uGIMP and draw both side by side"
+    )
+    parser.add_argument(
+        "--resume",
+        metavar="CHECKPOINT",
+        help="continue the run that left this checkpoint in the folder of its results, with its arguments (and the run beside it of "
+        "--compare); of others only --until, --threads, --rateCheck and --compare may be given",
+    )
     return parser
 
 
@@ -81,7 +146,9 @@ def arguments(words=None):
     if EMBEDDED + a.penetration > PILE_LENGTH - a.cell:
         parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --until or --rate")
     if (a.rateCheck or a.compare) and a.penetration < 3 * a.cell:
-        parser.error(f"--rateCheck and --compare look at averages over one cell; press in by three cells or more ({3 * a.cell:g} m)")
+        parser.error(
+            f"--rateCheck and --compare look at averages over one cell; press in by three cells or more ({3 * a.cell:g} m)"
+        )
     return a
 
 
@@ -96,8 +163,16 @@ def complete(parser, a):
     if a.types == "ugimp" and a.compare:
         parser.error("--compare has no meaning beside --types ugimp: it compares with that")
     if a.remedies:
-        remedies = {**REMEDIES, "ramp": 0.1 / a.rate, "split": None if a.types == "apdi" else REMEDIES["split"]}
-        vars(a).update({name: value for name, value in remedies.items() if vars(a)[name] is None}, fbar=True, undamped=True)
+        remedies = {
+            **REMEDIES,
+            "ramp": 0.1 / a.rate,
+            "split": None if a.types == "apdi" else REMEDIES["split"],
+        }
+        vars(a).update(
+            {name: value for name, value in remedies.items() if vars(a)[name] is None},
+            fbar=True,
+            undamped=True,
+        )
     a.ramp, a.tip = a.ramp or 0.0, 180.0 if a.tip is None else a.tip
     if not 30 <= a.tip <= 180:
         parser.error(f"--tip {a.tip:g} is not allowed; give 30 to 180 degrees")
@@ -107,7 +182,9 @@ def complete(parser, a):
     a.thickness = a.thickness or max(0.25, a.cell)
     if not commandLine.isWhole(a.thickness / a.cell):
         fits = max(1, int(a.thickness / a.cell)) * a.cell
-        parser.error(f"--thickness {a.thickness:g} with --cell {a.cell:g} is not allowed; give a whole number of cells, e.g. --thickness {fits:g}")
+        parser.error(
+            f"--thickness {a.thickness:g} with --cell {a.cell:g} is not allowed; give a whole number of cells, e.g. --thickness {fits:g}"
+        )
     # Soil and pile meet at grid lines where they may slip: an odd number of cells across needs one more to be symmetric.
     more = a.cell if a.friction is not None and round(a.thickness / a.cell) % 2 else 0.0
     a.width, a.zoneWidth = WIDTH + more, ZONE_WIDTH + more
@@ -126,17 +203,28 @@ def resumed(parser, a, given):
         with open(file) as text:
             kept = json.load(text)
     except (OSError, ValueError):
-        parser.error(f"{who}: there is no {ARGUMENTS} of its run beside it, or none that can be read; give the checkpoint in the folder of its run")
+        parser.error(
+            f"{who}: there is no {ARGUMENTS} of its run beside it, or none that can be read; give the checkpoint in the folder of its run"
+        )
     if os.path.getmtime(a.resume) < os.path.getmtime(file):
         parser.error(f"{who} is older than the run in that folder, which has left no checkpoint yet")
     if os.path.abspath(kept["out"]) != folder:
-        parser.error(f"{who}: its run writes to '{kept['out']}', which from here is another folder; resume it from where it was started, and leave the "
-                     f"results in their place")
+        parser.error(
+            f"{who}: its run writes to '{kept['out']}', which from here is another folder; resume it from where it was started, and leave the "
+            f"results in their place"
+        )
     a.out = os.path.abspath(a.out or folder)
-    other = {name: kept[name] for name in sorted(given - MAY_CHANGE) if vars(a)[name] != (folder if name == "out" else kept[name])}
+    other = {
+        name: kept[name]
+        for name in sorted(given - MAY_CHANGE)
+        if vars(a)[name] != (folder if name == "out" else kept[name])
+    }
     if other:
-        parser.error(f"{who}: that run has " + ", ".join(f"--{name.replace('_', '-')} {value}" for name, value in other.items()) +
-                     "; leave that out, or start a run of its own")
+        parser.error(
+            f"{who}: that run has "
+            + ", ".join(f"--{name.replace('_', '-')} {value}" for name, value in other.items())
+            + "; leave that out, or start a run of its own"
+        )
     return argparse.Namespace(**{**kept, **{name: vars(a)[name] for name in given & MAY_CHANGE}})
 
 
@@ -146,14 +234,26 @@ def build(a):
     steel = mpm.LinearElastic(density=7.85, lame=(4.20e7, 2.80e7))
     # The inertia of the pile, not its weight, is scaled so that the published time step is stable. To slip on, its surface is a mesh.
     slips = a.friction is not None
-    pile = scene.add("pile", wedged(a) if a.tip < 180 else shaft, steel,
-                     mpm.APDI(size=a.cell / 2) if slips else mpm.UGIMP(perCell=2), inertiaScale=16, group="pile" if slips else "main")
+    pile = scene.add(
+        "pile",
+        wedged(a) if a.tip < 180 else shaft,
+        steel,
+        mpm.APDI(size=a.cell / 2) if slips else mpm.UGIMP(perCell=2),
+        inertiaScale=16,
+        group="pile" if slips else "main",
+    )
     pile.isDamped = not a.undamped
 
     scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
     drive = mpm.Drive(pile.above(DEPTH), velocity=(0, -a.rate), ramp=a.ramp)
     contact = [mpm.Contact(friction=a.friction, impactLoss=1.0)] if slips else []
-    scene.engines = [mpm.ParticleToGrid(), gridSolver(drive=drive), *contact, mpm.GridToParticle(flip=a.flip), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        gridSolver(drive=drive),
+        *contact,
+        mpm.GridToParticle(flip=a.flip),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = a.dt
     return scene
 
@@ -163,8 +263,13 @@ def wedged(a):
     columns, rows = 2 * ceil(a.thickness / a.cell - 1e-9), round(2 * PILE_LENGTH / a.cell)
     x, y = np.meshgrid(np.linspace(-1, 1, columns + 1), np.linspace(0, 1, rows + 1))
     depth = 0.5 * a.thickness / tan(radians(a.tip / 2))
-    points = np.stack([a.width / 2 + 0.5 * a.thickness * x,
-                       DEPTH - EMBEDDED + PILE_LENGTH * y + depth * np.abs(x) * (1 - y)], axis=2).reshape(-1, 2)
+    points = np.stack(
+        [
+            a.width / 2 + 0.5 * a.thickness * x,
+            DEPTH - EMBEDDED + PILE_LENGTH * y + depth * np.abs(x) * (1 - y),
+        ],
+        axis=2,
+    ).reshape(-1, 2)
     first = (np.arange(rows)[:, None] * (columns + 1) + np.arange(columns)).ravel()
     return points, np.stack([first, first + 1, first + columns + 2, first + columns + 1], axis=1)
 
@@ -172,29 +277,45 @@ def wedged(a):
 def ground(a):
     """The scene with the soil alone, and the region of the shaft that is left out of it."""
     middle, top = a.width / 2, DEPTH
-    shaft = box((middle - a.thickness / 2, top - EMBEDDED), (middle + a.thickness / 2, top - EMBEDDED + PILE_LENGTH))
+    shaft = box(
+        (middle - a.thickness / 2, top - EMBEDDED), (middle + a.thickness / 2, top - EMBEDDED + PILE_LENGTH)
+    )
     zoneDepth = ceil((EMBEDDED + a.penetration + ZONE_BELOW) / a.cell - 1e-9) * a.cell
     soil = box((0, 0), (a.width, top)) - shaft
     zone = box((middle - a.zoneWidth / 2, top - zoneDepth), (middle + a.zoneWidth / 2, top)) - shaft
-    material = mpm.MohrCoulombDruckerPrager(density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5,
-                                            frictionAngle=radians(30), dilatancyAngle=radians(a.psi),
-                                            dilatancyLimit=a.dilatancyLimit)
+    material = mpm.MohrCoulombDruckerPrager(
+        density=1.53,
+        lame=(9.48e3, 6.31e3),
+        cohesion=8.5,
+        frictionAngle=radians(30),
+        dilatancyAngle=radians(a.psi),
+        dilatancyLimit=a.dilatancyLimit,
+    )
 
     scene = mpm.Scene(lower=(0, 0), upper=(a.width, DEPTH + FREE), cell=a.cell, threads=a.threads)
     if a.types == "hybrid":
         near = scene.add("near soil", zone, material, mpm.UGIMP(perCell=2, splitAt=a.split), fbar=a.fbar)
-        scene.add("far soil", soil - zone, material, mpm.APDI(size=a.cell, matched=near, onDistortion=a.on_distortion),
-                  fbar=a.fbar)
+        scene.add(
+            "far soil",
+            soil - zone,
+            material,
+            mpm.APDI(size=a.cell, matched=near, onDistortion=a.on_distortion),
+            fbar=a.fbar,
+        )
     elif a.types == "ugimp":
         scene.add("soil", soil, material, mpm.UGIMP(perCell=2, splitAt=a.split), fbar=a.fbar)
     else:
-        scene.add("soil", soil, material, mpm.APDI(size=a.cell / 2, onDistortion=a.on_distortion), fbar=a.fbar)
+        scene.add(
+            "soil", soil, material, mpm.APDI(size=a.cell / 2, onDistortion=a.on_distortion), fbar=a.fbar
+        )
     return scene, shaft
 
 
 def gridSolver(**more):
     """Gravity, damping and the boundaries of the ground."""
-    return mpm.GridSolver(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed=("bottom",), **more)
+    return mpm.GridSolver(
+        gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed=("bottom",), **more
+    )
 
 
 def allUGIMP(a):
@@ -222,8 +343,11 @@ def run(a, out, resumeBy=None):
         keep(a, out)
     scene, history = loaded(a, snapshot) if a.resume else recorded(a, out, snapshot)
     scene.prepare()
-    print(f"{a.types}: {sum(b.count for b in soilBodies(scene))} soil and {scene['pile'].count} pile particles, dt = {scene.dt:.3g} s "
-          f"(critical {scene.dtCritical:.3g} s), {round(a.until / scene.dt)} steps, {scene.threads} threads", flush=True)
+    print(
+        f"{a.types}: {sum(b.count for b in soilBodies(scene))} soil and {scene['pile'].count} pile particles, dt = {scene.dt:.3g} s "
+        f"(critical {scene.dtCritical:.3g} s), {round(a.until / scene.dt)} steps, {scene.threads} threads",
+        flush=True,
+    )
     began, firstStep, isAtEnd = time.monotonic(), scene.steps, a.until - scene.time < 1e-6 * scene.dt
     if not isAtEnd:
         try:
@@ -233,7 +357,9 @@ def run(a, out, resumeBy=None):
             raise
     wall = time.monotonic() - began
     history.flush()
-    certificate = mpm.quasiStatic(history, rateSensitivity=rateCheck(a, *resistanceCurve(a, scene, history)) if a.rateCheck else None)
+    certificate = mpm.quasiStatic(
+        history, rateSensitivity=rateCheck(a, *resistanceCurve(a, scene, history)) if a.rateCheck else None
+    )
     print(certificate, flush=True)
     if isAtEnd and os.path.exists(results):
         with open(results) as file:
@@ -252,11 +378,20 @@ def run(a, out, resumeBy=None):
 def recorded(a, out, snapshot):
     """The scene with its output, and its history. snapshot : function of the scene, to call at every quarter."""
     scene = build(a)
-    history = mpm.History(period=a.until / 800, file=os.path.join(out, "history.csv"),
-                          columns={"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})",
-                                   **stripeColumns(a)})
-    scene.engines = [*scene.engines, mpm.Recorder(os.path.join(out, "sheet_pile.vtkhdf"), period=a.until / 40), history,
-                     mpm.PyRunner(snapshot, virtPeriod=a.until / 4, label="snapshots")]
+    history = mpm.History(
+        period=a.until / 800,
+        file=os.path.join(out, "history.csv"),
+        columns={
+            "pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})",
+            **stripeColumns(a),
+        },
+    )
+    scene.engines = [
+        *scene.engines,
+        mpm.Recorder(os.path.join(out, "sheet_pile.vtkhdf"), period=a.until / 40),
+        history,
+        mpm.PyRunner(snapshot, virtPeriod=a.until / 4, label="snapshots"),
+    ]
     return scene, history
 
 
@@ -264,7 +399,9 @@ def loaded(a, snapshot):
     """The same from the checkpoint of --resume."""
     scene = mpm.load(a.resume, callbacks={"snapshots": snapshot})
     if scene.time > a.until + scene.dt:
-        raise SystemExit(f"sheet_pile: {a.resume} is at t = {scene.time:g} s and the run ends at {a.until:g} s; give a later --until")
+        raise SystemExit(
+            f"sheet_pile: {a.resume} is at t = {scene.time:g} s and the run ends at {a.until:g} s; give a later --until"
+        )
     history = next(e for e in scene.engines if isinstance(e, mpm.History))
     history.columns.update(stripeColumns(a))
     if a.threads:
@@ -300,7 +437,9 @@ def resistanceCurve(a, scene, history):
     """
     t, pile = history["time"], scene["pile"]
     depth = penetrationAt(a, t)
-    inertia = pile.inertiaScale * pile.mass.sum() * np.where(t < a.ramp, a.rate / a.ramp if a.ramp else 0.0, 0.0)
+    inertia = (
+        pile.inertiaScale * pile.mass.sum() * np.where(t < a.ramp, a.rate / a.ramp if a.ramp else 0.0, 0.0)
+    )
     raw = pile.mass.sum() * GRAVITY - history["drive.fy"] - inertia
     return depth, raw, movingAverage(depth, raw, a.cell)
 
@@ -338,8 +477,12 @@ def summarise(a, scene, history, wall, steps):
     tipDrift = float(abs(pile.displacement[tip, 0].mean()) / a.thickness)
     return {
         "arguments": {k: v for k, v in vars(a).items()},
-        "versions": {"yade_mpm": mpm.__version__, "python": platform.python_version(), "numpy": np.__version__,
-                     "compiler": mpm._core.compiler},
+        "versions": {
+            "yade_mpm": mpm.__version__,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "compiler": mpm._core.compiler,
+        },
         "threads": scene.threads,
         "particles": {b.name: {"type": type(b.type).__name__, "count": b.count} for b in scene.bodies},
         "soilParticles": soilCount,
@@ -385,7 +528,9 @@ def collar(a, soil, penetration):
     """Thickness (m, mean of both sides) of the soil beside the pile's first metre that has gone down half as far as the pile."""
     area = 0.0
     for body in soil:
-        beside = (np.abs(body.reference[:, 0] - a.width / 2) < 2.0) & (body.reference[:, 1] > DEPTH - EMBEDDED)
+        beside = (np.abs(body.reference[:, 0] - a.width / 2) < 2.0) & (
+            body.reference[:, 1] > DEPTH - EMBEDDED
+        )
         area += body.initialVolume[beside & (body.displacement[:, 1] < -0.5 * penetration)].sum()
     return float(area / (2 * EMBEDDED))
 
@@ -395,8 +540,16 @@ def stripesFrom(a, scene):
     so many cells below its tip down as far as the uGIMP zone of the hybrid reaches below the final one. Mean of both sides. It changes with the
     place of the tip in its cell: only means over a cell of penetration tell something."""
     tip = DEPTH - EMBEDDED - penetrationAt(a, scene.time)
-    lines = [diagnostics.meanStressAlong(soilBodies(scene), a.width / 2 + side * (a.thickness / 2 + 0.75 * a.cell), a.cell / 2,
-                                         tip - ZONE_BELOW, tip) for side in (-1, 1)]
+    lines = [
+        diagnostics.meanStressAlong(
+            soilBodies(scene),
+            a.width / 2 + side * (a.thickness / 2 + 0.75 * a.cell),
+            a.cell / 2,
+            tip - ZONE_BELOW,
+            tip,
+        )
+        for side in (-1, 1)
+    ]
     return [meanStripes([p[y <= tip - cells * a.cell] for y, p in lines]) for cells in STRIPES.values()]
 
 
@@ -458,14 +611,25 @@ def reactionBalance(a, scene, history, reach):
 def draw(a, out, scene, history, snapshots, summary):
     """CSV files and pictures; returns their names."""
     depth, raw, smooth = resistanceCurve(a, scene, history)
-    files.saveTable(os.path.join(out, "resistance.csv"), {"penetration_m": depth, "resistance_kN_per_m": raw,
-                                                          "resistance_over_one_cell_kN_per_m": smooth})
+    files.saveTable(
+        os.path.join(out, "resistance.csv"),
+        {"penetration_m": depth, "resistance_kN_per_m": raw, "resistance_over_one_cell_kN_per_m": smooth},
+    )
     surface = surfaceOf(scene)
-    files.saveTable(os.path.join(out, "surface.csv"), {"x_m": surface.x, "y_m": surface.y, "is_mesh_vertex": surface.explicit})
+    files.saveTable(
+        os.path.join(out, "surface.csv"),
+        {"x_m": surface.x, "y_m": surface.y, "is_mesh_vertex": surface.explicit},
+    )
     limit = 0.5
     window = (a.width / 2 - 5, a.width / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
-    figure, axes = plot.plt.subplots(1, len(snapshots), figsize=(3.4 * len(snapshots), 3.9), sharey=True, squeeze=False,
-                                     layout="constrained")
+    figure, axes = plot.plt.subplots(
+        1,
+        len(snapshots),
+        figsize=(3.4 * len(snapshots), 3.9),
+        sharey=True,
+        squeeze=False,
+        layout="constrained",
+    )
     for ax, (d, snapshot) in zip(axes[0], snapshots):
         coloured = snapshot.draw(ax, limit, window=window)
         ax.set_title(f"{d:.2g} m")
@@ -477,8 +641,19 @@ def draw(a, out, scene, history, snapshots, summary):
     figure, ax = plot.plt.subplots(figsize=(4.2, 4.6), layout="constrained")
     ax.plot(raw, depth, color="0.8", lw=0.6, label="at the drive, mean over each sample")
     ax.plot(smooth, depth, color="C3", lw=1.6, label="at the drive, mean over one cell")
-    ax.plot(baseCurve(a, scene, history), depth, color="k", lw=0.9, ls="--", label="at the base, mean over one cell")
-    ax.set(xlabel="penetration resistance (kN/m)", ylabel="further penetration (m)", xlim=(0, 1.25 * smooth.max()))
+    ax.plot(
+        baseCurve(a, scene, history),
+        depth,
+        color="k",
+        lw=0.9,
+        ls="--",
+        label="at the base, mean over one cell",
+    )
+    ax.set(
+        xlabel="penetration resistance (kN/m)",
+        ylabel="further penetration (m)",
+        xlim=(0, 1.25 * smooth.max()),
+    )
     ax.invert_yaxis()
     ax.legend()
     plot.save(figure, os.path.join(out, "resistance.png"))
@@ -487,14 +662,27 @@ def draw(a, out, scene, history, snapshots, summary):
     ax.axhline(DEPTH, color="0.7", lw=0.8, ls="--", label="initial")
     beside = np.where((surface.x > surface.hole[0]) & (surface.x < surface.hole[1]), np.nan, surface.y)
     ax.plot(surface.x, beside, "-", lw=1.4, color="C3", label="tops of boxes (uGIMP)")
-    ax.plot(surface.x, np.where(surface.explicit, surface.y, np.nan), "k-", lw=1.4, label="mesh vertices (APDI)")
+    ax.plot(
+        surface.x, np.where(surface.explicit, surface.y, np.nan), "k-", lw=1.4, label="mesh vertices (APDI)"
+    )
     ax.axvspan(*surface.hole, ymin=0.03, ymax=0.97, color="0.75", lw=0, label="pile")
-    ax.set(xlabel="x (m)", ylabel="ground surface y (m)",
-           title=f"heave {summary['heaveArea']:.2f} m², trough {summary['troughArea']:.2f} m², open cavity "
-                 f"{summary['openCavityArea']:.2f} m², pile {summary['displacedArea']:.2f} m²")
+    ax.set(
+        xlabel="x (m)",
+        ylabel="ground surface y (m)",
+        title=f"heave {summary['heaveArea']:.2f} m², trough {summary['troughArea']:.2f} m², open cavity "
+        f"{summary['openCavityArea']:.2f} m², pile {summary['displacedArea']:.2f} m²",
+    )
     ax.legend(fontsize=8, loc="lower left")
     plot.save(figure, os.path.join(out, "surface.png"))
-    written = ["sheet_pile.vtkhdf", "history.csv", "resistance.csv", "surface.csv", "domains.png", "resistance.png", "surface.png"]
+    written = [
+        "sheet_pile.vtkhdf",
+        "history.csv",
+        "resistance.csv",
+        "surface.csv",
+        "domains.png",
+        "resistance.png",
+        "surface.png",
+    ]
     if summary["convertedDomains"]:
         drawConversion(a, plot.Snapshot(scene, "plasticShearStrain"), os.path.join(out, "conversion.png"))
         written.append("conversion.png")
@@ -526,23 +714,34 @@ def compare(a, hybrid, other):
     d2, _, r2 = resistanceCurve(a, scene2, h2)
     difference = np.abs(r1 / np.interp(d1, d2, r2) - 1)
     reach = d1 > a.cell
-    result = {"soilParticles": [s1["soilParticles"], s2["soilParticles"]],
-              "wallSeconds": [s1["wallSeconds"], s2["wallSeconds"]],
-              "wallRatio": stepSeconds(s1) / stepSeconds(s2),
-              **{name: [s1[name], s2[name]] for name in ("isolatedParticles", "surfaceContinuous", "openBesidePile")},
-              "largestDifferenceTo2m": float(difference[reach & (d1 <= 2)].max()) if (reach & (d1 <= 2)).any() else None,
-              "largestDifference": float(difference[reach].max()) if reach.any() else None,
-              "resistance": {k: [s1["resistance"][k], s2["resistance"].get(k)] for k in s1["resistance"]}}
+    result = {
+        "soilParticles": [s1["soilParticles"], s2["soilParticles"]],
+        "wallSeconds": [s1["wallSeconds"], s2["wallSeconds"]],
+        "wallRatio": stepSeconds(s1) / stepSeconds(s2),
+        **{
+            name: [s1[name], s2[name]]
+            for name in ("isolatedParticles", "surfaceContinuous", "openBesidePile")
+        },
+        "largestDifferenceTo2m": float(difference[reach & (d1 <= 2)].max())
+        if (reach & (d1 <= 2)).any()
+        else None,
+        "largestDifference": float(difference[reach].max()) if reach.any() else None,
+        "resistance": {k: [s1["resistance"][k], s2["resistance"].get(k)] for k in s1["resistance"]},
+    }
     figure, axes = plot.plt.subplots(1, 3, figsize=(12, 4.2), layout="constrained", width_ratios=(1, 1, 0.9))
     window = (a.width / 2 - 5, a.width / 2 + 5, DEPTH - EMBEDDED - a.penetration - 2.5, DEPTH + 2.0)
-    for ax, scene, title in ((axes[0], scene1, f"hybrid, {s1['soilParticles']} soil particles"),
-                             (axes[1], scene2, f"all uGIMP, {s2['soilParticles']} soil particles")):
+    for ax, scene, title in (
+        (axes[0], scene1, f"hybrid, {s1['soilParticles']} soil particles"),
+        (axes[1], scene2, f"all uGIMP, {s2['soilParticles']} soil particles"),
+    ):
         coloured = plot.Snapshot(scene, "plasticShearStrain").draw(ax, 0.5, window=window)
         ax.set(title=title, xlabel="x (m)")
     figure.colorbar(coloured, ax=axes[:2], label="plastic shear strain (-)", extend="max", shrink=0.7)
     axes[2].plot(r1, d1, label="hybrid")
     axes[2].plot(r2, d2, label="all uGIMP")
-    axes[2].set(xlabel="resistance, mean over one cell (kN/m)", ylabel="further penetration (m)", xlim=(0, None))
+    axes[2].set(
+        xlabel="resistance, mean over one cell (kN/m)", ylabel="further penetration (m)", xlim=(0, None)
+    )
     axes[2].invert_yaxis()
     axes[2].legend()
     plot.save(figure, os.path.join(a.out, "compare.png"))
@@ -557,12 +756,23 @@ def stepSeconds(summary):
 
 def allUGIMPRun(a):
     """Arguments of the all-uGIMP run of --compare; with --resume it goes on, too, if it has begun."""
-    b = argparse.Namespace(**{**vars(a), "types": "ugimp", "resume": None, "compare": False, "out": os.path.join(a.out, "ugimp")})
+    b = argparse.Namespace(
+        **{**vars(a), "types": "ugimp", "resume": None, "compare": False, "out": os.path.join(a.out, "ugimp")}
+    )
     checkpoint, file = os.path.join(b.out, "checkpoint.h5"), os.path.join(b.out, ARGUMENTS)
-    if a.resume and os.path.exists(checkpoint) and os.path.exists(file) and os.path.getmtime(checkpoint) >= os.path.getmtime(file):
+    if (
+        a.resume
+        and os.path.exists(checkpoint)
+        and os.path.exists(file)
+        and os.path.getmtime(checkpoint) >= os.path.getmtime(file)
+    ):
         with open(file) as text:
             kept = json.load(text)
-        if all(kept.get(name) == value for name, value in vars(b).items() if name not in MAY_CHANGE | {"penetration"}):
+        if all(
+            kept.get(name) == value
+            for name, value in vars(b).items()
+            if name not in MAY_CHANGE | {"penetration"}
+        ):
             b.resume = checkpoint
     return b
 
@@ -576,16 +786,26 @@ def main():
         second = run(b, b.out, resumeBy=os.path.join(a.out, "checkpoint.h5"))
         print_(second[0], b.out)
         result = compare(a, first, second)
-        print(f"hybrid against all uGIMP: {result['soilParticles'][0] / result['soilParticles'][1]:.1%} of the soil particles, "
-              f"{result['wallRatio']:.2f} of the wall time, resistance within {result['largestDifferenceTo2m']:.1%} up to 2 m "
-              f"and {result['largestDifference']:.1%} overall; see {os.path.join(a.out, 'compare.png')}")
+        print(
+            f"hybrid against all uGIMP: {result['soilParticles'][0] / result['soilParticles'][1]:.1%} of the soil particles, "
+            f"{result['wallRatio']:.2f} of the wall time, resistance within {result['largestDifferenceTo2m']:.1%} up to 2 m "
+            f"and {result['largestDifference']:.1%} overall; see {os.path.join(a.out, 'compare.png')}"
+        )
 
 
 def print_(summary, out):
-    resistance = ", ".join(f"{k} m: {v:.0f}" for k, v in summary["resistance"].items()) or "half a metre: not reached"
-    scatters = "" if summary["resistanceScatter"] is None else f", within {summary['resistanceScatter']:.1%} (rms) of the mean over 1 m"
-    print(f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s ({summary['nsPerParticleStep']:.0f} ns per particle-step); "
-          f"resistance in kN/m at {resistance}{scatters}; results in {out}/")
+    resistance = (
+        ", ".join(f"{k} m: {v:.0f}" for k, v in summary["resistance"].items()) or "half a metre: not reached"
+    )
+    scatters = (
+        ""
+        if summary["resistanceScatter"] is None
+        else f", within {summary['resistanceScatter']:.1%} (rms) of the mean over 1 m"
+    )
+    print(
+        f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s ({summary['nsPerParticleStep']:.0f} ns per particle-step); "
+        f"resistance in kN/m at {resistance}{scatters}; results in {out}/"
+    )
 
 
 if __name__ == "__main__":

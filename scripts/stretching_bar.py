@@ -10,6 +10,7 @@ doc/numerical-fracture.md. Units: Mg, m, s, kPa.
     scripts/run stretching_bar                          # three bars, and their centre of mass against finite elements
     scripts/run stretching_bar --picture stretching_bar.png
 """
+
 import argparse
 from pathlib import Path
 
@@ -27,8 +28,11 @@ def makeScene(kind="APDI", cell=0.125, perCell=3, splitAt=1.3, step=0.001, gravi
     """Scene of the bar. kind: 'APDI' (two domains per cell and direction), 'UGIMP' or 'split'; perCell: of the latter two; step: time
     step over the cell size, s/m; with uGIMP the result depends on it far below the critical step.
     """
-    types = {"APDI": lambda: mpm.APDI(size=cell / 2), "UGIMP": lambda: mpm.UGIMP(perCell=perCell),
-             "split": lambda: mpm.UGIMP(perCell=perCell, splitAt=splitAt)}
+    types = {
+        "APDI": lambda: mpm.APDI(size=cell / 2),
+        "UGIMP": lambda: mpm.UGIMP(perCell=perCell),
+        "split": lambda: mpm.UGIMP(perCell=perCell, splitAt=splitAt),
+    }
     scene = mpm.Scene(lower=(-0.5, -4), upper=(1.5, 1), cell=cell, scheme=scheme)
     rubber = mpm.NeoHookean(density=1.05, young=1000, poisson=0.3)
     scene.add("bar", box((0, 0), (1, 1)), rubber, types[kind]())
@@ -52,7 +56,9 @@ class Watch:
 
     def note(self):
         y, mass = self.bar.position[:, 1], self.bar.mass
-        self.rows.append((self.scene.time, mass @ y / mass.sum(), np.diff(np.sort(y)).max() / self.scene.cell.min()))
+        self.rows.append(
+            (self.scene.time, mass @ y / mass.sum(), np.diff(np.sort(y)).max() / self.scene.cell.min())
+        )
 
     @property
     def widestGap(self):
@@ -65,7 +71,9 @@ class Watch:
         t, centre, *_ = np.loadtxt(REFERENCE, delimiter=",").T
         mine = np.array(self.rows)
         asked = (t > 0) & (t <= mine[-1, 0] + 1e-9)
-        return np.abs(np.interp(t[asked], mine[:, 0], mine[:, 1]) - centre[asked]).max() / (centre[0] - centre.min())
+        return np.abs(np.interp(t[asked], mine[:, 0], mine[:, 1]) - centre[asked]).max() / (
+            centre[0] - centre.min()
+        )
 
 
 def run(until=LOWEST, progress=None, **arguments):
@@ -79,41 +87,93 @@ def run(until=LOWEST, progress=None, **arguments):
 def draw(bars, file):
     """The bars side by side, coloured by vertical stress, with the lower end of the reference; and the centres of mass."""
     t, centre, end, _ = np.loadtxt(REFERENCE, delimiter=",").T
-    figure, axes = plot.plt.subplots(1, len(bars) + 1, figsize=(2.3 * len(bars) + 4.2, 5.4), width_ratios=[1] * len(bars) + [1.6],
-                                layout="constrained")
+    figure, axes = plot.plt.subplots(
+        1,
+        len(bars) + 1,
+        figsize=(2.3 * len(bars) + 4.2, 5.4),
+        width_ratios=[1] * len(bars) + [1.6],
+        layout="constrained",
+    )
     for ax, (name, (scene, watch)) in zip(axes, bars.items()):
         bar = scene["bar"]
-        domains = PolyCollection(bar.corners(), array=bar.stress[:, 1, 1], cmap="viridis", edgecolor="k", linewidth=0.15,
-                                 clim=(0, 4000))
+        domains = PolyCollection(
+            bar.corners(),
+            array=bar.stress[:, 1, 1],
+            cmap="viridis",
+            edgecolor="k",
+            linewidth=0.15,
+            clim=(0, 4000),
+        )
         ax.add_collection(domains)
         ax.axhline(np.interp(scene.time, t, end), color="C3", ls="--", lw=1)
-        ax.set(xlim=(-0.3, 1.3), ylim=(-3.1, 1.05), aspect="equal", xlabel="x (m)",
-               title=f"{name}\n{bar.count} particles")
+        ax.set(
+            xlim=(-0.3, 1.3),
+            ylim=(-3.1, 1.05),
+            aspect="equal",
+            xlabel="x (m)",
+            title=f"{name}\n{bar.count} particles",
+        )
         axes[-1].plot(*np.array(watch.rows).T[:2], label=name)
     axes[0].set_ylabel("y (m)")
-    axes[0].text(0.5, np.interp(scene.time, t, end) - 0.05, "lower end,\nfinite elements", color="C3", ha="center", va="top")
+    axes[0].text(
+        0.5,
+        np.interp(scene.time, t, end) - 0.05,
+        "lower end,\nfinite elements",
+        color="C3",
+        ha="center",
+        va="top",
+    )
     figure.colorbar(domains, ax=axes[:-1], label="vertical stress (kPa)", extend="both", shrink=0.8)
     axes[-1].plot(t, centre, "k.", ms=5, label="finite elements")
-    axes[-1].set(xlabel="time (s)", ylabel="height of the centre of mass (m)", xlim=(0, 1.05 * scene.time), ylim=(-1.7, 0.6))
+    axes[-1].set(
+        xlabel="time (s)",
+        ylabel="height of the centre of mass (m)",
+        xlim=(0, 1.05 * scene.time),
+        ylim=(-1.7, 0.6),
+    )
     axes[-1].legend(fontsize=9)
     plot.save(figure, file, dpi=110)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cell", type=partOf(0.5), default=0.125, help="cell size, m: 0.5 m over a whole number (default %(default)s)")
-    parser.add_argument("--perCell", type=count, default=3, help="uGIMP particles per cell and direction (default %(default)s)")
-    parser.add_argument("--splitAt", type=float, default=1.3, help="stretch at which particles are cut (default %(default)s)")
-    parser.add_argument("--until", type=between(0.01, 100), default=LOWEST, help="end, s (default %(default)s, when the bar is longest)")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--cell",
+        type=partOf(0.5),
+        default=0.125,
+        help="cell size, m: 0.5 m over a whole number (default %(default)s)",
+    )
+    parser.add_argument(
+        "--perCell",
+        type=count,
+        default=3,
+        help="uGIMP particles per cell and direction (default %(default)s)",
+    )
+    parser.add_argument(
+        "--splitAt", type=float, default=1.3, help="stretch at which particles are cut (default %(default)s)"
+    )
+    parser.add_argument(
+        "--until",
+        type=between(0.01, 100),
+        default=LOWEST,
+        help="end, s (default %(default)s, when the bar is longest)",
+    )
     parser.add_argument("--picture", metavar="FILE", help="draw the bars")
     given = parser.parse_args()
     if not given.splitAt > 1:
         parser.error(f"--splitAt {given.splitAt:g} is not allowed; give a stretch above 1")
     bars = {}
     for name, kind in (("APDI", "APDI"), ("uGIMP", "UGIMP"), (f"uGIMP, splitAt={given.splitAt:g}", "split")):
-        scene, watch = bars[name] = run(given.until, kind=kind, cell=given.cell, perCell=given.perCell, splitAt=given.splitAt)
-        print(f"{name:20} {scene.particleCount:6} particles at the end; centre of mass within {watch.miss:.1%} of the largest fall; "
-              f"widest gap {watch.widestGap:.2f} cells", flush=True)
+        scene, watch = bars[name] = run(
+            given.until, kind=kind, cell=given.cell, perCell=given.perCell, splitAt=given.splitAt
+        )
+        print(
+            f"{name:20} {scene.particleCount:6} particles at the end; centre of mass within {watch.miss:.1%} of the largest fall; "
+            f"widest gap {watch.widestGap:.2f} cells",
+            flush=True,
+        )
     if given.picture:
         draw(bars, given.picture)
 

@@ -12,6 +12,7 @@ Units: Mg, m, s, kPa, per metre of thickness; b = 1 m.
     scripts/run strip_load                       # 4 cells per b, 51,200 domains
     scripts/run strip_load --smoke               # 2 cells per b, 20 b x 20 b
 """
+
 import os
 import time
 
@@ -20,23 +21,35 @@ import yade_mpm as mpm
 from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import partOf, positive
 
-B, Q = 1.0, 10.0                        # m: half width of the strip; kPa
-YOUNG, POISSON, DENSITY = 1e5, 0.3, 2.0  # kPa, -, Mg/m3: strains of 1e-4, so that the geometry does not matter
+B, Q = 1.0, 10.0  # m: half width of the strip; kPa
+YOUNG, POISSON, DENSITY = (
+    1e5,
+    0.3,
+    2.0,
+)  # kPa, -, Mg/m3: strains of 1e-4, so that the geometry does not matter
 DEPTHS = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
 
 
 def arguments(given=None):
     p = commandLine.Parser("strip_load", __doc__, smoke={"cell": 0.5, "extent": 20.0})
     p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
-    p.add_argument("--size", type=partOf(B), help="edge of the APDI domains, m: 1 m over a whole number (default: half a cell)")
-    p.add_argument("--extent", type=positive, default=40.0, help="width and depth of the ground, m (default %(default)s)")
+    p.add_argument(
+        "--size",
+        type=partOf(B),
+        help="edge of the APDI domains, m: 1 m over a whole number (default: half a cell)",
+    )
+    p.add_argument(
+        "--extent", type=positive, default=40.0, help="width and depth of the ground, m (default %(default)s)"
+    )
     a = p.parse(given)
     a.size = a.size or a.cell / 2
     if not commandLine.isWhole(B / a.size):  # the load would not end at B
         p.error(f"--cell {a.cell:g} is not allowed; give {2 * B:g} over a whole number, or --size too")
     for name in ("cell", "size"):
         if not commandLine.isWhole(0.5 * a.extent / vars(a)[name]):
-            p.error(f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed; give two, four, six ... times that")
+            p.error(
+                f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed; give two, four, six ... times that"
+            )
     return a
 
 
@@ -99,8 +112,13 @@ def draw(scene, summary, out):
     """Bulb of vertical stress, and the axis against the closed form."""
     ground = scene["ground"]
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
-    domains = plot.PolyCollection(ground.corners(), array=-ground.stress[:, 1, 1] / Q, cmap="inferno_r",
-                                  edgecolors="face", linewidths=0.1)
+    domains = plot.PolyCollection(
+        ground.corners(),
+        array=-ground.stress[:, 1, 1] / Q,
+        cmap="inferno_r",
+        edgecolors="face",
+        linewidths=0.1,
+    )
     domains.set_clim(0, 1)
     left.add_collection(domains)
     left.plot([0, B], [0.06, 0.06], "C0-", lw=3, clip_on=False)

@@ -21,6 +21,7 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run wall --state active --cell 0.125
     scripts/run wall --smoke
 """
+
 import os
 import time
 from math import radians, sqrt, tan
@@ -30,18 +31,29 @@ import yade_mpm as mpm
 from yade_mpm import box, commandLine, files, plot
 from yade_mpm.commandLine import below, between, partOf, positive
 
-HEIGHT, LENGTH, BEHIND = 5.0, 12.0, 0.5                  # m: soil; soil behind the wall's line
-GRAVITY, DENSITY, LAME = 9.81, 1.53, (9.48e3, 6.31e3)    # m/s2, Mg/m3, kPa
+HEIGHT, LENGTH, BEHIND = 5.0, 12.0, 0.5  # m: soil; soil behind the wall's line
+GRAVITY, DENSITY, LAME = 9.81, 1.53, (9.48e3, 6.31e3)  # m/s2, Mg/m3, kPa
 COHESION, FRICTION, K0 = 8.5, radians(30), 0.43
 MOVEMENT = {"active": -0.01 * HEIGHT, "passive": 0.05 * HEIGHT}  # m, positive into the soil
 
 
 def arguments(given=None):
     p = commandLine.Parser("wall", __doc__, smoke={"cell": 0.5, "rate": 0.05})
-    p.add_argument("--state", choices=("active", "passive", "both"), default="both", help="which (default %(default)s)")
-    p.add_argument("--types", choices=("ugimp", "apdi"), default="ugimp", help="particle type (default %(default)s)")
-    p.add_argument("--cell", type=partOf(1.0), default=0.25, help="cell size, m: 1 m over a whole number (default %(default)s)")
-    p.add_argument("--psi", type=between(0, 30), default=10.0, help="dilatancy angle, degrees (default %(default)s)")
+    p.add_argument(
+        "--state", choices=("active", "passive", "both"), default="both", help="which (default %(default)s)"
+    )
+    p.add_argument(
+        "--types", choices=("ugimp", "apdi"), default="ugimp", help="particle type (default %(default)s)"
+    )
+    p.add_argument(
+        "--cell",
+        type=partOf(1.0),
+        default=0.25,
+        help="cell size, m: 1 m over a whole number (default %(default)s)",
+    )
+    p.add_argument(
+        "--psi", type=between(0, 30), default=10.0, help="dilatancy angle, degrees (default %(default)s)"
+    )
     p.add_argument("--rate", type=positive, default=0.02, help="speed of the wall, m/s (default %(default)s)")
     p.add_argument("--damping", type=below(1), default=0.1, help="local damping (default %(default)s)")
     return p.parse(given)
@@ -65,14 +77,19 @@ def rankineThrust(state, tension=True):
 def build(a, state):
     """The scene: soil at rest under its weight, and the wall (without output)."""
     fed = BEHIND if state == "passive" else 0.0
-    scene = mpm.Scene(lower=(-2 * BEHIND, 0), upper=(LENGTH, HEIGHT + 4 * a.cell), cell=a.cell, threads=a.threads)
-    soil = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=LAME, cohesion=COHESION, frictionAngle=FRICTION,
-                                        dilatancyAngle=radians(a.psi))
+    scene = mpm.Scene(
+        lower=(-2 * BEHIND, 0), upper=(LENGTH, HEIGHT + 4 * a.cell), cell=a.cell, threads=a.threads
+    )
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=DENSITY, lame=LAME, cohesion=COHESION, frictionAngle=FRICTION, dilatancyAngle=radians(a.psi)
+    )
     type_ = mpm.UGIMP(perCell=2) if a.types == "ugimp" else mpm.APDI(size=a.cell / 2)
     scene.add("soil", box((-fed, 0), (LENGTH, HEIGHT)), soil, type_)
     scene.initialStress(surface=HEIGHT, K0=K0, gravity=GRAVITY)
     line = box((-9 * BEHIND, -HEIGHT), (0.1 * a.cell, 3 * HEIGHT))
-    wall = mpm.Hold(line, velocity=(np.sign(MOVEMENT[state]) * a.rate, None), ramp=rampTime(a, state), name="wall")
+    wall = mpm.Hold(
+        line, velocity=(np.sign(MOVEMENT[state]) * a.rate, None), ramp=rampTime(a, state), name="wall"
+    )
     scene.engines = [
         mpm.ParticleToGrid(),
         mpm.GridSolver(gravity=(0, -GRAVITY), damping=a.damping, roller=("right", "bottom"), hold=wall),
@@ -91,7 +108,9 @@ def run(a, state, out=None):
     began = time.monotonic()
     scene, ramp = build(a, state), rampTime(a, state)
     until = abs(MOVEMENT[state]) / a.rate + 0.5 * ramp
-    history = mpm.History(period=until / 200, file=None if out is None else os.path.join(out, f"history_{state}.csv"))
+    history = mpm.History(
+        period=until / 200, file=None if out is None else os.path.join(out, f"history_{state}.csv")
+    )
     scene.engines = scene.engines + [history]
     scene.run(until=until)
     t, thrust = history["time"], history["wall.fx"]
@@ -122,16 +141,26 @@ def pressureOnWall(scene, cell):
     slice_ = np.floor((HEIGHT - soil.position[beside, 1]) / cell + 1e-9).astype(int)
     keep = (slice_ >= 0) & (slice_ < round(HEIGHT / cell))
     count = np.bincount(slice_[keep], minlength=round(HEIGHT / cell))
-    total = np.bincount(slice_[keep], weights=-soil.stress[beside, 0, 0][keep], minlength=round(HEIGHT / cell))
+    total = np.bincount(
+        slice_[keep], weights=-soil.stress[beside, 0, 0][keep], minlength=round(HEIGHT / cell)
+    )
     return (np.arange(len(count)) + 0.5) * cell, total / np.maximum(count, 1)
 
 
 def draw(results, a):
-    figure, axes = plot.plt.subplots(2, len(results), figsize=(4.2 * len(results), 6.4), squeeze=False, layout="constrained")
+    figure, axes = plot.plt.subplots(
+        2, len(results), figsize=(4.2 * len(results), 6.4), squeeze=False, layout="constrained"
+    )
     for (state, (summary, scene, movement, thrust)), (top, bottom) in zip(results.items(), axes.T):
         top.plot(100 * movement, thrust, "C3")
         top.axhline(summary["reference"], color="k", ls="--", lw=0.9, label="Rankine")
-        top.set(title=state, xlabel="movement of the wall / H (%)", ylabel="thrust (kN/m)", xlim=(0, None), ylim=(0, None))
+        top.set(
+            title=state,
+            xlabel="movement of the wall / H (%)",
+            ylabel="thrust (kN/m)",
+            xlim=(0, None),
+            ylim=(0, None),
+        )
         top.legend()
         z, pressure = pressureOnWall(scene, a.cell)
         bottom.plot(rankine(state, np.array([0, HEIGHT])), [0, HEIGHT], "k--", lw=0.9, label="Rankine")
@@ -145,13 +174,19 @@ def main():
     a = arguments()
     os.makedirs(a.out, exist_ok=True)
     results = {}
-    for state in (("active", "passive") if a.state == "both" else (a.state,)):
+    for state in ("active", "passive") if a.state == "both" else (a.state,):
         results[state] = run(a, state, a.out)
         s = results[state][0]
-        print(f"{state}: thrust {s['thrust']:.2f} kN/m, Rankine {s['reference']:.2f} ({s['error']:+.1%}); pressure without tension "
-              f"{s['pressureThrust']:.2f}, Rankine {s['pressureReference']:.2f} ({s['pressureError']:+.1%}); "
-              f"{s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
-    files.saveJson(os.path.join(a.out, "summary.json"), {"arguments": vars(a), **{state: r[0] for state, r in results.items()}})
+        print(
+            f"{state}: thrust {s['thrust']:.2f} kN/m, Rankine {s['reference']:.2f} ({s['error']:+.1%}); pressure without tension "
+            f"{s['pressureThrust']:.2f}, Rankine {s['pressureReference']:.2f} ({s['pressureError']:+.1%}); "
+            f"{s['steps']} steps in {s['wallSeconds']:.1f} s",
+            flush=True,
+        )
+    files.saveJson(
+        os.path.join(a.out, "summary.json"),
+        {"arguments": vars(a), **{state: r[0] for state, r in results.items()}},
+    )
     draw(results, a)
     print(f"results in {a.out}/")
 

@@ -13,6 +13,7 @@ Units: Mg, m, s, kPa.
     scripts/run yade_boulders --count 10             # larger ones; 1000: smaller ones
     scripts/run yade_boulders --smoke
 """
+
 import os
 import time
 from math import radians
@@ -21,33 +22,59 @@ import numpy as np
 import yade_mpm as mpm
 from matplotlib.collections import PolyCollection
 from scipy.ndimage import gaussian_filter, median_filter, zoom
-from yade import (Bo1_Sphere_Aabb, Bo1_Wall_Aabb, ForceResetter, Ig2_Sphere_Sphere_ScGeom, Ig2_Wall_Sphere_ScGeom,
-                  InsertionSortCollider, InteractionLoop, Ip2_ViscElMat_ViscElMat_ViscElPhys, Law2_ScGeom_ViscElPhys_Basic,
-                  NewtonIntegrator, O, PyRunner, ViscElMat, VTKRecorder, utils)
+from yade import (
+    Bo1_Sphere_Aabb,
+    Bo1_Wall_Aabb,
+    ForceResetter,
+    Ig2_Sphere_Sphere_ScGeom,
+    Ig2_Wall_Sphere_ScGeom,
+    InsertionSortCollider,
+    InteractionLoop,
+    Ip2_ViscElMat_ViscElMat_ViscElPhys,
+    Law2_ScGeom_ViscElPhys_Basic,
+    NewtonIntegrator,
+    O,
+    PyRunner,
+    ViscElMat,
+    VTKRecorder,
+    utils,
+)
 from yade_mpm import box, commandLine, diagnostics, files, inYade, plot
 from yade_mpm.commandLine import count, positive
 
-GRAVITY, DROP = 9.81, 2.0                                  # m/s2, m from the bed to the lowest boulder
-SOIL = dict(density=1.7, young=2000.0, poisson=0.3, cohesion=1.0, frictionAngle=radians(28), dilatancyAngle=0.0)
-ROCK = dict(density=2.6, young=1e5, poisson=0.3, frictionAngle=radians(35), en=0.3, et=0.3)  # soft contacts: longer time steps
-FRICTION, DAMPING = 0.5, 0.5                               # boulder against soil: coefficient, share of critical
-FRAME = 0.05                                               # s
-AT_REST = 0.2                                              # m/s: they rock in their craters for long
+GRAVITY, DROP = 9.81, 2.0  # m/s2, m from the bed to the lowest boulder
+SOIL = dict(
+    density=1.7, young=2000.0, poisson=0.3, cohesion=1.0, frictionAngle=radians(28), dilatancyAngle=0.0
+)
+ROCK = dict(
+    density=2.6, young=1e5, poisson=0.3, frictionAngle=radians(35), en=0.3, et=0.3
+)  # soft contacts: longer time steps
+FRICTION, DAMPING = 0.5, 0.5  # boulder against soil: coefficient, share of critical
+FRAME = 0.05  # s
+AT_REST = 0.2  # m/s: they rock in their craters for long
 
 
 def arguments(given=None):
-    p = commandLine.Parser("yade_boulders", __doc__, smoke={"count": 3, "radius": 0.3, "cell": 0.2, "width": 3.0, "depth": 0.8, "until": 2.5})
+    p = commandLine.Parser(
+        "yade_boulders",
+        __doc__,
+        smoke={"count": 3, "radius": 0.3, "cell": 0.2, "width": 3.0, "depth": 0.8, "until": 2.5},
+    )
     p.add_argument("--count", type=count, default=100, help="number of boulders (default %(default)s)")
     p.add_argument("--radius", type=positive, help="mean radius, m (default 0.22 (100/count)^(1/4))")
     p.add_argument("--cell", type=positive, default=0.15, help="cell size, m (default %(default)s)")
-    p.add_argument("--width", type=positive, default=6.0, help="width and length of the bed, m (default %(default)s)")
+    p.add_argument(
+        "--width", type=positive, default=6.0, help="width and length of the bed, m (default %(default)s)"
+    )
     p.add_argument("--depth", type=positive, default=1.2, help="depth of the bed, m (default %(default)s)")
     p.add_argument("--until", type=positive, default=4.0, help="end, s (default %(default)s)")
     p.add_argument("--seed", type=int, default=1, help="of the places and sizes (default %(default)s)")
     a = p.parse(given)
     for name in ("width", "depth"):
         if not commandLine.isWhole(vars(a)[name] / a.cell):
-            p.error(f"--{name} {vars(a)[name]:g} with --cell {a.cell:g} is not allowed; give a whole number of cells")
+            p.error(
+                f"--{name} {vars(a)[name]:g} with --cell {a.cell:g} is not allowed; give a whole number of cells"
+            )
     a.radius = a.radius or 0.22 * (100 / a.count) ** 0.25
     return a
 
@@ -59,8 +86,13 @@ def places(a):
     space = 2.6 * radii.max()  # 0.6 radii are left to shake
     across = max(1, int(0.75 * a.width / space))
     layer, place = np.divmod(np.arange(a.count), across**2)
-    across = np.where(layer == layer.max(), np.minimum(across, np.ceil(np.sqrt(np.sum(layer == layer.max())))), across)
-    x = np.stack([place % across - (across - 1) / 2, place // across - (across - 1) / 2], axis=1) * space + a.width / 2
+    across = np.where(
+        layer == layer.max(), np.minimum(across, np.ceil(np.sqrt(np.sum(layer == layer.max())))), across
+    )
+    x = (
+        np.stack([place % across - (across - 1) / 2, place // across - (across - 1) / 2], axis=1) * space
+        + a.width / 2
+    )
     z = a.depth + DROP + radii.max() + layer * space
     shift = random.uniform(-1, 1, (a.count, 3)) * (space / 2 - radii)[:, None]
     return np.column_stack([x, z]) + shift * (1, 1, 0.5), radii
@@ -69,21 +101,39 @@ def places(a):
 def build(a):
     """Scene, contact and coupling, ready to run."""
     scene = mpm.Scene((0, 0, 0), (a.width, a.width, a.depth + 6 * a.cell), a.cell, threads=a.threads)
-    scene.add("soil", box((0, 0, 0), (a.width, a.width, a.depth)), mpm.MohrCoulombDruckerPrager(**SOIL), mpm.UGIMP(perCell=2))
+    scene.add(
+        "soil",
+        box((0, 0, 0), (a.width, a.width, a.depth)),
+        mpm.MohrCoulombDruckerPrager(**SOIL),
+        mpm.UGIMP(perCell=2),
+    )
     scene.initialStress(surface=a.depth, K0=0.5, gravity=GRAVITY)
     contact = mpm.RigidContact(normalDamping=DAMPING)
-    solver = mpm.GridSolver(gravity=(0, 0, -GRAVITY), roller=("left", "right", "front", "back"), fixed="bottom")
+    solver = mpm.GridSolver(
+        gravity=(0, 0, -GRAVITY), roller=("left", "right", "front", "back"), fixed="bottom"
+    )
     scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
 
     O.materials.append(ViscElMat(label="rock", **ROCK))
     O.materials.append(ViscElMat(label="smooth", **dict(ROCK, frictionAngle=0.0)))
-    ids = O.bodies.append([utils.sphere(tuple(map(float, x)), float(r), material="rock") for x, r in zip(*places(a))])
-    O.bodies.append([utils.wall(at, axis, sense, material="smooth") for axis in (0, 1) for at, sense in ((0.0, 1), (a.width, -1))])
+    ids = O.bodies.append(
+        [utils.sphere(tuple(map(float, x)), float(r), material="rock") for x, r in zip(*places(a))]
+    )
+    O.bodies.append(
+        [
+            utils.wall(at, axis, sense, material="smooth")
+            for axis in (0, 1)
+            for at, sense in ((0.0, 1), (a.width, -1))
+        ]
+    )
     O.engines = [
         ForceResetter(),
         InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()]),
-        InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()], [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
-                        [Law2_ScGeom_ViscElPhys_Basic()]),
+        InteractionLoop(
+            [Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()],
+            [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
+            [Law2_ScGeom_ViscElPhys_Basic()],
+        ),
         NewtonIntegrator(gravity=(0, 0, -GRAVITY), damping=0),
     ]
     bodies = inYade.Bodies(contact, ids, friction=FRICTION)
@@ -95,10 +145,22 @@ def build(a):
 def record(a, scene):
     """Recorders of both sides, every FRAME s; to be attached anew."""
     period = max(1, round(FRAME / O.dt))
-    scene.engines = [*scene.engines, mpm.Recorder(os.path.join(a.out, "soil.vtkhdf"), iterPeriod=period,
-                                                  fields=["velocity", "displacement", "plasticShearStrain"])]
-    O.engines = [VTKRecorder(fileName=os.path.join(a.out, "boulders-"), iterPeriod=period, initRun=True,
-                             recorders=["spheres", "velocity"])] + O.engines
+    scene.engines = [
+        *scene.engines,
+        mpm.Recorder(
+            os.path.join(a.out, "soil.vtkhdf"),
+            iterPeriod=period,
+            fields=["velocity", "displacement", "plasticShearStrain"],
+        ),
+    ]
+    O.engines = [
+        VTKRecorder(
+            fileName=os.path.join(a.out, "boulders-"),
+            iterPeriod=period,
+            initRun=True,
+            recorders=["spheres", "velocity"],
+        )
+    ] + O.engines
 
 
 class Balance:
@@ -127,14 +189,22 @@ class Balance:
         """Time, s; energies, kJ; vertical momentum and what is missing in it, Mg m/s; mean force of the soil on the boulders."""
         v, z = self._vectors("vel"), self._vectors("pos")[:, 2]
         momentum = self.masses @ v[:, 2] + diagnostics.momentum(self.scene)[2]
-        self.rows.append({
-            "time": O.time, "bouldersKinetic": float(0.5 * self.masses @ (v**2).sum(axis=1)),
-            "bouldersPotential": float(GRAVITY * self.masses @ (z - self.heights)),
-            "soilKinetic": diagnostics.kineticEnergy(self.scene), "soilInternalWork": diagnostics.internalWork(self.scene),
-            "workOnSoil": float(self.scene.core.energies["loads"]), "frictionWork": float(self.contact.frictionWork),
-            "soilEnergyError": diagnostics.energyError(self.scene), "momentum": float(momentum),
-            "momentumError": float(momentum - self.impulse), "force": self.forces / max(1, self.steps),
-            "fastest": float(np.linalg.norm(v, axis=1).max())})
+        self.rows.append(
+            {
+                "time": O.time,
+                "bouldersKinetic": float(0.5 * self.masses @ (v**2).sum(axis=1)),
+                "bouldersPotential": float(GRAVITY * self.masses @ (z - self.heights)),
+                "soilKinetic": diagnostics.kineticEnergy(self.scene),
+                "soilInternalWork": diagnostics.internalWork(self.scene),
+                "workOnSoil": float(self.scene.core.energies["loads"]),
+                "frictionWork": float(self.contact.frictionWork),
+                "soilEnergyError": diagnostics.energyError(self.scene),
+                "momentum": float(momentum),
+                "momentumError": float(momentum - self.impulse),
+                "force": self.forces / max(1, self.steps),
+                "fastest": float(np.linalg.norm(v, axis=1).max()),
+            }
+        )
         self.forces, self.steps = 0.0, 0
         return self.rows[-1]
 
@@ -152,16 +222,27 @@ def run(a, isRecorded=True):
     ids = coupling.exchanges[0].ids
     balance = Balance(scene, contact, ids)
     inYade.balance = balance  # found by the command below wherever the script runs
-    O.engines = O.engines + [PyRunner(command="inYade.balance.step()", iterPeriod=1, initRun=True, updateGlobals=False)]
+    O.engines = O.engines + [
+        PyRunner(command="inYade.balance.step()", iterPeriod=1, initRun=True, updateGlobals=False)
+    ]
     began = time.monotonic()
     while O.time < a.until:
         O.run(max(1, round(FRAME / O.dt)), True)
         row = balance.row()
-        print(f"{O.time:6.2f} s  kinetic energy {row['bouldersKinetic']:8.2f} kJ, force of the soil {row['force']:8.1f} kN, "
-              f"{contact.contacts} contacts", flush=True)
+        print(
+            f"{O.time:6.2f} s  kinetic energy {row['bouldersKinetic']:8.2f} kJ, force of the soil {row['force']:8.1f} kN, "
+            f"{contact.contacts} contacts",
+            flush=True,
+        )
     centres = np.array([tuple(O.bodies[i].state.pos) for i in ids])
     radii = np.array([O.bodies[i].shape.radius for i in ids])
-    return summary(a, scene, balance, coupling.exchanges[0], centres, radii, time.monotonic() - began), scene, centres, radii, balance.rows
+    return (
+        summary(a, scene, balance, coupling.exchanges[0], centres, radii, time.monotonic() - began),
+        scene,
+        centres,
+        radii,
+        balance.rows,
+    )
 
 
 def summary(a, scene, balance, bodies, centres, radii, seconds):
@@ -171,20 +252,34 @@ def summary(a, scene, balance, bodies, centres, radii, seconds):
     penetration = a.depth - (centres[:, 2] - radii)
     late = [r["force"] for r in rows if r["time"] > a.until - 0.5]
     return {
-        "arguments": vars(a), "particles": soil.count, "steps": scene.steps, "wallSeconds": seconds, "dt": O.dt,
-        "microseconds": {"step": 1e6 * seconds / scene.steps, **{  # wall time of a step, and its parts
-            type(e).__name__: 1e6 * e.seconds / scene.steps for e in scene.engines}},
+        "arguments": vars(a),
+        "particles": soil.count,
+        "steps": scene.steps,
+        "wallSeconds": seconds,
+        "dt": O.dt,
+        "microseconds": {
+            "step": 1e6 * seconds / scene.steps,
+            **{  # wall time of a step, and its parts
+                type(e).__name__: 1e6 * e.seconds / scene.steps for e in scene.engines
+            },
+        },
         "seen": bodies.seen / scene.steps,
-        "weight": float(GRAVITY * balance.masses.sum()), "meanForceAtEnd": float(np.mean(late)),
-        "fastestAtEnd": rows[-1]["fastest"], "moving": int(sum(np.linalg.norm(s.vel) > AT_REST for s in balance.states)),
+        "weight": float(GRAVITY * balance.masses.sum()),
+        "meanForceAtEnd": float(np.mean(late)),
+        "fastestAtEnd": rows[-1]["fastest"],
+        "moving": int(sum(np.linalg.norm(s.vel) > AT_REST for s in balance.states)),
         "onSoil": int(np.sum(np.abs(np.array(balance.contact.forces)).sum(axis=1) > 0)),
-        "penetrationMean": float(penetration.mean()), "penetrationLargest": float(penetration.max()),
+        "penetrationMean": float(penetration.mean()),
+        "penetrationLargest": float(penetration.max()),
         "lowestBottom": float((centres[:, 2] - radii).min()),
-        "craterDepth": float(-ground.min()), "rimHeight": float(ground.max()),
+        "craterDepth": float(-ground.min()),
+        "rimHeight": float(ground.max()),
         "craterVolume": float(-ground[ground < 0].sum() * a.cell**2),
         "largestOverlap": float(balance.contact.largestPenetration),
-        "fallingEnergy": -rows[-1]["bouldersPotential"], "frictionWork": rows[-1]["frictionWork"],
-        "soilEnergyError": rows[-1]["soilEnergyError"], "workOnSoil": rows[-1]["workOnSoil"],
+        "fallingEnergy": -rows[-1]["bouldersPotential"],
+        "frictionWork": rows[-1]["frictionWork"],
+        "soilEnergyError": rows[-1]["soilEnergyError"],
+        "workOnSoil": rows[-1]["workOnSoil"],
         "momentumExchanged": float(balance.masses.sum() * GRAVITY * rows[-1]["time"]),
         "momentumError": max(abs(r["momentumError"]) for r in rows),
     }
@@ -202,7 +297,9 @@ def groundOf(scene, a):
     strain = np.where(top < 0, 0.0, soil.plasticShearStrain[top]).reshape(n, n)
     around = median_filter(height, 3, mode="nearest")
     isLoose = np.abs(height - around) > a.cell
-    return np.where(isLoose, around, height), np.where(isLoose, median_filter(strain, 3, mode="nearest"), strain)
+    return np.where(isLoose, around, height), np.where(
+        isLoose, median_filter(strain, 3, mode="nearest"), strain
+    )
 
 
 class Canvas:
@@ -210,7 +307,9 @@ class Canvas:
 
     def __init__(self, azimuth, elevation, centre, width, pixels):
         ca, sa, ce, se = np.cos(azimuth), np.sin(azimuth), np.cos(elevation), np.sin(elevation)
-        self.axes = np.array([(-sa, ca, 0), (-ca * se, -sa * se, ce), (ca * ce, sa * ce, se)])  # right, up, to the eye
+        self.axes = np.array(
+            [(-sa, ca, 0), (-ca * se, -sa * se, ce), (ca * ce, sa * ce, se)]
+        )  # right, up, to the eye
         self.shape, self.scale = pixels, pixels[1] / width
         self.centre = self.axes @ centre
         self.depth = np.full(pixels, -np.inf)
@@ -219,24 +318,37 @@ class Canvas:
     def pixelsOf(self, points):
         """Row and column (int) and depth of points."""
         right, up, depth = (points @ self.axes.T - self.centre).T
-        return (np.rint(self.shape[0] / 2 - up * self.scale).astype(int), np.rint(self.shape[1] / 2 + right * self.scale).astype(int), depth)
+        return (
+            np.rint(self.shape[0] / 2 - up * self.scale).astype(int),
+            np.rint(self.shape[1] / 2 + right * self.scale).astype(int),
+            depth,
+        )
 
     def add(self, points, normals, colours):
         """Points so close that they leave no gap."""
         i, j, depth = self.pixelsOf(points)
         order = np.argsort(depth)
-        order = order[(i[order] >= 0) & (i[order] < self.shape[0]) & (j[order] >= 0) & (j[order] < self.shape[1])]
+        order = order[
+            (i[order] >= 0) & (i[order] < self.shape[0]) & (j[order] >= 0) & (j[order] < self.shape[1])
+        ]
         first = np.full(self.shape, -1)
         first[i[order], j[order]] = order  # the nearest comes last
         mine = first >= 0
         mine[mine] = depth[first[mine]] > self.depth[mine]
-        for field, values in ((self.depth, depth), (self.position, points), (self.normal, normals), (self.colour, colours)):
+        for field, values in (
+            (self.depth, depth),
+            (self.position, points),
+            (self.normal, normals),
+            (self.colour, colours),
+        ):
             field[mine] = values[first[mine]]
 
     def addSphere(self, centre, radius, colour):
         i, j, depth = (v[0] for v in self.pixelsOf(centre[None]))
         k = int(radius * self.scale) + 2
-        rows, columns = np.mgrid[max(0, i - k):min(self.shape[0], i + k), max(0, j - k):min(self.shape[1], j + k)]
+        rows, columns = np.mgrid[
+            max(0, i - k) : min(self.shape[0], i + k), max(0, j - k) : min(self.shape[1], j + k)
+        ]
         local = np.stack([(columns - j) / self.scale, (i - rows) / self.scale], axis=-1) / radius
         left = 1 - (local**2).sum(axis=-1)
         out = np.sqrt(np.maximum(left, 0))
@@ -250,14 +362,19 @@ class Canvas:
 def groundPoints(a, height, strain, limit, pixels):
     """Points on the top and the two visible sides of the bed, with normals and colours."""
     fine = int(np.ceil(pixels / len(height)))
-    z, s = (gaussian_filter(zoom(v, fine, order=1, mode="nearest", grid_mode=True), 0.35 * fine, mode="nearest") for v in (height, strain))
+    z, s = (
+        gaussian_filter(zoom(v, fine, order=1, mode="nearest", grid_mode=True), 0.35 * fine, mode="nearest")
+        for v in (height, strain)
+    )
     n, size = len(z), a.width / len(z)
     at = (np.arange(n) + 0.5) * size
     x, y = np.meshgrid(at, at, indexing="ij")
     slope = np.gradient(z, size)
     normals = np.stack([-slope[0], -slope[1], np.ones_like(z)], axis=-1)
     normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
-    sand = plot.plt.matplotlib.colors.LinearSegmentedColormap.from_list("sand", ["#e3d3ae", "#dfa55c", "#c4512d", "#5e1224"])
+    sand = plot.plt.matplotlib.colors.LinearSegmentedColormap.from_list(
+        "sand", ["#e3d3ae", "#dfa55c", "#c4512d", "#5e1224"]
+    )
     colours = sand(np.clip(s / limit, 0, 1))[..., :3]
     parts = [(np.stack([x, y, z], axis=-1), normals, colours)]
     up = np.linspace(0, 1, int(1.5 * a.depth / size))[:, None]
@@ -289,7 +406,9 @@ def draw(a, scene, centres, radii, file, pixels=1500):
     i, j = (np.clip(v, 0, pixels - 1) for v in (i, j))
     isLit = (depth > sun.depth[i, j] - 0.02 * a.width / 6 - 2 / sun.scale).reshape(eye.shape)
     light = np.clip(eye.normal @ sun.axes[2], 0, None) * np.where(isLit, 1, 0.0)
-    image = np.clip(eye.colour * (0.42 + 0.24 * np.clip(eye.normal[..., 2:], 0, None) + 0.62 * light[..., None]), 0, 1)
+    image = np.clip(
+        eye.colour * (0.42 + 0.24 * np.clip(eye.normal[..., 2:], 0, None) + 0.62 * light[..., None]), 0, 1
+    )
     image[np.isinf(eye.depth)] = 1
 
     plt = plot.plt
@@ -297,7 +416,13 @@ def draw(a, scene, centres, radii, file, pixels=1500):
     ax.imshow(image, interpolation="antialiased")
     ax.set_axis_off()
     section(cut, a, scene, centres, radii, sand, limit)
-    figure.colorbar(plt.cm.ScalarMappable(plt.Normalize(0, limit), sand), ax=[ax, cut], label="plastic shear strain (-)", extend="max", shrink=0.5)
+    figure.colorbar(
+        plt.cm.ScalarMappable(plt.Normalize(0, limit), sand),
+        ax=[ax, cut],
+        label="plastic shear strain (-)",
+        extend="max",
+        shrink=0.5,
+    )
     plot.save(figure, file)
 
 
@@ -306,14 +431,36 @@ def section(ax, a, scene, centres, radii, colours, limit):
     soil, plane = scene["soil"], a.width / 2
     mine = np.abs(soil.position[:, 1] - plane) < 0.5 * a.cell
     x, z = soil.position[mine][:, [0, 2]].T
-    corners = 0.28 * a.cell * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])  # a little larger than a particle was
-    ax.add_collection(PolyCollection(np.stack([x, z], axis=1)[:, None] + corners, lw=0,
-                                     facecolors=colours(np.clip(soil.plasticShearStrain[mine] / limit, 0, 1))))
+    corners = (
+        0.28 * a.cell * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    )  # a little larger than a particle was
+    ax.add_collection(
+        PolyCollection(
+            np.stack([x, z], axis=1)[:, None] + corners,
+            lw=0,
+            facecolors=colours(np.clip(soil.plasticShearStrain[mine] / limit, 0, 1)),
+        )
+    )
     for centre, radius in zip(centres, radii):
         if abs(centre[1] - plane) < radius:
-            ax.add_patch(plot.plt.Circle((centre[0], centre[2]), np.sqrt(radius**2 - (centre[1] - plane)**2), fc="0.62", ec="0.25", lw=0.7))
+            ax.add_patch(
+                plot.plt.Circle(
+                    (centre[0], centre[2]),
+                    np.sqrt(radius**2 - (centre[1] - plane) ** 2),
+                    fc="0.62",
+                    ec="0.25",
+                    lw=0.7,
+                )
+            )
     ax.axhline(a.depth, color="k", lw=0.6, ls="--")
-    ax.set(aspect="equal", xlim=(0, a.width), ylim=(0, a.depth + 3 * a.radius), xlabel="x (m)", ylabel="z (m)", title="section through the middle; dashed: the bed before")
+    ax.set(
+        aspect="equal",
+        xlim=(0, a.width),
+        ylim=(0, a.depth + 3 * a.radius),
+        xlabel="x (m)",
+        ylabel="z (m)",
+        title="section through the middle; dashed: the bed before",
+    )
 
 
 def main():
@@ -322,10 +469,12 @@ def main():
     picture = os.path.join(a.out, "yade_boulders.png")
     draw(a, scene, centres, radii, picture)
     files.saveJson(os.path.join(a.out, "summary.json"), {**s, "rows": rows})
-    print(f"{a.count} boulders ({s['weight']:.1f} kN; the soil carries {s['meanForceAtEnd']:.1f} kN) on {s['particles']} particles: "
-          f"{s['moving']} move faster than {AT_REST} m/s; craters down to {s['craterDepth']:.3f} m, {s['craterVolume']:.2f} m3, rims up to "
-          f"{s['rimHeight']:.3f} m; {s['momentumError']:.1e} of {s['momentumExchanged']:.1f} Mg m/s of momentum are missing; "
-          f"{s['steps']} steps in {s['wallSeconds']:.1f} s")
+    print(
+        f"{a.count} boulders ({s['weight']:.1f} kN; the soil carries {s['meanForceAtEnd']:.1f} kN) on {s['particles']} particles: "
+        f"{s['moving']} move faster than {AT_REST} m/s; craters down to {s['craterDepth']:.3f} m, {s['craterVolume']:.2f} m3, rims up to "
+        f"{s['rimHeight']:.3f} m; {s['momentumError']:.1e} of {s['momentumExchanged']:.1f} Mg m/s of momentum are missing; "
+        f"{s['steps']} steps in {s['wallSeconds']:.1f} s"
+    )
     print(f"results in {a.out}/")
 
 

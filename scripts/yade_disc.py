@@ -14,6 +14,7 @@ Units: Mg, m, s, kPa, kN.
     scripts/run yade_disc --friction 0.6 --types apdi --plane xz
     scripts/run yade_disc --smoke
 """
+
 import os
 import time
 
@@ -25,20 +26,41 @@ from yade_mpm import box, commandLine, files, inYade, plot
 from yade_mpm.commandLine import notNegative, partOf
 from yade_mpm.yadePlane import Plane
 
-SLOPE, G = np.radians(30), 9.81                     # rad, m/s2
-RADIUS, DENSITY, THICKNESS = 0.5, 2.0, 0.25         # m, Mg/m3, m
-LENGTH, DEPTH, YOUNG = 2.8, 0.4, 1e5                # m, m, kPa
-SETTLING, RUNNING = 0.3, 0.5                        # s
-MASS = DENSITY * np.pi * RADIUS**2 * THICKNESS      # Mg
-BLOCKED = {"xy": "zXY", "xz": "yXZ", "yz": "xYZ"}     # degrees of freedom out of the plane
+SLOPE, G = np.radians(30), 9.81  # rad, m/s2
+RADIUS, DENSITY, THICKNESS = 0.5, 2.0, 0.25  # m, Mg/m3, m
+LENGTH, DEPTH, YOUNG = 2.8, 0.4, 1e5  # m, m, kPa
+SETTLING, RUNNING = 0.3, 0.5  # s
+MASS = DENSITY * np.pi * RADIUS**2 * THICKNESS  # Mg
+BLOCKED = {"xy": "zXY", "xz": "yXZ", "yz": "xYZ"}  # degrees of freedom out of the plane
 
 
 def arguments(given=None):
-    p = commandLine.Parser("yade_disc", __doc__, smoke={"friction": [0.1, 0.6], "types": ["apdi"]}, threads=False)
-    p.add_argument("--friction", type=notNegative, nargs="+", default=[0.0, 0.1, 0.3, 0.6], help="coefficients, - (default 0 0.1 0.3 0.6)")
-    p.add_argument("--types", choices=("ugimp", "apdi"), nargs="+", default=["ugimp", "apdi"], help="particle types (default both)")
-    p.add_argument("--cell", type=partOf(DEPTH), default=0.1, help="cell size, m: 0.4 m over a whole number (default %(default)s)")
-    p.add_argument("--plane", choices=tuple(BLOCKED), default="xy", help="plane of YADE (default %(default)s)")
+    p = commandLine.Parser(
+        "yade_disc", __doc__, smoke={"friction": [0.1, 0.6], "types": ["apdi"]}, threads=False
+    )
+    p.add_argument(
+        "--friction",
+        type=notNegative,
+        nargs="+",
+        default=[0.0, 0.1, 0.3, 0.6],
+        help="coefficients, - (default 0 0.1 0.3 0.6)",
+    )
+    p.add_argument(
+        "--types",
+        choices=("ugimp", "apdi"),
+        nargs="+",
+        default=["ugimp", "apdi"],
+        help="particle types (default both)",
+    )
+    p.add_argument(
+        "--cell",
+        type=partOf(DEPTH),
+        default=0.1,
+        help="cell size, m: 0.4 m over a whole number (default %(default)s)",
+    )
+    p.add_argument(
+        "--plane", choices=tuple(BLOCKED), default="xy", help="plane of YADE (default %(default)s)"
+    )
     return p.parse(given)
 
 
@@ -66,7 +88,9 @@ def build(types, friction, cell=0.1, planeName="xy"):
     gravity = np.array([np.sin(SLOPE), -np.cos(SLOPE), 0]) * G
     scene = mpm.Scene((0, 0), (LENGTH, 1.0), cell)
     kind = mpm.UGIMP(perCell=2) if types == "ugimp" else mpm.APDI(size=cell / 2)
-    scene.add("ground", box((0, 0), (LENGTH, DEPTH)), mpm.LinearElastic(density=2.0, young=YOUNG, poisson=0.3), kind)
+    scene.add(
+        "ground", box((0, 0), (LENGTH, DEPTH)), mpm.LinearElastic(density=2.0, young=YOUNG, poisson=0.3), kind
+    )
     contact = mpm.RigidContact(normalDamping=0.2)
     scene.engines = [
         mpm.ParticleToGrid(),
@@ -92,7 +116,9 @@ class Track:
     def read(self, coupling):
         self.cycles += 1
         if self.cycles % 10 == 0:
-            place, velocity, spin = (self.plane.toScene(list(v)) for v in (self.state.pos, self.state.vel, self.state.angVel))
+            place, velocity, spin = (
+                self.plane.toScene(list(v)) for v in (self.state.pos, self.state.vel, self.state.angVel)
+            )
             self.rows.append((O.time, place[0], velocity[0], -spin[2] * RADIUS))
 
     def apply(self, coupling):
@@ -117,23 +143,53 @@ def run(types="apdi", friction=0.6, cell=0.1, planeName="xy"):
     late = rows[:, 0] > 0.1
     found, spinning = (np.polyfit(rows[late, 0], rows[late, k], 1)[0] for k in (2, 3))
     expected, ratio = closedForm(friction)
-    return {"types": types, "friction": friction, "cell": cell, "plane": planeName, "acceleration": found, "closedForm": expected,
-            "error": found / expected - 1, "spinOverAcceleration": spinning / found, "closedFormSpin": ratio,
-            "outOfPlane": float(abs(plane.toScene(list(state.pos))[2])), "steps": coupling.scene.steps,
-            "wallSeconds": time.monotonic() - began}, rows
+    return {
+        "types": types,
+        "friction": friction,
+        "cell": cell,
+        "plane": planeName,
+        "acceleration": found,
+        "closedForm": expected,
+        "error": found / expected - 1,
+        "spinOverAcceleration": spinning / found,
+        "closedFormSpin": ratio,
+        "outOfPlane": float(abs(plane.toScene(list(state.pos))[2])),
+        "steps": coupling.scene.steps,
+        "wallSeconds": time.monotonic() - began,
+    }, rows
 
 
 def draw(results, file):
-    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.4, 3.3), layout="constrained", width_ratios=(1.1, 1))
+    figure, (left, right) = plot.plt.subplots(
+        1, 2, figsize=(8.4, 3.3), layout="constrained", width_ratios=(1.1, 1)
+    )
     drawIncline(left, results[-1][1][-1, 1])
     frictions = sorted({s["friction"] for s, _ in results})
     for summary, rows in results:
         colour, isMeshed = f"C{frictions.index(summary['friction'])}", summary["types"] == "apdi"
-        right.plot(rows[::24, 0], rows[::24, 2], "o" if isMeshed else "x", color=colour, ms=4, mfc="none",
-                   label=f"μ = {summary['friction']:g}" if summary["types"] == results[-1][0]["types"] else None)
+        right.plot(
+            rows[::24, 0],
+            rows[::24, 2],
+            "o" if isMeshed else "x",
+            color=colour,
+            ms=4,
+            mfc="none",
+            label=f"μ = {summary['friction']:g}" if summary["types"] == results[-1][0]["types"] else None,
+        )
     for friction in frictions:
-        right.plot([0, RUNNING], [0, RUNNING * closedForm(friction)[0]], "-", color=f"C{frictions.index(friction)}", lw=0.8)
-    right.set(xlabel="time since it was let go (s)", ylabel="velocity along the slope (m/s)", xlim=(0, None), ylim=(0, None))
+        right.plot(
+            [0, RUNNING],
+            [0, RUNNING * closedForm(friction)[0]],
+            "-",
+            color=f"C{frictions.index(friction)}",
+            lw=0.8,
+        )
+    right.set(
+        xlabel="time since it was let go (s)",
+        ylabel="velocity along the slope (m/s)",
+        xlim=(0, None),
+        ylim=(0, None),
+    )
     right.legend(title="x uGIMP, o APDI, lines: closed form", title_fontsize=8, fontsize=8)
     plot.save(figure, file)
 
@@ -159,8 +215,11 @@ def main():
         for friction in a.friction:
             results.append(run(types, friction, a.cell, a.plane))
             s = results[-1][0]
-            print(f"{types}, mu = {friction:g}: {s['acceleration']:.4f} m/s2 ({s['error']:+.2%} of {s['closedForm']:.4f}), spin over "
-                  f"acceleration {s['spinOverAcceleration']:.3f} ({s['closedFormSpin']:.3f}), {s['wallSeconds']:.1f} s", flush=True)
+            print(
+                f"{types}, mu = {friction:g}: {s['acceleration']:.4f} m/s2 ({s['error']:+.2%} of {s['closedForm']:.4f}), spin over "
+                f"acceleration {s['spinOverAcceleration']:.3f} ({s['closedFormSpin']:.3f}), {s['wallSeconds']:.1f} s",
+                flush=True,
+            )
     draw(results, os.path.join(a.out, "velocity.png"))
     files.saveJson(os.path.join(a.out, "summary.json"), [s for s, _ in results])
     print(f"results in {a.out}/")

@@ -16,6 +16,7 @@ Units: Mg, m, s, kPa, kN.
     scripts/run yade_footing --types ugimp apdi hybrid
     scripts/run yade_footing --smoke
 """
+
 import os
 import time
 from math import pi
@@ -27,26 +28,50 @@ from yade.minieigenHP import Vector3
 from yade_mpm import box, commandLine, files, inYade, plot
 from yade_mpm.commandLine import notNegative, partOf, positive
 
-WIDTH, DEPTH, HALF_WIDTH, HEIGHT = 15.0, 7.5, 3.0, 0.6   # m
-THICKNESS = 0.5                                          # m, of the slice that YADE sees
-SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0    # kPa, kPa, kPa, Mg/m3 (inertia only)
+WIDTH, DEPTH, HALF_WIDTH, HEIGHT = 15.0, 7.5, 3.0, 0.6  # m
+THICKNESS = 0.5  # m, of the slice that YADE sees
+SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0  # kPa, kPa, kPa, Mg/m3 (inertia only)
 PRANDTL = (2 + pi) * COHESION
 
 
 def arguments(given=None):
     p = commandLine.Parser("yade_footing", __doc__, smoke={"cell": [0.5]}, threads=False)
-    p.add_argument("--types", choices=("ugimp", "apdi", "hybrid"), nargs="+", default=["hybrid"], help="particle types (default hybrid)")
-    p.add_argument("--cell", type=partOf(1.5), nargs="+", default=[0.3, 0.15], help="cell sizes, m: 1.5 m over a whole number (default 0.3 0.15)")
-    p.add_argument("--friction", type=notNegative, default=0.5, help="coefficient between box and ground (default %(default)s)")
+    p.add_argument(
+        "--types",
+        choices=("ugimp", "apdi", "hybrid"),
+        nargs="+",
+        default=["hybrid"],
+        help="particle types (default hybrid)",
+    )
+    p.add_argument(
+        "--cell",
+        type=partOf(1.5),
+        nargs="+",
+        default=[0.3, 0.15],
+        help="cell sizes, m: 1.5 m over a whole number (default 0.3 0.15)",
+    )
+    p.add_argument(
+        "--friction",
+        type=notNegative,
+        default=0.5,
+        help="coefficient between box and ground (default %(default)s)",
+    )
     p.add_argument("--rate", type=positive, default=0.04, help="settlement rate, m/s (default %(default)s)")
-    p.add_argument("--settlement", type=positive, default=0.06, help="final settlement, m (default %(default)s)")
+    p.add_argument(
+        "--settlement", type=positive, default=0.06, help="final settlement, m (default %(default)s)"
+    )
     p.add_argument("--no-fbar", action="store_true", help="without F-bar: the ground locks")
     return p.parse(given)
 
 
 def addGround(scene, types, cell, fbar):
-    clay = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=(BULK - 2 / 3 * SHEAR, SHEAR), cohesion=COHESION,
-                                        frictionAngle=0.0, dilatancyAngle=0.0)
+    clay = mpm.MohrCoulombDruckerPrager(
+        density=DENSITY,
+        lame=(BULK - 2 / 3 * SHEAR, SHEAR),
+        cohesion=COHESION,
+        frictionAngle=0.0,
+        dilatancyAngle=0.0,
+    )
     ground = box((0, 0), (WIDTH, DEPTH))
     if types == "ugimp":
         scene.add("ground", ground, clay, mpm.UGIMP(perCell=2), fbar=fbar)
@@ -76,7 +101,9 @@ def build(types="hybrid", cell=0.3, friction=0.5, rate=0.04, fbar=True):
     state.blockedDOFs, state.vel = "xyzXYZ", Vector3(0, -rate, 0)
     O.engines = [ForceResetter(), NewtonIntegrator()]
     bodies = inYade.Bodies(contact, [footing], friction=friction, thickness=THICKNESS)
-    scene.dt = 0.65 * scene.criticalTimeStep()  # constant, because the stiffness of the contact follows the step
+    scene.dt = (
+        0.65 * scene.criticalTimeStep()
+    )  # constant, because the stiffness of the contact follows the step
     coupling = inYade.attach(scene, stages=False)
     coupling.exchanges.append(bodies)
     return coupling, footing
@@ -95,7 +122,9 @@ class LoadCurve:
     def apply(self, coupling):
         self.steps += 1
         if self.steps % 20 == 0:
-            self.rows.append((DEPTH + HEIGHT - O.bodies[self.footing].state.pos[1], O.forces.f(self.footing)[1]))
+            self.rows.append(
+                (DEPTH + HEIGHT - O.bodies[self.footing].state.pos[1], O.forces.f(self.footing)[1])
+            )
 
 
 def run(types="hybrid", cell=0.3, friction=0.5, rate=0.04, settlement=0.06, fbar=True):
@@ -112,27 +141,54 @@ def run(types="hybrid", cell=0.3, friction=0.5, rate=0.04, settlement=0.06, fbar
     reached = pressure[late].mean()
     start = pressure < 0.4 * PRANDTL
     slope, stiffness = (np.polyfit(depth[w], pressure[w], 1)[0] for w in (late, start))
-    return {
-        "types": types, "cell": cell, "friction": friction, "rate": rate, "settlement": settlement, "fbar": fbar,
-        "particles": coupling.scene.particleCount, "steps": coupling.scene.steps, "wallSeconds": time.monotonic() - began,
-        "reference": PRANDTL, "pressure": reached, "error": reached / PRANDTL - 1,
-        "effectiveError": reached / PRANDTL * HALF_WIDTH / (HALF_WIDTH + 0.5 * cell) - 1,
-        "slopeOverElastic": slope / stiffness,
-    }, coupling.scene, depth, pressure
+    return (
+        {
+            "types": types,
+            "cell": cell,
+            "friction": friction,
+            "rate": rate,
+            "settlement": settlement,
+            "fbar": fbar,
+            "particles": coupling.scene.particleCount,
+            "steps": coupling.scene.steps,
+            "wallSeconds": time.monotonic() - began,
+            "reference": PRANDTL,
+            "pressure": reached,
+            "error": reached / PRANDTL - 1,
+            "effectiveError": reached / PRANDTL * HALF_WIDTH / (HALF_WIDTH + 0.5 * cell) - 1,
+            "slopeOverElastic": slope / stiffness,
+        },
+        coupling.scene,
+        depth,
+        pressure,
+    )
 
 
 def draw(results, file):
-    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(9.6, 3.4), layout="constrained", width_ratios=(1, 1.35))
+    figure, (left, right) = plot.plt.subplots(
+        1, 2, figsize=(9.6, 3.4), layout="constrained", width_ratios=(1, 1.35)
+    )
     for summary, _, depth, pressure in results:
         left.plot(1e3 * depth, pressure, lw=1, label=f"{summary['types']}, cell {summary['cell']:g} m")
     left.axhline(PRANDTL, color="k", lw=0.9, ls="--")
     left.text(0, PRANDTL + 6, " (2 + π) c", va="bottom", ha="left")
-    left.set(xlabel="settlement (mm)", ylabel="load over B and thickness (kPa)", xlim=(0, None), ylim=(0, 1.25 * PRANDTL))
+    left.set(
+        xlabel="settlement (mm)",
+        ylabel="load over B and thickness (kPa)",
+        xlim=(0, None),
+        ylim=(0, 1.25 * PRANDTL),
+    )
     left.legend(loc="lower right")
     summary, snapshot = results[-1][:2]
     coloured = snapshot.draw(right, 0.05, window=(0, 12, 2.5, 9))
     bottom = DEPTH - summary["settlement"]
-    right.fill([0, HALF_WIDTH, HALF_WIDTH, 0], [bottom, bottom, bottom + 2 * HEIGHT, bottom + 2 * HEIGHT], fc="0.75", ec="k", lw=0.8)
+    right.fill(
+        [0, HALF_WIDTH, HALF_WIDTH, 0],
+        [bottom, bottom, bottom + 2 * HEIGHT, bottom + 2 * HEIGHT],
+        fc="0.75",
+        ec="k",
+        lw=0.8,
+    )
     right.text(0.5 * HALF_WIDTH, bottom + HEIGHT, "YADE box", ha="center", va="center")
     drawMechanism(right)
     right.set(xlabel="x (m)", ylabel="y (m)")
@@ -157,9 +213,12 @@ def main():
         for cell in a.cell:
             s, scene, depth, pressure = run(types, cell, a.friction, a.rate, a.settlement, not a.no_fbar)
             results.append((s, plot.Snapshot(scene, "plasticShearStrain"), depth, pressure))
-            print(f"{types}, cell {cell:g} m: load over B {s['pressure']:.1f} kPa ({s['error']:+.1%} of {PRANDTL:.1f}), over B + h/2 "
-                  f"{s['effectiveError']:+.1%}; slope {s['slopeOverElastic']:.2%} of the elastic one; {s['particles']} particles, "
-                  f"{s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
+            print(
+                f"{types}, cell {cell:g} m: load over B {s['pressure']:.1f} kPa ({s['error']:+.1%} of {PRANDTL:.1f}), over B + h/2 "
+                f"{s['effectiveError']:+.1%}; slope {s['slopeOverElastic']:.2%} of the elastic one; {s['particles']} particles, "
+                f"{s['steps']} steps in {s['wallSeconds']:.1f} s",
+                flush=True,
+            )
     draw(results, os.path.join(a.out, "load_settlement.png"))
     files.saveJson(os.path.join(a.out, "summary.json"), [r[0] for r in results])
     print(f"results in {a.out}/")

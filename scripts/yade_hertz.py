@@ -16,6 +16,7 @@ Units: Mg, m, s, kPa, kN.
     scripts/run yade_hertz --types ugimp --radius 6
     scripts/run yade_hertz --smoke
 """
+
 import os
 import time
 from math import pi
@@ -28,21 +29,25 @@ from yade_mpm import box, commandLine, files, inYade, plot
 from yade_mpm.commandLine import count
 
 CELL, YOUNG, POISSON, DENSITY = 0.1, 1e4, 0.3, 2.0  # m, kPa, -, Mg/m3
-THICKNESS, LENGTH, RATIO = 3, 9, 0.02               # T/a, L/a, a/R
-CASES = {"apdi": [3, 4, 6], "ugimp": [3, 4]}        # a in cells
+THICKNESS, LENGTH, RATIO = 3, 9, 0.02  # T/a, L/a, a/R
+CASES = {"apdi": [3, 4, 6], "ugimp": [3, 4]}  # a in cells
 
 
 def arguments(given=None):
     p = commandLine.Parser("yade_hertz", __doc__, smoke={"types": ["apdi"], "radius": [3]}, threads=False)
-    p.add_argument("--types", choices=tuple(CASES), nargs="+", default=list(CASES), help="particle types (default both)")
-    p.add_argument("--radius", type=count, nargs="+", help="contact radius in cells (default 3 4 6, uGIMP 3 4)")
+    p.add_argument(
+        "--types", choices=tuple(CASES), nargs="+", default=list(CASES), help="particle types (default both)"
+    )
+    p.add_argument(
+        "--radius", type=count, nargs="+", help="contact radius in cells (default 3 4 6, uGIMP 3 4)"
+    )
     return p.parse(given)
 
 
 # --- reference --------------------------------------------------------------------------------------------
 def hertz(depth, radius):
     """Force on a rigid sphere on an elastic half-space, kN."""
-    return 4 / 3 * YOUNG / (1 - POISSON**2) * np.sqrt(radius) * np.clip(depth, 0, None)**1.5
+    return 4 / 3 * YOUNG / (1 - POISSON**2) * np.sqrt(radius) * np.clip(depth, 0, None) ** 1.5
 
 
 def layerFactor(chi, points=40):
@@ -69,8 +74,13 @@ def _layer(thickness, points=16):
     t = np.append(x, 1.0)
     u = np.linspace(1e-6, 20, 500)
     e = np.exp(-2 * u)
-    lost = 1 - (1 - e)**2 / (1 - e**2 + 4 * u * e)
-    kernel = np.trapz(lost * np.cos(np.multiply.outer(t[:, None] - x, u / thickness)), u, axis=-1) / thickness / pi * weights
+    lost = 1 - (1 - e) ** 2 / (1 - e**2 + 4 * u * e)
+    kernel = (
+        np.trapz(lost * np.cos(np.multiply.outer(t[:, None] - x, u / thickness)), u, axis=-1)
+        / thickness
+        / pi
+        * weights
+    )
     matrix = np.eye(len(t))
     matrix[:, :-1] -= kernel
     ofDepth, ofShape = np.linalg.solve(matrix, np.transpose([np.ones_like(t), t**2])).T
@@ -86,7 +96,12 @@ def build(types, radius):
     length, thickness = LENGTH * radius, THICKNESS * radius
     scene = mpm.Scene((0, 0, 0), (length, length, thickness + 4 * CELL), CELL)
     kind = mpm.APDI(size=CELL) if types == "apdi" else mpm.UGIMP(perCell=2)
-    scene.add("layer", box((0, 0, 0), (length, length, thickness)), mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON), kind)
+    scene.add(
+        "layer",
+        box((0, 0, 0), (length, length, thickness)),
+        mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON),
+        kind,
+    )
     contact = mpm.RigidContact(stiffnessFactor=0.8)
     scene.engines = [
         mpm.ParticleToGrid(),
@@ -121,7 +136,9 @@ class LoadCurve:
         force = table["force"][:, 2]
         if abs(force.sum()) > 0:
             overlap = (table["gap"] * force).sum() / -force.sum()
-            self.rows.append((self.start - O.bodies[self.sphere].state.pos[2], overlap, 4 * O.forces.f(self.sphere)[2]))
+            self.rows.append(
+                (self.start - O.bodies[self.sphere].state.pos[2], overlap, 4 * O.forces.f(self.sphere)[2])
+            )
 
 
 def runUntil(end):
@@ -143,29 +160,55 @@ def run(types="apdi", cells=4):
     O.bodies[sphere].state.vel = Vector3.Zero
     runUntil(2 * duration)
     rows = np.array(curve.rows)
-    radius, last = a / RATIO, rows[-len(rows) // 10:]
+    radius, last = a / RATIO, rows[-len(rows) // 10 :]
     approach, overlap, force = last.mean(axis=0)
     depth = approach - overlap
     factor = layerFactor(np.sqrt(radius * depth) / (THICKNESS * a))
     reference = factor * hertz(depth, radius)
-    return {"types": types, "cellsPerRadius": cells, "force": force, "reference": reference, "error": force / reference - 1,
-            "withOverlap": force / factor / hertz(approach, radius) - 1, "layerFactor": factor, "depth": depth, "overlapOverDepth": overlap / depth,
-            "swing": float(np.ptp(last[:, 2]) / force), "contacts": contact.contacts, "particles": coupling.scene.particleCount,
-            "steps": coupling.scene.steps, "wallSeconds": time.monotonic() - began}, \
-        np.transpose([rows[:moving, 0] - rows[:moving, 1], rows[:moving, 2]]), radius
+    return (
+        {
+            "types": types,
+            "cellsPerRadius": cells,
+            "force": force,
+            "reference": reference,
+            "error": force / reference - 1,
+            "withOverlap": force / factor / hertz(approach, radius) - 1,
+            "layerFactor": factor,
+            "depth": depth,
+            "overlapOverDepth": overlap / depth,
+            "swing": float(np.ptp(last[:, 2]) / force),
+            "contacts": contact.contacts,
+            "particles": coupling.scene.particleCount,
+            "steps": coupling.scene.steps,
+            "wallSeconds": time.monotonic() - began,
+        },
+        np.transpose([rows[:moving, 0] - rows[:moving, 1], rows[:moving, 2]]),
+        radius,
+    )
 
 
 def draw(results, file):
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.4, 3.3), layout="constrained")
     chi = np.linspace(0.02, 1 / THICKNESS, 30)
     factors = [layerFactor(c) for c in chi]
-    left.plot((chi * THICKNESS)**2, np.array(factors) * (chi * THICKNESS)**3, "k-", lw=1, label="layer")
-    left.plot((chi * THICKNESS)**2, (chi * THICKNESS)**3, "k--", lw=0.8, label="half-space (Hertz)")
+    left.plot((chi * THICKNESS) ** 2, np.array(factors) * (chi * THICKNESS) ** 3, "k-", lw=1, label="layer")
+    left.plot((chi * THICKNESS) ** 2, (chi * THICKNESS) ** 3, "k--", lw=0.8, label="half-space (Hertz)")
     for k, (s, rows, radius) in enumerate(results):
         a = s["cellsPerRadius"] * CELL
-        left.plot(rows[:, 0] / (RATIO * a), rows[:, 1] / hertz(RATIO * a, radius), color=f"C{k}", lw=0.6,
-                  label=f"{s['types']}, {s['cellsPerRadius']} cells")
-        left.plot(s["depth"] / (RATIO * a), s["force"] / hertz(RATIO * a, radius), "o" if s["types"] == "apdi" else "x", color=f"C{k}", ms=5)
+        left.plot(
+            rows[:, 0] / (RATIO * a),
+            rows[:, 1] / hertz(RATIO * a, radius),
+            color=f"C{k}",
+            lw=0.6,
+            label=f"{s['types']}, {s['cellsPerRadius']} cells",
+        )
+        left.plot(
+            s["depth"] / (RATIO * a),
+            s["force"] / hertz(RATIO * a, radius),
+            "o" if s["types"] == "apdi" else "x",
+            color=f"C{k}",
+            ms=5,
+        )
         right.plot(s["cellsPerRadius"], 100 * s["error"], "o" if s["types"] == "apdi" else "x", color=f"C{k}")
     left.set(xlabel="depth d R / a²", ylabel="force over Hertz's at d = a²/R", xlim=(0, None), ylim=(0, None))
     left.legend(fontsize=8, title="lines: moving, points: at rest", title_fontsize=8)
@@ -184,8 +227,11 @@ def main():
         for cells in a.radius or CASES[types]:
             results.append(run(types, cells))
             s = results[-1][0]
-            print(f"{types}, a = {cells} cells: {s['force']:.4f} kN ({s['error']:+.1%} of {s['reference']:.4f}; {s['withOverlap']:+.1%} with the "
-                  f"overlap in d); {s['particles']} particles, {s['steps']} steps in {s['wallSeconds']:.1f} s", flush=True)
+            print(
+                f"{types}, a = {cells} cells: {s['force']:.4f} kN ({s['error']:+.1%} of {s['reference']:.4f}; {s['withOverlap']:+.1%} with the "
+                f"overlap in d); {s['particles']} particles, {s['steps']} steps in {s['wallSeconds']:.1f} s",
+                flush=True,
+            )
     draw(results, os.path.join(a.out, "hertz.png"))
     files.saveJson(os.path.join(a.out, "summary.json"), [r[0] for r in results])
     print(f"results in {a.out}/")

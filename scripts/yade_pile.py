@@ -7,6 +7,7 @@ the time step is larger, too, and the balance of forces is checked in every step
 
 Units: Mg, m, s, kPa, per metre of thickness.
 """
+
 import argparse
 import csv
 import glob
@@ -16,11 +17,26 @@ import sys
 import time
 
 import numpy as np
-from matplotlib.patches import Circle, Rectangle
-from yade import (Bo1_Box_Aabb, Bo1_Sphere_Aabb, Box, ForceResetter, Ig2_Box_Sphere_ScGeom, InsertionSortCollider,
-                  InteractionLoop, Ip2_ViscElMat_ViscElMat_ViscElPhys, Law2_ScGeom_ViscElPhys_Basic, NewtonIntegrator, O, PyRunner,
-                  Quaternion, ViscElMat, VTKRecorder, utils)
 import yade_mpm as mpm
+from matplotlib.patches import Circle, Rectangle
+from yade import (
+    Bo1_Box_Aabb,
+    Bo1_Sphere_Aabb,
+    Box,
+    ForceResetter,
+    Ig2_Box_Sphere_ScGeom,
+    InsertionSortCollider,
+    InteractionLoop,
+    Ip2_ViscElMat_ViscElMat_ViscElPhys,
+    Law2_ScGeom_ViscElPhys_Basic,
+    NewtonIntegrator,
+    O,
+    PyRunner,
+    Quaternion,
+    ViscElMat,
+    VTKRecorder,
+    utils,
+)
 from yade_mpm import commandLine, files, inYade, plot
 from yade_mpm.commandLine import below, count, notNegative, positive
 
@@ -32,29 +48,73 @@ RESULTS = os.path.join("results", "yade_pile")
 BATCH = os.path.join(RESULTS, "batch")
 FRICTIONS = (0.0, 0.3, 0.6)
 IGNORED = {"velocity": ("hammer", "drop", "blows", "damping"), "hammer": ("rate", "ramp")}
-HAMMER_RADIUS = 0.5   # m
-HAMMER_PERIOD = 2.0   # s
-CUSHION = {"kn": 2e5, "cn": 1200.0, "ks": 1e5, "cs": 0.0}  # kN/m, kN s/m of each side; two in series: 1e5, 600, restitution 0.4
+HAMMER_RADIUS = 0.5  # m
+HAMMER_PERIOD = 2.0  # s
+CUSHION = {
+    "kn": 2e5,
+    "cn": 1200.0,
+    "ks": 1e5,
+    "cs": 0.0,
+}  # kN/m, kN s/m of each side; two in series: 1e5, 600, restitution 0.4
 
 
 def options():
     parser = commandLine.Parser("yade_pile", __doc__, smoke={"penetration": 0.6, "blows": 1})
     parser.set_defaults(out=None)  # of a run of yade-batch a folder of its own
-    parser.add_argument("--friction", type=notNegative, default=0.3, help="friction coefficient between pile and soil (default 0.3)")
-    parser.add_argument("--drive", choices=("velocity", "hammer"), default="velocity", help="what moves the pile")
-    parser.add_argument("--tip", choices=("wedge", "round", "flat"), default="wedge", help="a tilted box, a sphere or a box below the shaft")
+    parser.add_argument(
+        "--friction",
+        type=notNegative,
+        default=0.3,
+        help="friction coefficient between pile and soil (default 0.3)",
+    )
+    parser.add_argument(
+        "--drive", choices=("velocity", "hammer"), default="velocity", help="what moves the pile"
+    )
+    parser.add_argument(
+        "--tip",
+        choices=("wedge", "round", "flat"),
+        default="wedge",
+        help="a tilted box, a sphere or a box below the shaft",
+    )
     parser.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default 0.25)")
-    parser.add_argument("--thickness", type=positive, default=0.5, help="thickness of the pile, m (default 0.5)")
+    parser.add_argument(
+        "--thickness", type=positive, default=0.5, help="thickness of the pile, m (default 0.5)"
+    )
     parser.add_argument("--rate", type=positive, default=0.5, help="penetration rate, m/s (default 0.5)")
-    parser.add_argument("--ramp", type=notNegative, default=0.5, help="time over which the rate grows from zero, s (default 0.5)")
-    parser.add_argument("--penetration", type=positive, default=4.0, help="how far the pile is driven, m; sets the depth of the uGIMP zone (default 4)")
+    parser.add_argument(
+        "--ramp",
+        type=notNegative,
+        default=0.5,
+        help="time over which the rate grows from zero, s (default 0.5)",
+    )
+    parser.add_argument(
+        "--penetration",
+        type=positive,
+        default=4.0,
+        help="how far the pile is driven, m; sets the depth of the uGIMP zone (default 4)",
+    )
     parser.add_argument("--hammer", type=positive, default=10.0, help="mass of the hammer, Mg (default 10)")
     parser.add_argument("--drop", type=positive, default=2.0, help="height of its fall, m (default 2)")
     parser.add_argument("--blows", type=count, default=5, help="number of blows, one every 2 s (default 5)")
-    parser.add_argument("--damping", type=below(1), default=0.2, help="YADE's local damping of the hammered pile (default 0.2)")
-    parser.add_argument("--dt", type=positive, help="time step, s (default 1e-3 times the cell in m: stiff contact)")
-    parser.add_argument("--compare", action="store_true", help="friction 0, 0.3, 0.6 and the bonded elastic pile in one picture")
-    parser.add_argument("--merge", action="store_true", help="only collect what yade-batch has run into results/yade_pile/batch.csv")
+    parser.add_argument(
+        "--damping",
+        type=below(1),
+        default=0.2,
+        help="YADE's local damping of the hammered pile (default 0.2)",
+    )
+    parser.add_argument(
+        "--dt", type=positive, help="time step, s (default 1e-3 times the cell in m: stiff contact)"
+    )
+    parser.add_argument(
+        "--compare",
+        action="store_true",
+        help="friction 0, 0.3, 0.6 and the bonded elastic pile in one picture",
+    )
+    parser.add_argument(
+        "--merge",
+        action="store_true",
+        help="only collect what yade-batch has run into results/yade_pile/batch.csv",
+    )
     return parser
 
 
@@ -64,6 +124,7 @@ def arguments():
     defaults = vars(parser.parse_args([]))
     utils.readParamsFromTable(**defaults)
     from yade.params import table
+
     given = {name: getattr(table, name) for name in defaults if getattr(table, name) != defaults[name]}
     words = [f"--{name}" if value is True else f"--{name}={value}" for name, value in given.items()]
     words += sys.argv[1:]
@@ -84,16 +145,36 @@ def soil(a, contact):
     """The ground of the sheet pile scene with the shaft left empty, and the contact in its step."""
     scene, _ = sheet_pile.ground(bonded(a))
     scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
-    scene.engines = [mpm.ParticleToGrid(), contact, sheet_pile.gridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        contact,
+        sheet_pile.gridSolver(),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = a.dt
     return scene
 
 
 def bonded(a):
     """Arguments of the sheet pile scene with the same soil, cell and rate."""
-    words = ["--cell", a.cell, "--thickness", a.thickness, "--rate", a.rate, "--ramp", a.ramp,
-             "--until", a.penetration / a.rate + 0.5 * a.ramp, "--out", os.path.join(a.out, "bonded")]
-    return sheet_pile.arguments([str(word) for word in words + (["--threads", a.threads] if a.threads else [])])
+    words = [
+        "--cell",
+        a.cell,
+        "--thickness",
+        a.thickness,
+        "--rate",
+        a.rate,
+        "--ramp",
+        a.ramp,
+        "--until",
+        a.penetration / a.rate + 0.5 * a.ramp,
+        "--out",
+        os.path.join(a.out, "bonded"),
+    ]
+    return sheet_pile.arguments(
+        [str(word) for word in words + (["--threads", a.threads] if a.threads else [])]
+    )
 
 
 def pile(a):
@@ -103,7 +184,9 @@ def pile(a):
     joint = bottom + half
     if a.tip == "wedge":
         side = half / np.sqrt(2)
-        tip = utils.box((x, joint, 0), (side, side, 0.5), orientation=Quaternion((0, 0, 1), np.pi / 4), material=steel)
+        tip = utils.box(
+            (x, joint, 0), (side, side, 0.5), orientation=Quaternion((0, 0, 1), np.pi / 4), material=steel
+        )
     elif a.tip == "round":
         tip = utils.sphere((x, joint, 0), half, material=steel)
     else:
@@ -160,9 +243,11 @@ class Gauge:
     def __init__(self, contact, number):
         self.contact, self.force, self.samples, self.overlap = contact, 0.0, 0, 0.0
         self.start = O.bodies[number].state.pos[1]
-        self.columns = {"pile.depth": lambda scene: self.start - contact.positions[0, 1],
-                        "pile.vy": lambda scene: contact.velocities[0, 1],
-                        "pile.fy": self.mean}
+        self.columns = {
+            "pile.depth": lambda scene: self.start - contact.positions[0, 1],
+            "pile.vy": lambda scene: contact.velocities[0, 1],
+            "pile.fy": self.mean,
+        }
 
     def sample(self):
         self.force, self.samples = self.force + self.contact.forces[0, 1], self.samples + 1
@@ -183,10 +268,18 @@ def run(a, out):
     number = pile(a)
     drive = Ramp(a, number) if a.drive == "velocity" else Hammer(a, number)
     O.engines = [
-        VTKRecorder(fileName=os.path.join(out, "vtk", "pile-"), recorders=["boxes", "spheres"], virtPeriod=drive.until / 40),
+        VTKRecorder(
+            fileName=os.path.join(out, "vtk", "pile-"),
+            recorders=["boxes", "spheres"],
+            virtPeriod=drive.until / 40,
+        ),
         ForceResetter(),
         InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Box_Aabb()], verletDist=0.1),
-        InteractionLoop([Ig2_Box_Sphere_ScGeom()], [Ip2_ViscElMat_ViscElMat_ViscElPhys()], [Law2_ScGeom_ViscElPhys_Basic()]),
+        InteractionLoop(
+            [Ig2_Box_Sphere_ScGeom()],
+            [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
+            [Law2_ScGeom_ViscElPhys_Basic()],
+        ),
         drive,
         NewtonIntegrator(gravity=(0, -GRAVITY, 0), damping=a.damping),
     ]
@@ -194,17 +287,25 @@ def run(a, out):
     contact = mpm.RigidContact(checkBalance=a.smoke)
     gauge = Gauge(contact, number)
     scene = soil(a, contact)
-    history = mpm.History(period=drive.until / 800, file=os.path.join(out, "history.csv"), columns=gauge.columns)
-    scene.engines = scene.engines + [mpm.PyRunner(gauge.sample, iterPeriod=1), history,
-                                     mpm.Recorder(os.path.join(out, "vtk", "soil.vtkhdf"), period=drive.until / 40)]
+    history = mpm.History(
+        period=drive.until / 800, file=os.path.join(out, "history.csv"), columns=gauge.columns
+    )
+    scene.engines = scene.engines + [
+        mpm.PyRunner(gauge.sample, iterPeriod=1),
+        history,
+        mpm.Recorder(os.path.join(out, "vtk", "soil.vtkhdf"), period=drive.until / 40),
+    ]
     bodies = inYade.Bodies(contact, [number], friction=a.friction)
     O.dt = a.dt
     coupling = inYade.attach(scene, stages=False)
     coupling.exchanges.append(bodies)
 
     steps = round(drive.until / O.dt)
-    print(f"friction {a.friction}, {a.drive}: {scene.particleCount} soil particles, dt = {O.dt:.3g} s (critical {scene.dtCritical:.3g} s), "
-          f"{steps} steps, {scene.threads} threads", flush=True)
+    print(
+        f"friction {a.friction}, {a.drive}: {scene.particleCount} soil particles, dt = {O.dt:.3g} s (critical {scene.dtCritical:.3g} s), "
+        f"{steps} steps, {scene.threads} threads",
+        flush=True,
+    )
     began = time.monotonic()
     O.run(steps, True)
     wall = time.monotonic() - began
@@ -215,25 +316,49 @@ def run(a, out):
 def report(a, out, number, scene, history, gauge, wall):
     """Files of a run, and what its picture needs."""
     depth, raw = history["pile.depth"], history["pile.fy"]
-    curves = {"time": history["time"], "depth": depth, "raw": raw, "base": history["bottom.fy"] - weight(scene)}
+    curves = {
+        "time": history["time"],
+        "depth": depth,
+        "raw": raw,
+        "base": history["bottom.fy"] - weight(scene),
+    }
     if a.drive == "velocity":
         curves["smooth"] = sheet_pile.movingAverage(depth, raw, a.cell)
         curves["base"] = sheet_pile.movingAverage(depth, curves["base"], a.cell)
     table(os.path.join(out, "resistance.csv"), curves)
     state = O.bodies[number].state
-    summary = {"id": O.tags["id"], "description": O.tags["description"] if "description" in O.tags.keys() else "",
-               "arguments": vars(a), "steps": scene.steps, "dt": scene.dt, "dtCritical": scene.dtCritical, "wallSeconds": wall,
-               "threads": scene.threads, "particles": scene.particleCount, "largestOverlap": gauge.overlap,
-               "kineticRatio": float(np.nanmax(history["kineticRatio"][depth > a.cell], initial=0)),
-               "pileMass": state.mass, "pileVelocity": state.vel[1], "penetration": gauge.start - state.pos[1]}
+    summary = {
+        "id": O.tags["id"],
+        "description": O.tags["description"] if "description" in O.tags.keys() else "",
+        "arguments": vars(a),
+        "steps": scene.steps,
+        "dt": scene.dt,
+        "dtCritical": scene.dtCritical,
+        "wallSeconds": wall,
+        "threads": scene.threads,
+        "particles": scene.particleCount,
+        "largestOverlap": gauge.overlap,
+        "kineticRatio": float(np.nanmax(history["kineticRatio"][depth > a.cell], initial=0)),
+        "pileMass": state.mass,
+        "pileVelocity": state.vel[1],
+        "penetration": gauge.start - state.pos[1],
+    }
     if a.drive == "velocity":
         summary["resistance"] = sheet_pile.atHalfMetres(depth, curves["smooth"])
         summary["resistanceAtBase"] = sheet_pile.atHalfMetres(depth, curves["base"])
     else:
         ends = HAMMER_PERIOD * np.arange(1, a.blows + 2)
-        summary["afterBlow"] = {f"{n}": float(d) for n, d in enumerate(np.interp(ends, curves["time"], depth))}
+        summary["afterBlow"] = {
+            f"{n}": float(d) for n, d in enumerate(np.interp(ends, curves["time"], depth))
+        }
     files.saveJson(os.path.join(out, "summary.json"), summary)
-    return {**curves, "summary": summary, "scene": scene, "soil": plot.Snapshot(scene, "plasticShearStrain"), "pile": outline(number)}
+    return {
+        **curves,
+        "summary": summary,
+        "scene": scene,
+        "soil": plot.Snapshot(scene, "plasticShearStrain"),
+        "pile": outline(number),
+    }
 
 
 def weight(scene):
@@ -254,7 +379,16 @@ def outline(number):
         x, y, _ = body.state.pos
         if isinstance(body.shape, Box):
             half, angle = body.shape.extents, np.degrees(2 * np.arctan2(body.state.ori[2], body.state.ori[3]))
-            patches.append(Rectangle((x - half[0], y - half[1]), 2 * half[0], 2 * half[1], angle=angle, rotation_point="center", **style))
+            patches.append(
+                Rectangle(
+                    (x - half[0], y - half[1]),
+                    2 * half[0],
+                    2 * half[1],
+                    angle=angle,
+                    rotation_point="center",
+                    **style,
+                )
+            )
         else:
             patches.append(Circle((x, y), body.shape.radius, **style))
     return patches
@@ -272,8 +406,13 @@ def panel(a, ax, result, title):
 
 def draw(a, results, file):
     """Deformed soil of every run and, in the last panel, the curves. results : dict title -> result."""
-    figure, axes = plot.plt.subplots(1, len(results) + 1, figsize=(2.9 * len(results) + 3.4, 4.0), layout="constrained",
-                                     width_ratios=[1] * len(results) + [1.15])
+    figure, axes = plot.plt.subplots(
+        1,
+        len(results) + 1,
+        figsize=(2.9 * len(results) + 3.4, 4.0),
+        layout="constrained",
+        width_ratios=[1] * len(results) + [1.15],
+    )
     for ax, (title, result) in zip(axes, results.items()):
         coloured = panel(a, ax, result, title)
     axes[0].set_ylabel("y (m)")
@@ -318,14 +457,23 @@ def runBonded(a):
     b = bonded(a)
     summary, scene, history = sheet_pile.run(b, b.out)
     depth, raw, smooth = sheet_pile.resistanceCurve(b, scene, history)
-    return {"depth": depth, "raw": raw, "smooth": smooth, "summary": summary, "pile": [],
-            "soil": plot.Snapshot(scene, "plasticShearStrain")}
+    return {
+        "depth": depth,
+        "raw": raw,
+        "smooth": smooth,
+        "summary": summary,
+        "pile": [],
+        "soil": plot.Snapshot(scene, "plasticShearStrain"),
+    }
 
 
 def print_(summary):
     given = summary.get("resistance") or summary["afterBlow"]
     what = "resistance in kN/m at depth in m" if "resistance" in summary else "penetration in m after blow"
-    print(f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s; {what}: " + ", ".join(f"{k}: {v:.4g}" for k, v in given.items()))
+    print(
+        f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s; {what}: "
+        + ", ".join(f"{k}: {v:.4g}" for k, v in given.items())
+    )
 
 
 def merge(folder=BATCH, file=os.path.join(RESULTS, "batch.csv")):
@@ -337,7 +485,16 @@ def merge(folder=BATCH, file=os.path.join(RESULTS, "batch.csv")):
         given = {k: v for k, v in s["arguments"].items() if k not in ("out", "compare", "merge", "smoke")}
         found = {f"resistance at {k} m": v for k, v in s.get("resistance", {}).items()}
         found.update({f"depth after blow {k}": v for k, v in s.get("afterBlow", {}).items()})
-        rows.append({"id": s["id"], "description": s["description"], **given, "steps": s["steps"], "wallSeconds": s["wallSeconds"], **found})
+        rows.append(
+            {
+                "id": s["id"],
+                "description": s["description"],
+                **given,
+                "steps": s["steps"],
+                "wallSeconds": s["wallSeconds"],
+                **found,
+            }
+        )
     if not rows:
         raise SystemExit(f"yade_pile: there is no run in {folder}; run yade-batch first")
     columns = list(dict.fromkeys(name for row in rows for name in row))

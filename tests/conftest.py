@@ -10,7 +10,11 @@ def pytest_addoption(parser):
 
 def pytest_runtest_makereport(item, call):
     """SIGTERM ends the session. A run of a scene turns it into SystemExit, which pytest would take for a test that failed, and go on."""
-    if call.excinfo and call.excinfo.errisinstance(SystemExit) and call.excinfo.value.code == 128 + signal.SIGTERM:
+    if (
+        call.excinfo
+        and call.excinfo.errisinstance(SystemExit)
+        and call.excinfo.value.code == 128 + signal.SIGTERM
+    ):
         pytest.exit(f"SIGTERM in {item.nodeid}", returncode=128 + signal.SIGTERM)
 
 

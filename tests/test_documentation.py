@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The manual: its links lead somewhere, and the scene of the README runs as it stands."""
+
 import re
 from pathlib import Path
 
@@ -26,7 +27,11 @@ def test_links_lead_to_files_and_headings(page):
 
 
 def test_every_picture_is_shown():
-    shown = {(page.parent / name).resolve() for page in PAGES for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text())}
+    shown = {
+        (page.parent / name).resolve()
+        for page in PAGES
+        for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text())
+    }
     assert set((ROOT / "doc" / "images").iterdir()) == shown
 
 
@@ -51,9 +56,17 @@ def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
         seen.append({k: names.get(k) for k in ("scene", "history", "error", "ball", "velocity", "front")})
     assert len(seen) == 6
     steep, footing, ball, column, going, results = seen
-    assert {f.name for f in tmp_path.iterdir()} >= {"phi25.csv", "phi35.vtkhdf", "collapse.png", "load.png", "ball.vtkhdf", "column.vtk", "half.h5"}
+    assert {f.name for f in tmp_path.iterdir()} >= {
+        "phi25.csv",
+        "phi35.vtkhdf",
+        "collapse.png",
+        "load.png",
+        "ball.vtkhdf",
+        "column.vtk",
+        "half.h5",
+    }
     flat = float((tmp_path / "phi25.csv").read_text().splitlines()[-1].split(",")[-1])
-    assert flat > steep["front"]["front"][-1] > 1.0           # the front of 25 degrees lies before that of 35
+    assert flat > steep["front"]["front"][-1] > 1.0  # the front of 25 degrees lies before that of 35
     load = -footing["history"]["push.fy"]
     assert load[-1] > 2 * load[len(load) // 4] > 0
     assert abs(column["error"]).max() < 0.01 * 2.0 * 9.81 * 2.5

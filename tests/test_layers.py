@@ -3,6 +3,7 @@
 
 `scene` is what holds bodies together: it knows the contracts of particle types and materials, so it stands above them.
 """
+
 import ast
 import re
 from pathlib import Path
@@ -26,13 +27,13 @@ def wrongArrows(files):
     """Includes against the order. files: dict name -> text; names are mpm/ROOM/FILE or python/FILE."""
     wrong = []
     for name, text in files.items():
-        own = "python" if name.startswith("python/") else room(name[len("mpm/"):])
+        own = "python" if name.startswith("python/") else room(name[len("mpm/") :])
         assert own is not None, f"{name} is in no room; give the room a place in ORDER"
         for included in INCLUDE.findall(text):
             if BINDINGS.fullmatch(included):
                 other = "python"
             elif included.startswith("mpm/"):
-                other = room(included[len("mpm/"):])
+                other = room(included[len("mpm/") :])
                 assert other is not None, f"{name} includes {included}, which is in no room"
             else:
                 continue
@@ -62,7 +63,9 @@ def test_particle_types_and_materials_do_not_know_each_other():
 def test_the_solver_knows_neither_python_nor_its_host():
     for name, text in sources().items():
         if name.startswith("mpm/"):
-            assert not re.search(r"#\s*include\s*[<\"](Python\.h|boost/python|core/|lib/|pkg/dem)", text), name
+            assert not re.search(r"#\s*include\s*[<\"](Python\.h|boost/python|core/|lib/|pkg/dem)", text), (
+                name
+            )
 
 
 def test_the_package_does_not_import_what_uses_it():
@@ -88,17 +91,22 @@ def test_no_module_of_the_package_imports_itself_through_others():
     imports = {}
     for path in (ROOT / "py" / "yade_mpm").glob("*.py"):
         own = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.ImportFrom) and n.level]
-        imports[path.stem] = {n.module for n in own if n.module} | {a.name for n in own if not n.module for a in n.names}
+        imports[path.stem] = {n.module for n in own if n.module} | {
+            a.name for n in own if not n.module for a in n.names
+        }
     assert "engines" in imports["scene"] and circle(imports) == set()
     assert circle({**imports, "engines": imports["engines"] | {"scene"}}) >= {"engines", "scene"}
 
 
-@pytest.mark.parametrize("name, line", [
-    ("mpm/base/types.hpp", '#include "mpm/state/Field.hpp"'),
-    ("mpm/particle/New.cpp", '#include "mpm/engine/Engine.hpp"'),
-    ("mpm/particle/New.cpp", '#include "mpm/scene/Scene.hpp"'),
-    ("mpm/material/New.cpp", '#include "mpm/particle/Domains.hpp"'),
-    ("mpm/engine/New.cpp", "#include <boost/python.hpp>"),
-])
+@pytest.mark.parametrize(
+    "name, line",
+    [
+        ("mpm/base/types.hpp", '#include "mpm/state/Field.hpp"'),
+        ("mpm/particle/New.cpp", '#include "mpm/engine/Engine.hpp"'),
+        ("mpm/particle/New.cpp", '#include "mpm/scene/Scene.hpp"'),
+        ("mpm/material/New.cpp", '#include "mpm/particle/Domains.hpp"'),
+        ("mpm/engine/New.cpp", "#include <boost/python.hpp>"),
+    ],
+)
 def test_control_a_wrong_arrow_is_found(name, line):
     assert wrongArrows({name: "#pragma once\n" + line + "\n"}) != []

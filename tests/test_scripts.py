@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """scripts/run in a checkout of its own, with a set-up that does nothing; and the package where it is not built."""
+
 import ast
 import os
 import re
@@ -14,7 +15,9 @@ import yade_mpm as mpm
 RUN = Path(__file__).parents[1] / "scripts" / "run"
 WHERE = '"""Tells where it runs."""\nimport os, sys\nprint(sys.argv[1:], os.getcwd(), os.environ["PYTHONPATH"].split(":")[0])\n'
 
-onDebian = pytest.mark.skipif(not os.access("/usr/bin/python3", os.X_OK), reason="scripts/run is for Debian's Python")
+onDebian = pytest.mark.skipif(
+    not os.access("/usr/bin/python3", os.X_OK), reason="scripts/run is for Debian's Python"
+)
 
 
 @pytest.fixture
@@ -36,7 +39,10 @@ def run(checkout, *arguments, cwd):
 @pytest.mark.parametrize("name", ["demo", "demo.py", "scripts/demo.py", "../scripts/demo.py"])
 def test_a_scene_of_the_checkout_runs_at_its_root(checkout, name):
     for cwd in [checkout / "scripts"] if name.startswith("..") else [checkout]:
-        assert run(checkout, name, "--smoke", cwd=cwd).stdout == f"['--smoke'] {checkout} {checkout}/build/python\n"
+        assert (
+            run(checkout, name, "--smoke", cwd=cwd).stdout
+            == f"['--smoke'] {checkout} {checkout}/build/python\n"
+        )
 
 
 @onDebian
@@ -52,7 +58,11 @@ def test_a_script_of_ones_own_runs_where_one_is(checkout, tmp_path, name):
 @onDebian
 def test_what_is_not_there_is_named_and_the_scenes_listed(checkout):
     wrong = run(checkout, "dmeo", cwd=checkout)
-    assert wrong.returncode == 2 and "there is no scene 'dmeo'" in wrong.stderr and "demo                 Tells where it runs." in wrong.stderr
+    assert (
+        wrong.returncode == 2
+        and "there is no scene 'dmeo'" in wrong.stderr
+        and "demo                 Tells where it runs." in wrong.stderr
+    )
     assert "demo  " in run(checkout, cwd=checkout).stdout
 
 
@@ -60,7 +70,11 @@ ENDS = {  # of a scene: its main function, the exit code, what it says last
     "the solver refuses": ("mpm.Scene((0, 0), (1, 1), 0.3)", 1, "demo: Scene"),
     "the run fails": ("scene['block'].velocity = 9; scene.run(until=1)", 1, "demo: step "),
     "a file fails": ("open('no/folder', 'w')", 1, "demo: [Errno 2] No such file or directory: 'no/folder'"),
-    "Ctrl-C": ("signal.signal(signal.SIGINT, signal.default_int_handler); signal.raise_signal(signal.SIGINT)", 130, ""),  # ignored in the background
+    "Ctrl-C": (
+        "signal.signal(signal.SIGINT, signal.default_int_handler); signal.raise_signal(signal.SIGINT)",
+        130,
+        "",
+    ),  # ignored in the background
     "the scene is wrong": ("int('one')", 1, "ValueError: invalid literal"),
     "numpy refuses": ("np.zeros(2) + np.zeros(3)", 1, "ValueError: operands"),
 }
@@ -80,22 +94,37 @@ def main():
     {what}
 commandLine.run(main)
 """)
-    ended = subprocess.run([sys.executable, "demo.py"], cwd=tmp_path, capture_output=True, text=True,
-                           env={**os.environ, "PYTHONPATH": str(Path(mpm.__file__).parents[1])})
+    ended = subprocess.run(
+        [sys.executable, "demo.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": str(Path(mpm.__file__).parents[1])},
+    )
     assert ended.returncode == code
     assert ended.stderr.splitlines()[-1].startswith(last) if last else ended.stderr == ""
     assert ("Traceback" in ended.stderr) == last.startswith("ValueError")
 
 
-@pytest.mark.parametrize("file", [f for f in sorted(RUN.parent.glob("*.py")) if f.stem != "bench"], ids=lambda f: f.stem)
+@pytest.mark.parametrize(
+    "file", [f for f in sorted(RUN.parent.glob("*.py")) if f.stem != "bench"], ids=lambda f: f.stem
+)
 def test_every_scene_ends_that_way(file):
     assert file.read_text().endswith('\nif __name__ == "__main__":\n    commandLine.run(main)\n')
 
 
 def test_the_package_without_its_solver_says_what_to_run():
     source = RUN.parents[1] / "py"
-    wrong = subprocess.run([sys.executable, "-c", "import yade_mpm"], env={**os.environ, "PYTHONPATH": str(source)}, capture_output=True, text=True)
-    assert f"ImportError: yade_mpm: there is no solver for this Python, {sys.executable}, in {source}/yade_mpm (" in wrong.stderr
+    wrong = subprocess.run(
+        [sys.executable, "-c", "import yade_mpm"],
+        env={**os.environ, "PYTHONPATH": str(source)},
+        capture_output=True,
+        text=True,
+    )
+    assert (
+        f"ImportError: yade_mpm: there is no solver for this Python, {sys.executable}, in {source}/yade_mpm ("
+        in wrong.stderr
+    )
     assert "run scripts/run FILE.py" in wrong.stderr
 
 
@@ -104,8 +133,19 @@ def test_pip_installs_what_the_package_imports():
     root, imported = RUN.parents[1], set()
     for file in (root / "py" / "yade_mpm").glob("*.py"):
         for node in ast.walk(ast.parse(file.read_text())):
-            names = [a.name for a in node.names] if isinstance(node, ast.Import) else [node.module] if isinstance(node, ast.ImportFrom) and not node.level else []
+            names = (
+                [a.name for a in node.names]
+                if isinstance(node, ast.Import)
+                else [node.module]
+                if isinstance(node, ast.ImportFrom) and not node.level
+                else []
+            )
             imported |= {name.split(".")[0] for name in names}
-    asked = set(re.findall(r'"([\w-]+)', re.search(r"^dependencies = \[(.*?)\]", (root / "pyproject.toml").read_text(), re.M | re.S)[1]))
+    asked = set(
+        re.findall(
+            r'"([\w-]+)',
+            re.search(r"^dependencies = \[(.*?)\]", (root / "pyproject.toml").read_text(), re.M | re.S)[1],
+        )
+    )
     assert {"numpy", "h5py"} <= imported
     assert imported - set(sys.stdlib_module_names) - {"yade", "yade_mpm"} <= asked

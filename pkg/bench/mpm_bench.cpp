@@ -9,9 +9,8 @@
 #include "bench/soilBlock.hpp"
 #include "bench/yardstick.hpp"
 
-#include <benchmark/benchmark.h>
-
 #include <algorithm>
+#include <benchmark/benchmark.h>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -72,7 +71,8 @@ template <int Dim> Scene<Dim>& sceneOf(const Case& c) {
     const std::string wanted = message(c.type, c.material, c.particles);
     if (made != wanted) {
         made.clear(), scene.reset(); // first, or both would take memory
-        scene = soilBlock<Dim>(c.type, c.material == "mcdp" ? "MohrCoulombDruckerPrager" : "LinearElastic", c.particles);
+        scene = soilBlock<Dim>(c.type, c.material == "mcdp" ? "MohrCoulombDruckerPrager" : "LinearElastic",
+                               c.particles);
         scene->engines.push_back(std::make_shared<Stopwatch>());
         made = wanted;
     }
@@ -88,7 +88,8 @@ template <int Dim> std::vector<double> plasticStrain(const Scene<Dim>& scene) {
             if (field.name != "plasticShearStrain") continue;
             const size_t first = strain.size();
             strain.resize(first + field.size());
-            for (int p = 0; p < field.size(); ++p) strain[first + body->particles.id.integers()[p]] = field.plane()[p];
+            for (int p = 0; p < field.size(); ++p)
+                strain[first + body->particles.id.integers()[p]] = field.plane()[p];
         }
     return strain;
 }
@@ -133,7 +134,8 @@ template <int Dim> void measure(benchmark::State& state, const Case& c) {
 }
 
 void registerCase(const Case& c) {
-    const std::string name = message(c.dim, "D/", c.type, "/", c.material, "/", c.particles, "/threads:", c.threads);
+    const std::string name =
+        message(c.dim, "D/", c.type, "/", c.material, "/", c.particles, "/threads:", c.threads);
     const auto run = [c](benchmark::State& state) {
         try {
             c.dim == 2 ? measure<2>(state, c) : measure<3>(state, c);
@@ -144,8 +146,10 @@ void registerCase(const Case& c) {
     benchmark::RegisterBenchmark(name.c_str(), run)
         ->Iterations(std::max(leastSteps, particleSteps / c.particles))
         ->Unit(benchmark::kMicrosecond)
-        ->ComputeStatistics("min", [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); })
-        ->ComputeStatistics("max", [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); });
+        ->ComputeStatistics(
+            "min", [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); })
+        ->ComputeStatistics(
+            "max", [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); });
 }
 
 // The machine's own measure: ns per particle-step of a bare kernel on one thread.
@@ -163,12 +167,15 @@ void registerYardstick() {
         state.counters["shortest"] = 1e9 * shortest / block.particles();
         state.counters["step"] = 1e9 * sum / (double(state.iterations()) * block.particles());
         state.counters["particles"] = block.particles();
-        if (std::abs(block.momentum() / momentum - 1) > 1e-9) state.SkipWithError("the yardstick loses momentum");
+        if (std::abs(block.momentum() / momentum - 1) > 1e-9)
+            state.SkipWithError("the yardstick loses momentum");
     };
     benchmark::RegisterBenchmark("yardstick", run)
         ->Iterations(particleSteps / 20000)
-        ->ComputeStatistics("min", [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); })
-        ->ComputeStatistics("max", [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); });
+        ->ComputeStatistics(
+            "min", [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); })
+        ->ComputeStatistics(
+            "max", [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); });
 }
 
 std::string processor() {
@@ -199,7 +206,8 @@ int main(int argc, char** argv) {
     benchmark::AddCustomContext("processor", processor());
     benchmark::AddCustomContext("compiler", "gcc " __VERSION__);
     benchmark::AddCustomContext("flags", MPM_FLAGS);
-    for (const char* name : {"GOMP_SPINCOUNT", "OMP_WAIT_POLICY"}) benchmark::AddCustomContext(name, environment(name));
+    for (const char* name : {"GOMP_SPINCOUNT", "OMP_WAIT_POLICY"})
+        benchmark::AddCustomContext(name, environment(name));
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
     benchmark::RunSpecifiedBenchmarks();

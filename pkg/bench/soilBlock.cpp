@@ -5,9 +5,10 @@ namespace mpm {
 
 namespace {
 
-constexpr double h = 0.25, spacing = h / 2;           // m: cell, particle
-constexpr double K0 = 0.25, gravity = 9.81;           // -, m/s2; the active limit of this soil is 0.49
-constexpr double courant = 0.4, strainPerStep = 2e-7; // dt in h / wave speed (any would be stable); vertical, compression
+constexpr double h = 0.25, spacing = h / 2; // m: cell, particle
+constexpr double K0 = 0.25, gravity = 9.81; // -, m/s2; the active limit of this soil is 0.49
+constexpr double courant = 0.4,
+                 strainPerStep = 2e-7; // dt in h / wave speed (any would be stable); vertical, compression
 constexpr double inertiaScale = 1e9;
 
 std::shared_ptr<Material> soil(const std::string& name) {
@@ -36,7 +37,8 @@ template <int Dim, class F> void forLattice(const Index<Dim>& count, F&& f) {
 }
 
 // Corners of a domain in VTK order.
-constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                              {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 
 // Boxes, or a mesh of squares (cubes), of the layers [first, last) of a block of n domains in the other directions.
 template <int Dim> Geometry<Dim> layers(bool isMeshed, int n, int first, int last) {
@@ -73,7 +75,8 @@ template <int Dim> void start(Body<Dim>& body, double surface, double rate) {
         double stress[9] = {0};
         for (int k = 0; k < 3; ++k) stress[4 * k] = k == Dim - 1 ? vertical : K0 * vertical;
         body.setStress(p, stress);
-        for (int k = 0; k < Dim; ++k) particles.velocity.plane(k)[p] = (k == Dim - 1 ? -rate : rate / (Dim - 1)) * x[k];
+        for (int k = 0; k < Dim; ++k)
+            particles.velocity.plane(k)[p] = (k == Dim - 1 ? -rate : rate / (Dim - 1)) * x[k];
     }
     body.inertiaScale = inertiaScale;
     body.massesChanged();
@@ -100,9 +103,11 @@ std::shared_ptr<Engine> solver(int dim) {
 } // namespace
 
 // type: "ugimp", "apdi", or "hybrid" with APDI below and uGIMP above, of equal number. particles: about so many.
-template <int Dim> std::unique_ptr<Scene<Dim>> soilBlock(const std::string& type, const std::string& material, int particles) {
+template <int Dim>
+std::unique_ptr<Scene<Dim>> soilBlock(const std::string& type, const std::string& material, int particles) {
     const int cells = std::max(2, int(std::lround(std::pow(particles, 1.0 / Dim) / 2))), n = 2 * cells;
-    const Vec<Dim> lower = Vec<Dim>::Zero(), edge = Vec<Dim>::Constant(cells * h), margin = Vec<Dim>::Constant(4 * h);
+    const Vec<Dim> lower = Vec<Dim>::Zero(), edge = Vec<Dim>::Constant(cells * h),
+                   margin = Vec<Dim>::Constant(4 * h);
     auto scene = std::make_unique<Scene<Dim>>(lower, edge + margin, Vec<Dim>::Constant(h));
     const auto ground = soil(material);
     scene->dt = courant * h / ground->waveSpeed();
@@ -118,7 +123,8 @@ template <int Dim> std::unique_ptr<Scene<Dim>> soilBlock(const std::string& type
     add("UGIMP", meshed, n);
     for (int k = 0; k < Dim; ++k) scene->constraints.push_back(roller(scene->grid, k));
     const auto engine = Registry<Engine>::make;
-    scene->engines = {engine("ParticleToGrid"), solver(Dim), engine("GridToParticle"), engine("DomainUpdater")};
+    scene->engines = {engine("ParticleToGrid"), solver(Dim), engine("GridToParticle"),
+                      engine("DomainUpdater")};
     scene->prepare();
     return scene;
 }

@@ -15,6 +15,7 @@
 namespace mpm {
 
 // type: ugimp, apdi, or hybrid (lower half APDI); material: name of a class; particles: about that many.
-template <int Dim> std::unique_ptr<Scene<Dim>> soilBlock(const std::string& type, const std::string& material, int particles);
+template <int Dim>
+std::unique_ptr<Scene<Dim>> soilBlock(const std::string& type, const std::string& material, int particles);
 
 } // namespace mpm

@@ -24,8 +24,8 @@ struct Yardstick::Weights {
 };
 
 Yardstick::Yardstick(int cells)
-    : nodes_(cells + 8), dt_(0.4 * h / std::sqrt((lambda + 2 * mu) / density)), mass_(density * h * h / 4), volume_(h * h / 4),
-      grid_(size_t(nodes_) * nodes_) {
+    : nodes_(cells + 8), dt_(0.4 * h / std::sqrt((lambda + 2 * mu) / density)), mass_(density * h * h / 4),
+      volume_(h * h / 4), grid_(size_t(nodes_) * nodes_) {
     for (int j = 0; j < 2 * cells; ++j)
         for (int i = 0; i < 2 * cells; ++i) {
             Particle p{};

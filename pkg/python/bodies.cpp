@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Bodies: their arrays as zero-copy views, their making and their restoring.
-#include "python.hpp"
-
 #include "mpm/scene/BeyondYield.hpp"
 #include "mpm/scene/Scene.hpp"
+#include "python.hpp"
 
 namespace mpm::python {
 
@@ -33,20 +32,21 @@ template <int Dim> struct Bind {
         throw InputError("body '" + body.name + "' has no field '" + name + "'");
     }
 
-    static void buildLattice(B& body, const bp::object& positions, const bp::object& halfSize, const bp::object& carriers,
-                             const bp::object& offsets, const bp::object& areas) {
+    static void buildLattice(B& body, const bp::object& positions, const bp::object& halfSize,
+                             const bp::object& carriers, const bp::object& offsets, const bp::object& areas) {
         Geometry<Dim> g;
         g.positions = points<Dim>(positions);
         g.halfSize = points<Dim>(halfSize).at(0);
         g.carriers = numbers<int>(carriers), g.offsets = points<Dim>(offsets), g.areas = points<Dim>(areas);
         body.build(g);
     }
-    static void buildMesh(B& body, const bp::object& vertices, const bp::object& cells, const bp::object& slaves,
-                          const bp::object& masters, const bp::object& weights) {
+    static void buildMesh(B& body, const bp::object& vertices, const bp::object& cells,
+                          const bp::object& slaves, const bp::object& masters, const bp::object& weights) {
         Geometry<Dim> g;
         g.points = points<Dim>(vertices);
         g.cells = numbers<int>(cells);
-        g.slaves = numbers<int>(slaves), g.masters = numbers<int>(masters), g.weights = numbers<double>(weights);
+        g.slaves = numbers<int>(slaves), g.masters = numbers<int>(masters),
+        g.weights = numbers<double>(weights);
         body.build(g);
     }
 
@@ -75,7 +75,9 @@ template <int Dim> struct Bind {
         throw InputError("body '" + body.name + "' has no table '" + name + "'");
     }
     static void resize(B& body, int n) { body.particles.resize(n); }
-    static void resizeDomainField(B& body, const std::string& name, int n) { fieldOf(body, name, true).resize(n); }
+    static void resizeDomainField(B& body, const std::string& name, int n) {
+        fieldOf(body, name, true).resize(n);
+    }
     static void restored(B& body) { body.domains->restored(), body.massesChanged(); }
 
     static bool splitStretched(B& body) {
@@ -86,14 +88,15 @@ template <int Dim> struct Bind {
 
     static void setStress(B& body, const bp::object& stress) {
         const std::vector<double> given = numbers<double>(stress);
-        require(int(given.size()) == 9 * body.particles.size(), "body '", body.name, "': stress must have the shape (",
-                body.particles.size(), ", 3, 3)");
+        require(int(given.size()) == 9 * body.particles.size(), "body '", body.name,
+                "': stress must have the shape (", body.particles.size(), ", 3, 3)");
         for (int p = 0; p < body.particles.size(); ++p) body.setStress(p, &given[9 * p]);
     }
     static bp::object cornerTable(B& body) {
         const auto* table = body.domains->cornerTable();
         if (!table) return {};
-        return bp::object(bp::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(table->data()), table->size() * sizeof(int))));
+        return bp::object(bp::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(table->data()),
+                                                                 table->size() * sizeof(int))));
     }
     static bp::tuple halfSize(B& body) {
         bp::list l;
@@ -116,7 +119,8 @@ template <int Dim> struct Bind {
         return all;
     }
     static void setInertiaScale(B& body, double scale) {
-        require(scale > 0 && std::isfinite(scale), "body '", body.name, "': inertiaScale = ", scale, "; give a positive number");
+        require(scale > 0 && std::isfinite(scale), "body '", body.name, "': inertiaScale = ", scale,
+                "; give a positive number");
         body.inertiaScale = scale;
         body.massesChanged();
     }

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Engines, constraints, and the engine that calls back into Python.
-#include "python.hpp"
-
 #include "mpm/engine/Engine.hpp"
+#include "python.hpp"
 
 namespace mpm::python {
 
@@ -23,13 +22,16 @@ class PythonEngine : public EngineOf<PythonEngine> {
     std::string className() const override { return "PythonEngine"; }
     bool isStage() const override { return false; }
     std::vector<Parameter> attributes() override {
-        return {{"iterPeriod", "-", "Steps between calls; 0: not by steps.", &iterPeriod, Range::between(0, 1e9)},
-                {"virtPeriod", "s", "Scene time between calls; 0: not by time.", &virtPeriod, Range::notNegative()}};
+        return {
+            {"iterPeriod", "-", "Steps between calls; 0: not by steps.", &iterPeriod, Range::between(0, 1e9)},
+            {"virtPeriod", "s", "Scene time between calls; 0: not by time.", &virtPeriod,
+             Range::notNegative()}};
     }
     template <int Dim> void act(Scene<Dim>& scene) {
         const bool bySteps = iterPeriod > 0 && scene.step % iterPeriod == 0;
         const auto periods = [&](double t) { return std::floor(t / virtPeriod); };
-        const bool byTime = virtPeriod > 0 && periods(scene.time + 0.5 * scene.dt) > periods(scene.time - 0.5 * scene.dt);
+        const bool byTime =
+            virtPeriod > 0 && periods(scene.time + 0.5 * scene.dt) > periods(scene.time - 0.5 * scene.dt);
         if (!bySteps && !byTime) return;
         Locked lock;
         call_();
@@ -53,13 +55,21 @@ std::vector<double> vectorFrom(const bp::object& o) {
 } // namespace
 
 void exposeEngines() {
-    bp::class_<Engine, std::shared_ptr<Engine>, bp::bases<Configurable>, boost::noncopyable>("Engine", bp::no_init)
+    bp::class_<Engine, std::shared_ptr<Engine>, bp::bases<Configurable>, boost::noncopyable>("Engine",
+                                                                                             bp::no_init)
         .def_readonly("dead", &Engine::dead)
-        .add_property("seconds", +[](Engine& e) { return watched(e.seconds); }, +[](Engine& e, double s) { setWatched(e.seconds, s); })
-        .add_property("calls", +[](Engine& e) { return watched(e.calls); }, +[](Engine& e, long n) { setWatched(e.calls, n); });
+        .add_property(
+            "seconds", +[](Engine& e) { return watched(e.seconds); },
+            +[](Engine& e, double s) { setWatched(e.seconds, s); })
+        .add_property(
+            "calls", +[](Engine& e) { return watched(e.calls); },
+            +[](Engine& e, long n) { setWatched(e.calls, n); });
     bp::def("makeEngine", &Registry<Engine>::make);
     bp::def("engineNames", +[] { return listOf(Registry<Engine>::names()); });
-    bp::def("makePythonEngine", +[](const bp::object& call) -> std::shared_ptr<Engine> { return std::make_shared<PythonEngine>(call); });
+    bp::def(
+        "makePythonEngine", +[](const bp::object& call) -> std::shared_ptr<Engine> {
+            return std::make_shared<PythonEngine>(call);
+        });
 
     using C = Constraint;
     bp::class_<C, std::shared_ptr<C>>("Constraint")
@@ -70,26 +80,36 @@ void exposeEngines() {
         .def_readwrite("work", &C::work)
         .def_readwrite("began", &C::began)
         .def_readwrite("heldNodes", &C::heldNodes)
-        .add_property("velocity", +[](const C& c) { return listOf(c.velocity); },
-                      +[](C& c, const bp::object& v) { c.velocity = vectorFrom(v); })
-        .add_property("lower", +[](const C& c) { return listOf(c.lower); },
-                      +[](C& c, const bp::object& v) { c.lower = vectorFrom(v); })
-        .add_property("upper", +[](const C& c) { return listOf(c.upper); },
-                      +[](C& c, const bp::object& v) { c.upper = vectorFrom(v); })
-        .add_property("nodes", +[](const C& c) { return listOf(c.nodes); },
-                      +[](C& c, const bp::object& v) { c.nodes = numbers<int>(v); })
-        .add_property("ids", +[](const C& c) { return listOf(c.ids); },
-                      +[](C& c, const bp::object& v) { c.ids = numbers<int64_t>(v); })
-        .add_property("centre", +[](const C& c) { return three(c.centre); },
-                      +[](C& c, const bp::object& v) { setThree(c.centre, v); })
-        .add_property("impulse", +[](const C& c) { return three(c.impulse); },
-                      +[](C& c, const bp::object& v) { setThree(c.impulse, v); })
-        .add_property("angularImpulse", +[](const C& c) { return three(c.angularImpulse); },
-                      +[](C& c, const bp::object& v) { setThree(c.angularImpulse, v); })
-        .add_property("reaction", +[](const C& c) { return three(c.reaction); },
-                      +[](C& c, const bp::object& v) { setThree(c.reaction, v); })
-        .add_property("moment", +[](const C& c) { return three(c.moment); },
-                      +[](C& c, const bp::object& v) { setThree(c.moment, v); });
+        .add_property(
+            "velocity", +[](const C& c) { return listOf(c.velocity); },
+            +[](C& c, const bp::object& v) { c.velocity = vectorFrom(v); })
+        .add_property(
+            "lower", +[](const C& c) { return listOf(c.lower); },
+            +[](C& c, const bp::object& v) { c.lower = vectorFrom(v); })
+        .add_property(
+            "upper", +[](const C& c) { return listOf(c.upper); },
+            +[](C& c, const bp::object& v) { c.upper = vectorFrom(v); })
+        .add_property(
+            "nodes", +[](const C& c) { return listOf(c.nodes); },
+            +[](C& c, const bp::object& v) { c.nodes = numbers<int>(v); })
+        .add_property(
+            "ids", +[](const C& c) { return listOf(c.ids); },
+            +[](C& c, const bp::object& v) { c.ids = numbers<int64_t>(v); })
+        .add_property(
+            "centre", +[](const C& c) { return three(c.centre); },
+            +[](C& c, const bp::object& v) { setThree(c.centre, v); })
+        .add_property(
+            "impulse", +[](const C& c) { return three(c.impulse); },
+            +[](C& c, const bp::object& v) { setThree(c.impulse, v); })
+        .add_property(
+            "angularImpulse", +[](const C& c) { return three(c.angularImpulse); },
+            +[](C& c, const bp::object& v) { setThree(c.angularImpulse, v); })
+        .add_property(
+            "reaction", +[](const C& c) { return three(c.reaction); },
+            +[](C& c, const bp::object& v) { setThree(c.reaction, v); })
+        .add_property(
+            "moment", +[](const C& c) { return three(c.moment); },
+            +[](C& c, const bp::object& v) { setThree(c.moment, v); });
 }
 
 } // namespace mpm::python

@@ -4,16 +4,16 @@
 // A state is any Python object with pos, ori, vel and angVel. No header of the host is needed: where it keeps them as vectors of
 // Eigen, Boost.Python's registry, which all modules of a process share, tells where the numbers lie. They are copied as doubles,
 // because the host may align Eigen's types in another way. Everything else is read as a sequence of numbers.
-#include "python.hpp"
-
 #include "mpm/engine/RigidContact.hpp"
+#include "python.hpp"
 
 namespace mpm::python {
 
 namespace {
 
 template <class T> const double* placeIn(const bp::object& object) {
-    return static_cast<const double*>(bp::converter::get_lvalue_from_python(object.ptr(), bp::converter::registered<T>::converters));
+    return static_cast<const double*>(
+        bp::converter::get_lvalue_from_python(object.ptr(), bp::converter::registered<T>::converters));
 }
 
 // Three numbers, or the four of a quaternion: x, y, z, w in that order.
@@ -55,7 +55,8 @@ class VectorOf {
   public:
     VectorOf(const bp::object& state, const char* name) : state_(state), name_(interned(name)) {
         const bp::object one = attribute(state_, name_), two = attribute(state_, name_);
-        if (placeIn<Eigen::Vector3d>(one) == placeIn<Eigen::Vector3d>(two)) place_ = placeIn<Eigen::Vector3d>(one), held_ = one;
+        if (placeIn<Eigen::Vector3d>(one) == placeIn<Eigen::Vector3d>(two))
+            place_ = placeIn<Eigen::Vector3d>(one), held_ = one;
     }
     bool hasPlace() const { return place_; }
     Vec3 operator()() const {
@@ -85,11 +86,13 @@ class BodyExchange {
     // ids: numbers of the bodies in the host. forces: with addF and addT(id, vector, isPermanent). frame: 3 x 3, a rotation, whose
     // rows are the axes of the scene in the host's. turns: of the frame of each body's shapes against that of its state, quaternions
     // (w, x, y, z) in the axes of the scene.
-    BodyExchange(std::shared_ptr<RigidContact> contact, const bp::object& states, const bp::object& ids, const bp::object& forces,
-                 const bp::object& frame, const bp::object& turns)
-        : contact_(std::move(contact)), addF_(classOf(forces).attr("addF")), addT_(classOf(forces).attr("addT")) {
+    BodyExchange(std::shared_ptr<RigidContact> contact, const bp::object& states, const bp::object& ids,
+                 const bp::object& forces, const bp::object& frame, const bp::object& turns)
+        : contact_(std::move(contact)), addF_(classOf(forces).attr("addF")),
+          addT_(classOf(forces).attr("addT")) {
         for (long b = 0; b < bp::len(states); ++b)
-            body_.emplace_back(states[b], bp::make_tuple(forces, ids[b], vector_.object(), false), quaternionFrom(turns[b]));
+            body_.emplace_back(states[b], bp::make_tuple(forces, ids[b], vector_.object(), false),
+                               quaternionFrom(turns[b]));
         for (size_t s = 0; s < contact_->shapes.size(); s += RigidShape::size) {
             const RigidShape shape(&contact_->shapes[s], 3);
             HostBody& body = body_.at(shape.body);
@@ -110,8 +113,9 @@ class BodyExchange {
             HostBody& body = body_[b];
             const auto isFar = [&] {
                 return reach && body.velocity.hasPlace() &&
-                       reach->distance(body.seenAt) >
-                           body.radius + body.travelled + cycle * body.velocity().norm() + steps * reach->cell;
+                       reach->distance(body.seenAt) > body.radius + body.travelled +
+                                                          cycle * body.velocity().norm() +
+                                                          steps * reach->cell;
             };
             if (!all && isFar()) continue;
             double state[RigidState::size];
@@ -137,13 +141,14 @@ class BodyExchange {
         bp::object state, arguments; // of addF and addT
         VectorOf velocity, angularVelocity;
         Eigen::Quaterniond turn;
-        double radius = 0;   // m, of a sphere around the position that holds the body
-        bool isRound = true; // its orientation is of no use
+        double radius = 0;            // m, of a sphere around the position that holds the body
+        bool isRound = true;          // its orientation is of no use
         Vec3 seenAt = Vec3::Zero();   // in the scene
         double travelled = unbounded; // m, since then, at most
 
         HostBody(const bp::object& state, const bp::object& arguments, const Eigen::Quaterniond& turn)
-            : state(state), arguments(arguments), velocity(state, "vel"), angularVelocity(state, "angVel"), turn(turn) {}
+            : state(state), arguments(arguments), velocity(state, "vel"), angularVelocity(state, "angVel"),
+              turn(turn) {}
     };
     std::shared_ptr<RigidContact> contact_;
     HostVector vector_;
@@ -174,7 +179,8 @@ class BodyExchange {
         o.w() = q[3], o.vec() = frame_ * Vec3::Map(q);
         if (!body.isRound) o = o * body.turn;
         const Vec3 v = frame_ * body.velocity(), w = frame_ * body.angularVelocity();
-        for (int k = 0; k < 3; ++k) state[k] = body.seenAt[k], state[4 + k] = o.vec()[k], state[7 + k] = v[k], state[10 + k] = w[k];
+        for (int k = 0; k < 3; ++k)
+            state[k] = body.seenAt[k], state[4 + k] = o.vec()[k], state[7 + k] = v[k], state[10 + k] = w[k];
         state[3] = o.w();
     }
 
@@ -194,7 +200,8 @@ class BodyExchange {
 
 void exposeExchange() {
     bp::class_<BodyExchange, boost::noncopyable>(
-        "BodyExchange", bp::init<std::shared_ptr<RigidContact>, bp::object, bp::object, bp::object, bp::object, bp::object>())
+        "BodyExchange",
+        bp::init<std::shared_ptr<RigidContact>, bp::object, bp::object, bp::object, bp::object, bp::object>())
         .def("read", &BodyExchange::read)
         .def("apply", &BodyExchange::apply)
         .add_property("seen", &BodyExchange::seen);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Materials, particle types, and the single-point driver.
-#include "python.hpp"
-
-#include "mpm/particle/Domains.hpp"
 #include "mpm/material/Material.hpp"
+#include "mpm/particle/Domains.hpp"
+#include "python.hpp"
 
 #include <Eigen/LU>
 
@@ -32,14 +31,16 @@ class MaterialPoint {
         Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(F_);
         F = (F + dt * L * F).eval();
         const double J = F.determinant(), initial = 1;
-        require(J > 0, "MaterialPoint: the step turns the point inside out (J = ", J, "); take a smaller increment");
+        require(J > 0, "MaterialPoint: the step turns the point inside out (J = ", J,
+                "); take a smaller increment");
         MaterialPoints<3> points{};
         points.count = 1, points.dt = dt, points.volume = &J, points.initialVolume = &initial;
         std::vector<double*> state;
         for (double& s : state_) state.push_back(&s);
         points.state = state.data();
         for (int i = 0; i < 9; ++i)
-            points.velocityGradient[i] = &given[i], points.deformationGradient[i] = F_ + i, points.stress[i] = stress_ + i;
+            points.velocityGradient[i] = &given[i], points.deformationGradient[i] = F_ + i,
+            points.stress[i] = stress_ + i;
         material_->update(points);
     }
 
@@ -69,15 +70,16 @@ bp::list stateVariables(const Material& m) {
 } // namespace
 
 void exposeMaterials() {
-    bp::class_<Material, std::shared_ptr<Material>, bp::bases<Configurable>, boost::noncopyable>("Material", bp::no_init)
+    bp::class_<Material, std::shared_ptr<Material>, bp::bases<Configurable>, boost::noncopyable>("Material",
+                                                                                                 bp::no_init)
         .add_property("lameConstants", lame)
         .add_property("waveSpeed", &Material::waveSpeed)
         .def("stateVariables", stateVariables);
     bp::def("makeMaterial", &Registry<Material>::make);
     bp::def("materialNames", +[] { return listOf(Registry<Material>::names()); });
 
-    bp::class_<ParticleType, std::shared_ptr<ParticleType>, bp::bases<Configurable>, boost::noncopyable>("ParticleType",
-                                                                                                      bp::no_init)
+    bp::class_<ParticleType, std::shared_ptr<ParticleType>, bp::bases<Configurable>, boost::noncopyable>(
+        "ParticleType", bp::no_init)
         .add_property("isMeshed", &ParticleType::isMeshed)
         .add_property("converts", &ParticleType::converts);
     bp::def("makeParticleType", &Registry<ParticleType>::make);

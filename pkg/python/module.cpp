@@ -11,7 +11,8 @@ BOOST_PYTHON_MODULE(_core) {
         [](const mpm::InputError& e) { PyErr_SetString(PyExc_ValueError, e.what()); });
     bp::register_exception_translator<mpm::RunError>(
         [](const mpm::RunError& e) { PyErr_SetString(PyExc_RuntimeError, e.what()); });
-    bp::class_<ArrayView>("ArrayView", bp::no_init).add_property("__array_interface__", &ArrayView::interface);
+    bp::class_<ArrayView>("ArrayView", bp::no_init)
+        .add_property("__array_interface__", &ArrayView::interface);
     bp::def("availableThreads", omp_get_max_threads);
     bp::scope().attr("compiler") = "gcc " __VERSION__;
     bp::scope().attr("flags") = MPM_FLAGS;

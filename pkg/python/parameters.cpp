@@ -54,9 +54,12 @@ namespace {
     for (const Parameter& p : object.parameters()) {
         if (p.name != name) continue;
         const bool isVector = std::holds_alternative<std::vector<double>*>(p.target);
-        const bool isNumber = std::holds_alternative<double*>(p.target) || std::holds_alternative<int*>(p.target);
+        const bool isNumber =
+            std::holds_alternative<double*>(p.target) || std::holds_alternative<int*>(p.target);
         throw InputError(object.className() + ": " + name + " = " + shown + " is not allowed; give " +
-                         (isVector ? "a sequence of numbers" : isNumber ? p.range.text() : "a string, or True or False"));
+                         (isVector   ? "a sequence of numbers"
+                          : isNumber ? p.range.text()
+                                     : "a string, or True or False"));
     }
     object.set(name, false); // throws: there is no such attribute
     throw InputError(object.className() + ": " + name);

@@ -3,10 +3,10 @@
 // the interpreter lock. No Eigen or NumPy converter is registered (a host may have registered its own).
 #pragma once
 
-#include <boost/python.hpp>
-
 #include "mpm/base/parameters.hpp"
 #include "mpm/state/Field.hpp"
+
+#include <boost/python.hpp>
 
 namespace mpm::python {
 

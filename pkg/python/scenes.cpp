@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include "python.hpp"
-
 #include "mpm/engine/CriticalTimeStep.hpp"
 #include "mpm/engine/Engine.hpp"
 #include "mpm/engine/InterfaceRule.hpp"
 #include "mpm/engine/Stages.hpp"
+#include "python.hpp"
 
 namespace mpm::python {
 
@@ -88,7 +87,9 @@ template <int Dim> struct Bind {
 
       private:
         std::vector<std::pair<Field*, std::vector<double>>> kept_;
-        void keep(Field& f) { kept_.emplace_back(&f, std::vector<double>(f.plane(), f.plane() + f.bytes() / 8)); }
+        void keep(Field& f) {
+            kept_.emplace_back(&f, std::vector<double>(f.plane(), f.plane() + f.bytes() / 8));
+        }
     };
     static bp::tuple critical(S& scene, double tolerance, int most) {
         CriticalStep c;
@@ -101,11 +102,13 @@ template <int Dim> struct Bind {
     }
     static bp::object interfaceFault(const S& scene, double limit) {
         const InterfaceFault f = checkInterface(scene, limit);
-        return f.found ? bp::object(bp::make_tuple(f.meshed, f.boxes, f.where, f.edge, f.initialEdge)) : bp::object();
+        return f.found ? bp::object(bp::make_tuple(f.meshed, f.boxes, f.where, f.edge, f.initialEdge))
+                       : bp::object();
     }
     static bp::dict energies(const S& scene) {
         bp::dict d;
-        d["gravity"] = scene.energies.gravity, d["loads"] = scene.energies.loads, d["damping"] = scene.energies.damping;
+        d["gravity"] = scene.energies.gravity, d["loads"] = scene.energies.loads,
+        d["damping"] = scene.energies.damping;
         d["contact"] = scene.energies.contact;
         return d;
     }
@@ -135,7 +138,9 @@ template <int Dim> struct Bind {
         for (const auto& field : scene.grid.fields)
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
                 scene.grid.forNodes(field, slab, [&](int node) {
-                    for (int k = 0; k < Dim; ++k) energy += 0.5 * field.sum[node][NodalField<Dim>::mass] * std::pow(field.motion[node][k], 2);
+                    for (int k = 0; k < Dim; ++k)
+                        energy +=
+                            0.5 * field.sum[node][NodalField<Dim>::mass] * std::pow(field.motion[node][k], 2);
                 });
         return energy;
     }
@@ -148,7 +153,8 @@ template <int Dim> struct Bind {
             for (int slab = 0; slab < scene.grid.slabs(); ++slab)
                 scene.grid.forNodes(field, slab, [&](int node) {
                     double a2 = 0;
-                    for (int k = 0; k < Dim; ++k) a2 += field.motion[node][Dim + k] * field.motion[node][Dim + k];
+                    for (int k = 0; k < Dim; ++k)
+                        a2 += field.motion[node][Dim + k] * field.motion[node][Dim + k];
                     inertia += field.sum[node][NF::mass] * std::sqrt(a2);
                     nodes += field.sum[node][NF::mass] > 0;
                 });
@@ -157,7 +163,8 @@ template <int Dim> struct Bind {
             for (int p = 0; p < q.size(); ++p) {
                 double square = 0;
                 for (int i = 0; i < Dim; ++i)
-                    for (int j = 0; j < Dim; ++j) square += std::pow(q.stress.plane(3 * std::min(i, j) + std::max(i, j))[p], 2);
+                    for (int j = 0; j < Dim; ++j)
+                        square += std::pow(q.stress.plane(3 * std::min(i, j) + std::max(i, j))[p], 2);
                 stressed += q.volume.plane()[p] * std::sqrt(square);
             }
         }
@@ -188,9 +195,11 @@ template <int Dim> struct Bind {
     static void expose(const char* name) {
         bp::class_<S, std::shared_ptr<S>, boost::noncopyable>(name, bp::no_init)
             .def("__init__", bp::make_constructor(make))
-            .add_property("time", +[](S& s) { return watched(s.time); }, +[](S& s, double t) { setWatched(s.time, t); })
+            .add_property(
+                "time", +[](S& s) { return watched(s.time); }, +[](S& s, double t) { setWatched(s.time, t); })
             .def_readwrite("dt", &S::dt)
-            .add_property("step", +[](S& s) { return watched(s.step); }, +[](S& s, long n) { setWatched(s.step, n); })
+            .add_property(
+                "step", +[](S& s) { return watched(s.step); }, +[](S& s, long n) { setWatched(s.step, n); })
             .def_readwrite("threads", &S::threads)
             .add_property("scheme", scheme, setScheme)
             .add_property("energies", energies, setEnergies)

@@ -20,6 +20,7 @@ diagnostics, rigid             modules: energies and other numbers of a scene; s
 Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface), `yade_mpm.inYade`,
 `yade_mpm.commandLine` (of scenes: numbers for argparse, how a scene ends).
 """
+
 import os as _os
 import sys as _sys
 import types as _types
@@ -34,28 +35,40 @@ if "OMP_WAIT_POLICY" not in _os.environ:
 try:
     from . import _core
 except ImportError as _error:
-    raise ImportError(f"yade_mpm: there is no solver for this Python, {_sys.executable}, in {_os.path.dirname(__file__)} ({_error}); run scripts/run "
-                      f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH") from None
+    raise ImportError(
+        f"yade_mpm: there is no solver for this Python, {_sys.executable}, in {_os.path.dirname(__file__)} ({_error}); run scripts/run "
+        f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH"
+    ) from None
+from . import diagnostics, rigid
+from . import engines as _engines
+from . import materials as _materials
+from . import particles as _particles
 from .body import Body, BodyPart
+from .certificate import Certificate, quasiStatic, rateSensitivity
 from .engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner, RigidContact
+from .history import History
 from .materials import Material, MaterialPoint
 from .mesh import Mesh, meshFromArrays, meshFromFile
 from .meshRows import inRows
 from .particles import ParticleType
+from .recorder import Recorder
 from .regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
 from .restoring import load
 from .scene import Scene
-from . import diagnostics, rigid
-from .certificate import Certificate, quasiStatic, rateSensitivity
-from .history import History
-from .recorder import Recorder
-
-from . import engines as _engines, materials as _materials, particles as _particles
 
 globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
 
-__all__ = sorted(["diagnostics", "rigid", *(name for name, thing in globals().items()
-                                             if not (name.startswith("_") or isinstance(thing, _types.ModuleType)))])
+__all__ = sorted(
+    [
+        "diagnostics",
+        "rigid",
+        *(
+            name
+            for name, thing in globals().items()
+            if not (name.startswith("_") or isinstance(thing, _types.ModuleType))
+        ),
+    ]
+)
 
 
 def __dir__():

@@ -4,6 +4,7 @@
 A material, particle type or engine registered in C++ appears here as a class with keyword arguments,
 checked attributes and a docstring; no other file names it.
 """
+
 import difflib
 import inspect
 
@@ -36,7 +37,7 @@ class Attributed:
     _make = None  # name -> C++ object
     _coreName = None
     _usedBy = None  # name of the body made with it
-    _fixed = ()     # attributes that cannot change from then on; None: all
+    _fixed = ()  # attributes that cannot change from then on; None: all
 
     def __init__(self, **attributes):
         object.__setattr__(self, "core", type(self)._make(type(self)._coreName))
@@ -61,10 +62,16 @@ class Attributed:
     def _assign(self, name, value):
         """Gives the core a value; None takes it back where the default is "not given"."""
         if name not in self.attributeNames():
-            taken = [n for n in inspect.signature(type(self).__init__).parameters if n not in ("self", "attributes")]
+            taken = [
+                n
+                for n in inspect.signature(type(self).__init__).parameters
+                if n not in ("self", "attributes")
+            ]
             known = [*taken, *self.attributeNames()]
-            raise ValueError(f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, known)} "
-                             f"(allowed: {', '.join(map(repr, known))})")
+            raise ValueError(
+                f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, known)} "
+                f"(allowed: {', '.join(map(repr, known))})"
+            )
         if value is None and self._make is not None and self._make(self._coreName).value(name) is None:
             self.core.clear(name)
         else:
@@ -73,8 +80,10 @@ class Attributed:
     def _refuseFixed(self, name, before):
         isFixed = self._usedBy is not None and (self._fixed is None or name in self._fixed)
         if isFixed and getattr(self, name) != before:
-            raise ValueError(f"{type(self).__name__}: {name} = {before!r} cannot change any more, the particles of "
-                             f"'{self._usedBy}' were made with it; set it before scene.add")
+            raise ValueError(
+                f"{type(self).__name__}: {name} = {before!r} cannot change any more, the particles of "
+                f"'{self._usedBy}' were made with it; set it before scene.add"
+            )
 
     def __getattr__(self, name):
         if name.startswith("_") or name == "core":
@@ -82,7 +91,9 @@ class Attributed:
         try:
             return self.core.value(name)
         except ValueError:
-            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, dir(self))}") from None
+            raise AttributeError(
+                f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, dir(self))}"
+            ) from None
 
     def attributeNames(self):
         """Names of all attributes."""
@@ -116,10 +127,24 @@ def makeClass(name, make, base=Attributed):
     for p in core.parameters():
         default = None if p["default"] == () else p["default"]
         unit = f", {p['unit']}" if p["unit"] not in ("", "-") else ""
-        allowed = f" One of {', '.join(p['choices'])}." if p["choices"] else f" Allowed: {p['allowed']}." if p["isNumber"] else ""
+        allowed = (
+            f" One of {', '.join(p['choices'])}."
+            if p["choices"]
+            else f" Allowed: {p['allowed']}."
+            if p["isNumber"]
+            else ""
+        )
         lines.append(f"{p['name']} : default {default!r}{unit}\n    {p['doc'].rstrip('.')}.{allowed}")
-    return type(name, (base,), {"__doc__": "\n".join(lines), "_make": staticmethod(make), "_coreName": name,
-                                "__module__": "yade_mpm"})
+    return type(
+        name,
+        (base,),
+        {
+            "__doc__": "\n".join(lines),
+            "_make": staticmethod(make),
+            "_coreName": name,
+            "__module__": "yade_mpm",
+        },
+    )
 
 
 def makeClasses(names, make, base=Attributed):

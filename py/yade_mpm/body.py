@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies: named sets of particles, whose fields are NumPy views of the solver's memory."""
+
 import numpy as np
 
 from . import limits
@@ -25,13 +26,20 @@ class Body(Guarded):
     name = property(lambda self: self.core.name, doc="Name of the body.")
     count = property(lambda self: self.core.count, doc="Number of particles.")
     converted = property(lambda self: self.core.converted, doc="Domains converted to uGIMP particles so far.")
-    minJacobian = property(lambda self: self.core.minJacobian,
-                           doc="Smallest corner Jacobian of the domains over their initial volume; nan for uGIMP.")
-    hourglassAmplitude = property(lambda self: self.core.hourglass,
-                                  doc="Largest hourglass amplitude of the domains over their edge, -.")
-    distortedCount = property(lambda self: self.core.poorDomains(limits.POOR_QUALITY)[0],
-                              doc="Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run stops, or converts them.")
-    bytesPerParticle = property(lambda self: self.core.bytes / max(1, self.count), doc="Memory, bytes per particle.")
+    minJacobian = property(
+        lambda self: self.core.minJacobian,
+        doc="Smallest corner Jacobian of the domains over their initial volume; nan for uGIMP.",
+    )
+    hourglassAmplitude = property(
+        lambda self: self.core.hourglass, doc="Largest hourglass amplitude of the domains over their edge, -."
+    )
+    distortedCount = property(
+        lambda self: self.core.poorDomains(limits.POOR_QUALITY)[0],
+        doc="Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run stops, or converts them.",
+    )
+    bytesPerParticle = property(
+        lambda self: self.core.bytes / max(1, self.count), doc="Memory, bytes per particle."
+    )
 
     def __len__(self):
         return self.count
@@ -46,8 +54,10 @@ class Body(Guarded):
     def __getattr__(self, name):
         if not name.startswith("_") and name in self._fields:
             return np.asarray(self.core.view(name, False))
-        raise AttributeError(f"body '{self.__dict__['core'].name}' has no attribute '{name}'; fields: "
-                             f"{', '.join(sorted(self._fields))}")
+        raise AttributeError(
+            f"body '{self.__dict__['core'].name}' has no attribute '{name}'; fields: "
+            f"{', '.join(sorted(self._fields))}"
+        )
 
     def __setattr__(self, name, value):
         if name in self.__dict__.get("_fields", ()):
@@ -143,7 +153,9 @@ class Body(Guarded):
     def cells(self):
         """Corner numbers of every meshed domain (N, 4 or 8), counter-clockwise, VTK order."""
         corners = self.core.corners()
-        return None if corners is None else np.frombuffer(corners, np.int32).astype(int).reshape(self.count, -1)
+        return (
+            None if corners is None else np.frombuffer(corners, np.int32).astype(int).reshape(self.count, -1)
+        )
 
     def corners(self):
         """Corner positions of every domain, m (N, 4 or 8, dim): of the mesh, or of the box around each particle."""
@@ -162,7 +174,9 @@ class Body(Guarded):
         """
         if "outlineCarrier" not in [f["name"] for f in self.core.fields(True)]:
             return None
-        carrier, offset, area = (np.asarray(self.core.view(f"outline{name}", True)) for name in ("Carrier", "Offset", "Area"))
+        carrier, offset, area = (
+            np.asarray(self.core.view(f"outline{name}", True)) for name in ("Carrier", "Offset", "Area")
+        )
         order = np.argsort(self.id)
         p = order[np.searchsorted(self.id, carrier, sorter=order)]
         F = self.deformationGradient[p, : self._scene.dim, : self._scene.dim]
@@ -206,7 +220,11 @@ class BodyPart:
             raise ValueError(f"body '{body.name}': no particle is in that region; move or widen it")
 
     def __repr__(self):
-        limits = [f"{side} {height:g} m" for side, height in (("above", self.lower), ("below", self.upper)) if height is not None]
+        limits = [
+            f"{side} {height:g} m"
+            for side, height in (("above", self.lower), ("below", self.upper))
+            if height is not None
+        ]
         return f"<part of '{self.body.name}': {' and '.join(limits) or (f'{len(self.ids)} particles' if self.ids is not None else 'all')}>"
 
 
@@ -221,8 +239,10 @@ def _finite(body, name, value, shape):
     try:
         array = np.broadcast_to(np.asarray(value, dtype=float), shape)
     except (TypeError, ValueError):
-        raise ValueError(f"body '{body.name}': what was given as {name} does not fit; give numbers of the shape {shape}, "
-                         f"or one entry for all particles") from None
+        raise ValueError(
+            f"body '{body.name}': what was given as {name} does not fit; give numbers of the shape {shape}, "
+            f"or one entry for all particles"
+        ) from None
     if not np.isfinite(array).all():
         raise ValueError(f"body '{body.name}': {name} holds a value that is not finite")
     if name in ("mass", "volume", "initialVolume") and not (array > 0).all():

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Whether a run can be called quasi-static: a few ratios of its history against limits."""
+
 import math
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
-START_UP = 0.1  # share of the time at the beginning that does not count: little work is done, and the load sets in
+START_UP = (
+    0.1  # share of the time at the beginning that does not count: little work is done, and the load sets in
+)
 
 LIMITS = {
-    "kineticRatio": 0.05,     # Getting Started with Abaqus, 13.4: 0.05 to 0.1 of the internal energy for most of the process
+    "kineticRatio": 0.05,  # Getting Started with Abaqus, 13.4: 0.05 to 0.1 of the internal energy for most of the process
     "unbalancedRatio": 0.05,  # measured, see doc/quasi-static.md; YADE asks 0.01 or less of its own at rest
-    "energyError": 0.02,      # Abaqus: total energy within 1 percent; Radioss: 1 or 2 percent are acceptable
-    "dampedRatio": 0.05,      # our choice; artificial energies in the examples of Abaqus: 0.02 no problem, 0.15 substantial
+    "energyError": 0.02,  # Abaqus: total energy within 1 percent; Radioss: 1 or 2 percent are acceptable
+    "dampedRatio": 0.05,  # our choice; artificial energies in the examples of Abaqus: 0.02 no problem, 0.15 substantial
     "rateSensitivity": 0.05,  # what an engineer would not see in a resistance
 }
 _meaning = {
@@ -49,7 +52,9 @@ class Certificate:
     @property
     def reasons(self):
         """List of sentences that say why the run is not quasi-static; empty if it is."""
-        return [self._sentence(name) for name in self._judged() if not getattr(self, name) <= self.limits[name]]
+        return [
+            self._sentence(name) for name in self._judged() if not getattr(self, name) <= self.limits[name]
+        ]
 
     @property
     def isQuasiStatic(self):
@@ -58,7 +63,10 @@ class Certificate:
 
     def asDict(self):
         """Numbers, limits and verdict as plain types, for JSON; a number that is not known is None."""
-        plain = {name: None if isinstance(value, float) and not math.isfinite(value) else value for name, value in asdict(self).items()}
+        plain = {
+            name: None if isinstance(value, float) and not math.isfinite(value) else value
+            for name, value in asdict(self).items()
+        }
         return {**plain, "isQuasiStatic": self.isQuasiStatic, "reasons": self.reasons}
 
     def __str__(self):
@@ -97,21 +105,33 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
     """
     t = np.asarray(history["time"], dtype=float)
     if not len(t):
-        raise ValueError("quasiStatic: the history has no rows; put a History with a shorter period among the engines")
+        raise ValueError(
+            "quasiStatic: the history has no rows; put a History with a shorter period among the engines"
+        )
     if after is None:
         after = t[0] + START_UP * (t[-1] - t[0])
     rows = t >= after
     if not rows.any():
-        raise ValueError(f"quasiStatic: the history has no rows from after = {after:g} s on, it ends at {t[-1]:g} s")
+        raise ValueError(
+            f"quasiStatic: the history has no rows from after = {after:g} s on, it ends at {t[-1]:g} s"
+        )
     if rateSensitivity is not None and not rateSensitivity >= 0:
-        raise ValueError(f"quasiStatic: rateSensitivity = {rateSensitivity!r} is not allowed; give zero or a positive number")
+        raise ValueError(
+            f"quasiStatic: rateSensitivity = {rateSensitivity!r} is not allowed; give zero or a positive number"
+        )
     kinetic, damped, error, work, unbalanced = (
         np.asarray(history[name], dtype=float)[rows]
-        for name in ("kineticEnergy", "dampedEnergy", "energyError", "workDone", "unbalancedRatio"))
-    return Certificate(kineticRatio=_largest(kinetic, work), unbalancedRatio=float(unbalanced.mean()),
-                       energyError=_largest(np.abs(error), work), dampedRatio=_largest(damped[-1:], work[-1:]),
-                       rateSensitivity=None if rateSensitivity is None else float(rateSensitivity), after=float(after),
-                       limits=_limits(limits or {}))
+        for name in ("kineticEnergy", "dampedEnergy", "energyError", "workDone", "unbalancedRatio")
+    )
+    return Certificate(
+        kineticRatio=_largest(kinetic, work),
+        unbalancedRatio=float(unbalanced.mean()),
+        energyError=_largest(np.abs(error), work),
+        dampedRatio=_largest(damped[-1:], work[-1:]),
+        rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
+        after=float(after),
+        limits=_limits(limits or {}),
+    )
 
 
 def rateSensitivity(x, result, xOther, resultOther):
@@ -127,7 +147,9 @@ def rateSensitivity(x, result, xOther, resultOther):
     x, result = np.asarray(x, dtype=float), np.asarray(result, dtype=float)
     common = (x >= np.min(xOther)) & (x <= np.max(xOther))
     if common.sum() < 2:
-        raise ValueError("rateSensitivity: the two runs have no stretch in common; let the other one go as far")
+        raise ValueError(
+            "rateSensitivity: the two runs have no stretch in common; let the other one go as far"
+        )
     difference = np.interp(x[common], xOther, resultOther) - result[common]
     return float(np.abs(difference).mean() / np.abs(result[common]).mean())
 
@@ -144,7 +166,9 @@ def _limits(given):
         if name not in LIMITS:
             raise ValueError(f"quasiStatic: there is no limit '{name}'; limits: {', '.join(LIMITS)}")
         if not value > 0:
-            raise ValueError(f"quasiStatic: limits['{name}'] = {value!r} is not allowed; give a positive number")
+            raise ValueError(
+                f"quasiStatic: limits['{name}'] = {value!r} is not allowed; give a positive number"
+            )
     return {**LIMITS, **given}
 
 

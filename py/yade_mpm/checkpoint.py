@@ -6,6 +6,7 @@ everything but arrays; groups `bodies/0`, `bodies/1` ... with `particles/FIELD` 
 the solver), `domains/FIELD` and `tables/NAME` (how particles and vertices are grouped and connected). Datasets carry
 a checksum.
 """
+
 import json
 import os
 
@@ -18,7 +19,17 @@ from .files import checkWritable, replacing
 
 FORMAT, VERSION = "yade-mpm checkpoint", 2
 
-_CONSTRAINT_STATE = ("work", "began", "active", "reaction", "moment", "impulse", "angularImpulse", "centre", "heldNodes")
+_CONSTRAINT_STATE = (
+    "work",
+    "began",
+    "active",
+    "reaction",
+    "moment",
+    "impulse",
+    "angularImpulse",
+    "centre",
+    "heldNodes",
+)
 
 
 def save(scene, file, midStep=False):
@@ -36,7 +47,10 @@ def save(scene, file, midStep=False):
                 _writeAll(h5, scene, text)
             _syncToDisk(part)
         _syncToDisk(os.path.dirname(os.path.abspath(file)))
-    except (OSError, RuntimeError) as error:  # h5py raises RuntimeError when a full disk fails the closing of a file
+    except (
+        OSError,
+        RuntimeError,
+    ) as error:  # h5py raises RuntimeError when a full disk fails the closing of a file
         raise OSError(f"checkpoint '{file}' could not be written: {error}") from error
 
 
@@ -73,15 +87,30 @@ def _syncToDisk(path):
 def _describe(scene):
     materials, types = _distinct(b.material for b in scene.bodies), _distinct(b.type for b in scene.bodies)
     return {
-        "lower": list(scene.lower), "upper": list(scene.upper), "cell": list(scene.cell), "scheme": scene.scheme,
-        "threads": scene._threads, "allowUnstable": bool(scene.allowUnstable),
-        "dt": scene._dt, "currentDt": scene.core.dt, "dtCritical": scene.dtCritical, "stiffest": scene.stiffest,
-        "checked": scene._checked and scene._checkedState == scene._stabilityState(), "estimatedAt": scene._estimatedAt,
-        "time": scene.time, "steps": scene.steps, "energies": dict(scene.core.energies), "settling": scene._settling,
+        "lower": list(scene.lower),
+        "upper": list(scene.upper),
+        "cell": list(scene.cell),
+        "scheme": scene.scheme,
+        "threads": scene._threads,
+        "allowUnstable": bool(scene.allowUnstable),
+        "dt": scene._dt,
+        "currentDt": scene.core.dt,
+        "dtCritical": scene.dtCritical,
+        "stiffest": scene.stiffest,
+        "checked": scene._checked and scene._checkedState == scene._stabilityState(),
+        "estimatedAt": scene._estimatedAt,
+        "time": scene.time,
+        "steps": scene.steps,
+        "energies": dict(scene.core.energies),
+        "settling": scene._settling,
         "materials": [{"class": type(m).__name__, "attributes": m.attributes()} for m in materials],
         "types": [_describeType(t) for t in types],
-        "bodies": [_describeBody(b, _place(materials, b.material), _place(types, b.type)) for b in scene.bodies],
-        "engines": None if scene._engines is None else [_describeEngine(e, k) for k, e in enumerate(scene._engines)],
+        "bodies": [
+            _describeBody(b, _place(materials, b.material), _place(types, b.type)) for b in scene.bodies
+        ],
+        "engines": None
+        if scene._engines is None
+        else [_describeEngine(e, k) for k, e in enumerate(scene._engines)],
     }
 
 
@@ -103,19 +132,33 @@ def _describeType(kind):
 
 def _describeBody(body, material, kind):
     return {
-        "name": body.name, "material": material, "type": kind, "region": None if body.region is None else body.region.spec(),
-        "inertiaScale": body.inertiaScale, "isDamped": body.isDamped, "fbar": body.fbar, "group": body.group, "count": body.count, "converted": body.converted,
-        "internalWork": body.core.internalWork, "largestInertialMass": body.core.largestInertialMass,
-        "hasBodyForce": body.core.hasBodyForce, "convertsTo": body._convertsTo,
+        "name": body.name,
+        "material": material,
+        "type": kind,
+        "region": None if body.region is None else body.region.spec(),
+        "inertiaScale": body.inertiaScale,
+        "isDamped": body.isDamped,
+        "fbar": body.fbar,
+        "group": body.group,
+        "count": body.count,
+        "converted": body.converted,
+        "internalWork": body.core.internalWork,
+        "largestInertialMass": body.core.largestInertialMass,
+        "hasBodyForce": body.core.hasBodyForce,
+        "convertsTo": body._convertsTo,
     }
 
 
 def _describeEngine(engine, number):
     spec = {"class": type(engine).__name__, "attributes": engine.attributes()}
     if isinstance(engine, GridSolver):
-        spec.update(roller=engine.roller, fixed=engine.fixed, hold=[_describeHold(h) for h in engine.hold],
-                    drive=[_describeDrive(d) for d in engine._drive],
-                    faces={face: _describePrescribed(h) for face, h in engine._faces.items()})
+        spec.update(
+            roller=engine.roller,
+            fixed=engine.fixed,
+            hold=[_describeHold(h) for h in engine.hold],
+            drive=[_describeDrive(d) for d in engine._drive],
+            faces={face: _describePrescribed(h) for face, h in engine._faces.items()},
+        )
     elif isinstance(engine, Callback):
         try:
             spec["spec"] = json.loads(json.dumps(engine.spec()))
@@ -128,8 +171,13 @@ def _describeEngine(engine, number):
 def _describePrescribed(prescribed):
     core = prescribed.core
     state = {name: getattr(core, name) for name in _CONSTRAINT_STATE}
-    return {"velocity": list(prescribed.velocity), "ramp": prescribed.ramp, "name": prescribed.name,
-            "hasBegun": prescribed._hasBegun, "state": state}
+    return {
+        "velocity": list(prescribed.velocity),
+        "ramp": prescribed.ramp,
+        "name": prescribed.name,
+        "hasBegun": prescribed._hasBegun,
+        "state": state,
+    }
 
 
 def _describeHold(hold):
@@ -140,5 +188,10 @@ def _describeHold(hold):
 def _describeDrive(drive):
     part = drive.part
     lower, upper = (None if x is None else float(x) for x in (part.lower, part.upper))
-    return {"body": part.body.name, "lower": lower, "upper": upper,
-            "ids": None if part.ids is None else part.ids.tolist(), **_describePrescribed(drive)}
+    return {
+        "body": part.body.name,
+        "lower": lower,
+        "upper": upper,
+        "ids": None if part.ids is None else part.ids.tolist(),
+        **_describePrescribed(drive),
+    }

@@ -9,6 +9,7 @@ The functions of a number are for argparse's `type`: they return it, or raise Ar
 
 It is part of the package, not of scripts/, so that a copy of a scene runs in any folder, and in YADE, which does not look beside a script.
 """
+
 import argparse
 import os
 import sys
@@ -42,7 +43,12 @@ def below(most):
 
 def partOf(length):
     """Function that takes lengths (m) of which `length` is a whole number, such as cells that have to fit into it, and rounds to the digits of that."""
-    return lambda text: length / round(length / _number(text, lambda x: x > 0 and isWhole(length / x), f"{length:g} over a whole number"))
+    return lambda text: (
+        length
+        / round(
+            length / _number(text, lambda x: x > 0 and isWhole(length / x), f"{length:g} over a whole number")
+        )
+    )
 
 
 def isWhole(ratio):
@@ -71,10 +77,18 @@ class Parser(argparse.ArgumentParser):
         super().__init__(prog=name, description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
         self._smoke = smoke
         shared = self.add_argument_group("all scenes")
-        shared.add_argument("--smoke", action="store_true", help="coarse and fast, where nothing else is given: " + " ".join(map(_option, smoke.items())))
+        shared.add_argument(
+            "--smoke",
+            action="store_true",
+            help="coarse and fast, where nothing else is given: " + " ".join(map(_option, smoke.items())),
+        )
         if threads:
             shared.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-        shared.add_argument("--out", default=os.path.join("results", name), help=f"folder of the results (default results/{name})")
+        shared.add_argument(
+            "--out",
+            default=os.path.join("results", name),
+            help=f"folder of the results (default results/{name})",
+        )
 
     def parse(self, words=None):
         """Arguments of a command line, a list of words (default: of the program)."""

@@ -3,6 +3,7 @@
 
 In 2D masses, forces and energies are per metre of thickness.
 """
+
 from operator import itemgetter
 
 import numpy as np
@@ -16,7 +17,9 @@ def mass(scene):
 
 def momentum(scene):
     """Momentum, sum s m v, Mg m/s (dim,), with the inertial mass (s: inertiaScale of the body)."""
-    return sum((body.inertiaScale * np.array(body.core.motion()[0]) for body in scene.bodies), np.zeros(scene.dim))
+    return sum(
+        (body.inertiaScale * np.array(body.core.motion()[0]) for body in scene.bodies), np.zeros(scene.dim)
+    )
 
 
 def kineticEnergy(scene):
@@ -56,7 +59,11 @@ def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
     of steps, so dt/2 dE_kin/dt is always part of it; that oscillates and does not add up.
     """
     kinetic = kineticEnergy(scene) if kinetic is None else kinetic
-    external, internal, damped = externalWork(scene), internalWork(scene), dampedEnergy(scene) + contactEnergy(scene)
+    external, internal, damped = (
+        externalWork(scene),
+        internalWork(scene),
+        dampedEnergy(scene) + contactEnergy(scene),
+    )
     error = external - damped - internal - (kinetic - initialKineticEnergy)
     if not relative:
         return error
@@ -70,7 +77,9 @@ def workDone(scene):
     Unlike `externalWork` it is no sum in which the work of gravity and of a drive may cancel: the scale of energy ratios.
     """
     energies = scene.core.energies
-    return float(abs(energies["gravity"]) + abs(energies["loads"]) + sum(abs(c.work) for c in scene.constraints))
+    return float(
+        abs(energies["gravity"]) + abs(energies["loads"]) + sum(abs(c.work) for c in scene.constraints)
+    )
 
 
 def kineticRatio(scene, kinetic=None):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Engines of the step, as registered in pkg/mpm/engine, prescribed motions, and callbacks."""
+
 import sys
 import weakref
 
@@ -12,14 +13,18 @@ from .mesh import _FACETS, boundaryFacets
 from .regions import Region
 from .rigid import shapeRow
 
-FACES = {2: {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)},
-         3: {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}}
+FACES = {
+    2: {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)},
+    3: {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)},
+}
 
 
 def belongTo(scene, part):
     """Gives an engine or a prescribed motion to a scene; another scene's is refused, for it sums up work, rows or frames."""
     if part._owner is not None and part._owner() is not scene:
-        raise ValueError(f"{type(part).__name__}: it was used by another scene; make a new one for each scene")
+        raise ValueError(
+            f"{type(part).__name__}: it was used by another scene; make a new one for each scene"
+        )
     part._owner = weakref.ref(scene)
 
 
@@ -29,7 +34,7 @@ class Engine(Attributed):
     seconds = property(lambda self: self.core.seconds, doc="Wall time spent in this engine, s.")
     calls = property(lambda self: self.core.calls, doc="How often the engine acted.")
 
-    _owner = None    # weak reference to the scene that it works for
+    _owner = None  # weak reference to the scene that it works for
     _isBound = False  # checked against a scene: vectors keep their length from then on
 
     def __setattr__(self, name, value):
@@ -75,7 +80,9 @@ class Prescribed(Guarded):
         if not isinstance(name, str):
             raise TypeError(f"{type(self).__name__}: name = {name!r}; give a string")
         if not (isinstance(ramp, (int, float, np.number)) and 0 <= ramp < np.inf):
-            raise ValueError(f"{type(self).__name__}: ramp = {ramp!r} is not allowed; give zero or a positive time in s")
+            raise ValueError(
+                f"{type(self).__name__}: ramp = {ramp!r} is not allowed; give zero or a positive time in s"
+            )
         self.core.name, self.core.velocity, self.core.ramp = name, self._velocity, float(ramp)
 
     def bind(self, scene):
@@ -89,8 +96,12 @@ class Prescribed(Guarded):
     name = property(lambda self: self.core.name, doc="Name, used for histories.")
     ramp = property(lambda self: self.core.ramp, doc="Time over which the velocity grows from zero, s.")
     work = property(lambda self: self.core.work, doc="Work done on the material since the start, kJ.")
-    heldNodes = property(lambda self: self.core.heldNodes, doc="Number of nodal components held in the last step.")
-    centre = property(lambda self: np.array(self.core.centre)[: self.dim], doc="Point that `moment` refers to, m.")
+    heldNodes = property(
+        lambda self: self.core.heldNodes, doc="Number of nodal components held in the last step."
+    )
+    centre = property(
+        lambda self: np.array(self.core.centre)[: self.dim], doc="Point that `moment` refers to, m."
+    )
 
     @property
     def velocity(self):
@@ -109,10 +120,15 @@ class Prescribed(Guarded):
         """Force on the material in the last step, kN (2D: kN/m). RuntimeError as long as it is in no scene that was run."""
         if not self._hasBegun:
             kind = type(self).__name__
-            raise RuntimeError(f"{kind}: '{self.name}' is in no scene that was run; give it to GridSolver({kind.lower()}=...) and run the scene")
+            raise RuntimeError(
+                f"{kind}: '{self.name}' is in no scene that was run; give it to GridSolver({kind.lower()}=...) and run the scene"
+            )
         return np.array(self.core.reaction)[: self.dim]
 
-    impulse = property(lambda self: np.array(self.core.impulse)[: self.dim], doc="Time integral of the reaction since the start, kN s (2D: kN s/m).")
+    impulse = property(
+        lambda self: np.array(self.core.impulse)[: self.dim],
+        doc="Time integral of the reaction since the start, kN s (2D: kN s/m).",
+    )
 
     @property
     def moment(self):
@@ -155,9 +171,13 @@ class Drive(Prescribed):
             raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
         if not self._hasBegun and self.part.ids is None:
             heights = self.part.body.position[:, -1]
-            if not ((heights > self.core.lower[self.dim - 1]) & (heights <= self.core.upper[self.dim - 1])).any():
-                raise ValueError(f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}; its particles are at "
-                                 f"heights from {heights.min():g} to {heights.max():g} m")
+            if not (
+                (heights > self.core.lower[self.dim - 1]) & (heights <= self.core.upper[self.dim - 1])
+            ).any():
+                raise ValueError(
+                    f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}; its particles are at "
+                    f"heights from {heights.min():g} to {heights.max():g} m"
+                )
         super().bind(scene)
 
 
@@ -187,19 +207,24 @@ class Hold(Prescribed):
             return
         nodes = scene.faceNodes(self.where) if isinstance(self.where, str) else scene.nodesInside(self.where)
         if len(nodes) == 0:
-            raise ValueError(f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell size)")
+            raise ValueError(
+                f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell size)"
+            )
         self.core.nodes = np.ascontiguousarray(nodes, np.int32)
         self.core.centre = list(scene.nodePositions()[nodes].mean(axis=0))
         self._isFound = True
 
 
 class GridSolver(_generated["GridSolver"]):
-    __doc__ = _generated["GridSolver"].__doc__ + """
+    __doc__ = (
+        _generated["GridSolver"].__doc__
+        + """
 roller : faces of the grid where the normal velocity is zero, e.g. ("left", "right").
 fixed : faces where all velocity is zero, e.g. ("bottom",).
 hold : `Hold` or list of them.
 drive : `Drive` or list of them.
 Where several apply to a node, the later in this order wins: roller, fixed, hold, drive."""
+    )
 
     def __init__(self, roller=(), fixed=(), hold=(), drive=(), **attributes):
         super().__init__(**attributes)
@@ -221,7 +246,9 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
         faces = []
         for face in self._roller + self._fixed:
             if face not in FACES[scene.dim]:
-                raise ValueError(f"GridSolver: there is no face '{face}'; faces are {', '.join(FACES[scene.dim])}")
+                raise ValueError(
+                    f"GridSolver: there is no face '{face}'; faces are {', '.join(FACES[scene.dim])}"
+                )
             velocity = [0.0] * scene.dim
             if face in self._roller and face not in self._fixed:
                 velocity = [0.0 if k == FACES[scene.dim][face][0] else None for k in range(scene.dim)]
@@ -233,14 +260,19 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
         names = [c.name for c in everything]
         for c in everything:
             if names.count(c.name) > 1:
-                raise ValueError(f"GridSolver: two prescribed motions are named '{c.name}'; give each a name of its own")
+                raise ValueError(
+                    f"GridSolver: two prescribed motions are named '{c.name}'; give each a name of its own"
+                )
         return everything
 
 
 class BoundaryLoad(_generated["BoundaryLoad"]):
-    __doc__ = _generated["BoundaryLoad"].__doc__ + """
+    __doc__ = (
+        _generated["BoundaryLoad"].__doc__
+        + """
 body : the loaded APDI body.
 where : region; facets whose centre is inside are loaded (default: all boundary facets)."""
+    )
 
     _fixed = ("body", "facets")
 
@@ -248,8 +280,12 @@ where : region; facets whose centre is inside are loaded (default: all boundary 
         body = scene[self.body]
         most = body.id.max(initial=-1), 2 * scene.dim
         pairs = np.reshape(self.facets, (-1, 2)) if len(self.facets) % 2 == 0 else np.full((1, 2), -1)
-        if ((pairs < 0) | (body.converted == 0) & (pairs > np.array(most) - (0, 1))).any() or (pairs % 1).any():
-            raise ValueError(f"BoundaryLoad: facets name domains that '{self.body}' does not have; make the load from the body")
+        if ((pairs < 0) | (body.converted == 0) & (pairs > np.array(most) - (0, 1))).any() or (
+            pairs % 1
+        ).any():
+            raise ValueError(
+                f"BoundaryLoad: facets name domains that '{self.body}' does not have; make the load from the body"
+            )
 
     def __init__(self, body, where=None, **attributes):
         self._usedBy = body if isinstance(body, str) else getattr(body, "name", None)
@@ -261,15 +297,22 @@ where : region; facets whose centre is inside are loaded (default: all boundary 
         if not (where is None or isinstance(where, Region)):
             raise TypeError(f"BoundaryLoad: where = {where!r}; give a region, e.g. box((0, 2), (1, 3))")
         if body.mesh is None:
-            raise ValueError(f"BoundaryLoad: '{body.name}' " + (
-                "lost its first mesh when domains were converted; make loads before that" if body.type.core.isMeshed else
-                "has no boundary facets; loads need an APDI body"))
+            raise ValueError(
+                f"BoundaryLoad: '{body.name}' "
+                + (
+                    "lost its first mesh when domains were converted; make loads before that"
+                    if body.type.core.isMeshed
+                    else "has no boundary facets; loads need an APDI body"
+                )
+            )
         facets, owners = boundaryFacets(body.mesh)
         if where is not None:
             inside = where.contains(body.mesh.points[facets].mean(axis=1))
             facets, owners = facets[inside], owners[inside]
         if len(facets) == 0:
-            raise ValueError(f"BoundaryLoad: no boundary facet of '{body.name}' is inside {where!r}; widen the region")
+            raise ValueError(
+                f"BoundaryLoad: no boundary facet of '{body.name}' is inside {where!r}; widen the region"
+            )
         pairs = [(owner, _facetNumber(body.mesh.cells[owner], facet)) for facet, owner in zip(facets, owners)]
         super().__init__(body=body.name, facets=np.array(pairs, float).ravel(), **attributes)
         body._scene._made.append(self)
@@ -285,15 +328,25 @@ def _facetNumber(cell, facet):
 
 
 class RigidContact(_generated["RigidContact"]):
-    __doc__ = _generated["RigidContact"].__doc__ + """
+    __doc__ = (
+        _generated["RigidContact"].__doc__
+        + """
 
 Rigid bodies are added by `addBody` and moved by `setStates`, by YADE or a callback; until they are set anew they move on with
 their velocities. All arrays have a row per rigid body and three columns, in 2D scenes, too."""
+    )
 
     _isFelt = True  # False: there are inYade.Bodies that no coupling has
 
-    def addBody(self, shapes, friction=0.0, position=(0, 0, 0), orientation=(1, 0, 0, 0), velocity=(0, 0, 0),
-                angularVelocity=(0, 0, 0)):
+    def addBody(
+        self,
+        shapes,
+        friction=0.0,
+        position=(0, 0, 0),
+        orientation=(1, 0, 0, 0),
+        velocity=(0, 0, 0),
+        angularVelocity=(0, 0, 0),
+    ):
         """Adds a rigid body and returns its number.
 
         shapes : `rigid.Sphere`, `Box`, `Wall` or `Facet`, or a list of them (a clump), in the frame of the body.
@@ -306,10 +359,16 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
         if not shapes:
             raise ValueError("RigidContact: addBody without a shape; give e.g. [mpm.rigid.Sphere(0.1)]")
         number = len(self.friction)
-        state = _rows("position", [position], 3) + _rows("orientation", [orientation], 4) \
-            + _rows("velocity", [velocity], 3) + _rows("angularVelocity", [angularVelocity], 3)
+        state = (
+            _rows("position", [position], 3)
+            + _rows("orientation", [orientation], 4)
+            + _rows("velocity", [velocity], 3)
+            + _rows("angularVelocity", [angularVelocity], 3)
+        )
         if not abs(np.linalg.norm(state[3:7]) - 1) < 1e-6:
-            raise ValueError(f"RigidContact: orientation = {orientation!r} is not allowed; give a unit quaternion (w, x, y, z)")
+            raise ValueError(
+                f"RigidContact: orientation = {orientation!r} is not allowed; give a unit quaternion (w, x, y, z)"
+            )
         rows = [x for shape in shapes for x in shapeRow(number, shape)]
         self.core.set("friction", [*self.friction, friction])
         for name, more in (("shapes", rows), ("states", state), ("impulses", [0.0] * 6)):
@@ -323,18 +382,35 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
 
     def setStates(self, positions, orientations, velocities, angularVelocities):
         """Positions (N, 3) m, orientations (N, 4) as (w, x, y, z), velocities (N, 3) m/s, angular velocities (N, 3) rad/s."""
-        self.core.setStates(*(np.ascontiguousarray(a, np.float64) for a in (positions, orientations, velocities, angularVelocities)))
+        self.core.setStates(
+            *(
+                np.ascontiguousarray(a, np.float64)
+                for a in (positions, orientations, velocities, angularVelocities)
+            )
+        )
 
-    forces = property(lambda self: np.array(self.core.forces), doc="Forces on the rigid bodies in the last step, kN (2D: kN/m).")
-    torques = property(lambda self: np.array(self.core.torques), doc="Moments on the rigid bodies about their positions, kN m.")
-    positions = property(lambda self: self._states()[:, :3], doc="Positions, m; where the bodies are after the last step.")
+    forces = property(
+        lambda self: np.array(self.core.forces),
+        doc="Forces on the rigid bodies in the last step, kN (2D: kN/m).",
+    )
+    torques = property(
+        lambda self: np.array(self.core.torques),
+        doc="Moments on the rigid bodies about their positions, kN m.",
+    )
+    positions = property(
+        lambda self: self._states()[:, :3], doc="Positions, m; where the bodies are after the last step."
+    )
     orientations = property(lambda self: self._states()[:, 3:7], doc="Orientations (w, x, y, z).")
     velocities = property(lambda self: self._states()[:, 7:10], doc="Velocities, m/s.")
     angularVelocities = property(lambda self: self._states()[:, 10:], doc="Angular velocities, rad/s.")
     contacts = property(lambda self: self.core.contacts, doc="Number of contacts in the last step.")
     sliding = property(lambda self: self.core.sliding, doc="Number of contacts that slid in the last step.")
-    largestPenetration = property(lambda self: self.core.largestPenetration, doc="Largest overlap in the last step, m.")
-    stiffnessUsed = property(lambda self: self.core.stiffnessUsed, doc="Normal stiffness per area in the last step, kPa/m.")
+    largestPenetration = property(
+        lambda self: self.core.largestPenetration, doc="Largest overlap in the last step, m."
+    )
+    stiffnessUsed = property(
+        lambda self: self.core.stiffnessUsed, doc="Normal stiffness per area in the last step, kPa/m."
+    )
 
     def takeImpulses(self):
         """Integrals of forces and torques over the time since the last call, kN s and kN m s: (N, 3), (N, 3); for sub-cycling."""
@@ -351,8 +427,14 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
         """
         rows = np.reshape(self.core.value("history"), (-1, 16))
         table = {name: rows[:, k].astype(int) for k, name in enumerate(("soil", "body", "id"))}
-        return {**table, "normal": rows[:, 3:6], "slip": rows[:, 6:9], "point": rows[:, 9:12], "gap": rows[:, 12],
-                "force": rows[:, 13:]}
+        return {
+            **table,
+            "normal": rows[:, 3:6],
+            "slip": rows[:, 6:9],
+            "point": rows[:, 9:12],
+            "gap": rows[:, 12],
+            "force": rows[:, 13:],
+        }
 
     def _states(self):
         return np.reshape(self.core.value("states"), (-1, 13))
@@ -374,12 +456,15 @@ def _rows(what, values, width):
 
 
 class Contact(_generated["Contact"]):
-    __doc__ = _generated["Contact"].__doc__ + """
+    __doc__ = (
+        _generated["Contact"].__doc__
+        + """
 
         scene.add("pile", shaft, steel, mpm.APDI(size=0.125), group="pile")
         contact = mpm.Contact(friction=0.4)
         scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(...), contact, mpm.GridToParticle(), mpm.DomainUpdater()]
 """
+    )
 
     def __init__(self, **attributes):
         super().__init__(**attributes)
@@ -390,7 +475,9 @@ class Contact(_generated["Contact"]):
         """Friction (-) and adhesion (kPa) between two groups, by their names; else those of the engine."""
         for name, value in (("friction", friction), ("adhesion", adhesion)):
             if not (isinstance(value, (int, float, np.number)) and value >= 0):
-                raise ValueError(f"Contact: {name} = {value!r} between '{first}' and '{second}'; give zero or a positive number")
+                raise ValueError(
+                    f"Contact: {name} = {value!r} between '{first}' and '{second}'; give zero or a positive number"
+                )
         self._pairs[first, second] = float(friction), float(adhesion)
         if self._groups:
             self._setPairs()
@@ -408,16 +495,30 @@ class Contact(_generated["Contact"]):
         for name in (n for names in self._pairs for n in names):
             if name not in self._groups:
                 raise ValueError(f"Contact: there is no group '{name}'; groups: {', '.join(self._groups)}")
-        self.core.set("pairs", [float(x) for (a, b), law in self._pairs.items()
-                                for x in (self._groups.index(a), self._groups.index(b), *law)])
+        self.core.set(
+            "pairs",
+            [
+                float(x)
+                for (a, b), law in self._pairs.items()
+                for x in (self._groups.index(a), self._groups.index(b), *law)
+            ],
+        )
 
-    sliding = property(lambda self: self.core.sliding, doc="Number of nodes in contact that slid in the last step.")
-    largestPenetration = property(lambda self: self.core.largestPenetration,
-                                  doc="Largest overlap of surfaces at nodes in contact in the last step, m.")
-    gridLoss = property(lambda self: self.core.gridLoss,
-                        doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative (doc/contact.md).")
-    reduced = property(lambda self: self.core.reduced,
-                       doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut (doc/contact.md).")
+    sliding = property(
+        lambda self: self.core.sliding, doc="Number of nodes in contact that slid in the last step."
+    )
+    largestPenetration = property(
+        lambda self: self.core.largestPenetration,
+        doc="Largest overlap of surfaces at nodes in contact in the last step, m.",
+    )
+    gridLoss = property(
+        lambda self: self.core.gridLoss,
+        doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative (doc/contact.md).",
+    )
+    reduced = property(
+        lambda self: self.core.reduced,
+        doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut (doc/contact.md).",
+    )
 
     def contactTable(self):
         """Dict of arrays over the nodes in contact in the last step.
@@ -428,8 +529,16 @@ class Contact(_generated["Contact"]):
         """
         rows = np.reshape(self.core.table, (-1, 16))
         names = np.array(self._groups or [""], object)
-        return {"first": names[rows[:, 0].astype(int)], "second": names[rows[:, 1].astype(int)], "node": rows[:, 2:5],
-                "normal": rows[:, 5:8], "gap": rows[:, 8], "area": rows[:, 9], "force": rows[:, 10:13], "slip": rows[:, 13:]}
+        return {
+            "first": names[rows[:, 0].astype(int)],
+            "second": names[rows[:, 1].astype(int)],
+            "node": rows[:, 2:5],
+            "normal": rows[:, 5:8],
+            "gap": rows[:, 8],
+            "area": rows[:, 9],
+            "force": rows[:, 10:13],
+            "slip": rows[:, 13:],
+        }
 
     def forces(self):
         """Dict (A, B) -> force on group B by group A in the last step, kN (3,), for all pairs of groups; zero where they do not meet."""
@@ -440,12 +549,24 @@ class Contact(_generated["Contact"]):
         return self._byPair(self.impulses)
 
     def _byPair(self, values):
-        rows, pairs = np.reshape(values, (-1, 3)), [(a, b) for b in range(len(self._groups)) for a in range(b)]
-        return {(self._groups[a], self._groups[b]): rows[k] if k < len(rows) else np.zeros(3) for k, (a, b) in enumerate(pairs)}
+        rows, pairs = (
+            np.reshape(values, (-1, 3)),
+            [(a, b) for b in range(len(self._groups)) for a in range(b)],
+        )
+        return {
+            (self._groups[a], self._groups[b]): rows[k] if k < len(rows) else np.zeros(3)
+            for k, (a, b) in enumerate(pairs)
+        }
 
     def forceOn(self, group):
         """Force on a group in the last step, kN (3,)."""
-        return sum(((second == group) * force - (first == group) * force for (first, second), force in self.forces().items()), np.zeros(3))
+        return sum(
+            (
+                (second == group) * force - (first == group) * force
+                for (first, second), force in self.forces().items()
+            ),
+            np.zeros(3),
+        )
 
 
 class Callback(Engine):
@@ -523,18 +644,25 @@ class PyRunner(Callback):
 
 def _takesArgument(function):
     import inspect
+
     try:
         parameters = inspect.signature(function).parameters.values()
     except ValueError:
         return False
-    return any(p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in parameters)
+    return any(
+        p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in parameters
+    )
 
 
 def _velocity(who, velocity):
     given = list(velocity) if isinstance(velocity, (list, tuple, np.ndarray)) else []
     numbers = [v for v in given if v is not None]
-    if len(given) not in (2, 3) or not all(isinstance(v, (int, float, np.number)) and np.isfinite(v) for v in numbers):
-        raise ValueError(f"{who}: velocity = {velocity!r} is not allowed; give one number (m/s) or None per axis")
+    if len(given) not in (2, 3) or not all(
+        isinstance(v, (int, float, np.number)) and np.isfinite(v) for v in numbers
+    ):
+        raise ValueError(
+            f"{who}: velocity = {velocity!r} is not allowed; give one number (m/s) or None per axis"
+        )
     return [np.nan if v is None else float(v) for v in given]
 
 
@@ -554,6 +682,12 @@ def _listOf(kind, what, given):
     return given
 
 
-_own = {"GridSolver": GridSolver, "BoundaryLoad": BoundaryLoad, "RigidContact": RigidContact, "Contact": Contact, "PyRunner": PyRunner}
+_own = {
+    "GridSolver": GridSolver,
+    "BoundaryLoad": BoundaryLoad,
+    "RigidContact": RigidContact,
+    "Contact": Contact,
+    "PyRunner": PyRunner,
+}
 classes = {**_generated, **_own}
 globals().update({name: c for name, c in classes.items() if name not in _own})

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Files are written whole or not at all: what was there before stays until the new one is complete."""
+
 import json
 import os
 import threading
@@ -30,7 +31,14 @@ def saveJson(file, value):
 def saveTable(file, columns):
     """Writes columns, a dict name -> numbers, as CSV."""
     with replacing(file) as part:
-        np.savetxt(part, np.column_stack(list(columns.values())), delimiter=",", comments="", header=",".join(columns), fmt="%.8g")
+        np.savetxt(
+            part,
+            np.column_stack(list(columns.values())),
+            delimiter=",",
+            comments="",
+            header=",".join(columns),
+            fmt="%.8g",
+        )
 
 
 def checkWritable(file, who="checkpoint"):
@@ -38,10 +46,14 @@ def checkWritable(file, who="checkpoint"):
     file = os.fspath(file)
     folder = os.path.dirname(os.path.abspath(file))
     if not os.path.isdir(folder):
-        raise FileNotFoundError(f"{who} '{file}': there is no folder '{folder}'; make it, or give another file")
+        raise FileNotFoundError(
+            f"{who} '{file}': there is no folder '{folder}'; make it, or give another file"
+        )
     if os.path.isdir(file):
         raise IsADirectoryError(f"{who} '{file}' is a folder; give the name of a file")
     if os.path.exists(file) and not os.path.isfile(file):
         raise OSError(f"{who} '{file}' is no regular file and would be replaced; give the name of a file")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise PermissionError(f"{who} '{file}': the folder '{folder}' cannot be written to; give another file")
+        raise PermissionError(
+            f"{who} '{file}': the folder '{folder}' cannot be written to; give another file"
+        )

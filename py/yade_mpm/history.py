@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Time histories: reactions, energies and diagnostics as columns in memory, in CSV, and in the recorder's file."""
+
 import math
 import os
 import time
@@ -68,17 +69,19 @@ class History(Callback):
     step.
     """
 
-    def __init__(self, period=0.0, iterPeriod=0, file=None, columns=None, average=True, state=None, **attributes):
+    def __init__(
+        self, period=0.0, iterPeriod=0, file=None, columns=None, average=True, state=None, **attributes
+    ):
         checkPeriod("History", period, iterPeriod)
         super().__init__(iterPeriod, period, **attributes)
         self._average = bool(average)
         self._file = None if file is None else os.fspath(file)
         self._columns = Columns(columns or {})
         self._data, self._units, self._count = {}, {}, 0
-        self._before = {}   # name -> time of the last row, time integrals until then
+        self._before = {}  # name -> time of the last row, time integrals until then
         self._motions = {}  # name -> prescribed motion that bears it
         self._initialEnergy = None
-        self._header, self._inFile = None, 0       # of the CSV file as it is
+        self._header, self._inFile = None, 0  # of the CSV file as it is
         self._recorder, self._inRecorder = None, 0
         self._flushed = time.monotonic()
         if state is not None:
@@ -103,25 +106,45 @@ class History(Callback):
     def __getitem__(self, name):
         """Column as an array (rows,)."""
         if not self._data:
-            raise KeyError("History: it has no rows yet; give it to scene.engines, and run the scene for a period or longer")
+            raise KeyError(
+                "History: it has no rows yet; give it to scene.engines, and run the scene for a period or longer"
+            )
         if name not in self._data:
             raise KeyError(f"there is no column '{name}'; columns: {', '.join(self._data)}")
         return np.array(self._data[name])
 
     def spec(self):
         """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew, rows included."""
-        columns = {name: c if isinstance(c, str) else None for key, c in self._columns.items() for name in _names(key)}
-        return dict(period=self.virtPeriod, iterPeriod=self.iterPeriod, file=self._file, columns=columns,
-                    average=self._average, state=self._state(), label=self.label, dead=self.dead)
+        columns = {
+            name: c if isinstance(c, str) else None
+            for key, c in self._columns.items()
+            for name in _names(key)
+        }
+        return dict(
+            period=self.virtPeriod,
+            iterPeriod=self.iterPeriod,
+            file=self._file,
+            columns=columns,
+            average=self._average,
+            state=self._state(),
+            label=self.label,
+            dead=self.dead,
+        )
 
     def _state(self):
         """Rows so far and what the next one starts from, as plain types."""
-        return dict(data=self._data, units=self._units, before=self._before, initialEnergy=self._initialEnergy)
+        return dict(
+            data=self._data, units=self._units, before=self._before, initialEnergy=self._initialEnergy
+        )
 
     def _restore(self, state):
         self._data = {name: list(column) for name, column in state["data"].items()}
         self._count = max((len(column) for column in self._data.values()), default=0)
-        self._units, self._before, self._initialEnergy = dict(state["units"]), dict(state["before"]), state["initialEnergy"]
+        self._units, self._before, self._initialEnergy = (
+            dict(state["units"]),
+            dict(state["before"]),
+            state["initialEnergy"],
+        )
 
     # --- engine ---
     def bind(self, scene):
@@ -165,23 +188,36 @@ class History(Callback):
                 row.update(self._reactions(scene, means))
                 row.update(self._contacts(scene, means))
             elif name == "mass":
-                row.update((f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", diagnostics.momentum(scene)))
+                row.update(
+                    (f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", diagnostics.momentum(scene))
+                )
             elif name == "contactEnergy":
-                row["energyError"] = ("kJ", diagnostics.energyError(scene, self._initialEnergy, kinetic=row["kineticEnergy"][1]))
+                row["energyError"] = (
+                    "kJ",
+                    diagnostics.energyError(scene, self._initialEnergy, kinetic=row["kineticEnergy"][1]),
+                )
             elif name == "workDone":
                 row["kineticRatio"] = ("-", diagnostics.kineticRatio(scene, row["kineticEnergy"][1]))
         for key in self._columns:
             row.update((name, ("", value)) for name, value in self._columns.measure(key, scene))
-        self._append({name: (_perMetre(unit) if scene.dim == 2 else unit, value) for name, (unit, value) in row.items()})
+        self._append(
+            {
+                name: (_perMetre(unit) if scene.dim == 2 else unit, value)
+                for name, (unit, value) in row.items()
+            }
+        )
         self._before = {name: [scene.time, *integrals] for name, integrals in _integrals(scene).items()}
 
     def _means(self, scene):
         """Dict of what is averaged -> mean since the last row; nothing for what has seen no step since."""
         if not self._average:
             return {}
-        return {name: [(now - before) / (scene.time - since) for now, before in zip(integrals, start)]
-                for name, integrals in _integrals(scene).items()
-                for since, *start in [self._before[name]] if scene.time > since}
+        return {
+            name: [(now - before) / (scene.time - since) for now, before in zip(integrals, start)]
+            for name, integrals in _integrals(scene).items()
+            for since, *start in [self._before[name]]
+            if scene.time > since
+        }
 
     def _reactions(self, scene, means):
         """Reaction, moment and work of every prescribed motion."""
@@ -190,7 +226,9 @@ class History(Callback):
             six = means.get(c.name, [*c.core.reaction, *c.core.moment])
             row.update((f"{c.name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[:dim], six))
             if not (isinstance(c, Hold) and isinstance(c.where, str) and c.name == c.where):  # a face
-                row.update((f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in ((2,) if dim == 2 else (0, 1, 2)))
+                row.update(
+                    (f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in ((2,) if dim == 2 else (0, 1, 2))
+                )
             row[f"{c.name}.work"] = ("kJ", c.work)
         return row
 
@@ -202,8 +240,14 @@ class History(Callback):
         row = {}
         for pair, force in contact.forces().items():
             name = _nameOf(pair)
-            row.update((f"{name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[: scene.dim], means.get(name, force)))
-        return {**row, "contact.frictionWork": ("kJ", contact.frictionWork), "contact.largestPenetration": ("m", contact.largestPenetration)}
+            row.update(
+                (f"{name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[: scene.dim], means.get(name, force))
+            )
+        return {
+            **row,
+            "contact.frictionWork": ("kJ", contact.frictionWork),
+            "contact.largestPenetration": ("m", contact.largestPenetration),
+        }
 
     def _append(self, row):
         for name, (unit, value) in row.items():
@@ -233,7 +277,9 @@ class History(Callback):
         return "".join(",".join(map(str, row)) + "\n" for row in rows)
 
     def _writeRecorder(self):
-        recorder = next((e for e in self._scene.engines if isinstance(e, Recorder) and e._path is not None), None)
+        recorder = next(
+            (e for e in self._scene.engines if isinstance(e, Recorder) and e._path is not None), None
+        )
         if recorder is None:
             return
         if recorder is not self._recorder:
@@ -258,7 +304,9 @@ class Columns(dict):
     update = MutableMapping.update  # one by one, too
 
     def __setitem__(self, name, column):
-        isText = isinstance(column, str) and not isinstance(name, tuple)  # a checkpoint keeps each text by its name
+        isText = isinstance(column, str) and not isinstance(
+            name, tuple
+        )  # a checkpoint keeps each text by its name
         if not (column is None or callable(column) or isText):
             orText = "" if isinstance(name, tuple) else ", or an expression as text"
             raise TypeError(f"History: column '{name}' = {column!r}; give a function of the scene{orText}")
@@ -276,10 +324,17 @@ class Columns(dict):
         try:
             known = {"scene": scene, "diagnostics": diagnostics, "np": np}
             found = eval(self._code[name], known) if isinstance(column, str) else column(scene)
-            return [(one, float(value)) for one, value in zip(_names(name), found if isinstance(name, tuple) else [found], strict=True)]
+            return [
+                (one, float(value))
+                for one, value in zip(
+                    _names(name), found if isinstance(name, tuple) else [found], strict=True
+                )
+            ]
         except Exception as error:
-            raise ValueError(f"History: column '{name}' ({column if isinstance(column, str) else 'a function'}) gives no number: {type(error).__name__}: "
-                             f"{error}") from error
+            raise ValueError(
+                f"History: column '{name}' ({column if isinstance(column, str) else 'a function'}) gives no number: {type(error).__name__}: "
+                f"{error}"
+            ) from error
 
 
 def _names(key):

@@ -7,6 +7,7 @@
 
 YADE is used through its Python interface only. An engine of ours is a PyRunner whose command is `inYade.act(...)`.
 """
+
 import builtins
 import json
 import math
@@ -25,8 +26,8 @@ from .running import Run
 from .scene import Scene
 from .yadeBodies import Bodies, checkExchanges  # for users: inYade.Bodies
 
-FRESH_DT = 1e-8      # s, O.dt of a YADE that nobody has told anything
-DEM_SAFETY = 0.8     # share of PWaveTimeStep taken when O.dt is left alone
+FRESH_DT = 1e-8  # s, O.dt of a YADE that nobody has told anything
+DEM_SAFETY = 0.8  # share of PWaveTimeStep taken when O.dt is left alone
 
 
 def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", plot=False, callbacks=None):
@@ -56,32 +57,44 @@ def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", p
     if O.running:
         raise RuntimeError("inYade.attach: YADE is running; O.pause() and O.wait() first")
     if not (isinstance(label, str) and label.isidentifier()):
-        raise ValueError(f"inYade.attach: label = {label!r} is not allowed; give letters, digits and underscores, e.g. 'mpm'")
+        raise ValueError(
+            f"inYade.attach: label = {label!r} is not allowed; give letters, digits and underscores, e.g. 'mpm'"
+        )
     saved = {}
     if scene is None:
         scene, saved = _fromTag(O, label, callbacks)
     elif callbacks is not None:
-        raise ValueError("inYade.attach: callbacks go with a checkpoint; leave them out where the scene is given")
+        raise ValueError(
+            "inYade.attach: callbacks go with a checkpoint; leave them out where the scene is given"
+        )
     if not isinstance(scene, Scene):
         raise TypeError(f"inYade.attach: scene = {scene!r}; give a yade_mpm.Scene")
     for other in yadeLoop.attached.values():
         if other.scene is scene and other.label != label:
-            raise ValueError(f"inYade.attach: this scene is attached as '{other.label}' already; detach() it there")
+            raise ValueError(
+                f"inYade.attach: this scene is attached as '{other.label}' already; detach() it there"
+            )
     mpmSteps = saved.get("mpmSteps", 1) if mpmSteps is None else _count("mpmSteps", mpmSteps)
     demSteps = saved.get("demSteps", 1) if demSteps is None else _count("demSteps", demSteps)
     if mpmSteps > 1 and demSteps > 1:
-        raise ValueError(f"inYade.attach: mpmSteps = {mpmSteps}, demSteps = {demSteps}; one of the two has to be 1")
+        raise ValueError(
+            f"inYade.attach: mpmSteps = {mpmSteps}, demSteps = {demSteps}; one of the two has to be 1"
+        )
     stages = saved.get("stages", mpmSteps == 1) if stages is None else bool(stages)
     if stages and mpmSteps > 1:
-        raise ValueError("inYade.attach: engines per stage cannot act several times in a DEM step; give stages=False "
-                         "(scene.timing() still tells the time of each stage)")
+        raise ValueError(
+            "inYade.attach: engines per stage cannot act several times in a DEM step; give stages=False "
+            "(scene.timing() still tells the time of each stage)"
+        )
     yadeLoop.waitForStep(O)
     yadeLoop.errors.clear()
     if label in yadeLoop.attached:
         yadeLoop.attached.pop(label)._letGo()
     coupling = Coupling(O, scene, mpmSteps, demSteps, stages, label, bool(plot), saved)
     yadeLoop.attached[label] = coupling
-    builtins.inYade = sys.modules[__name__]  # where the commands of the engines find it, wherever it was imported
+    builtins.inYade = sys.modules[
+        __name__
+    ]  # where the commands of the engines find it, wherever it was imported
     yadeLoop.wrapOmega(type(O))
     yadeLoop.signals.install()
     return coupling
@@ -130,18 +143,22 @@ class Coupling:
         self._O, self.scene, self.label, self.plot = O, scene, label, plot
         self.mpmSteps, self.demSteps, self.stages = mpmSteps, demSteps, stages
         self.error, self.exchanges = None, []
-        self._thread = None       # at work on this scene
-        self._loopThread = None   # in which the present run calls us
-        self._fresh = False       # a run has begun
+        self._thread = None  # at work on this scene
+        self._loopThread = None  # in which the present run calls us
+        self._fresh = False  # a run has begun
         self.runs = 0
         kept, place = self._places()
         self._steppers, self._stepperMaxDt = _steppersIn(kept), []
         if any(s in kept[place:] for s in self._steppers):
-            raise ValueError("inYade.attach: a time stepper stands behind the place of the MPM engines and would change O.dt "
-                             "in the middle of a step; put it before the NewtonIntegrator")
+            raise ValueError(
+                "inYade.attach: a time stepper stands behind the place of the MPM engines and would change O.dt "
+                "in the middle of a step; put it before the NewtonIntegrator"
+            )
         scene._refuseWhileRunning("attach")
         if any(isinstance(e, RigidContact) and not e.frictions() for e in scene.engines):
-            raise ValueError("inYade.attach: a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, ids) before")
+            raise ValueError(
+                "inYade.attach: a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, ids) before"
+            )
         scene.prepare()
         scene._run = self._run = _YadeRun(self)
         self._chain = scene.engines
@@ -150,16 +167,25 @@ class Coupling:
         # Rows that yade.plot has already: none of a loaded run.
         self._inPlot = {} if saved else {e: len(e) for e in self._chain if isinstance(e, History)}
         self._tagRecorders()
-        self._estimateAt, self._checkAt = _nextAt(scene.steps, limits.DT_PERIOD), _nextAt(scene.steps, limits.CHECK_PERIOD)
-        self._iter = None                               # of the DEM step that has begun last
+        self._estimateAt, self._checkAt = (
+            _nextAt(scene.steps, limits.DT_PERIOD),
+            _nextAt(scene.steps, limits.CHECK_PERIOD),
+        )
+        self._iter = None  # of the DEM step that has begun last
         self._cycleEnd = saved.get("cycleEnd", O.iter)  # iteration at which the MPM acts next
-        self._isMpmStep, self._isOpen = False, False    # whether it acts in this DEM step, and is between its stages
-        self._end = saved.get("end", scene.time)        # scene time at the end of the cycle
+        self._isMpmStep, self._isOpen = (
+            False,
+            False,
+        )  # whether it acts in this DEM step, and is between its stages
+        self._end = saved.get("end", scene.time)  # scene time at the end of the cycle
         self.timeOffset = saved.get("timeOffset", scene.time - O.time)
         self._at = scene.steps, scene.time
         isFresh = O.iter == 0 and O.dt == FRESH_DT
         self._demDt = saved.get("demDt", _demStep(O) if isFresh else O.dt)  # O.dt if there were no MPM
-        self._dt, self._asked = saved.get("dt"), None  # O.dt in this cycle, and what the user has set meanwhile
+        self._dt, self._asked = (
+            saved.get("dt"),
+            None,
+        )  # O.dt in this cycle, and what the user has set meanwhile
         self._setLimits()
         if self._cycleEnd <= O.iter:
             self._governDt()
@@ -168,8 +194,11 @@ class Coupling:
         self.exchanges += [Bodies(self._chain[place], **spec) for place, spec in saved.get("bodies", ())]
 
     def __repr__(self):
-        ratio = (f"{self.mpmSteps} MPM steps per DEM step" if self.demSteps == 1 else
-                 f"{self.demSteps} DEM steps per MPM step")
+        ratio = (
+            f"{self.mpmSteps} MPM steps per DEM step"
+            if self.demSteps == 1
+            else f"{self.demSteps} DEM steps per MPM step"
+        )
         return f"<{self.label}: {self.scene!r} in YADE, {ratio}>"
 
     engines = property(lambda self: list(self._engines), doc="Its engines in O.engines.")
@@ -193,8 +222,10 @@ class Coupling:
         """RuntimeError when someone has taken our engines out of O.engines."""
         missing = len(self._engines) - sum(map(self._isOurs, self._O.engines))
         if missing > 0 and self.error is None:
-            raise RuntimeError(f"O.engines has lost {missing} of the {len(self._engines)} engines of '{self.label}': it was assigned after inYade.attach(); "
-                               f"attach the scene again, behind that, or detach() it to go on without it")
+            raise RuntimeError(
+                f"O.engines has lost {missing} of the {len(self._engines)} engines of '{self.label}': it was assigned after inYade.attach(); "
+                f"attach the scene again, behind that, or detach() it to go on without it"
+            )
 
     def _makeEngines(self, kept, place):
         from yade.wrapper import PyRunner
@@ -273,16 +304,20 @@ class Coupling:
                 dt = O.dt = self.maxDt
             self._dt = dt
         if not 0 < dt <= self.criticalDt * (1 + 1e-9):
-            raise ValueError(f"O.dt = {dt:.3g} s is not allowed: the critical step of '{self.label}' is {self.criticalDt:.3g} s "
-                             f"(stiffest: '{self.scene.stiffest}'; {self.mpmSteps} MPM steps in {self.demSteps} DEM steps); "
-                             f"lower O.dt, or attach with more mpmSteps")
+            raise ValueError(
+                f"O.dt = {dt:.3g} s is not allowed: the critical step of '{self.label}' is {self.criticalDt:.3g} s "
+                f"(stiffest: '{self.scene.stiffest}'; {self.mpmSteps} MPM steps in {self.demSteps} DEM steps); "
+                f"lower O.dt, or attach with more mpmSteps"
+            )
         return dt
 
     # --- the step ---------------------------------------------------------------------------------------
     def _act(self, number):
         if self.error is not None:
             if not yadeLoop.errors:
-                yadeLoop.errors.append(RuntimeError(f"'{self.label}' was stopped by an error ({self.error}); attach it again"))
+                yadeLoop.errors.append(
+                    RuntimeError(f"'{self.label}' was stopped by an error ({self.error}); attach it again")
+                )
             return
         self._thread = self._loopThread = threading.get_ident()
         try:
@@ -338,10 +373,14 @@ class Coupling:
     def _checkScene(self):
         scene = self.scene
         if scene._engines is not self._chain:
-            raise RuntimeError(f"scene.engines of '{self.label}' was changed; call inYade.attach(scene) again")
+            raise RuntimeError(
+                f"scene.engines of '{self.label}' was changed; call inYade.attach(scene) again"
+            )
         if (scene.steps, scene.time) != self._at:
-            raise RuntimeError(f"the scene '{self.label}' has taken steps outside of YADE (it is at step {scene.steps}, YADE left "
-                               f"it at {self._at[0]}); call inYade.attach(scene) again")
+            raise RuntimeError(
+                f"the scene '{self.label}' has taken steps outside of YADE (it is at step {scene.steps}, YADE left "
+                f"it at {self._at[0]}); call inYade.attach(scene) again"
+            )
         scene._run = self._run
         if self._fresh or not scene._prepared:
             self._fresh = False
@@ -361,9 +400,11 @@ class Coupling:
         core.time = now  # later than it was only when all engines were dead for some steps
 
     def _refuseClock(self):
-        raise RuntimeError(f"the clocks differ: scene.time = {self.scene.time!r} s, O.time + timeOffset = "
-                           f"{self._O.time + self.timeOffset!r} s. O.time was set back, or O.dt was changed in a step after the "
-                           f"MPM engines; mend that, and call inYade.attach(scene) again")
+        raise RuntimeError(
+            f"the clocks differ: scene.time = {self.scene.time!r} s, O.time + timeOffset = "
+            f"{self._O.time + self.timeOffset!r} s. O.time was set back, or O.dt was changed in a step after the "
+            f"MPM engines; mend that, and call inYade.attach(scene) again"
+        )
 
     def _reestimate(self):
         self._estimateAt = _nextAt(self.scene.steps, limits.DT_PERIOD)
@@ -427,6 +468,7 @@ class Coupling:
         if not self.plot:
             return
         from yade import plot
+
         for history in (e for e in self._chain if isinstance(e, History)):
             first, last = self._inPlot.get(history, 0), len(history)
             self._inPlot[history] = last
@@ -434,8 +476,13 @@ class Coupling:
             for row in range(first, last):
                 columns = {name: column[row] for name, column in history._data.items()}
                 behind = (self._at[0] - columns["step"]) * self.demSteps // self.mpmSteps
-                plot.addData({"i": self._cycleEnd - behind, "t": columns["time"] - self.timeOffset,
-                              **{prefix + name: value for name, value in columns.items()}})
+                plot.addData(
+                    {
+                        "i": self._cycleEnd - behind,
+                        "t": columns["time"] - self.timeOffset,
+                        **{prefix + name: value for name, value in columns.items()},
+                    }
+                )
 
     def flush(self):
         """Writes rows and frames that are not in the files yet; O.run, O.step, O.wait and O.save do it."""
@@ -455,14 +502,29 @@ class Coupling:
     def _saveBeside(self, file):
         """Writes our checkpoint that goes with a file of O.save, and notes in O.tags what attach() needs."""
         if self.error is not None:
-            raise RuntimeError(f"O.save: '{self.label}' was stopped by an error ({self.error}); detach() it to save YADE alone")
+            raise RuntimeError(
+                f"O.save: '{self.label}' was stopped by an error ({self.error}); detach() it to save YADE alone"
+            )
         name = checkpointOf(file, self.label)
         checkWritable(name)
         self.flush()
-        self._O.tags[_tagOf(self.label)] = json.dumps(dict(
-            file=os.path.basename(name), mpmSteps=self.mpmSteps, demSteps=self.demSteps, stages=self.stages,
-            cycleEnd=self._cycleEnd, end=self._end, timeOffset=self.timeOffset, demDt=self._demDt, dt=self._dt,
-            iter=self._O.iter, bodies=[(self._chain.index(e.contact), e.spec()) for e in self.exchanges if isinstance(e, Bodies)]))
+        self._O.tags[_tagOf(self.label)] = json.dumps(
+            dict(
+                file=os.path.basename(name),
+                mpmSteps=self.mpmSteps,
+                demSteps=self.demSteps,
+                stages=self.stages,
+                cycleEnd=self._cycleEnd,
+                end=self._end,
+                timeOffset=self.timeOffset,
+                demDt=self._demDt,
+                dt=self._dt,
+                iter=self._O.iter,
+                bodies=[
+                    (self._chain.index(e.contact), e.spec()) for e in self.exchanges if isinstance(e, Bodies)
+                ],
+            )
+        )
         checkpoint.save(self.scene, name)
         self._stepsSaved = self.scene.steps
 
@@ -501,6 +563,7 @@ def _count(name, value):
 
 def _steppersIn(engines):
     from yade.wrapper import TimeStepper
+
     return [e for e in engines if isinstance(e, TimeStepper)]
 
 
@@ -509,6 +572,7 @@ def _demStep(O):
     if not any(type(b.shape).__name__ == "Sphere" for b in O.bodies):
         return math.inf
     from yade.utils import PWaveTimeStep
+
     return DEM_SAFETY * PWaveTimeStep()
 
 
@@ -524,11 +588,15 @@ def _fromTag(O, label, callbacks):
     """Scene from the checkpoint that O.tags name, and what was noted there."""
     tag = _tagOf(label)
     if tag not in list(O.tags.keys()):
-        raise ValueError(f"inYade.attach: no scene was given, and YADE's state names none for the label '{label}' "
-                         f"(O.tags['{tag}'])")
+        raise ValueError(
+            f"inYade.attach: no scene was given, and YADE's state names none for the label '{label}' "
+            f"(O.tags['{tag}'])"
+        )
     saved = json.loads(O.tags[tag])
     if saved["iter"] != O.iter:
-        raise ValueError(f"inYade.attach: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE is at "
-                         f"{O.iter}; load a file that O.save wrote with the scene attached, or give the scene")
+        raise ValueError(
+            f"inYade.attach: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE is at "
+            f"{O.iter}; load a file that O.save wrote with the scene attached, or give the scene"
+        )
     file = os.path.join(os.path.dirname(O.filename or ""), saved["file"])
     return load(file, callbacks), saved

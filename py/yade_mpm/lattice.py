@@ -4,6 +4,7 @@
 A region whose edges are not multiples of the particle spacing would silently overlap its
 neighbour or leave a gap; it is refused here, before anything runs.
 """
+
 from itertools import product
 
 import numpy as np
@@ -85,7 +86,9 @@ def _samples(region, lower, spacing, numbers, steps):
         points = lower + (numbers[chunk, None] + offsets) * spacing
         inside = region.contains(points.reshape(-1, region.dim), closed=False).reshape(points.shape[:2])
         shares[chunk] = inside.mean(axis=1)
-        centroids[chunk] = (points * inside[..., None]).sum(axis=1) / np.maximum(inside.sum(axis=1), 1)[:, None]
+        centroids[chunk] = (points * inside[..., None]).sum(axis=1) / np.maximum(inside.sum(axis=1), 1)[
+            :, None
+        ]
     return centroids, shares
 
 
@@ -104,8 +107,10 @@ def _cellsRound(region, lower, upper, spacing, name):
 
 def _notEmpty(cells, region, spacing, name):
     if not len(cells):
-        raise ValueError(f"'{name}': empty body: {region!r} holds no centre of a lattice of spacing "
-                         f"{_formatSpacing(spacing)}; enlarge the region or lower the spacing")
+        raise ValueError(
+            f"'{name}': empty body: {region!r} holds no centre of a lattice of spacing "
+            f"{_formatSpacing(spacing)}; enlarge the region or lower the spacing"
+        )
     return cells
 
 
@@ -135,8 +140,10 @@ def checkOverlap(nameA, positionsA, halfSizeA, nameB, positionsB, halfSizeB):
         start = np.maximum(a[i] - halfA[i], b[j] - halfB[j])
         end = np.minimum(a[i] + halfA[i], b[j] + halfB[j])
         place = ((start + end) / 2).round(9)
-        raise ValueError(f"bodies '{nameA}' and '{nameB}' overlap at {formatPoint(place)} "
-                         f"({len(overlapping)} particles of '{nameA}'); subtract one region from the other")
+        raise ValueError(
+            f"bodies '{nameA}' and '{nameB}' overlap at {formatPoint(place)} "
+            f"({len(overlapping)} particles of '{nameA}'); subtract one region from the other"
+        )
 
 
 def firstNear(positionsA, halfSizeA, positionsB, halfSizeB, reach):
@@ -190,16 +197,20 @@ def _asBoxes(positions, halfSize):
     if positions.ndim != 2 or positions.shape[1] not in (2, 3):
         raise ValueError(f"positions has shape {positions.shape}; (N, 2) or (N, 3) is needed")
     if halfSize.shape not in ((), positions.shape[1:], positions.shape):
-        raise ValueError(f"halfSize has shape {halfSize.shape}; one number, {positions.shape[1:]} "
-                         f"or {positions.shape} is needed")
+        raise ValueError(
+            f"halfSize has shape {halfSize.shape}; one number, {positions.shape[1:]} "
+            f"or {positions.shape} is needed"
+        )
     return positions, np.broadcast_to(halfSize, positions.shape)
 
 
 def _asGrid(lower, upper, region, name):
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     if lower.shape != (region.dim,) or upper.shape != (region.dim,):
-        raise ValueError(f"'{name}': {region!r} is {region.dim}D, but the grid corners have shapes "
-                         f"{lower.shape} and {upper.shape}; give both the same number of coordinates")
+        raise ValueError(
+            f"'{name}': {region!r} is {region.dim}D, but the grid corners have shapes "
+            f"{lower.shape} and {upper.shape}; give both the same number of coordinates"
+        )
     return lower, upper
 
 
@@ -208,8 +219,10 @@ def _requireInside(region, lower, upper, spacing, name):
     slack = _EDGE_TOLERANCE * spacing
     if np.any(start < lower - slack) or np.any(end > upper + slack):
         grid = f"box({formatPoint(lower)}, {formatPoint(upper)})"
-        raise ValueError(f"'{name}': the region reaches outside the grid: it spans {formatPoint(start)} to "
-                         f"{formatPoint(end)}, the grid is {grid}; shrink it or cut it with '& {grid}'")
+        raise ValueError(
+            f"'{name}': the region reaches outside the grid: it spans {formatPoint(start)} to "
+            f"{formatPoint(end)}, the grid is {grid}; shrink it or cut it with '& {grid}'"
+        )
 
 
 def _requireMultiple(axis, coordinate, anchor, spacing, name):
@@ -217,9 +230,11 @@ def _requireMultiple(axis, coordinate, anchor, spacing, name):
     if abs(steps - round(steps)) <= _EDGE_TOLERANCE:
         return
     below, above = (f"{anchor + k * spacing:.9g}" for k in (np.floor(steps), np.ceil(steps)))
-    raise ValueError(f"'{name}': edge {'xyz'[axis]} = {coordinate:.9g} is not a multiple of the spacing "
-                     f"{spacing:.9g} from the grid corner {anchor:.9g}; move it to {below} or {above}, "
-                     "or change the spacing")
+    raise ValueError(
+        f"'{name}': edge {'xyz'[axis]} = {coordinate:.9g} is not a multiple of the spacing "
+        f"{spacing:.9g} from the grid corner {anchor:.9g}; move it to {below} or {above}, "
+        "or change the spacing"
+    )
 
 
 def _formatSpacing(spacing):

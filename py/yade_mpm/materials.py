@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Materials, as registered in pkg/mpm/material, and the single-point driver."""
+
 import copy
 
 import numpy as np
+
 from . import _core
 from .attributes import Attributed, makeClasses
 
@@ -32,7 +34,9 @@ def rebuilt(cls, attributes):
     if not {"lame", "young"} <= set(attributes):
         return cls(**attributes)
     byLame = cls(**{name: v for name, v in attributes.items() if name not in ("young", "poisson")})
-    if byLame.attributes() == {name: tuple(v) if isinstance(v, list) else v for name, v in attributes.items()}:
+    if byLame.attributes() == {
+        name: tuple(v) if isinstance(v, list) else v for name, v in attributes.items()
+    }:
         return byLame
     return cls(**{name: v for name, v in attributes.items() if name != "lame"})
 
@@ -54,9 +58,13 @@ class MaterialPoint:
 
     def __init__(self, material, stress=None):
         if not isinstance(material, Material):
-            raise TypeError(f"MaterialPoint: material = {material!r}; give a material, e.g. mpm.LinearElastic(...)")
+            raise TypeError(
+                f"MaterialPoint: material = {material!r}; give a material, e.g. mpm.LinearElastic(...)"
+            )
         self.material = material
-        self._point = _core.MaterialPoint(material.core, _tensor("stress", np.zeros((3, 3)) if stress is None else stress))
+        self._point = _core.MaterialPoint(
+            material.core, _tensor("stress", np.zeros((3, 3)) if stress is None else stress)
+        )
 
     def strain(self, increment):
         """Applies a logarithmic strain increment without rotation and returns the new stress.
@@ -66,7 +74,9 @@ class MaterialPoint:
         """
         increment = _tensor("increment", increment)
         if not np.allclose(increment, increment.T, rtol=0, atol=1e-14 + 1e-12 * abs(increment).max()):
-            raise ValueError("MaterialPoint: the strain increment must be symmetric; use gradient(L, dt) to rotate")
+            raise ValueError(
+                "MaterialPoint: the strain increment must be symmetric; use gradient(L, dt) to rotate"
+            )
         values, vectors = np.linalg.eigh(increment)
         return self.gradient(np.ascontiguousarray(vectors * np.expm1(values) @ vectors.T), 1.0)
 

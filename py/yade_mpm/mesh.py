@@ -4,6 +4,7 @@
 2D and 3D share one text: a cell is described by its corners in unit coordinates, counter-clockwise
 in 2D, in VTK hexahedron order in 3D (bottom face counter-clockwise seen from above, then the top).
 """
+
 import os
 from dataclasses import dataclass, field
 from itertools import product
@@ -16,8 +17,10 @@ from .regions import formatPoint
 _QUAD = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
 CORNERS = {2: _QUAD, 3: np.array([(*xy, z) for z in (0, 1) for xy in _QUAD])}
 _MIRROR = {2: [0, 3, 2, 1], 3: [0, 3, 2, 1, 4, 7, 6, 5]}
-_FACETS = {2: [(0, 1), (1, 2), (2, 3), (3, 0)],  # outward
-           3: [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)]}
+_FACETS = {
+    2: [(0, 1), (1, 2), (2, 3), (3, 0)],  # outward
+    3: [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)],
+}
 _MAX_MASTERS = 4
 
 
@@ -70,8 +73,10 @@ def refineNear(mesh, positions, halfSize, distance, ratio=2):
     if ratio != int(ratio) or ratio < 1:
         raise ValueError(f"refineNear: ratio = {ratio!r} must be a whole number from 1 up")
     if not 0 < distance < np.inf:
-        raise ValueError(f"refineNear: distance = {distance!r} must be positive and finite; "
-                         "one coarse cell edge splits one ring of cells")
+        raise ValueError(
+            f"refineNear: distance = {distance!r} must be positive and finite; "
+            "one coarse cell edge splits one ring of cells"
+        )
     ratio = int(ratio)
     origin, size, numbers = _boxLattice(mesh)
     centres = origin + (numbers + 0.5) * size
@@ -106,11 +111,18 @@ def meshFromArrays(points, cells, name):
     outside = np.any((cells < 0) | (cells >= len(points)), axis=1)
     if np.any(outside):
         k = np.flatnonzero(outside)[0]
-        raise ValueError(f"'{name}': cell {k} names vertices {cells[k].tolist()}, but the points are "
-                         f"numbered 0 to {len(points) - 1}; count from zero")
+        raise ValueError(
+            f"'{name}': cell {k} names vertices {cells[k].tolist()}, but the points are "
+            f"numbered 0 to {len(points) - 1}; count from zero"
+        )
     ordered = np.sort(cells, axis=1)
-    _refuseCells(np.any(ordered[:, 1:] == ordered[:, :-1], axis=1), points, cells, name,
-                 "names a vertex twice; use quadrilaterals and hexahedra with distinct corners")
+    _refuseCells(
+        np.any(ordered[:, 1:] == ordered[:, :-1], axis=1),
+        points,
+        cells,
+        name,
+        "names a vertex twice; use quadrilaterals and hexahedra with distinct corners",
+    )
     used, cells = np.unique(cells, return_inverse=True)
     points, cells = points[used], cells.reshape(ordered.shape)
     isInverted = cellVolumes(points, cells) < 0
@@ -134,10 +146,13 @@ def meshFromFile(path, name):
     try:
         import meshio
     except ImportError as error:
-        raise ImportError(f"'{name}': reading {path} needs the meshio package; "
-                          "install it or use meshFromArrays") from error
+        raise ImportError(
+            f"'{name}': reading {path} needs the meshio package; install it or use meshFromArrays"
+        ) from error
     if not os.path.exists(path):  # meshio would leave the program
-        raise FileNotFoundError(f"'{name}': there is no mesh file '{os.path.abspath(os.fsdecode(path))}'; correct the name")
+        raise FileNotFoundError(
+            f"'{name}': there is no mesh file '{os.path.abspath(os.fsdecode(path))}'; correct the name"
+        )
     try:
         content = meshio.read(path)
     except (Exception, SystemExit) as error:  # meshio leaves the program on a file it cannot read
@@ -146,8 +161,10 @@ def meshFromFile(path, name):
     kind = {2: "quad", 3: "hexahedron"}.get(dim)
     others = sorted({block.type for block in content.cells if block.dim == dim and block.type != kind})
     if kind is None or others:
-        raise ValueError(f"'{name}': {path} holds cells of type {', '.join(others) or 'none'}; "
-                         "only quad (2D) or hexahedron (3D) cells, of 4 or 8 vertices, are allowed")
+        raise ValueError(
+            f"'{name}': {path} holds cells of type {', '.join(others) or 'none'}; "
+            "only quad (2D) or hexahedron (3D) cells, of 4 or 8 vertices, are allowed"
+        )
     return meshFromArrays(content.points, content.cells_dict[kind], name)
 
 
@@ -236,7 +253,7 @@ def _hangingVertices(vertices, coarse, ratio):
         weight = np.prod(np.where(CORNERS[dim] == 1, local / ratio, 1 - local / ratio), axis=1)
         active = np.flatnonzero(weight)
         corner = np.full((len(found), _MAX_MASTERS), -1)
-        corner[:, :len(active)] = _find(vertices, cells[:, None] + CORNERS[dim][active] * ratio)
+        corner[:, : len(active)] = _find(vertices, cells[:, None] + CORNERS[dim][active] * ratio)
         slaves.append(found)
         masters.append(corner)
         weights.append(np.tile(np.pad(weight[active], (0, _MAX_MASTERS - len(active))), (len(found), 1)))
@@ -255,8 +272,10 @@ def _boxLattice(mesh):
     numbers = np.round((lower - origin) / size).astype(int)
     expected = origin + (numbers[:, None] + CORNERS[mesh.dim]) * size
     if len(mesh.slaves) or np.any(np.abs(corners - expected) > 1e-6 * size):
-        raise ValueError("refineNear: the mesh is not made of equal boxes with shared corners; "
-                         "give it as meshRegion() makes it, and refine once only")
+        raise ValueError(
+            "refineNear: the mesh is not made of equal boxes with shared corners; "
+            "give it as meshRegion() makes it, and refine once only"
+        )
     return origin, size, numbers
 
 
@@ -292,17 +311,23 @@ def _asArrays(points, cells, name):
     points, cells = np.array(points, float), np.array(cells)
     hasShape = cells.ndim == 2 and cells.shape[1] in (4, 8) and len(cells)
     if not hasShape or not np.issubdtype(cells.dtype, np.integer):
-        raise ValueError(f"'{name}': cells has shape {cells.shape} and type {cells.dtype}; "
-                         "(Nc, 4) or (Nc, 8) vertex numbers (int) are needed")
+        raise ValueError(
+            f"'{name}': cells has shape {cells.shape} and type {cells.dtype}; "
+            "(Nc, 4) or (Nc, 8) vertex numbers (int) are needed"
+        )
     dim = 2 if cells.shape[1] == 4 else 3
     if points.ndim == 2 and points.shape[1] == 3 and dim == 2:
         if np.any(np.abs(points[:, 2]) > 1e-12 * np.max(np.abs(points))):
-            raise ValueError(f"'{name}': quadrilaterals must lie in the plane z = 0, but z reaches "
-                             f"{np.max(np.abs(points[:, 2])):.9g}; use hexahedra in 3D")
+            raise ValueError(
+                f"'{name}': quadrilaterals must lie in the plane z = 0, but z reaches "
+                f"{np.max(np.abs(points[:, 2])):.9g}; use hexahedra in 3D"
+            )
         points = points[:, :2]
     if points.ndim != 2 or points.shape[1] != dim:
-        raise ValueError(f"'{name}': points has shape {points.shape}, but cells of {cells.shape[1]} vertices "
-                         f"need (Nv, {dim})")
+        raise ValueError(
+            f"'{name}': points has shape {points.shape}, but cells of {cells.shape[1]} vertices "
+            f"need (Nv, {dim})"
+        )
     bad = np.flatnonzero(~np.all(np.isfinite(points), axis=1))
     if len(bad):
         raise ValueError(f"'{name}': point {bad[0]} at {formatPoint(points[bad[0]])} is not finite")

@@ -5,6 +5,7 @@ The solver takes several domains of a row at a time where each of their corners 
 seldom number like that. A row is entered at one facet of a cell and left at the opposite one; it ends at the boundary, or at a cell
 of another row. The rows beside it come next, so that neighbours are near each other in memory, too.
 """
+
 from collections import deque
 from itertools import permutations, product
 
@@ -25,8 +26,13 @@ class _Cube:
         corners = CORNERS[dim]
         number = {tuple(corner): a for a, corner in enumerate(corners)}
         low = [np.flatnonzero(corners[:, k] == 0) for k in range(dim)]
-        self.sides = np.array([[number[tuple(corner)] for corner in corners[low[k]] + s * np.eye(dim, dtype=int)[k]]
-                               for k in range(dim) for s in (0, 1)])
+        self.sides = np.array(
+            [
+                [number[tuple(corner)] for corner in corners[low[k]] + s * np.eye(dim, dtype=int)[k]]
+                for k in range(dim)
+                for s in (0, 1)
+            ]
+        )
         self.rotations = []
         for axes, signs in product(permutations(range(dim)), product((0, 1), repeat=dim)):
             if np.linalg.det(np.eye(dim)[list(axes)] * (1 - 2 * np.array(signs))[:, None]) > 0:
@@ -36,7 +42,9 @@ class _Cube:
         numberOf = {r: i for i, r in enumerate(self.rotations)}
         self.product = [[numberOf[tuple(q[a] for a in r)] for r in self.rotations] for q in self.rotations]
         sideOf = {frozenset(side): f for f, side in enumerate(self.sides.tolist())}
-        self.turnedSide = [[sideOf[frozenset(r[a] for a in side)] for side in self.sides.tolist()] for r in self.rotations]
+        self.turnedSide = [
+            [sideOf[frozenset(r[a] for a in side)] for side in self.sides.tolist()] for r in self.rotations
+        ]
 
 
 def inRows(mesh):
@@ -48,13 +56,17 @@ def inRows(mesh):
     scene.add("soil", inRows(meshFromArrays(points, cells, "soil")), material, APDI()). Raises TypeError for anything but a Mesh.
     """
     if not isinstance(mesh, Mesh):
-        raise TypeError(f"inRows: got a {type(mesh).__name__}; give a Mesh, as meshFromArrays(points, cells, name) and meshFromFile(path, name) return it")
+        raise TypeError(
+            f"inRows: got a {type(mesh).__name__}; give a Mesh, as meshFromArrays(points, cells, name) and meshFromFile(path, name) return it"
+        )
     order, points, cells = _rows(mesh.points, mesh.cells)
     numbers = np.empty(len(points), int)
     numbers[points] = np.arange(len(points))
     masters = np.where(mesh.masters >= 0, numbers[mesh.masters], -1)
     cellNumbers = order if mesh.cellNumbers is None else mesh.cellNumbers[order]
-    return Mesh(mesh.points[points], numbers[cells], numbers[mesh.slaves], masters, mesh.masterWeights, cellNumbers)
+    return Mesh(
+        mesh.points[points], numbers[cells], numbers[mesh.slaves], masters, mesh.masterWeights, cellNumbers
+    )
 
 
 def _rows(points, cells):
@@ -83,7 +95,12 @@ def _rows(points, cells):
             first = behind(first, 1)
 
     isIn = [False] * len(cells)
-    corners, order, turned, number = cells.tolist(), [], [], {}  # number: of a point, in the order in which rows meet them
+    corners, order, turned, number = (
+        cells.tolist(),
+        [],
+        [],
+        {},
+    )  # number: of a point, in the order in which rows meet them
     for start in np.lexsort(points[cells].mean(axis=1).T).tolist():
         beside = deque() if isIn[start] else deque([(start, _alongAxes(points[cells[start]], cube))])
         while beside:
@@ -92,11 +109,15 @@ def _rows(points, cells):
                 continue
             row = list(rowThrough(at))
             for a, b in zip(low, high):
-                for vertex in [corners[cell][cube.rotations[r][a]] for cell, r in row] + [corners[row[-1][0]][cube.rotations[row[-1][1]][b]]]:
+                for vertex in [corners[cell][cube.rotations[r][a]] for cell, r in row] + [
+                    corners[row[-1][0]][cube.rotations[row[-1][1]][b]]
+                ]:
                     number.setdefault(vertex, len(number))
             order += [cell for cell, _ in row]
             turned += [[corners[cell][a] for a in cube.rotations[r]] for cell, r in row]
-            beside.extend(next_ for facet in range(2, len(cube.sides)) for at in row if (next_ := behind(at, facet)))
+            beside.extend(
+                next_ for facet in range(2, len(cube.sides)) for at in row if (next_ := behind(at, facet))
+            )
     return np.array(order), np.fromiter(number, int, len(number)), np.array(turned)
 
 
@@ -111,7 +132,9 @@ def _neighbours(cells, cube):
     for here, there in (pairs, pairs[::-1]):
         cell, side = np.divmod(here, len(cube.sides))
         other = there // len(cube.sides)
-        shared = np.take_along_axis(cells[cell], cube.sides[side][:, :2], axis=1)  # two corners tell the rotation
+        shared = np.take_along_axis(
+            cells[cell], cube.sides[side][:, :2], axis=1
+        )  # two corners tell the rotation
         at = np.argmax(cells[other][:, None] == shared[:, :, None], axis=2)
         fits = np.all(rotations[:, cube.sides[side ^ 1][:, :2]] == at, axis=2)
         neighbour[here], turn[here] = np.where(fits.any(axis=0), other, -1), fits.argmax(axis=0)
@@ -120,8 +143,12 @@ def _neighbours(cells, cube):
 
 def _alongAxes(corners, cube):
     """Rotation whose sides are most nearly along the axes, of a cell with given corners (4 or 8, dim)."""
+
     def alignment(rotation):
         x = corners[list(rotation)]
-        edges = [(x[cube.sides[2 * k + 1]] - x[cube.sides[2 * k]]).mean(axis=0) for k in range(corners.shape[1])]
+        edges = [
+            (x[cube.sides[2 * k + 1]] - x[cube.sides[2 * k]]).mean(axis=0) for k in range(corners.shape[1])
+        ]
         return sum(edge[k] / np.linalg.norm(edge) for k, edge in enumerate(edges))
+
     return max(range(len(cube.rotations)), key=lambda r: alignment(cube.rotations[r]))

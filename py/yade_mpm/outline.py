@@ -5,6 +5,7 @@ What the corners of the cells are decides; the outline crosses an edge between a
 bisection. The part of each face of a cell that is inside follows, and by the theorem of Gauss the area vector of the outline in
 the cell: minus the sum over its faces. So the facets of a body close exactly. Corners of the outline within a cell are cut off.
 """
+
 from itertools import product
 
 import numpy as np
@@ -12,9 +13,9 @@ from scipy.spatial import cKDTree
 
 _INSET = 1e-6  # of the spacing; corners are asked that far inside their cell, so that outlines on the lattice lie between cells
 _LEAST = 1e-3  # of a face; smaller facets are left out
-_SMALL = 0.2   # of a face; smaller facets are joined to the next
-_ROUNDS = 30   # of bisection
-_BULGE = 0.1   # of the spacing; how far the middle of a facet may be from the outline in its cell
+_SMALL = 0.2  # of a face; smaller facets are joined to the next
+_ROUNDS = 30  # of bisection
+_BULGE = 0.1  # of the spacing; how far the middle of a facet may be from the outline in its cell
 
 
 def outlineFacets(region, lower, spacing, numbers):
@@ -26,18 +27,31 @@ def outlineFacets(region, lower, spacing, numbers):
     """
     dim, shape = region.dim, np.ptp(numbers, axis=0) + 1
     corners = np.array(list(product((0, 1), repeat=dim)))
-    inside = np.concatenate([region.contains(_cornerPoints(lower, spacing, some, corners).reshape(-1, dim), closed=False).reshape(len(some), -1)
-                             for some in np.array_split(numbers, 1 + len(numbers) // 10**5)])
+    inside = np.concatenate(
+        [
+            region.contains(
+                _cornerPoints(lower, spacing, some, corners).reshape(-1, dim), closed=False
+            ).reshape(len(some), -1)
+            for some in np.array_split(numbers, 1 + len(numbers) // 10**5)
+        ]
+    )
     mixed = np.flatnonzero(inside.any(axis=1) & ~inside.all(axis=1))
-    crossing = _crossings(region, _cornerPoints(lower, spacing, numbers[mixed], corners), inside[mixed], corners)
-    area, moment = _faces(inside, mixed, crossing, corners)  # of the part inside of each face, in units of the face
+    crossing = _crossings(
+        region, _cornerPoints(lower, spacing, numbers[mixed], corners), inside[mixed], corners
+    )
+    area, moment = _faces(
+        inside, mixed, crossing, corners
+    )  # of the part inside of each face, in units of the face
     faceArea = np.prod(spacing) / spacing
 
     outward = np.stack([area[mixed, k, 0] - area[mixed, k, 1] for k in range(dim)], axis=1) * faceArea
     middle = np.nanmean(crossing.reshape(len(mixed), dim * 2 ** (dim - 1), dim), axis=1)
     rows, middles, outwards = [mixed], [lower + (numbers[mixed] + middle) * spacing], [outward]
     for k, side in product(range(dim), (0, 1)):  # outlines on the faces between cells
-        other, there = _shifted(area[:, k, 1 - side], k, side, shape), _shifted(moment[:, k, 1 - side], k, side, shape)
+        other, there = (
+            _shifted(area[:, k, 1 - side], k, side, shape),
+            _shifted(moment[:, k, 1 - side], k, side, shape),
+        )
         bare = np.flatnonzero(area[:, k, side] - other > _LEAST)
         share = (area[:, k, side] - other)[bare]
         at = np.clip((moment[:, k, side] - there)[bare] / share[:, None], 0, 1)
@@ -65,7 +79,10 @@ def _crossings(region, points, inside, corners):
             inner, outer = (np.where(inside[cut, first] == isFirst, 0.0, 1.0) for isFirst in (True, False))
             for _ in range(_ROUNDS):
                 half = 0.5 * (inner + outer)
-                within = region.contains(points[cut, first] + half[:, None] * (points[cut, second] - points[cut, first]), closed=False)
+                within = region.contains(
+                    points[cut, first] + half[:, None] * (points[cut, second] - points[cut, first]),
+                    closed=False,
+                )
                 inner, outer = np.where(within, half, inner), np.where(within, outer, half)
             found[cut, k, e] = corners[first]
             found[cut, k, e, k] = 0.5 * (inner + outer)
@@ -79,7 +96,9 @@ def _faces(inside, mixed, crossing, corners):
     moment = area[..., None] * 0.5 * (1 - np.eye(dim))[:, None]
     for k, side in product(range(dim), (0, 1)):
         outline = _boundary(inside[mixed], crossing, corners, k, side)
-        area[mixed, k, side], moment[mixed, k, side] = _lengths(outline, k) if dim == 2 else _polygons(outline, k)
+        area[mixed, k, side], moment[mixed, k, side] = (
+            _lengths(outline, k) if dim == 2 else _polygons(outline, k)
+        )
     return area, moment
 
 

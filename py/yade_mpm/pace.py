@@ -4,13 +4,17 @@
 Threads that share their processors with another job wait for each other most of the time: two then take two to four times as long as one. The results
 are the same bits for any number, so a run may change it: it tries the other number for a moment, now and then, and stays with the faster.
 """
+
 import time
 
 from .engines import Engine
 
-FIRST, LATER = 0.3, 10.0  # s of wall time to the first trial; at most between later ones, each time twice as long
-TRIAL = 0.1               # s that one lasts
-GAIN = 0.9                # a number is changed for one that takes less than this part of the time
+FIRST, LATER = (
+    0.3,
+    10.0,
+)  # s of wall time to the first trial; at most between later ones, each time twice as long
+TRIAL = 0.1  # s that one lasts
+GAIN = 0.9  # a number is changed for one that takes less than this part of the time
 
 
 class Pace:

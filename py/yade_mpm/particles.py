@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Particle types, as registered in pkg/mpm/particle, and how a region becomes particles or a mesh."""
+
 from inspect import cleandoc
 from typing import NamedTuple
 
@@ -33,17 +34,28 @@ class ParticleType(Attributed):
     def geometry(self, region, scene, name):
         """The Boxes that fill a region."""
         if not isinstance(region, Region):
-            raise TypeError(f"body '{name}': {type(self).__name__} particles fill a region, e.g. box((0, 0), (1, 1)); "
-                            f"got {region!r}")
+            raise TypeError(
+                f"body '{name}': {type(self).__name__} particles fill a region, e.g. box((0, 0), (1, 1)); "
+                f"got {region!r}"
+            )
         cell = np.array(scene.core.cell)
-        spacing = cell / np.broadcast_to(self.perCell, cell.shape) if len(self.perCell) in (1, scene.dim) else None
+        spacing = (
+            cell / np.broadcast_to(self.perCell, cell.shape) if len(self.perCell) in (1, scene.dim) else None
+        )
         if spacing is None:
-            raise ValueError(f"body '{name}': perCell = {self.perCell} has {len(self.perCell)} numbers; give 1 or {scene.dim}")
+            raise ValueError(
+                f"body '{name}': perCell = {self.perCell} has {len(self.perCell)} numbers; give 1 or {scene.dim}"
+            )
         lattice = (region, scene.lower, scene.upper, spacing, name)
         if not getattr(self, "cut", False):
             return Boxes(latticePoints(*lattice), spacing / 2)
         positions, shares, numbers = cutCells(*lattice)
-        return Boxes(positions, spacing / 2, shares, *(cutOutline(*lattice, numbers, positions) if self.outline else ()))
+        return Boxes(
+            positions,
+            spacing / 2,
+            shares,
+            *(cutOutline(*lattice, numbers, positions) if self.outline else ()),
+        )
 
 
 class MeshedType(ParticleType):
@@ -73,7 +85,9 @@ class MeshedType(ParticleType):
         if isinstance(region, tuple) and len(region) == 2:
             return meshFromArrays(*region, name)
         if not isinstance(region, Region):
-            raise TypeError(f"body '{name}': give a region, (points, cells), or the name of a mesh file; got {region!r}")
+            raise TypeError(
+                f"body '{name}': give a region, (points, cells), or the name of a mesh file; got {region!r}"
+            )
         size = asSpacing(scene.core.cell if self.size is None else self.size, scene.dim, name)
         mesh = meshRegion(region, scene.lower, scene.upper, size, name)
         return mesh if self.matched is None else self._match(mesh, size, scene, name)
@@ -81,18 +95,30 @@ class MeshedType(ParticleType):
     def _match(self, mesh, size, scene, name):
         near = self.matched
         if not hasattr(near, "halfSize") or near.type.core.isMeshed:
-            raise TypeError(f"body '{name}': matched = {near!r}; give a body of uGIMP particles that was added before")
+            raise TypeError(
+                f"body '{name}': matched = {near!r}; give a body of uGIMP particles that was added before"
+            )
         ratio = size / (2 * near.halfSize)
         if not np.allclose(ratio, round(ratio[0])) or round(ratio[0]) < 1:
-            raise ValueError(f"body '{name}': size = {size} m is not a multiple of the particle spacing "
-                             f"{2 * near.halfSize} m of '{near.name}'; change size or perCell")
-        return refineNear(mesh, near.position, near.halfSize, float(min(scene.core.cell)), int(round(ratio[0])))
+            raise ValueError(
+                f"body '{name}': size = {size} m is not a multiple of the particle spacing "
+                f"{2 * near.halfSize} m of '{near.name}'; change size or perCell"
+            )
+        return refineNear(
+            mesh, near.position, near.halfSize, float(min(scene.core.cell)), int(round(ratio[0]))
+        )
 
 
 classes = {}
 for _name, _class in makeClasses(_core.particleTypeNames(), _core.makeParticleType, ParticleType).items():
     if _core.makeParticleType(_name).isMeshed:
-        _class = type(_name, (MeshedType,), {**{k: v for k, v in vars(_class).items() if not k.startswith("__weak")},
-                                             "__doc__": _class.__doc__ + "\n\n" + cleandoc(MeshedType.__doc__).split("\n\n", 1)[1]})
+        _class = type(
+            _name,
+            (MeshedType,),
+            {
+                **{k: v for k, v in vars(_class).items() if not k.startswith("__weak")},
+                "__doc__": _class.__doc__ + "\n\n" + cleandoc(MeshedType.__doc__).split("\n\n", 1)[1],
+            },
+        )
     classes[_name] = _class
 globals().update(classes)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Pictures of 2D scenes with matplotlib."""
+
 import os
 
 import matplotlib
@@ -11,8 +12,17 @@ from matplotlib.collections import PolyCollection  # noqa: E402
 
 from .files import replacing  # noqa: E402
 
-plt.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False, "figure.dpi": 130,
-                     "savefig.dpi": 130, "axes.grid": False, "legend.frameon": False})
+plt.rcParams.update(
+    {
+        "font.size": 9,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "figure.dpi": 130,
+        "savefig.dpi": 130,
+        "axes.grid": False,
+        "legend.frameon": False,
+    }
+)
 
 
 class Snapshot:
@@ -26,14 +36,22 @@ class Snapshot:
             raise ValueError("Snapshot: pictures are made of 2D scenes; use the HDF5 file in ParaView for 3D")
         known = {f["name"] for body in scene.bodies for f in body.fields() if not f["shape"]}
         if value not in known:
-            raise ValueError(f"Snapshot: no body has a field {value!r} of one number per particle; fields: {', '.join(sorted(known))}")
+            raise ValueError(
+                f"Snapshot: no body has a field {value!r} of one number per particle; fields: {', '.join(sorted(known))}"
+            )
         self.time, self.value = scene.time, value
         self.parts = []
         for body in scene.bodies:
             if body.count:
                 names = {f["name"] for f in body.fields()}
-                self.parts.append((body.name, body.cells is not None, body.corners().copy(),
-                                   np.array(getattr(body, value)) if value in names else None))
+                self.parts.append(
+                    (
+                        body.name,
+                        body.cells is not None,
+                        body.corners().copy(),
+                        np.array(getattr(body, value)) if value in names else None,
+                    )
+                )
 
     def draw(self, axes, limit, colours="inferno_r", window=None):
         """Draws the domains; limit is the value at the end of the colour scale. Returns the coloured collection."""
@@ -41,7 +59,9 @@ class Snapshot:
         for _, meshed, corners, values in self.parts:
             style = dict(edgecolors=(0, 0, 0, 0.25) if meshed else "none", linewidths=0.15)
             if values is None:
-                axes.add_collection(PolyCollection(corners, facecolors="0.55", edgecolors="0.3", linewidths=0.2))
+                axes.add_collection(
+                    PolyCollection(corners, facecolors="0.55", edgecolors="0.3", linewidths=0.2)
+                )
             else:
                 coloured = PolyCollection(corners, array=values, cmap=colours, **style)
                 coloured.set_clim(0, limit)

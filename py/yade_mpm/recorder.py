@@ -5,6 +5,7 @@ Layout: VTKHDF 2.0, UnstructuredGrid with Steps (https://docs.vtk.org/en/latest/
 A frame whose connectivity is that of the frame before shares it ("part" of the format), so that only points and
 cell data grow.
 """
+
 import io
 import os
 import uuid
@@ -17,11 +18,31 @@ from .engines import Callback
 from .files import checkWritable
 
 QUADRILATERAL, HEXAHEDRON = 9, 12  # VTK cell types
-OTHERS = (".vtk", ".vtu", ".vtp", ".pvtu", ".pvd", ".xmf", ".xdmf", ".csv")  # names of formats that this is not
-CHUNK = 16384                      # rows at most in a piece of a growing array
+OTHERS = (
+    ".vtk",
+    ".vtu",
+    ".vtp",
+    ".pvtu",
+    ".pvd",
+    ".xmf",
+    ".xdmf",
+    ".csv",
+)  # names of formats that this is not
+CHUNK = 16384  # rows at most in a piece of a growing array
 
-_particleFields = ("id", "position", "velocity", "mass", "volume", "initialVolume", "stress", "deformationGradient",
-                   "velocityGradient", "bodyForce", "reference")
+_particleFields = (
+    "id",
+    "position",
+    "velocity",
+    "mass",
+    "volume",
+    "initialVolume",
+    "stress",
+    "deformationGradient",
+    "velocityGradient",
+    "bodyForce",
+    "reference",
+)
 _derived = {
     "displacement": ("m", lambda body: body.displacement),
     "volumeRatio": ("-", lambda body: body.volume / body.initialVolume),
@@ -58,18 +79,22 @@ class Recorder(Callback):
     written, both before the first step.
     """
 
-    def __init__(self, file, period=0.0, iterPeriod=0, fields=None, bodies=None, compress=0, run=None, **attributes):
+    def __init__(
+        self, file, period=0.0, iterPeriod=0, fields=None, bodies=None, compress=0, run=None, **attributes
+    ):
         checkPeriod("Recorder", period, iterPeriod)
         if not (isinstance(compress, int) and 0 <= compress <= 9):
             raise ValueError(f"Recorder: compress = {compress!r} is not allowed; give a gzip level, 0 to 9")
         super().__init__(iterPeriod, period, **attributes)
         self._file, self._compress = os.fspath(file), compress
         if os.path.splitext(self._file)[1].lower() in OTHERS:
-            raise ValueError(f"Recorder: file = {self._file!r} would be taken for another format; give a name that ends in .vtkhdf")
+            raise ValueError(
+                f"Recorder: file = {self._file!r} would be taken for another format; give a name that ends in .vtkhdf"
+            )
         self._fields = None if fields is None else [str(f) for f in fields]
         self._bodies = None if bodies is None else [b if isinstance(b, str) else b.name for b in bodies]
         self._continued, self._run = run is not None, run or uuid.uuid4().hex
-        self._path = None      # of the file as it is now: a temporary name until the first step is taken
+        self._path = None  # of the file as it is now: a temporary name until the first step is taken
         self._frames, self._lastStep, self._topology = 0, None, None
 
     file = property(lambda self: self._file, doc="Name of the file.")
@@ -83,8 +108,17 @@ class Recorder(Callback):
 
     def spec(self):
         """Dict of constructor arguments, of plain types, with which a checkpoint makes the recorder anew."""
-        return dict(file=self._file, period=self.virtPeriod, iterPeriod=self.iterPeriod, fields=self._fields,
-                    bodies=self._bodies, compress=self._compress, run=self._run, label=self.label, dead=self.dead)
+        return dict(
+            file=self._file,
+            period=self.virtPeriod,
+            iterPeriod=self.iterPeriod,
+            fields=self._fields,
+            bodies=self._bodies,
+            compress=self._compress,
+            run=self._run,
+            label=self.label,
+            dead=self.dead,
+        )
 
     # --- engine ---
     def bind(self, scene):
@@ -95,7 +129,9 @@ class Recorder(Callback):
         self._check(scene)
         if self._path is None and self._continued and os.path.exists(self._file):
             self._resume(scene)
-        elif self._path is None or (self._frames == 1 and self._lastStep == scene.steps and not self._continued):
+        elif self._path is None or (
+            self._frames == 1 and self._lastStep == scene.steps and not self._continued
+        ):
             self._begin(scene)
 
     def act(self, scene):
@@ -152,8 +188,10 @@ class Recorder(Callback):
                 self._frames, self._topology = 0, None
                 frame = self._append(h5, scene)
         except OSError as error:
-            raise OSError(f"Recorder: '{self._file}' cannot be written ({error}); give a file in a folder that exists "
-                          f"and may be written to") from None
+            raise OSError(
+                f"Recorder: '{self._file}' cannot be written ({error}); give a file in a folder that exists "
+                f"and may be written to"
+            ) from None
         self._path = partial
         self._noteFrame(frame, scene)
 
@@ -166,8 +204,10 @@ class Recorder(Callback):
     def _resume(self, scene):
         with appendingTo(self._file) as h5:
             if h5.attrs.get("run") != self._run:
-                raise ValueError(f"Recorder: '{self._file}' is not the file that this run has written; move it away, or set "
-                                 f"scene.engines to a Recorder with another file")
+                raise ValueError(
+                    f"Recorder: '{self._file}' is not the file that this run has written; move it away, or set "
+                    f"scene.engines to a Recorder with another file"
+                )
             self._frames, self._topology = _cut(h5["VTKHDF"], scene.steps)
             self._lastStep = int(h5["VTKHDF/Steps/step"][-1]) if self._frames else None
         self._path = self._file
@@ -188,10 +228,18 @@ class Recorder(Callback):
 
 def checkPeriod(who, period, iterPeriod):
     """Raises ValueError unless exactly one period is given and positive."""
-    if not (np.isreal(period) and np.isreal(iterPeriod) and (period > 0) != (iterPeriod > 0) and period >= 0 and
-            iterPeriod >= 0 and iterPeriod == int(iterPeriod)):
-        raise ValueError(f"{who}: period = {period!r} s, iterPeriod = {iterPeriod!r} is not allowed; give one of the two, "
-                         f"positive: scene time or number of steps between records")
+    if not (
+        np.isreal(period)
+        and np.isreal(iterPeriod)
+        and (period > 0) != (iterPeriod > 0)
+        and period >= 0
+        and iterPeriod >= 0
+        and iterPeriod == int(iterPeriod)
+    ):
+        raise ValueError(
+            f"{who}: period = {period!r} s, iterPeriod = {iterPeriod!r} is not allowed; give one of the two, "
+            f"positive: scene time or number of steps between records"
+        )
 
 
 # --- one frame --------------------------------------------------------------------------------------------
@@ -236,10 +284,14 @@ def _cellData(numbered, fields):
     units = {f["name"]: f["unit"] for _, body in numbered for f in body.fields()}
     units.update({name: unit for name, (unit, _) in _derived.items()})
     if fields is None:
-        states = [f["name"] for _, body in numbered for f in body.fields() if f["name"] not in _particleFields]
+        states = [
+            f["name"] for _, body in numbered for f in body.fields() if f["name"] not in _particleFields
+        ]
         fields = [*_standard, *states]
-    data = {"body": _joined([np.full(body.count, k) for k, body in numbered], np.int64),
-            "id": _joined([body.id for _, body in numbered], np.int64)}
+    data = {
+        "body": _joined([np.full(body.count, k) for k, body in numbered], np.int64),
+        "id": _joined([body.id for _, body in numbered], np.int64),
+    }
     for name in dict.fromkeys(fields):
         if name not in data:
             data[name] = _joinedOrNan([(body.count, _values(body, name)) for _, body in numbered])
@@ -270,7 +322,9 @@ def _three(values):
 
 def _joinedOrNan(parts):
     width = next((v.shape[1:] for _, v in parts if v is not None), ())
-    return np.concatenate([np.full((n, *width), np.nan) if v is None else v for n, v in parts] or [np.zeros(0)])
+    return np.concatenate(
+        [np.full((n, *width), np.nan) if v is None else v for n, v in parts] or [np.zeros(0)]
+    )
 
 
 def _joined(parts, dtype):
@@ -300,14 +354,22 @@ def _appendFrame(root, frame, scene, isSame, compress):
     if not isSame:
         topology = _appendTopology(root, frame, compress)
     else:
-        topology = {name: steps[name][k - 1] for name in ("PartOffsets", "CellOffsets", "ConnectivityIdOffsets")}
+        topology = {
+            name: steps[name][k - 1] for name in ("PartOffsets", "CellOffsets", "ConnectivityIdOffsets")
+        }
     first = extend(root, "Points", frame.points, compress=compress)
     firstCell = len(cells["body"]) if k else 0
     for name, values in frame.data.items():
         extend(cells, name, values, firstCell, compress, frame.units[name])
     for name in set(cells) - set(frame.data):  # of a body that is gone
         cells[name].resize(firstCell + len(frame.data["body"]), axis=0)
-    perStep = {"Values": scene.time, "step": scene.steps, "NumberOfParts": 1, "PointOffsets": first, **topology}
+    perStep = {
+        "Values": scene.time,
+        "step": scene.steps,
+        "NumberOfParts": 1,
+        "PointOffsets": first,
+        **topology,
+    }
     for name, value in perStep.items():
         extend(steps, name, [value], k, unit="s" if name == "Values" else "-")
     _noteOffset(steps["CellDataOffsets"], frame.data, firstCell, k)
@@ -320,8 +382,11 @@ def _appendTopology(root, frame, compress):
     extend(root, "NumberOfCells", [len(types)])
     extend(root, "NumberOfConnectivityIds", [len(connectivity)])
     extend(root, "Offsets", offsets, compress=compress)
-    return {"PartOffsets": part, "CellOffsets": extend(root, "Types", types, compress=compress),
-            "ConnectivityIdOffsets": extend(root, "Connectivity", connectivity, compress=compress)}
+    return {
+        "PartOffsets": part,
+        "CellOffsets": extend(root, "Types", types, compress=compress),
+        "ConnectivityIdOffsets": extend(root, "Connectivity", connectivity, compress=compress),
+    }
 
 
 def _noteOffset(offsets, names, first, k):
@@ -348,8 +413,15 @@ def extend(group, name, values, at=None, compress=0, unit=None):
         rows = min(max(len(values), 64), CHUNK)
         filled = np.nan if values.dtype.kind == "f" else 0
         filters = dict(compression="gzip", compression_opts=compress, shuffle=True) if compress else {}
-        group.create_dataset(name, (0, *values.shape[1:]), values.dtype, maxshape=(None, *values.shape[1:]),
-                             chunks=(rows, *values.shape[1:]), fillvalue=filled, **filters)
+        group.create_dataset(
+            name,
+            (0, *values.shape[1:]),
+            values.dtype,
+            maxshape=(None, *values.shape[1:]),
+            chunks=(rows, *values.shape[1:]),
+            fillvalue=filled,
+            **filters,
+        )
         if unit is not None:
             group[name].attrs["unit"] = unit
     array = group[name]
@@ -371,24 +443,36 @@ def _cut(root, step):
     _shrink(root, "Points", points[parts].sum())
     for name in root["CellData"]:
         _shrink(root["CellData"], name, cells[parts].sum())
-    _shrink(root, "Types", cells[:last + 1].sum())
-    _shrink(root, "Offsets", cells[:last + 1].sum() + last + 1)
-    _shrink(root, "Connectivity", ids[:last + 1].sum())
+    _shrink(root, "Types", cells[: last + 1].sum())
+    _shrink(root, "Offsets", cells[: last + 1].sum() + last + 1)
+    _shrink(root, "Connectivity", ids[: last + 1].sum())
     for name in ("NumberOfCells", "NumberOfPoints", "NumberOfConnectivityIds"):
         _shrink(root, name, last + 1)
-    for name in ("Values", "step", "NumberOfParts", "PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"):
+    for name in (
+        "Values",
+        "step",
+        "NumberOfParts",
+        "PartOffsets",
+        "PointOffsets",
+        "CellOffsets",
+        "ConnectivityIdOffsets",
+    ):
         _shrink(steps, name, kept)
     for name in steps["CellDataOffsets"]:
         _shrink(steps["CellDataOffsets"], name, kept)
     steps.attrs["NSteps"] = kept
     if not kept:
         return 0, None
-    return kept, (_tail(root, "Connectivity", ids[last]), _tail(root, "Offsets", cells[last] + 1),
-                  _tail(root, "Types", cells[last]), points[last])
+    return kept, (
+        _tail(root, "Connectivity", ids[last]),
+        _tail(root, "Offsets", cells[last] + 1),
+        _tail(root, "Types", cells[last]),
+        points[last],
+    )
 
 
 def _tail(group, name, rows):
-    return group[name][len(group[name]) - rows:]
+    return group[name][len(group[name]) - rows :]
 
 
 def _shrink(group, name, rows):
@@ -423,7 +507,7 @@ def recover(file):
         content = f.read()
     count, size = np.frombuffer(content, np.int64, 2)
     numbers = np.frombuffer(content, np.int64, count, offset=16)
-    _overwrite(file, numbers, content[16 + 8 * count:], int(size))
+    _overwrite(file, numbers, content[16 + 8 * count :], int(size))
     _remove(journal)
     return True
 
@@ -518,7 +602,7 @@ def _overwrite(file, numbers, content, size=None):
     runs = np.flatnonzero(np.diff(numbers, prepend=-2) != 1)
     with open(file, "r+b", buffering=0) as f:
         for begin, end in zip(runs, [*runs[1:], len(numbers)]):
-            _writeAll(f, int(numbers[begin]) * PAGE, memoryview(content)[begin * PAGE:end * PAGE])
+            _writeAll(f, int(numbers[begin]) * PAGE, memoryview(content)[begin * PAGE : end * PAGE])
         if size is not None:
             f.truncate(size)
 
@@ -526,7 +610,7 @@ def _overwrite(file, numbers, content, size=None):
 def _writeAll(f, at, data):
     f.seek(at)
     while len(data):
-        data = data[f.write(data):]
+        data = data[f.write(data) :]
 
 
 def _journalOf(file):

@@ -13,6 +13,7 @@ A region answers two questions, and the difference matters on its boundary only:
 
 Lengths are in the unit of the scene (m, if the scene is in SI).
 """
+
 from itertools import product
 
 import numpy as np
@@ -52,8 +53,10 @@ class Region:
         """
         points = _numbers("contains", "points", points)
         if points.ndim != 2 or points.shape[1] != self.dim:
-            raise ValueError(f"contains: points has shape {points.shape}, but {self!r} needs "
-                             f"(N, {self.dim}); write a single point as [point]")
+            raise ValueError(
+                f"contains: points has shape {points.shape}, but {self!r} needs "
+                f"(N, {self.dim}); write a single point as [point]"
+            )
         if not closed:
             return self._covers(points)
         # Only the 2^dim corners round each point are asked, never the point itself, which may lie
@@ -135,8 +138,10 @@ class Box(Primitive):
         self._lower = _vector("box", "lower", lower)
         self._upper = _vector("box", "upper", upper, len(self._lower))
         if np.any(self._lower >= self._upper):
-            raise ValueError(f"box: lower = {formatPoint(self._lower)} must be below upper = "
-                             f"{formatPoint(self._upper)} in every direction; swap or correct the corners")
+            raise ValueError(
+                f"box: lower = {formatPoint(self._lower)} must be below upper = "
+                f"{formatPoint(self._upper)} in every direction; swap or correct the corners"
+            )
         super().__init__("box", len(self._lower), lower=self._lower, upper=self._upper)
 
     def bounds(self):
@@ -154,7 +159,9 @@ class Ball(Primitive):
 
     def __init__(self, kind, dim, centre, radius):
         if hasattr(centre, "__len__") and len(centre) == 5 - dim:
-            raise ValueError(f"{kind}: centre = {centre!r} must have {dim} coordinates; {'in 2D give a disc()' if dim == 3 else 'in 3D give a sphere()'}")
+            raise ValueError(
+                f"{kind}: centre = {centre!r} must have {dim} coordinates; {'in 2D give a disc()' if dim == 3 else 'in 3D give a sphere()'}"
+            )
         self._centre = _vector(kind, "centre", centre, dim)
         self._radius = float(_numbers(kind, "radius", radius, shape=()))
         if not 0 < self._radius < np.inf:
@@ -174,8 +181,9 @@ class Polygon(Primitive):
     def __init__(self, points):
         self._points = _numbers("polygon", "points", points)
         if self._points.ndim != 2 or self._points.shape[1] != 2 or len(self._points) < 3:
-            raise ValueError(f"polygon: points has shape {self._points.shape}; "
-                             "at least three points (x, y) are needed")
+            raise ValueError(
+                f"polygon: points has shape {self._points.shape}; at least three points (x, y) are needed"
+            )
         _requireFinite("polygon", "points", self._points)
         _requireSimple(self._points)
         super().__init__("polygon", 2, points=self._points)
@@ -206,8 +214,10 @@ class HalfSpace(Primitive):
         self._point = _vector("halfSpace", "point", point)
         self._normal = _vector("halfSpace", "normal", normal, len(self._point))
         if not np.any(self._normal):
-            raise ValueError(f"halfSpace: normal = {formatPoint(self._normal)} has no direction; "
-                             "give the outward normal, of any length but zero")
+            raise ValueError(
+                f"halfSpace: normal = {formatPoint(self._normal)} has no direction; "
+                "give the outward normal, of any length but zero"
+            )
         super().__init__("halfSpace", len(self._point), point=self._point, normal=self._normal)
 
     def bounds(self):
@@ -256,11 +266,15 @@ class Composed(Region):
     def __init__(self, kind, a, b):
         sign = self._SIGNS[kind]
         if not isinstance(b, Region):
-            raise TypeError(f"region {sign} {b!r}: the right side is a {type(b).__name__}, not a region; "
-                            "make one with box(), sphere(), disc(), polygon() or halfSpace()")
+            raise TypeError(
+                f"region {sign} {b!r}: the right side is a {type(b).__name__}, not a region; "
+                "make one with box(), sphere(), disc(), polygon() or halfSpace()"
+            )
         if a.dim != b.dim:
-            raise ValueError(f"{a!r} {sign} {b!r}: a {a.dim}D and a {b.dim}D region do not combine; "
-                             "give both the same number of coordinates")
+            raise ValueError(
+                f"{a!r} {sign} {b!r}: a {a.dim}D and a {b.dim}D region do not combine; "
+                "give both the same number of coordinates"
+            )
         super().__init__(a.dim)
         self._kind, self._a, self._b = kind, a, b
 
@@ -275,8 +289,11 @@ class Composed(Region):
 
     def edges(self):
         candidates = sorted(self._a.edges() + self._b.edges())
-        return [edge for k, edge in enumerate(candidates)
-                if not self._repeats(edge, candidates[:k]) and self._isBoundary(*edge)]
+        return [
+            edge
+            for k, edge in enumerate(candidates)
+            if not self._repeats(edge, candidates[:k]) and self._isBoundary(*edge)
+        ]
 
     def spec(self):
         return {"kind": self._kind, "a": self._a.spec(), "b": self._b.spec()}
@@ -319,8 +336,11 @@ class Composed(Region):
 
     def _operandText(self, operand, isLeft):
         sums = ("union", "difference")
-        joins = isinstance(operand, Composed) and isLeft and (
-            operand._kind == self._kind or (operand._kind in sums and self._kind in sums))
+        joins = (
+            isinstance(operand, Composed)
+            and isLeft
+            and (operand._kind == self._kind or (operand._kind in sums and self._kind in sums))
+        )
         return f"({operand!r})" if isinstance(operand, Composed) and not joins else repr(operand)
 
 
@@ -364,8 +384,14 @@ def everywhere(dim):
     return Everywhere(dim)
 
 
-_CONSTRUCTORS = {"box": box, "sphere": sphere, "disc": disc, "polygon": polygon,
-                 "halfSpace": halfSpace, "everywhere": everywhere}
+_CONSTRUCTORS = {
+    "box": box,
+    "sphere": sphere,
+    "disc": disc,
+    "polygon": polygon,
+    "halfSpace": halfSpace,
+    "everywhere": everywhere,
+}
 
 
 def regionFromSpec(spec):
@@ -375,8 +401,9 @@ def regionFromSpec(spec):
     "intersection", "a": spec, "b": spec}. Raises TypeError or ValueError if it describes no region.
     """
     if not isinstance(spec, dict):
-        raise TypeError(f"regionFromSpec: spec is a {type(spec).__name__}; "
-                        "give a dict as made by Region.spec()")
+        raise TypeError(
+            f"regionFromSpec: spec is a {type(spec).__name__}; give a dict as made by Region.spec()"
+        )
     arguments = dict(spec)
     kind = arguments.pop("kind", None)
     try:
@@ -386,8 +413,10 @@ def regionFromSpec(spec):
             return _CONSTRUCTORS[kind](**arguments)
     except (KeyError, TypeError) as error:
         raise ValueError(f"regionFromSpec: {spec} does not describe a {kind}: {error}") from error
-    raise ValueError(f"regionFromSpec: kind = {kind!r} is unknown; allowed are "
-                     f"{', '.join([*_CONSTRUCTORS, *Composed._SIGNS])}")
+    raise ValueError(
+        f"regionFromSpec: kind = {kind!r} is unknown; allowed are "
+        f"{', '.join([*_CONSTRUCTORS, *Composed._SIGNS])}"
+    )
 
 
 def _numbers(who, what, value, shape=None):
@@ -427,20 +456,25 @@ def _requireSimple(points):
     count = len(points)
     repeated = np.flatnonzero(np.sum((ends - points) ** 2, axis=1) <= eps)
     if len(repeated):
-        raise ValueError(f"polygon: point {repeated[0]} at {formatPoint(points[repeated[0]])} is repeated; "
-                         "give every corner once")
+        raise ValueError(
+            f"polygon: point {repeated[0]} at {formatPoint(points[repeated[0]])} is repeated; "
+            "give every corner once"
+        )
     for i in range(count):
         follower = ends[(i + 1) % count] - ends[i]
         side = ends[i] - points[i]
         if abs(_cross(side, follower)) <= eps and side @ follower < 0:
-            raise ValueError(f"polygon: the sides folded at {formatPoint(ends[i])} intersect; "
-                             "remove that corner")
+            raise ValueError(
+                f"polygon: the sides folded at {formatPoint(ends[i])} intersect; remove that corner"
+            )
         others = np.array([j for j in range(i + 2, count) if (j + 1) % count != i], int)
         hits = others[_segmentsMeet(points[i], ends[i], points[others], ends[others], eps)]
         if len(hits):
-            raise ValueError(f"polygon: the sides from {formatPoint(points[i])} and from "
-                             f"{formatPoint(points[hits[0]])} intersect; reorder the corners, or split the "
-                             "polygon and unite the parts")
+            raise ValueError(
+                f"polygon: the sides from {formatPoint(points[i])} and from "
+                f"{formatPoint(points[hits[0]])} intersect; reorder the corners, or split the "
+                "polygon and unite the parts"
+            )
 
 
 def _cross(a, b):
@@ -449,6 +483,7 @@ def _cross(a, b):
 
 def _segmentsMeet(p, q, starts, ends, eps):
     """Whether segment p-q meets each segment starts-ends, touching included."""
+
     def side(value):
         return np.where(np.abs(value) <= eps, 0, np.sign(value))
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A scene from a checkpoint, whose layout is in checkpoint.py."""
+
 import json
 import os
 import warnings
@@ -10,8 +11,10 @@ import numpy as np
 from . import __version__
 from .body import BodyPart
 from .checkpoint import FORMAT, VERSION, storedFields
-from .engines import Callback, Drive, GridSolver, Hold, PyRunner, classes as engineClasses
-from .materials import classes as materialClasses, rebuilt
+from .engines import Callback, Drive, GridSolver, Hold, PyRunner
+from .engines import classes as engineClasses
+from .materials import classes as materialClasses
+from .materials import rebuilt
 from .mesh import Mesh
 from .particles import classes as particleClasses
 from .regions import regionFromSpec
@@ -52,13 +55,18 @@ def _readSpec(h5, file):
         raise ValueError(f"'{file}' is an HDF5 file, but no checkpoint of yade_mpm")
     version = int(h5.attrs.get("formatVersion", 0))
     if version != VERSION:
-        raise ValueError(f"checkpoint '{file}' has format {version}, written by yade_mpm {h5.attrs.get('package')}; "
-                         f"yade_mpm {__version__} reads format {VERSION}; continue it with that version")
+        raise ValueError(
+            f"checkpoint '{file}' has format {version}, written by yade_mpm {h5.attrs.get('package')}; "
+            f"yade_mpm {__version__} reads format {VERSION}; continue it with that version"
+        )
     return json.loads(bytes(h5["scene"][...]).decode())
 
 
 def _readArrays(group):
-    return {kind: {name: data[...] for name, data in group.get(kind, {}).items()} for kind in ("particles", "domains", "tables")}
+    return {
+        kind: {name: data[...] for name, data in group.get(kind, {}).items()}
+        for kind in ("particles", "domains", "tables")
+    }
 
 
 def _build(spec, arrays, callbacks, file):
@@ -68,24 +76,40 @@ def _build(spec, arrays, callbacks, file):
         engines = [_buildEngine(e, scene, callbacks, file) for e in spec["engines"]]
         scene.engines = [e for e in engines if e is not None]
     if callbacks:
-        raise ValueError(f"load: checkpoint '{file}' has no callback {', '.join(map(repr, callbacks))}; check the labels")
-    scene.allowUnstable, scene.dtCritical, scene.stiffest = spec["allowUnstable"], spec["dtCritical"], spec["stiffest"]
+        raise ValueError(
+            f"load: checkpoint '{file}' has no callback {', '.join(map(repr, callbacks))}; check the labels"
+        )
+    scene.allowUnstable, scene.dtCritical, scene.stiffest = (
+        spec["allowUnstable"],
+        spec["dtCritical"],
+        spec["stiffest"],
+    )
     scene.dt = spec["dt"]
     scene.core.dt, scene.core.time, scene.core.step = spec["currentDt"], spec["time"], spec["steps"]
     scene.core.energies = spec["energies"]
-    scene._estimatedAt, scene._checked, scene._checkedState = spec["estimatedAt"], spec["checked"], scene._stabilityState()
+    scene._estimatedAt, scene._checked, scene._checkedState = (
+        spec["estimatedAt"],
+        spec["checked"],
+        scene._stabilityState(),
+    )
     _warn(scene, spec, file)
     return scene
 
 
 def _warn(scene, spec, file):
     if spec["midStep"]:
-        warnings.warn(f"checkpoint '{file}' holds the state of an interrupted step {spec['steps']}: look at it, but do not "
-                      f"continue from it", stacklevel=4)
+        warnings.warn(
+            f"checkpoint '{file}' holds the state of an interrupted step {spec['steps']}: look at it, but do not "
+            f"continue from it",
+            stacklevel=4,
+        )
     if spec["settling"] is not None:
         scene._solver("load").damping = spec["settling"]
-        warnings.warn(f"checkpoint '{file}' was written during settle(): call settle() again (damping is back at "
-                      f"{spec['settling']:g})", stacklevel=4)
+        warnings.warn(
+            f"checkpoint '{file}' was written during settle(): call settle() again (damping is back at "
+            f"{spec['settling']:g})",
+            stacklevel=4,
+        )
 
 
 def _buildBodies(scene, spec, arrays, file):
@@ -104,14 +128,23 @@ def _buildBodies(scene, spec, arrays, file):
 def _buildType(spec, scene, file):
     cls, attributes = _classOf(particleClasses, spec, file), dict(spec["attributes"])
     if "matched" in spec:
-        attributes.update(size=spec["size"], matched=None if spec["matched"] is None else scene[spec["matched"]])
+        attributes.update(
+            size=spec["size"], matched=None if spec["matched"] is None else scene[spec["matched"]]
+        )
     return cls(**attributes)
 
 
 def _buildBody(scene, entry, stored, material, kind, file):
     region = None if entry["region"] is None else regionFromSpec(entry["region"])
-    body = scene._newBody(entry["name"], material, kind, region, entry["inertiaScale"], entry["fbar"],
-                          entry.get("group", "main"))
+    body = scene._newBody(
+        entry["name"],
+        material,
+        kind,
+        region,
+        entry["inertiaScale"],
+        entry["fbar"],
+        entry.get("group", "main"),
+    )
     body.isDamped = entry.get("isDamped", True)
     core = body.core
     core.resize(entry["count"])
@@ -135,28 +168,39 @@ def _fill(body, names, ofDomains, stored, file):
         view = np.asarray(body.core.view(name, ofDomains))
         values = _stored(stored, "domains" if ofDomains else "particles", name, body, file)
         if view.shape != values.shape:
-            raise ValueError(f"checkpoint '{file}': {name} of '{body.name}' has the shape {values.shape} instead of {view.shape}")
+            raise ValueError(
+                f"checkpoint '{file}': {name} of '{body.name}' has the shape {values.shape} instead of {view.shape}"
+            )
         view[...] = values
 
 
 def _stored(stored, kind, name, body, file):
     if name not in stored[kind]:
-        raise ValueError(f"checkpoint '{file}': {name} of '{body.name}' is missing; it was written by a version of yade_mpm "
-                         f"with other fields")
+        raise ValueError(
+            f"checkpoint '{file}': {name} of '{body.name}' is missing; it was written by a version of yade_mpm "
+            f"with other fields"
+        )
     return stored[kind][name]
 
 
 def _meshOf(body, stored):
     """The mesh the body was made from."""
     tables, fields = stored["tables"], stored["domains"]
-    return Mesh(fields["vertexReference"], tables["corners"].astype(int).reshape(body.count, -1), tables["slaves"].astype(int),
-                tables["masters"].astype(int).reshape(-1, 4), fields["masterWeight"])
+    return Mesh(
+        fields["vertexReference"],
+        tables["corners"].astype(int).reshape(body.count, -1),
+        tables["slaves"].astype(int),
+        tables["masters"].astype(int).reshape(-1, 4),
+        fields["masterWeight"],
+    )
 
 
 def _classOf(classes, spec, file):
     if spec["class"] not in classes:
-        raise ValueError(f"checkpoint '{file}' needs the class {spec['class']}, which this installation does not have; "
-                         f"it has {', '.join(classes)}")
+        raise ValueError(
+            f"checkpoint '{file}' needs the class {spec['class']}, which this installation does not have; "
+            f"it has {', '.join(classes)}"
+        )
     return classes[spec["class"]]
 
 
@@ -190,13 +234,17 @@ def _buildCallback(cls, spec):
 def _givenCallback(spec, callbacks, file):
     label, attributes = spec["callback"], spec["attributes"]
     if label not in callbacks:
-        raise ValueError(f"checkpoint '{file}' has the callback '{label}', which cannot be stored; give "
-                         f"load(file, callbacks={{'{label}': function}}), or None in its place to leave it out")
+        raise ValueError(
+            f"checkpoint '{file}' has the callback '{label}', which cannot be stored; give "
+            f"load(file, callbacks={{'{label}': function}}), or None in its place to leave it out"
+        )
     given = callbacks.pop(label)
     if given is None or isinstance(given, Callback):
         return given
     if spec["class"] != "PyRunner":
-        raise TypeError(f"load: callbacks['{label}'] = {given!r}; give an engine of the class {spec['class']}")
+        raise TypeError(
+            f"load: callbacks['{label}'] = {given!r}; give an engine of the class {spec['class']}"
+        )
     return PyRunner(given, **attributes)
 
 
@@ -205,8 +253,12 @@ def _buildSolver(spec, scene):
     for h in spec["hold"]:
         where = h["where"] if isinstance(h["where"], str) else regionFromSpec(h["where"])
         holds.append(_restored(Hold(where, h["velocity"], h["ramp"], h["name"]), h))
-    drives = [_restored(Drive(_part(d, scene), d["velocity"], d["ramp"], d["name"]), d) for d in spec["drive"]]
-    solver = GridSolver(roller=spec["roller"], fixed=spec["fixed"], hold=holds, drive=drives, **spec["attributes"])
+    drives = [
+        _restored(Drive(_part(d, scene), d["velocity"], d["ramp"], d["name"]), d) for d in spec["drive"]
+    ]
+    solver = GridSolver(
+        roller=spec["roller"], fixed=spec["fixed"], hold=holds, drive=drives, **spec["attributes"]
+    )
     for face, h in spec["faces"].items():
         solver._faces[face] = _restored(Hold(face, h["velocity"]), h)
     return solver

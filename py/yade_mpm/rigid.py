@@ -3,6 +3,7 @@
 
 In a 2D scene a sphere is a disc, a box a rectangle, a facet a segment, all per metre of thickness.
 """
+
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -41,10 +42,14 @@ class Box(Shape):
         """The numbers of the shape, as the solver reads them."""
         half = _vector(self, "halfSize", missing=1.0)
         if not (half > 0).all():
-            raise ValueError(f"Box: halfSize = {self.halfSize!r} is not allowed; give positive half edges in m")
+            raise ValueError(
+                f"Box: halfSize = {self.halfSize!r} is not allowed; give positive half edges in m"
+            )
         turn = np.asarray(self.orientation, float)
         if turn.shape != (4,) or not abs(np.linalg.norm(turn) - 1) < 1e-6:
-            raise ValueError(f"Box: orientation = {self.orientation!r} is not allowed; give a unit quaternion (w, x, y, z)")
+            raise ValueError(
+                f"Box: orientation = {self.orientation!r} is not allowed; give a unit quaternion (w, x, y, z)"
+            )
         return _BOX, [*_vector(self, "centre"), *half, *turn]
 
 
@@ -59,7 +64,9 @@ class Wall(Shape):
         """The numbers of the shape, as the solver reads them."""
         normal = _vector(self, "normal")
         if not np.linalg.norm(normal) > 0:
-            raise ValueError(f"Wall: normal = {self.normal!r} has no direction; give a vector that is not zero")
+            raise ValueError(
+                f"Wall: normal = {self.normal!r} has no direction; give a vector that is not zero"
+            )
         return _WALL, [*_vector(self, "point"), *normal / np.linalg.norm(normal)]
 
 
@@ -78,12 +85,17 @@ class Facet(Shape):
         points = [_point(self, "vertices", v) for v in self.vertices]
         if len(points) not in (2, 3):
             raise ValueError(f"Facet: {len(points)} vertices; give two (segment) or three (triangle)")
-        size = (np.linalg.norm(points[1] - points[0]) if len(points) == 2 else
-                np.linalg.norm(np.cross(points[1] - points[0], points[2] - points[0])))
+        size = (
+            np.linalg.norm(points[1] - points[0])
+            if len(points) == 2
+            else np.linalg.norm(np.cross(points[1] - points[0], points[2] - points[0]))
+        )
         if not size > 0:
             raise ValueError(f"Facet: vertices = {self.vertices!r} coincide or lie on a line; move one")
         if not (isinstance(self.thickness, (int, float, np.number)) and 0 <= self.thickness < np.inf):
-            raise ValueError(f"Facet: thickness = {self.thickness!r} is not allowed; give zero or a positive number in m")
+            raise ValueError(
+                f"Facet: thickness = {self.thickness!r} is not allowed; give zero or a positive number in m"
+            )
         return (_CAPSULE if len(points) == 2 else _TRIANGLE), [*np.concatenate(points), 0.5 * self.thickness]
 
 
@@ -105,12 +117,16 @@ def _point(shape, name, value, missing=0.0):
     except (TypeError, ValueError):
         given = np.zeros(0)
     if given.shape not in ((2,), (3,)) or not np.isfinite(given).all():
-        raise ValueError(f"{type(shape).__name__}: {name} = {value!r} is not allowed; give two or three numbers in m")
+        raise ValueError(
+            f"{type(shape).__name__}: {name} = {value!r} is not allowed; give two or three numbers in m"
+        )
     return given if len(given) == 3 else np.append(given, missing)
 
 
 def _positive(shape, name):
     value = getattr(shape, name)
     if not (isinstance(value, (int, float, np.number)) and 0 < value < np.inf):
-        raise ValueError(f"{type(shape).__name__}: {name} = {value!r} is not allowed; give a positive number in m")
+        raise ValueError(
+            f"{type(shape).__name__}: {name} = {value!r} is not allowed; give a positive number in m"
+        )
     return float(value)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """One run of a scene: the loop, its progress, and what happens when it is interrupted or fails."""
+
 import atexit
 import math
 import os
@@ -11,7 +12,7 @@ import time
 from . import checkpoint, limits
 from .pace import Pace
 
-SLICE = 0.1   # s of wall time between looks at signals and the progress bar
+SLICE = 0.1  # s of wall time between looks at signals and the progress bar
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
 
 
@@ -19,7 +20,12 @@ class Run:
     """Takes steps until a time or a number of steps is reached, in the foreground or in a thread."""
 
     def __init__(self, scene, until, steps, progress, checkpointFile, checkpointPeriod=None):
-        self.scene, self.until, self.checkpointFile, self.checkpointPeriod = scene, until, checkpointFile, checkpointPeriod
+        self.scene, self.until, self.checkpointFile, self.checkpointPeriod = (
+            scene,
+            until,
+            checkpointFile,
+            checkpointPeriod,
+        )
         self.last = None if steps is None else scene.steps + steps
         self.progress = Progress(scene, progress, self)
         self.error, self.signal = None, None
@@ -61,7 +67,10 @@ class Run:
         except KeyboardInterrupt:
             self._cutOff()
             raise
-        if signal.getsignal(signal.SIGTERM) == self._terminate and threading.current_thread() is threading.main_thread():
+        if (
+            signal.getsignal(signal.SIGTERM) == self._terminate
+            and threading.current_thread() is threading.main_thread()
+        ):
             signal.signal(signal.SIGTERM, self._before or signal.SIG_DFL)
         if self.error is not None:
             error, self.error = self.error, None
@@ -150,16 +159,20 @@ class Run:
         if scene._dt is None:
             scene.core.dt = limits.DT_SAFETY[scene.scheme] * critical
         elif scene._dt > critical and not scene.allowUnstable:
-            self.progress.say(f"warning: step {scene.steps}: dt = {scene._dt:.3g} s now exceeds the critical step "
-                              f"{critical:.3g} s (stiffest: '{scene.stiffest}')")
+            self.progress.say(
+                f"warning: step {scene.steps}: dt = {scene._dt:.3g} s now exceeds the critical step "
+                f"{critical:.3g} s (stiffest: '{scene.stiffest}')"
+            )
 
     # --- signals and errors ---
     def _catchSignals(self):
         """Signals only leave a note: a callback that writes a file is never cut off."""
         if threading.current_thread() is not threading.main_thread():
             return {}
+
         def note(number, frame):
             self.signal = number
+
         return {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
 
     def _flush(self):
@@ -214,7 +227,7 @@ class Run:
 class Progress:
     """A bar on a terminal, a line now and then elsewhere."""
 
-    WAIT = 2.0    # s before anything is shown
+    WAIT = 2.0  # s before anything is shown
     LINES = 30.0  # s between lines that are no terminal
 
     def __init__(self, scene, wanted, run):
@@ -238,14 +251,20 @@ class Progress:
         if self.terminal:
             if self.bar is None:
                 from tqdm import tqdm
-                self.bar = tqdm(total=done + left, unit="step", file=sys.stderr, dynamic_ncols=True, leave=True)
+
+                self.bar = tqdm(
+                    total=done + left, unit="step", file=sys.stderr, dynamic_ncols=True, leave=True
+                )
             self.bar.total = done + left
             self.bar.set_postfix_str(self.text(), refresh=False)
             self.bar.update(done - self.bar.n)
         elif wall - self.lastLine >= self.LINES or (left == 0 and self.lastLine > 0):
             self.lastLine = wall
             remaining = wall / max(1, done) * left
-            print(f"step {self.scene.steps} of {self.scene.steps + left}, {self.text()}, {remaining:.0f} s left", file=sys.stderr)
+            print(
+                f"step {self.scene.steps} of {self.scene.steps + left}, {self.text()}, {remaining:.0f} s left",
+                file=sys.stderr,
+            )
 
     def say(self, message):
         if self.bar is not None:

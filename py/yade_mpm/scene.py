@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The scene: grid, bodies, engines, clock, and the run."""
+
 import warnings
 
 import numpy as np
@@ -12,7 +13,8 @@ from .files import checkWritable
 from .lattice import checkOverlap
 from .materials import Material
 from .mistakes import likelyMistakes
-from .particles import Boxes, ParticleType, classes as particleClasses
+from .particles import Boxes, ParticleType
+from .particles import classes as particleClasses
 from .regions import Region
 from .running import Run
 
@@ -44,30 +46,39 @@ class Scene(Guarded):
         try:
             core = (_core.Scene2 if dim == 2 else _core.Scene3)(list(lower), list(upper), list(cell))
         except MemoryError:
-            raise MemoryError(f"Scene: the {np.prod((upper - lower) / cell):.3g} cells of the grid do not fit into memory; give a larger "
-                              f"cell or a smaller grid") from None
+            raise MemoryError(
+                f"Scene: the {np.prod((upper - lower) / cell):.3g} cells of the grid do not fit into memory; give a larger "
+                f"cell or a smaller grid"
+            ) from None
         self.__dict__.update(
-            lower=lower, upper=upper, dim=dim, cell=cell, core=core, bodies=[],
+            lower=lower,
+            upper=upper,
+            dim=dim,
+            cell=cell,
+            core=core,
+            bodies=[],
             allowUnstable=False,
             dtCritical=None,  # s, as estimated last
             dtIterations=None,
-            stiffest=None,    # body in which the fastest mode moves most
+            stiffest=None,  # body in which the fastest mode moves most
         )
         self._dt, self._threads, self._engines, self._run = None, None, None, None
         self._constraints, self._chain = [], None  # engines that the core has
         self._prepared, self._checked, self._checkedState = False, False, None
-        self._estimatedAt = -1   # step at which the critical step was estimated last
-        self._acting = None      # callback that is at work
-        self._settling = None    # damping to go back to after settle()
-        self._geostatic = None   # m/s2 that the initial stress balances
-        self._made = []          # loads and drives that were made for its bodies
-        self._warnedOf = set()   # faults of the domains that runs have told
+        self._estimatedAt = -1  # step at which the critical step was estimated last
+        self._acting = None  # callback that is at work
+        self._settling = None  # damping to go back to after settle()
+        self._geostatic = None  # m/s2 that the initial stress balances
+        self._made = []  # loads and drives that were made for its bodies
+        self._warnedOf = set()  # faults of the domains that runs have told
         self.scheme = scheme
         self.threads = threads
 
     def __repr__(self):
-        return (f"<Scene {self.dim}D, {' x '.join(str(n - 5) for n in self.core.nodes)} cells, {len(self.bodies)} bodies, "
-                f"{self.particleCount} particles, t = {self.time:g} s>")
+        return (
+            f"<Scene {self.dim}D, {' x '.join(str(n - 5) for n in self.core.nodes)} cells, {len(self.bodies)} bodies, "
+            f"{self.particleCount} particles, t = {self.time:g} s>"
+        )
 
     # --- bodies ---------------------------------------------------------------------------------------
     def add(self, name, region, material, type, inertiaScale=1.0, fbar=False, group="main"):
@@ -91,15 +102,18 @@ class Scene(Guarded):
         if not isinstance(material, Material):
             raise TypeError(f"body '{name}': material = {material!r}; give e.g. mpm.LinearElastic(...)")
         if not isinstance(type, ParticleType):
-            raise TypeError(f"body '{name}': type = {type!r}; give e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=...)")
+            raise TypeError(
+                f"body '{name}': type = {type!r}; give e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=...)"
+            )
         if isinstance(region, Region) and region.dim != self.dim:
             raise ValueError(f"body '{name}': the region is {region.dim}D, the scene {self.dim}D")
         geometry = type.geometry(region, self, name)
         if not isinstance(geometry, tuple) and geometry.dim != self.dim:
             raise ValueError(f"body '{name}': the mesh is {geometry.dim}D, the scene {self.dim}D")
         self._checkInside(name, geometry)
-        body = self._newBody(name, material, type, region if isinstance(region, Region) else None, inertiaScale, fbar,
-                             group)
+        body = self._newBody(
+            name, material, type, region if isinstance(region, Region) else None, inertiaScale, fbar, group
+        )
         try:
             self._build(body, geometry)
             for other in self.bodies[:-1]:
@@ -139,14 +153,26 @@ class Scene(Guarded):
                     setattr(body, field, getattr(body, field) * geometry.shares[body.id])
         else:
             body.mesh = geometry
-            body.core.buildMesh(_array(geometry.points), _array(geometry.cells, np.int32), _array(geometry.slaves, np.int32),
-                                _array(geometry.masters, np.int32), _array(geometry.masterWeights))
+            body.core.buildMesh(
+                _array(geometry.points),
+                _array(geometry.cells, np.int32),
+                _array(geometry.slaves, np.int32),
+                _array(geometry.masters, np.int32),
+                _array(geometry.masterWeights),
+            )
 
     def _addConverted(self, body):
         """The body that takes over domains of `body` that become too distorted; empty at first."""
         spacing = self.cell / 2 if body.type.matched is None else 2 * body.type.matched.halfSize
-        other = self._newBody(body.name + " (converted)", body.material, particleClasses["UGIMP"](), None,
-                              body.inertiaScale, body.fbar, body.group)
+        other = self._newBody(
+            body.name + " (converted)",
+            body.material,
+            particleClasses["UGIMP"](),
+            None,
+            body.inertiaScale,
+            body.fbar,
+            body.group,
+        )
         self._build(other, Boxes(np.zeros((0, self.dim)), spacing / 2))
         self._convertTo(body, other)
 
@@ -160,8 +186,10 @@ class Scene(Guarded):
         outside = ((positions < self.lower - tolerance) | (positions > self.upper + tolerance)).any(axis=1)
         if outside.any():
             at = positions[np.argmax(outside)]
-            raise ValueError(f"body '{name}': {'particle' if isinstance(geometry, tuple) else 'vertex'} at {_place(at)} is outside "
-                             f"the grid {_place(self.lower)} to {_place(self.upper)}; enlarge the grid or move the body")
+            raise ValueError(
+                f"body '{name}': {'particle' if isinstance(geometry, tuple) else 'vertex'} at {_place(at)} is outside "
+                f"the grid {_place(self.lower)} to {_place(self.upper)}; enlarge the grid or move the body"
+            )
 
     def __getitem__(self, name):
         for body in self.bodies:
@@ -169,7 +197,9 @@ class Scene(Guarded):
                 return body
         raise KeyError(f"there is no body named '{name}'; bodies: {', '.join(b.name for b in self.bodies)}")
 
-    particleCount = property(lambda self: sum(b.count for b in self.bodies), doc="Number of particles of all bodies.")
+    particleCount = property(
+        lambda self: sum(b.count for b in self.bodies), doc="Number of particles of all bodies."
+    )
 
     # --- nodes ----------------------------------------------------------------------------------------
     def nodePositions(self):
@@ -184,7 +214,9 @@ class Scene(Guarded):
         axis, side = FACES[self.dim][face]
         x = self.nodePositions()[:, axis]
         tolerance = 1e-6 * self.cell[axis]
-        return np.flatnonzero(x <= self.lower[axis] + tolerance if side == 0 else x >= self.upper[axis] - tolerance)
+        return np.flatnonzero(
+            x <= self.lower[axis] + tolerance if side == 0 else x >= self.upper[axis] - tolerance
+        )
 
     def nodesInside(self, region):
         """Numbers of the nodes inside a region."""
@@ -198,7 +230,9 @@ class Scene(Guarded):
         """The chain of engines; assign a list to change it. Default: ParticleToGrid, GridSolver, GridToParticle,
         DomainUpdater (USF: DomainUpdater before GridSolver). They serve this scene alone; `dead=True` leaves one out."""
         if self._engines is None:
-            self.engines = [classes[n]() for n in ("ParticleToGrid", "GridSolver", "GridToParticle", "DomainUpdater")]
+            self.engines = [
+                classes[n]() for n in ("ParticleToGrid", "GridSolver", "GridToParticle", "DomainUpdater")
+            ]
         return self._engines
 
     @engines.setter
@@ -216,7 +250,7 @@ class Scene(Guarded):
 
     @property
     def scheme(self):
-        """"MUSL", "USF" or "USL"."""
+        """ "MUSL", "USF" or "USL"."""
         return self.core.scheme
 
     @scheme.setter
@@ -239,7 +273,9 @@ class Scene(Guarded):
     def dt(self, value):
         self._refuseDuringStep("dt")
         if value is not None and not (_isNumber(value) and 0 < value < np.inf):
-            raise ValueError(f"Scene: dt = {value!r} s is not allowed; give a positive number, or None for an automatic step")
+            raise ValueError(
+                f"Scene: dt = {value!r} s is not allowed; give a positive number, or None for an automatic step"
+            )
         self._dt = None if value is None else float(value)
         self._dirty()
 
@@ -247,14 +283,18 @@ class Scene(Guarded):
     def threads(self):
         """Number of threads in use: as given, or one for every 1000 particles but at most OMP_NUM_THREADS (all cores); a
         run tries a single one now and then, and stays with the faster."""
-        return self._threads or min(_core.availableThreads(), max(1, self.particleCount // PARTICLES_PER_THREAD))
+        return self._threads or min(
+            _core.availableThreads(), max(1, self.particleCount // PARTICLES_PER_THREAD)
+        )
 
     @threads.setter
     def threads(self, value):
         isCount = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
         if value is not None and not (isCount and 1 <= value <= MOST_THREADS):
-            raise ValueError(f"Scene: threads = {value!r} is not allowed; give a whole number from 1 to {MOST_THREADS}, "
-                             f"or None for a choice by the number of particles")
+            raise ValueError(
+                f"Scene: threads = {value!r} is not allowed; give a whole number from 1 to {MOST_THREADS}, "
+                f"or None for a choice by the number of particles"
+            )
         self._threads = None if value is None else int(value)
         self._prepared = False
 
@@ -266,10 +306,14 @@ class Scene(Guarded):
         """
         self._refuseWhileRunning("criticalTimeStep")
         if not (isinstance(iterations, (int, np.integer)) and iterations >= 1 and tolerance > 0):
-            raise ValueError(f"criticalTimeStep: tolerance = {tolerance!r}, iterations = {iterations!r} is not allowed; give a "
-                             f"positive number, and a whole number from 1 on")
+            raise ValueError(
+                f"criticalTimeStep: tolerance = {tolerance!r}, iterations = {iterations!r} is not allowed; give a "
+                f"positive number, and a whole number from 1 on"
+            )
         if self.isMidStep():
-            raise RuntimeError("criticalTimeStep: the scene is in the middle of a step; put the callback at the end of the engines")
+            raise RuntimeError(
+                "criticalTimeStep: the scene is in the middle of a step; put the callback at the end of the engines"
+            )
         return self._estimate(tolerance, iterations)
 
     def _estimate(self, tolerance=1e-4, iterations=300):
@@ -286,21 +330,31 @@ class Scene(Guarded):
         bodies : which; default: all that do not rise above the surface.
         Raises ValueError when nothing lies below the surface or layers of different weight need `unitWeight`.
         """
-        for name, value, least in (("surface", surface, -np.inf), ("K0", K0, 0), ("gravity", gravity, 0),
-                                   ("unitWeight", 0 if unitWeight is None else unitWeight, 0)):
+        for name, value, least in (
+            ("surface", surface, -np.inf),
+            ("K0", K0, 0),
+            ("gravity", gravity, 0),
+            ("unitWeight", 0 if unitWeight is None else unitWeight, 0),
+        ):
             if not (isinstance(value, (int, float, np.number)) and np.isfinite(value) and value >= least):
-                raise ValueError(f"initialStress: {name} = {value!r} is not allowed; give "
-                                 f"{'zero or a positive number' if least == 0 else 'a number'}")
+                raise ValueError(
+                    f"initialStress: {name} = {value!r} is not allowed; give "
+                    f"{'zero or a positive number' if least == 0 else 'a number'}"
+                )
         for body in bodies or ():
             if not isinstance(body, Body):
-                raise TypeError(f"initialStress: {body!r} among the bodies is not a body, as scene.add returns it")
+                raise TypeError(
+                    f"initialStress: {body!r} among the bodies is not a body, as scene.add returns it"
+                )
         ground = bodies or [b for b in self.bodies if b.count and b.position[:, -1].max() < surface]
         if not ground:
             raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")
         self._geostatic = float(gravity) if unitWeight is None else None
         weights = {b.material.density * gravity for b in ground} if unitWeight is None else {unitWeight}
         if len(weights) > 1:
-            raise ValueError(f"initialStress: the bodies weigh {sorted(weights)} kN/m3; give unitWeight, or set body.stress")
+            raise ValueError(
+                f"initialStress: the bodies weigh {sorted(weights)} kN/m3; give unitWeight, or set body.stress"
+            )
         for body in ground:
             vertical = -weights.copy().pop() * (surface - body.position[:, -1])
             stress = np.zeros((body.count, 3, 3))
@@ -320,15 +374,19 @@ class Scene(Guarded):
         motions = solver.constraints(self)
         for motion in motions:
             if any(motion.velocity):
-                raise ValueError(f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to zero, settle, and "
-                                 f"set it again")
+                raise ValueError(
+                    f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to zero, settle, and "
+                    f"set it again"
+                )
         self._settling, solver.damping = solver.damping, damping
         taken, ratio = 0, np.inf
         try:
             while ratio > tolerance:
                 if taken >= maxSteps:
-                    raise RuntimeError(f"settle: still out of balance by {ratio:.2g} of the mean force after {taken} steps; "
-                                       f"raise tolerance, or maxSteps, or check that the bodies are supported")
+                    raise RuntimeError(
+                        f"settle: still out of balance by {ratio:.2g} of the mean force after {taken} steps; "
+                        f"raise tolerance, or maxSteps, or check that the bodies are supported"
+                    )
                 self.run(steps=checkEvery, progress=False if progress is None else progress)
                 taken += checkEvery
                 ratio = self.unbalancedForce()
@@ -352,18 +410,28 @@ class Scene(Guarded):
         self.step()
         largest = 0.0
         for body, (ids, velocity) in zip(self.bodies, before):
-            _, old, now = np.intersect1d(ids, body.id, assume_unique=True, return_indices=True)  # they may have been sorted, or cut
+            _, old, now = np.intersect1d(
+                ids, body.id, assume_unique=True, return_indices=True
+            )  # they may have been sorted, or cut
             change = np.linalg.norm(body.velocity[now] - velocity[old], axis=1) / self.dt
             felt = body.inertiaScale * (body.mass / body.volume)[now] * change
             largest = max(largest, felt.max(initial=0.0) * np.prod(self.cell))
         d = self.dim
-        internal = np.linalg.norm(np.array(self.core.nodalValues())[:, 2 + d:2 + 2 * d], axis=1)
+        internal = np.linalg.norm(np.array(self.core.nodalValues())[:, 2 + d : 2 + 2 * d], axis=1)
         if not internal.any():
             return np.inf if largest > 0 else 0.0
         return float(largest / internal[internal > 0].mean())
 
     # --- running --------------------------------------------------------------------------------------
-    def run(self, until=None, steps=None, background=False, progress=None, checkpointFile=None, checkpointPeriod=600.0):
+    def run(
+        self,
+        until=None,
+        steps=None,
+        background=False,
+        progress=None,
+        checkpointFile=None,
+        checkpointPeriod=600.0,
+    ):
         """Runs to a time or for a number of steps.
 
         until : scene time to reach, s; or steps : number of steps. One of the two.
@@ -393,7 +461,9 @@ class Scene(Guarded):
         if checkpointFile is not None:
             checkWritable(checkpointFile)
         if checkpointPeriod is not None and not (_isNumber(checkpointPeriod) and checkpointPeriod >= 0):
-            raise ValueError(f"run: checkpointPeriod = {checkpointPeriod!r} is not allowed; give a wall time in s, or None")
+            raise ValueError(
+                f"run: checkpointPeriod = {checkpointPeriod!r} is not allowed; give a wall time in s, or None"
+            )
         self.prepare()
         self._run = Run(self, until, steps, progress, checkpointFile, checkpointPeriod)
         if background:
@@ -413,7 +483,10 @@ class Scene(Guarded):
         finally:
             self._acting = None
 
-    running = property(lambda self: self._run is not None and self._run.isAlive(), doc="Whether a background run is going on.")
+    running = property(
+        lambda self: self._run is not None and self._run.isAlive(),
+        doc="Whether a background run is going on.",
+    )
 
     def pause(self):
         """Ends a run: of a background run waits for the end of a slice of 0.1 s; in a callback, after this step."""
@@ -438,8 +511,10 @@ class Scene(Guarded):
     def _refuseDuringStep(self, what):
         self._refuseWhileRunning(what)
         if self._acting is not None:
-            raise RuntimeError(f"{what}: a step is going on, and the change would come too late; pause() in the callback, and "
-                               f"set it between two runs")
+            raise RuntimeError(
+                f"{what}: a step is going on, and the change would come too late; pause() in the callback, and "
+                f"set it between two runs"
+            )
 
     def _solver(self, who):
         for engine in self.engines:
@@ -455,7 +530,9 @@ class Scene(Guarded):
     def prepare(self):
         """Checks the scene and makes it ready to step; `run` does it."""
         if not isinstance(self.allowUnstable, (bool, np.bool_)):
-            raise ValueError(f"Scene: allowUnstable = {self.allowUnstable!r} is not allowed; give True or False")
+            raise ValueError(
+                f"Scene: allowUnstable = {self.allowUnstable!r} is not allowed; give True or False"
+            )
         self._prepareChain()
         for body in self.bodies:
             _checkFields(body)
@@ -478,11 +555,15 @@ class Scene(Guarded):
         critical = self._estimate()
         if self._dt is None:
             if not critical > 0:
-                raise ValueError("Scene: no critical time step can be found (every node is held); give scene.dt")
+                raise ValueError(
+                    "Scene: no critical time step can be found (every node is held); give scene.dt"
+                )
             self.core.dt = limits.DT_SAFETY[self.scheme] * critical
         elif self._dt > critical > 0 and not self.allowUnstable:
-            raise ValueError(f"dt = {self._dt:.3g} s exceeds the critical step {critical:.3g} s of this scene (stiffest: "
-                             f"'{self.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid")
+            raise ValueError(
+                f"dt = {self._dt:.3g} s exceeds the critical step {critical:.3g} s of this scene (stiffest: "
+                f"'{self.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid"
+            )
         else:
             self.core.dt = self._dt
         self._isChecked()
@@ -492,7 +573,11 @@ class Scene(Guarded):
 
     def _stabilityState(self):
         """What the critical step depends on and may be changed between runs."""
-        return (self._dt, self.allowUnstable, [(tuple(b.material.lameConstants), b.inertiaScale) for b in self.bodies])
+        return (
+            self._dt,
+            self.allowUnstable,
+            [(tuple(b.material.lameConstants), b.inertiaScale) for b in self.bodies],
+        )
 
     def _dirty(self):
         self._prepared = self._checked = False
@@ -531,25 +616,37 @@ class Scene(Guarded):
         cell = min(self.cell)
         place = f"interface of '{meshed}' and '{boxes}' near {where}: an edge"
         if initial > limits.INTERFACE_BUILD * cell:
-            return (f"{place} of {edge:.6g} m is longer than the cell {cell:.6g} m within one cell of uGIMP particles; refine '{meshed}' there, "
-                    f"e.g. APDI(size=..., matched=...)")
-        return (f"{place} has stretched from {initial:.3g} to {edge:.3g} m, {edge / cell:.3g} cells, within one cell of uGIMP particles, where the "
-                f"stress becomes wrong beyond one cell (a run ends at {limits.INTERFACE_RUN:g}); use UGIMP there, or APDI(onDistortion=\"convert\")")
+            return (
+                f"{place} of {edge:.6g} m is longer than the cell {cell:.6g} m within one cell of uGIMP particles; refine '{meshed}' there, "
+                f"e.g. APDI(size=..., matched=...)"
+            )
+        return (
+            f"{place} has stretched from {initial:.3g} to {edge:.3g} m, {edge / cell:.3g} cells, within one cell of uGIMP particles, where the "
+            f'stress becomes wrong beyond one cell (a run ends at {limits.INTERFACE_RUN:g}); use UGIMP there, or APDI(onDistortion="convert")'
+        )
 
     def _distortion(self):
         """Which APDI domain is distorted most, if any is much; or None."""
-        poor = [(quality, body, particle, count) for body in self.bodies for count, particle, quality in [body.core.poorDomains(limits.POOR_QUALITY)]
-                if count]
+        poor = [
+            (quality, body, particle, count)
+            for body in self.bodies
+            for count, particle, quality in [body.core.poorDomains(limits.POOR_QUALITY)]
+            if count
+        ]
         if not poor:
             return None
         quality, body, particle, count = min(poor, key=lambda p: p[0])
         number = f"{count} domains" if count > 1 else "a domain"
-        return (f"{number} of '{body.name}' distorted, most that of particle {body.id[particle]} at {_place(body.position[particle])}: smallest corner "
-                f"{100 * quality:.3g} % of its area, and at 5 % {'it becomes uGIMP' if body.type.core.converts else 'the run stops'}; use UGIMP there"
-                + ("" if body.type.core.converts else ", or APDI(onDistortion=\"convert\")"))
+        return (
+            f"{number} of '{body.name}' distorted, most that of particle {body.id[particle]} at {_place(body.position[particle])}: smallest corner "
+            f"{100 * quality:.3g} % of its area, and at 5 % {'it becomes uGIMP' if body.type.core.converts else 'the run stops'}; use UGIMP there"
+            + ("" if body.type.core.converts else ', or APDI(onDistortion="convert")')
+        )
 
     # --- results --------------------------------------------------------------------------------------
-    constraints = property(lambda self: list(self._constraints), doc="All prescribed motions, faces included.")
+    constraints = property(
+        lambda self: list(self._constraints), doc="All prescribed motions, faces included."
+    )
 
     def timing(self):
         """Dict engine -> (seconds, calls) since the scene was made."""
@@ -563,12 +660,16 @@ class Scene(Guarded):
         """
         self._refuseWhileRunning("save")
         if self.isMidStep():
-            raise RuntimeError("save: the scene is in the middle of a step; put the callback at the end of the engines")
+            raise RuntimeError(
+                "save: the scene is in the middle of a step; put the callback at the end of the engines"
+            )
         checkpoint.save(self, file)
 
 
-_ORDER = {"MUSL": ("ParticleToGrid", "BoundaryLoad", "GridSolver", "Contact", "GridToParticle", "DomainUpdater"),
-          "USF": ("ParticleToGrid", "DomainUpdater", "BoundaryLoad", "GridSolver", "Contact", "GridToParticle")}
+_ORDER = {
+    "MUSL": ("ParticleToGrid", "BoundaryLoad", "GridSolver", "Contact", "GridToParticle", "DomainUpdater"),
+    "USF": ("ParticleToGrid", "DomainUpdater", "BoundaryLoad", "GridSolver", "Contact", "GridToParticle"),
+}
 _ORDER["USL"] = _ORDER["MUSL"]
 _OPTIONAL = ("BoundaryLoad", "Contact")
 _LIKE_LOADS = ("RigidContact",)  # add forces to the nodes where loads do
@@ -577,7 +678,9 @@ _LIKE_LOADS = ("RigidContact",)  # add forces to the nodes where loads do
 def _inUSFOrder(engines):
     """DomainUpdater straight after ParticleToGrid: the stress is updated first, and its forces summed before loads are added."""
     kinds = [type(e).__name__ for e in engines]
-    if {"DomainUpdater", "ParticleToGrid"} <= set(kinds) and kinds.index("DomainUpdater") > kinds.index("ParticleToGrid"):
+    if {"DomainUpdater", "ParticleToGrid"} <= set(kinds) and kinds.index("DomainUpdater") > kinds.index(
+        "ParticleToGrid"
+    ):
         updater = engines.pop(kinds.index("DomainUpdater"))
         engines.insert(kinds.index("ParticleToGrid") + 1, updater)
     return engines
@@ -588,10 +691,14 @@ def _checkOrder(engines, scheme):
     stages = [type(e).__name__ for e in engines if type(e).__name__ in (*_ORDER[scheme], *_LIKE_LOADS)]
     kinds = ["BoundaryLoad" if s in _LIKE_LOADS else s for s in stages]
     places = [_ORDER[scheme].index(k) for k in kinds]
-    isTwice = any(kinds.count(k) > 1 for k in kinds if k != "BoundaryLoad") or len({id(e) for e in engines}) < len(engines)
+    isTwice = any(kinds.count(k) > 1 for k in kinds if k != "BoundaryLoad") or len(
+        {id(e) for e in engines}
+    ) < len(engines)
     if isTwice or places != sorted(places):
-        raise ValueError(f"Scene: engines {', '.join(stages)} do not make a step; under {scheme} the order is "
-                         f"{', '.join(_ORDER[scheme])}, each once, loads (and RigidContact, in their place) as many as you like")
+        raise ValueError(
+            f"Scene: engines {', '.join(stages)} do not make a step; under {scheme} the order is "
+            f"{', '.join(_ORDER[scheme])}, each once, loads (and RigidContact, in their place) as many as you like"
+        )
 
 
 def _checkComplete(engines, scheme):
@@ -599,15 +706,19 @@ def _checkComplete(engines, scheme):
     needed = [kind for kind in _ORDER[scheme] if kind not in _OPTIONAL]
     missing = [kind for kind in needed if kind not in [type(e).__name__ for e in engines]]
     if missing:
-        raise ValueError(f"Scene: {', '.join(missing)} missing among the engines; a step under {scheme} needs "
-                         f"{', '.join(needed)}; add what is missing, with dead=True to leave it out on purpose")
+        raise ValueError(
+            f"Scene: {', '.join(missing)} missing among the engines; a step under {scheme} needs "
+            f"{', '.join(needed)}; add what is missing, with dead=True to leave it out on purpose"
+        )
 
 
 def _boxes(body):
     """Centres and half sizes of boxes that lie inside the domains of a body, for the check of overlaps."""
     if body.cells is None:
         share = body.initialVolume / np.prod(2 * body.halfSize)
-        return body.position, np.where(share > 1 - 1e-9, 1, share / 2)[:, None] * body.halfSize  # of cut boxes half of what they hold
+        return body.position, np.where(share > 1 - 1e-9, 1, share / 2)[
+            :, None
+        ] * body.halfSize  # of cut boxes half of what they hold
     corners = body.corners()
     return body.position, 0.5 * np.abs(corners - body.position[:, None]).min(axis=1)
 
@@ -618,16 +729,22 @@ def _array(values, dtype=np.float64):
 
 def _checkFields(body):
     """Refuses values that are not finite, and mass or volume that is not positive."""
-    names = [(f["name"], False) for f in body.core.fields(False)] + [(f["name"], True) for f in body.core.fields(True)]
+    names = [(f["name"], False) for f in body.core.fields(False)] + [
+        (f["name"], True) for f in body.core.fields(True)
+    ]
     for name, ofDomains in names:
         if name == "bodyForce" and not body.core.hasBodyForce:
             continue
         values = np.asarray(body.core.view(name, ofDomains))
         if not np.isfinite(values).all():
             number = np.argwhere(~np.isfinite(values))[0][0]
-            raise ValueError(f"body '{body.name}': {name} holds a value that is not finite (entry {number}); mend it")
+            raise ValueError(
+                f"body '{body.name}': {name} holds a value that is not finite (entry {number}); mend it"
+            )
         if name in ("mass", "volume", "initialVolume") and not (values > 0).all():
-            raise ValueError(f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend it")
+            raise ValueError(
+                f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend it"
+            )
 
 
 def _isNumber(value):
@@ -647,7 +764,9 @@ def _corner(what, values):
     except (TypeError, ValueError):
         array = np.zeros(0)
     if array.shape not in ((2,), (3,)) or not np.isfinite(array).all():
-        raise ValueError(f"Scene: {what} = {values!r} is not allowed; give two (plane strain) or three numbers, m")
+        raise ValueError(
+            f"Scene: {what} = {values!r} is not allowed; give two (plane strain) or three numbers, m"
+        )
     return array
 
 

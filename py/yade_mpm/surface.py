@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The ground surface of a 2D scene: its polyline, heave, trough and cavity, isolated particles."""
+
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +12,8 @@ from scipy.spatial import cKDTree
 from .lattice import _boxDistance
 from .mesh import boundaryFacets
 
-_BRIDGED = 0.5       # cells: a wider gap parts the ground
-_PER_BOX = 4         # strips that a box is seen in
+_BRIDGED = 0.5  # cells: a wider gap parts the ground
+_PER_BOX = 4  # strips that a box is seen in
 
 
 @dataclass
@@ -60,7 +61,11 @@ class Surface:
         rise = np.where((x > ends[0]) & (x < ends[1]), 0, np.interp(x, self.x[good], self.y[good]) - level)
         isCavity = (x > left) & (x < right)
         below = np.clip(-rise, 0, None) * step
-        return float(np.clip(rise, 0, None).sum() * step), float(below[~isCavity].sum()), float(below[isCavity].sum())
+        return (
+            float(np.clip(rise, 0, None).sum() * step),
+            float(below[~isCavity].sum()),
+            float(below[isCavity].sum()),
+        )
 
     def _breaks(self, jump):
         """Whether the surface is interrupted between each point and the next."""
@@ -71,15 +76,17 @@ class Surface:
         if self.hole is None:
             return np.inf, -np.inf
         left, right = self.x <= self.hole[0], self.x >= self.hole[1]
-        return (_reach(self.x[left], self._breaks(jump)[left[:-1]], self.hole[0]),
-                -_reach(-self.x[right][::-1], self._breaks(jump)[right[1:]][::-1], -self.hole[1]))
+        return (
+            _reach(self.x[left], self._breaks(jump)[left[:-1]], self.hole[0]),
+            -_reach(-self.x[right][::-1], self._breaks(jump)[right[1:]][::-1], -self.hole[1]),
+        )
 
 
 def _reach(x, breaks, hole):
     """Last x before the first break on the way to the hole, at most that of the hole; breaks[i] is that between point i and the next."""
     if len(x) == 0:  # the hole is at the end of the ground
         return hole
-    inner = np.flatnonzero(breaks[:len(x) - 1])
+    inner = np.flatnonzero(breaks[: len(x) - 1])
     return min(x[inner[0]] if len(inner) else x[-1], hole)
 
 
@@ -111,16 +118,24 @@ def groundSurface(scene, bodies, level, hole=None):
             x, y = _boxTops(body, inGround[body.name], gap, chains)
             pieces.append((x, y, np.zeros(len(x), bool)))
     if not pieces:
-        raise ValueError(f"groundSurface: no mesh has edges that lay at level = {level:g} m, and there are no boxes; give the height of the "
-                         f"initial surface")
+        raise ValueError(
+            f"groundSurface: no mesh has edges that lay at level = {level:g} m, and there are no boxes; give the height of the "
+            f"initial surface"
+        )
     x, y, explicit = (np.concatenate([p[k] for p in pieces]) for k in range(3))
     piece = np.concatenate([np.full(len(p[0]), k) for k, p in enumerate(pieces)])
     order = np.argsort(x, kind="stable")
     x, y, explicit, piece = x[order], y[order], explicit[order], piece[order]
     parted = np.flatnonzero((np.diff(piece) != 0) & (np.diff(x) > gap)) + 1
     x = np.insert(x, parted, 0.5 * (x[parted - 1] + x[parted]))
-    return Surface(x, np.insert(y, parted, np.nan), np.insert(explicit, parted, False), hole, singleValued,
-                   int(sum((~m).sum() for m in inGround.values())))
+    return Surface(
+        x,
+        np.insert(y, parted, np.nan),
+        np.insert(explicit, parted, False),
+        hole,
+        singleValued,
+        int(sum((~m).sum() for m in inGround.values())),
+    )
 
 
 def _largestPart(bodies, gap):
@@ -129,7 +144,10 @@ def _largestPart(bodies, gap):
     lower, upper = (np.concatenate([which(c, axis=1) for c in corners]) for which in (np.min, np.max))
     centre, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
     pairs = cKDTree(centre).query_pairs(2 * half.max() + gap, p=np.inf, output_type="ndarray")
-    i, j = pairs[_boxDistance(centre[pairs[:, 0]] - centre[pairs[:, 1]], half[pairs[:, 0]] + half[pairs[:, 1]]) <= gap * (1 + 1e-9)].T
+    i, j = pairs[
+        _boxDistance(centre[pairs[:, 0]] - centre[pairs[:, 1]], half[pairs[:, 0]] + half[pairs[:, 1]])
+        <= gap * (1 + 1e-9)
+    ].T
     count = len(centre)
     label = connected_components(coo_array((np.ones(len(i)), (i, j)), (count, count)), directed=False)[1]
     isMain = label == np.argmax(np.bincount(label))
@@ -144,7 +162,9 @@ def _boxTops(body, inGround, gap, chains):
     half, position = body.halfSize, body.position[inGround]
     step, start = 2 * half[0] / _PER_BOX, body.reference[:, 0].min() - half[0]
     # The middle of strip k is at start + (k + 1/2) step.
-    first, last = (np.ceil((position[:, 0] + side * half[0] - start) / step - 0.5 - 1e-6).astype(int) for side in (-1, 1))
+    first, last = (
+        np.ceil((position[:, 0] + side * half[0] - start) / step - 0.5 - 1e-6).astype(int) for side in (-1, 1)
+    )
     width = 2 * round(0.5 * gap / step)  # strips in a gap
     middle = start + step * (np.arange(first.min() - width, last.max() + width) + 0.5)
     tops = np.full(len(middle), -np.inf)
@@ -154,8 +174,10 @@ def _boxTops(body, inGround, gap, chains):
     for chain in chains:
         below = _isWithin(middle, chain)
         tops[below] = np.interp(middle[below], *chain.T)
-    tops = ndimage.grey_closing(tops, width + 1)[width:len(tops) - width]
-    x = (middle[width:len(middle) - width, None] + 0.5 * step * (1 - 1e-6) * np.array([-1, 1])).ravel()  # short of the next strip's
+    tops = ndimage.grey_closing(tops, width + 1)[width : len(tops) - width]
+    x = (
+        middle[width : len(middle) - width, None] + 0.5 * step * (1 - 1e-6) * np.array([-1, 1])
+    ).ravel()  # short of the next strip's
     isOpen = ~np.any([_isWithin(x, chain) for chain in chains], axis=0) & np.ones(len(x), bool)
     return x[isOpen], np.repeat(np.where(np.isfinite(tops), tops, np.nan), 2)[isOpen]
 

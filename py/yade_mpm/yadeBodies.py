@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies of YADE that touch the soil: their states go to a `RigidContact`, its forces come back."""
+
 import operator
 import sys
 
@@ -40,12 +41,15 @@ class Bodies:
 
     def __init__(self, contact, ids, friction=0.0, thickness=1.0, facetThickness=0.0, plane="xy"):
         from yade import O
+
         if not isinstance(contact, RigidContact):
             raise TypeError(f"inYade.Bodies: contact = {contact!r}; give a mpm.RigidContact()")
         self._O, self.contact, self.ids, self.thickness = O, contact, _numbers(ids), float(thickness)
         self._facetThickness = float(facetThickness)
         if not 0 < self.thickness < np.inf:
-            raise ValueError(f"inYade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number")
+            raise ValueError(
+                f"inYade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number"
+            )
         self._plane = Plane(plane)
         for number in self.ids:
             if not 0 <= number < len(O.bodies) or O.bodies[number] is None:
@@ -55,7 +59,9 @@ class Bodies:
         contact._isFelt = False  # by YADE, as long as no coupling has these bodies
         states = [O.bodies[number].state for number in self.ids]
         turns = [self._plane.turnToScene(_frameOf(O.bodies[number])).tolist() for number in self.ids]
-        self._exchange = _core.BodyExchange(contact.core, states, self.ids, O.forces, self._plane.frame.tolist(), turns)
+        self._exchange = _core.BodyExchange(
+            contact.core, states, self.ids, O.forces, self._plane.frame.tolist(), turns
+        )
         self._cycles, self._run, self._isWeighed = 0, None, False
         if isNew:
             self._exchange.read(-2, 0.0, 0.0, 1, True)  # in no step
@@ -64,10 +70,17 @@ class Bodies:
 
     def read(self, coupling):
         """At the beginning of a cycle, when both clocks agree: states of the bodies to the contact."""
-        if coupling.runs != self._run and sum(e.contact is self.contact for e in coupling.exchanges if isinstance(e, Bodies)) > 1:
-            raise RuntimeError("inYade.Bodies: two of them serve one RigidContact, and its forces would count twice; take one out of "
-                               "exchanges (after O.load, inYade.attach() has brought it back)")
-        isEvery = coupling.runs != self._run or self._cycles % EVERY == 0  # someone may have moved a body by hand
+        if (
+            coupling.runs != self._run
+            and sum(e.contact is self.contact for e in coupling.exchanges if isinstance(e, Bodies)) > 1
+        ):
+            raise RuntimeError(
+                "inYade.Bodies: two of them serve one RigidContact, and its forces would count twice; take one out of "
+                "exchanges (after O.load, inYade.attach() has brought it back)"
+            )
+        isEvery = (
+            coupling.runs != self._run or self._cycles % EVERY == 0
+        )  # someone may have moved a body by hand
         self._run, self._cycles = coupling.runs, self._cycles + 1
         duration = coupling.scene.dt * coupling.mpmSteps
         self._exchange.read(self._O.iter, self._O.dt, duration, coupling.mpmSteps, isEvery)
@@ -83,14 +96,22 @@ class Bodies:
         for number in () if self._isWeighed else self.ids:
             density = _density(self._O, self._O.bodies[number], self.thickness if scene.dim == 2 else None)
             if density > most:
-                print(f"warning: inYade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the densest of the scene "
-                      f"{most / DENSER:.3g}; YADE's default material has 1000 (kg/m3): give it a material with a density in Mg/m3", file=sys.stderr)
+                print(
+                    f"warning: inYade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the densest of the scene "
+                    f"{most / DENSER:.3g}; YADE's default material has 1000 (kg/m3): give it a material with a density in Mg/m3",
+                    file=sys.stderr,
+                )
                 break
         self._isWeighed = True
 
     def spec(self):
         """Dict of constructor arguments besides the contact, of plain types, with which `attach` after O.load makes it anew."""
-        return {"ids": self.ids, "thickness": self.thickness, "facetThickness": self._facetThickness, "plane": self._plane.name}
+        return {
+            "ids": self.ids,
+            "thickness": self.thickness,
+            "facetThickness": self._facetThickness,
+            "plane": self._plane.name,
+        }
 
     def _take(self, contact, shapes, friction):
         """Adds rigid bodies with these shapes; False if the contact comes from a checkpoint and has them."""
@@ -98,10 +119,17 @@ class Bodies:
             for ofBody in shapes:
                 contact.addBody(ofBody, friction=friction)
             return True
-        rows = [x for number, ofBody in enumerate(shapes) for shape in ofBody for x in rigid.shapeRow(number, shape)]
+        rows = [
+            x
+            for number, ofBody in enumerate(shapes)
+            for shape in ofBody
+            for x in rigid.shapeRow(number, shape)
+        ]
         known = contact.core.value("shapes")
         if len(known) != len(rows) or not np.allclose(known, rows, rtol=0, atol=1e-9):
-            raise ValueError("inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its own")
+            raise ValueError(
+                "inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its own"
+            )
         return False
 
 
@@ -110,7 +138,9 @@ def _numbers(ids):
     try:
         return [ids] if isinstance(ids, int) else [operator.index(i) for i in ids]
     except TypeError:
-        raise TypeError(f"inYade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them") from None
+        raise TypeError(
+            f"inYade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them"
+        ) from None
 
 
 def checkExchanges(coupling):
@@ -119,14 +149,19 @@ def checkExchanges(coupling):
     contacts = [e for e in coupling.scene.engines if isinstance(e, RigidContact)]
     for bodies in (e for e in coupling.exchanges if isinstance(e, Bodies)):
         if not any(bodies.contact is c for c in contacts):
-            raise RuntimeError(f"inYade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the scene '{coupling.label}'; put it behind "
-                               f"ParticleToGrid, and attach the scene again")
+            raise RuntimeError(
+                f"inYade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the scene '{coupling.label}'; put it behind "
+                f"ParticleToGrid, and attach the scene again"
+            )
         bodies.contact._isFelt = True
         bodies.warnOfDensities(coupling.scene)
     for contact in (c for c in contacts if not c._isFelt):
         contact._isFelt = True
-        print(f"warning: the inYade.Bodies of a RigidContact of '{coupling.label}' are not in exchanges: its rigid bodies stand still, and those of YADE feel "
-              f"no soil; coupling.exchanges.append(bodies)", file=sys.stderr)
+        print(
+            f"warning: the inYade.Bodies of a RigidContact of '{coupling.label}' are not in exchanges: its rigid bodies stand still, and those of YADE feel "
+            f"no soil; coupling.exchanges.append(bodies)",
+            file=sys.stderr,
+        )
 
 
 def _frameOf(body):
@@ -140,12 +175,22 @@ def _frameOf(body):
 def _shapesOf(O, body, facetThickness, plane):
     """Shapes of a body of YADE in the frame of `_frameOf`, in the axes of the scene."""
     if body.isClumpMember:
-        raise ValueError(f"inYade.Bodies: body {body.id} stands in clump {body.clumpId}; give the number of the clump")
+        raise ValueError(
+            f"inYade.Bodies: body {body.id} stands in clump {body.clumpId}; give the number of the clump"
+        )
     members = body.shape.members.items() if body.isClump else [(body.id, ((0, 0, 0), (0, 0, 0, 1)))]
     back = plane.turnToScene(_frameOf(body)) * (1, -1, -1, -1)
-    return [shape for member, (centre, turn) in members
-            for shape in _shapesAt(O.bodies[member], _turned(back, plane.toScene(centre)), tuple(_product(back, plane.turnToScene(turn))),
-                                   facetThickness, plane)]
+    return [
+        shape
+        for member, (centre, turn) in members
+        for shape in _shapesAt(
+            O.bodies[member],
+            _turned(back, plane.toScene(centre)),
+            tuple(_product(back, plane.turnToScene(turn))),
+            facetThickness,
+            plane,
+        )
+    ]
 
 
 def _shapesAt(body, centre, turn, facetThickness, plane):
@@ -156,20 +201,30 @@ def _shapesAt(body, centre, turn, facetThickness, plane):
     if kind == "Box":
         return [rigid.Box(tuple(plane.lengthsToScene(shape.extents)), tuple(centre), turn)]
     if kind in ("Facet", "Polyhedra"):
-        vertices = shape.vertices if kind == "Facet" else [shape.v[k] for k in shape.GetSurfaceTriangulation()]
+        vertices = (
+            shape.vertices if kind == "Facet" else [shape.v[k] for k in shape.GetSurfaceTriangulation()]
+        )
         corners = [tuple(centre + _turned(turn, plane.toScene(v))) for v in vertices]
-        return [rigid.Facet(tuple(corners[k:k + 3]), facetThickness) for k in range(0, len(corners), 3)]
+        return [rigid.Facet(tuple(corners[k : k + 3]), facetThickness) for k in range(0, len(corners), 3)]
     if kind == "Wall":
         if shape.sense == 0:
-            raise ValueError(f"inYade.Bodies: wall {body.id} has sense 0; give 1 or -1, the side on which the soil is")
+            raise ValueError(
+                f"inYade.Bodies: wall {body.id} has sense 0; give 1 or -1, the side on which the soil is"
+            )
         return [rigid.Wall(tuple(plane.toScene(shape.sense * np.eye(3)[shape.axis])), tuple(centre))]
-    raise ValueError(f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall and clumps of them can touch the soil")
+    raise ValueError(
+        f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall and clumps of them can touch the soil"
+    )
 
 
 def _density(O, body, thickness):
     """Mass over volume, Mg/m3; zero for what is moved by its velocity alone, and for facets. thickness : of a 2D scene; None in 3D."""
-    shapes = [O.bodies[member].shape for member in body.shape.members.keys()] if body.isClump else [body.shape]
-    if body.state.blockedDOFs == "xyzXYZ" or not all(type(shape).__name__ in ("Sphere", "Box") for shape in shapes):
+    shapes = (
+        [O.bodies[member].shape for member in body.shape.members.keys()] if body.isClump else [body.shape]
+    )
+    if body.state.blockedDOFs == "xyzXYZ" or not all(
+        type(shape).__name__ in ("Sphere", "Box") for shape in shapes
+    ):
         return 0.0
     return body.state.mass / sum(_volume(shape, thickness) for shape in shapes)
 
@@ -188,4 +243,6 @@ def _turned(quaternion, v):
 def _product(p, q):
     """Product of quaternions (..., 4), (w, x, y, z): first q, then p."""
     vector = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
-    return np.concatenate([p[..., :1] * q[..., :1] - (p[..., 1:] * q[..., 1:]).sum(axis=-1, keepdims=True), vector], axis=-1)
+    return np.concatenate(
+        [p[..., :1] * q[..., :1] - (p[..., 1:] * q[..., 1:]).sum(axis=-1, keepdims=True), vector], axis=-1
+    )

@@ -3,6 +3,7 @@
 
 Methods of YADE's `O` are wrapped once. What is attached says by itself how it checks, writes and lets go; see inYade.
 """
+
 import atexit
 import functools
 import os
@@ -16,15 +17,17 @@ STEP_PATIENCE = 10.0  # s to wait for the end of a step in which YADE itself may
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 attached = {}  # label -> Coupling
-errors = []    # of engines, not raised yet
+errors = []  # of engines, not raised yet
 
 
 def omega():
     try:
         from yade import O
     except ImportError as error:
-        raise ImportError(f"inYade needs YADE ({error}); run the script with the command `yade` (Debian: apt install yade), or "
-                          f"put the folder that holds YADE's Python package on sys.path") from None
+        raise ImportError(
+            f"inYade needs YADE ({error}); run the script with the command `yade` (Debian: apt install yade), or "
+            f"put the folder that holds YADE's Python package on sys.path"
+        ) from None
     return O
 
 
@@ -70,6 +73,7 @@ def _endingRun(method):
             signals.afterRun()
             _raiseErrors()
         return result
+
     return wrapped
 
 
@@ -99,12 +103,15 @@ def _saving(method):
     @functools.wraps(method)
     def wrapped(self, file, *args, **keywords):
         if attached and (self.running or isInStep()):
-            raise RuntimeError("O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() and O.wait() "
-                               "first")
+            raise RuntimeError(
+                "O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() and O.wait() "
+                "first"
+            )
         waitForStep(self)
         for coupling in attached.values():
             coupling._saveBeside(file)
         return method(self, file, *args, **keywords)
+
     return wrapped
 
 
@@ -119,6 +126,7 @@ def _forgetting(method):
         attached.clear()
         errors.clear()
         return method(self, *args, **keywords)
+
     return wrapped
 
 
@@ -191,7 +199,10 @@ class _Signals:
         at = f"interrupted at O.iter = {O.iter}, O.time = {O.time:g} s"
         try:
             O.save(file)
-            print(f"{at}; the state is in {file} and beside it (continue with O.load and inYade.attach())", file=sys.stderr)
+            print(
+                f"{at}; the state is in {file} and beside it (continue with O.load and inYade.attach())",
+                file=sys.stderr,
+            )
         except Exception as error:
             print(f"{at}; the state could not be saved: {error}", file=sys.stderr)
 

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Where a 2D scene lies in YADE: axes of the scene as signed axes of YADE."""
+
 import numpy as np
 
-PLANES = {"xy": (0, 1, 2), "xz": (0, 2, 1), "yz": (1, 2, 0)}  # axis of YADE along x, y and the normal of the scene
+PLANES = {
+    "xy": (0, 1, 2),
+    "xz": (0, 2, 1),
+    "yz": (1, 2, 0),
+}  # axis of YADE along x, y and the normal of the scene
 
 
 class Plane:
@@ -15,7 +20,9 @@ class Plane:
 
     def __init__(self, name="xy"):
         if name not in PLANES:
-            raise ValueError(f"inYade.Bodies: plane = {name!r} is not allowed; give one of {', '.join(map(repr, PLANES))}")
+            raise ValueError(
+                f"inYade.Bodies: plane = {name!r} is not allowed; give one of {', '.join(map(repr, PLANES))}"
+            )
         self.name, self.axes = name, PLANES[name]
         self.frame = np.eye(3)[list(self.axes)]
         self.frame[2] *= np.linalg.det(self.frame)

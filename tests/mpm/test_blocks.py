@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Particles grouped by blocks of the grid: what two threads add to the nodes at a time lies apart, along every axis but the first."""
+
 import h5py
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 H, CELLS, WIDTH = 0.5, 22, 4  # m, cells along each axis but the first, nodes across a block
@@ -14,7 +14,12 @@ def flying(dim, axis=1, particles=None):
     upper = [2.0] + [CELLS * H] * (dim - 1)
     lower, top = np.full(dim, 0.5), np.array([1.5] + [2.5] * (dim - 1))
     scene = mpm.Scene((0.0,) * dim, upper, H, threads=1)
-    body = scene.add("flying", mpm.box(lower, top), mpm.LinearElastic(density=1.5, young=1e3, poisson=0.3), particles or mpm.UGIMP())
+    body = scene.add(
+        "flying",
+        mpm.box(lower, top),
+        mpm.LinearElastic(density=1.5, young=1e3, poisson=0.3),
+        particles or mpm.UGIMP(),
+    )
     body.velocity = np.eye(dim)[axis] * 10.0
     scene.dt, scene.allowUnstable = 1e-3, True
     return scene, body
@@ -30,7 +35,13 @@ def places(body, first):
     assert len(start) - 1 == (2 * tiles) ** (dim - 1)
     block = np.repeat(np.arange(len(start) - 1), np.diff(start))
     tile, within = block >> (dim - 1), block % 2 ** (dim - 1)
-    return np.stack([first[:, k] - WIDTH * (2 * (tile // tiles ** (k - 1) % tiles) + (within >> (k - 1)) % 2) for k in range(1, dim)], axis=1)
+    return np.stack(
+        [
+            first[:, k] - WIDTH * (2 * (tile // tiles ** (k - 1) % tiles) + (within >> (k - 1)) % 2)
+            for k in range(1, dim)
+        ],
+        axis=1,
+    )
 
 
 @pytest.mark.parametrize("dim, axis", [(2, 1), (3, 1), (3, 2)])

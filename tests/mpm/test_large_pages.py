@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Large arrays ask for large pages (base/largePages.hpp), and begin at one: with 200,000 particles up to 12 % of a step each."""
+
 from pathlib import Path
 
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 
@@ -24,10 +24,17 @@ def flagsAt(address):
             return line.split()[1:]
 
 
-@pytest.mark.parametrize("cells, asks", [(120, True), (62, True), (45, False), (4, False)])  # the stress: 4.1, 1.1, 0.6 MB, 4.7 kB
+@pytest.mark.parametrize(
+    "cells, asks", [(120, True), (62, True), (45, False), (4, False)]
+)  # the stress: 4.1, 1.1, 0.6 MB, 4.7 kB
 def test_large_arrays_ask_for_large_pages_and_begin_at_one(cells, asks):
     scene = mpm.Scene((0, 0), (cells, cells), 1.0)
-    body = scene.add("body", box((0, 0), (cells, cells)), mpm.LinearElastic(density=1.0, young=1e3, poisson=0.2), mpm.UGIMP())
+    body = scene.add(
+        "body",
+        box((0, 0), (cells, cells)),
+        mpm.LinearElastic(density=1.0, young=1e3, poisson=0.2),
+        mpm.UGIMP(),
+    )
     stress = body.stress
     address = stress.__array_interface__["data"][0]
     assert (address % LARGE == 0) or not asks

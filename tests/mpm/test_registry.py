@@ -1,17 +1,31 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The registered classes. A linker may drop a file that nobody names, and its class with it: the lists are asserted."""
-import pytest
 
+import pytest
 import yade_mpm as mpm
 
 MATERIALS = ["LinearElastic", "MohrCoulombDruckerPrager", "NeoHookean"]
 TYPES = ["APDI", "UGIMP"]
-ENGINES = ["BoundaryLoad", "Contact", "DomainUpdater", "GridSolver", "GridToParticle", "ParticleToGrid", "RigidContact"]
+ENGINES = [
+    "BoundaryLoad",
+    "Contact",
+    "DomainUpdater",
+    "GridSolver",
+    "GridToParticle",
+    "ParticleToGrid",
+    "RigidContact",
+]
 
 
-@pytest.mark.parametrize("names, expected", [(mpm._core.materialNames, MATERIALS), (mpm._core.particleTypeNames, TYPES),
-                                             (mpm._core.engineNames, ENGINES)],
-                         ids=["materials", "particle types", "engines"])
+@pytest.mark.parametrize(
+    "names, expected",
+    [
+        (mpm._core.materialNames, MATERIALS),
+        (mpm._core.particleTypeNames, TYPES),
+        (mpm._core.engineNames, ENGINES),
+    ],
+    ids=["materials", "particle types", "engines"],
+)
 def test_everything_is_registered(names, expected):
     assert sorted(names()) == expected
 
@@ -20,8 +34,13 @@ def test_everything_is_registered(names, expected):
 def test_every_class_has_a_python_face_with_its_parameters_explained(name):
     face = getattr(mpm, name)
     assert face.__name__ == name
-    make = (mpm._core.makeMaterial if name in MATERIALS else
-            mpm._core.makeParticleType if name in TYPES else mpm._core.makeEngine)
+    make = (
+        mpm._core.makeMaterial
+        if name in MATERIALS
+        else mpm._core.makeParticleType
+        if name in TYPES
+        else mpm._core.makeEngine
+    )
     core = make(name)
     assert core.doc and core.doc.split("\n")[0] in face.__doc__
     for parameter in core.parameters():

@@ -8,6 +8,7 @@ material with the first Piola-Kirchhoff stress P = mu (F - F^-T) + lambda ln(J) 
 
     python3 stretching_bar_reference.py     # writes stretching_bar_reference.csv: time, centre of mass and lower end, energy error
 """
+
 import sys
 from pathlib import Path
 
@@ -59,8 +60,14 @@ def run(n, until, every):
         v += (0.5 if step == 0 else 1) * dt * a
         if step % (steps // round(until / every)) == 0:
             now = v - 0.5 * dt * a
-            elastic = weight * (0.5 * LAME * np.log(J) ** 2 - SHEAR * np.log(J)
-                                + 0.5 * SHEAR * ((F**2).sum(axis=(2, 3)) - 2)).sum()
+            elastic = (
+                weight
+                * (
+                    0.5 * LAME * np.log(J) ** 2
+                    - SHEAR * np.log(J)
+                    + 0.5 * SHEAR * ((F**2).sum(axis=(2, 3)) - 2)
+                ).sum()
+            )
             work = GRAVITY * mass @ (X - x)[:, 1]
             error = (0.5 * mass @ (now**2).sum(axis=1) + elastic - work) / max(work, 1e-9)
             rows.append((step * dt, mass @ x[:, 1] / mass.sum(), x[end, 1].mean(), error))
@@ -71,5 +78,10 @@ def run(n, until, every):
 if __name__ == "__main__":
     n = int(sys.argv[1]) if len(sys.argv) > 1 else 64
     table = run(n, 0.3, 0.005)
-    np.savetxt(TABLE if len(sys.argv) < 3 else sys.argv[2], table, fmt="%.6g", delimiter=",",
-               header=f"{n} x {n} elements\ntime s, centre of mass m, lower end m, energy error -")
+    np.savetxt(
+        TABLE if len(sys.argv) < 3 else sys.argv[2],
+        table,
+        fmt="%.6g",
+        delimiter=",",
+        header=f"{n} x {n} elements\ntime s, centre of mass m, lower end m, energy error -",
+    )

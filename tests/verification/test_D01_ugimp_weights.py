@@ -7,13 +7,20 @@ linear completeness for random position and half size.
 Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-496.
 Tolerance: 1e-14 (1e-13 for gradients with 1/h = 8).
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 
-TABLE = {0: (0.875, 0), 0.1: (0.855, -0.4), 0.2: (0.795, -0.8), 0.5: (0.5, -1), 1: (0.0625, -0.5), 1.25: (0, 0)}
+TABLE = {
+    0: (0.875, 0),
+    0.1: (0.855, -0.4),
+    0.2: (0.795, -0.8),
+    0.5: (0.5, -1),
+    1: (0.0625, -0.5),
+    1.25: (0, 0),
+}
 
 
 def particle(dim=2, perCell=2, cell=1.0):
@@ -22,7 +29,9 @@ def particle(dim=2, perCell=2, cell=1.0):
     scene = mpm.Scene(lower=[0] * dim, upper=8 * cell, cell=cell)
     corner = 4 * cell
     region = box(corner, corner + cell / perCell)
-    return scene.add("one", region, mpm.LinearElastic(density=1, young=1, poisson=0), mpm.UGIMP(perCell=perCell))
+    return scene.add(
+        "one", region, mpm.LinearElastic(density=1, young=1, poisson=0), mpm.UGIMP(perCell=perCell)
+    )
 
 
 def weightsAt(body, x):

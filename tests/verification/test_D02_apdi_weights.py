@@ -13,11 +13,11 @@ after the step, the smallest corner (2^Dim det J there), below 5 % of the volume
 hourglass forces, which are made of g and the patterns of the corners (Flanagan & Belytschko 1981).
 Controls: a quadrature with one point, which the hexahedra are distorted enough to tell apart; corners in another order.
 """
+
 from itertools import product
 
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 SIGNS = {2: np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])}
@@ -29,7 +29,9 @@ def jacobian(X, xi):
     """N_a and dN_a/dxi at xi, and J_ij = dx_i/dxi_j, of a domain with corners X (corners, dim)."""
     dim = X.shape[1]
     factors = (1 + SIGNS[dim] * xi) / 2
-    dN = np.stack([SIGNS[dim][:, k] / 2 * np.delete(factors, k, axis=1).prod(axis=1) for k in range(dim)], axis=1)
+    dN = np.stack(
+        [SIGNS[dim][:, k] / 2 * np.delete(factors, k, axis=1).prod(axis=1) for k in range(dim)], axis=1
+    )
     return factors.prod(axis=1), dN, X.T @ dN
 
 
@@ -169,7 +171,9 @@ def test_a_step_takes_gradient_and_volume_of_hexahedra_from_the_quadrature(schem
     onePoint = 0.0
     for p in range(ODD):
         g = quadrature(before[p])[1]
-        assert np.abs(body.velocityGradient[p] - V[p].T @ g).max() <= 1e-13 * np.abs(V).max() * np.abs(g).max()
+        assert (
+            np.abs(body.velocityGradient[p] - V[p].T @ g).max() <= 1e-13 * np.abs(V).max() * np.abs(g).max()
+        )
         assert abs(body.volume[p] / quadrature(after[p])[2] - 1) <= 1e-13
         g = quadrature(before[p], points=(0.0,))[1]
         onePoint = max(onePoint, np.abs(body.velocityGradient[p] - V[p].T @ g).max())
@@ -197,8 +201,12 @@ def test_hexahedra_are_given_up_by_their_smallest_corner():
     X = np.tile(2 + 0.25 * SIGNS[3], (ODD, 1, 1))
     scene = mpm.Scene(lower=[0] * 3, upper=[4] * 3, cell=0.25)
     cells = np.arange(8 * ODD).reshape(ODD, 8)
-    body = scene.add("domains", ((2 + 6 * (X - 2)).reshape(-1, 3), cells), mpm.LinearElastic(**ELASTIC),
-                     mpm.APDI(hourglass=0, onDistortion="convert"))
+    body = scene.add(
+        "domains",
+        ((2 + 6 * (X - 2)).reshape(-1, 3), cells),
+        mpm.LinearElastic(**ELASTIC),
+        mpm.APDI(hourglass=0, onDistortion="convert"),
+    )
     for p in range(ODD):
         X[p] = distortedTo(0.050005 if stays[p] else 0.049995, X[p], rng.uniform(-1, 1, (8, 3)))
     body.vertices[...] = X.reshape(-1, 3)
@@ -224,7 +232,9 @@ def test_hourglass_forces_are_those_of_the_corner_patterns(dim):
     X = X0 + np.random.default_rng(11).uniform(-0.1, 0.1, X0.shape)
     scene = mpm.Scene(lower=[0] * dim, upper=[4] * dim, cell=0.25)
     cells = np.arange(X0.shape[0] * X0.shape[1]).reshape(X0.shape[:2])
-    body = scene.add("domains", (X0.reshape(-1, dim), cells), mpm.LinearElastic(**ELASTIC), mpm.APDI(hourglass=0.3))
+    body = scene.add(
+        "domains", (X0.reshape(-1, dim), cells), mpm.LinearElastic(**ELASTIC), mpm.APDI(hourglass=0.3)
+    )
     body.vertices[...] = X.reshape(-1, dim)
     for engine in scene.engines[1:]:
         engine.dead = True
@@ -233,7 +243,7 @@ def test_hourglass_forces_are_those_of_the_corner_patterns(dim):
     nodes = scene.nodePositions()
     found = np.zeros((len(nodes), dim))
     for row in scene.core.nodalValues():
-        found[row[0]] = row[2 + dim:2 + 2 * dim]
+        found[row[0]] = row[2 + dim : 2 + 2 * dim]
     expected = sum(hats(x, nodes, 0.25) @ hourglassForces(x, x0, 0.3) for x, x0 in zip(X, X0))
     assert np.abs(expected).max() > 1e-3  # control
     assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max()
@@ -247,7 +257,7 @@ def test_corner_weights_of_a_quadrilateral_are_exact():
         w, g, V = quadrature(X)
         Y = np.roll(X, -1, axis=0)
         cross = X[:, 0] * Y[:, 1] - Y[:, 0] * X[:, 1]
-        assert V == pytest.approx(0.5 * cross.sum(), rel=1e-13)
+        assert pytest.approx(0.5 * cross.sum(), rel=1e-13) == V
         assert w @ X == pytest.approx(((X + Y) * cross[:, None]).sum(axis=0) / (6 * V), rel=1e-13)
         before, after = np.roll(X, 1, axis=0), np.roll(X, -1, axis=0)
         dV = 0.5 * np.stack([after[:, 1] - before[:, 1], before[:, 0] - after[:, 0]], axis=1)
@@ -258,7 +268,7 @@ def test_a_concave_corner_gets_no_weight():
     """(0,0), (1,0), (0.25,0.25), (0,1): V = 0.25 and w_3 = 0 exactly; the program refuses the domain."""
     X = np.array([(0, 0), (1, 0), (0.25, 0.25), (0, 1)])
     w, _, V = quadrature(X)
-    assert V == pytest.approx(0.25, abs=1e-15)
+    assert pytest.approx(0.25, abs=1e-15) == V
     assert w[2] == pytest.approx(0, abs=1e-15)
     with pytest.raises(ValueError, match="concave"):
         bodyOf(X[None] + 1.0, 1.0)

@@ -9,9 +9,9 @@ Tolerances: positions 1e-11 m (a travel of 3 m), stress 1e-9 kPa at E = 1000 kPa
 edges of APDI domains 1e-10 h.
 Control: local damping (the fall), and an initial velocity that shears by 1e-6 1/s (the drift), must be noticed.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm.particles import MeshedType, classes
 
@@ -21,7 +21,9 @@ DT = 4e-3
 GRAVITY = {2: (14.0, -13.0), 3: (14.0, 13.0, -13.0)}
 VELOCITY = {2: (4.9, -4.3), 3: (4.9, 4.6, -4.3)}
 KINDS = [*sorted(classes), "hybrid"]
-CASES = [(kind, 2, scheme) for kind in KINDS for scheme in ("MUSL", "USF", "USL")] + [(kind, 3, "MUSL") for kind in KINDS]
+CASES = [(kind, 2, scheme) for kind in KINDS for scheme in ("MUSL", "USF", "USL")] + [
+    (kind, 3, "MUSL") for kind in KINDS
+]
 
 
 def particleType(name):
@@ -41,8 +43,12 @@ def blockScene(kind, dim, scheme, gravity=None, damping=0.0):
         lower[-1] += i * size[-1] / len(halves)
         upper[-1] = lower[-1] + size[-1] / len(halves)
         scene.add(name, mpm.box(tuple(lower), tuple(upper)), soil, particleType(name))
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=gravity or (0,) * dim, damping=damping),
-                     mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=gravity or (0,) * dim, damping=damping),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = DT
     return scene
 
@@ -67,15 +73,21 @@ class Deviation:
                 edge[body.name] = edges(body)
         mass = sum(body.mass.sum() for body in scene.bodies)
         momenta = [self.momentum(scene)]
-        scene.engines = scene.engines + [mpm.PyRunner(lambda: momenta.append(self.momentum(scene)), iterPeriod=1)]
+        scene.engines = scene.engines + [
+            mpm.PyRunner(lambda: momenta.append(self.momentum(scene)), iterPeriod=1)
+        ]
         scene.run(steps=STEPS, progress=False)
 
         travel = velocity * STEPS * DT + gravity * DT**2 * STEPS * (STEPS + 1) / 2
         self.travelInCells = abs(travel).min() / H
-        self.position = max(abs(b.position[np.argsort(b.id)] - start[b.name] - travel).max() for b in scene.bodies)
+        self.position = max(
+            abs(b.position[np.argsort(b.id)] - start[b.name] - travel).max() for b in scene.bodies
+        )
         self.stress = max(abs(b.stress).max() for b in scene.bodies)
         self.momentum = abs(np.diff(momenta, axis=0) - DT * mass * gravity).max() / abs(momenta[-1]).max()
-        self.edge = max((abs(edges(b) - edge[b.name]).max() / H for b in scene.bodies if b.cells is not None), default=0.0)
+        self.edge = max(
+            (abs(edges(b) - edge[b.name]).max() / H for b in scene.bodies if b.cells is not None), default=0.0
+        )
 
     @staticmethod
     def momentum(scene):

@@ -9,9 +9,9 @@ Tolerances: relative L1 error of the particle stresses 2 % at 64 cells, rate of 
 Control: with the gravity at once and hardly any damping the error is far above the tolerance; a rate of the order of
 zero, as that of the linear material point method, would fail the bound on the rate.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 LENGTH, DENSITY, GRAVITY = 50.0, 0.08, 10.0
@@ -29,8 +29,13 @@ def compact(cells, kind, rampTime=20.0, restTime=10.0, damping=0.7):
     def load():
         solver.gravity = (0, -GRAVITY * (min(1.0, scene.time / rampTime) if rampTime else 1.0))
 
-    scene.engines = [mpm.PyRunner(load, iterPeriod=1), mpm.ParticleToGrid(), solver, mpm.GridToParticle(),
-                     mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.PyRunner(load, iterPeriod=1),
+        mpm.ParticleToGrid(),
+        solver,
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.run(until=rampTime + restTime, progress=False)
     depth = LENGTH - column.reference[:, 1]
     exact, reached = -DENSITY * GRAVITY * depth, column.stress[:, 1, 1]

@@ -10,8 +10,8 @@ Tolerance: 0.2 %.
 Control: the published values, 0.16 to 0.18 % off, pass, and the value at the very bottom (1.3 to 5.3 %) does not; a
 column that hangs on a wall by friction (fixed sides) fails.
 """
-import pytest
 
+import pytest
 import yade_mpm as mpm
 
 DENSITY, GRAVITY, HEIGHT, TOLERANCE = 1.8, 9.81, 0.1, 2e-3
@@ -24,11 +24,23 @@ def bottomStress(h, kind="UGIMP", walls="roller", width=None):
     """Mean vertical stress of the lowest row of cells, kPa."""
     width = width or WIDTHS[h]
     scene = mpm.Scene(lower=(0, 0), upper=(width, HEIGHT), cell=h)
-    column = scene.add("column", mpm.box((0, 0), (width, HEIGHT)),
-                       mpm.LinearElastic(density=DENSITY, young=1000.0, poisson=0.0), TYPES[kind](h))
-    faces = {"roller": ("left", "right"), "fixed": ("bottom",)} if walls == "roller" else {"fixed": ("bottom", "left", "right")}
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0, -GRAVITY), damping=0.7, **faces),
-                     mpm.GridToParticle(), mpm.DomainUpdater()]
+    column = scene.add(
+        "column",
+        mpm.box((0, 0), (width, HEIGHT)),
+        mpm.LinearElastic(density=DENSITY, young=1000.0, poisson=0.0),
+        TYPES[kind](h),
+    )
+    faces = (
+        {"roller": ("left", "right"), "fixed": ("bottom",)}
+        if walls == "roller"
+        else {"fixed": ("bottom", "left", "right")}
+    )
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -GRAVITY), damping=0.7, **faces),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.settle(tolerance=1e-4)
     return column.stress[column.reference[:, 1] < h, 1, 1].mean()
 

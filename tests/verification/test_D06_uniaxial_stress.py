@@ -14,13 +14,16 @@ uppermost one is 1 mm/h short of material, and its stress higher by that (0.4 % 
 In the hybrid cubes the free sides are in the middle of cells of 0.4 x 0.4 x 1 m. Where a free side that crosses an APDI/uGIMP
 interface lies just behind a grid line, the two types weight the nodes outside differently, and the stress creeps.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 YOUNG, POISSON, STRAIN = 1.0, 0.2, 1e-3
-TYPES = {"UGIMP": lambda cell, n: mpm.UGIMP(perCell=n), "APDI": lambda cell, n: mpm.APDI(size=tuple(cell / n))}
+TYPES = {
+    "UGIMP": lambda cell, n: mpm.UGIMP(perCell=n),
+    "APDI": lambda cell, n: mpm.APDI(size=tuple(cell / n)),
+}
 
 
 def compress(lower, upper, density=1e-5, moving=2.0, resting=0.3):
@@ -32,8 +35,12 @@ def compress(lower, upper, density=1e-5, moving=2.0, resting=0.3):
     for name, kind, z in (("lower", lower, 0.0), ("upper", upper, 0.5)):
         scene.add(name, mpm.box((0, 0, z), (1, 1, z + 0.5)), material, TYPES[kind](cell, perCell))
     top = mpm.Hold("top", (None, None, 0.0))
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(roller=("left", "front", "bottom"), hold=top, damping=0.7),
-                     mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(roller=("left", "front", "bottom"), hold=top, damping=0.7),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     steps = int(np.ceil(moving / (0.7 * scene.criticalTimeStep())))
     scene.dt = moving / steps
 
@@ -43,11 +50,16 @@ def compress(lower, upper, density=1e-5, moving=2.0, resting=0.3):
 
     scene.engines = [mpm.PyRunner(drive, iterPeriod=1), *scene.engines]
     scene.run(steps=steps + round(resting / scene.dt), progress=False)
-    return (np.concatenate([b.stress for b in scene.bodies]),
-            np.concatenate([b.deformationGradient for b in scene.bodies]), top.reaction)
+    return (
+        np.concatenate([b.stress for b in scene.bodies]),
+        np.concatenate([b.deformationGradient for b in scene.bodies]),
+        top.reaction,
+    )
 
 
-@pytest.mark.parametrize("lower, upper", [("UGIMP", "UGIMP"), ("APDI", "APDI"), ("UGIMP", "APDI"), ("APDI", "UGIMP")])
+@pytest.mark.parametrize(
+    "lower, upper", [("UGIMP", "UGIMP"), ("APDI", "APDI"), ("UGIMP", "APDI"), ("APDI", "UGIMP")]
+)
 def test_stress_is_uniaxial(lower, upper):
     stress, F, force = compress(lower, upper)
     expected = np.zeros((3, 3))

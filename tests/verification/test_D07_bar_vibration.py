@@ -12,9 +12,9 @@ within a period. The energy here is centred: the strain energy with the mean kin
 Control: 1 % PIC per step, and local damping of 0.002, lose more than the tolerance; 5 % more stiffness misses the
 frequency.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 LENGTH, CELLS, YOUNG, AMPLITUDE = 25.0, 13, 100.0, 0.1
@@ -26,18 +26,29 @@ def vibrate(kind, young=YOUNG, flip=1.0, damping=0.0):
     """Times, velocity of the centre of mass, and centred total energy over the initial one."""
     h = LENGTH / CELLS
     scene = mpm.Scene(lower=(0, 0), upper=(LENGTH + h, h), cell=h)
-    bar = scene.add("bar", mpm.box((0, 0), (LENGTH, h)), mpm.LinearElastic(density=1.0, young=young, poisson=0.0),
-                    TYPES[kind](h))
+    bar = scene.add(
+        "bar",
+        mpm.box((0, 0), (LENGTH, h)),
+        mpm.LinearElastic(density=1.0, young=young, poisson=0.0),
+        TYPES[kind](h),
+    )
     bar.velocity[:, 0] = AMPLITUDE * np.sin(np.pi * bar.position[:, 0] / (2 * LENGTH))
     history = []
 
     def note():
         kinetic = 0.5 * (bar.mass * (bar.velocity**2).sum(axis=1)).sum()
-        history.append((scene.time, np.average(bar.velocity[:, 0], weights=bar.mass), kinetic, bar.core.internalWork))
+        history.append(
+            (scene.time, np.average(bar.velocity[:, 0], weights=bar.mass), kinetic, bar.core.internalWork)
+        )
 
     note()
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(roller=("left", "top", "bottom"), damping=damping),
-                     mpm.GridToParticle(flip=flip), mpm.DomainUpdater(), mpm.PyRunner(note, iterPeriod=1)]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(roller=("left", "top", "bottom"), damping=damping),
+        mpm.GridToParticle(flip=flip),
+        mpm.DomainUpdater(),
+        mpm.PyRunner(note, iterPeriod=1),
+    ]
     scene.dt = 0.5 * scene.criticalTimeStep()
     scene.run(until=10 * 2 * np.pi / OMEGA, progress=False)
     t, velocity, kinetic, strain = np.array(history).T

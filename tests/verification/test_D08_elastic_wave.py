@@ -12,9 +12,9 @@ step that grows over twenty cells one half of the plateau arrives on time.
 Control: a tenth more stiffness is noticed by plateau and arrival; twice the impedance reflects 1/3 (2 % does not pass); a
 held end stops the wave.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 LENGTH, CELL, MODULUS, DENSITY, SPEED = 20.0, 0.25, 22100.0, 1.53, 0.01
@@ -36,10 +36,16 @@ class Bar:
         self.scene = mpm.Scene(lower=(0, 0), upper=(LENGTH if end else LENGTH + 2 * CELL, CELL), cell=CELL)
         middle = LENGTH / 2
         for i, (kind, material) in enumerate(zip(kinds, (left, right))):
-            self.scene.add(f"half {i}", mpm.box((i * middle, 0), ((i + 1) * middle, CELL)), material, TYPES[kind]())
+            self.scene.add(
+                f"half {i}", mpm.box((i * middle, 0), ((i + 1) * middle, CELL)), material, TYPES[kind]()
+            )
         hold = [mpm.Hold("left", (speed, None), ramp=ramp)] if speed else []
-        self.scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(roller=("top", "bottom", *end), hold=hold),
-                              mpm.GridToParticle(), mpm.DomainUpdater()]
+        self.scene.engines = [
+            mpm.ParticleToGrid(),
+            mpm.GridSolver(roller=("top", "bottom", *end), hold=hold),
+            mpm.GridToParticle(),
+            mpm.DomainUpdater(),
+        ]
         self.scene.dt = 0.5 * self.scene.criticalTimeStep()
 
     def run(self, travel):
@@ -49,8 +55,10 @@ class Bar:
 
     def profile(self):
         """Position, velocity and axial stress of the particles along the bar."""
-        x, v, s = (np.concatenate([f(b) for b in self.scene.bodies])
-                   for f in (lambda b: b.position[:, 0], lambda b: b.velocity[:, 0], lambda b: b.stress[:, 0, 0]))
+        x, v, s = (
+            np.concatenate([f(b) for b in self.scene.bodies])
+            for f in (lambda b: b.position[:, 0], lambda b: b.velocity[:, 0], lambda b: b.stress[:, 0, 0])
+        )
         order = np.argsort(x, kind="stable")
         return x[order], v[order], s[order]
 

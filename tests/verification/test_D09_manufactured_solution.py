@@ -10,9 +10,9 @@ Source: Wallstedt & Guilkey 2008, J. Comput. Phys. 227(22), 9628-9642.
 Tolerance: 25 % of each error; order over the two finest grids >= 1.8 (APDI) and >= 1.1 (uGIMP, A = 0.02). MUSL within
 26 % of USL at N = 8 and 5 % at N = 64. The reference codes have no hourglass control, so it is off here.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 
@@ -68,9 +68,13 @@ class Solution:
             squares = ((body.position - X - displacement(X, t, A)) ** 2).sum(axis=1)
             self.error = max(self.error, np.sqrt(np.average(squares, weights=body.initialVolume)))
 
-        scene.engines = [mpm.PyRunner(follow, iterPeriod=1), mpm.ParticleToGrid(),
-                         mpm.GridSolver(roller=("left", "right", "bottom", "top")), mpm.GridToParticle(),
-                         mpm.DomainUpdater()]
+        scene.engines = [
+            mpm.PyRunner(follow, iterPeriod=1),
+            mpm.ParticleToGrid(),
+            mpm.GridSolver(roller=("left", "right", "bottom", "top")),
+            mpm.GridToParticle(),
+            mpm.DomainUpdater(),
+        ]
         scene.run(steps=steps, progress=False)
         follow()
         J = np.linalg.det(body.deformationGradient)

@@ -13,9 +13,9 @@ beta), 8.194 degrees. Tolerance: 1e-6 relative (of the closed form; the printed 
 Controls: the two laws exclude one another at gamma = 1; a law without rotation would miss sin(gamma); the dilatancy of
 another cone fit, and 1e-5 more cohesion, must be noticed.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 COHESION, PHI, PSI = 8.5, np.radians(30), np.radians(10)
@@ -26,8 +26,15 @@ def elastic():
 
 
 def soil(cohesion=COHESION, **attributes):
-    return mpm.MohrCoulombDruckerPrager(density=1.53, young=16408.4, poisson=0.3002, cohesion=cohesion, frictionAngle=PHI,
-                                        dilatancyAngle=PSI, **attributes)
+    return mpm.MohrCoulombDruckerPrager(
+        density=1.53,
+        young=16408.4,
+        poisson=0.3002,
+        cohesion=cohesion,
+        frictionAngle=PHI,
+        dilatancyAngle=PSI,
+        **attributes,
+    )
 
 
 def strong():
@@ -71,7 +78,9 @@ def turned(material, axis):
     point = mpm.MaterialPoint(material, stress=INITIAL)
     angle = 2 * np.pi / 1000
     i, j = [(1, 2), (2, 0), (0, 1)][axis]
-    turn = np.zeros((3, 3))  # R - I; cos - 1 by the half angle, because a thousand roundings of the cosine add up
+    turn = np.zeros(
+        (3, 3)
+    )  # R - I; cos - 1 by the half angle, because a thousand roundings of the cosine add up
     turn[i, i] = turn[j, j] = -2 * np.sin(angle / 2) ** 2
     turn[i, j], turn[j, i] = -np.sin(angle), np.sin(angle)
     quarter = None
@@ -129,7 +138,9 @@ def triaxial(lateral, direction, material=None, steps=200, size=1e-4):
 KP = 3.0
 
 
-@pytest.mark.parametrize("confinement, printed", [(0.0, 29.4449), (10.0, 59.4449), (50.0, 179.4449), (100.0, 329.4449)])
+@pytest.mark.parametrize(
+    "confinement, printed", [(0.0, 29.4449), (10.0, 59.4449), (50.0, 179.4449), (100.0, 329.4449)]
+)
 def test_strength_in_triaxial_compression(confinement, printed):
     axial, _, _ = triaxial(-confinement, -1)
     strength = KP * confinement + 2 * COHESION * np.sqrt(KP)

@@ -9,6 +9,7 @@ Source: our finite element solution; Sadeghirad, Brannon & Burghardt 2011, Int. 
 4 x 1 family.
 Tolerance: 1.5 % of the largest deflection, 0.766 m.
 """
+
 import importlib.util
 from pathlib import Path
 

@@ -12,9 +12,9 @@ Tolerance with contact: total energy 3 % (measured -2.5 to +1.9 %, staircases -2
 half of it it gains 6 %), first exchange within two steps of the touch (staircases: 0.05 s), overlap of meshes 0.015 h.
 Tolerance: 1 % (initial energy: disks of square particles), momentum 1e-12, contact 0.1 s, total energy 3 %.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import disc
 
@@ -29,14 +29,19 @@ class Collision:
         rubber = mpm.NeoHookean(density=1000, young=1000, poisson=0.3)
         shapes = [squircle(c) if type_ == "mesh" else disc((c, c), 0.2) for c in (0.2, 0.8)]
         type_ = mpm.APDI() if type_ == "mesh" else type_
-        self.disks = [scene.add(name, shape, rubber, type_, group=name if contact else "main") for name, shape in zip(("lower", "upper"), shapes)]
+        self.disks = [
+            scene.add(name, shape, rubber, type_, group=name if contact else "main")
+            for name, shape in zip(("lower", "upper"), shapes)
+        ]
         self.disks[0].velocity, self.disks[1].velocity = [0.1, 0.1], [-0.1, -0.1]
         scene.dt = step * scene.criticalTimeStep()
         self.scene, self.contact, self.rows, self.pushes, self.acts = scene, contact, [], [], []
         self.note()
         engines = scene.engines
         if contact:
-            engines.insert(engines.index(next(e for e in engines if isinstance(e, mpm.GridSolver))) + 1, contact)
+            engines.insert(
+                engines.index(next(e for e in engines if isinstance(e, mpm.GridSolver))) + 1, contact
+            )
         scene.engines = engines + [mpm.PyRunner(self.note, iterPeriod=1)]
         scene.run(until=until, progress=False)
         self.time, self.kinetic, self.elastic, self.momentum = np.array(self.rows).T
@@ -46,7 +51,9 @@ class Collision:
         momentum = sum(b.mass @ b.velocity for b in self.disks)
         self.pushes.append([self.contact.forceOn(b.name)[:2] for b in self.disks] if self.contact else None)
         self.acts.append(self.contact is not None and len(self.contact.contactTable()["gap"]) > 0)
-        self.rows.append([self.scene.time, kinetic, sum(map(elasticEnergy, self.disks)), np.abs(momentum).max()])
+        self.rows.append(
+            [self.scene.time, kinetic, sum(map(elasticEnergy, self.disks)), np.abs(momentum).max()]
+        )
 
 
 def squircle(c, n=32):
@@ -54,8 +61,10 @@ def squircle(c, n=32):
     x, y = np.meshgrid(*2 * [np.linspace(-1, 1, n + 1)], indexing="ij")
     x, y = x * np.sqrt(1 - y**2 / 2), y * np.sqrt(1 - x**2 / 2)
     first = np.arange(n)[:, None] * (n + 1) + np.arange(n)
-    return (c + 0.2 * np.sqrt(0.5) * np.stack([x - y, x + y], axis=2).reshape(-1, 2),
-            np.stack([first, first + n + 1, first + n + 2, first + 1], axis=2).reshape(-1, 4))
+    return (
+        c + 0.2 * np.sqrt(0.5) * np.stack([x - y, x + y], axis=2).reshape(-1, 2),
+        np.stack([first, first + n + 1, first + n + 2, first + 1], axis=2).reshape(-1, 4),
+    )
 
 
 def elasticEnergy(body):
@@ -63,7 +72,9 @@ def elasticEnergy(body):
     a, mu = body.material.lame
     F = body.deformationGradient
     J = np.linalg.det(F)
-    return body.initialVolume @ (0.5 * a * np.log(J) ** 2 - mu * np.log(J) + 0.5 * mu * ((F**2).sum(axis=(1, 2)) - 3))
+    return body.initialVolume @ (
+        0.5 * a * np.log(J) ** 2 - mu * np.log(J) + 0.5 * mu * ((F**2).sum(axis=(1, 2)) - 3)
+    )
 
 
 @TYPES
@@ -96,7 +107,9 @@ def test_control_stress_update_last_loses_energy():
 
 # --- with contact ---------------------------------------------------------------------------------------
 CUT = mpm.UGIMP(perCell=2, cut=True)
-SHAPES = pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), CUT, mpm.APDI(size=0.0125), "mesh"], ids=["UGIMP", "cut", "APDI", "mesh"])
+SHAPES = pytest.mark.parametrize(
+    "type_", [mpm.UGIMP(perCell=2), CUT, mpm.APDI(size=0.0125), "mesh"], ids=["UGIMP", "cut", "APDI", "mesh"]
+)
 TOUCH = 1.586  # s
 
 
@@ -148,10 +161,14 @@ def overlap(one, other):
     if one.cells is None:
         return overlapOfFacets(one, other)
     deep = 0.0
-    for points, (a, b) in ((outline(p)[:, 0], outline(q).transpose(1, 0, 2)) for p, q in ((one, other), (other, one))):
+    for points, (a, b) in (
+        (outline(p)[:, 0], outline(q).transpose(1, 0, 2)) for p, q in ((one, other), (other, one))
+    ):
         x, y = points.T[:, :, None]
         with np.errstate(divide="ignore", invalid="ignore"):
-            crosses = ((a[:, 1] > y) != (b[:, 1] > y)) & (x < a[:, 0] + (y - a[:, 1]) * (b - a)[:, 0] / (b - a)[:, 1])
+            crosses = ((a[:, 1] > y) != (b[:, 1] > y)) & (
+                x < a[:, 0] + (y - a[:, 1]) * (b - a)[:, 0] / (b - a)[:, 1]
+            )
         inside = points[crosses.sum(axis=1) % 2 == 1]
         along = np.clip(((inside[:, None] - a) * (b - a)).sum(axis=2) / ((b - a) ** 2).sum(axis=1), 0, 1)
         away = np.linalg.norm(inside[:, None] - a - along[:, :, None] * (b - a), axis=2).min(axis=1)
@@ -159,7 +176,15 @@ def overlap(one, other):
     return deep
 
 
-@pytest.mark.parametrize("type_, scheme, step, allowed", [("mesh", "MUSL", 0.5, 0.015), ("mesh", "USF", 0.25, 0.015), (CUT, "MUSL", 0.5, 0.022), (CUT, "USF", 0.25, 0.027)])
+@pytest.mark.parametrize(
+    "type_, scheme, step, allowed",
+    [
+        ("mesh", "MUSL", 0.5, 0.015),
+        ("mesh", "USF", 0.25, 0.015),
+        (CUT, "MUSL", 0.5, 0.022),
+        (CUT, "USF", 0.25, 0.027),
+    ],
+)
 def test_disks_hardly_overlap(type_, scheme, step, allowed):
     """Strained by 20 %; nodes alone would let meshes by 0.14 of a cell. 2 % are asked, 1 % is let pass. Facets of boxes do not quite move
     with the hat functions, as vertices of a mesh do: 0.020 and, under USF, 0.025 of a cell.
@@ -181,7 +206,10 @@ def test_disks_hardly_overlap(type_, scheme, step, allowed):
 
 def test_disks_in_contact_move_alike_on_any_number_of_threads():
     one, two = (Collision("mesh", contact=mpm.Contact(friction=0.2), until=1.8, threads=t) for t in (1, 2))
-    assert all((a.vertices == b.vertices).all() and (a.stress == b.stress).all() for a, b in zip(one.disks, two.disks))
+    assert all(
+        (a.vertices == b.vertices).all() and (a.stress == b.stress).all()
+        for a, b in zip(one.disks, two.disks)
+    )
     assert one.kinetic[-1] < 0.9 * one.kinetic[0]  # they met
 
 

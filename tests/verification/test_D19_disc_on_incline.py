@@ -10,11 +10,11 @@ Tolerance: 5 %, overlap 0.02 h. Pairs are base and disc; u: uGIMP, a: APDI. A uG
 boxes it is a staircase: on an APDI base it rolls 5.8 % too slowly at R = 10 h, and slides 8 % too slowly at R = 5 h.
 What holds the base ends two cells below its surface: held nodes hold both groups, and one cell below the surface they brake the disc.
 """
+
 from math import cos, radians, sin, tan
 
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box, sphere
 
@@ -52,9 +52,16 @@ def descend(pair, slope, friction, h, normals="surface", cut=True, until=0.5):
     scene = mpm.Scene((0, 0), (5, 2), h, threads=1)
     rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
     boxes = mpm.UGIMP(perCell=2)
-    scene.add("base", box((0, 0), (5, 0.3)), rubber, boxes if pair[0] == "u" else mpm.APDI(size=h / 2), group="base")
-    disc = scene.add("disc", mpm.disc(centre, R) if pair[1] == "u" else squircle(centre, h / 2), rubber,
-                     mpm.UGIMP(perCell=2, cut=cut) if pair[1] == "u" else mpm.APDI(), group="disc")
+    scene.add(
+        "base", box((0, 0), (5, 0.3)), rubber, boxes if pair[0] == "u" else mpm.APDI(size=h / 2), group="base"
+    )
+    disc = scene.add(
+        "disc",
+        mpm.disc(centre, R) if pair[1] == "u" else squircle(centre, h / 2),
+        rubber,
+        mpm.UGIMP(perCell=2, cut=cut) if pair[1] == "u" else mpm.APDI(),
+        group="disc",
+    )
     contact = mpm.Contact(friction=friction, normals=normals)
     base = mpm.Hold(box((-1, -1), (6, 0.31 - 2 * h)), velocity=(0, 0), name="base")
     solver = mpm.GridSolver(gravity=(0, -G * cos(slope)), damping=0.7, hold=base)
@@ -97,7 +104,10 @@ def test_a_disc_of_boxes_stays_round_over_a_full_turn():
     """Its facets turn with the particles: normals within 5 degrees of the exact ones, middles within 2 % of the radius."""
     disc = descend("uu", *ROLLING, h=0.1, until=1.5)[1]["disc"]
     F = disc.deformationGradient.mean(axis=0)
-    assert disc.position[:, 0].mean() - (R + 0.2) > 2 * np.pi * R and abs(np.degrees(np.arctan2(F[0, 1], F[0, 0]))) < 60  # once, and on
+    assert (
+        disc.position[:, 0].mean() - (R + 0.2) > 2 * np.pi * R
+        and abs(np.degrees(np.arctan2(F[0, 1], F[0, 0]))) < 60
+    )  # once, and on
     middles, areas = disc.outline()
     size = np.linalg.norm(areas, axis=1)
     out = middles - size @ middles / size.sum()
@@ -107,7 +117,11 @@ def test_a_disc_of_boxes_stays_round_over_a_full_turn():
 
 
 @slow
-@pytest.mark.parametrize("base", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.05), mpm.UGIMP(perCell=2, cut=True)], ids=["uGIMP", "APDI", "cut"])
+@pytest.mark.parametrize(
+    "base",
+    [mpm.UGIMP(perCell=2), mpm.APDI(size=0.05), mpm.UGIMP(perCell=2, cut=True)],
+    ids=["uGIMP", "APDI", "cut"],
+)
 @pytest.mark.parametrize("slope, friction", [ROLLING, (60, 0.3)])
 def test_a_ball_of_cut_boxes_rolls_or_slides(base, slope, friction):
     """R = 4 h."""
@@ -115,9 +129,15 @@ def test_a_ball_of_cut_boxes_rolls_or_slides(base, slope, friction):
     scene = mpm.Scene((0, 0, 0), (2.4, 1.2, 1.4), h, threads=1)
     rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
     scene.add("base", box((0, 0, 0), (2.4, 1.2, 0.3)), rubber, base, group="base")
-    ball = scene.add("ball", sphere((0.6, 0.6, 0.3 + radius), radius), rubber, mpm.UGIMP(perCell=2, cut=True), group="ball")
+    ball = scene.add(
+        "ball", sphere((0.6, 0.6, 0.3 + radius), radius), rubber, mpm.UGIMP(perCell=2, cut=True), group="ball"
+    )
     contact = mpm.Contact(friction=friction)
-    solver = mpm.GridSolver(gravity=(0, 0, -G * cos(slope)), damping=0.7, hold=mpm.Hold(box((-1, -1, -1), (9, 9, 0.11)), velocity=(0, 0, 0)))
+    solver = mpm.GridSolver(
+        gravity=(0, 0, -G * cos(slope)),
+        damping=0.7,
+        hold=mpm.Hold(box((-1, -1, -1), (9, 9, 0.11)), velocity=(0, 0, 0)),
+    )
     scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
     scene.run(until=0.05, progress=False)
     for body in scene.bodies:
@@ -128,7 +148,9 @@ def test_a_ball_of_cut_boxes_rolls_or_slides(base, slope, friction):
         rows.append((scene.time, ball.mass @ ball.velocity[:, 0] / ball.mass.sum()))
         deepest = max(deepest, contact.largestPenetration / h)
     time, speed = np.array(rows).T
-    exact = 5 / 7 * G * sin(slope) if tan(slope) <= 3.5 * friction else G * (sin(slope) - friction * cos(slope))
+    exact = (
+        5 / 7 * G * sin(slope) if tan(slope) <= 3.5 * friction else G * (sin(slope) - friction * cos(slope))
+    )
     assert np.polyfit(time[time > 0.07], speed[time > 0.07], 1)[0] == pytest.approx(exact, rel=0.05)
     assert 0.005 < deepest < 0.02
 

@@ -11,13 +11,16 @@ T1 = 4 H/c = 0.3328 s, static settlement of the top rho g H^2/(2 M) = 0.03396 m;
 strain and Cauchy stress it is 0.03373 m), ratio per cycle 1e-3.
 Control: an undamped node keeps its amplitude; the column with a = 0.04 misses the decay by far.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 HEIGHT, MODULUS, DENSITY, GRAVITY, PERIOD = 10.0, 22100.0, 1.53, 9.81, 0.3328
-TYPES = {"UGIMP": lambda size, h: mpm.UGIMP(perCell=round(h / size)), "APDI": lambda size, h: mpm.APDI(size=size)}
+TYPES = {
+    "UGIMP": lambda size, h: mpm.UGIMP(perCell=round(h / size)),
+    "APDI": lambda size, h: mpm.APDI(size=size),
+}
 
 
 def peaks(y):
@@ -30,13 +33,21 @@ def peaks(y):
 def amplitudesOfOneNode(kind, damping):
     """Peaks of the stress of a block whose support has one free row of nodes."""
     scene = mpm.Scene(lower=(0, 0), upper=(1, 2), cell=1.0)
-    block = scene.add("block", mpm.box((0, 0.25), (1, 0.75)), mpm.LinearElastic(density=1.0, young=100.0, poisson=0.0),
-                      TYPES[kind](0.25, 1.0))
+    block = scene.add(
+        "block",
+        mpm.box((0, 0.25), (1, 0.75)),
+        mpm.LinearElastic(density=1.0, young=100.0, poisson=0.0),
+        TYPES[kind](0.25, 1.0),
+    )
     block.velocity[:, 1] = 1e-6 * block.position[:, 1]
     stress = []
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(roller=("left", "right"), fixed=("bottom",), damping=damping),
-                     mpm.GridToParticle(), mpm.DomainUpdater(),
-                     mpm.PyRunner(lambda: stress.append(block.stress[:, 1, 1].mean()), iterPeriod=1)]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(roller=("left", "right"), fixed=("bottom",), damping=damping),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+        mpm.PyRunner(lambda: stress.append(block.stress[:, 1, 1].mean()), iterPeriod=1),
+    ]
     scene.dt = scene.criticalTimeStep() / 200
     scene.run(steps=4000, progress=False)
     return peaks(np.array(stress))[0]
@@ -56,11 +67,19 @@ class Column:
     def __init__(self, kind, gravity=0.0, damping=0.05, cell=0.5):
         self.scene = mpm.Scene(lower=(0, 0), upper=(cell, HEIGHT + cell), cell=cell)
         material = mpm.LinearElastic(density=DENSITY, young=MODULUS, poisson=0.0)
-        self.body = self.scene.add("column", mpm.box((0, 0), (cell, HEIGHT)), material, TYPES[kind](cell / 2, cell))
+        self.body = self.scene.add(
+            "column", mpm.box((0, 0), (cell, HEIGHT)), material, TYPES[kind](cell / 2, cell)
+        )
         self.time, self.mode, self.top = [], [], []
-        self.scene.engines = [mpm.ParticleToGrid(),
-                              mpm.GridSolver(gravity=(0, -gravity), roller=("left", "right"), fixed=("bottom",), damping=damping),
-                              mpm.GridToParticle(), mpm.DomainUpdater(), mpm.PyRunner(self.note, iterPeriod=1)]
+        self.scene.engines = [
+            mpm.ParticleToGrid(),
+            mpm.GridSolver(
+                gravity=(0, -gravity), roller=("left", "right"), fixed=("bottom",), damping=damping
+            ),
+            mpm.GridToParticle(),
+            mpm.DomainUpdater(),
+            mpm.PyRunner(self.note, iterPeriod=1),
+        ]
         self.scene.dt = 0.25 * self.scene.criticalTimeStep()
 
     def note(self):

@@ -9,9 +9,9 @@ Tolerances: vertical stress within 0.7 % of rho g H at every particle, rms 0.53 
 Control: APDI edges of 2h at the interface, which a scene refuses and which are smuggled in here, are off by more than a
 tenth of rho g H (measured elsewhere: 89 %).
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 CELL, HEIGHT, WIDTH, DENSITY, GRAVITY = 0.5, 10.0, 1.0, 1.53, 9.81
@@ -29,15 +29,19 @@ def column(parts, damping=0.7):
     soil = mpm.LinearElastic(density=DENSITY, young=16408.4, poisson=0.3002)
     for i, (kind, lower, upper) in enumerate(parts):
         scene.add(f"part {i}", mpm.box(lower, upper), soil, kind())
-    solver = mpm.GridSolver(gravity=(0, -GRAVITY), damping=damping, roller=("left", "right"), fixed=("bottom",))
+    solver = mpm.GridSolver(
+        gravity=(0, -GRAVITY), damping=damping, roller=("left", "right"), fixed=("bottom",)
+    )
     scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     return scene
 
 
 def verticalStress(scene):
     """Height and vertical stress over rho g H of the particles of a settled column."""
-    return (np.concatenate([b.position[:, 1] for b in scene.bodies]),
-            np.concatenate([b.stress[:, 1, 1] for b in scene.bodies]) / (DENSITY * GRAVITY * HEIGHT))
+    return (
+        np.concatenate([b.position[:, 1] for b in scene.bodies]),
+        np.concatenate([b.stress[:, 1, 1] for b in scene.bodies]) / (DENSITY * GRAVITY * HEIGHT),
+    )
 
 
 def settled(parts):

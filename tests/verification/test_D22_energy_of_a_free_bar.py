@@ -10,9 +10,9 @@ Tolerances: MUSL within 6 %, USF within 5 % at every step; USL loses more than o
 Energy is centred in time: the strain energy with the mean kinetic energy of the half steps around it.
 Control: 1 % PIC per step breaks the bound of MUSL, and the bound of MUSL and USF excludes USL.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 LENGTH, CELLS, YOUNG, AMPLITUDE = 25.0, 6, 100.0, 0.1
@@ -23,8 +23,12 @@ def energyOfFreeBar(kind, scheme, flip=1.0):
     """Centred total energy of every step over the initial one."""
     h = LENGTH / CELLS
     scene = mpm.Scene(lower=(-2 * h, 0), upper=(LENGTH + 2 * h, h), cell=h, scheme=scheme)
-    bar = scene.add("bar", mpm.box((0, 0), (LENGTH, h)), mpm.LinearElastic(density=1.0, young=YOUNG, poisson=0.0),
-                    TYPES[kind](h))
+    bar = scene.add(
+        "bar",
+        mpm.box((0, 0), (LENGTH, h)),
+        mpm.LinearElastic(density=1.0, young=YOUNG, poisson=0.0),
+        TYPES[kind](h),
+    )
     bar.velocity[:, 0] = AMPLITUDE * np.cos(np.pi * bar.position[:, 0] / LENGTH)
     history = []
 
@@ -32,8 +36,13 @@ def energyOfFreeBar(kind, scheme, flip=1.0):
         history.append((0.5 * (bar.mass * (bar.velocity**2).sum(axis=1)).sum(), bar.core.internalWork))
 
     note()
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(roller=("top", "bottom")), mpm.GridToParticle(flip=flip),
-                     mpm.DomainUpdater(), mpm.PyRunner(note, iterPeriod=1)]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(roller=("top", "bottom")),
+        mpm.GridToParticle(flip=flip),
+        mpm.DomainUpdater(),
+        mpm.PyRunner(note, iterPeriod=1),
+    ]
     scene.dt = 0.5 * scene.criticalTimeStep()
     scene.run(until=20 * 2 * LENGTH / np.sqrt(YOUNG), progress=False)
     kinetic, strain = np.array(history).T

@@ -6,9 +6,9 @@ Reference: an edge longer than h within one cell of a uGIMP particle is refused,
 edges up to h run. Measured by trial codes: a column with edge 2h errs by 24-89 % in stress, with edge h by 0.5 %.
 Tolerance: exact; and for edge h the stress of a loaded column within 0.7 % of the all-uGIMP one.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 
@@ -25,7 +25,11 @@ def hybrid(edge, axis=0, gap=0.0, coarseElsewhere=None):
     middle[1 - axis], middle[axis] = 0.0, 2.0 + gap
     upper = upper.copy()
     upper[axis] = 4.0 + gap
-    type_ = mpm.APDI(size=edge) if coarseElsewhere is None else mpm.APDI(size=coarseElsewhere, matched=scene["boxes"])
+    type_ = (
+        mpm.APDI(size=edge)
+        if coarseElsewhere is None
+        else mpm.APDI(size=coarseElsewhere, matched=scene["boxes"])
+    )
     scene.add("meshed", box(middle, upper), mpm.LinearElastic(**SOIL), type_)
     return scene
 
@@ -33,7 +37,9 @@ def hybrid(edge, axis=0, gap=0.0, coarseElsewhere=None):
 @AXES
 def test_an_edge_of_two_cells_at_the_interface_is_refused(axis):
     place = r"\(2.5, 0.5\)" if axis == 0 else r"\(0.5, 2.5\)"
-    with pytest.raises(ValueError, match=rf"'meshed' and 'boxes' near {place}: an edge of 1 m is longer than the cell 0.5 m"):
+    with pytest.raises(
+        ValueError, match=rf"'meshed' and 'boxes' near {place}: an edge of 1 m is longer than the cell 0.5 m"
+    ):
         hybrid(2 * H, axis).run(steps=1, progress=False)
 
 
@@ -64,7 +70,10 @@ def test_the_rule_stays_checked_while_the_interface_moves(tmp_path, monkeypatch)
     scene["boxes"].velocity[:, 0] = 0.2
     scene.dt = 1e-3
     scene.run(steps=2400, progress=False)
-    with pytest.raises(RuntimeError, match="step 3000: interface of 'meshed' and 'boxes' near .* an edge of 1.* m is longer .*; refine 'meshed'"):
+    with pytest.raises(
+        RuntimeError,
+        match="step 3000: interface of 'meshed' and 'boxes' near .* an edge of 1.* m is longer .*; refine 'meshed'",
+    ):
         scene.run(steps=1000, progress=False)
 
 
@@ -80,8 +89,10 @@ def stretched(by):
 
 def test_domains_that_stretch_at_the_interface_are_told_from_a_coarse_mesh(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    expected = (r"interface of 'meshed' and 'boxes' near \(2.55, 0.25\): an edge has stretched from 0.5 to 1.1 m, 2.2 cells, .*; "
-                r'use UGIMP there, or APDI\(onDistortion="convert"\)')
+    expected = (
+        r"interface of 'meshed' and 'boxes' near \(2.55, 0.25\): an edge has stretched from 0.5 to 1.1 m, 2.2 cells, .*; "
+        r'use UGIMP there, or APDI\(onDistortion="convert"\)'
+    )
     with pytest.raises(RuntimeError, match="step 1: " + expected):
         stretched(0.6).run(steps=1, progress=False)
     scene = stretched(0.45)
@@ -119,8 +130,12 @@ def columnStress(edge):
     low = scene.add("boxes", box((0, 0), (1, 2)), mpm.LinearElastic(**SOIL), mpm.UGIMP(perCell=2))
     upperType = mpm.UGIMP(perCell=2) if edge is None else mpm.APDI(size=edge)
     high = scene.add("upper", box((0, 2), (1, 4)), mpm.LinearElastic(**SOIL), upperType)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed=("bottom",)),
-                     mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed=("bottom",)),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.settle(tolerance=1e-4)
     position, stress = (np.concatenate([getattr(b, f) for b in (low, high)]) for f in ("position", "stress"))
     return position[:, 1], stress[:, 1, 1]
@@ -133,4 +148,6 @@ def test_stress_beside_an_allowed_interface_is_that_of_a_uniform_column():
     scale = weight * 4
     for edge in (H / 2, H):
         y, stress = columnStress(edge)
-        assert np.abs(stress + weight * (4 - y)).max() / scale <= np.abs(uniform - exact).max() / scale + 0.007
+        assert (
+            np.abs(stress + weight * (4 - y)).max() / scale <= np.abs(uniform - exact).max() / scale + 0.007
+        )

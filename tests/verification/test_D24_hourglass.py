@@ -13,9 +13,9 @@ Control: case (ii) with the coefficient 0 breaks the bound of 1 %.
 Under MUSL and USF the velocity that moves the vertices is a sum over particles and cannot hold the pattern: it does not grow there, and
 nodal forces alone could not take away one that exists. An impulse in that velocity does; case (ii) holds for these schemes, too.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 EDGE, DT, DURATION, ACCELERATION = 1.0, 2e-3, 7.5, 1.0
@@ -27,7 +27,12 @@ def block(hourglass, scheme, gravity=(0.0, 0.0)):
     scene = mpm.Scene(lower=(0, 0), upper=(40, 40), cell=EDGE, scheme=scheme)
     soil = mpm.LinearElastic(density=1.53, young=16408.4, poisson=0.3002)
     body = scene.add("block", mpm.box((2, 2), (6, 6)), soil, mpm.APDI(size=EDGE, hourglass=hourglass))
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=gravity), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=gravity),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = DT
     return scene, body
 

@@ -7,6 +7,7 @@ Reference: centre of mass against time of total-Lagrangian finite elements (stre
 Source: our finite element solution; the case is after Sadeghirad, Brannon & Burghardt 2011, Int. J. Numer. Meth. Eng. 86(12).
 Tolerance: 3 % of the largest fall of the centre of mass (1.07 m). Boxes farther apart than 2 + 1/perCell cells share no node.
 """
+
 import importlib.util
 from pathlib import Path
 
@@ -33,7 +34,7 @@ def test_the_stored_reference_is_what_its_script_computes():
     reference = load(HERE / "stretching_bar_reference.py")
     stored = np.loadtxt(reference.TABLE, delimiter=",")
     coarse = reference.run(8, 0.1, 0.005)
-    assert np.abs(coarse[:, 1] - stored[:len(coarse), 1]).max() < 0.01 * 1.07
+    assert np.abs(coarse[:, 1] - stored[: len(coarse), 1]).max() < 0.01 * 1.07
     assert np.abs(stored[1:, 3]).max() < 1e-3, "its energy is kept"
 
 

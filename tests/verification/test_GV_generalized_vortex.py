@@ -11,9 +11,9 @@ Source: Kamojjala, Brannon, Sadeghirad & Guilkey 2015, Engineering with Computer
 Tolerance: 25 % of the error, order >= 1.8. With A = 1 and N <= 8 the straight edges of the exact domains themselves nearly
 invert, which the program stops at; the order is taken with A = 1/2 and, slow, with A = 1, N = 32.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 YOUNG, POISSON, DENSITY = 1000.0, 0.3, 1000.0
@@ -31,7 +31,11 @@ def exact(X, t, A):
     R = np.hypot(*X.T)
     x = R - 1
     h, dh, ddh = 1 - 32 * x**2 + 256 * x**4, -64 * x + 1024 * x**3, -64 + 3072 * x**2
-    g, rate, acceleration = A * np.sin(np.pi * t), A * np.pi * np.cos(np.pi * t), -A * np.pi**2 * np.sin(np.pi * t)
+    g, rate, acceleration = (
+        A * np.sin(np.pi * t),
+        A * np.pi * np.cos(np.pi * t),
+        -A * np.pi**2 * np.sin(np.pi * t),
+    )
     cosine, sine = np.cos(g * h), np.sin(g * h)
     position = np.stack([cosine * X[:, 0] - sine * X[:, 1], sine * X[:, 0] + cosine * X[:, 1]], axis=1)
     er = position / R[:, None]
@@ -49,14 +53,18 @@ def ring(N):
     points = np.stack([np.outer(r, np.cos(theta)), np.outer(r, np.sin(theta))], axis=-1).reshape(-1, 2)
     i, j = (a.ravel() for a in np.meshgrid(np.arange(radial), np.arange(around), indexing="ij"))
     after = (j + 1) % around
-    return points, np.stack([i * around + j, (i + 1) * around + j, (i + 1) * around + after, i * around + after], axis=1)
+    return points, np.stack(
+        [i * around + j, (i + 1) * around + j, (i + 1) * around + after, i * around + after], axis=1
+    )
 
 
 def error(N, A, scheme="MUSL", force=1.0):
     h = (OUTER - INNER) / N
     half = np.ceil(1.3 / h) * h
     scene = mpm.Scene(lower=(-half, -half), upper=(half, half), cell=h, scheme=scheme, threads=1)
-    body = scene.add("ring", ring(N), mpm.NeoHookean(density=DENSITY, young=YOUNG, poisson=POISSON), mpm.APDI(hourglass=0))
+    body = scene.add(
+        "ring", ring(N), mpm.NeoHookean(density=DENSITY, young=YOUNG, poisson=POISSON), mpm.APDI(hourglass=0)
+    )
     steps = int(np.ceil(1 / (0.2 * h / np.sqrt((LAMBDA + 2 * MU) / DENSITY))))
     scene.dt = 1 / steps
     body.velocity = exact(body.reference, -0.5 * scene.dt, A)[1]

@@ -8,13 +8,13 @@ Tolerance: 1e-13 of the kinetic energy, never below zero; `Contact.gridLoss` is 
 Where impacts are lost the particles gain no more than the nodes, so contact gives them no energy either: 1e-13.
 Where the energy that USF gains comes from: a disc that vibrates alone gains it too, in proportion to the step.
 """
+
 import importlib.util
 from math import cos, radians, sin
 from pathlib import Path
 
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box, disc
 
@@ -29,7 +29,12 @@ def module(path):
 HERE = Path(__file__).resolve().parent
 d16 = module(HERE / "test_D16_two_disks.py")
 SCHEMES = pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
-TYPES = {"uGIMP": mpm.UGIMP(perCell=2), "cut": mpm.UGIMP(perCell=2, cut=True), "APDI": mpm.APDI(size=0.0125), "mesh": mpm.APDI()}
+TYPES = {
+    "uGIMP": mpm.UGIMP(perCell=2),
+    "cut": mpm.UGIMP(perCell=2, cut=True),
+    "APDI": mpm.APDI(size=0.0125),
+    "mesh": mpm.APDI(),
+}
 FREE = dict(friction=0.0)
 
 
@@ -73,7 +78,13 @@ def watched(scene, most=0.1, settles=True, **until):
 
 
 def chain(scene, contact, **solver):
-    engines = [mpm.ParticleToGrid(), mpm.GridSolver(**solver), contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(**solver),
+        contact,
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     if scene.scheme == "USF":
         engines.insert(1, engines.pop())
     scene.engines = engines
@@ -99,8 +110,15 @@ def test_of_discs_that_collide(kind, scheme):
 
 
 STICKS = dict(slip=False)  # adhesion without limit, which comes and goes with contact
-LAWS = [dict(friction=0.3), dict(friction=2.0), dict(friction=0.3, adhesion=20.0, impactLoss=1.0), dict(friction=0.3, impactLoss=0.5),
-        STICKS, dict(separation=False), dict(slip=False, separation=False)]
+LAWS = [
+    dict(friction=0.3),
+    dict(friction=2.0),
+    dict(friction=0.3, adhesion=20.0, impactLoss=1.0),
+    dict(friction=0.3, impactLoss=0.5),
+    STICKS,
+    dict(separation=False),
+    dict(slip=False, separation=False),
+]
 
 
 @pytest.mark.parametrize("law", LAWS, ids=str)
@@ -117,11 +135,18 @@ def test_of_discs_that_glance(kind, scheme, law):
 def test_of_a_block_thrown_along_a_base(dim, pair, scheme):
     scene = mpm.Scene((0,) * dim, (2, 1) if dim == 2 else (1.2, 0.8, 0.8), 0.1, scheme=scheme, threads=1)
     material = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
-    lower, upper = ([box((0, 0), (2, 0.2)), box((0.5, 0.2), (1.1, 0.5))] if dim == 2 else
-                    [box((0, 0, 0), (1.2, 0.8, 0.2)), box((0.2, 0.2, 0.2), (0.6, 0.6, 0.4))])
+    lower, upper = (
+        [box((0, 0), (2, 0.2)), box((0.5, 0.2), (1.1, 0.5))]
+        if dim == 2
+        else [box((0, 0, 0), (1.2, 0.8, 0.2)), box((0.2, 0.2, 0.2), (0.6, 0.6, 0.4))]
+    )
     kinds = {"u": mpm.UGIMP(perCell=2), "a": mpm.APDI(size=0.05)}
     scene.add("base", lower, material, kinds[pair[0]], group="base")
-    scene.add("block", upper, material, kinds[pair[1]], group="block").velocity = (1.0, *[0.3] * (dim - 2), -0.5)
+    scene.add("block", upper, material, kinds[pair[1]], group="block").velocity = (
+        1.0,
+        *[0.3] * (dim - 2),
+        -0.5,
+    )
     chain(scene, mpm.Contact(friction=0.4, adhesion=0.5), gravity=(0,) * (dim - 1) + (-10,), fixed="bottom")
     watched(scene, steps=150 if dim == 2 else 40)
 
@@ -136,7 +161,12 @@ def test_of_a_disc_on_an_incline(base, slope, friction):
     turn = np.array([[1, -1], [1, 1]]) / 2**0.5  # corner domains away from the base
     scene.add("base", box((0, 0), (3, 0.3)), rubber, base, group="base")
     scene.add("disc", (2.5 * points @ turn + (0.8, 0.8), cells), rubber, mpm.APDI(), group="disc")
-    chain(scene, mpm.Contact(friction=friction), gravity=(10 * sin(slope), -10 * cos(slope)), hold=mpm.Hold(box((-1, -1), (6, 0.21)), velocity=(0, 0)))
+    chain(
+        scene,
+        mpm.Contact(friction=friction),
+        gravity=(10 * sin(slope), -10 * cos(slope)),
+        hold=mpm.Hold(box((-1, -1), (6, 0.21)), velocity=(0, 0)),
+    )
     watched(scene, most=0.01, until=0.2)
 
 
@@ -157,8 +187,15 @@ def test_of_random_discs(law, isHeld):
     scene = mpm.Scene((0, 0), (1.2, 1.2), h, threads=1)
     points, cells = d16.squircle(0.0, 8)
     soft = mpm.LinearElastic(density=2.0, young=1e-6, poisson=0.3)
-    bodies = [scene.add(name, (0.6 * points + x, cells), soft, mpm.APDI(), group=name) for name, x in (("a", (0.35, 0.6)), ("b", (0.75, 0.6)))]
-    chain(scene, mpm.Contact(**law), **(dict(hold=mpm.Hold(box((0, 0), (0.55, 1.2)), velocity=(0, 0))) if isHeld else {}))
+    bodies = [
+        scene.add(name, (0.6 * points + x, cells), soft, mpm.APDI(), group=name)
+        for name, x in (("a", (0.35, 0.6)), ("b", (0.75, 0.6)))
+    ]
+    chain(
+        scene,
+        mpm.Contact(**law),
+        **(dict(hold=mpm.Hold(box((0, 0), (0.55, 1.2)), velocity=(0, 0))) if isHeld else {}),
+    )
     scene.dt, scene.allowUnstable = dt, True
 
     def throw():
@@ -206,6 +243,7 @@ class Particles(Watch):
 @pytest.mark.parametrize("kind", TYPES)
 def test_particles_gain_no_more_than_the_nodes_where_impacts_are_lost(kind, scheme):
     """FLIP takes from the nodes at most what they have. Where impacts are kept the particles do not take all (control)."""
+
     def most(loss):
         scene = discs(kind, scheme, dict(friction=0.3, impactLoss=loss))
         watch = Particles(scene)
@@ -220,7 +258,9 @@ def test_particles_gain_no_more_than_the_nodes_where_impacts_are_lost(kind, sche
 def gainOfAFreeDisc(step):
     """Largest gain of total energy, centred in time, of a disc that vibrates alone with the energy of each of D16, under USF."""
     scene = mpm.Scene((0, 0), (1, 1), 1 / 40, scheme="USF", threads=1)
-    body = scene.add("disc", disc((0.5, 0.5), 0.2), mpm.NeoHookean(density=1000, young=1000, poisson=0.3), TYPES["APDI"])
+    body = scene.add(
+        "disc", disc((0.5, 0.5), 0.2), mpm.NeoHookean(density=1000, young=1000, poisson=0.3), TYPES["APDI"]
+    )
     along = np.array([1, 1]) / 2**0.5
     velocity = -((body.position - 0.5) @ along)[:, None] * along
     body.velocity = velocity * (1.25 / (0.5 * body.mass @ (velocity**2).sum(axis=1))) ** 0.5

@@ -7,6 +7,7 @@ peak (12 and 5 % where boxes meet an explicit surface along a grid line); overla
 curve; cut ones carry their outline.
 Control: a cylinder cut from the lattice, whose underside is a staircase with treads wider than the contact, gives another half-width.
 """
+
 import importlib.util
 from pathlib import Path
 
@@ -44,22 +45,40 @@ def test_pressure_of_a_cylinder_is_that_of_hertz(ground, cylinder, shift):
     isHertz(press("--smoke", "--ground", ground, "--cylinder", cylinder, "--shift", shift))
 
 
-@pytest.mark.parametrize("ground, cylinder, axis", [("apdi", "apdi", 0.08), ("ugimp", "apdi", 0.12), ("ugimp", "ugimp", 0.08)])
+@pytest.mark.parametrize(
+    "ground, cylinder, axis", [("apdi", "apdi", 0.08), ("ugimp", "apdi", 0.12), ("ugimp", "ugimp", 0.08)]
+)
 def test_two_cylinders_touch_as_hertz_says(ground, cylinder, axis):
     isHertz(press("--smoke", "--two", "--ground", ground, "--cylinder", cylinder), axis)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("shift", ["0", "0.5"])
-@pytest.mark.parametrize("ground, cylinder", [("apdi", "apdi"), ("ugimp", "apdi"), ("apdi", "ugimp"), ("ugimp", "ugimp"), ("apdi", "cut"), ("ugimp", "cut"), ("cut", "cut")])
+@pytest.mark.parametrize(
+    "ground, cylinder",
+    [
+        ("apdi", "apdi"),
+        ("ugimp", "apdi"),
+        ("apdi", "ugimp"),
+        ("ugimp", "ugimp"),
+        ("apdi", "cut"),
+        ("ugimp", "cut"),
+        ("cut", "cut"),
+    ],
+)
 def test_pressure_of_a_cylinder_is_that_of_hertz_on_a_finer_grid(ground, cylinder, shift):
     isHertz(press("--cells", "8", "--ground", ground, "--cylinder", cylinder, "--shift", shift))
 
 
-@pytest.mark.parametrize("ground, shift", [("apdi", "0"), ("ugimp", "0"), ("cut", "0"), ("apdi", "0.5"), ("ugimp", "0.5")])
+@pytest.mark.parametrize(
+    "ground, shift", [("apdi", "0"), ("ugimp", "0"), ("cut", "0"), ("apdi", "0.5"), ("ugimp", "0.5")]
+)
 def test_pressure_of_a_cylinder_of_cut_boxes_is_that_of_hertz(ground, shift):
     onLine = ground == "ugimp" and shift == "0"
-    isHertz(press("--smoke", "--ground", ground, "--cylinder", "cut", "--shift", shift), *((0.12, 0.05) if onLine else ()))
+    isHertz(
+        press("--smoke", "--ground", ground, "--cylinder", "cut", "--shift", shift),
+        *((0.12, 0.05) if onLine else ()),
+    )
 
 
 @pytest.mark.parametrize("ground", ["apdi", "cut"])

@@ -4,6 +4,7 @@
 With friction the soil beside the embedded metre stays where it is (no collar) and closes behind the tip; without dilatancy the
 surface hardly heaves; both lower the resistance. Control: the published model, which shows all of it.
 """
+
 import argparse
 import sys
 from pathlib import Path
@@ -18,7 +19,9 @@ import sheet_pile  # noqa: E402
 
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
-    a = argparse.Namespace(cell=0.5, rate=1.0, penetration=1.0, threads=1, out=str(tmp_path_factory.mktemp("remedies")))
+    a = argparse.Namespace(
+        cell=0.5, rate=1.0, penetration=1.0, threads=1, out=str(tmp_path_factory.mktemp("remedies"))
+    )
     runs = {name: remedies.run(a, name) for name in ("published", "friction", "all, psi = 0")}
     remedies.draw(a, {name: scene for name, (_, scene) in runs.items()}, a.out + "/remedies.png")
     return {name: summary for name, (summary, _) in runs.items()}
@@ -37,8 +40,12 @@ def test_it_closes_behind_the_tip(results):
 
 def test_the_surface_then_reaches_the_pile(results):
     for name in ("friction", "all, psi = 0"):
-        assert results[name]["surfaceContinuous"] and max(results[name]["openBesidePile"]) < 0.15, results[name]["openBesidePile"]
-    assert not results["published"]["surfaceContinuous"] and min(results["published"]["openBesidePile"]) > 0.5  # control
+        assert results[name]["surfaceContinuous"] and max(results[name]["openBesidePile"]) < 0.15, results[
+            name
+        ]["openBesidePile"]
+    assert (
+        not results["published"]["surfaceContinuous"] and min(results["published"]["openBesidePile"]) > 0.5
+    )  # control
 
 
 def test_without_dilatancy_the_surface_hardly_heaves(results):
@@ -47,7 +54,9 @@ def test_without_dilatancy_the_surface_hardly_heaves(results):
 
 
 def test_each_remedy_lowers_the_resistance(results):
-    published, slips, both = (results[name]["resistance"]["1.0"] for name in ("published", "friction", "all, psi = 0"))
+    published, slips, both = (
+        results[name]["resistance"]["1.0"] for name in ("published", "friction", "all, psi = 0")
+    )
     assert both < 0.8 * slips < 0.8 * 0.8 * published
 
 
@@ -59,6 +68,7 @@ def test_the_mesh_stays_whole_and_the_run_symmetric(results):
 
 def test_the_remedied_run_keeps_its_energy(results):
     """With a wedge, splitting and an undamped pile; at this rate neither is quasi-static."""
+
     def ratios(name):
         return [results[name]["quasiStatic"][what] for what in ("energyError", "dampedRatio")]
 
@@ -78,9 +88,25 @@ def words(*more):
 
 def test_the_published_run_needs_no_option():
     a = words()
-    assert (a.friction, a.dilatancyLimit, a.split, a.fbar, a.tip, a.undamped, a.ramp) == (None, None, None, False, 180, False, 0)
+    assert (a.friction, a.dilatancyLimit, a.split, a.fbar, a.tip, a.undamped, a.ramp) == (
+        None,
+        None,
+        None,
+        False,
+        180,
+        False,
+        0,
+    )
     b = words("--remedies", "--friction", "0.5", "--rate", "0.2")
-    assert (b.friction, b.dilatancyLimit, b.split, b.fbar, b.tip, b.undamped, b.ramp) == (0.5, 0.05, 1.3, True, 90, True, 0.5)
+    assert (b.friction, b.dilatancyLimit, b.split, b.fbar, b.tip, b.undamped, b.ramp) == (
+        0.5,
+        0.05,
+        1.3,
+        True,
+        90,
+        True,
+        0.5,
+    )
 
 
 @pytest.mark.parametrize("angle", [60, 90, 120])
@@ -94,11 +120,18 @@ def test_a_wedge_has_its_angle_and_stands_where_the_flat_tip_does(angle):
     assert y[np.isclose(x, a.width / 2 + half)].min() == pytest.approx(bottom + depth)
     assert pile.volume.sum() == pytest.approx(a.thickness * (sheet_pile.PILE_LENGTH - depth / 2), rel=1e-12)
     flat = sheet_pile.build(words("--friction", "0.3"))["pile"]
-    assert flat.vertices[:, 1].min() == bottom and flat.volume.sum() == pytest.approx(a.thickness * sheet_pile.PILE_LENGTH)
+    assert flat.vertices[:, 1].min() == bottom and flat.volume.sum() == pytest.approx(
+        a.thickness * sheet_pile.PILE_LENGTH
+    )
 
 
-@pytest.mark.parametrize("given, message", [(["--tip", "90"], "--tip needs a pile that is a mesh"),
-                                            (["--friction", "0.3", "--tip", "20"], "--tip 20 is not allowed; give 30 to 180 degrees")])
+@pytest.mark.parametrize(
+    "given, message",
+    [
+        (["--tip", "90"], "--tip needs a pile that is a mesh"),
+        (["--friction", "0.3", "--tip", "20"], "--tip 20 is not allowed; give 30 to 180 degrees"),
+    ],
+)
 def test_a_tip_that_cannot_be_is_refused(given, message, capsys):
     with pytest.raises(SystemExit):
         words(*given)
@@ -108,5 +141,7 @@ def test_a_tip_that_cannot_be_is_refused(given, message, capsys):
 def test_scatter_is_zero_of_a_straight_line_and_that_of_a_wave_elsewhere():
     x = np.linspace(0, 4, 4001)
     assert sheet_pile.scatter(x, 100 + 50 * x, 100 + 50 * x) == 0
-    assert sheet_pile.scatter(x, 100 + 10 * np.sin(2 * np.pi * x), np.full_like(x, 100.0)) == pytest.approx(0.1 / 2**0.5, rel=1e-3)
+    assert sheet_pile.scatter(x, 100 + 10 * np.sin(2 * np.pi * x), np.full_like(x, 100.0)) == pytest.approx(
+        0.1 / 2**0.5, rel=1e-3
+    )
     assert sheet_pile.scatter(x[:500], x[:500], x[:500]) is None

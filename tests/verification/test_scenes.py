@@ -11,6 +11,7 @@ D17 Prandtl 1920: (2 + pi) c, and c Nc for phi = psi = 20 degrees; 3 % with F-ba
 D18 collapse of a column of bars (the set-up of Bui et al. 2008): run-out of uGIMP, hybrid and two cell sizes within 5 %.
 Controls: another friction angle, a base close below, another hole, no F-bar.
 """
+
 import importlib.util
 import sys
 from pathlib import Path
@@ -45,11 +46,30 @@ def run(name, *options, states=(), **constants):
 
 
 REFUSED = {  # of the scenes, which argument with which words
-    "sheet_pile": ["--until 0", "--cell -0.25", "--cell 0.3", "--cell nan", "--threads 0", "--threads 1.5", "--ramp -1", "--psi 40", "--friction -1", "--flip 2",
-                   "--split 0.9", "--thickness 0.25 with --cell 0.1 : --cell 0.1", "--thickness 0.125 with --cell 0.25 : --thickness 0.125"],
+    "sheet_pile": [
+        "--until 0",
+        "--cell -0.25",
+        "--cell 0.3",
+        "--cell nan",
+        "--threads 0",
+        "--threads 1.5",
+        "--ramp -1",
+        "--psi 40",
+        "--friction -1",
+        "--flip 2",
+        "--split 0.9",
+        "--thickness 0.25 with --cell 0.1 : --cell 0.1",
+        "--thickness 0.125 with --cell 0.25 : --thickness 0.125",
+    ],
     "hertz": ["--cells 0", "--shift 0.3 with uGIMP : --shift 0.3 --ground ugimp", "--shift 2"],
     "plate_with_hole": ["--cells -1", "--cells two"],
-    "column_collapse": ["--until -1", "--until 0.01", "--cell 0.007", "--damping 1", "--cell 0.008 with --types hybrid : --cell 0.008 --types hybrid"],
+    "column_collapse": [
+        "--until -1",
+        "--until 0.01",
+        "--cell 0.007",
+        "--damping 1",
+        "--cell 0.008 with --types hybrid : --cell 0.008 --types hybrid",
+    ],
     "footing": ["--cell 0.3", "--rate 0", "--settlement -1", "--phi -5", "--halfWidth 0.1", "--halfWidth 30"],
     "strip_load": ["--cell 0.3", "--size 0.4", "--extent 5.3 with --cell 0.25 : --extent 5.3"],
     "wall": ["--cell 0.3", "--rate -0.1", "--damping -1", "--psi 31"],
@@ -72,17 +92,35 @@ def refusal(name, words, capsys):
     return capsys.readouterr().err.splitlines()[-1]
 
 
-@pytest.mark.parametrize("name, words, ignored", [
-    ("sheet_pile", "--types apdi --split 1.3", "--split"), ("sheet_pile", "--types ugimp --on-distortion convert", "--on-distortion"),
-    ("sheet_pile", "--types ugimp --compare", "--compare"), ("footing", "--compare --fbar", "--fbar"), ("column_collapse", "--compare --cell 0.01", "--cell"),
-    ("column_collapse", "--compare --types ugimp", "--types"), ("column_collapse", "--smoke --compare", "--smoke")])
+@pytest.mark.parametrize(
+    "name, words, ignored",
+    [
+        ("sheet_pile", "--types apdi --split 1.3", "--split"),
+        ("sheet_pile", "--types ugimp --on-distortion convert", "--on-distortion"),
+        ("sheet_pile", "--types ugimp --compare", "--compare"),
+        ("footing", "--compare --fbar", "--fbar"),
+        ("column_collapse", "--compare --cell 0.01", "--cell"),
+        ("column_collapse", "--compare --types ugimp", "--types"),
+        ("column_collapse", "--smoke --compare", "--smoke"),
+    ],
+)
 def test_arguments_that_would_have_no_effect_are_refused(name, words, ignored, capsys):
     assert f"{ignored} has no meaning beside --" in refusal(name, words.split(), capsys)
 
 
-@pytest.mark.parametrize("name, words", [("sheet_pile", "--cell 0.25 --rate 0.2 --ramp 1"), ("column_collapse", "--cell 0.005"), ("footing", "--cell 0.4 --rate 0.02"),
-                                         ("hertz", "--cells 8"), ("plate_with_hole", "--cells 8"), ("strip_load", "--cell 0.25 --extent 40"),
-                                         ("wall", "--cell 0.25 --rate 0.02"), ("remedies", "--cell 0.25 --rate 0.2 --penetration 2")])
+@pytest.mark.parametrize(
+    "name, words",
+    [
+        ("sheet_pile", "--cell 0.25 --rate 0.2 --ramp 1"),
+        ("column_collapse", "--cell 0.005"),
+        ("footing", "--cell 0.4 --rate 0.02"),
+        ("hertz", "--cells 8"),
+        ("plate_with_hole", "--cells 8"),
+        ("strip_load", "--cell 0.25 --extent 40"),
+        ("wall", "--cell 0.25 --rate 0.02"),
+        ("remedies", "--cell 0.25 --rate 0.2 --penetration 2"),
+    ],
+)
 def test_a_smoke_run_takes_what_is_given(name, words):
     """Also where the default of a usual run is given."""
     arguments, module = words.split(), scene(name)
@@ -93,7 +131,9 @@ def test_a_smoke_run_takes_what_is_given(name, words):
 
 
 # --- D11 ------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("options", [("--smoke",), pytest.param((), marks=slow), pytest.param(("--types", "apdi"), marks=slow)])
+@pytest.mark.parametrize(
+    "options", [("--smoke",), pytest.param((), marks=slow), pytest.param(("--types", "apdi"), marks=slow)]
+)
 @pytest.mark.parametrize("state", EARTH_PRESSURE)
 def test_wall_feels_the_earth_pressure_of_rankine(state, options):
     summary = run("wall", *options, states=[state])
@@ -108,9 +148,13 @@ def test_control_wall_with_less_friction_misses():
 
 
 # --- D13 ------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("options, tolerances", [
-    (("--smoke",), (0.07, 0.03, 0.03, 0.06, 0.06)),
-    pytest.param((), (0.03, 0.03, 0.03, 0.06, 0.06), marks=slow)])
+@pytest.mark.parametrize(
+    "options, tolerances",
+    [
+        (("--smoke",), (0.07, 0.03, 0.03, 0.06, 0.06)),
+        pytest.param((), (0.03, 0.03, 0.03, 0.06, 0.06), marks=slow),
+    ],
+)
 def test_stress_below_a_strip_is_that_of_the_half_plane(options, tolerances):
     summary = run("strip_load", *options)
     assert summary["depth"] == list(STRIP)
@@ -125,7 +169,9 @@ def test_control_a_base_close_below_raises_the_stress():
 
 
 # --- D14 ------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("options, side, crown", [(("--smoke",), 0.03, 0.12), pytest.param((), 0.03, 0.03, marks=slow)])
+@pytest.mark.parametrize(
+    "options, side, crown", [(("--smoke",), 0.03, 0.12), pytest.param((), 0.03, 0.03, marks=slow)]
+)
 def test_stress_concentrates_at_a_hole(options, side, crown):
     summary = run("plate_with_hole", *options)
     assert summary["concentration"]["side"] == pytest.approx(HOLE["side"], rel=side)
@@ -139,9 +185,17 @@ def test_control_a_narrow_plate_concentrates_more():
 
 
 # --- D17 ------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("options, tolerance", [
-    *[(("--smoke", "--types", kind), 0.08) for kind in ("ugimp", "apdi", "hybrid")],
-    *[pytest.param(("--types", kind, "--phi", phi), 0.03, marks=slow) for phi in ("0", "20") for kind in ("ugimp", "apdi", "hybrid")]])
+@pytest.mark.parametrize(
+    "options, tolerance",
+    [
+        *[(("--smoke", "--types", kind), 0.08) for kind in ("ugimp", "apdi", "hybrid")],
+        *[
+            pytest.param(("--types", kind, "--phi", phi), 0.03, marks=slow)
+            for phi in ("0", "20")
+            for kind in ("ugimp", "apdi", "hybrid")
+        ],
+    ],
+)
 def test_footing_fails_at_the_load_of_prandtl(options, tolerance):
     summary = run("footing", "--fbar", *options)
     assert summary["effectiveHalfWidth"] == pytest.approx(3.0)
@@ -177,7 +231,9 @@ def test_the_load_grows_with_the_width_of_the_footing_as_prandtl_says(kind, reac
     """The width at the edge is left out: within 3 % on cells of 2/3 m, where the plain reading misses by up to 6.5 %."""
     error, overhang = byWidths("--fbar", "--types", kind, "--phi", phi)
     assert abs(error) < 0.03
-    assert overhang == pytest.approx(reach, abs=0.1)  # uGIMP reaches a sixth of a cell beyond the last node, not half of it
+    assert overhang == pytest.approx(
+        reach, abs=0.1
+    )  # uGIMP reaches a sixth of a cell beyond the last node, not half of it
 
 
 def test_control_without_fbar_the_locked_edge_reaches_beyond_a_cell():
@@ -207,14 +263,20 @@ def test_column_runs_out_alike_with_meshed_core():
 
 
 def test_control_column_of_rougher_bars_runs_less_far():
-    usual, rougher = run("column_collapse", "--smoke"), run("column_collapse", "--smoke", FRICTION=np.radians(25))
+    usual, rougher = (
+        run("column_collapse", "--smoke"),
+        run("column_collapse", "--smoke", FRICTION=np.radians(25)),
+    )
     assert rougher["runout"] < 0.9 * usual["runout"]
 
 
 @slow
 def test_column_runs_out_alike_on_two_grids():
-    summaries = [run("column_collapse", "--types", kind, "--cell", cell)
-                 for kind in ("ugimp", "hybrid") for cell in ("0.01", "0.005")]
+    summaries = [
+        run("column_collapse", "--types", kind, "--cell", cell)
+        for kind in ("ugimp", "hybrid")
+        for cell in ("0.01", "0.005")
+    ]
     runouts = [s["runout"] for s in summaries]
     assert max(runouts) < 1.05 * min(runouts), runouts
     assert all(10 < s["slopeDegrees"] < 19.8 for s in summaries)

@@ -4,6 +4,7 @@
 Hybrid and all uGIMP on the coarse grid (cell and pile of 0.5 m), 1 m in 3125 steps at 1 m/s, through the functions of `--compare`;
 and the number of particles of the default scene, without a run. Bounds are measured values with a margin.
 """
+
 import argparse
 import json
 import sys
@@ -15,19 +16,62 @@ import pytest
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
 import sheet_pile  # noqa: E402
 
-KEYS = {"arguments", "versions", "threads", "particles", "soilParticles", "allUGIMPSoilParticles", "soilParticleRatio", "steps", "dt",
-        "dtCritical", "wallSeconds", "nsPerParticleStep", "peakMemoryBytes", "timing", "penetration", "resistance", "resistanceScatter",
-        "appliedForce", "resistanceAtBase", "heaveArea", "troughArea", "cavityArea", "displacedArea", "openCavityArea", "collarThickness",
-        "surfaceHighest", "minJacobian", "invertedDomains", "convertedDomains", "stripes", "hourglassMax", "kineticEnergyRatioMax",
-        "energyError", "reactionBalanceMaxTo1.5m", "reactionBalanceMax", "isolatedParticles", "surfaceContinuous", "openBesidePile",
-        "surfaceSingleValued", "tipDrift", "stripesAt", "stripesBelow", "stripesBelowAt", "quasiStatic", "files"}
+KEYS = {
+    "arguments",
+    "versions",
+    "threads",
+    "particles",
+    "soilParticles",
+    "allUGIMPSoilParticles",
+    "soilParticleRatio",
+    "steps",
+    "dt",
+    "dtCritical",
+    "wallSeconds",
+    "nsPerParticleStep",
+    "peakMemoryBytes",
+    "timing",
+    "penetration",
+    "resistance",
+    "resistanceScatter",
+    "appliedForce",
+    "resistanceAtBase",
+    "heaveArea",
+    "troughArea",
+    "cavityArea",
+    "displacedArea",
+    "openCavityArea",
+    "collarThickness",
+    "surfaceHighest",
+    "minJacobian",
+    "invertedDomains",
+    "convertedDomains",
+    "stripes",
+    "hourglassMax",
+    "kineticEnergyRatioMax",
+    "energyError",
+    "reactionBalanceMaxTo1.5m",
+    "reactionBalanceMax",
+    "isolatedParticles",
+    "surfaceContinuous",
+    "openBesidePile",
+    "surfaceSingleValued",
+    "tipDrift",
+    "stripesAt",
+    "stripesBelow",
+    "stripesBelowAt",
+    "quasiStatic",
+    "files",
+}
 
 
 # --- particles of the default scene -------------------------------------------------------------------------
 @pytest.mark.parametrize("words, ratio, allUGIMP", [([], 0.285, 23024), (["--remedies"], 0.288, 23216)])
 def test_the_default_scene_needs_less_than_30_5_percent_of_the_particles(words, ratio, allUGIMP):
     def count(*types):
-        return sum(b.count for b in sheet_pile.soilBodies(sheet_pile.build(sheet_pile.arguments([*words, *types]))))
+        return sum(
+            b.count for b in sheet_pile.soilBodies(sheet_pile.build(sheet_pile.arguments([*words, *types])))
+        )
 
     hybrid, other = count(), count("--types", "ugimp")
     assert other == allUGIMP == sheet_pile.allUGIMP(sheet_pile.arguments(words))
@@ -38,8 +82,23 @@ def test_the_default_scene_needs_less_than_30_5_percent_of_the_particles(words, 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     """Arguments, (summary, scene, history) of hybrid and of all uGIMP, and their comparison."""
-    a = sheet_pile.arguments(["--smoke", "--until", "1.25", "--dt", "4e-4", "--threads", "1", "--out", str(tmp_path_factory.mktemp("sheet_pile"))])
-    both = [sheet_pile.run(b, b.out) for b in (a, argparse.Namespace(**{**vars(a), "types": "ugimp", "out": a.out + "/ugimp"}))]
+    a = sheet_pile.arguments(
+        [
+            "--smoke",
+            "--until",
+            "1.25",
+            "--dt",
+            "4e-4",
+            "--threads",
+            "1",
+            "--out",
+            str(tmp_path_factory.mktemp("sheet_pile")),
+        ]
+    )
+    both = [
+        sheet_pile.run(b, b.out)
+        for b in (a, argparse.Namespace(**{**vars(a), "types": "ugimp", "out": a.out + "/ugimp"}))
+    ]
     return a, *both, sheet_pile.compare(a, *both)
 
 
@@ -50,7 +109,11 @@ def one(runs, request):
 
 def test_the_hybrid_needs_a_quarter_of_the_particles(runs):
     _, hybrid, other, result = runs
-    assert result["soilParticles"] == [1576, 5752] == [sum(b.count for b in sheet_pile.soilBodies(r[1])) for r in (hybrid, other)]
+    assert (
+        result["soilParticles"]
+        == [1576, 5752]
+        == [sum(b.count for b in sheet_pile.soilBodies(r[1])) for r in (hybrid, other)]
+    )
     assert (hybrid[0]["soilParticleRatio"], other[0]["soilParticleRatio"]) == (1576 / 5752, 1)
 
 
@@ -59,7 +122,11 @@ def test_both_have_the_same_resistance(runs):
     a, (s1, *hybrid), (s2, *other), result = runs
     assert 0 < result["largestDifference"] == result["largestDifferenceTo2m"] < 0.02
     for key, kN in (("0.5", 1670), ("1.0", 2030)):
-        assert result["resistance"][key] == [s1["resistance"][key], s2["resistance"][key]] == pytest.approx([kN, kN], rel=0.02)
+        assert (
+            result["resistance"][key]
+            == [s1["resistance"][key], s2["resistance"][key]]
+            == pytest.approx([kN, kN], rel=0.02)
+        )
 
 
 def test_the_reaction_of_the_drive_is_that_of_the_base(one):
@@ -89,7 +156,11 @@ def test_the_run_is_symmetric(runs, one):
 
 
 def test_the_mesh_stays_whole(runs):
-    assert runs[1][0]["invertedDomains"] == 0 and 0.9 < runs[1][0]["minJacobian"] < 1 and runs[2][0]["minJacobian"] is None
+    assert (
+        runs[1][0]["invertedDomains"] == 0
+        and 0.9 < runs[1][0]["minJacobian"] < 1
+        and runs[2][0]["minJacobian"] is None
+    )
 
 
 # --- the surface --------------------------------------------------------------------------------------------
@@ -100,7 +171,9 @@ def test_the_published_model_opens_the_ground_beside_the_pile(one):
     assert summary["openBesidePile"] == pytest.approx([0.6, 0.6], abs=0.1)
     assert summary["openBesidePile"][0] == pytest.approx(summary["openBesidePile"][1], abs=1e-6)
     assert summary["openCavityArea"] == pytest.approx(1.05, rel=0.1)
-    assert summary["cavityArea"] == pytest.approx(summary["openCavityArea"] + 0.5 * 2.0, abs=1e-9), "the pile is 0.5 m x 2 m below the level"
+    assert summary["cavityArea"] == pytest.approx(summary["openCavityArea"] + 0.5 * 2.0, abs=1e-9), (
+        "the pile is 0.5 m x 2 m below the level"
+    )
     assert summary["heaveArea"] == pytest.approx(2.1, rel=0.05) and 0 <= summary["troughArea"] < 0.1
 
 
@@ -147,6 +220,8 @@ def test_the_summary_has_all_its_keys(runs, one):
 
 def test_the_comparison_has_what_both_runs_found(runs):
     a, (s1, *_), (s2, *_), result = runs
-    assert json.loads(Path(a.out, "compare.json").read_text()) == result and Path(a.out, "compare.png").exists()
+    assert (
+        json.loads(Path(a.out, "compare.json").read_text()) == result and Path(a.out, "compare.png").exists()
+    )
     for name in ("soilParticles", "wallSeconds", "isolatedParticles", "surfaceContinuous", "openBesidePile"):
         assert result[name] == [s1[name], s2[name]]

@@ -4,12 +4,12 @@
 The coarse, fast scene: cell 0.5 m, pile of 0.5 m, 1 m/s; to 1.25 m, and the whole 4 m at 0.1 m/s (slow). Reference: the hybrid.
 Tolerance 10 % of its resistance down to 2 m. Control: without conversion edges grow beyond the limit.
 """
+
 import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 PATH = Path(__file__).resolve().parents[2] / "scripts" / "sheet_pile.py"
@@ -44,7 +44,9 @@ def checked(scene, history):
 
 
 def test_stretched_domains_are_converted_and_the_pile_feels_the_resistance_of_the_hybrid():
-    scene, history, resistance = press("--smoke", "--types", "apdi", "--on-distortion", "convert", "--until", "1.75")
+    scene, history, resistance = press(
+        "--smoke", "--types", "apdi", "--on-distortion", "convert", "--until", "1.75"
+    )
     checked(scene, history)
     assert resistance == pytest.approx(press("--smoke", "--until", "1.75")[2], rel=0.1)
 

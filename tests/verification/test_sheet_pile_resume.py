@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """scripts/sheet_pile.py --resume: an interrupted run goes on with its own arguments, and ends as if it had not been interrupted."""
+
 import importlib.util
 import json
 import os
@@ -14,9 +15,36 @@ spec = importlib.util.spec_from_file_location("sheet_pile", PATH)
 sheetPile = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(sheetPile)
 
-OPTIONS = "--cell 1 --rate 2 --ramp 0.25 --psi 5 --until 0.9 --threads 1".split()
-DEEPER = "--cell 0.5 --rate 2 --ramp 0.25 --dt 4e-4 --until 0.9 --threads 1".split()  # three cells, for --compare
-RESULTS = ("penetration", "resistance", "appliedForce", "resistanceAtBase", "soilParticleRatio", "heaveArea", "energyError", "steps", "dt", "stripes", "stripesAt", "stripesBelow", "stripesBelowAt")
+OPTIONS = ["--cell", "1", "--rate", "2", "--ramp", "0.25", "--psi", "5", "--until", "0.9", "--threads", "1"]
+DEEPER = [
+    "--cell",
+    "0.5",
+    "--rate",
+    "2",
+    "--ramp",
+    "0.25",
+    "--dt",
+    "4e-4",
+    "--until",
+    "0.9",
+    "--threads",
+    "1",
+]  # three cells, for --compare
+RESULTS = (
+    "penetration",
+    "resistance",
+    "appliedForce",
+    "resistanceAtBase",
+    "soilParticleRatio",
+    "heaveArea",
+    "energyError",
+    "steps",
+    "dt",
+    "stripes",
+    "stripesAt",
+    "stripesBelow",
+    "stripesBelowAt",
+)
 
 
 def results(*words):
@@ -57,12 +85,16 @@ def test_a_run_that_is_resumed_ends_like_one_that_was_not_interrupted(interrupte
     for one, other in ((resumed, "cut"), (whole, "whole")):
         assert one["files"] and all((Path(other) / name).exists() for name in one["files"])
     kept, own = resumed["arguments"], whole["arguments"]
-    assert {k: v for k, v in kept.items() if k not in ("resume", "out")} == {k: v for k, v in own.items() if k not in ("resume", "out")}
+    assert {k: v for k, v in kept.items() if k not in ("resume", "out")} == {
+        k: v for k, v in own.items() if k not in ("resume", "out")
+    }
 
 
 def test_until_may_change_also_where_no_snapshot_is_left(interrupted):
     summary = results("--resume", interrupted, "--until", "0.4", "--cell", "1")  # as the run has it
-    assert summary["penetration"] == pytest.approx(2 * 0.4 - 0.25, abs=0.003) and list(summary["resistance"]) == ["0.5"]
+    assert summary["penetration"] == pytest.approx(2 * 0.4 - 0.25, abs=0.003) and list(
+        summary["resistance"]
+    ) == ["0.5"]
     with pytest.raises(SystemExit, match="is at t = .* and the run ends at 0.1 s; give a later --until"):
         results("--resume", interrupted, "--until", "0.1")
 
@@ -76,7 +108,13 @@ def compared(monkeypatch, *words):
 
 def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sheetPile.plot, "save", lambda figure, file: Path(file).write_text(str(time.monotonic())) and sheetPile.plot.plt.close(figure))
+    monkeypatch.setattr(
+        sheetPile.plot,
+        "save",
+        lambda figure, file: (
+            Path(file).write_text(str(time.monotonic())) and sheetPile.plot.plt.close(figure)
+        ),
+    )
     words = [*DEEPER, "--compare", "--out", "cut"]
     interrupt(monkeypatch, "soil", compared, monkeypatch, *words)
     assert "continue with: scripts/run sheet_pile --resume cut/checkpoint.h5\n" in capsys.readouterr().err
@@ -87,9 +125,13 @@ def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(tmp_
         patch.setattr(sheetPile, "build", None)  # neither run begins anew
         resumed = compared(patch, "--resume", "cut/checkpoint.h5")
         assert compared(patch, "--resume", "cut/checkpoint.h5") == resumed  # both are at their ends
-    assert (first, picture) == tuple(Path("cut", name).read_bytes() for name in ("summary.json", "domains.png"))
+    assert (first, picture) == tuple(
+        Path("cut", name).read_bytes() for name in ("summary.json", "domains.png")
+    )
     assert 1 < rows < Path("cut/ugimp/history.csv").read_text().count("\n")
-    s1, s2 = (json.loads(Path(folder, "summary.json").read_text())["resistance"] for folder in ("cut", "cut/ugimp"))
+    s1, s2 = (
+        json.loads(Path(folder, "summary.json").read_text())["resistance"] for folder in ("cut", "cut/ugimp")
+    )
     assert len(s1) == 3 and resumed["resistance"] == {depth: [s1[depth], s2[depth]] for depth in s1}
 
 
@@ -99,7 +141,9 @@ def test_the_second_half_begins_anew_after_another_run(tmp_path, monkeypatch):
     interrupt(monkeypatch, "pile", results, *DEEPER, "--flip", "0.9", "--out", "cut")
     a = sheetPile.arguments(["--resume", "cut/checkpoint.h5", "--compare"])
     for flip, resume in (("1", None), ("0.9", "cut/ugimp/checkpoint.h5")):
-        interrupt(monkeypatch, "pile", results, *DEEPER, "--flip", flip, "--types", "ugimp", "--out", "cut/ugimp")
+        interrupt(
+            monkeypatch, "pile", results, *DEEPER, "--flip", flip, "--types", "ugimp", "--out", "cut/ugimp"
+        )
         assert sheetPile.allUGIMPRun(a).resume == resume
 
 
@@ -110,8 +154,14 @@ def refusal(capsys, *words):
 
 
 def test_other_arguments_than_those_of_the_run_are_refused(interrupted, capsys):
-    for words, named in (("--cell 0.25", "--cell 1.0"), ("--rate 0.1 --psi 5", "--rate 2.0"), ("--out elsewhere", "--out cut"),
-                         ("--friction 0.3", "--friction None"), ("--on-distortion convert", "--on-distortion stop"), ("--smoke", "--smoke False")):
+    for words, named in (
+        ("--cell 0.25", "--cell 1.0"),
+        ("--rate 0.1 --psi 5", "--rate 2.0"),
+        ("--out elsewhere", "--out cut"),
+        ("--friction 0.3", "--friction None"),
+        ("--on-distortion convert", "--on-distortion stop"),
+        ("--smoke", "--smoke False"),
+    ):
         assert f"that run has {named}; leave that out" in refusal(capsys, interrupted, *words.split())
 
 
@@ -123,7 +173,9 @@ def test_a_checkpoint_whose_run_is_not_known_is_refused(interrupted, capsys, mon
     assert "is older than the run in that folder" in refusal(capsys, interrupted)
     os.utime(interrupted)
     os.rename("cut", "moved")
-    assert "its run writes to 'cut', which from here is another folder" in refusal(capsys, "moved/checkpoint.h5")
+    assert "its run writes to 'cut', which from here is another folder" in refusal(
+        capsys, "moved/checkpoint.h5"
+    )
     Path("moved/arguments.json").write_text("{")
     os.utime("moved/checkpoint.h5")
     assert "none that can be read" in refusal(capsys, "moved/checkpoint.h5")

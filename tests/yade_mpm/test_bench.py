@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The benchmark measures what it says: every figure is there, they fit together, and the soil yields meanwhile."""
+
 import json
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
-
 import yade_mpm as mpm
 
 BUILD = Path(mpm._core.__file__).parents[2]
@@ -20,7 +20,9 @@ def libraryIsMissing():
     return cache.exists() and "benchmark_DIR:PATH=benchmark_DIR-NOTFOUND" in cache.read_text()
 
 
-pytestmark = pytest.mark.skipif(libraryIsMissing(), reason="mpm_bench was not built: libbenchmark-dev was not installed")
+pytestmark = pytest.mark.skipif(
+    libraryIsMissing(), reason="mpm_bench was not built: libbenchmark-dev was not installed"
+)
 
 
 def process(*command):
@@ -31,12 +33,22 @@ def process(*command):
 
 def measured(case):
     """Counters of every repeat of a case, and what the program says of itself."""
-    result = json.loads(process(PROGRAM, f"--benchmark_filter=^{case}/", "--benchmark_repetitions=2", "--benchmark_format=json"))
+    result = json.loads(
+        process(
+            PROGRAM, f"--benchmark_filter=^{case}/", "--benchmark_repetitions=2", "--benchmark_format=json"
+        )
+    )
     return [line for line in result["benchmarks"] if line["run_type"] == "iteration"], result["context"]
 
 
-@pytest.mark.parametrize("case, particles", [("2D/ugimp/mcdp/2000/threads:1", 1936), ("2D/hybrid/mcdp/2000/threads:1", 1936),
-                                             ("3D/ugimp/mcdp/2000/threads:1", 1728)])
+@pytest.mark.parametrize(
+    "case, particles",
+    [
+        ("2D/ugimp/mcdp/2000/threads:1", 1936),
+        ("2D/hybrid/mcdp/2000/threads:1", 1936),
+        ("3D/ugimp/mcdp/2000/threads:1", 1728),
+    ],
+)
 def test_figures_are_complete_and_fit_together(case, particles):
     repeats, context = measured(case)
     assert len(repeats) == 2
@@ -60,8 +72,12 @@ def test_figures_are_complete_and_fit_together(case, particles):
 def test_yardstick_keeps_its_momentum_and_takes_time():
     repeats, _ = measured("yardstick")
     assert all("error_message" not in figures and figures["particles"] == 20164 for figures in repeats)
-    assert all(figures["step"] == pytest.approx(figures["real_time"] / 20164, rel=0.05) for figures in repeats)
-    assert all(0.5 * figures["cpu_time"] / 20164 < figures["shortest"] <= figures["step"] for figures in repeats)
+    assert all(
+        figures["step"] == pytest.approx(figures["real_time"] / 20164, rel=0.05) for figures in repeats
+    )
+    assert all(
+        0.5 * figures["cpu_time"] / 20164 < figures["shortest"] <= figures["step"] for figures in repeats
+    )
 
 
 def test_control_elastic_soil_does_not_yield():
@@ -71,7 +87,15 @@ def test_control_elastic_soil_does_not_yield():
 
 def test_the_table_compares_with_what_was_saved(tmp_path):
     options = ["--filter", "2D/apdi/mcdp/2000/threads:1/", "--repeats", "2"]
-    first = process(sys.executable, SCRIPT, *options, "--save", tmp_path / "saved.json", "--baseline", tmp_path / "none.json")
+    first = process(
+        sys.executable,
+        SCRIPT,
+        *options,
+        "--save",
+        tmp_path / "saved.json",
+        "--baseline",
+        tmp_path / "none.json",
+    )
     assert "baseline: " not in first
     second = process(sys.executable, SCRIPT, *options, "--baseline", tmp_path / "saved.json")
     assert "baseline: this machine and compiler" in second
@@ -85,12 +109,25 @@ def test_the_table_compares_with_what_was_saved(tmp_path):
 
 
 def test_a_baseline_of_an_earlier_version_is_refused(tmp_path):
-    (tmp_path / "old.json").write_text('{"machine": {}, "cases": [{"case": "2D/apdi/mcdp/2000/threads:1", "step": 50.0}]}')
-    done = subprocess.run([sys.executable, SCRIPT, "--quick", "--baseline", tmp_path / "old.json"], capture_output=True, text=True)
+    (tmp_path / "old.json").write_text(
+        '{"machine": {}, "cases": [{"case": "2D/apdi/mcdp/2000/threads:1", "step": 50.0}]}'
+    )
+    done = subprocess.run(
+        [sys.executable, SCRIPT, "--quick", "--baseline", tmp_path / "old.json"],
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 1 and "old.json has no shortest steps" in done.stderr
 
 
-@pytest.mark.parametrize("words, ignored", [("--quick --dim 3", "--dim"), ("--filter 2D --threads 2", "--threads"), ("--against other --save file", "--save")])
+@pytest.mark.parametrize(
+    "words, ignored",
+    [
+        ("--quick --dim 3", "--dim"),
+        ("--filter 2D --threads 2", "--threads"),
+        ("--against other --save file", "--save"),
+    ],
+)
 def test_arguments_that_would_have_no_effect_are_refused(words, ignored):
     done = subprocess.run([sys.executable, SCRIPT, *words.split()], capture_output=True, text=True)
     assert done.returncode == 2 and f"{ignored} has no meaning beside --" in done.stderr

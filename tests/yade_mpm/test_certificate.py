@@ -5,6 +5,7 @@ Hand-made: an elastic bar of stiffness k and mass m, pressed at the rate v: E_ki
 given numbers. Runs: a block pressed slowly and suddenly; the sheet pile at 2 m/s.
 Controls: each ratio just within and just beyond its limit; the same block, fast.
 """
+
 import importlib.util
 import json
 import sys
@@ -12,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box, certificate, diagnostics
 
@@ -23,8 +23,14 @@ def bar(rate, **changed):
     """History of the pressed bar until it is shorter by 1 m, with 101 rows; the last is where columns may be changed."""
     t = np.linspace(0, 1 / rate, 101)
     work = STIFFNESS * (rate * t) ** 2 / 2
-    history = {"time": t, "workDone": work, "kineticEnergy": np.full(101, MASS * rate**2 / 6), "dampedEnergy": 0.01 * work,
-               "energyError": -0.002 * work, "unbalancedRatio": np.where(np.arange(101) % 2, 0.01, 0.03)}
+    history = {
+        "time": t,
+        "workDone": work,
+        "kineticEnergy": np.full(101, MASS * rate**2 / 6),
+        "dampedEnergy": 0.01 * work,
+        "energyError": -0.002 * work,
+        "unbalancedRatio": np.where(np.arange(101) % 2, 0.01, 0.03),
+    }
     return {**history, **changed}
 
 
@@ -32,7 +38,9 @@ def test_ratios_of_the_pressed_bar_are_those_of_the_closed_form():
     found = mpm.quasiStatic(bar(0.1))
     assert found.after == pytest.approx(1.0)  # a tenth of 10 s: pressed by 0.1 m
     assert found.kineticRatio == pytest.approx(MASS * 0.01 / 6 / (STIFFNESS * 0.01 / 2), rel=1e-12)
-    assert found.energyError == pytest.approx(0.002, rel=1e-12) and found.dampedRatio == pytest.approx(0.01, rel=1e-12)
+    assert found.energyError == pytest.approx(0.002, rel=1e-12) and found.dampedRatio == pytest.approx(
+        0.01, rel=1e-12
+    )
     assert found.unbalancedRatio == pytest.approx(0.02, abs=2e-4)  # 46 of 91 rows have 0.03
     assert found.isQuasiStatic and found.reasons == [] and found.rateSensitivity is None
 
@@ -47,9 +55,15 @@ def test_the_kinetic_energy_decides_by_the_square_of_the_rate():
     assert mpm.quasiStatic(bar(np.sqrt(2.4) * critical), limits={"kineticRatio": 0.13}).isQuasiStatic
 
 
-@pytest.mark.parametrize("name, column, words", [
-    ("kineticRatio", "kineticEnergy", "kinetic energy is"), ("energyError", "energyError", "the energy balance is open by"),
-    ("dampedRatio", "dampedEnergy", "damping took"), ("unbalancedRatio", "unbalancedRatio", "the mean out-of-balance force")])
+@pytest.mark.parametrize(
+    "name, column, words",
+    [
+        ("kineticRatio", "kineticEnergy", "kinetic energy is"),
+        ("energyError", "energyError", "the energy balance is open by"),
+        ("dampedRatio", "dampedEnergy", "damping took"),
+        ("unbalancedRatio", "unbalancedRatio", "the mean out-of-balance force"),
+    ],
+)
 def test_each_ratio_is_judged_by_its_limit(name, column, words):
     limit = certificate.LIMITS[name]
     for factor, sign in ((0.999, 1), (1.001, 1), (1.001, -1) if name == "energyError" else (1.001, 1)):
@@ -73,12 +87,19 @@ def test_the_rate_is_judged_only_if_it_was_looked_at():
     assert mpm.quasiStatic(bar(0.1), rateSensitivity=0.049).isQuasiStatic
     refused = mpm.quasiStatic(bar(0.1), rateSensitivity=0.051)
     assert str(refused) == "NOT quasi-static: another rate changes the result by 5.1 % (limit 5 %)"
-    assert "another rate" in str(mpm.quasiStatic(bar(0.1), rateSensitivity=0.01)) and "another rate" not in str(mpm.quasiStatic(bar(0.1)))
+    assert "another rate" in str(
+        mpm.quasiStatic(bar(0.1), rateSensitivity=0.01)
+    ) and "another rate" not in str(mpm.quasiStatic(bar(0.1)))
 
 
-@pytest.mark.parametrize("changed, name", [
-    ({"unbalancedRatio": np.full(101, np.nan)}, "unbalancedRatio"), ({"kineticEnergy": np.full(101, np.nan)}, "kineticRatio"),
-    ({"workDone": np.zeros(101)}, "kineticRatio")])
+@pytest.mark.parametrize(
+    "changed, name",
+    [
+        ({"unbalancedRatio": np.full(101, np.nan)}, "unbalancedRatio"),
+        ({"kineticEnergy": np.full(101, np.nan)}, "kineticRatio"),
+        ({"workDone": np.zeros(101)}, "kineticRatio"),
+    ],
+)
 def test_what_is_not_known_is_refused(changed, name):
     found = mpm.quasiStatic(bar(0.1, **changed))
     assert not found.isQuasiStatic and f"{name} is not known" in str(found)
@@ -87,15 +108,26 @@ def test_what_is_not_known_is_refused(changed, name):
 
 def test_the_certificate_is_written_as_plain_numbers():
     plain = json.loads(json.dumps(mpm.quasiStatic(bar(0.1), rateSensitivity=0.2).asDict(), allow_nan=False))
-    assert plain["isQuasiStatic"] is False and plain["limits"] == certificate.LIMITS and len(plain["reasons"]) == 1
+    assert (
+        plain["isQuasiStatic"] is False
+        and plain["limits"] == certificate.LIMITS
+        and len(plain["reasons"]) == 1
+    )
     assert plain["rateSensitivity"] == 0.2 and plain["kineticRatio"] == pytest.approx(0.01)
 
 
-@pytest.mark.parametrize("arguments, text", [
-    (dict(after=20.0), "the history has no rows from after = 20 s on, it ends at 10 s"),
-    (dict(rateSensitivity=-0.1), "rateSensitivity = -0.1 is not allowed; give zero or a positive number"),
-    (dict(limits={"kinetic": 0.1}), "there is no limit 'kinetic'; limits: kineticRatio, unbalancedRatio"),
-    (dict(limits={"kineticRatio": 0}), r"limits\['kineticRatio'\] = 0 is not allowed; give a positive number")])
+@pytest.mark.parametrize(
+    "arguments, text",
+    [
+        (dict(after=20.0), "the history has no rows from after = 20 s on, it ends at 10 s"),
+        (dict(rateSensitivity=-0.1), "rateSensitivity = -0.1 is not allowed; give zero or a positive number"),
+        (dict(limits={"kinetic": 0.1}), "there is no limit 'kinetic'; limits: kineticRatio, unbalancedRatio"),
+        (
+            dict(limits={"kineticRatio": 0}),
+            r"limits\['kineticRatio'\] = 0 is not allowed; give a positive number",
+        ),
+    ],
+)
 def test_wrong_arguments_are_refused(arguments, text):
     with pytest.raises(ValueError, match=text):
         mpm.quasiStatic(bar(0.1), **arguments)
@@ -124,7 +156,9 @@ def test_twice_the_rate_shows_what_the_rate_itself_does():
 def pressed(rate, ramp=0.0):
     """An elastic block of 1 m, pressed by 0.05 m."""
     scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
-    block = scene.add("block", box((0.5, 0), (1.5, 1)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.APDI(size=0.25))
+    block = scene.add(
+        "block", box((0.5, 0), (1.5, 1)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.APDI(size=0.25)
+    )
     drive = mpm.Drive(block.above(0.8), (None, -rate), ramp=ramp)
     end = 0.05 / rate + ramp / 2
     history = mpm.History(period=end / 100)
@@ -150,16 +184,28 @@ def test_the_history_measures_what_is_judged():
     assert history["workDone"][-1] == diagnostics.workDone(scene) == abs(diagnostics.externalWork(scene)) > 0
     assert history["unbalancedRatio"][-1] == diagnostics.unbalancedRatio(scene) > 0
     found = mpm.quasiStatic(history)
-    assert found.kineticRatio == pytest.approx(np.max(history["kineticRatio"][history["time"] >= found.after]), rel=1e-12)
+    assert found.kineticRatio == pytest.approx(
+        np.max(history["kineticRatio"][history["time"] >= found.after]), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_unbalanced_ratio_is_the_sum_of_its_definition(dim):
     scene = mpm.Scene((0,) * dim, (2,) * dim, (0.5, 0.25, 0.5)[:dim], threads=1)
-    body = scene.add("block", box((0.5,) * dim, (1.5,) * dim), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.UGIMP(perCell=2))
+    body = scene.add(
+        "block",
+        box((0.5,) * dim, (1.5,) * dim),
+        mpm.LinearElastic(density=2, lame=(1e3, 1e3)),
+        mpm.UGIMP(perCell=2),
+    )
     assert np.isnan(diagnostics.unbalancedRatio(scene))
     body.velocity = np.random.default_rng(1).normal(size=body.velocity.shape)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0,) * (dim - 1) + (-9.81,)), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0,) * (dim - 1) + (-9.81,)),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = 1e-3
     scene.run(steps=1, progress=False)
     start = body.stress[:, :dim, :dim].copy()
@@ -172,14 +218,32 @@ def test_the_unbalanced_ratio_is_the_sum_of_its_definition(dim):
     assert diagnostics.unbalancedRatio(scene) == np.inf
 
 
-def test_the_sheet_pile_states_that_it_is_not_quasi_static_at_2_metres_per_second(tmp_path, monkeypatch, capsys):
+def test_the_sheet_pile_states_that_it_is_not_quasi_static_at_2_metres_per_second(
+    tmp_path, monkeypatch, capsys
+):
     path = Path(__file__).resolve().parents[2] / "scripts" / "sheet_pile.py"
     spec = importlib.util.spec_from_file_location("sheet_pile", path)
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    options = "--cell 1 --rate 2 --until 1.6 --threads 1 --rateCheck --dilatancyLimit 0.02".split()
+    options = [
+        "--cell",
+        "1",
+        "--rate",
+        "2",
+        "--until",
+        "1.6",
+        "--threads",
+        "1",
+        "--rateCheck",
+        "--dilatancyLimit",
+        "0.02",
+    ]
     monkeypatch.setattr(sys, "argv", ["sheet_pile", *options, "--out", str(tmp_path)])
     script.main()
     assert "NOT quasi-static: kinetic energy is" in capsys.readouterr().out
     written = json.loads((tmp_path / "summary.json").read_text())["quasiStatic"]
-    assert written["isQuasiStatic"] is False and written["rateSensitivity"] > 0 and written["kineticRatio"] > 0.05
+    assert (
+        written["isQuasiStatic"] is False
+        and written["rateSensitivity"] > 0
+        and written["kineticRatio"] > 0.05
+    )

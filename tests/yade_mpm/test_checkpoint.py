@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A run continued from a checkpoint gives the same bits as one that never stopped."""
+
 import json
 import os
 import subprocess
@@ -9,7 +10,6 @@ from math import radians
 import h5py
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 import yade_mpm.scene
 from yade_mpm import box
@@ -18,8 +18,14 @@ PERIOD = 20  # steps between estimates of the time step; the runs below cross se
 
 
 def soil():
-    return mpm.MohrCoulombDruckerPrager(density=1.5, young=1e4, poisson=0.3, cohesion=5.0, frictionAngle=radians(30),
-                                        dilatancyAngle=radians(5))
+    return mpm.MohrCoulombDruckerPrager(
+        density=1.5,
+        young=1e4,
+        poisson=0.3,
+        cohesion=5.0,
+        frictionAngle=radians(30),
+        dilatancyAngle=radians(5),
+    )
 
 
 @pytest.fixture(autouse=True)
@@ -31,24 +37,47 @@ def hybrid(scheme="MUSL", threads=None):
     """uGIMP soil beside a matched APDI ring, an elastic pile driven into it, a block that falls through the grid."""
     scene = mpm.Scene((0, 0), (4, 6), 0.25, scheme=scheme, threads=threads)
     near = scene.add("near", box((1.25, 0.5), (2.75, 2)), soil(), mpm.UGIMP(perCell=2))
-    ring = scene.add("ring", box((0, 0), (4, 2)) - box((1.25, 0.5), (2.75, 2)), near.material,
-                     mpm.APDI(size=0.25, matched=near), fbar=True)
-    pile = scene.add("pile", box((1.75, 2), (2.25, 3)), mpm.LinearElastic(density=2.0, lame=(3e4, 2e4)),
-                     mpm.UGIMP(perCell=(2, 4)), inertiaScale=4)
-    block = scene.add("block", box((3, 4.5), (3.5, 5.5)), mpm.NeoHookean(density=1.0, lame=(2e3, 1e3)), mpm.UGIMP(perCell=2))
+    ring = scene.add(
+        "ring",
+        box((0, 0), (4, 2)) - box((1.25, 0.5), (2.75, 2)),
+        near.material,
+        mpm.APDI(size=0.25, matched=near),
+        fbar=True,
+    )
+    pile = scene.add(
+        "pile",
+        box((1.75, 2), (2.25, 3)),
+        mpm.LinearElastic(density=2.0, lame=(3e4, 2e4)),
+        mpm.UGIMP(perCell=(2, 4)),
+        inertiaScale=4,
+    )
+    block = scene.add(
+        "block", box((3, 4.5), (3.5, 5.5)), mpm.NeoHookean(density=1.0, lame=(2e3, 1e3)), mpm.UGIMP(perCell=2)
+    )
     block.velocity = (0.0, -12.0)
     near.bodyForce = (0.5, 0.0)
     drive = mpm.Drive(pile.above(2.6), velocity=(0, -2.0), ramp=0.02)
-    solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.1, roller=("left", "right"), fixed="bottom", drive=drive,
-                            hold=mpm.Hold(box((0, 0), (0.5, 0.3)), (None, 0), name="foot"))
-    scene.engines = inOrder(scheme, solver, mpm.BoundaryLoad(ring, box((0, 1.9), (1, 2.1)), pressure=3.0, ramp=0.1))
+    solver = mpm.GridSolver(
+        gravity=(0, -9.81),
+        damping=0.1,
+        roller=("left", "right"),
+        fixed="bottom",
+        drive=drive,
+        hold=mpm.Hold(box((0, 0), (0.5, 0.3)), (None, 0), name="foot"),
+    )
+    scene.engines = inOrder(
+        scheme, solver, mpm.BoundaryLoad(ring, box((0, 1.9), (1, 2.1)), pressure=3.0, ramp=0.1)
+    )
     return scene
 
 
 def inOrder(scheme, solver, *loads):
     update, take = mpm.DomainUpdater(), mpm.GridToParticle()
-    return [mpm.ParticleToGrid(), *([update, *loads, solver, take] if scheme == "USF" else [*loads, solver, take, update]),
-            mpm.PyRunner("scene.bodies[0].velocity[0, 0] += 1e-6", iterPeriod=7)]
+    return [
+        mpm.ParticleToGrid(),
+        *([update, *loads, solver, take] if scheme == "USF" else [*loads, solver, take, update]),
+        mpm.PyRunner("scene.bodies[0].velocity[0, 0] += 1e-6", iterPeriod=7),
+    ]
 
 
 def solid(scheme="MUSL", threads=None):
@@ -57,8 +86,12 @@ def solid(scheme="MUSL", threads=None):
     floor = scene.add("floor", box((0, 0, 0), (2, 2, 0.5)), soil(), mpm.APDI(size=0.5))
     block = scene.add("block", box((0.5, 0.5, 2.5), (1.5, 1.5, 3.5)), soil(), mpm.UGIMP(perCell=2))
     floor.velocity, block.velocity = (0.0, 0.0, -1.5), (1.0, 0.5, -9.0)
-    solver = mpm.GridSolver(gravity=(0, 0, -9.81), roller=("left", "right", "front", "back"), fixed="bottom",
-                            drive=mpm.Drive(block.all(), velocity=(1.0, None, -9.0)))
+    solver = mpm.GridSolver(
+        gravity=(0, 0, -9.81),
+        roller=("left", "right", "front", "back"),
+        fixed="bottom",
+        drive=mpm.Drive(block.all(), velocity=(1.0, None, -9.0)),
+    )
     scene.engines = inOrder(scheme, solver)
     return scene
 
@@ -66,10 +99,17 @@ def solid(scheme="MUSL", threads=None):
 def converting():
     """A mesh with a vertex pulled now and then so far that its domain is given up."""
     scene = mpm.Scene((0, 0), (2, 2), 0.25)
-    body = scene.add("soft", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(100.0, 50.0)),
-                     mpm.APDI(size=0.125, onDistortion="convert"))
+    body = scene.add(
+        "soft",
+        box((0.5, 0.5), (1.5, 1.5)),
+        mpm.LinearElastic(density=1.0, lame=(100.0, 50.0)),
+        mpm.APDI(size=0.125, onDistortion="convert"),
+    )
     body.velocity = (0.0, 1.0)
-    scene.engines = [*scene.engines, mpm.PyRunner("scene['soft'].vertices[9 * (scene.steps // 15)] += 0.11", iterPeriod=15)]
+    scene.engines = [
+        *scene.engines,
+        mpm.PyRunner("scene['soft'].vertices[9 * (scene.steps // 15)] += 0.11", iterPeriod=15),
+    ]
     return scene
 
 
@@ -86,7 +126,11 @@ def bitsOf(file):
     """Everything in a checkpoint: dict name -> raw bytes, and the text of its description."""
     bits = {}
     with h5py.File(file, "r") as h5:
-        h5.visititems(lambda name, data: bits.update({name: data[...].tobytes()}) if isinstance(data, h5py.Dataset) else None)
+        h5.visititems(
+            lambda name, data: (
+                bits.update({name: data[...].tobytes()}) if isinstance(data, h5py.Dataset) else None
+            )
+        )
     return bits
 
 
@@ -101,13 +145,19 @@ def orderOf(scene):
 
 def continued(file, steps, out):
     """Loads, runs and saves in a process of its own."""
-    subprocess.run([sys.executable, __file__, str(file), str(steps), str(out)], check=True, timeout=100,
-                   env=dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__))))
+    subprocess.run(
+        [sys.executable, __file__, str(file), str(steps), str(out)],
+        check=True,
+        timeout=100,
+        env=dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__))),
+    )
     return bitsOf(out)
 
 
-@pytest.mark.parametrize("make, scheme, steps", [(hybrid, "MUSL", 25), (hybrid, "USF", 25), (hybrid, "USL", 25),
-                                                 (solid, "MUSL", 25)])
+@pytest.mark.parametrize(
+    "make, scheme, steps",
+    [(hybrid, "MUSL", 25), (hybrid, "USF", 25), (hybrid, "USL", 25), (solid, "MUSL", 25)],
+)
 def test_restart_in_a_new_process_continues_bitwise(tmp_path, make, scheme, steps):
     scene = make(scheme)
     started = orderOf(scene)
@@ -120,14 +170,20 @@ def test_restart_in_a_new_process_continues_bitwise(tmp_path, make, scheme, step
 
     assert started != half and half != orderOf(scene), "the particles were re-sorted in both halves"
     assert scene.dt != firstStep, "the time step was estimated anew"
-    assert max(b.plasticShearStrain.max() for b in scene.bodies if "plasticShearStrain" in dir(b)) > 1e-4, "the soil yields"
+    assert max(b.plasticShearStrain.max() for b in scene.bodies if "plasticShearStrain" in dir(b)) > 1e-4, (
+        "the soil yields"
+    )
     whole = bitsOf(tmp_path / "whole.h5")
     assert differences(whole, continued(tmp_path / "half.h5", steps, tmp_path / "out.h5")) == []
 
-    with h5py.File(tmp_path / "half.h5", "r+") as h5:  # the control: one unit in the last place of the velocities of a body
+    with h5py.File(
+        tmp_path / "half.h5", "r+"
+    ) as h5:  # the control: one unit in the last place of the velocities of a body
         velocity = h5["bodies/0/particles/velocity"]
         velocity[...] = np.nextafter(velocity[...], np.inf)
-    assert "bodies/0/particles/velocity" in differences(whole, continued(tmp_path / "half.h5", steps, tmp_path / "out.h5"))
+    assert "bodies/0/particles/velocity" in differences(
+        whole, continued(tmp_path / "half.h5", steps, tmp_path / "out.h5")
+    )
 
 
 def test_restart_before_and_after_a_conversion_continues_bitwise(tmp_path):
@@ -151,8 +207,14 @@ def test_restart_before_and_after_a_conversion_continues_bitwise(tmp_path):
 def test_a_checkpoint_at_an_estimate_of_the_time_step_continues_bitwise(tmp_path):
     """Saved by a callback in the last step before the estimate, and by the user after the run."""
     scene = hybrid()
-    scene.engines = [*scene.engines, mpm.PyRunner(lambda s: s.save(tmp_path / "at.h5") if s.steps == PERIOD else None, iterPeriod=PERIOD,
-                                                  label="saving")]
+    scene.engines = [
+        *scene.engines,
+        mpm.PyRunner(
+            lambda s: s.save(tmp_path / "at.h5") if s.steps == PERIOD else None,
+            iterPeriod=PERIOD,
+            label="saving",
+        ),
+    ]
     run(scene, PERIOD)
     scene.save(tmp_path / "after.h5")
     run(scene, PERIOD)
@@ -166,8 +228,14 @@ def test_save_in_the_middle_of_a_step_is_refused(tmp_path):
     scene = hybrid()
     e = scene.engines
     for place in (2, 3, 4):
-        scene.engines = [*e[:place], mpm.PyRunner(lambda s: s.save(tmp_path / "x.h5"), iterPeriod=1), *e[place:]]
-        with pytest.raises(RuntimeError, match="save: the scene is in the middle of a step; put the callback at the end"):
+        scene.engines = [
+            *e[:place],
+            mpm.PyRunner(lambda s: s.save(tmp_path / "x.h5"), iterPeriod=1),
+            *e[place:],
+        ]
+        with pytest.raises(
+            RuntimeError, match="save: the scene is in the middle of a step; put the callback at the end"
+        ):
             scene.run(steps=1, checkpointFile=tmp_path / "c.h5")
         with pytest.warns(UserWarning, match="interrupted step"):
             mpm.load(tmp_path / "c.failed.h5", callbacks={"<lambda>": None})
@@ -181,16 +249,38 @@ def test_outputs_and_choices_come_back(tmp_path):
     scene.threads = 2
     scene.save(tmp_path / "a.h5")
     loaded = mpm.load(tmp_path / "a.h5")
-    assert (loaded.time, loaded.steps, loaded.dt, loaded.threads, loaded.allowUnstable, loaded.dtCritical, loaded.stiffest) == \
-        (scene.time, scene.steps, scene.dt, 2, True, scene.dtCritical, scene.stiffest)
+    assert (
+        loaded.time,
+        loaded.steps,
+        loaded.dt,
+        loaded.threads,
+        loaded.allowUnstable,
+        loaded.dtCritical,
+        loaded.stiffest,
+    ) == (scene.time, scene.steps, scene.dt, 2, True, scene.dtCritical, scene.stiffest)
     assert [b.name for b in loaded.bodies] == [b.name for b in scene.bodies]
-    assert loaded["near"].material is loaded["ring"].material and loaded["ring"].type.matched is loaded["near"]
-    assert repr(loaded["ring"].region) == repr(scene["ring"].region) and loaded["ring"].fbar and loaded["pile"].inertiaScale == 4
+    assert (
+        loaded["near"].material is loaded["ring"].material and loaded["ring"].type.matched is loaded["near"]
+    )
+    assert (
+        repr(loaded["ring"].region) == repr(scene["ring"].region)
+        and loaded["ring"].fbar
+        and loaded["pile"].inertiaScale == 4
+    )
     assert [b.isDamped for b in loaded.bodies] == [True, True, False, True]
     a, b = (next(e for e in s.engines if isinstance(e, mpm.GridSolver)) for s in (scene, loaded))
     for mine, theirs in zip(a.constraints(scene), b.constraints(loaded)):
-        assert (mine.name, mine.work, mine.heldNodes, mine.ramp) == (theirs.name, theirs.work, theirs.heldNodes, theirs.ramp)
-        assert np.array_equal(mine.reaction, theirs.reaction) and mine.moment == theirs.moment and mine.velocity == theirs.velocity
+        assert (mine.name, mine.work, mine.heldNodes, mine.ramp) == (
+            theirs.name,
+            theirs.work,
+            theirs.heldNodes,
+            theirs.ramp,
+        )
+        assert (
+            np.array_equal(mine.reaction, theirs.reaction)
+            and mine.moment == theirs.moment
+            and mine.velocity == theirs.velocity
+        )
     assert scene.core.energies == loaded.core.energies
     with pytest.raises(ValueError, match="two prescribed motions"):
         b._drive.append(b.drive)
@@ -205,7 +295,10 @@ def test_a_load_may_be_added_after_a_restart(tmp_path):
     assert mpm.BoundaryLoad(loaded["ring"], where).facets == mpm.BoundaryLoad(scene["ring"], where).facets
 
 
-@pytest.mark.parametrize("attributes", [dict(lame=(9.48e3, 6.31e3)), dict(young=1e4 / 3, poisson=0.3), dict(young=7.7, poisson=1 / 3)])
+@pytest.mark.parametrize(
+    "attributes",
+    [dict(lame=(9.48e3, 6.31e3)), dict(young=1e4 / 3, poisson=0.3), dict(young=7.7, poisson=1 / 3)],
+)
 def test_elastic_constants_come_back_to_the_last_bit(tmp_path, attributes):
     scene = mpm.Scene((0, 0), (1, 1), 0.5)
     material = mpm.LinearElastic(density=1.0, **attributes)
@@ -248,17 +341,26 @@ class Forgetful(mpm.engines.Callback):
 
 def test_callbacks_come_back_by_spec_or_by_label(tmp_path):
     scene, seen = smallScene(), []
-    scene.engines = [*scene.engines, Counter(3, iterPeriod=1), mpm.PyRunner(lambda: None, iterPeriod=1, label="watch"),
-                     Forgetful(iterPeriod=2)]
+    scene.engines = [
+        *scene.engines,
+        Counter(3, iterPeriod=1),
+        mpm.PyRunner(lambda: None, iterPeriod=1, label="watch"),
+        Forgetful(iterPeriod=2),
+    ]
     scene.run(steps=2)
     scene.save(tmp_path / "a.h5")
-    with pytest.raises(ValueError, match=r"has the callback 'watch', which cannot be stored; give load\(file, callbacks"):
+    with pytest.raises(
+        ValueError, match=r"has the callback 'watch', which cannot be stored; give load\(file, callbacks"
+    ):
         mpm.load(tmp_path / "a.h5")
     with pytest.raises(TypeError, match="give an engine of the class Forgetful"):
         mpm.load(tmp_path / "a.h5", callbacks={"watch": None, "Forgetful": print})
     with pytest.raises(ValueError, match="has no callback 'wach'; check the labels"):
         mpm.load(tmp_path / "a.h5", callbacks={"watch": None, "Forgetful": None, "wach": None})
-    loaded = mpm.load(tmp_path / "a.h5", callbacks={"watch": lambda s: seen.append(s.steps), "Forgetful": Forgetful(iterPeriod=2)})
+    loaded = mpm.load(
+        tmp_path / "a.h5",
+        callbacks={"watch": lambda s: seen.append(s.steps), "Forgetful": Forgetful(iterPeriod=2)},
+    )
     loaded.run(steps=2)
     assert [type(e).__name__ for e in loaded.engines[-3:]] == ["Counter", "PyRunner", "Forgetful"]
     assert loaded.engines[-3]._count == 7 and seen == [3, 4] and loaded.engines[-2].label == "watch"
@@ -278,7 +380,10 @@ def test_files_that_are_no_checkpoint_are_refused(tmp_path):
     smallScene().save(file)
     with h5py.File(file, "r+") as h5:
         h5.attrs["formatVersion"], h5.attrs["package"] = 7, "9.9"
-    with pytest.raises(ValueError, match="has format 7, written by yade_mpm 9.9; .* reads format 2; continue it with that version"):
+    with pytest.raises(
+        ValueError,
+        match="has format 7, written by yade_mpm 9.9; .* reads format 2; continue it with that version",
+    ):
         mpm.load(file)
 
 
@@ -304,10 +409,16 @@ def test_damage_is_noticed(tmp_path):
             mpm.load(file)
 
 
-@pytest.mark.parametrize("change, message", [
-    (lambda s: s["materials"][0].update({"class": "Unobtainium"}), "needs the class Unobtainium, which this installation"),
-    (lambda s: s["engines"][0].update({"class": "Warp"}), "needs the class Warp"),
-])
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (
+            lambda s: s["materials"][0].update({"class": "Unobtainium"}),
+            "needs the class Unobtainium, which this installation",
+        ),
+        (lambda s: s["engines"][0].update({"class": "Warp"}), "needs the class Warp"),
+    ],
+)
 def test_unknown_classes_are_named(tmp_path, change, message):
     scene = smallScene()
     scene.prepare()
@@ -325,7 +436,9 @@ def test_a_checkpoint_is_replaced_as_a_whole(tmp_path, monkeypatch):
     file, scene = tmp_path / "a.h5", smallScene()
     scene.save(file)
     before = file.read_bytes()
-    monkeypatch.setattr(mpm.checkpoint, "_syncToDisk", lambda path: (_ for _ in ()).throw(OSError("no space left")))
+    monkeypatch.setattr(
+        mpm.checkpoint, "_syncToDisk", lambda path: (_ for _ in ()).throw(OSError("no space left"))
+    )
     with pytest.raises(OSError, match="could not be written: no space left"):
         scene.save(file)
     assert file.read_bytes() == before and os.listdir(tmp_path) == ["a.h5"]
@@ -334,7 +447,10 @@ def test_a_checkpoint_is_replaced_as_a_whole(tmp_path, monkeypatch):
 def test_settling_leaves_no_heavy_damping_in_a_checkpoint(tmp_path):
     scene = smallScene()
     scene.engines[1].damping = 0.05
-    scene.engines = [*scene.engines, mpm.PyRunner(lambda s: s.save(tmp_path / "a.h5"), iterPeriod=10, label="save")]
+    scene.engines = [
+        *scene.engines,
+        mpm.PyRunner(lambda s: s.save(tmp_path / "a.h5"), iterPeriod=10, label="save"),
+    ]
     scene.settle(damping=0.8, tolerance=1e9, checkEvery=10)
     assert scene.engines[1].damping == 0.05
     with pytest.warns(UserWarning, match=r"was written during settle\(\): call settle\(\) again"):

@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
-from yade_mpm import box, diagnostics as d
+from yade_mpm import box
+from yade_mpm import diagnostics as d
 
 SOFT = dict(density=2.0, lame=(1e3, 1e3))
 
 
 def chain(*more, damping=0.0, gravity=(0, -9.81), **arguments):
-    solver = mpm.GridSolver(gravity=gravity, damping=damping, roller=("left", "right"), fixed=("bottom",), **arguments)
+    solver = mpm.GridSolver(
+        gravity=gravity, damping=damping, roller=("left", "right"), fixed=("bottom",), **arguments
+    )
     return [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), *more]
 
 
@@ -115,7 +117,9 @@ def test_inverted_domains_and_particles_are_counted():
     scene = column("APDI")
     assert d.invertedCount(scene) == 0
     body = scene["soil"]
-    body.vertices[body.cells[0, 0]] += 0.75  # beyond the opposite corner: this vertex belongs to one domain only
+    body.vertices[body.cells[0, 0]] += (
+        0.75  # beyond the opposite corner: this vertex belongs to one domain only
+    )
     assert d.invertedCount(scene) == 1
     boxes = column("UGIMP")
     boxes["soil"].deformationGradient[[2, 5], 1, 1] = -1
@@ -124,7 +128,9 @@ def test_inverted_domains_and_particles_are_counted():
 
 def test_converted_domains_are_counted():
     scene = mpm.Scene((0, 0), (2, 2), 0.5)
-    body = scene.add("soil", box((0, 0), (2, 1)), mpm.LinearElastic(**SOFT), mpm.APDI(size=0.5, onDistortion="convert"))
+    body = scene.add(
+        "soil", box((0, 0), (2, 1)), mpm.LinearElastic(**SOFT), mpm.APDI(size=0.5, onDistortion="convert")
+    )
     scene.dt = 1e-3
     scene.engines = chain()
     scene.run(steps=1, progress=False)
@@ -196,8 +202,12 @@ def test_mean_stress_along_a_line_is_that_of_the_particles_in_the_strip_from_bel
     row = np.arange(16)[:, None] * np.ones(8)
     order = np.lexsort((soil.position[:, 0], soil.position[:, 1]))
     p = np.empty(soil.count)
-    p[order] = (-20 - row + 3 * (-1.0) ** row + 100 * (np.arange(8) != 5)).ravel()  # the sixth column is unlike the others
+    p[order] = (
+        -20 - row + 3 * (-1.0) ** row + 100 * (np.arange(8) != 5)
+    ).ravel()  # the sixth column is unlike the others
     soil.stress[...] = p[:, None, None] * np.eye(3) + np.diag([4.0, -4.0, 0.0])
     y, mean = d.meanStressAlong([soil], x=1.375, width=0.25, lower=0.5, upper=3.5)
-    assert y == pytest.approx(np.arange(0.625, 3.5, 0.25)) and mean == pytest.approx(p[order].reshape(16, 8)[2:14, 5])
+    assert y == pytest.approx(np.arange(0.625, 3.5, 0.25)) and mean == pytest.approx(
+        p[order].reshape(16, 8)[2:14, 5]
+    )
     assert d.stripes(mean) == pytest.approx(4 * 3 / abs(mean.mean()))

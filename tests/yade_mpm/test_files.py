@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Files of results appear whole or not at all."""
+
 import json
 import os
 
@@ -13,9 +14,18 @@ class Broken:
 
 
 WRITERS = {
-    "summary.json": (lambda file: files.saveJson(file, {"new": list(range(5000))}), lambda file: files.saveJson(file, {"new": list(range(5000)), "b": Broken()})),
-    "table.csv": (lambda file: files.saveTable(file, {"x_m": np.arange(9.0)}), lambda file: files.saveTable(file, {"x_m": np.array([1.0, Broken()])})),
-    "picture.png": (lambda file: plot.save(plot.plt.figure(), file), lambda file: plot.save(plot.plt.figure(), file, pil_kwargs={"compress_level": Broken()})),
+    "summary.json": (
+        lambda file: files.saveJson(file, {"new": list(range(5000))}),
+        lambda file: files.saveJson(file, {"new": list(range(5000)), "b": Broken()}),
+    ),
+    "table.csv": (
+        lambda file: files.saveTable(file, {"x_m": np.arange(9.0)}),
+        lambda file: files.saveTable(file, {"x_m": np.array([1.0, Broken()])}),
+    ),
+    "picture.png": (
+        lambda file: plot.save(plot.plt.figure(), file),
+        lambda file: plot.save(plot.plt.figure(), file, pil_kwargs={"compress_level": Broken()}),
+    ),
 }
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What help() says."""
+
 import inspect
 import re
 
@@ -11,9 +12,13 @@ GENERATED = sorted(n for n in mpm.__all__ if getattr(getattr(mpm, n), "_coreName
 
 def test_the_package_lists_its_names_and_no_others():
     listing = mpm.__doc__.split("\n\n")[2]
-    listed = {name for line in listing.splitlines() for name in re.findall(r"\w+", re.split(r" {2,}", line)[0])}
+    listed = {
+        name for line in listing.splitlines() for name in re.findall(r"\w+", re.split(r" {2,}", line)[0])
+    }
     assert listed == set(mpm.__all__)
-    assert {"Scene", "UGIMP", "box", "diagnostics"} <= set(dir(mpm)) and not {"_core", "lattice"} & set(dir(mpm))
+    assert {"Scene", "UGIMP", "box", "diagnostics"} <= set(dir(mpm)) and not {"_core", "lattice"} & set(
+        dir(mpm)
+    )
 
 
 @pytest.mark.parametrize("name", mpm.__all__)
@@ -21,14 +26,20 @@ def test_every_public_name_and_method_has_a_docstring(name):
     thing = getattr(mpm, name)
     assert inspect.getdoc(thing)
     for member, value in vars(thing).items():
-        isOwn = inspect.isfunction(value) and value.__module__.startswith("yade_mpm") or isinstance(value, property)
+        isOwn = (
+            inspect.isfunction(value)
+            and value.__module__.startswith("yade_mpm")
+            or isinstance(value, property)
+        )
         if isOwn and not member.startswith("_"):
             assert inspect.getdoc(getattr(thing, member)), member
 
 
 @pytest.mark.parametrize("name", GENERATED)
 def test_attributes_have_a_default_and_whole_sentences(name):
-    entries = re.findall(r"^(\w+) : default (\S.*)\n {4}(.*(?:\n(?!\w+ :|\n).*)*)", inspect.getdoc(getattr(mpm, name)), re.M)
+    entries = re.findall(
+        r"^(\w+) : default (\S.*)\n {4}(.*(?:\n(?!\w+ :|\n).*)*)", inspect.getdoc(getattr(mpm, name)), re.M
+    )
     assert [e[0] for e in entries] == [p["name"] for p in getattr(mpm, name)._make(name).parameters()]
     for attribute, default, text in entries:
         assert not re.search(r"[a-z)] (Allowed:|One of)", text), attribute
@@ -42,7 +53,11 @@ def test_what_meshed_types_take_besides_stands_at_the_margin():
 def test_attributes_that_a_material_cannot_do_without_are_called_required(name):
     make = getattr(mpm, name)
     docs = {p["name"]: p["doc"] for p in make._make(name).parameters()}
-    given = {n: v for n, v in dict(density=1.0, lame=(1.0, 1.0), cohesion=1.0, frictionAngle=0.1).items() if n in docs}
+    given = {
+        n: v
+        for n, v in dict(density=1.0, lame=(1.0, 1.0), cohesion=1.0, frictionAngle=0.1).items()
+        if n in docs
+    }
     required = set()
     for left in set(given) - {"lame"}:
         try:

@@ -6,7 +6,6 @@ import os
 import h5py
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box, diagnostics
 
@@ -26,7 +25,9 @@ def makeScene():
     """A stiff block pressed into a soft one."""
     scene = mpm.Scene((0, 0), (2, 3), 0.5)
     scene.add("soil", box((0, 0), (2, 1)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.APDI(size=0.5))
-    scene.add("pile", box((0.5, 1), (1.5, 2)), mpm.LinearElastic(density=2, lame=(1e4, 1e4)), mpm.UGIMP(perCell=2))
+    scene.add(
+        "pile", box((0.5, 1), (1.5, 2)), mpm.LinearElastic(density=2, lame=(1e4, 1e4)), mpm.UGIMP(perCell=2)
+    )
     scene.dt = 1e-3
     return scene
 
@@ -68,8 +69,18 @@ def test_rows_come_every_period_in_steps_or_time():
 def test_columns_are_the_diagnostics_of_the_scene():
     history = mpm.History(iterPeriod=50)
     scene = runWith(history)
-    for name in ("mass", "kineticEnergy", "internalWork", "externalWork", "dampedEnergy", "kineticRatio", "minJacobian",
-                 "hourglassAmplitude", "invertedCount", "convertedCount"):
+    for name in (
+        "mass",
+        "kineticEnergy",
+        "internalWork",
+        "externalWork",
+        "dampedEnergy",
+        "kineticRatio",
+        "minJacobian",
+        "hourglassAmplitude",
+        "invertedCount",
+        "convertedCount",
+    ):
         assert history[name][-1] == getattr(diagnostics, name)(scene), name
     assert history["momentum.y"][-1] == diagnostics.momentum(scene)[1] != history["momentum.y"][0]
     assert history["dt"][-1] == scene.dt and history["dtCritical"][-1] == scene.dtCritical
@@ -91,29 +102,53 @@ def slidingScene():
 def slide(history, steps, *more):
     scene, drive, contact = slidingScene()
     solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.05, drive=drive)
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater(), *more, history]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        solver,
+        contact,
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+        *more,
+        history,
+    ]
     scene.run(steps=steps, progress=False)
     return scene, contact
 
 
 def test_contact_has_columns_of_force_between_groups_friction_and_overlap():
     seen, history = [], mpm.History(iterPeriod=100)
-    watch = mpm.PyRunner(lambda s: seen.append([*s.engines[2].forceOn("block")[:2], *s.engines[2].forceOn("cap")[:2]]), iterPeriod=1)
+    watch = mpm.PyRunner(
+        lambda s: seen.append([*s.engines[2].forceOn("block")[:2], *s.engines[2].forceOn("cap")[:2]]),
+        iterPeriod=1,
+    )
     scene, contact = slide(history, 400, watch)
     means = np.array(seen).reshape(4, 100, 4).mean(axis=1)
     columns = [f"contact.base-{group}.f{axis}" for group in ("block", "cap") for axis in "xy"]
     assert np.allclose(np.transpose([history[c] for c in columns]), means, rtol=1e-12, atol=1e-12)
-    assert np.abs(means).max(axis=0).min() > 0.1 and not np.allclose(means, np.array(seen)[99::100], rtol=1e-3)  # the last step is another one
+    assert np.abs(means).max(axis=0).min() > 0.1 and not np.allclose(
+        means, np.array(seen)[99::100], rtol=1e-3
+    )  # the last step is another one
     table = contact.contactTable()
     for (a, b), force in contact.forces().items():
-        assert np.allclose(force, table["force"][(table["first"] == a) & (table["second"] == b)].sum(axis=0), rtol=1e-12, atol=1e-12)
+        assert np.allclose(
+            force,
+            table["force"][(table["first"] == a) & (table["second"] == b)].sum(axis=0),
+            rtol=1e-12,
+            atol=1e-12,
+        )
     assert not history["contact.block-cap.fx"].any() and "contact.cap-block.fx" not in history.names
     assert history["contact.frictionWork"][-1] == contact.frictionWork > 0
     assert history["contact.largestPenetration"][-1] == contact.largestPenetration
-    assert [history.units[f"contact.{n}"] for n in ("base-cap.fy", "frictionWork", "largestPenetration")] == ["kN/m", "kJ/m", "m"]
+    assert [history.units[f"contact.{n}"] for n in ("base-cap.fy", "frictionWork", "largestPenetration")] == [
+        "kN/m",
+        "kJ/m",
+        "m",
+    ]
     momentary = mpm.History(iterPeriod=100, average=False)
     slide(momentary, 400)
-    assert np.allclose(np.transpose([momentary[c] for c in columns]), np.array(seen)[99::100], rtol=1e-12, atol=1e-12)
+    assert np.allclose(
+        np.transpose([momentary[c] for c in columns]), np.array(seen)[99::100], rtol=1e-12, atol=1e-12
+    )
     bonded = mpm.History(iterPeriod=10)
     runWith(bonded, steps=10)
     assert not any(name.startswith("contact.") for name in bonded.names) and bonded["contactEnergy"][0] == 0
@@ -124,8 +159,12 @@ def test_the_energy_balance_can_be_made_anew_from_the_columns(tmp_path):
     header, rows = readCSV(tmp_path / "a.csv")
     row = {name.split(" ")[0]: np.array(values) for name, values in zip(header, zip(*rows))}
     lost = row["dampedEnergy"] + row["contactEnergy"]
-    assert np.array_equal(row["energyError"], row["externalWork"] - lost - row["internalWork"] - (row["kineticEnergy"] - 0.0))
-    assert row["contactEnergy"][-1] > 0.2 * abs(row["energyError"][-1]) > 0  # the control: without it the sum is another one
+    assert np.array_equal(
+        row["energyError"], row["externalWork"] - lost - row["internalWork"] - (row["kineticEnergy"] - 0.0)
+    )
+    assert (
+        row["contactEnergy"][-1] > 0.2 * abs(row["energyError"][-1]) > 0
+    )  # the control: without it the sum is another one
 
 
 def test_a_resumed_history_of_contact_goes_on_with_the_same_rows(tmp_path):
@@ -141,10 +180,21 @@ def test_a_resumed_history_of_contact_goes_on_with_the_same_rows(tmp_path):
 def test_units_are_per_metre_in_2d_only():
     history = mpm.History(iterPeriod=10)
     runWith(history, steps=10)
-    assert history.units["drive.fy"] == "kN/m" and history.units["drive.mz"] == "kN m/m" and history.units["time"] == "s"
+    assert (
+        history.units["drive.fy"] == "kN/m"
+        and history.units["drive.mz"] == "kN m/m"
+        and history.units["time"] == "s"
+    )
     scene = mpm.Scene((0, 0, 0), (1, 1, 1), 0.5)
-    scene.add("cube", box((0, 0, 0), (1, 1, 0.5)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.UGIMP(perCell=2))
-    solver = mpm.GridSolver(gravity=(0, 0, -9.81), fixed=("bottom",), hold=mpm.Hold("left", (0, None, None), name="wall"))
+    scene.add(
+        "cube",
+        box((0, 0, 0), (1, 1, 0.5)),
+        mpm.LinearElastic(density=2, lame=(1e3, 1e3)),
+        mpm.UGIMP(perCell=2),
+    )
+    solver = mpm.GridSolver(
+        gravity=(0, 0, -9.81), fixed=("bottom",), hold=mpm.Hold("left", (0, None, None), name="wall")
+    )
     history = mpm.History(iterPeriod=5)
     scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), history]
     scene.run(steps=5, progress=False)
@@ -162,7 +212,9 @@ def test_a_hold_in_a_region_has_force_and_moment():
 def test_reactions_are_means_over_all_steps_since_the_row_before():
     seen = []
     scene, history = makeScene(), mpm.History(iterPeriod=40)
-    watch = mpm.PyRunner(lambda s: seen.append((*s.engines[1].drive.reaction, s.engines[1].drive.moment)), iterPeriod=1)
+    watch = mpm.PyRunner(
+        lambda s: seen.append((*s.engines[1].drive.reaction, s.engines[1].drive.moment)), iterPeriod=1
+    )
     scene.engines = chain(watch, history, drive=press(scene))
     scene.run(steps=80, progress=False)
     steps = np.array(seen).reshape(2, 40, 3)
@@ -179,7 +231,9 @@ def test_reactions_are_means_over_all_steps_since_the_row_before():
 def test_a_motion_that_begins_amid_two_rows_is_averaged_over_its_own_steps(before):
     seen = []
     scene, history = makeScene(), mpm.History(iterPeriod=40)
-    scene.engines = chain(history, **({"drive": press(scene)} if before else {}))  # another one of the same name
+    scene.engines = chain(
+        history, **({"drive": press(scene)} if before else {})
+    )  # another one of the same name
     scene.run(steps=20, progress=False)
     watch = mpm.PyRunner(lambda s: seen.append(s.engines[1].drive.reaction[1]), iterPeriod=1)
     scene.engines = chain(watch, history, drive=press(scene))
@@ -195,7 +249,9 @@ def test_a_history_that_begins_late_is_averaged_over_its_own_steps():
     impulse, time = drive.impulse, scene.time
     scene.engines = chain(history, drive=drive)
     scene.run(steps=20, progress=False)
-    assert history["drive.fy"][0] == pytest.approx((drive.impulse - impulse)[1] / (scene.time - time), rel=1e-12)
+    assert history["drive.fy"][0] == pytest.approx(
+        (drive.impulse - impulse)[1] / (scene.time - time), rel=1e-12
+    )
     assert abs(impulse[1]) > 0.1 * abs(drive.impulse[1])  # the control: it counts
 
 
@@ -213,10 +269,15 @@ def test_impulses_between_groups_go_on_when_another_group_comes():
     steel = scene["cap"].material
     scene.add("lid", box((2, 0.5), (2.5, 0.75)), steel, mpm.APDI(size=0.125), group="lid")
     seen = []
-    scene.engines = [*scene.engines[:-1], mpm.PyRunner(lambda s: seen.append([*contact.forces().values()]), iterPeriod=1)]
+    scene.engines = [
+        *scene.engines[:-1],
+        mpm.PyRunner(lambda s: seen.append([*contact.forces().values()]), iterPeriod=1),
+    ]
     scene.run(steps=50, progress=False)
     for k, (pair, impulse) in enumerate(contact.forceImpulses().items()):
-        assert np.allclose(impulse, before.get(pair, 0) + scene.dt * np.sum(seen, axis=0)[k], rtol=1e-12, atol=1e-14), pair
+        assert np.allclose(
+            impulse, before.get(pair, 0) + scene.dt * np.sum(seen, axis=0)[k], rtol=1e-12, atol=1e-14
+        ), pair
     assert abs(before["base", "cap"][1]) > 1e-3 and abs(contact.forceImpulses()["cap", "lid"][1]) > 1e-6
 
 
@@ -227,8 +288,13 @@ def test_the_mean_force_times_the_way_is_the_work():
 
 
 def test_columns_of_the_user_are_functions_or_text():
-    history = mpm.History(iterPeriod=20, columns={"toe": "scene['pile'].position[:, 1].min()",
-                                                  "N": lambda scene: diagnostics.sectionForce(scene["pile"], 1.25)})
+    history = mpm.History(
+        iterPeriod=20,
+        columns={
+            "toe": "scene['pile'].position[:, 1].min()",
+            "N": lambda scene: diagnostics.sectionForce(scene["pile"], 1.25),
+        },
+    )
     scene = runWith(history, steps=60)
     assert history["toe"][-1] == scene["pile"].position[:, 1].min()
     assert history["N"][-1] == diagnostics.sectionForce(scene["pile"], 1.25) != 0
@@ -255,14 +321,20 @@ def test_one_function_may_give_several_columns_and_is_called_once_a_row():
 
     history = mpm.History(iterPeriod=20, columns={"first": "scene.time", ("toe", "at"): both, "last": "1"})
     scene = runWith(history, steps=60)
-    assert history.names[-4:] == ["first", "toe", "at", "last"] and calls == [20, 40, 60] == list(history["at"])
+    assert history.names[-4:] == ["first", "toe", "at", "last"] and calls == [20, 40, 60] == list(
+        history["at"]
+    )
     assert history["toe"][-1] == scene["pile"].position[:, 1].min()
     assert history.spec()["columns"] == {"first": "scene.time", "toe": None, "at": None, "last": "1"}
     other = mpm.History(**json.loads(json.dumps(history.spec())))
     other.columns.update({("toe", "at"): both})
     scene.engines = [*scene.engines[:4], other]
     scene.run(steps=20, progress=False)
-    assert other.names == history.names and other["at"][-1] == 80 and other["toe"][-1] == scene["pile"].position[:, 1].min()
+    assert (
+        other.names == history.names
+        and other["at"][-1] == 80
+        and other["toe"][-1] == scene["pile"].position[:, 1].min()
+    )
 
 
 @pytest.mark.parametrize("found", ((1,), (1, 2, 3), 1, (1, None)))
@@ -310,7 +382,9 @@ def test_a_history_loaded_from_a_checkpoint_continues_bitwise_in_memory_and_file
     runWith(whole, steps=120, before=[mpm.Recorder(tmp_path / "whole.h5", iterPeriod=20)])
 
     first = mpm.History(iterPeriod=20, file=tmp_path / "cut.csv")
-    save = mpm.PyRunner(lambda scene: scene.steps == 50 and scene.save(tmp_path / "state.h5"), iterPeriod=1, label="save")
+    save = mpm.PyRunner(
+        lambda scene: scene.steps == 50 and scene.save(tmp_path / "state.h5"), iterPeriod=1, label="save"
+    )
     scene = makeScene()  # the state is saved amid two rows, after which the files go on for a while
     scene.engines = chain(mpm.Recorder(tmp_path / "cut.h5", iterPeriod=20), first, save, drive=press(scene))
     scene.run(steps=90, progress=False)
@@ -333,11 +407,15 @@ def test_a_history_loaded_from_a_checkpoint_continues_bitwise_in_memory_and_file
     forgetful = mpm.History(**spec)
     scene.engines = [*scene.engines[:4], forgetful]
     scene.run(steps=70, progress=False)
-    assert forgetful["drive.fy"][2] != whole["drive.fy"][2] and forgetful["drive.fy"][3] == whole["drive.fy"][3]
+    assert (
+        forgetful["drive.fy"][2] != whole["drive.fy"][2] and forgetful["drive.fy"][3] == whole["drive.fy"][3]
+    )
 
 
 def test_the_spec_keeps_text_columns_and_asks_for_functions_again():
-    history = mpm.History(period=0.01, columns={"t": "scene.time", "f": lambda scene: 1}, average=False, label="h")
+    history = mpm.History(
+        period=0.01, columns={"t": "scene.time", "f": lambda scene: 1}, average=False, label="h"
+    )
     other = mpm.History(**json.loads(json.dumps(history.spec())))
     assert dict(other.columns) == {"t": "scene.time", "f": None}
     runWith(other, steps=20)
@@ -352,15 +430,26 @@ def test_a_second_history_needs_a_label():
     assert len(named) == 2
 
 
-@pytest.mark.parametrize("arguments, error, text", [
-    (dict(), ValueError, "give one of the two, positive"),
-    (dict(period=1.0, iterPeriod=2), ValueError, "give one of the two, positive"),
-    (dict(iterPeriod=5, columns={"a": 7}), TypeError, "column 'a' = 7; give a function of the scene, or an expression"),
-    (dict(iterPeriod=5, columns={"a,b": "1"}), ValueError, "may hold no comma"),
-    (dict(iterPeriod=5, columns={("a", "b,c"): lambda scene: (1, 2)}), ValueError, "may hold no comma"),
-    (dict(iterPeriod=5, columns={("a", "b"): "1, 2"}), TypeError, "= '1, 2'; give a function of the scene$"),
-    (dict(iterPeriod=5, columns={"a": "1 +"}), SyntaxError, ""),
-])
+@pytest.mark.parametrize(
+    "arguments, error, text",
+    [
+        (dict(), ValueError, "give one of the two, positive"),
+        (dict(period=1.0, iterPeriod=2), ValueError, "give one of the two, positive"),
+        (
+            dict(iterPeriod=5, columns={"a": 7}),
+            TypeError,
+            "column 'a' = 7; give a function of the scene, or an expression",
+        ),
+        (dict(iterPeriod=5, columns={"a,b": "1"}), ValueError, "may hold no comma"),
+        (dict(iterPeriod=5, columns={("a", "b,c"): lambda scene: (1, 2)}), ValueError, "may hold no comma"),
+        (
+            dict(iterPeriod=5, columns={("a", "b"): "1, 2"}),
+            TypeError,
+            "= '1, 2'; give a function of the scene$",
+        ),
+        (dict(iterPeriod=5, columns={"a": "1 +"}), SyntaxError, ""),
+    ],
+)
 def test_wrong_arguments_are_refused(arguments, error, text):
     with pytest.raises(error, match=text):
         mpm.History(**arguments)
@@ -368,13 +457,21 @@ def test_wrong_arguments_are_refused(arguments, error, text):
 
 def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path):
     scene = makeScene()
-    with pytest.raises(OSError, match="History '.*a.csv': there is no folder '.*missing'; make it, or give another file"):
+    with pytest.raises(
+        OSError, match="History '.*a.csv': there is no folder '.*missing'; make it, or give another file"
+    ):
         runWith(mpm.History(iterPeriod=5, file=tmp_path / "missing" / "a.csv"), scene=scene)
     assert scene.steps == 0
 
 
-@pytest.mark.parametrize("column, told", (("1 / 0", r"\(1 / 0\) gives no number: ZeroDivisionError"), (lambda scene: scene["nobody"], r"\(a function\) .*KeyError"),
-                                          ("scene.bodies[0].position", r"\(scene.* gives no number: TypeError")))
+@pytest.mark.parametrize(
+    "column, told",
+    (
+        ("1 / 0", r"\(1 / 0\) gives no number: ZeroDivisionError"),
+        (lambda scene: scene["nobody"], r"\(a function\) .*KeyError"),
+        ("scene.bodies[0].position", r"\(scene.* gives no number: TypeError"),
+    ),
+)
 def test_a_column_that_gives_no_number_ends_the_run_and_is_named(column, told):
     with pytest.raises(ValueError, match="History: column 'bad' " + told):
         runWith(mpm.History(iterPeriod=5, columns={"good": "1", "bad": column}))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Scenes inside the real YADE. Each script below is run in a process of its own and reports through `say(name, value)`."""
+
 import json
 import os
 import re
@@ -10,10 +11,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
-from yadeProcess import YADE, end, needsYade, run, start, untilSaid
-
 import yade_mpm as mpm
 from yade_mpm import inYade
+from yadeProcess import YADE, end, needsYade, run, start, untilSaid
 
 pytestmark = needsYade
 
@@ -74,7 +74,9 @@ def test_control_another_time_step_makes_other_bits(same):
 def test_subcycling_keeps_the_clocks_together(same, kind, steps, ratio):
     taken, time, yadeTime, dt, maxDt, critical, own, applied, inTime = same[kind]
     assert taken == steps and time == yadeTime
-    assert dt == maxDt == pytest.approx(0.8 * critical * ratio, rel=1e-12) and own == pytest.approx(dt / ratio, rel=1e-15)
+    assert dt == maxDt == pytest.approx(0.8 * critical * ratio, rel=1e-12) and own == pytest.approx(
+        dt / ratio, rel=1e-15
+    )
     assert applied == 400 and len(inTime) == (400 if kind == "mpm" else 100) and all(inTime)
 
 
@@ -82,7 +84,9 @@ def test_subcycling_keeps_the_clocks_together(same, kind, steps, ratio):
 def test_a_change_of_dt_waits_for_the_end_of_a_cycle(same, kind, steps):
     taken, difference, factor, ratio = same[kind + " changed"]
     assert taken == steps and abs(difference) < 1e-15 and factor == 0.5
-    assert ratio == pytest.approx(1.0 if kind == "mpm" else 4.5 / 6, rel=1e-9)  # the first cycle of four keeps its step
+    assert ratio == pytest.approx(
+        1.0 if kind == "mpm" else 4.5 / 6, rel=1e-9
+    )  # the first cycle of four keeps its step
 
 
 STEPS = """
@@ -178,7 +182,9 @@ def test_bad_input(steps):
     assert "YADE is running" in steps["running"][0] and "going on in the background" in steps["running"][1]
     assert "YADE is running" in steps["running"][2]
     assert "one of the two has to be 1" in steps["ratio"] and "demSteps = 0 is not allowed" in steps["zero"]
-    assert "mpmSteps = 1.5 is not allowed" in steps["half"] and "label = 'a b' is not allowed" in steps["label"]
+    assert (
+        "mpmSteps = 1.5 is not allowed" in steps["half"] and "label = 'a b' is not allowed" in steps["label"]
+    )
     assert "give stages=False" in steps["several"] and "attached as 'mpm' already" in steps["twice"]
     assert "give a yade_mpm.Scene" in steps["kind"] and "no scene was given" in steps["unsaved"]
 
@@ -272,11 +278,19 @@ def test_save_and_load_continue_with_the_same_bits(tmp_path):
     assert os.path.exists(inYade.checkpointOf(tmp_path / "state.yade.gz"))
     loaded, _ = run(LOAD, tmp_path)
     assert "after O.load call inYade.attach()" in loaded["not attached"]
-    stages = ["mpm_ParticleToGrid", "mpm_GridSolver", "mpm_GridToParticle", "mpm_DomainUpdater", "mpm_History"]
+    stages = [
+        "mpm_ParticleToGrid",
+        "mpm_GridSolver",
+        "mpm_GridToParticle",
+        "mpm_DomainUpdater",
+        "mpm_History",
+    ]
     assert loaded["loaded"] == [4, 102, ["", *stages, ""]]
     assert loaded["on"] == said["on"]
     assert loaded["other"] != said["on"][0]  # control
-    assert "no scene is attached" in loaded["late"][0] and "at O.iter = 102, YADE is at 103" in loaded["late"][1]
+    assert (
+        "no scene is attached" in loaded["late"][0] and "at O.iter = 102, YADE is at 103" in loaded["late"][1]
+    )
 
 
 # --- errors and signals -----------------------------------------------------------------------------------
@@ -331,8 +345,10 @@ say("go", 0)
 STOPS = {"run": "O.run(10**8, True)", "background": "O.run()\nwhile True: time.sleep(0.01)"}
 
 
-@pytest.mark.parametrize("how, number, code", [("run", signal.SIGINT, 1), ("run", signal.SIGTERM, 143),
-                                               ("background", signal.SIGTERM, 143)])
+@pytest.mark.parametrize(
+    "how, number, code",
+    [("run", signal.SIGINT, 1), ("run", signal.SIGTERM, 143), ("background", signal.SIGTERM, 143)],
+)
 def test_signals_leave_a_state_to_continue_from(tmp_path, how, number, code):
     process = start(SIGNAL + STOPS[how], tmp_path)
     untilSaid(process, "go")
@@ -344,10 +360,13 @@ def test_signals_leave_a_state_to_continue_from(tmp_path, how, number, code):
         spec = json.loads(bytes(f["scene"][...]))
     assert spec["steps"] >= 20 and not spec["midStep"]
     if (how, number) == ("run", signal.SIGTERM):
-        said, _ = run(f"""
+        said, _ = run(
+            f"""
 O.load("{file.name}"); soil = inYade.attach(); scene = soil.scene; say("clocks", [O.time == scene.time, O.iter == scene.steps])
 n = scene.steps; O.run(10, True); own = hybrid(); own.run(steps=n + 10); say("same", bits(own) == bits(scene))
-""", tmp_path)
+""",
+            tmp_path,
+        )
         assert said == {"clocks": [True, True], "same": True}
 
 
@@ -371,7 +390,8 @@ say("same", bits(own) == bits(scene))
 
 def test_groups_slip_on_each_other_as_by_the_own_loop(tmp_path):
     """Stage by stage, and after `detach` by the scene itself. Control: bonded."""
-    said, _ = run("""
+    said, _ = run(
+        """
 def slide(isBonded=False):
     scene = hybrid()
     scene["block"].group = "block"
@@ -386,14 +406,18 @@ scene = slide()
 soil = inYade.attach(scene); O.run(200, True); soil.detach()
 scene.run(steps=100)
 say("staged", bits(scene))
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert said["staged"] == said["own"] != said["bonded"]
 
 
 # --- bodies of YADE that touch the soil ---------------------------------------------------------------------
 @pytest.mark.parametrize("mpmSteps, demSteps", [(1, 1), (3, 1), (1, 3)])
 def test_momentum_goes_from_the_bodies_to_the_soil(tmp_path, mpmSteps, demSteps):
-    said, _ = run(f"import bodies\nsay('fly', bodies.fly(150, mpmSteps={mpmSteps}, demSteps={demSteps}))", tmp_path)
+    said, _ = run(
+        f"import bodies\nsay('fly', bodies.fly(150, mpmSteps={mpmSteps}, demSteps={demSteps}))", tmp_path
+    )
     fly = said["fly"]
     assert fly["contacts"] > 2 and fly["given"] < -1e-3
     assert fly["change"] < 1e-12, "momentum, Mg m/s, of 8e-3"
@@ -415,22 +439,28 @@ def test_the_soil_carries_the_weight(tmp_path, isPolyhedron, highest):
 
 def test_a_box_and_a_clump_fall_alike_in_every_plane(tmp_path):
     """Control: `Bodies` that are told another plane."""
-    said, _ = run("""
+    said, _ = run(
+        """
 import planes
 for name in ("xy", "xz", "yz"): say(name, planes.fall(name))
 say("thinner", planes.fall("xy", thickness=0.25))
 say("told another", fails(ValueError, lambda: planes.fall("xz", as_="xy")))
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert said["xy"]["contacts"] >= 2
     for name in ("states", "forces"):
         for plane in ("xz", "yz"):
-            assert np.array(said[plane][name]) == pytest.approx(np.array(said["xy"][name]), rel=1e-9, abs=1e-9)
+            assert np.array(said[plane][name]) == pytest.approx(
+                np.array(said["xy"][name]), rel=1e-9, abs=1e-9
+            )
         assert np.abs(np.array(said["thinner"][name]) - said["xy"][name]).max() > 0.1
     assert "turned out of the plane" in said["told another"]
 
 
 def test_what_cannot_touch_the_soil_is_said(tmp_path):
-    said, _ = run("""
+    said, _ = run(
+        """
 from yade import utils
 contact = mpm.RigidContact()
 O.bodies.append([utils.wall(0, 2, sense=0), utils.wall(0, 2, sense=1)])
@@ -442,7 +472,9 @@ say("thickness", fails(ValueError, lambda: inYade.Bodies(contact, [1], thickness
 say("plane", fails(ValueError, lambda: inYade.Bodies(contact, [1], plane="zx")))
 inYade.Bodies(contact, [1, clump])
 say("shapes", len(contact.core.value("shapes")) // 12)
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert "sense 0; give 1 or -1" in said["wall"] and "no body 99" in said["nobody"]
     assert "give the number of the clump" in said["member"] and "thickness = 0" in said["thickness"]
     assert "plane = 'zx' is not allowed; give one of 'xy', 'xz', 'yz'" in said["plane"]

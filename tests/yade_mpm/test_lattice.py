@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm.lattice import checkOverlap, cutCells, firstNear, latticePoints
 from yade_mpm.regions import box, disc, halfSpace, polygon, sphere
@@ -32,8 +31,9 @@ def test_default_scene_has_816_ugimp_and_160_pile_particles():
     assert len(latticePoints(SHAFT, LOWER, UPPER, 0.125, "pile")) == 160
 
 
-@pytest.mark.parametrize("cut", [disc((2, 2), 1.25), halfSpace((2, 2), (1, 1)),
-                                 polygon([(1, 1), (3, 1), (1, 3)])])
+@pytest.mark.parametrize(
+    "cut", [disc((2, 2), 1.25), halfSpace((2, 2), (1, 1)), polygon([(1, 1), (3, 1), (1, 3)])]
+)
 def test_parts_of_a_cut_region_share_the_lattice_without_gap_or_overlap(cut):
     whole = box((0, 0), (4, 4))
     args = ((0, 0), (4, 4), 0.5, "part")
@@ -52,21 +52,36 @@ def test_edges_cut_away_need_not_fit_the_spacing():
     assert len(latticePoints(ground, LOWER, UPPER, 0.25, "far soil")) == 120 * 48 - 8 * 26
 
 
-@pytest.mark.parametrize("region, spacing, text", [
-    (box((1, 1), (2.3, 2)), 0.25, r"'soil': edge x = 2.3 is not a multiple of the spacing 0.25 from the grid "
-                                  r"corner 0; move it to 2.25 or 2.5, or change the spacing"),
-    (box((1, 1), (2, 2)) - box((1.5, 1.5), (2, 1.8)), 0.5, "edge y = 1.8 .* move it to 1.5 or 2"),
-    (polygon([(1, 1), (2, 1), (2, 2.1), (1, 2.1)]), 0.5, "edge y = 2.1 .* move it to 2 or 2.5"),
-    (box((1, 1), (2, 2)), (0.5, 0.3), "edge y = 1 is not a multiple of the spacing 0.3 .* to 0.9 or 1.2"),
-    (box((1, 1), (2, 5)), 0.5, r"'soil': the region reaches outside the grid: it spans \(1, 1\) to \(2, 5\), "
-                               r"the grid is box\(\(0, 0\), \(4, 4\)\); shrink it or cut it with '& box"),
-    (halfSpace((0, 2), (0, 1)), 0.5, "reaches outside the grid"),
-    (disc((1, 1), 0.1), 0.5, r"'soil': empty body: disc\(\(1, 1\), 0.1\) holds no centre of .* spacing 0.5"),
-    (box((1, 1), (2, 2)) & box((3, 3), (4, 4)), 0.5, "empty body"),
-    (box((1, 1), (2, 2)), 0, "'soil': spacing = 0 must be one positive number or 2 of them"),
-    (box((1, 1), (2, 2)), (1, 1, 1), "must be one positive number or 2"),
-    (box((1, 1, 1), (2, 2, 2)), 0.5, r"is 3D, but the grid corners have shapes \(2,\) and \(2,\)"),
-])
+@pytest.mark.parametrize(
+    "region, spacing, text",
+    [
+        (
+            box((1, 1), (2.3, 2)),
+            0.25,
+            r"'soil': edge x = 2.3 is not a multiple of the spacing 0.25 from the grid "
+            r"corner 0; move it to 2.25 or 2.5, or change the spacing",
+        ),
+        (box((1, 1), (2, 2)) - box((1.5, 1.5), (2, 1.8)), 0.5, "edge y = 1.8 .* move it to 1.5 or 2"),
+        (polygon([(1, 1), (2, 1), (2, 2.1), (1, 2.1)]), 0.5, "edge y = 2.1 .* move it to 2 or 2.5"),
+        (box((1, 1), (2, 2)), (0.5, 0.3), "edge y = 1 is not a multiple of the spacing 0.3 .* to 0.9 or 1.2"),
+        (
+            box((1, 1), (2, 5)),
+            0.5,
+            r"'soil': the region reaches outside the grid: it spans \(1, 1\) to \(2, 5\), "
+            r"the grid is box\(\(0, 0\), \(4, 4\)\); shrink it or cut it with '& box",
+        ),
+        (halfSpace((0, 2), (0, 1)), 0.5, "reaches outside the grid"),
+        (
+            disc((1, 1), 0.1),
+            0.5,
+            r"'soil': empty body: disc\(\(1, 1\), 0.1\) holds no centre of .* spacing 0.5",
+        ),
+        (box((1, 1), (2, 2)) & box((3, 3), (4, 4)), 0.5, "empty body"),
+        (box((1, 1), (2, 2)), 0, "'soil': spacing = 0 must be one positive number or 2 of them"),
+        (box((1, 1), (2, 2)), (1, 1, 1), "must be one positive number or 2"),
+        (box((1, 1, 1), (2, 2, 2)), 0.5, r"is 3D, but the grid corners have shapes \(2,\) and \(2,\)"),
+    ],
+)
 def test_a_region_that_does_not_fit_is_refused(region, spacing, text):
     with pytest.raises(ValueError, match=text):
         latticePoints(region, (0, 0), (4, 4), spacing, "soil")
@@ -127,8 +142,14 @@ def test_positions_and_half_sizes_of_the_wrong_shape_are_refused():
 
 
 # --- cells that a boundary cuts -------------------------------------------------------------------------
-@pytest.mark.parametrize("region, size", [(disc((2.03, 1.98), 1.25), np.pi * 1.25**2), (sphere((2.03, 1.98, 2), 1.25), 4 / 3 * np.pi * 1.25**3),
-                                          (polygon([(1, 1), (3, 1), (1, 3)]), 2.0)])
+@pytest.mark.parametrize(
+    "region, size",
+    [
+        (disc((2.03, 1.98), 1.25), np.pi * 1.25**2),
+        (sphere((2.03, 1.98, 2), 1.25), 4 / 3 * np.pi * 1.25**3),
+        (polygon([(1, 1), (3, 1), (1, 3)]), 2.0),
+    ],
+)
 def test_cut_cells_hold_what_is_inside(region, size):
     dim = region.dim
     centroids, shares, _ = cutCells(region, [0] * dim, [4] * dim, 0.25, "body")
@@ -144,7 +165,9 @@ def test_cells_that_nothing_cuts_are_whole():
     region = box((1, 1), (3, 3)) - box((1, 1), (1.5, 2))
     centroids, shares, _ = cutCells(region, (0, 0), (4, 4), 0.25, "body")
     assert (shares == 1).all()
-    np.testing.assert_allclose(centroids, latticePoints(region, (0, 0), (4, 4), 0.25, "body"), rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        centroids, latticePoints(region, (0, 0), (4, 4), 0.25, "body"), rtol=0, atol=1e-12
+    )
 
 
 def test_cut_cells_of_two_sides_make_up_the_whole():

@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 import numpy as np
 import pytest
-
 from yade_mpm.lattice import latticePoints
-from yade_mpm.mesh import (boundaryFacets, cellVolumes, cornerJacobians, meshFromArrays, meshFromFile,
-                           meshRegion, refineNear)
+from yade_mpm.mesh import (
+    boundaryFacets,
+    cellVolumes,
+    cornerJacobians,
+    meshFromArrays,
+    meshFromFile,
+    meshRegion,
+    refineNear,
+)
 from yade_mpm.regions import box, sphere
 
 SHAFT = box((14.875, 11), (15.125, 21))
@@ -94,8 +100,9 @@ def test_refined_cells_leave_no_gap_and_no_overlap(dim, ratio):
 def test_slaves_are_exactly_the_weighted_sum_of_masters_and_never_masters(dim, ratio):
     _, fine = blockWithHole(dim, ratio)
     assert len(fine.slaves) > 0
-    assert np.array_equal(np.einsum("sm,smd->sd", fine.masterWeights, fine.points[fine.masters]),
-                          fine.points[fine.slaves])
+    assert np.array_equal(
+        np.einsum("sm,smd->sd", fine.masterWeights, fine.points[fine.masters]), fine.points[fine.slaves]
+    )
     np.testing.assert_allclose(fine.masterWeights.sum(axis=1), 1, rtol=0, atol=1e-15)
     assert np.array_equal(fine.masters < 0, fine.masterWeights == 0)
     assert set(np.sum(fine.masters >= 0, axis=1)) == ({2} if dim == 2 else {2, 4})
@@ -132,13 +139,19 @@ def test_nothing_near_or_ratio_one_leaves_the_mesh_alone():
     assert len(blockWithHole(2, 1)[1].cells) == len(coarse.cells)
 
 
-@pytest.mark.parametrize("change, text", [
-    (dict(ratio=0), "refineNear: ratio = 0 must be a whole number from 1 up"),
-    (dict(ratio=1.5), "ratio = 1.5 must be a whole number"),
-    (dict(distance=0), "refineNear: distance = 0 must be positive and finite"),
-    (dict(mesh=blockWithHole(2, 2)[1]), "not made of equal boxes with shared corners; .* refine once only"),
-    (dict(mesh=meshFromArrays([(0, 0), (1, 0), (1, 2), (0, 1)], [range(4)], "odd")), "not made of equal"),
-])
+@pytest.mark.parametrize(
+    "change, text",
+    [
+        (dict(ratio=0), "refineNear: ratio = 0 must be a whole number from 1 up"),
+        (dict(ratio=1.5), "ratio = 1.5 must be a whole number"),
+        (dict(distance=0), "refineNear: distance = 0 must be positive and finite"),
+        (
+            dict(mesh=blockWithHole(2, 2)[1]),
+            "not made of equal boxes with shared corners; .* refine once only",
+        ),
+        (dict(mesh=meshFromArrays([(0, 0), (1, 0), (1, 2), (0, 1)], [range(4)], "odd")), "not made of equal"),
+    ],
+)
 def test_refinement_refuses_what_it_cannot_do(change, text):
     arguments = dict(mesh=blockWithHole(2, 2)[0], positions=[(0.5, 0.5)], halfSize=0.1, distance=0.2, ratio=2)
     with pytest.raises(ValueError, match=text):
@@ -183,20 +196,31 @@ def quads(**moved):
     return [moved.get(f"p{k}", p) for k, p in enumerate(QUADS[0])]
 
 
-@pytest.mark.parametrize("points, cells, text", [
-    (quads(), [(0, 1, 4, 3), (1, 4, 5, 2)], r"cell 1 at \(1.5, 0.5\) is inverted; order .* \(1 such cells\)"),
-    (quads(p5=(1.2, 0.2)), QUADS[1], "'soil': cell 1 at .* is concave or collapsed; every corner"),
-    (quads(p5=(2, 0)), QUADS[1], "cell 1 at .* is concave or collapsed"),
-    (quads(), [(0, 1, 4, 4)], r"cell 0 at .* names a vertex twice"),
-    (quads(), [(0, 1, 4, 6)], r"cell 0 names vertices \[0, 1, 4, 6\], but the points are numbered 0 to 5"),
-    (quads(), [(0, 1, 4, -1)], "count from zero"),
-    (quads(p1=(np.nan, 0)), QUADS[1], r"'soil': point 1 at \(nan, 0\) is not finite"),
-    (quads(), [(0, 1, 4)], r"cells has shape \(1, 3\) and type int64; \(Nc, 4\) or \(Nc, 8\)"),
-    (quads(), [(0.0, 1.0, 4.0, 3.0)], "type float64"),
-    (quads(), np.zeros((0, 4), int), r"cells has shape \(0, 4\)"),
-    (quads(), HEX[1], r"points has shape \(6, 2\), but cells of 8 vertices need \(Nv, 3\)"),
-    ([(x, y, x) for x, y in QUADS[0]], QUADS[1], "must lie in the plane z = 0, but z reaches 2"),
-])
+@pytest.mark.parametrize(
+    "points, cells, text",
+    [
+        (
+            quads(),
+            [(0, 1, 4, 3), (1, 4, 5, 2)],
+            r"cell 1 at \(1.5, 0.5\) is inverted; order .* \(1 such cells\)",
+        ),
+        (quads(p5=(1.2, 0.2)), QUADS[1], "'soil': cell 1 at .* is concave or collapsed; every corner"),
+        (quads(p5=(2, 0)), QUADS[1], "cell 1 at .* is concave or collapsed"),
+        (quads(), [(0, 1, 4, 4)], r"cell 0 at .* names a vertex twice"),
+        (
+            quads(),
+            [(0, 1, 4, 6)],
+            r"cell 0 names vertices \[0, 1, 4, 6\], but the points are numbered 0 to 5",
+        ),
+        (quads(), [(0, 1, 4, -1)], "count from zero"),
+        (quads(p1=(np.nan, 0)), QUADS[1], r"'soil': point 1 at \(nan, 0\) is not finite"),
+        (quads(), [(0, 1, 4)], r"cells has shape \(1, 3\) and type int64; \(Nc, 4\) or \(Nc, 8\)"),
+        (quads(), [(0.0, 1.0, 4.0, 3.0)], "type float64"),
+        (quads(), np.zeros((0, 4), int), r"cells has shape \(0, 4\)"),
+        (quads(), HEX[1], r"points has shape \(6, 2\), but cells of 8 vertices need \(Nv, 3\)"),
+        ([(x, y, x) for x, y in QUADS[0]], QUADS[1], "must lie in the plane z = 0, but z reaches 2"),
+    ],
+)
 def test_bad_cells_are_refused_by_number_and_place(points, cells, text):
     with pytest.raises(ValueError, match=text):
         meshFromArrays(points, cells, "soil")

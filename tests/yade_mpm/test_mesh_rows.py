@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Numbering in rows changes the numbers of a mesh, and nothing else."""
+
 import subprocess
 import sys
 from itertools import product
@@ -8,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm.mesh import Mesh, cellVolumes, meshFromArrays, meshRegion, refineNear
 
@@ -93,7 +93,9 @@ def star(n):
 
 def ring(n, layers):
     angles = 2 * np.pi * np.arange(n) / n
-    points = np.concatenate([r * np.stack([np.cos(angles), np.sin(angles)], axis=1) for r in 2 + np.arange(layers + 1)])
+    points = np.concatenate(
+        [r * np.stack([np.cos(angles), np.sin(angles)], axis=1) for r in 2 + np.arange(layers + 1)]
+    )
     here = np.arange(n * layers)
     next_ = here // n * n + (here + 1) % n
     return points, np.stack([here, here + n, next_ + n, next_], axis=1)
@@ -110,14 +112,21 @@ def test_meshes_without_a_lattice(mesh, least):
 
 
 def test_hanging_vertices_hang_on_the_same_edges():
-    mesh = refineNear(meshRegion(mpm.box((0, 0), (6, 4)), (0, 0), (6, 4), 1, "soil"), np.array([(3.0, 2.0)]), 0.5, 1.0)
+    mesh = refineNear(
+        meshRegion(mpm.box((0, 0), (6, 4)), (0, 0), (6, 4), 1, "soil"), np.array([(3.0, 2.0)]), 0.5, 1.0
+    )
     numbered = mpm.inRows(mesh)
     assertSame(numbered, mesh.points, mesh.cells)
     assert len(mesh.slaves) > 4
     slaves = numbered.points[numbered.slaves]
     assert np.array_equal(slaves, mesh.points[mesh.slaves])
     assert np.array_equal(numbered.masters < 0, mesh.masters < 0)
-    assert np.abs(np.einsum("sm,smd->sd", numbered.masterWeights, numbered.points[numbered.masters]) - slaves).max() < 1e-15
+    assert (
+        np.abs(
+            np.einsum("sm,smd->sd", numbered.masterWeights, numbered.points[numbered.masters]) - slaves
+        ).max()
+        < 1e-15
+    )
 
 
 def test_numbers_of_cells_are_told_through_two_numberings():
@@ -137,7 +146,9 @@ def test_a_mesh_file_is_numbered_in_rows_and_the_motion_is_the_same(tmp_path, co
     points, cells = shuffled(*block(counts))
     points = 0.5 + 0.06 * points
     path = tmp_path / "ground.vtk"
-    meshio.Mesh(np.pad(points, ((0, 0), (0, 3 - dim))), [({2: "quad", 3: "hexahedron"}[dim], cells)]).write(path)
+    meshio.Mesh(np.pad(points, ((0, 0), (0, 3 - dim))), [({2: "quad", 3: "hexahedron"}[dim], cells)]).write(
+        path
+    )
     given, filed = sheared((points, cells), dim), sheared(str(path), dim)
     assert given.mesh.cellNumbers is None and np.array_equal(given.mesh.cells, cells)
     assert rows(filed.mesh.cells).tolist() == [counts[0]] * int(np.prod(counts[1:]))
@@ -156,23 +167,43 @@ def test_the_benchmark_times_both_numberings(tmp_path):
     script = Path(__file__).resolve().parents[2] / "scripts" / "bench_mesh.py"
 
     def bench(*arguments):
-        return subprocess.run([sys.executable, script, *arguments], capture_output=True, text=True, timeout=120)
+        return subprocess.run(
+            [sys.executable, script, *arguments], capture_output=True, text=True, timeout=120
+        )
+
     done = bench(tmp_path / "soil.vtk", "--seconds", "0.1")
     assert done.returncode == 0, done.stderr
     name, domains, given, inRows = done.stdout.splitlines()[-1].split()
-    assert Path(name).name == "soil.vtk" and int(domains) == 120 and 0 < float(inRows) < 1e5 and 0 < float(given) < 1e5
+    assert (
+        Path(name).name == "soil.vtk"
+        and int(domains) == 120
+        and 0 < float(inRows) < 1e5
+        and 0 < float(given) < 1e5
+    )
     lost = bench(tmp_path / "sand.vtk")
     assert lost.returncode == 1 and "there is no mesh file" in lost.stderr and "Traceback" not in lost.stderr
 
 
 def sheared(where, dim):
     """A body after some steps of shear, with a load all round."""
-    soil = mpm.MohrCoulombDruckerPrager(density=2.0, young=1e3, poisson=0.3, cohesion=1.0, frictionAngle=radians(25), dilatancyAngle=radians(5))
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=2.0,
+        young=1e3,
+        poisson=0.3,
+        cohesion=1.0,
+        frictionAngle=radians(25),
+        dilatancyAngle=radians(5),
+    )
     scene = mpm.Scene((0,) * dim, (3,) * dim, 0.1, threads=1)
     body = scene.add("soil", where, soil, mpm.APDI(hourglass=0.1))
     body.velocity[:, 0] = 2 * (body.position[:, -1] - 0.5)
-    scene.engines = [mpm.ParticleToGrid(), mpm.BoundaryLoad(body, pressure=5.0), mpm.GridSolver(gravity=(0,) * (dim - 1) + (-9.81,)),
-                     mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.BoundaryLoad(body, pressure=5.0),
+        mpm.GridSolver(gravity=(0,) * (dim - 1) + (-9.81,)),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = 2e-4
     scene.run(steps=60, progress=False)
     return body

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The outline of boxes that were cut from a region: its facets, and how they go with the particles (doc/contact.md)."""
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box, disc, halfSpace, polygon, sphere
 from yade_mpm.lattice import cutCells, cutOutline
@@ -19,7 +19,9 @@ def facets(region, spacing=0.25):
 
 def scene(region, type_=CUT, cell=0.5, **options):
     made = mpm.Scene((0,) * region.dim, (4,) * region.dim, cell, threads=1)
-    return made, made.add("body", region, mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3), type_, **options)
+    return made, made.add(
+        "body", region, mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3), type_, **options
+    )
 
 
 def enclosed(middles, areas):
@@ -27,10 +29,19 @@ def enclosed(middles, areas):
     return (middles * areas).sum() / middles.shape[1]
 
 
-@pytest.mark.parametrize("region, size", [
-    (disc((2.03, 1.98), 1.25), np.pi * 1.25**2), (sphere((2.03, 1.98, 2.01), 1.25), 4 / 3 * np.pi * 1.25**3),
-    (box((1, 1), (3, 2.5)), 3.0), (box((1, 1, 1), (2, 2, 2.5)), 1.5), (box((1, 1), (3, 3)) - disc((2, 2), 0.6), 4 - np.pi * 0.36),
-    (box((1, 1, 1), (2, 2, 2)) & halfSpace((2, 2, 1.5), (0.3, 0, 1)), 0.65), (box((0, 0), (4, 4)), 16.0)], ids=repr)
+@pytest.mark.parametrize(
+    "region, size",
+    [
+        (disc((2.03, 1.98), 1.25), np.pi * 1.25**2),
+        (sphere((2.03, 1.98, 2.01), 1.25), 4 / 3 * np.pi * 1.25**3),
+        (box((1, 1), (3, 2.5)), 3.0),
+        (box((1, 1, 1), (2, 2, 2.5)), 1.5),
+        (box((1, 1), (3, 3)) - disc((2, 2), 0.6), 4 - np.pi * 0.36),
+        (box((1, 1, 1), (2, 2, 2)) & halfSpace((2, 2, 1.5), (0.3, 0, 1)), 0.65),
+        (box((0, 0), (4, 4)), 16.0),
+    ],
+    ids=repr,
+)
 def test_facets_close_round_the_region(region, size):
     middles, areas, far = facets(region)
     assert np.abs(areas.sum(axis=0)).max() < 1e-4 * size
@@ -38,7 +49,9 @@ def test_facets_close_round_the_region(region, size):
     assert far.max() < 0.25  # from the particle that carries it; a box has edges of 0.25
 
 
-@pytest.mark.parametrize("region, degrees", [(disc((2.03, 1.98), 1.25), 0.1), (sphere((2.03, 1.98, 2.01), 1.25), 3)], ids=repr)
+@pytest.mark.parametrize(
+    "region, degrees", [(disc((2.03, 1.98), 1.25), 0.1), (sphere((2.03, 1.98, 2.01), 1.25), 3)], ids=repr
+)
 def test_facets_lie_on_the_region_and_face_away_from_it(region, degrees):
     middles, areas, _ = facets(region)
     out, size = middles - region._centre, np.linalg.norm(areas, axis=1)
@@ -69,7 +82,9 @@ def test_the_outline_moves_with_the_deformation_of_its_particles(dim):
     _, body = scene(disc((2.1, 1.9), 0.8) if dim == 2 else sphere((2.1, 1.9, 2), 0.8))
     before, areas = body.outline()
     F, shift = np.eye(3), np.array([0.1, -0.2, 0.3])[:dim]
-    F[:dim, :dim] = np.linalg.qr(np.random.default_rng(2).normal(size=(dim, dim)))[0] @ np.diag([1.2, 0.9, 1.1][:dim])
+    F[:dim, :dim] = np.linalg.qr(np.random.default_rng(2).normal(size=(dim, dim)))[0] @ np.diag(
+        [1.2, 0.9, 1.1][:dim]
+    )
     small = F[:dim, :dim]
     body.position[...] = body.position @ small.T + shift
     body.deformationGradient[...] = F
@@ -85,14 +100,26 @@ def pressed(angle, isTurned=True):
     material = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
     made.add("base", box((0, 0), (4, 1)), material, mpm.UGIMP(perCell=2), group="base")
     corner = np.array((2.0, 1.5))
-    wedge = made.add("wedge", box((1, 1), (3, 2.5)) & halfSpace(corner, (np.sin(angle), -np.cos(angle))), material, CUT, group="wedge")
+    wedge = made.add(
+        "wedge",
+        box((1, 1), (3, 2.5)) & halfSpace(corner, (np.sin(angle), -np.cos(angle))),
+        material,
+        CUT,
+        group="wedge",
+    )
     back = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     wedge.position[...] = (wedge.position - corner) @ back.T + (2.0, 1.01)
     if isTurned:
         wedge.deformationGradient[:, :2, :2] = back
     wedge.velocity = (0, -300.0)
     contact = mpm.Contact()
-    made.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    made.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(),
+        contact,
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     made.dt = 1e-4
     made.run(steps=1, progress=False)
     table = contact.contactTable()
@@ -111,7 +138,10 @@ def test_contact_sees_the_outline_as_it_has_turned():
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_facets_stay_where_they_are_when_their_particle_is_split(dim):
-    _, body = scene(disc((2.1, 1.9), 0.8) if dim == 2 else sphere((2.1, 1.9, 2), 0.8), mpm.UGIMP(perCell=2, cut=True, splitAt=1.3))
+    _, body = scene(
+        disc((2.1, 1.9), 0.8) if dim == 2 else sphere((2.1, 1.9, 2), 0.8),
+        mpm.UGIMP(perCell=2, cut=True, splitAt=1.3),
+    )
     F = np.eye(3)
     F[:2, :2] = np.array([[0.8, -0.6], [0.6, 0.8]]) @ np.diag([1.5, 0.9])
     body.deformationGradient[...] = F
@@ -128,7 +158,12 @@ def test_facets_stay_where_they_are_when_their_particle_is_split(dim):
 
 def test_a_checkpoint_keeps_the_outline(tmp_path):
     made, body = scene(disc((2.1, 1.9), 0.8), group="one")
-    made.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(1, -5)), mpm.GridToParticle(), mpm.DomainUpdater()]
+    made.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(1, -5)),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     made.dt = 1e-3
     made.run(steps=20, progress=False)
     made.save(tmp_path / "a.h5")

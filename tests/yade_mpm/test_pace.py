@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A run that may choose its number of threads takes one while other jobs have the processors, and many when they have gone."""
+
 from types import SimpleNamespace
 
 from yade_mpm import pace
@@ -12,8 +13,12 @@ class Clock:
     def __init__(self, stepTime, threads=4, given=None):
         self.now, self.stepTime, self.used = 0.0, stepTime, {}
         stage = type("Stage", (), dict(stepsToCall=Engine.stepsToCall, seconds=0.0))()
-        output = type("Output", (), dict(stepsToCall=lambda self, scene: 5, seconds=0.0))()  # called now and then: not counted
-        self.scene = SimpleNamespace(threads=threads, _threads=given, steps=0, core=SimpleNamespace(threads=0), engines=[stage, output])
+        output = type(
+            "Output", (), dict(stepsToCall=lambda self, scene: 5, seconds=0.0)
+        )()  # called now and then: not counted
+        self.scene = SimpleNamespace(
+            threads=threads, _threads=given, steps=0, core=SimpleNamespace(threads=0), engines=[stage, output]
+        )
         self.pace = pace.Pace(self.scene, lambda: self.now)
 
     def run(self, seconds, slice_=0.05):

@@ -5,9 +5,9 @@ import shutil
 import h5py
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box, recorder
+
 
 @pytest.fixture(autouse=True)
 def inAFolderOfItsOwn(tmp_path_factory, monkeypatch):
@@ -29,7 +29,9 @@ def makeScene(dim=2, onDistortion="stop"):
     wide = (2, 1) if dim == 2 else (2, 1, 1)
     scene = mpm.Scene(flat, (2, 2) if dim == 2 else (2, 1, 2), 0.5)
     elastic = mpm.LinearElastic(density=2, lame=(1e3, 1e3))
-    soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(1e3, 1e3), cohesion=5, frictionAngle=0.5, dilatancyAngle=0.1)
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(1e3, 1e3), cohesion=5, frictionAngle=0.5, dilatancyAngle=0.1
+    )
     scene.add("low", box(flat, wide), elastic, mpm.APDI(size=0.5, onDistortion=onDistortion))
     high = ((0.5, 1), (1.5, 1.5)) if dim == 2 else ((0.5, 0, 1), (1.5, 1, 1.5))
     scene.add("high", box(*high), soil, mpm.UGIMP(perCell=2))
@@ -40,12 +42,15 @@ def makeScene(dim=2, onDistortion="stop"):
 def snapshot(scene):
     """What a frame should hold, straight from the bodies."""
     corners = [body.corners() for body in scene.bodies]
-    return dict(time=scene.time, steps=scene.steps,
-                corners=np.concatenate([np.pad(c, ((0, 0), (0, 0), (0, 3 - scene.dim))) for c in corners]),
-                stress=np.concatenate([b.stress.reshape(-1, 9) for b in scene.bodies]),
-                velocity=np.concatenate([np.pad(b.velocity, ((0, 0), (0, 3 - scene.dim))) for b in scene.bodies]),
-                id=np.concatenate([b.id for b in scene.bodies]),
-                body=np.concatenate([np.full(b.count, k) for k, b in enumerate(scene.bodies)]))
+    return dict(
+        time=scene.time,
+        steps=scene.steps,
+        corners=np.concatenate([np.pad(c, ((0, 0), (0, 0), (0, 3 - scene.dim))) for c in corners]),
+        stress=np.concatenate([b.stress.reshape(-1, 9) for b in scene.bodies]),
+        velocity=np.concatenate([np.pad(b.velocity, ((0, 0), (0, 3 - scene.dim))) for b in scene.bodies]),
+        id=np.concatenate([b.id for b in scene.bodies]),
+        body=np.concatenate([np.full(b.count, k) for k, b in enumerate(scene.bodies)]),
+    )
 
 
 def runAndWatch(scene, file, steps=30, every=10):
@@ -65,10 +70,15 @@ def readWithH5py(file):
         for k in range(steps.attrs["NSteps"]):
             part = steps["PartOffsets"][k]
             cells = root["NumberOfCells"][part]
-            points = root["Points"][steps["PointOffsets"][k]:][:root["NumberOfPoints"][part]]
-            ids = root["Connectivity"][steps["ConnectivityIdOffsets"][k]:][:root["NumberOfConnectivityIds"][part]]
-            offsets = root["Offsets"][steps["CellOffsets"][k] + part:][:cells + 1]
-            frame = {name: root["CellData"][name][at[k]:at[k] + cells] for name, at in steps["CellDataOffsets"].items()}
+            points = root["Points"][steps["PointOffsets"][k] :][: root["NumberOfPoints"][part]]
+            ids = root["Connectivity"][steps["ConnectivityIdOffsets"][k] :][
+                : root["NumberOfConnectivityIds"][part]
+            ]
+            offsets = root["Offsets"][steps["CellOffsets"][k] + part :][: cells + 1]
+            frame = {
+                name: root["CellData"][name][at[k] : at[k] + cells]
+                for name, at in steps["CellDataOffsets"].items()
+            }
             corners = np.array([points[ids[a:b]] for a, b in zip(offsets, offsets[1:])])
             frames.append(dict(frame, corners=corners, time=steps["Values"][k], steps=steps["step"][k]))
     return frames
@@ -85,7 +95,9 @@ def contentOf(file):
     """All arrays of the VTKHDF group by name."""
     content = {}
     with h5py.File(file) as h5:
-        h5["VTKHDF"].visititems(lambda name, item: content.update({name: item[()]}) if hasattr(item, "shape") else None)
+        h5["VTKHDF"].visititems(
+            lambda name, item: content.update({name: item[()]}) if hasattr(item, "shape") else None
+        )
         content["NSteps"] = h5["VTKHDF/Steps"].attrs["NSteps"]
     return content
 
@@ -113,6 +125,7 @@ def test_h5py_reads_what_the_bodies_held_element_by_element(tmp_path, dim):
 def test_the_vtk_reader_sees_the_same_steps_cells_and_arrays(tmp_path, dim, compress):
     vtk = pytest.importorskip("vtk", minversion="9.3")
     from vtk.util.numpy_support import vtk_to_numpy as asArray
+
     scene, file = makeScene(dim), str(tmp_path / "a.vtkhdf")
     scene.engines = chain(mpm.Recorder(file, iterPeriod=10, compress=compress), dim=dim)
     scene.run(steps=20, progress=False)
@@ -136,7 +149,9 @@ def test_the_vtk_reader_sees_the_same_steps_cells_and_arrays(tmp_path, dim, comp
         assert {grid.GetCellType(c) for c in range(grid.GetNumberOfCells())} == {9 if dim == 2 else 12}
         data = grid.GetCellData()
         arrays = {data.GetArrayName(i): asArray(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
-        assert {"body", "id", "stress", "velocity", "displacement", "volumeRatio", "meanStress"} <= set(arrays)
+        assert {"body", "id", "stress", "velocity", "displacement", "volumeRatio", "meanStress"} <= set(
+            arrays
+        )
         for name, values in arrays.items():
             assert np.array_equal(values, frame[name], equal_nan=values.dtype.kind == "f"), name
         points = asArray(grid.GetPoints().GetData())
@@ -187,7 +202,10 @@ def test_state_variables_are_nan_where_a_material_has_none(tmp_path):
     runAndWatch(scene, tmp_path / "a.h5", steps=10)
     frame = readWithH5py(tmp_path / "a.h5")[-1]
     for name in soilOnly:
-        assert np.isnan(frame[name][frame["body"] == 0]).all() and np.isfinite(frame[name][frame["body"] == 1]).all()
+        assert (
+            np.isnan(frame[name][frame["body"] == 0]).all()
+            and np.isfinite(frame[name][frame["body"] == 1]).all()
+        )
 
 
 def test_a_variable_that_appears_later_is_nan_before(tmp_path):
@@ -206,16 +224,33 @@ def test_a_variable_that_appears_later_is_nan_before(tmp_path):
 
 def test_fields_and_bodies_can_be_chosen(tmp_path):
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, bodies=[scene["high"]],
-                                       fields=["volume", "velocityGradient", "deviatoricStress"]))
+    scene.engines = chain(
+        mpm.Recorder(
+            tmp_path / "a.h5",
+            iterPeriod=5,
+            bodies=[scene["high"]],
+            fields=["volume", "velocityGradient", "deviatoricStress"],
+        )
+    )
     scene.run(steps=5, progress=False)
     frame = readWithH5py(tmp_path / "a.h5")[-1]
-    assert set(frame) == {"body", "id", "volume", "velocityGradient", "deviatoricStress", "corners", "time", "steps"}
+    assert set(frame) == {
+        "body",
+        "id",
+        "volume",
+        "velocityGradient",
+        "deviatoricStress",
+        "corners",
+        "time",
+        "steps",
+    }
     assert frame["velocityGradient"].shape == (scene["high"].count, 9)
-    assert np.array_equal(frame["velocityGradient"][:, [0, 1, 3, 4]].reshape(-1, 2, 2), scene["high"].velocityGradient)
+    assert np.array_equal(
+        frame["velocityGradient"][:, [0, 1, 3, 4]].reshape(-1, 2, 2), scene["high"].velocityGradient
+    )
     s = scene["high"].stress
-    q2 = (s[:, 0, 0] - s[:, 1, 1])**2 + (s[:, 1, 1] - s[:, 2, 2])**2 + (s[:, 2, 2] - s[:, 0, 0])**2
-    assert np.allclose(frame["deviatoricStress"]**2, q2 / 2 + 3 * s[:, 0, 1]**2)
+    q2 = (s[:, 0, 0] - s[:, 1, 1]) ** 2 + (s[:, 1, 1] - s[:, 2, 2]) ** 2 + (s[:, 2, 2] - s[:, 0, 0]) ** 2
+    assert np.allclose(frame["deviatoricStress"] ** 2, q2 / 2 + 3 * s[:, 0, 1] ** 2)
 
 
 def test_frames_come_every_period_of_scene_time(tmp_path):
@@ -231,11 +266,11 @@ def test_a_restored_recorder_cuts_its_file_and_continues_to_the_same_content(tmp
     whole, cut = tmp_path / "whole.h5", str(tmp_path / "cut.h5")
     runAndWatch(makeScene(), whole, steps=40)
     scene = makeScene()
-    runAndWatch(scene, cut, steps=30)             # 30 steps are in the file,
+    runAndWatch(scene, cut, steps=30)  # 30 steps are in the file,
     spec = scene.engines[4].spec()
     scene = makeScene()
     scene.engines = chain()
-    scene.run(steps=resumedAt, progress=False)    # the state is older
+    scene.run(steps=resumedAt, progress=False)  # the state is older
     scene.engines = chain(mpm.Recorder(**spec))
     scene.prepare()
     assert [f["steps"] for f in readWithH5py(cut)] == list(range(0, resumedAt + 1, 10))
@@ -263,17 +298,24 @@ def test_a_file_of_another_run_is_not_continued(tmp_path):
 
 def test_two_recorders_need_two_files(tmp_path):
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5), mpm.Recorder(tmp_path / "a.h5", iterPeriod=7))
+    scene.engines = chain(
+        mpm.Recorder(tmp_path / "a.h5", iterPeriod=5), mpm.Recorder(tmp_path / "a.h5", iterPeriod=7)
+    )
     with pytest.raises(ValueError, match="two recorders write to .*; give each its own file"):
         scene.run(steps=10, progress=False)
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5), mpm.Recorder(tmp_path / "b.h5", iterPeriod=7))
+    scene.engines = chain(
+        mpm.Recorder(tmp_path / "a.h5", iterPeriod=5), mpm.Recorder(tmp_path / "b.h5", iterPeriod=7)
+    )
     scene.run(steps=10, progress=False)
     assert [len(readWithH5py(tmp_path / name)) for name in ("a.h5", "b.h5")] == [3, 2]
 
 
 def test_the_spec_is_plain_and_makes_the_same_recorder(tmp_path):
     import json
-    one = mpm.Recorder(tmp_path / "a.h5", period=0.5, fields=("stress",), bodies=["low"], compress=2, label="r")
+
+    one = mpm.Recorder(
+        tmp_path / "a.h5", period=0.5, fields=("stress",), bodies=["low"], compress=2, label="r"
+    )
     assert mpm.Recorder(**json.loads(json.dumps(one.spec()))).spec() == one.spec()
 
 
@@ -302,22 +344,28 @@ def test_the_initial_frame_holds_what_was_set_after_an_early_check(tmp_path):
     assert (frame["velocity"][frame["body"] == 1] == (0, -0.25, 0)).all()
 
 
-@pytest.mark.parametrize("arguments, text", [
-    (dict(), "give one of the two, positive"),
-    (dict(period=1.0, iterPeriod=5), "give one of the two, positive"),
-    (dict(period=-1.0), "give one of the two, positive"),
-    (dict(iterPeriod=2.5), "give one of the two, positive"),
-    (dict(iterPeriod=5, compress=10), "compress = 10 is not allowed; give a gzip level, 0 to 9"),
-])
+@pytest.mark.parametrize(
+    "arguments, text",
+    [
+        (dict(), "give one of the two, positive"),
+        (dict(period=1.0, iterPeriod=5), "give one of the two, positive"),
+        (dict(period=-1.0), "give one of the two, positive"),
+        (dict(iterPeriod=2.5), "give one of the two, positive"),
+        (dict(iterPeriod=5, compress=10), "compress = 10 is not allowed; give a gzip level, 0 to 9"),
+    ],
+)
 def test_wrong_arguments_are_refused(arguments, text):
     with pytest.raises(ValueError, match=text):
         mpm.Recorder("a.h5", **arguments)
 
 
-@pytest.mark.parametrize("arguments, text", [
-    (dict(fields=["strees"]), "there is no field 'strees'; fields: .*stress"),
-    (dict(bodies=["pile"]), "there is no body named 'pile'; bodies: low, high"),
-])
+@pytest.mark.parametrize(
+    "arguments, text",
+    [
+        (dict(fields=["strees"]), "there is no field 'strees'; fields: .*stress"),
+        (dict(bodies=["pile"]), "there is no body named 'pile'; bodies: low, high"),
+    ],
+)
 def test_unknown_fields_and_bodies_are_refused_before_the_first_step(tmp_path, arguments, text):
     scene = makeScene()
     scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, **arguments))
@@ -340,7 +388,9 @@ class Killed(BaseException):
 
 
 @pytest.mark.parametrize("survived", [0, 1, 2, 3])
-def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(tmp_path, monkeypatch, survived):
+def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(
+    tmp_path, monkeypatch, survived
+):
     """Kills the writer before its write number `survived` + 1 of a frame."""
     scene, file = makeScene(), tmp_path / "a.h5"
     scene.engines = chain(mpm.Recorder(file, iterPeriod=10))
@@ -415,12 +465,12 @@ def test_a_paged_file_reads_back_what_was_written_across_pages(tmp_path):
         for _ in range(200):
             at, data = int(random.integers(0, 20000)), random.bytes(int(random.integers(1, 9000)))
             mirror.extend(bytes(max(0, at + len(data) - len(mirror))))
-            mirror[at:at + len(data)] = data
+            mirror[at : at + len(data)] = data
             pages.seek(at)
             pages.write(data)
             at, count = int(random.integers(0, len(mirror))), int(random.integers(1, 9000))
             pages.seek(at)
-            assert pages.read(count) == bytes(mirror[at:at + count])
+            assert pages.read(count) == bytes(mirror[at : at + count])
         assert len(file.read_bytes()) == 10000
         pages.commit()
     assert file.read_bytes() == bytes(mirror)

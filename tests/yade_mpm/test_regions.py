@@ -4,13 +4,17 @@ from math import inf, nan
 
 import numpy as np
 import pytest
-
 from yade_mpm.regions import box, disc, everywhere, halfSpace, polygon, regionFromSpec, sphere
 
 SQUARE = box((0, 0), (2, 1))
 ONE_OF_EACH = [
-    box((0, 0), (2, 1)), box((0, 0, 0), (2, 1, 3)), sphere((1, 0.5, 0), 0.75), disc((1, 0.5), 0.1),
-    polygon([(0, 0), (1, 0), (0.5, 2)]), halfSpace((0, 12), (0, 1)), everywhere(3),
+    box((0, 0), (2, 1)),
+    box((0, 0, 0), (2, 1, 3)),
+    sphere((1, 0.5, 0), 0.75),
+    disc((1, 0.5), 0.1),
+    polygon([(0, 0), (1, 0), (0.5, 2)]),
+    halfSpace((0, 12), (0, 1)),
+    everywhere(3),
 ]
 
 
@@ -78,8 +82,15 @@ def test_regions_that_only_touch_have_no_intersection():
     assert not (box((0, 0), (1, 1)) & box((1, 0), (2, 1))).contains([(1, 0.5)]).any()
 
 
-@pytest.mark.parametrize("cut", [disc((0, 0), 0.5), box((0, 0), (0.5, 0.5)), halfSpace((0.25, 0), (1, 0)),
-                                 polygon([(0, 0), (1, 0), (0, 1)])])
+@pytest.mark.parametrize(
+    "cut",
+    [
+        disc((0, 0), 0.5),
+        box((0, 0), (0.5, 0.5)),
+        halfSpace((0.25, 0), (1, 0)),
+        polygon([(0, 0), (1, 0), (0, 1)]),
+    ],
+)
 def test_each_point_of_a_cut_region_is_in_one_part_even_on_the_cut(cut):
     whole = box((-1, -1), (1, 1))
     ticks = np.arange(-8, 8) / 8
@@ -111,8 +122,15 @@ def test_edges_are_the_axis_aligned_planes():
 def test_composed_edges_are_those_of_the_operands_that_still_bound_the_result():
     zone = box((14, 5.5), (16, 12))
     shaft = box((14.875, 11), (15.125, 21))
-    assert (zone - shaft).edges() == [(0, 14.0), (0, 14.875), (0, 15.125), (0, 16.0),
-                                      (1, 5.5), (1, 11.0), (1, 12.0)]
+    assert (zone - shaft).edges() == [
+        (0, 14.0),
+        (0, 14.875),
+        (0, 15.125),
+        (0, 16.0),
+        (1, 5.5),
+        (1, 11.0),
+        (1, 12.0),
+    ]
     ground = box((0, 0), (30, 12)) - zone - shaft  # what the shaft would cut is gone with the zone
     assert ground.edges() == [(0, 0.0), (0, 14.0), (0, 16.0), (0, 30.0), (1, 0.0), (1, 5.5), (1, 12.0)]
     assert (box((0, 0), (1, 1)) + box((1, 0), (2, 1))).edges() == SQUARE.edges()
@@ -120,13 +138,21 @@ def test_composed_edges_are_those_of_the_operands_that_still_bound_the_result():
     assert (cube & halfSpace((0, 0, 0.3), (0, 0, 1))).edges()[-2:] == [(2, 0.0), (2, 0.3)]
 
 
-@pytest.mark.parametrize("text", [
-    "box((0, 0), (30, 12))", "box((0, 0, 0), (1, 1, 0.25))", "sphere((0, 0, 1), 0.1)", "disc((0.3, 0), 2)",
-    "polygon([(0, 0), (1, 0), (0, 1)])", "halfSpace((0, 12), (0, 1))", "everywhere(2)",
-    "box((0, 0), (3, 3)) - disc((1, 1), 0.5) + disc((1, 1), 0.25)",
-    "box((0, 0), (3, 3)) - (disc((1, 1), 0.5) - disc((1, 1), 0.25))",
-    "(box((0, 0), (3, 3)) + disc((1, 1), 9)) & everywhere(2) & halfSpace((0, 1), (0, 1))",
-])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "box((0, 0), (30, 12))",
+        "box((0, 0, 0), (1, 1, 0.25))",
+        "sphere((0, 0, 1), 0.1)",
+        "disc((0.3, 0), 2)",
+        "polygon([(0, 0), (1, 0), (0, 1)])",
+        "halfSpace((0, 12), (0, 1))",
+        "everywhere(2)",
+        "box((0, 0), (3, 3)) - disc((1, 1), 0.5) + disc((1, 1), 0.25)",
+        "box((0, 0), (3, 3)) - (disc((1, 1), 0.5) - disc((1, 1), 0.25))",
+        "(box((0, 0), (3, 3)) + disc((1, 1), 9)) & everywhere(2) & halfSpace((0, 1), (0, 1))",
+    ],
+)
 def test_repr_and_spec_give_the_region_back(text):
     region = eval(text)
     assert repr(region) == text
@@ -144,33 +170,56 @@ def test_points_of_the_wrong_shape_are_refused(region):
         region.contains("origin")
 
 
-@pytest.mark.parametrize("make, error, text", [
-    (lambda: box((2, 0), (1, 1)), ValueError, r"box: lower = \(2, 0\) must be below upper = \(1, 1\)"),
-    (lambda: box((0, 0), (1, 0)), ValueError, "in every direction; swap or correct the corners"),
-    (lambda: box((0, 0), (1, 1, 1)), ValueError, r"box: upper = \(1, 1, 1\) must have 2 coordinates"),
-    (lambda: box((0,), (1,)), ValueError, r"box: lower = \(0,\) must have 2 or 3 coordinates"),
-    (lambda: box((0, nan), (1, 1)), ValueError, "box: lower = .*nan.* must be finite; remove NaN"),
-    (lambda: box("ab", (1, 1)), TypeError, "box: lower = 'ab' is not made of numbers"),
-    (lambda: disc((0, 0), -1), ValueError, "disc: radius = -1 must be positive and finite"),
-    (lambda: disc((0, 0), nan), ValueError, "disc: radius = nan must be positive"),
-    (lambda: disc((0, 0), (1, 2)), ValueError, r"disc: radius = \(1, 2\) must be one number"),
-    (lambda: disc((0, 0, 0), 1), ValueError, r"disc: centre = \(0, 0, 0\) must have 2 coordinates; in 3D give a sphere\(\)"),
-    (lambda: sphere((0, 0), 1), ValueError, r"sphere: centre = \(0, 0\) must have 3 coordinates; in 2D give a disc\(\)"),
-    (lambda: polygon([(0, 0), (1, 1)]), ValueError, "at least three points"),
-    (lambda: polygon([(0, 0), (1, inf), (1, 1)]), ValueError, "polygon: points = .* must be finite"),
-    (lambda: polygon([(0, 0), (1, 1), (1, 0), (0, 1)]), ValueError, r"\(0, 0\) and from \(1, 0\) intersect"),
-    (lambda: polygon([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)]), ValueError, "intersect; reorder the corners"),
-    (lambda: polygon([(0, 0), (1, 0), (1, 0), (0, 1)]), ValueError, r"point 1 at \(1, 0\) is repeated"),
-    (lambda: polygon([(0, 0), (2, 0), (1, 0)]), ValueError, r"folded at \(2, 0\) intersect; remove"),
-    (lambda: halfSpace((0, 0), (0, 0)), ValueError, r"halfSpace: normal = \(0, 0\) has no direction"),
-    (lambda: everywhere(4), ValueError, "everywhere: dim = 4 must be 2 or 3"),
-    (lambda: SQUARE + sphere((0, 0, 0), 1), ValueError, r"\+ sphere.*a 2D and a 3D region do not combine"),
-    (lambda: SQUARE - 1, TypeError, "region - 1: the right side is a int, not a region; make one with"),
-    (lambda: regionFromSpec({"kind": "cone"}), ValueError, "kind = 'cone' is unknown; allowed are box"),
-    (lambda: regionFromSpec({"kind": "box", "lower": [0, 0]}), ValueError, "not describe a box: .*upper"),
-    (lambda: regionFromSpec({"kind": "union", "a": SQUARE.spec()}), ValueError, "describe a union: 'b'"),
-    (lambda: regionFromSpec("box"), TypeError, "spec is a str; give a dict"),
-])
+@pytest.mark.parametrize(
+    "make, error, text",
+    [
+        (lambda: box((2, 0), (1, 1)), ValueError, r"box: lower = \(2, 0\) must be below upper = \(1, 1\)"),
+        (lambda: box((0, 0), (1, 0)), ValueError, "in every direction; swap or correct the corners"),
+        (lambda: box((0, 0), (1, 1, 1)), ValueError, r"box: upper = \(1, 1, 1\) must have 2 coordinates"),
+        (lambda: box((0,), (1,)), ValueError, r"box: lower = \(0,\) must have 2 or 3 coordinates"),
+        (lambda: box((0, nan), (1, 1)), ValueError, "box: lower = .*nan.* must be finite; remove NaN"),
+        (lambda: box("ab", (1, 1)), TypeError, "box: lower = 'ab' is not made of numbers"),
+        (lambda: disc((0, 0), -1), ValueError, "disc: radius = -1 must be positive and finite"),
+        (lambda: disc((0, 0), nan), ValueError, "disc: radius = nan must be positive"),
+        (lambda: disc((0, 0), (1, 2)), ValueError, r"disc: radius = \(1, 2\) must be one number"),
+        (
+            lambda: disc((0, 0, 0), 1),
+            ValueError,
+            r"disc: centre = \(0, 0, 0\) must have 2 coordinates; in 3D give a sphere\(\)",
+        ),
+        (
+            lambda: sphere((0, 0), 1),
+            ValueError,
+            r"sphere: centre = \(0, 0\) must have 3 coordinates; in 2D give a disc\(\)",
+        ),
+        (lambda: polygon([(0, 0), (1, 1)]), ValueError, "at least three points"),
+        (lambda: polygon([(0, 0), (1, inf), (1, 1)]), ValueError, "polygon: points = .* must be finite"),
+        (
+            lambda: polygon([(0, 0), (1, 1), (1, 0), (0, 1)]),
+            ValueError,
+            r"\(0, 0\) and from \(1, 0\) intersect",
+        ),
+        (
+            lambda: polygon([(0, 0), (2, 0), (2, 2), (1, 0), (0, 2)]),
+            ValueError,
+            "intersect; reorder the corners",
+        ),
+        (lambda: polygon([(0, 0), (1, 0), (1, 0), (0, 1)]), ValueError, r"point 1 at \(1, 0\) is repeated"),
+        (lambda: polygon([(0, 0), (2, 0), (1, 0)]), ValueError, r"folded at \(2, 0\) intersect; remove"),
+        (lambda: halfSpace((0, 0), (0, 0)), ValueError, r"halfSpace: normal = \(0, 0\) has no direction"),
+        (lambda: everywhere(4), ValueError, "everywhere: dim = 4 must be 2 or 3"),
+        (
+            lambda: SQUARE + sphere((0, 0, 0), 1),
+            ValueError,
+            r"\+ sphere.*a 2D and a 3D region do not combine",
+        ),
+        (lambda: SQUARE - 1, TypeError, "region - 1: the right side is a int, not a region; make one with"),
+        (lambda: regionFromSpec({"kind": "cone"}), ValueError, "kind = 'cone' is unknown; allowed are box"),
+        (lambda: regionFromSpec({"kind": "box", "lower": [0, 0]}), ValueError, "not describe a box: .*upper"),
+        (lambda: regionFromSpec({"kind": "union", "a": SQUARE.spec()}), ValueError, "describe a union: 'b'"),
+        (lambda: regionFromSpec("box"), TypeError, "spec is a str; give a dict"),
+    ],
+)
 def test_bad_input_is_refused_with_the_remedy(make, error, text):
     with pytest.raises(error, match=text):
         make()

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Nothing is lost: an error or a signal leaves a checkpoint and a message, and a non-zero exit code."""
+
 import gc
 import os
 import shutil
@@ -13,7 +14,6 @@ import weakref
 import h5py
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 import yade_mpm.attributes
 import yade_mpm.scene
@@ -38,7 +38,9 @@ def inItsOwnFolder(tmp_path, monkeypatch):
 
 def smallScene(*engines, velocity=(0.0, 0.0)):
     scene = mpm.Scene((0, 0), (2, 2), 0.25)
-    body = scene.add("soft", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP())
+    body = scene.add(
+        "soft", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP()
+    )
     body.velocity = velocity
     scene.engines = [*scene.engines, *engines]
     return scene
@@ -47,8 +49,12 @@ def smallScene(*engines, velocity=(0.0, 0.0)):
 def pulledMesh(onDistortion):
     """A mesh of four large domains, one of which has a corner pulled almost to its diagonal."""
     scene = mpm.Scene((0, 0), (2, 2), 0.25)
-    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)),
-                     mpm.APDI(size=0.5, onDistortion=onDistortion))
+    body = scene.add(
+        "mesh",
+        box((0.5, 0.5), (1.5, 1.5)),
+        mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)),
+        mpm.APDI(size=0.5, onDistortion=onDistortion),
+    )
     body.velocity = (0.3, -0.2)
     body.stress = np.diag([-3.0, -5.0, -4.0])
     body.vertices[0] += 0.247
@@ -58,22 +64,36 @@ def pulledMesh(onDistortion):
 
 def process(script, **options):
     environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    return subprocess.Popen([sys.executable, "-c", SCENE + script], env=environment, text=True, stdout=subprocess.PIPE,
-                            stderr=subprocess.PIPE, **options)
+    return subprocess.Popen(
+        [sys.executable, "-c", SCENE + script],
+        env=environment,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        **options,
+    )
 
 
 # --- signals ----------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("number, codes", [(signal.SIGINT, (130, -signal.SIGINT)), (signal.SIGTERM, (143,))])
-@pytest.mark.parametrize("script", ["scene.run(steps=10**9)",
-                                    "scene.run(steps=10**9, background=True)\nscene.wait()",
-                                    "scene.run(steps=10**9, background=True)\nwhile scene.running: time.sleep(0.01)"])
+@pytest.mark.parametrize(
+    "script",
+    [
+        "scene.run(steps=10**9)",
+        "scene.run(steps=10**9, background=True)\nscene.wait()",
+        "scene.run(steps=10**9, background=True)\nwhile scene.running: time.sleep(0.01)",
+    ],
+)
 def test_signals_leave_a_checkpoint_and_an_exit_code(script, number, codes):
     run = process(script)
     assert run.stdout.readline() == "go\n"
     run.send_signal(number)
     _, message = run.communicate(timeout=30)
     assert run.returncode in codes, message
-    assert "interrupted at step" in message and "the state is in yade_mpm.checkpoint.h5 (continue with yade_mpm.load)" in message
+    assert (
+        "interrupted at step" in message
+        and "the state is in yade_mpm.checkpoint.h5 (continue with yade_mpm.load)" in message
+    )
     scene = mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None})
     assert scene.steps >= 10
     scene.run(steps=5)
@@ -95,7 +115,13 @@ def test_a_signal_ends_these_tests_and_is_no_test_that_failed(pytestconfig):
     with open("test_cut_off.py", "w") as file:
         file.write(SCENE + TESTS)
     environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    tests = subprocess.run([sys.executable, "-m", "pytest", "-s", "test_cut_off.py"], env=environment, text=True, capture_output=True, timeout=60)
+    tests = subprocess.run(
+        [sys.executable, "-m", "pytest", "-s", "test_cut_off.py"],
+        env=environment,
+        text=True,
+        capture_output=True,
+        timeout=60,
+    )
     assert tests.returncode == 143, tests.stdout
     assert "SIGTERM in test_cut_off.py::test_that_is_cut_off" in tests.stdout
     assert "1 failed" not in tests.stdout and "went on" not in tests.stdout
@@ -115,13 +141,21 @@ mpm.running.SHARE = 1e6
 
 def results():
     with h5py.File("out.vtkhdf") as file, open("out.csv") as table:
-        return file["VTKHDF/Steps/Values"][:].tolist(), file["VTKHDF/CellData/velocity"][:].tobytes(), table.read()
+        return (
+            file["VTKHDF/Steps/Values"][:].tolist(),
+            file["VTKHDF/CellData/velocity"][:].tobytes(),
+            table.read(),
+        )
 
 
 def test_a_killed_run_goes_on_from_what_was_saved_meanwhile():
     """SIGKILL, as where power fails: no handler is asked."""
     whole = process("killedAt = -1\n" + WITH_FILES + "scene.run(steps=300)")
-    assert whole.wait(timeout=30) == 0 and not os.path.exists("yade_mpm.checkpoint.h5") and not os.path.exists("out.checkpoint.h5")
+    assert (
+        whole.wait(timeout=30) == 0
+        and not os.path.exists("yade_mpm.checkpoint.h5")
+        and not os.path.exists("out.checkpoint.h5")
+    )
     expected = results()
     killed = process("killedAt = 150\n" + WITH_FILES + "scene.run(steps=300, checkpointPeriod=0)")
     assert killed.wait(timeout=30) == -signal.SIGKILL
@@ -148,7 +182,7 @@ def test_the_end_of_the_program_does_not_lose_a_background_run():
 
 
 def test_an_interrupt_while_nothing_can_be_written_still_interrupts(tmp_path):
-    run = process(f"import os\nscene.run(steps=10**9, checkpointFile='gone/c.h5')", cwd=tmp_path)
+    run = process("import os\nscene.run(steps=10**9, checkpointFile='gone/c.h5')", cwd=tmp_path)
     _, message = run.communicate(timeout=30)
     assert run.returncode == 1 and "FileNotFoundError: checkpoint 'gone/c.h5': there is no folder" in message
     (tmp_path / "gone").mkdir()
@@ -172,8 +206,11 @@ def test_handlers_of_the_host_come_back():
 # --- errors -----------------------------------------------------------------------------------------------
 def test_a_particle_that_leaves_the_grid_ends_the_run_and_is_named(capsys):
     scene = smallScene(velocity=(0.0, -20.0))
-    with pytest.raises(RuntimeError, match=r"step \d+: particle \d+ of 'soft' at \(.*\) is outside the grid \(0, 0\) to \(2, 2\); "
-                                           r"enlarge the grid"):
+    with pytest.raises(
+        RuntimeError,
+        match=r"step \d+: particle \d+ of 'soft' at \(.*\) is outside the grid \(0, 0\) to \(2, 2\); "
+        r"enlarge the grid",
+    ):
         scene.run(until=1.0)
     assert f"the run failed at step {scene.steps}" in capsys.readouterr().err
     with warnings.catch_warnings():
@@ -185,23 +222,35 @@ def test_a_particle_that_leaves_the_grid_ends_the_run_and_is_named(capsys):
 @pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
 def test_an_inverted_domain_ends_the_run_and_is_named(scheme, recwarn):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme)
-    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI())
+    body = scene.add(
+        "mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI()
+    )
     scene.dt = 1e-4
     scene.run(steps=3)
     body.vertices[6] += 0.15
-    with pytest.raises(RuntimeError, match=r"step \d: domain of particle 5 in 'mesh' at \(.*\) is (nearly )?inverted .*; use UGIMP there, "
-                                           r'or APDI\(onDistortion="convert"\)'):
+    with pytest.raises(
+        RuntimeError,
+        match=r"step \d: domain of particle 5 in 'mesh' at \(.*\) is (nearly )?inverted .*; use UGIMP there, "
+        r'or APDI\(onDistortion="convert"\)',
+    ):
         scene.run(steps=5)
     recwarn.clear()
     loaded = mpm.load("yade_mpm.checkpoint.failed.h5")
     assert np.array_equal(loaded["mesh"].vertices, body.vertices)
-    assert [str(w.message)[:10] for w in recwarn] == (["checkpoint"] if scheme == "USF" else []), "USF ends it within the step"
+    assert [str(w.message)[:10] for w in recwarn] == (["checkpoint"] if scheme == "USF" else []), (
+        "USF ends it within the step"
+    )
 
 
 @pytest.mark.parametrize("onDistortion", ["stop", "convert"])
 def test_a_distorted_domain_is_warned_of_once_before_it_ends_the_run(onDistortion, capsys):
     scene = mpm.Scene((0, 0), (2, 2), 0.25)
-    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI(onDistortion=onDistortion))
+    body = scene.add(
+        "mesh",
+        box((0.5, 0.5), (1.5, 1.5)),
+        mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)),
+        mpm.APDI(onDistortion=onDistortion),
+    )
     scene.dt = 1e-6
     scene.run(steps=1)
     start = body.vertices[0].copy()
@@ -212,7 +261,10 @@ def test_a_distorted_domain_is_warned_of_once_before_it_ends_the_run(onDistortio
     scene.run(steps=1)
     said = capsys.readouterr().err
     assert body.distortedCount == mpm.diagnostics.distortedCount(scene) == 1
-    assert "warning: step 3: a domain of 'mesh' distorted, most that of particle 0 at (0.6" in said and "smallest corner 14.8 % of its area" in said
+    assert (
+        "warning: step 3: a domain of 'mesh' distorted, most that of particle 0 at (0.6" in said
+        and "smallest corner 14.8 % of its area" in said
+    )
     assert ("at 5 % the run stops; use UGIMP there, or APDI(onDistortion" in said) == (onDistortion == "stop")
     scene.run(steps=1)
     assert capsys.readouterr().err == ""
@@ -220,9 +272,13 @@ def test_a_distorted_domain_is_warned_of_once_before_it_ends_the_run(onDistortio
 
 def test_domains_are_looked_at_every_thousand_steps(capsys):
     scene = mpm.Scene((0, 0), (2, 2), 0.25)
-    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI())
+    body = scene.add(
+        "mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI()
+    )
+
     def distort():
         body.vertices[0] += 0.46 * 0.25 * (1 if scene.steps == 500 else -1)
+
     scene.engines = [*scene.engines, mpm.PyRunner(distort, iterPeriod=500, label="distort")]
     scene.dt = 1e-9
     scene.run(steps=1001)
@@ -239,7 +295,9 @@ def test_conversion_conserves_mass_momentum_volume_and_stress():
         stopped.run(steps=1)
     converted.run(steps=1)
     assert converted["mesh"].converted == 1 and converted["mesh (converted)"].count > 0
-    assert converted.particleCount == stopped.particleCount - 1 + 9, "nine particles took the place of a domain"
+    assert converted.particleCount == stopped.particleCount - 1 + 9, (
+        "nine particles took the place of a domain"
+    )
     for before, after in zip(totals(stopped), totals(converted)):
         scale = np.abs(before).max()
         assert np.abs(after - before).max() <= 1e-12 * scale
@@ -250,8 +308,15 @@ def totals(scene):
     """Mass, momentum, volume, volume times stress, and centre of mass of all bodies."""
     sums = [0, 0, 0, 0, 0]
     for b in scene.bodies:
-        for k, values in enumerate((b.mass, b.mass[:, None] * b.velocity, b.volume, b.volume[:, None, None] * b.stress,
-                                    b.mass[:, None] * b.position)):
+        for k, values in enumerate(
+            (
+                b.mass,
+                b.mass[:, None] * b.velocity,
+                b.volume,
+                b.volume[:, None, None] * b.stress,
+                b.mass[:, None] * b.position,
+            )
+        ):
             sums[k] = sums[k] + values.sum(axis=0)
     return sums
 
@@ -259,6 +324,7 @@ def totals(scene):
 def test_an_error_in_a_callback_ends_the_run(capsys):
     def fail():
         raise ZeroDivisionError("mine")
+
     scene = smallScene(mpm.PyRunner(fail, iterPeriod=5))
     with pytest.raises(ZeroDivisionError, match="mine"):
         scene.run(steps=100)
@@ -269,7 +335,9 @@ def test_an_error_in_a_callback_ends_the_run(capsys):
 
 
 def test_leaving_the_program_in_a_callback_saves_too():
-    run = process("go.dead = True\nscene.engines = [*scene.engines, mpm.PyRunner('sys.exit(7)', iterPeriod=4)]\nscene.run(steps=100)")
+    run = process(
+        "go.dead = True\nscene.engines = [*scene.engines, mpm.PyRunner('sys.exit(7)', iterPeriod=4)]\nscene.run(steps=100)"
+    )
     run.communicate(timeout=30)
     assert run.returncode == 7
     assert mpm.load("yade_mpm.checkpoint.failed.h5", callbacks={"go": None}).steps == 4
@@ -296,8 +364,13 @@ def test_a_background_run_is_waited_for_and_paused():
     scene.run(steps=10**9, background=True)
     while scene.steps == 50:
         time.sleep(0.001)
-    for forbidden in (lambda: scene.run(steps=1), scene.step, lambda: scene.save("x.h5"), scene.criticalTimeStep,
-                      lambda: scene.add("b", box((0, 0), (0.5, 0.5)), scene["soft"].material, mpm.UGIMP())):
+    for forbidden in (
+        lambda: scene.run(steps=1),
+        scene.step,
+        lambda: scene.save("x.h5"),
+        scene.criticalTimeStep,
+        lambda: scene.add("b", box((0, 0), (0.5, 0.5)), scene["soft"].material, mpm.UGIMP()),
+    ):
         with pytest.raises(RuntimeError, match="a run is going on in the background"):
             forbidden()
     scene.pause()
@@ -326,7 +399,9 @@ def test_pause_in_a_callback_stops_after_that_step(period, background):
         scene.run(steps=10**6, background=background)
         scene.wait()
         stops.append(scene.steps if "iterPeriod" in period else scene.time)
-    assert np.allclose(stops, [7, 14, 21] if "iterPeriod" in period else [0.05, 0.1, 0.15], rtol=0, atol=0.5 * scene.dt)
+    assert np.allclose(
+        stops, [7, 14, 21] if "iterPeriod" in period else [0.05, 0.1, 0.15], rtol=0, atol=0.5 * scene.dt
+    )
 
 
 def test_runs_can_be_cut_in_pieces(monkeypatch):
@@ -335,7 +410,11 @@ def test_runs_can_be_cut_in_pieces(monkeypatch):
     whole.run(steps=40)
     for steps in (0, 3, 7, 1, 19, 10):
         pieces.run(steps=steps)
-    assert pieces.steps == 40 and np.array_equal(whole["soft"].stress, pieces["soft"].stress) and whole.time == pieces.time
+    assert (
+        pieces.steps == 40
+        and np.array_equal(whole["soft"].stress, pieces["soft"].stress)
+        and whole.time == pieces.time
+    )
     stepped = smallScene(velocity=(0.1, 0.2))
     for _ in range(5):
         stepped.step()
@@ -345,9 +424,16 @@ def test_runs_can_be_cut_in_pieces(monkeypatch):
 @pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
 def test_loads_act_under_every_scheme_wherever_the_updater_was_put(scheme):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme)
-    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.APDI())
-    scene.engines = [mpm.ParticleToGrid(), mpm.BoundaryLoad(body, traction=(1.0, 0.0)), mpm.GridSolver(), mpm.GridToParticle(),
-                     mpm.DomainUpdater()]
+    body = scene.add(
+        "mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.APDI()
+    )
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.BoundaryLoad(body, traction=(1.0, 0.0)),
+        mpm.GridSolver(),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.run(steps=10)
     assert (body.mass * body.velocity[:, 0]).sum() == pytest.approx(4.0 * scene.time, rel=0.02)
 
@@ -355,15 +441,27 @@ def test_loads_act_under_every_scheme_wherever_the_updater_was_put(scheme):
 def test_vertices_and_particles_follow_the_same_nodes_under_a_load():
     """Under USL vertices move with the solution on the nodes, and so do particles with flip = 0: their velocity is the mean of their corners'."""
     scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme="USL")
-    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.APDI(size=0.25))
-    scene.engines = [mpm.ParticleToGrid(), mpm.BoundaryLoad(body, traction=(1.0, 2.0)), mpm.GridSolver(gravity=(0.0, -9.81)),
-                     mpm.GridToParticle(flip=0.0), mpm.DomainUpdater()]
+    body = scene.add(
+        "mesh",
+        box((0.5, 0.5), (1.5, 1.5)),
+        mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)),
+        mpm.APDI(size=0.25),
+    )
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.BoundaryLoad(body, traction=(1.0, 2.0)),
+        mpm.GridSolver(gravity=(0.0, -9.81)),
+        mpm.GridToParticle(flip=0.0),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = 1e-4
     before = body.vertices.copy()
     scene.run(steps=1)
     corners = (body.vertices - before)[body.cells].mean(axis=1) / scene.dt
     assert body.velocity == pytest.approx(corners, rel=1e-6, abs=1e-10)
-    assert (body.mass[:, None] * body.velocity).sum(axis=0) == pytest.approx([4.0 * scene.dt, (8.0 - 9.81) * scene.dt], rel=1e-9)
+    assert (body.mass[:, None] * body.velocity).sum(axis=0) == pytest.approx(
+        [4.0 * scene.dt, (8.0 - 9.81) * scene.dt], rel=1e-9
+    )
 
 
 def test_estimates_of_the_time_step_leave_no_trace(monkeypatch):
@@ -384,7 +482,9 @@ def test_estimates_of_the_time_step_leave_no_trace(monkeypatch):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_rates_stay_with_their_particles_where_an_estimate_sorts_these(dim):
     scene = mpm.Scene((0,) * dim, (2,) * dim, 0.25)
-    body = scene.add("soft", box((0.5,) * dim, (1.5,) * dim), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP())
+    body = scene.add(
+        "soft", box((0.5,) * dim, (1.5,) * dim), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP()
+    )
     body.velocity = (0.0,) * (dim - 1) + (-3.0,)
     scene.dt, sorts = 1e-3, 0
     for _ in range(150):
@@ -409,7 +509,12 @@ def test_the_ramp_of_a_later_drive_counts_from_its_first_run():
     scene = smallScene()
     scene.run(until=0.5)
     drive = mpm.Drive(scene["soft"], velocity=(0.1, None), ramp=0.2)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(drive=drive), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(drive=drive),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     start = scene.time
     scene.run(until=start + 0.1)
     assert scene["soft"].velocity[:, 0] == pytest.approx(0.05, rel=0.2)
@@ -446,8 +551,11 @@ def test_a_folded_domain_leaves_no_piece_without_mass():
 def test_a_domain_turned_inside_out_is_refused_not_converted():
     scene = pulledMesh("convert")
     scene["mesh"].vertices[0] += 0.4  # far beyond the opposite corner's diagonal: the area is negative
-    with pytest.raises(RuntimeError, match=r"step \d: domain of particle 0 in 'mesh' at \(.*\) turned inside out within one step "
-                                           r"\(-.* of 0.25 m2\): its stress has no meaning and it cannot be converted; lower dt"):
+    with pytest.raises(
+        RuntimeError,
+        match=r"step \d: domain of particle 0 in 'mesh' at \(.*\) turned inside out within one step "
+        r"\(-.* of 0.25 m2\): its stress has no meaning and it cannot be converted; lower dt",
+    ):
         scene.run(steps=1)
     assert scene["mesh"].count == 4 and scene["mesh (converted)"].count == 0
 
@@ -518,11 +626,18 @@ def test_a_distorted_mesh_settles(scheme):
     """Hourglass control leaves forces on its nodes, 0.4 % of the mean, that no particle feels."""
     x, y = np.meshgrid(np.linspace(0, 1, 5), np.linspace(0, 2.5, 11))
     x += 0.05 * np.sin(2 * np.pi * x) * np.sin(np.pi * y / 2.5)
-    mesh = np.stack([x.ravel(), y.ravel()], axis=1), [(k, k + 1, k + 6, k + 5) for k in range(50) if k % 5 < 4]
+    mesh = (
+        np.stack([x.ravel(), y.ravel()], axis=1),
+        [(k, k + 1, k + 6, k + 5) for k in range(50) if k % 5 < 4],
+    )
     scene = mpm.Scene((0, 0), (1, 3), 0.25, scheme=scheme)
     column = scene.add("column", mesh, mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3), mpm.APDI())
-    scene.engines = [mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right")) if isinstance(e, mpm.GridSolver) else e
-                     for e in scene.engines]
+    scene.engines = [
+        mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
+        if isinstance(e, mpm.GridSolver)
+        else e
+        for e in scene.engines
+    ]
     assert scene.unbalancedForce() > 0.1  # control: gravity has just begun
     scene.settle(tolerance=1e-4, maxSteps=5000)
     error = column.stress[:, 1, 1] + 2.0 * 9.81 * (2.5 - column.reference[:, 1])
@@ -531,9 +646,16 @@ def test_a_distorted_mesh_settles(scheme):
 
 def test_a_ramp_counts_from_the_end_of_settling():
     scene = mpm.Scene((0, 0), (1, 1), 0.25)
-    block = scene.add("block", box((0, 0), (1, 0.5)), mpm.LinearElastic(density=1.0, young=1e3, poisson=0.2), mpm.UGIMP())
+    block = scene.add(
+        "block", box((0, 0), (1, 0.5)), mpm.LinearElastic(density=1.0, young=1e3, poisson=0.2), mpm.UGIMP()
+    )
     drive = mpm.Drive(block.above(0.4), (None, 0), ramp=0.1)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0, -1), fixed="bottom", drive=drive), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -1), fixed="bottom", drive=drive),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     assert scene.settle() > 0 and scene.time > 0.1
     drive.velocity = (None, -0.1)
     before = block.position[:, 1].max()
@@ -544,10 +666,14 @@ def test_a_ramp_counts_from_the_end_of_settling():
 def test_a_run_looks_up_no_more_than_it_must(monkeypatch):
     """Loops of short runs are common: similar names and the nodes of faces are not searched in each run."""
     scene = smallScene(mpm.PyRunner(lambda: None, iterPeriod=5))
-    scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed=("bottom",), hold=mpm.Hold(box((0.4, 0.4), (0.8, 0.8)), (0, None)))
+    scene.engines[1] = mpm.GridSolver(
+        gravity=(0, -9.81), fixed=("bottom",), hold=mpm.Hold(box((0.4, 0.4), (0.8, 0.8)), (0, None))
+    )
     scene.run(steps=1)
+
     def refuse(*arguments):
         raise AssertionError("looked up again")
+
     monkeypatch.setattr(yade_mpm.attributes, "didYouMean", refuse)
     monkeypatch.setattr(mpm.Scene, "nodePositions", refuse)
     scene.run(steps=3)

@@ -3,9 +3,9 @@
 
 Cells of 0.5 m, boxes of 0.25 m; gaps of up to 0.25 m are bridged.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 from yade_mpm.surface import groundSurface
@@ -31,8 +31,14 @@ def surface(made, level=2.0, hole=None):
 BLOCK, MIDDLE = box((0, 0), (10, 2)), box((4, 0), (6, 2))
 
 
-@pytest.mark.parametrize("bodies, meshed", [({"a": (BLOCK, UGIMP)}, 0), ({"a": (BLOCK, APDI)}, 10),
-                                            ({"a": (BLOCK - MIDDLE, APDI), "b": (MIDDLE, UGIMP)}, 8)])
+@pytest.mark.parametrize(
+    "bodies, meshed",
+    [
+        ({"a": (BLOCK, UGIMP)}, 0),
+        ({"a": (BLOCK, APDI)}, 10),
+        ({"a": (BLOCK - MIDDLE, APDI), "b": (MIDDLE, UGIMP)}, 8),
+    ],
+)
 def test_a_level_block_has_a_level_surface_from_end_to_end(bodies, meshed):
     s = surface(scene(**bodies))
     assert s.y == pytest.approx(2.0, abs=1e-12) and (np.diff(s.x) > 0).all()
@@ -130,7 +136,9 @@ def test_the_open_ground_beside_a_hole_is_what_the_surface_does_not_reach():
 def test_the_cavity_is_below_the_open_ground_and_the_trough_elsewhere():
     s = surface(withCrater(), hole=(4.5, 5.0))
     assert s.areas(2.0, 0.5) == pytest.approx((0, (1 + 2) * 0.25, 4 - 0.5), abs=2e-3)
-    assert s.areas(2.0, 1.1) == pytest.approx((0, 3 * 0.25 + 3.5, 0), abs=2e-3), "control: nothing interrupts it"
+    assert s.areas(2.0, 1.1) == pytest.approx((0, 3 * 0.25 + 3.5, 0), abs=2e-3), (
+        "control: nothing interrupts it"
+    )
     assert s.areas(1.5, 0.5)[0] == pytest.approx((2 + 1) * 0.5 + (1 + 2) * 0.25, abs=2e-3)
 
 
@@ -138,18 +146,24 @@ def test_what_the_hole_holds_counts_nowhere():
     made = scene(soil=(BLOCK | box((4, 2), (5, 4)), UGIMP))
     assert surface(made, hole=(4, 5)).areas(2.0, 0.5) == pytest.approx((0, 0, 0), abs=1e-9)
     assert surface(made, hole=(4, 5)).isContinuous(0.5)
-    assert surface(made).areas(2.0, 0.5)[0] == pytest.approx(2, abs=0.01) and not surface(made).isContinuous(0.5)  # control
+    assert surface(made).areas(2.0, 0.5)[0] == pytest.approx(2, abs=0.01) and not surface(made).isContinuous(
+        0.5
+    )  # control
 
 
 # --- isolated particles -------------------------------------------------------------------------------------
-@pytest.mark.parametrize("away, isolated", [((0, 0.24), 0), ((0, 0.26), 1), ((0.17, 0.17), 0), ((0.19, 0.19), 1)])
+@pytest.mark.parametrize(
+    "away, isolated", [((0, 0.24), 0), ((0, 0.26), 1), ((0.17, 0.17), 0), ((0.19, 0.19), 1)]
+)
 def test_a_box_is_isolated_by_a_gap_of_more_than_half_a_cell(away, isolated):
     """A box that stands on the corner of a block moves away, up or along the diagonal."""
     made = scene(soil=(box((0, 0), (4, 2)), UGIMP), stone=(box((4, 2), (4.25, 2.25)), UGIMP))
     made["stone"].position[...] += away
     s = surface(made)
     assert s.isolated == isolated
-    assert np.nanmax(s.y) == pytest.approx(2.0 if isolated else 2.25 + away[1]), "only what hangs together is ground"
+    assert np.nanmax(s.y) == pytest.approx(2.0 if isolated else 2.25 + away[1]), (
+        "only what hangs together is ground"
+    )
 
 
 @pytest.mark.parametrize("patch, side", [(6, -1), (0, 1)])
@@ -158,7 +172,9 @@ def test_a_patch_is_isolated_as_a_whole_and_the_larger_part_is_the_ground(patch,
     s = surface(made)
     assert s.isolated == 16 and (s.x[0], s.x[-1]) == pytest.approx((2, 5), abs=1e-6)
     position = made["soil"].position
-    position[(position[:, 0] > patch) & (position[:, 0] < patch + 1), 0] += 0.8 * side  # a gap of 0.2 m, which is less than half a cell
+    position[(position[:, 0] > patch) & (position[:, 0] < patch + 1), 0] += (
+        0.8 * side
+    )  # a gap of 0.2 m, which is less than half a cell
     assert surface(made).isolated == 0
 
 
@@ -172,8 +188,14 @@ def test_boxes_hang_on_domains_and_domains_on_each_other(gap, isolated):
 
 # --- what cannot be -----------------------------------------------------------------------------------------
 def test_a_hole_at_the_end_of_the_ground_has_one_side():
-    assert surface(scene(soil=(box((2, 0), (8, 2)), UGIMP)), hole=(1, 2.0)).openBeside(0.5) == (0, pytest.approx(0, abs=1e-6))
-    assert surface(scene(soil=(box((2, 0), (8, 2)), UGIMP)), hole=(0, 1.0)).openBeside(0.5) == (0, pytest.approx(1, abs=1e-6))
+    assert surface(scene(soil=(box((2, 0), (8, 2)), UGIMP)), hole=(1, 2.0)).openBeside(0.5) == (
+        0,
+        pytest.approx(0, abs=1e-6),
+    )
+    assert surface(scene(soil=(box((2, 0), (8, 2)), UGIMP)), hole=(0, 1.0)).openBeside(0.5) == (
+        0,
+        pytest.approx(1, abs=1e-6),
+    )
 
 
 def test_a_ground_without_surface_is_refused():

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The results are the same bits for any number of threads."""
+
 import os
 import subprocess
 import sys
 from math import radians
 
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box, pace, running
 
@@ -16,13 +16,22 @@ THREADS = (1, 2, 3, 8, 16)
 def hybrid(scheme="MUSL"):
     """Two blocks of uGIMP soil that collapse onto a matched mesh with hanging vertices; one of them flies off."""
     scene = mpm.Scene((0, 0), (8, 8), 0.25, scheme=scheme)
-    soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25))
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25)
+    )
     near = scene.add("near", box((2, 2), (6, 5)), soil, mpm.UGIMP(perCell=3), fbar=True)
     scene.add("floor", box((0, 0), (8, 2)), soil, mpm.APDI(size=0.25, matched=near), fbar=True)
-    flying = scene.add("flying", box((3, 5), (5, 6)), mpm.NeoHookean(density=1.0, lame=(2e3, 1e3)), mpm.UGIMP(perCell=3))
+    flying = scene.add(
+        "flying", box((3, 5), (5, 6)), mpm.NeoHookean(density=1.0, lame=(2e3, 1e3)), mpm.UGIMP(perCell=3)
+    )
     flying.velocity, near.velocity = (0.0, 6.0), (1.0, -1.0)
-    solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.05, roller=("left", "right"), fixed="bottom",
-                            drive=mpm.Drive(near.below(2.5), velocity=(0.5, None)))
+    solver = mpm.GridSolver(
+        gravity=(0, -9.81),
+        damping=0.05,
+        roller=("left", "right"),
+        fixed="bottom",
+        drive=mpm.Drive(near.below(2.5), velocity=(0.5, None)),
+    )
     scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     return scene
 
@@ -31,25 +40,37 @@ def shaken(scheme="MUSL"):
     """Blocks of uGIMP soil above an elastic mesh; `take` shakes the box so that they fly across the grid and back."""
     scene = mpm.Scene((0, 0), (8, 8), 0.25, scheme=scheme)
     rubber = mpm.NeoHookean(density=1.0, lame=(4e3, 2e3))
-    soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(2e3, 1.5e3), cohesion=5.0, frictionAngle=radians(25))
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(2e3, 1.5e3), cohesion=5.0, frictionAngle=radians(25)
+    )
     first = scene.add("flying", box((1, 3), (2, 4)), soil, mpm.UGIMP(perCell=2))
     second = scene.add("other", box((5, 4), (6.5, 5)), soil, mpm.UGIMP(perCell=2))
     scene.add("floor", box((0, 0), (8, 1.5)), rubber, mpm.APDI(size=0.25, matched=first))
     first.velocity, second.velocity = (3.0, -2.0), (-2.0, 1.0)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right", "top"), fixed="bottom"),
-                     mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right", "top"), fixed="bottom"),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     return scene
 
 
 def solid(scheme="MUSL"):
     """The same in 3D, smaller: the mesh keeps its shape functions there."""
     scene = mpm.Scene((0, 0, 0), (3, 3, 6), 0.5, scheme=scheme)
-    soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25))
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25)
+    )
     scene.add("floor", box((0, 0, 0), (3, 3, 2)), soil, mpm.APDI(size=0.25), fbar=True)
     block = scene.add("block", box((0.5, 0.5, 3), (2.5, 2.5, 4.5)), soil, mpm.UGIMP(perCell=2))
     block.velocity = (0.5, 0.5, -6.0)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0, 0, -9.81), fixed=("left", "right", "front", "back", "bottom")),
-                     mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, 0, -9.81), fixed=("left", "right", "front", "back", "bottom")),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     return scene
 
 
@@ -69,6 +90,7 @@ def digest(scene):
     import hashlib
 
     import numpy as np
+
     text = hashlib.sha256(repr([scene.dt, scene.core.energies, [c.work for c in scene.constraints]]).encode())
     for body in scene.bodies:
         for field in body.fields():
@@ -95,14 +117,29 @@ def orders(scene):
     return [(b.id.tolist(), b.core.tables()["blockStart"]) for b in scene.bodies if b.cells is None]
 
 
-@pytest.mark.parametrize("name, scheme, steps", [
-    ("hybrid", "MUSL", 200), ("hybrid", "USF", 40), ("solid", "USL", 30), ("solid", "MUSL", 60),
-    ("shaken", "MUSL", 10000)])
+@pytest.mark.parametrize(
+    "name, scheme, steps",
+    [
+        ("hybrid", "MUSL", 200),
+        ("hybrid", "USF", 40),
+        ("solid", "USL", 30),
+        ("solid", "MUSL", 60),
+        ("shaken", "MUSL", 10000),
+    ],
+)
 def test_threads_do_not_change_a_bit(tmp_path, name, scheme, steps):
     # In a process of its own, where waiting threads sleep: the machine may have fewer cores than threads.
-    environment = dict(os.environ, OMP_WAIT_POLICY="passive", PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    out = subprocess.run([sys.executable, __file__, name, scheme, str(steps)], env=environment, capture_output=True, text=True,
-                         timeout=1800, cwd=tmp_path)
+    environment = dict(
+        os.environ, OMP_WAIT_POLICY="passive", PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__))
+    )
+    out = subprocess.run(
+        [sys.executable, __file__, name, scheme, str(steps)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=1800,
+        cwd=tmp_path,
+    )
     assert out.returncode == 0, out.stderr
     *runs, control = out.stdout.split()
     assert len(runs) == len(THREADS) and set(runs) == {runs[0]}
@@ -118,9 +155,9 @@ def test_callbacks_may_change_the_number_of_threads_and_run_another_scene():
     numbers, seen = iter([1, 2, 2, 3, 1, 1, 3, 2]), []
 
     def change(s):
-        other.threads = s.threads                # the same threads, within the other scene's step,
+        other.threads = s.threads  # the same threads, within the other scene's step,
         other.run(steps=1, progress=False)
-        s.threads = next(numbers)                # or others from the next step on
+        s.threads = next(numbers)  # or others from the next step on
         seen.append(s.threads)
 
     scene.threads = 2
@@ -141,7 +178,9 @@ def test_a_run_that_changes_its_number_of_threads_gives_the_same_bits(monkeypatc
     for name, value in dict(FIRST=0.0, LATER=0.0, TRIAL=0.0, GAIN=2.0).items():
         monkeypatch.setattr(pace, name, value)
     monkeypatch.setattr(running, "SLICE", 0.0)
-    monkeypatch.setattr(mpm.Scene, "threads", property(lambda scene: scene._threads or 3, mpm.Scene.threads.fset))
+    monkeypatch.setattr(
+        mpm.Scene, "threads", property(lambda scene: scene._threads or 3, mpm.Scene.threads.fset)
+    )
     scene, seen = hybrid(), []
     look = pace.Pace.look
     monkeypatch.setattr(pace.Pace, "look", lambda self: (look(self), seen.append(scene.core.threads)))
@@ -174,8 +213,17 @@ body.velocity[...] = np.random.default_rng(1).random((body.count, 2))
 body.stress[...] = np.random.default_rng(2).random(body.count)[:, None, None] * np.eye(3)
 print(mpm.diagnostics.kineticEnergy(scene), *mpm.diagnostics.momentum(scene), mpm.diagnostics.sectionForce(body, 50, thickness=96))"""
     environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    runs = [subprocess.run([sys.executable, "-c", text], env={**environment, "OMP_NUM_THREADS": n, "OPENBLAS_NUM_THREADS": n}, capture_output=True,
-                           text=True, timeout=300, cwd=tmp_path) for n in "12"]
+    runs = [
+        subprocess.run(
+            [sys.executable, "-c", text],
+            env={**environment, "OMP_NUM_THREADS": n, "OPENBLAS_NUM_THREADS": n},
+            capture_output=True,
+            text=True,
+            timeout=300,
+            cwd=tmp_path,
+        )
+        for n in "12"
+    ]
     assert runs[0].returncode == 0, runs[0].stderr
     assert len(runs[0].stdout.split()) == 4 and runs[0].stdout == runs[1].stdout
 

@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The exchange between bodies of YADE and a RigidContact: nothing is missed, nothing is lost between O.save and O.load."""
+
 import json
 
 import numpy as np
 import pytest
-from yadeProcess import needsYade, run
-
 import yade_mpm as mpm
 from yade_mpm import _core, rigid
+from yadeProcess import needsYade, run
 
 
 # --- bodies that are far are left out ---------------------------------------------------------------------
 @needsYade
-@pytest.mark.parametrize("how, options", [("far", {}), ("late", {}), ("hand", {}), ("far", {"mpmSteps": 3}), ("late", {"demSteps": 3})])
+@pytest.mark.parametrize(
+    "how, options",
+    [("far", {}), ("late", {}), ("hand", {}), ("far", {"mpmSteps": 3}), ("late", {"demSteps": 3})],
+)
 def test_a_body_that_comes_from_afar_is_not_missed(tmp_path, how, options):
     script = "import bodies\nsay('hit', bodies.shoot({!r}, {}, **{}))"
     said = {}
@@ -28,6 +31,7 @@ def test_a_body_that_comes_from_afar_is_not_missed(tmp_path, how, options):
 # --- without YADE -----------------------------------------------------------------------------------------
 class State:
     """As a host has it that knows no vectors of Eigen."""
+
     pos, ori, vel, angVel = (0.1, 0.2, 0.3), (0.0, 0.0, 0.6, 0.8), (1, 2, 3), (4, 5, 6)
 
 
@@ -52,7 +56,9 @@ def test_states_and_forces_of_a_host_without_vectors():
     contact, forces, between = exchange(rigid.Box((1, 1, 1)))
     between.read(0, 1e-3, 1e-3, 1, False)
     assert contact.positions[0].tolist() == [0.1, 0.2, 0.3] and contact.velocities[0].tolist() == [1, 2, 3]
-    assert contact.orientations[0] == pytest.approx([0.8, 0, 0, 0.6]) and contact.angularVelocities[0].tolist() == [4, 5, 6]
+    assert contact.orientations[0] == pytest.approx([0.8, 0, 0, 0.6]) and contact.angularVelocities[
+        0
+    ].tolist() == [4, 5, 6]
     contact.core.set("impulses", [2.0, 0, 0, 0, 0, 4.0])
     between.apply(0, 1e-3, 0.5)
     between.apply(1, 1e-3, 0.5)  # in the next step of the same cycle: the same again
@@ -63,15 +69,21 @@ def test_the_scene_may_lie_in_another_plane():
     frame = np.array([(1.0, 0, 0), (0, 0, 1), (0, -1, 0)])  # its y is the host's z
     contact, forces, between = exchange(rigid.Box((1, 1, 1)), frame)
     between.read(0, 1e-3, 1e-3, 1, False)
-    assert contact.positions[0] == pytest.approx([0.1, 0.3, -0.2]) and contact.velocities[0] == pytest.approx([1, 3, -2])
-    assert contact.orientations[0] == pytest.approx([0.8, 0, 0.6, 0]) and contact.angularVelocities[0] == pytest.approx([4, 6, -5])
+    assert contact.positions[0] == pytest.approx([0.1, 0.3, -0.2]) and contact.velocities[0] == pytest.approx(
+        [1, 3, -2]
+    )
+    assert contact.orientations[0] == pytest.approx([0.8, 0, 0.6, 0]) and contact.angularVelocities[
+        0
+    ] == pytest.approx([4, 6, -5])
     contact.core.set("impulses", [0, 2.0, 0, 0, 0, 4.0])
     between.apply(0, 1e-3, 1.0)
     assert forces.given == [("F", 7, (0, 0, 2.0), False), ("T", 7, (0, -4.0, 0), False)]
 
 
 def test_shapes_may_be_turned_against_the_state():
-    contact, _, between = exchange(rigid.Box((1, 1, 1)), turn=(0.6, 0, 0, -0.8))  # by -106.26 degrees after 73.74
+    contact, _, between = exchange(
+        rigid.Box((1, 1, 1)), turn=(0.6, 0, 0, -0.8)
+    )  # by -106.26 degrees after 73.74
     between.read(0, 1e-3, 1e-3, 1, False)
     assert contact.orientations[0] == pytest.approx([0.96, 0, 0, -0.28])
 
@@ -113,32 +125,39 @@ def test_save_and_load_bring_the_bodies_back_with_the_same_bits(tmp_path, mpmSte
     loaded, _ = run(LOAD.format(isCut=False), tmp_path)
     assert loaded["bodies"] == ["Bodies"] and loaded["on"] == said["on"]
     if demSteps == 1 and mpmSteps == 1:
-        twice, _ = run("""
+        twice, _ = run(
+            """
 import bodies
 O.load("state.yade.gz")
 coupling = inYade.attach()
 coupling.exchanges.append(inYade.Bodies(coupling.scene.engines[1], bodies.IDS))
 say("twice", fails(RuntimeError, lambda: O.run(1, True)))
-""", tmp_path)
+""",
+            tmp_path,
+        )
         assert "two of them serve one RigidContact" in twice["twice"]
         assert run(LOAD.format(isCut=True), tmp_path)[0]["on"] != said["on"], "control: without the bodies"
 
 
 @needsYade
 def test_a_contact_takes_the_bodies_of_one_exchange(tmp_path):
-    said, _ = run("""
+    said, _ = run(
+        """
 from yade import utils
 contact = mpm.RigidContact()
 O.bodies.append([utils.sphere((0, 0, 0), 1), utils.sphere((3, 0, 0), 2)])
 inYade.Bodies(contact, [0])
 say("other", fails(ValueError, lambda: inYade.Bodies(contact, [1])))
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert "has other rigid bodies already" in said["other"]
 
 
 @needsYade
 def test_bodies_that_nobody_has_put_into_exchanges_and_a_contact_out_of_the_engines_are_told(tmp_path):
-    said, err = run("""
+    said, err = run(
+        """
 import bodies
 soil, contact, coupling = bodies.build(True, isCoupled=False)
 O.run(1, True)
@@ -147,14 +166,25 @@ coupling.scene.engines = [e for e in coupling.scene.engines if e is not contact]
 coupling = inYade.attach(coupling.scene)
 coupling.exchanges.append(inYade.Bodies(contact, bodies.IDS))
 say("left out", fails(RuntimeError, lambda: O.run(1, True)))
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert err.count("warning: the inYade.Bodies of a RigidContact of 'mpm' are not in exchanges") == 1
-    assert "the RigidContact of bodies [0, 1] is not among the engines of the scene 'mpm'; put it behind ParticleToGrid" in said["left out"]
-    assert "not in exchanges" not in run("""
+    assert (
+        "the RigidContact of bodies [0, 1] is not among the engines of the scene 'mpm'; put it behind ParticleToGrid"
+        in said["left out"]
+    )
+    assert (
+        "not in exchanges"
+        not in run(
+            """
 import bodies
 bodies.build(True)
 O.run(1, True)
-""", tmp_path)[1]
+""",
+            tmp_path,
+        )[1]
+    )
 
 
 MISTAKES = """
@@ -187,25 +217,43 @@ say("steps", scene.steps)
 @pytest.mark.parametrize("body", ("dense", "light"))
 def test_mistakes_with_bodies_and_engines_of_yade_are_told(tmp_path, body):
     said, err = run(MISTAKES.replace("{body}", body), tmp_path)
-    assert "a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, ids) before" in said["no bodies"]
+    assert (
+        "a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, ids) before"
+        in said["no bodies"]
+    )
     assert "contact = [0]; give a mpm.RigidContact()" in said["no contact"]
-    assert all("give numbers of bodies, as O.bodies.append returns them" in said[name] for name in ("body", "text", "share"))
-    assert "O.engines has lost 5 of the 5 engines of 'mpm': it was assigned after inYade.attach(); attach the scene again" in said["lost"]
+    assert all(
+        "give numbers of bodies, as O.bodies.append returns them" in said[name]
+        for name in ("body", "text", "share")
+    )
+    assert (
+        "O.engines has lost 5 of the 5 engines of 'mpm': it was assigned after inYade.attach(); attach the scene again"
+        in said["lost"]
+    )
     assert said["steps"] == 2
-    assert err.count("warning: inYade.Bodies: body 0 has a density of 1e+03 Mg/m3, the densest of the scene 2; ") == (body == "dense")
+    assert err.count(
+        "warning: inYade.Bodies: body 0 has a density of 1e+03 Mg/m3, the densest of the scene 2; "
+    ) == (body == "dense")
     assert err.count("warning") == (body == "dense")
 
 
 @needsYade
 def test_the_benchmark_runs(tmp_path):
-    run("""
+    run(
+        """
 import bench_yade
 sys.argv += ["--bodies", "5", "--repeats", "2", "--out", "figures.json"]
 bench_yade.main()
-""", tmp_path)
+""",
+        tmp_path,
+    )
     [figures] = json.loads((tmp_path / "figures.json").read_text())
     assert figures["bodies"] == 5 and figures["contacts"] >= 5
-    assert 0 < figures["far"] < figures["mpm"] and 0 < figures["exchange"] < figures["mpm"] and figures["bridge"] > 0
+    assert (
+        0 < figures["far"] < figures["mpm"]
+        and 0 < figures["exchange"] < figures["mpm"]
+        and figures["bridge"] > 0
+    )
 
 
 # --- clumps and planes ------------------------------------------------------------------------------------
@@ -259,17 +307,21 @@ def test_a_clump_touches_with_its_members_however_its_frame_is_turned(tmp_path):
 
 @needsYade
 def test_a_clump_in_another_plane_comes_back_with_the_same_bits(tmp_path):
-    said, _ = run("""
+    said, _ = run(
+        """
 import planes
 say("on", planes.fall("xz"))
 say("loaded", planes.fall("xz", isSaved=True))
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert said["on"] == said["loaded"] and said["on"]["contacts"] >= 2
 
 
 @needsYade
 def test_the_facets_of_a_polyhedron_enclose_it(tmp_path):
-    said, _ = run("""
+    said, _ = run(
+        """
 import bodies
 import numpy as np
 O.bodies.append(bodies.polyhedron((1, 2, 3), (0.1, 0.2, 0.3)))
@@ -282,6 +334,8 @@ say("sum", area.sum(axis=0).tolist())
 say("area", np.linalg.norm(area, axis=1).sum())
 say("volume", (corners[:, 0] * area).sum() / 3)
 say("half thickness", sorted(set(rows[:, 11])))
-""", tmp_path)
+""",
+        tmp_path,
+    )
     assert said["sum"] == pytest.approx([0, 0, 0], abs=1e-12) and said["half thickness"] == [0.005]
     assert said["area"] == pytest.approx(8 * (0.02 + 0.06 + 0.03)) and said["volume"] == pytest.approx(0.048)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Boulders of YADE fall on soil (scripts/yade_boulders.py): they come to rest, the soil carries them, nothing is lost."""
+
 import h5py
 import pytest
 from yadeProcess import needsYade, run
@@ -35,7 +36,9 @@ def test_boulders_come_to_rest_on_the_soil(rest):
     assert max(r["fastest"] for r in rows[-10:]) < 0.2  # m/s, in the last half second
     assert rows[-1]["bouldersKinetic"] < 1e-3 * summary["fallingEnergy"]
     assert summary["onSoil"] == 3
-    assert 0 < summary["penetrationMean"] and summary["penetrationLargest"] < 0.2  # m: none has sunk in to its centre
+    assert (
+        summary["penetrationMean"] > 0 and summary["penetrationLargest"] < 0.2
+    )  # m: none has sunk in to its centre
     assert max(r["fastest"] for r in rows) > 4  # m/s: they did fall
 
 
@@ -51,7 +54,9 @@ def test_no_momentum_is_lost(rest):
 
 def surplus(summary, rows):
     """Largest energy that is there beyond what falling has set free, kJ."""
-    return max(r["workOnSoil"] + r["frictionWork"] + r["bouldersKinetic"] + r["bouldersPotential"] for r in rows)
+    return max(
+        r["workOnSoil"] + r["frictionWork"] + r["bouldersKinetic"] + r["bouldersPotential"] for r in rows
+    )
 
 
 def test_no_energy_comes_from_nowhere(rest):
@@ -66,12 +71,19 @@ def test_both_recorders_show_the_same_times(rest):
     with h5py.File(folder / "soil.vtkhdf") as h5:
         times = h5["VTKHDF/Steps/Values"][:]
     frames = sorted(int(p.name.split(".")[1]) for p in folder.glob("boulders-spheres.*.vtu"))
-    assert [n * summary["dt"] for n in frames] == pytest.approx(times[:len(frames)].tolist(), rel=1e-9) and len(times) - len(frames) <= 1
+    assert [n * summary["dt"] for n in frames] == pytest.approx(
+        times[: len(frames)].tolist(), rel=1e-9
+    ) and len(times) - len(frames) <= 1
 
 
 def test_control_without_the_forces_on_the_boulders(tmp_path):
-    summary, rows = fall(tmp_path, "--out", str(tmp_path), until=0.2,
-                         change="inYade.Bodies.apply = lambda self, coupling: None; boulders.DROP = 0.05")
+    summary, rows = fall(
+        tmp_path,
+        "--out",
+        str(tmp_path),
+        until=0.2,
+        change="inYade.Bodies.apply = lambda self, coupling: None; boulders.DROP = 0.05",
+    )
     assert summary["momentumError"] > 1e-2 * summary["momentumExchanged"]
     assert abs(summary["meanForceAtEnd"] - summary["weight"]) > 0.3 * summary["weight"]
     assert surplus(summary, rows) > 0.02 * summary["fallingEnergy"]

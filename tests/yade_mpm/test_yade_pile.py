@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The coupled pile of scripts/yade_pile.py in the real YADE."""
+
 import csv
 
 import numpy as np
@@ -17,7 +18,9 @@ sys.argv += ["--smoke", "--threads", "1", "--out", "out"]
 
 # --- driven by its velocity -----------------------------------------------------------------------------------
 FRICTIONS = 0.0, 0.3, 0.6
-DRIVEN = SMOKE + """
+DRIVEN = (
+    SMOKE
+    + """
 a = yade_pile.arguments()
 a.friction = {friction}
 result = yade_pile.run(a, "out")
@@ -32,11 +35,14 @@ say("pile", dict(depth=result["depth"].tolist(), time=result["time"].tolist(), r
                  finite=all(bool(np.isfinite(getattr(b, f)).all()) for b in scene.bodies for f in ("position", "velocity", "stress")),
                  summary=result["summary"], arguments=vars(a)))
 """
+)
 
 
 @pytest.fixture(scope="module")
 def driven(tmp_path_factory):
-    return {f: run(DRIVEN.format(friction=f), tmp_path_factory.mktemp("driven"))[0]["pile"] for f in FRICTIONS}
+    return {
+        f: run(DRIVEN.format(friction=f), tmp_path_factory.mktemp("driven"))[0]["pile"] for f in FRICTIONS
+    }
 
 
 @pytest.fixture(params=FRICTIONS)
@@ -73,7 +79,9 @@ def test_no_particle_gets_into_the_pile_and_nothing_is_lost(pile):
 
 
 # --- driven by a hammer ---------------------------------------------------------------------------------------
-HAMMERED = SMOKE + """
+HAMMERED = (
+    SMOKE
+    + """
 sys.argv += ["--drive", "hammer", "--cell", "0.5"]
 a = yade_pile.arguments()
 result = yade_pile.run(a, "hammer")
@@ -82,6 +90,7 @@ say("result", dict(depth=result["depth"].tolist(), time=result["time"].tolist(),
                    weight=(pile.mass + hammer.mass) * yade_pile.GRAVITY, masses=[pile.mass, hammer.mass], speed=[pile.vel[1], hammer.vel[1]],
                    clearance=hammer.pos[1] - yade_pile.HAMMER_RADIUS - O.bodies[1].state.pos[1] - O.bodies[1].shape.extents[1]))
 """
+)
 
 
 def test_a_hammer_drives_the_pile_which_comes_to_rest(tmp_path):
@@ -101,16 +110,23 @@ MAIN = "import yade_pile\nyade_pile.main()"
 
 
 def test_yade_batch_runs_a_table_and_merge_collects_it(tmp_path):
-    (tmp_path / "two.table").write_text("description friction cell rate smoke\nsmooth 0.0 0.5 1.0 True\nrough 0.6 0.5 1.0 True\n")
+    (tmp_path / "two.table").write_text(
+        "description friction cell rate smoke\nsmooth 0.0 0.5 1.0 True\nrough 0.6 0.5 1.0 True\n"
+    )
     end(start(MAIN, tmp_path, command=("yade-batch", "--job-threads=1", "--log", "@.log", "two.table")))
     run("sys.argv.append('--merge')\n" + MAIN, tmp_path)
     with open(tmp_path / "results" / "yade_pile" / "batch.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [(r["description"], r["friction"], r["cell"]) for r in rows] == [("smooth", "0.0", "0.5"), ("rough", "0.6", "0.5")]
+    assert [(r["description"], r["friction"], r["cell"]) for r in rows] == [
+        ("smooth", "0.0", "0.5"),
+        ("rough", "0.6", "0.5"),
+    ]
     for row in rows:
         folder = tmp_path / "results" / "yade_pile" / "batch" / row["id"]
         curve = np.genfromtxt(folder / "resistance.csv", delimiter=",", names=True)
-        assert float(row["resistance at 0.5 m"]) == pytest.approx(np.interp(0.5, curve["depth"], curve["smooth"]), rel=1e-5)
+        assert float(row["resistance at 0.5 m"]) == pytest.approx(
+            np.interp(0.5, curve["depth"], curve["smooth"]), rel=1e-5
+        )
     assert rows[0]["resistance at 0.5 m"] != rows[1]["resistance at 0.5 m"]
 
 

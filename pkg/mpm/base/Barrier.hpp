@@ -25,7 +25,8 @@ class Barrier {
     }
 
   private:
-    alignas(64) std::atomic<int> arrived_{0}; // a line of its own: those that look do not disturb those that arrive
+    alignas(64) std::atomic<int> arrived_{
+        0}; // a line of its own: those that look do not disturb those that arrive
     alignas(64) std::atomic<long> round_{0};
     alignas(64) std::atomic<int> asleep_{0};
     std::mutex mutex_;

@@ -4,10 +4,9 @@
 
 #include "mpm/base/Barrier.hpp"
 
-#include <omp.h>
-
 #include <exception>
 #include <functional>
+#include <omp.h>
 
 namespace mpm {
 

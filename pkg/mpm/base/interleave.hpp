@@ -33,7 +33,8 @@ template <class Vector> MPM_INLINE void store(double* to, const Vector& v) { std
 MPM_INLINE void interleave(const std::array<const double*, 4>& plane, int count, Quad* out, int stride = 1) {
     int i = 0;
     for (; i + 4 <= count; i += 4) {
-        Quad a = load<Quad>(plane[0] + i), b = load<Quad>(plane[1] + i), c = load<Quad>(plane[2] + i), d = load<Quad>(plane[3] + i);
+        Quad a = load<Quad>(plane[0] + i), b = load<Quad>(plane[1] + i), c = load<Quad>(plane[2] + i),
+             d = load<Quad>(plane[3] + i);
         transpose(a, b, c, d);
         out[stride * i] = a, out[stride * (i + 1)] = b, out[stride * (i + 2)] = c, out[stride * (i + 3)] = d;
     }
@@ -41,7 +42,8 @@ MPM_INLINE void interleave(const std::array<const double*, 4>& plane, int count,
 }
 
 // The first n lanes of in[stride i] to plane[...][i].
-template <size_t n> MPM_INLINE void separate(const Quad* in, int stride, int count, const std::array<double*, n>& plane) {
+template <size_t n>
+MPM_INLINE void separate(const Quad* in, int stride, int count, const std::array<double*, n>& plane) {
     int i = 0;
     for (; i + 4 <= count; i += 4) {
         Quad lane[4] = {in[stride * i], in[stride * (i + 1)], in[stride * (i + 2)], in[stride * (i + 3)]};

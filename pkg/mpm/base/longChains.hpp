@@ -22,13 +22,22 @@ struct Sixteen {
     MPM_INLINE Sixteen(double x) : low(_mm512_set1_pd(x)), high(low) {}
 
     MPM_INLINE friend Sixteen operator-(const Sixteen& x) { return {-x.low, -x.high}; }
-    MPM_INLINE friend Sixteen operator+(const Sixteen& x, const Sixteen& y) { return {x.low + y.low, x.high + y.high}; }
-    MPM_INLINE friend Sixteen operator-(const Sixteen& x, const Sixteen& y) { return {x.low - y.low, x.high - y.high}; }
-    MPM_INLINE friend Sixteen operator*(const Sixteen& x, const Sixteen& y) { return {x.low * y.low, x.high * y.high}; }
-    MPM_INLINE friend Sixteen operator/(const Sixteen& x, const Sixteen& y) { return {x.low / y.low, x.high / y.high}; }
+    MPM_INLINE friend Sixteen operator+(const Sixteen& x, const Sixteen& y) {
+        return {x.low + y.low, x.high + y.high};
+    }
+    MPM_INLINE friend Sixteen operator-(const Sixteen& x, const Sixteen& y) {
+        return {x.low - y.low, x.high - y.high};
+    }
+    MPM_INLINE friend Sixteen operator*(const Sixteen& x, const Sixteen& y) {
+        return {x.low * y.low, x.high * y.high};
+    }
+    MPM_INLINE friend Sixteen operator/(const Sixteen& x, const Sixteen& y) {
+        return {x.low / y.low, x.high / y.high};
+    }
 };
 
-MPM_INLINE Sixteen whereGreater(const Sixteen& x, const Sixteen& y, const Sixteen& then, const Sixteen& otherwise) {
+MPM_INLINE Sixteen whereGreater(const Sixteen& x, const Sixteen& y, const Sixteen& then,
+                                const Sixteen& otherwise) {
     return {x.low > y.low ? then.low : otherwise.low, x.high > y.high ? then.high : otherwise.high};
 }
 
@@ -49,7 +58,9 @@ MPM_INLINE Sixteen root(const Sixteen& x) {
 struct WholeSixteen {
     int first;
 
-    MPM_INLINE Sixteen operator()(const double* plane) const { return {_mm512_loadu_pd(plane + first), _mm512_loadu_pd(plane + first + 8)}; }
+    MPM_INLINE Sixteen operator()(const double* plane) const {
+        return {_mm512_loadu_pd(plane + first), _mm512_loadu_pd(plane + first + 8)};
+    }
     MPM_INLINE void set(double* plane, const Sixteen& x) const {
         _mm512_storeu_pd(plane + first, x.low), _mm512_storeu_pd(plane + first + 8, x.high);
     }
@@ -58,17 +69,21 @@ struct PartOfSixteen {
     int first;
     __mmask8 low, high;
 
-    MPM_INLINE PartOfSixteen(int first, int count) : first(first), low((1 << count) - 1), high(((1 << count) - 1) >> 8) {}
+    MPM_INLINE PartOfSixteen(int first, int count)
+        : first(first), low((1 << count) - 1), high(((1 << count) - 1) >> 8) {}
     MPM_INLINE Sixteen operator()(const double* plane) const {
         return {_mm512_maskz_loadu_pd(low, plane + first), _mm512_maskz_loadu_pd(high, plane + first + 8)};
     }
     MPM_INLINE void set(double* plane, const Sixteen& x) const {
-        _mm512_mask_storeu_pd(plane + first, low, x.low), _mm512_mask_storeu_pd(plane + first + 8, high, x.high);
+        _mm512_mask_storeu_pd(plane + first, low, x.low),
+            _mm512_mask_storeu_pd(plane + first + 8, high, x.high);
     }
 };
 #endif
 
-MPM_INLINE double whereGreater(double x, double y, double then, double otherwise) { return x > y ? then : otherwise; }
+MPM_INLINE double whereGreater(double x, double y, double then, double otherwise) {
+    return x > y ? then : otherwise;
+}
 MPM_INLINE double inverse(double x) { return 1 / x; }
 MPM_INLINE double root(double x) { return std::sqrt(x); }
 

@@ -11,7 +11,8 @@ bool Range::contains(double x) const {
 
 std::string Range::text() const {
     const double infinity = std::numeric_limits<double>::infinity();
-    if (lowest == 0 && highest == infinity) return openBelow ? "a positive number" : "zero or a positive number";
+    if (lowest == 0 && highest == infinity)
+        return openBelow ? "a positive number" : "zero or a positive number";
     if (lowest == -infinity && highest == infinity) return "a finite number";
     return message("a number in ", openBelow ? "(" : "[", lowest, ", ", highest, openAbove ? ")" : "]");
 }
@@ -52,8 +53,10 @@ struct Assign {
                          (p.unit.empty() || p.unit == "-" ? "" : " (" + p.unit + ")"));
     }
     void checkNumber(double x) const {
-        if (p.isAngle && !p.range.contains(x) && p.range.contains(x * std::acos(-1.0) / 180)) // it is one, in degrees
-            throw InputError(message(who, ": ", p.name, " = ", x, " is in radians; did you mean radians(", x, ")?"));
+        if (p.isAngle && !p.range.contains(x) &&
+            p.range.contains(x * std::acos(-1.0) / 180)) // it is one, in degrees
+            throw InputError(
+                message(who, ": ", p.name, " = ", x, " is in radians; did you mean radians(", x, ")?"));
         if (!std::isfinite(x) || !p.range.contains(x)) refuse(p.range.text());
     }
     void operator()(double* target) const {
@@ -127,7 +130,8 @@ void Configurable::set(const std::string& name, const Value& value) {
     }
     const std::string close = nearest(name, names);
     throw InputError(className() + " has no attribute '" + name + "'" +
-                     (close.empty() ? "" : "; did you mean '" + close + "'?") + " (allowed: " + joined(names) + ")");
+                     (close.empty() ? "" : "; did you mean '" + close + "'?") +
+                     " (allowed: " + joined(names) + ")");
 }
 
 Value Configurable::value(const std::string& name) {

@@ -38,7 +38,8 @@ template <class Base> class Registry {
 };
 
 // One line at the end of a class's file: MPM_REGISTER(Material, LinearElastic)
-#define MPM_REGISTER(Base, Class)                                                                          \
-    static const bool registered##Class = ::mpm::Registry<Base>::add(#Class, [] { return std::make_shared<Class>(); })
+#define MPM_REGISTER(Base, Class)                                                                            \
+    static const bool registered##Class =                                                                    \
+        ::mpm::Registry<Base>::add(#Class, [] { return std::make_shared<Class>(); })
 
 } // namespace mpm

@@ -6,8 +6,6 @@
 
 #include "mpm/base/Crew.hpp"
 
-#include <omp.h>
-
 #include <algorithm>
 #include <atomic>
 #include <exception>
@@ -15,6 +13,7 @@
 #include <memory>
 #include <mutex>
 #include <numeric>
+#include <omp.h>
 #include <thread>
 #include <vector>
 
@@ -28,7 +27,8 @@ template <class T> T watched(const T& x) {
 }
 template <class T> void setWatched(T& x, T value) { __atomic_store(&x, &value, __ATOMIC_RELAXED); }
 
-constexpr int chunkSize = 128; // particles per piece where the order of pieces does not matter: few enough for the first cache
+constexpr int chunkSize =
+    128; // particles per piece where the order of pieces does not matter: few enough for the first cache
 
 inline int chunksOf(int n) { return (n + chunkSize - 1) / chunkSize; }
 
@@ -86,8 +86,8 @@ class Turns {
 
   private:
     friend class Team;
-    std::vector<int> sequence_;            // pieces in the order in which a thread takes its own
-    std::vector<std::vector<int>> before_; // pieces that piece i waits for
+    std::vector<int> sequence_;                 // pieces in the order in which a thread takes its own
+    std::vector<std::vector<int>> before_;      // pieces that piece i waits for
     std::unique_ptr<std::atomic<long>[]> done_; // how many times each piece has been done
 
     // A piece, right behind those that it waits for: what it has in common with them is still in the cache then.
@@ -131,7 +131,8 @@ class Team {
     template <class F> void inStretches(const Shares& shares, F&& f) {
         const int me = omp_get_thread_num(), threads = omp_get_num_threads();
         int begin = 0, end = 0;
-        for (int i = 0; i < shares.count(); ++i) begin += shares.owner(i, threads) < me, end += shares.owner(i, threads) <= me;
+        for (int i = 0; i < shares.count(); ++i)
+            begin += shares.owner(i, threads) < me, end += shares.owner(i, threads) <= me;
         guard(begin, [&] { f(begin, end); });
         wait();
     }
@@ -177,7 +178,8 @@ class Team {
 
     // Until all threads are here.
     void wait() {
-        if (const int threads = omp_get_num_threads(); threads > 1) barrier_.wait(threads, areTooMany(threads));
+        if (const int threads = omp_get_num_threads(); threads > 1)
+            barrier_.wait(threads, areTooMany(threads));
     }
 
     // One thread calls f while the others wait.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -56,8 +57,12 @@ struct Quad {
 
     MPM_INLINE Quad& operator+=(const Quad& other) { return low += other.low, high += other.high, *this; }
     MPM_INLINE Quad& operator-=(const Quad& other) { return low -= other.low, high -= other.high, *this; }
-    MPM_INLINE friend Quad operator+(const Quad& a, const Quad& b) { return {a.low + b.low, a.high + b.high}; }
-    MPM_INLINE friend Quad operator*(const Quad& a, const Quad& b) { return {a.low * b.low, a.high * b.high}; }
+    MPM_INLINE friend Quad operator+(const Quad& a, const Quad& b) {
+        return {a.low + b.low, a.high + b.high};
+    }
+    MPM_INLINE friend Quad operator*(const Quad& a, const Quad& b) {
+        return {a.low * b.low, a.high * b.high};
+    }
     MPM_INLINE friend Quad operator*(double s, const Quad& a) { return {s * a.low, s * a.high}; }
 };
 

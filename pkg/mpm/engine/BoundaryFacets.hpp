@@ -4,8 +4,9 @@
 
 #include "mpm/particle/Domains.hpp"
 
-#include <algorithm>
 #include <Eigen/Geometry>
+
+#include <algorithm>
 #include <map>
 
 namespace mpm {
@@ -18,13 +19,15 @@ template <int Dim> class BoundaryFacets {
     std::vector<Facet> facets;
 
     void find(Domains<Dim>& domains) {
-        static const int table[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+        static const int table[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                        {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
         std::map<Facet, std::pair<Facet, int>> count; // by sorted vertices
         const std::vector<int>& corner = *domains.cornerTable();
         for (size_t first = 0; first < corner.size(); first += corners<Dim>)
             for (int f = 0; f < 2 * Dim; ++f) {
                 Facet facet;
-                for (int a = 0; a < size; ++a) facet[a] = corner[first + (Dim == 2 ? (f + a) % 4 : table[f][a])];
+                for (int a = 0; a < size; ++a)
+                    facet[a] = corner[first + (Dim == 2 ? (f + a) % 4 : table[f][a])];
                 Facet key = facet;
                 std::sort(key.begin(), key.end());
                 auto& entry = count[key];

@@ -3,6 +3,7 @@
 #include "mpm/engine/Engine.hpp"
 
 #include <Eigen/Geometry>
+
 #include <unordered_map>
 
 namespace mpm {
@@ -12,7 +13,8 @@ namespace {
 // Corners of a facet, outward, numbered as in py/yade_mpm/mesh.py: edges of a quadrilateral, faces of a
 // hexahedron.
 template <int Dim> std::vector<int> facetCorners(int facet) {
-    static const int faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+    static const int faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                    {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
     if (Dim == 2) return {facet, (facet + 1) % 4};
     return {faces[facet], faces[facet] + 4};
 }
@@ -36,11 +38,14 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
                "corners. Stands between ParticleToGrid and GridSolver.";
     }
     std::vector<Parameter> attributes() override {
-        return {{"body", "", "Name of the loaded body.", &body},
-                {"traction", "kPa", "Force per current area, one component per axis.", &traction},
-                {"pressure", "kPa", "Pressure on the surface, positive when it pushes on the body.", &pressure},
-                {"ramp", "s", "Time over which the load grows from zero; 0: at once.", &ramp, Range::notNegative()},
-                {"facets", "", "Loaded facets as pairs (particle id, number of the facet in its domain).", &facets}};
+        return {
+            {"body", "", "Name of the loaded body.", &body},
+            {"traction", "kPa", "Force per current area, one component per axis.", &traction},
+            {"pressure", "kPa", "Pressure on the surface, positive when it pushes on the body.", &pressure},
+            {"ramp", "s", "Time over which the load grows from zero; 0: at once.", &ramp,
+             Range::notNegative()},
+            {"facets", "", "Loaded facets as pairs (particle id, number of the facet in its domain).",
+             &facets}};
     }
 
     void prepare(Scene<2>& scene) override { check(scene); }
@@ -67,14 +72,18 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
   private:
     template <int Dim> void check(Scene<Dim>& scene) {
         Body<Dim>& loaded = *scene.body(body);
-        require(loaded.type->isMeshed(), "BoundaryLoad: '", body, "' has no boundary facets; loads need an APDI body");
-        require(!facets.empty(), "BoundaryLoad: no boundary facet of '", body, "' is selected; widen the region");
+        require(loaded.type->isMeshed(), "BoundaryLoad: '", body,
+                "' has no boundary facets; loads need an APDI body");
+        require(!facets.empty(), "BoundaryLoad: no boundary facet of '", body,
+                "' is selected; widen the region");
         if (traction.empty()) traction.assign(Dim, 0.0);
-        require(int(traction.size()) == Dim, "BoundaryLoad: traction has ", traction.size(), " components; give ", Dim);
+        require(int(traction.size()) == Dim, "BoundaryLoad: traction has ", traction.size(),
+                " components; give ", Dim);
     }
 
     template <int Dim>
-    void push(Scene<Dim>& scene, Body<Dim>& loaded, int p, int facet, double factor, typename NodalField<Dim>::Sum* nodes) {
+    void push(Scene<Dim>& scene, Body<Dim>& loaded, int p, int facet, double factor,
+              typename NodalField<Dim>::Sum* nodes) {
         std::vector<int> vertices;
         std::vector<Vec<Dim>> X;
         for (int a : facetCorners<Dim>(facet)) {
@@ -87,7 +96,8 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
         force *= factor / double(vertices.size());
         for (int v : vertices) {
             loaded.domains->addVertexForce(v, force, nodes);
-            scene.energies.loads += force.dot(vectorAt<Dim>(*loaded.domains->vertexVelocities(), v)) * scene.dt;
+            scene.energies.loads +=
+                force.dot(vectorAt<Dim>(*loaded.domains->vertexVelocities(), v)) * scene.dt;
         }
     }
 };

@@ -18,16 +18,20 @@ class CellAverage {
         team.once([&] {
             for (int k = 0; k < Dim; ++k) strides_[k] = grid.strides[k], edges_[k] = grid.cell[k];
             slabSize_ = grid.strides[Dim - 1], slabs_ = grid.slabs();
-            cell_.resize(particles), value_.resize(particles), cells_.resize(grid.count), slabsOf_.resize(chunksOf(particles));
+            cell_.resize(particles), value_.resize(particles), cells_.resize(grid.count),
+                slabsOf_.resize(chunksOf(particles));
         });
     }
 
     // Cells of particles [begin, end), a chunk.
-    template <int Dim> void locate(const Particles<Dim>& particles, const Grid<Dim>& grid, int begin, int end) {
+    template <int Dim>
+    void locate(const Particles<Dim>& particles, const Grid<Dim>& grid, int begin, int end) {
         std::fill(cell_.begin() + begin, cell_.begin() + end, 0);
         for (int k = 0; k < Dim; ++k) {
             const double *x = particles.position.plane(k), last = grid.nodes[k] - 2.0;
-            for (int p = begin; p < end; ++p) { // a particle that just left the grid, or has no place (nan), is found out by the next step
+            for (
+                int p = begin; p < end;
+                ++p) { // a particle that just left the grid, or has no place (nan), is found out by the next step
                 const double c = std::min(std::max(1.0, grid.inCells(x[p], k)), last);
                 cell_[p] += int(c) * grid.strides[k];
             }
@@ -60,7 +64,8 @@ class CellAverage {
                         cell.round = round_, cell.particles = isEmpty ? 1 : cell.particles + 1;
                         cell.volume = (isEmpty ? 0 : cell.volume) + volume[p];
                         cell.sum = (isEmpty ? 0 : cell.sum) + volume[p] * value_[p];
-                        for (int k = 0; k < Dim && withCentres; ++k) cell.moment[k] = (isEmpty ? 0 : cell.moment[k]) + volume[p] * x[k][p];
+                        for (int k = 0; k < Dim && withCentres; ++k)
+                            cell.moment[k] = (isEmpty ? 0 : cell.moment[k]) + volume[p] * x[k][p];
                     }
         });
     }
@@ -83,7 +88,8 @@ class CellAverage {
                 continue;
             }
             const Linear<Dim> linear = linearIn<Dim>(cell);
-            for (; p < end && cell_[p] == cell; ++p) value_[p] = linear.at(vectorAt<Dim>(particles.position, p)) - value_[p];
+            for (; p < end && cell_[p] == cell; ++p)
+                value_[p] = linear.at(vectorAt<Dim>(particles.position, p)) - value_[p];
         }
     }
 
@@ -123,7 +129,8 @@ class CellAverage {
         const auto between = [&](const Cell& a, const Cell& b) {
             return (b.mean() - a.mean()) / std::max(b.centre(axis) - a.centre(axis), 0.5 * edges_[axis]);
         };
-        const double left = between(before, cell), right = between(cell, after), central = 0.5 * (left + right);
+        const double left = between(before, cell), right = between(cell, after),
+                     central = 0.5 * (left + right);
         if (left * right <= 0) return 0;
         return std::copysign(std::min({std::abs(central), 2 * std::abs(left), 2 * std::abs(right)}), central);
     }

@@ -18,7 +18,8 @@ namespace {
 // Inverse masses per component: what a group answers to an impulse with. Zero where a constraint holds it.
 template <int Dim> Vec<Dim> mobility(const NodalField<Dim>& field, int node) {
     Vec<Dim> W;
-    for (int k = 0; k < Dim; ++k) W[k] = field.holder[node][k] >= 0 ? 0 : 1 / field.sum[node][NodalField<Dim>::mass];
+    for (int k = 0; k < Dim; ++k)
+        W[k] = field.holder[node][k] >= 0 ? 0 : 1 / field.sum[node][NodalField<Dim>::mass];
     return W;
 }
 
@@ -32,19 +33,30 @@ std::string Contact::doc() const {
 }
 
 std::vector<Parameter> Contact::attributes() {
-    return {{"friction", "-", "Coefficient of friction.", &friction, Range::notNegative()},
-            {"adhesion", "kPa", "Shear stress that is borne besides friction while in contact.", &adhesion, Range::notNegative()},
-            {"separation", "", "Whether groups may come apart; False: what shares a node stays together, gap or not.", &separation},
-            {"slip", "", "Whether groups in contact may slip; False: whatever the friction, they do not.", &slip},
-            {"impactLoss", "-", "Share of the velocity with which nodes of two groups meet that their particles lose. 0: elastic impacts\n"
-                                "keep their energy. 1: they stop a layer of one cell; for soil that flows round a structure, where noise\n"
-                                "would push the groups apart otherwise.",
-             &impactLoss, Range::between(0, 1)},
-            {"normals", "", "'surface': area vectors of the surfaces; 'mass': gradient of the nodal mass.", &normals, {},
-             {"surface", "mass"}},
-            {"pairs", "", "Friction and adhesion of pairs of groups that differ: numbers of the groups, friction, adhesion.", &pairs},
-            {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
-            {"impulses", "kN s", "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses}};
+    return {
+        {"friction", "-", "Coefficient of friction.", &friction, Range::notNegative()},
+        {"adhesion", "kPa", "Shear stress that is borne besides friction while in contact.", &adhesion,
+         Range::notNegative()},
+        {"separation", "",
+         "Whether groups may come apart; False: what shares a node stays together, gap or not.", &separation},
+        {"slip", "", "Whether groups in contact may slip; False: whatever the friction, they do not.", &slip},
+        {"impactLoss", "-",
+         "Share of the velocity with which nodes of two groups meet that their particles lose. 0: elastic impacts\n"
+         "keep their energy. 1: they stop a layer of one cell; for soil that flows round a structure, where noise\n"
+         "would push the groups apart otherwise.",
+         &impactLoss, Range::between(0, 1)},
+        {"normals",
+         "",
+         "'surface': area vectors of the surfaces; 'mass': gradient of the nodal mass.",
+         &normals,
+         {},
+         {"surface", "mass"}},
+        {"pairs", "",
+         "Friction and adhesion of pairs of groups that differ: numbers of the groups, friction, adhesion.",
+         &pairs},
+        {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
+        {"impulses", "kN s",
+         "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses}};
 }
 
 void Contact::finish() {
@@ -57,14 +69,15 @@ void Contact::stepped(double dt) {
 }
 
 template <int Dim> void Contact::check(Scene<Dim>& scene) {
-    require(dead || scene.groups.size() > 1, "Contact: all bodies belong to one group, '", scene.groups.front(),
-            "'; give scene.add(..., group=...) for those that may slip");
+    require(dead || scene.groups.size() > 1, "Contact: all bodies belong to one group, '",
+            scene.groups.front(), "'; give scene.add(..., group=...) for those that may slip");
     std::get<Meeting<Dim>>(meetings_).prepare(scene);
 }
 
 Contact::Law Contact::lawOf(int a, int b) const {
     for (size_t i = 0; i < pairs.size(); i += 4)
-        if (std::min(pairs[i], pairs[i + 1]) == a && std::max(pairs[i], pairs[i + 1]) == b) return {pairs[i + 2], pairs[i + 3], slip};
+        if (std::min(pairs[i], pairs[i + 1]) == a && std::max(pairs[i], pairs[i + 1]) == b)
+            return {pairs[i + 2], pairs[i + 3], slip};
     return {friction, adhesion, slip};
 }
 
@@ -76,8 +89,10 @@ template <int Dim> Meeting<Dim>& Contact::meeting(const Scene<Dim>& scene) {
 
 // What stops an approach faster than the gap allows in a step, as an impulse on the second group. Where impacts are lost, surfaces that
 // pressed on each other in this step do not part either in the velocities that are made anew: the pressure would give energy.
-template <int Dim> double Contact::stopping(const Site<Dim>& site, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const {
-    const double excess = w.dot(site.normal) - (separation ? std::max(site.gap + site.tolerated, 0.0) / dt : 0);
+template <int Dim>
+double Contact::stopping(const Site<Dim>& site, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const {
+    const double excess =
+        w.dot(site.normal) - (separation ? std::max(site.gap + site.tolerated, 0.0) / dt : 0);
     const double yielding = site.normal.dot(answer.cwiseProduct(site.normal));
     if (!(yielding > 0)) return 0;
     return (excess > 0 || !separation ? 1 : site.presses ? impactLoss : 0) * excess / yielding;
@@ -86,8 +101,8 @@ template <int Dim> double Contact::stopping(const Site<Dim>& site, const Vec<Dim
 // The impulses on the second group, from the relative velocities at the start and of the solution: all that the nodes take, and
 // the part of it that only makes the velocities of the start agree.
 template <int Dim>
-Impulses<Dim> Contact::exchange(const Site<Dim>& site, const Law& law, double dt, const Vec<Dim>& answer, const Vec<Dim>& start,
-                                const Vec<Dim>& w) const {
+Impulses<Dim> Contact::exchange(const Site<Dim>& site, const Law& law, double dt, const Vec<Dim>& answer,
+                                const Vec<Dim>& start, const Vec<Dim>& w) const {
     Impulses<Dim> J;
     if (!separation && !law.slip) { // one body
         for (int k = 0; k < Dim; ++k)
@@ -98,17 +113,21 @@ Impulses<Dim> Contact::exchange(const Site<Dim>& site, const Law& law, double dt
     const Vec<Dim>& n = site.normal;
     const double pushed = stopping(site, answer, w, dt);
     if (pushed == 0) return J;
-    const double agreed = separation ? std::min(stopping(site, answer, start, dt), pushed) : stopping(site, answer, start, dt);
+    const double agreed =
+        separation ? std::min(stopping(site, answer, start, dt), pushed) : stopping(site, answer, start, dt);
     J.all = pushed * n, J.agreeing = agreed * n;
     const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
-    const Vec<Dim> slip = across(w - answer.cwiseProduct(J.all)), slipped = across(start - answer.cwiseProduct(J.agreeing));
+    const Vec<Dim> slip = across(w - answer.cwiseProduct(J.all)),
+                   slipped = across(start - answer.cwiseProduct(J.agreeing));
     const Vec<Dim> t = unit(slip, 0.0);
-    const double lag = t.dot(answer.cwiseProduct(t)), borne = law.adhesion * site.area * dt; // lag 0: constraints hold both
+    const double lag = t.dot(answer.cwiseProduct(t)),
+                 borne = law.adhesion * site.area * dt; // lag 0: constraints hold both
     J.sticks = t.isZero(0);
     if (J.sticks || !(lag > 0 || law.slip)) return J;
     const double limit = law.friction * std::max(pushed - (1 - impactLoss) * agreed, 0.0) + borne;
-    J.sticks = lag > 0 && (!law.slip || (slip.norm() <= lag * (law.friction * std::max(pushed, 0.0) + borne) &&
-                                         (slip - (1 - impactLoss) * slipped).norm() <= lag * limit));
+    J.sticks =
+        lag > 0 && (!law.slip || (slip.norm() <= lag * (law.friction * std::max(pushed, 0.0) + borne) &&
+                                  (slip - (1 - impactLoss) * slipped).norm() <= lag * limit));
     if (J.sticks)
         J.all += slip / lag, J.agreeing += slipped / lag;
     else
@@ -119,11 +138,12 @@ Impulses<Dim> Contact::exchange(const Site<Dim>& site, const Law& law, double dt
 // Motion of one group on a node, with what follows from it: work of gravity, and the reaction of what holds the node.
 // answer: its inverse masses, with the sign of the impulse on it.
 template <int Dim>
-void Contact::change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const Vec<Dim>& answer, const Impulses<Dim>& J) {
+void Contact::change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const Vec<Dim>& answer,
+                     const Impulses<Dim>& J) {
     using NF = NodalField<Dim>;
     NF& field = scene.grid.fields[meet.field[side]];
     auto& motion = field.motion[meet.node];
-    const Vec<Dim> &x = meet.position, force = (side == 0 ? -1 : 1) / scene.dt * meet.impulse;
+    const Vec<Dim>&x = meet.position, force = (side == 0 ? -1 : 1) / scene.dt * meet.impulse;
     double gained = 0;
     for (int k = 0; k < Dim; ++k) {
         const double change = answer[k] * J.all[k];
@@ -158,7 +178,8 @@ template <int Dim> void Contact::tell(Scene<Dim>& scene, const Meet<Dim>& meet, 
 }
 
 // The impulse at a site between nodes with weights S, anew, in view of what the others exchange. Returns whether it has changed much.
-template <int Dim> bool Contact::renew(Site<Dim>& site, const Law& law, double dt, const int* at, const double* S, int count) {
+template <int Dim>
+bool Contact::renew(Site<Dim>& site, const Law& law, double dt, const int* at, const double* S, int count) {
     auto& nodes = std::get<std::vector<Pair<Dim>>>(nodes_);
     Vec<Dim> answer = Vec<Dim>::Zero(), start = answer, w = answer;
     for (int i = 0; i < count; ++i) {
@@ -176,10 +197,12 @@ template <int Dim> bool Contact::renew(Site<Dim>& site, const Law& law, double d
 }
 
 // What a pair of groups exchanges at nodes, and at touches between them that still approach: one after the other, some rounds.
-template <int Dim, class LawOf> void Contact::settle(Meeting<Dim>& meeting, const Stretch& pair, double dt, LawOf&& lawOf) {
+template <int Dim, class LawOf>
+void Contact::settle(Meeting<Dim>& meeting, const Stretch& pair, double dt, LawOf&& lawOf) {
     const double one = 1;
     for (int round = 0; round < 10; ++round) {
-        for (int i = int(pair.meet); i < int(pair.lastMeet); ++i) renew<Dim>(meeting.meets[i], lawOf(meeting.meets[i]), dt, &i, &one, 1);
+        for (int i = int(pair.meet); i < int(pair.lastMeet); ++i)
+            renew<Dim>(meeting.meets[i], lawOf(meeting.meets[i]), dt, &i, &one, 1);
         bool isDone = true;
         for (size_t i = pair.touch; separation && i < pair.lastTouch; ++i) {
             Touch<Dim>& touch = meeting.touches[i];
@@ -218,7 +241,8 @@ template <int Dim> void Contact::addFriction(Meeting<Dim>& meeting, const Stretc
         site.sticks = site.J.sticks;
         if (site.J.all.isZero(0)) return;
         site.presses = true;
-        const Vec<Dim> taken = site.J.all - (1 - loss) * site.J.agreeing, along = taken - taken.dot(site.normal) * site.normal;
+        const Vec<Dim> taken = site.J.all - (1 - loss) * site.J.agreeing,
+                       along = taken - taken.dot(site.normal) * site.normal;
         for (int i = 0; i < count; ++i) {
             Meet<Dim>& meet = meeting.meets[at[i]];
             meet.friction += S[i] * along, meet.slides |= !site.sticks;
@@ -261,9 +285,11 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
             const Pair<Dim>& node = nodes[i];
             if (node.J.all.isZero(0)) continue;
             meet.impulse = node.J.all - (1 - loss) * node.J.agreeing, meet.acts = true;
-            for (int side = 0; side < 2; ++side) change<Dim>(scene, meet, side, (side == 0 ? -1 : 1) * node.W[side], node.J);
+            for (int side = 0; side < 2; ++side)
+                change<Dim>(scene, meet, side, (side == 0 ? -1 : 1) * node.W[side], node.J);
             const Vec<Dim> met = loss * node.J.agreeing, answer = node.W[0] + node.W[1];
-            const Vec<Dim> start = node.start[0] - node.start[1] + answer.cwiseProduct(node.J.agreeing); // before the exchange
+            const Vec<Dim> start =
+                node.start[0] - node.start[1] + answer.cwiseProduct(node.J.agreeing); // before the exchange
             scene.energies.contact += met.dot(start - 0.5 * answer.cwiseProduct(met));
             if (scene.scheme != Scheme::MUSL) tell<Dim>(scene, meet, node.v[0] - node.v[1]);
         }
@@ -287,12 +313,15 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
                 nodes[i].start[side] = nodes[i].v[side];
             }
         }
-        settle<Dim>(meeting, pair, scene.dt, [&](const Site<Dim>& site) { return Law{0, 0, slip && !site.sticks}; });
+        settle<Dim>(meeting, pair, scene.dt,
+                    [&](const Site<Dim>& site) { return Law{0, 0, slip && !site.sticks}; });
         for (size_t i = pair.meet; i < pair.lastMeet; ++i) {
             Meet<Dim>& meet = meeting.meets[i];
             for (int side = 0; side < 2; ++side)
-                for (int k = 0; k < Dim; ++k) scene.grid.fields[meet.field[side]].velocity[meet.node].set(k, nodes[i].v[side][k]);
-            if (scene.scheme == Scheme::MUSL && meet.acts) tell<Dim>(scene, meet, nodes[i].v[0] - nodes[i].v[1]);
+                for (int k = 0; k < Dim; ++k)
+                    scene.grid.fields[meet.field[side]].velocity[meet.node].set(k, nodes[i].v[side][k]);
+            if (scene.scheme == Scheme::MUSL && meet.acts)
+                tell<Dim>(scene, meet, nodes[i].v[0] - nodes[i].v[1]);
         }
     }
 }

@@ -16,8 +16,9 @@ class Contact : public EngineOf<Contact> {
     std::vector<double> impulses; // time integrals of the forces since the start
 
     // Of the last step.
-    std::vector<double> table; // groups (2), node (3), normal (3), gap, area, force on the second group (3), slip rate (3)
-    std::vector<double> forces; // on group b by group a < b, kN, from 3 pairOf(a, b) on
+    std::vector<double>
+        table; // groups (2), node (3), normal (3), gap, area, force on the second group (3), slip rate (3)
+    std::vector<double> forces;                  // on group b by group a < b, kN, from 3 pairOf(a, b) on
     double largestPenetration = 0, gridLoss = 0; // m; kJ
     int sliding = 0, reduced = 0;
 
@@ -59,17 +60,21 @@ class Contact : public EngineOf<Contact> {
     std::tuple<std::vector<Pair<2>>, std::vector<Pair<3>>> nodes_;
 
     template <int Dim> Meeting<Dim>& meeting(const Scene<Dim>& scene);
-    template <int Dim, class LawOf> void settle(Meeting<Dim>& meeting, const Stretch& pair, double dt, LawOf&& lawOf);
+    template <int Dim, class LawOf>
+    void settle(Meeting<Dim>& meeting, const Stretch& pair, double dt, LawOf&& lawOf);
     template <int Dim> double bound(Meeting<Dim>& meeting, const Stretch& pair);
-    template <int Dim> bool renew(Site<Dim>& site, const Law& law, double dt, const int* at, const double* S, int count);
+    template <int Dim>
+    bool renew(Site<Dim>& site, const Law& law, double dt, const int* at, const double* S, int count);
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> void tie(Scene<Dim>& scene);
-    template <int Dim> double stopping(const Site<Dim>& site, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const;
     template <int Dim>
-    Impulses<Dim> exchange(const Site<Dim>& site, const Law& law, double dt, const Vec<Dim>& answer, const Vec<Dim>& start,
-                           const Vec<Dim>& w) const;
+    double stopping(const Site<Dim>& site, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const;
     template <int Dim>
-    static void change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const Vec<Dim>& answer, const Impulses<Dim>& J);
+    Impulses<Dim> exchange(const Site<Dim>& site, const Law& law, double dt, const Vec<Dim>& answer,
+                           const Vec<Dim>& start, const Vec<Dim>& w) const;
+    template <int Dim>
+    static void change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const Vec<Dim>& answer,
+                       const Impulses<Dim>& J);
     template <int Dim> void addFriction(Meeting<Dim>& meeting, const Stretch& pair, double loss);
     template <int Dim> void tell(Scene<Dim>& scene, const Meet<Dim>& meet, const Vec<Dim>& slip);
     Law lawOf(int a, int b) const;

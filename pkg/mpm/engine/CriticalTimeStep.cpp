@@ -72,7 +72,8 @@ template <int Dim> class ElasticOperator {
         });
         y.resize(size());
         for (int i = 0; i < size(); ++i)
-            y[i] = -NF::forceOf(scene_.grid.fields[dofs_[i].field].sum[dofs_[i].node], dofs_[i].axis) / mass_[i];
+            y[i] =
+                -NF::forceOf(scene_.grid.fields[dofs_[i].field].sum[dofs_[i].node], dofs_[i].axis) / mass_[i];
     }
 
     // Body with the largest elastic power in the motion applied last.
@@ -85,7 +86,8 @@ template <int Dim> class ElasticOperator {
             for (int p = 0; p < particles.size(); ++p)
                 for (int i = 0; i < Dim; ++i)
                     for (int j = 0; j < Dim; ++j)
-                        power += particles.volume.plane()[p] * stress_[b].plane(3 * std::min(i, j) + std::max(i, j))[p] *
+                        power += particles.volume.plane()[p] *
+                                 stress_[b].plane(3 * std::min(i, j) + std::max(i, j))[p] *
                                  particles.velocityGradient.plane(Dim * i + j)[p];
             if (power > most) most = power, name = scene_.bodies[b]->name;
         }

@@ -6,9 +6,9 @@
 namespace mpm {
 
 struct CriticalStep {
-    double dt = 0;          // s, 2 / omega_max
+    double dt = 0; // s, 2 / omega_max
     int iterations = 0;
-    std::string stiffest;   // body in which the fastest mode moves most
+    std::string stiffest; // body in which the fastest mode moves most
 };
 
 // Largest stable time step of the scene as it stands: 2/omega_max of M^-1 K, K the elastic stiffness of the

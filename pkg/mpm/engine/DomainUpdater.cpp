@@ -43,9 +43,8 @@ template <int Dim> struct Power {
     MPM_INLINE double operator()(int p) const {
         double sum = 0;
         MPM_UNROLL
-        for (int i = 0; i < Dim; ++i)
-            MPM_UNROLL
-            for (int j = 0; j < Dim; ++j) sum += stress[i <= j ? 3 * i + j : 3 * j + i][p] * L[Dim * i + j][p];
+        for (int i = 0; i < Dim; ++i) MPM_UNROLL
+        for (int j = 0; j < Dim; ++j) sum += stress[i <= j ? 3 * i + j : 3 * j + i][p] * L[Dim * i + j][p];
         return sum;
     }
 };
@@ -80,14 +79,16 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             if (shares_[b].count() != chunksOf(n))
                 shares_[b].set(chunksOf(n), [&](int c) {
                     const int begin = c * chunkSize, end = std::min(n, begin + chunkSize);
-                    return end - begin + scene.bodies[b]->domains->workOf(begin, end); // gradients are half of it
+                    return end - begin +
+                           scene.bodies[b]->domains->workOf(begin, end); // gradients are half of it
                 });
         }
         parallel(scene.threads, [&](Team& team) {
             if (early) startVelocity(team, scene);
             for (auto& body : scene.bodies)
                 body->domains->takeVelocity(team, scene.grid.fields[body->velocityField].velocity.data());
-            for (size_t b = 0; b < scene.bodies.size(); ++b) update(team, scene, *scene.bodies[b], shares_[b], work_[b]);
+            for (size_t b = 0; b < scene.bodies.size(); ++b)
+                update(team, scene, *scene.bodies[b], shares_[b], work_[b]);
             team.wait();
             if (early)
                 sumOnNodes(team, scene, true);
@@ -119,18 +120,24 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     }
 
     // The threads do not wait for each other at the end.
-    template <int Dim> void update(Team& team, Scene<Dim>& scene, Body<Dim>& body, const Shares& shares, OrderedSum& work) {
+    template <int Dim>
+    void update(Team& team, Scene<Dim>& scene, Body<Dim>& body, const Shares& shares, OrderedSum& work) {
         const auto* nodes = scene.grid.fields[body.velocityField].velocity.data();
         const int n = body.particles.size();
         Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
         std::vector<double*> state(body.particles.state.size());
-        const auto gradient = [&](int begin, int end) { body.domains->takeGradient(begin, end, nodes, scene.dt); };
+        const auto gradient = [&](int begin, int end) {
+            body.domains->takeGradient(begin, end, nodes, scene.dt);
+        };
         const auto rest = [&](int begin, int end) {
             deform(body.particles, scene.dt, begin, end);
             body.domains->volumes(begin, end);
-            work.of(begin) = updateStress(body, scene.dt, begin, end, state.data(), body.fbar ? average_.values() : nullptr);
+            work.of(begin) = updateStress(body, scene.dt, begin, end, state.data(),
+                                          body.fbar ? average_.values() : nullptr);
         };
-        if (!body.fbar) return team.chunksNoWait(n, shares, [&](int begin, int end) { gradient(begin, end), rest(begin, end); });
+        if (!body.fbar)
+            return team.chunksNoWait(n, shares,
+                                     [&](int begin, int end) { gradient(begin, end), rest(begin, end); });
         average_.start(team, n, scene.grid);
         double* change = average_.values();
         team.chunks(n, [&](int begin, int end) {
@@ -152,13 +159,17 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
 
     // Stress update of particles [begin, end); returns their internal work V sigma : D dt, with the mean
     // of old and new stress. state: memory for MaterialPoints. change: of tr L, by F-bar.
-    template <int Dim> double updateStress(Body<Dim>& body, double dt, int begin, int end, double** state, const double* change) const {
+    template <int Dim>
+    double updateStress(Body<Dim>& body, double dt, int begin, int end, double** state,
+                        const double* change) const {
         auto& particles = body.particles;
         const double* V = particles.volume.plane() + begin;
         double before[chunkSize], averaged[Dim][chunkSize];
         MaterialPoints<Dim> points{};
-        points.count = end - begin, points.dt = dt, points.volume = V, points.initialVolume = particles.initialVolume.plane() + begin;
-        for (int c = 0; c < Dim * Dim; ++c) points.velocityGradient[c] = particles.velocityGradient.plane(c) + begin;
+        points.count = end - begin, points.dt = dt, points.volume = V,
+        points.initialVolume = particles.initialVolume.plane() + begin;
+        for (int c = 0; c < Dim * Dim; ++c)
+            points.velocityGradient[c] = particles.velocityGradient.plane(c) + begin;
         for (int c = 0; c < 9; ++c) {
             points.deformationGradient[c] = particles.deformationGradient.plane(c) + begin;
             points.stress[c] = particles.stress.plane(c) + begin;
@@ -187,26 +198,30 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const std::vector<Distorted> all = body.domains->distorted();
         if (all.empty()) return;
         const auto domain = [&](int p) {
-            return message("step ", scene.step, ": domain of particle ", body.particles.id.integers()[p], " in '", body.name,
-                           "' at ", place(vectorAt<Dim>(body.particles.position, p)));
+            return message("step ", scene.step, ": domain of particle ", body.particles.id.integers()[p],
+                           " in '", body.name, "' at ", place(vectorAt<Dim>(body.particles.position, p)));
         };
         if (!body.type->converts())
             throw RunError(message(domain(all.front().particle),
-                                   all.front().quality <= 0 ? " is inverted" : " is nearly inverted", " (smallest corner ",
-                                   100 * all.front().quality, " % of its area); use UGIMP there, or ",
-                                   body.type->className(), "(onDistortion=\"convert\")"));
+                                   all.front().quality <= 0 ? " is inverted" : " is nearly inverted",
+                                   " (smallest corner ", 100 * all.front().quality,
+                                   " % of its area); use UGIMP there, or ", body.type->className(),
+                                   "(onDistortion=\"convert\")"));
         for (const Distorted& d : all) {
-            const double V = body.particles.volume.plane()[d.particle], V0 = body.particles.initialVolume.plane()[d.particle];
+            const double V = body.particles.volume.plane()[d.particle],
+                         V0 = body.particles.initialVolume.plane()[d.particle];
             if (!(V > 0))
-                throw RunError(message(domain(d.particle), " turned inside out within one step (", V, " of ", V0,
-                                       Dim == 2 ? " m2" : " m3", "): its stress has no meaning and it cannot be converted; lower "
+                throw RunError(message(domain(d.particle), " turned inside out within one step (", V, " of ",
+                                       V0, Dim == 2 ? " m2" : " m3",
+                                       "): its stress has no meaning and it cannot be converted; lower "
                                        "dt, or use UGIMP there"));
         }
         convert(*body.convertsTo, body, all);
     }
 
     // Replaces domains by uGIMP particles of the same mass, momentum, volume and stress.
-    template <int Dim> static void convert(Body<Dim>& to, Body<Dim>& from, const std::vector<Distorted>& all) {
+    template <int Dim>
+    static void convert(Body<Dim>& to, Body<Dim>& from, const std::vector<Distorted>& all) {
         std::vector<Piece<Dim>> pieces;
         std::vector<int> gone;
         for (const Distorted& d : all) {

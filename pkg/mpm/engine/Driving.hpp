@@ -15,7 +15,8 @@ template <int Dim> std::vector<int> drivenPart(const Body<Dim>& body, Constraint
     const auto& particles = body.particles;
     double mass = 0, centre[3] = {0, 0, 0};
     for (int p = 0; p < particles.size(); ++p) {
-        bool inside = drive.ids.empty() || std::binary_search(drive.ids.begin(), drive.ids.end(), particles.id.integers()[p]);
+        bool inside = drive.ids.empty() ||
+                      std::binary_search(drive.ids.begin(), drive.ids.end(), particles.id.integers()[p]);
         for (int k = 0; k < Dim && inside && drive.ids.empty(); ++k) {
             const double x = particles.position.plane(k)[p];
             inside = x > drive.lower[k] && x <= drive.upper[k];
@@ -44,7 +45,8 @@ template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& 
         body.domains->addMass(drivenPart(body, drive), nodalMass.data(), touched);
         auto& field = scene.grid.fields[body.velocityField];
         for (int node : touched) {
-            const bool mostly = body.inertiaScale * nodalMass[node] > 0.5 * field.sum[node][NodalField<Dim>::mass];
+            const bool mostly =
+                body.inertiaScale * nodalMass[node] > 0.5 * field.sum[node][NodalField<Dim>::mass];
             for (int k = 0; k < Dim && mostly; ++k)
                 if (!std::isnan(drive.velocity[k])) {
                     scene.driven.push_back({body.velocityField, node, k, field.holder[node][k]});

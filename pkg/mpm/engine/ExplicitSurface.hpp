@@ -23,8 +23,9 @@ template <int Dim> class ExplicitSurface {
   public:
     static bool isOf(const Body<Dim>& body) { return body.type->isMeshed() || body.domains->outline(); }
 
-    struct Vertex { // at the boundary of a mesh; or the middle of a facet of an outline, or one of its corners
-        int node;   // the nearest
+    struct
+        Vertex {  // at the boundary of a mesh; or the middle of a facet of an outline, or one of its corners
+        int node; // the nearest
         Vec<Dim> position, outward; // area vector of its share of the facets, from
         double size, extent;        // its size, and the area of the share
         NodesRound<Dim> round;
@@ -33,16 +34,21 @@ template <int Dim> class ExplicitSurface {
 
     // What is near, and what its parts have of the surface: vertices, or the corners of facets.
     void find(Body<Dim>& body, const Grid<Dim>& grid, const Neighbourhood<Dim>& neighbourhood) {
-        body.type->isMeshed() ? findVertices(body, grid, neighbourhood) : findFacets(body, grid, neighbourhood);
+        body.type->isMeshed() ? findVertices(body, grid, neighbourhood)
+                              : findFacets(body, grid, neighbourhood);
     }
-    const std::vector<Vertex>& parts(const Body<Dim>& body) const { return body.type->isMeshed() ? near : corners_; }
+    const std::vector<Vertex>& parts(const Body<Dim>& body) const {
+        return body.type->isMeshed() ? near : corners_;
+    }
 
     // f(vertex, area vector of its share of a facet).
     template <class F> void forShares(Body<Dim>& body, F&& f) const {
         for (const Vertex& corner : corners_) f(corner, corner.outward);
         for (auto& facet : facets_.facets)
             for (int v : facet)
-                if (place_[v] >= 0) f(near[place_[v]], areaVector<Dim>(*body.domains->vertexPositions(), facet) / facets_.size);
+                if (place_[v] >= 0)
+                    f(near[place_[v]],
+                      areaVector<Dim>(*body.domains->vertexPositions(), facet) / facets_.size);
     }
 
   private:
@@ -50,9 +56,10 @@ template <int Dim> class ExplicitSurface {
     // Of a mesh:
     BoundaryFacets<Dim> facets_;
     std::vector<int> vertices_;
-    std::vector<int> facetsAt_, firstAt_; // numbers of the facets at each vertex, one vertex after the other; where they begin
-    std::vector<int> place_;              // of each vertex in `near`, -1: not there
-    int particles_ = -1;                  // when it was found
+    std::vector<int> facetsAt_,
+        firstAt_; // numbers of the facets at each vertex, one vertex after the other; where they begin
+    std::vector<int> place_; // of each vertex in `near`, -1: not there
+    int particles_ = -1;     // when it was found
 
     void findBoundary(Body<Dim>& body) {
         particles_ = body.particles.size();
@@ -100,15 +107,18 @@ template <int Dim> class ExplicitSurface {
         };
         for (int i = 0; i < outline.size(); ++i) {
             const Vec<Dim> carrier = vectorAt<Dim>(body.particles.position, outline.particle(i));
-            if (((carrier + grid.cell).array() < neighbourhood.lower.array()).any() || ((carrier - grid.cell).array() > neighbourhood.upper.array()).any())
+            if (((carrier + grid.cell).array() < neighbourhood.lower.array()).any() ||
+                ((carrier - grid.cell).array() > neighbourhood.upper.array()).any())
                 continue;
             const auto [x, outward] = outline.at(body.particles, i);
             add(near, x, outward);
             int facing;
-            const double seen = outward.cwiseAbs().maxCoeff(&facing), half = 0.5 * (Dim == 2 ? seen : std::sqrt(seen));
+            const double seen = outward.cwiseAbs().maxCoeff(&facing),
+                         half = 0.5 * (Dim == 2 ? seen : std::sqrt(seen));
             for (int corner = 0; corner < BoundaryFacets<Dim>::size; ++corner) {
                 Vec<Dim> d;
-                for (int k = 0, bit = 0; k < Dim; ++k) d[k] = k == facing ? 0 : corner >> bit++ & 1 ? half : -half;
+                for (int k = 0, bit = 0; k < Dim; ++k)
+                    d[k] = k == facing ? 0 : corner >> bit++ & 1 ? half : -half;
                 d[facing] = -d.dot(outward) / outward[facing];
                 add(corners_, x + d, outward / BoundaryFacets<Dim>::size);
             }

@@ -11,8 +11,9 @@ template <int Dim> struct FaceSeen {
     Mat<Dim> moment = Mat<Dim>::Zero();  // m3, int phi d n^T dA
     double intruded = -1e300;            // m, reach of the boxes that have crossed into a mesh
     // Of explicit surfaces only:
-    double extent = 0;                 // m2, int phi dA
-    double nearest = 1e300, reach = 0; // m2, m: squared distance from the normal of the nearest vertex, and its reach
+    double extent = 0; // m2, int phi dA
+    double nearest = 1e300,
+           reach = 0; // m2, m: squared distance from the normal of the nearest vertex, and its reach
 };
 
 } // namespace mpm

@@ -18,8 +18,10 @@ class GridSolver : public EngineOf<GridSolver> {
                "forces that no particle feels would otherwise drag, see doc/decisions/0006.";
     }
     std::vector<Parameter> attributes() override {
-        return {{"gravity", "m/s2", "Acceleration of gravity, one component per axis; acts on the unscaled mass.", &gravity},
-                {"damping", "-", "Local non-viscous damping coefficient.", &damping, Range{0, 1, false, true}}};
+        return {
+            {"gravity", "m/s2", "Acceleration of gravity, one component per axis; acts on the unscaled mass.",
+             &gravity},
+            {"damping", "-", "Local non-viscous damping coefficient.", &damping, Range{0, 1, false, true}}};
     }
 
     void prepare(Scene<2>& scene) override { checkGravity(scene); }
@@ -39,8 +41,10 @@ class GridSolver : public EngineOf<GridSolver> {
                     Tally* tally = &partial_[size_t(slab) * (n + 1)];
                     if (&field == &scene.grid.fields.front()) std::fill(tally, tally + n + 1, Tally{});
                     Quad power{};
-                    scene.grid.forNodes(field, slab, [&](int node) { power += solve(scene, field, node, g, least, tally); });
-                    for (int k = 0; k < Dim; ++k) tally[n].gravity += power[NodalField<Dim>::lane(k)] * scene.dt;
+                    scene.grid.forNodes(
+                        field, slab, [&](int node) { power += solve(scene, field, node, g, least, tally); });
+                    for (int k = 0; k < Dim; ++k)
+                        tally[n].gravity += power[NodalField<Dim>::lane(k)] * scene.dt;
                 });
         });
         addUp(scene);
@@ -56,13 +60,14 @@ class GridSolver : public EngineOf<GridSolver> {
 
     template <int Dim> void checkGravity(Scene<Dim>&) {
         if (gravity.empty()) gravity.assign(Dim, 0.0);
-        require(int(gravity.size()) == Dim, "GridSolver: gravity has ", gravity.size(), " components; give ", Dim,
-                " for this scene");
+        require(int(gravity.size()) == Dim, "GridSolver: gravity has ", gravity.size(), " components; give ",
+                Dim, " for this scene");
     }
 
     // Returns the power of gravity.
     template <int Dim>
-    MPM_INLINE Quad solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, Quad g, double least, Tally* tally) const {
+    MPM_INLINE Quad solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, Quad g, double least,
+                          Tally* tally) const {
         using NF = NodalField<Dim>;
         const auto& sum = field.sum[node];
         const double m = sum[NF::mass];
@@ -83,7 +88,8 @@ class GridSolver : public EngineOf<GridSolver> {
 
     // Momentum and force are both replaced where a node is held, or the FLIP increment leaks.
     template <int Dim>
-    static void hold(const Scene<Dim>& scene, const NodalField<Dim>& field, int node, const Quad& weight, Quad& v, Quad& a, Tally* tally) {
+    static void hold(const Scene<Dim>& scene, const NodalField<Dim>& field, int node, const Quad& weight,
+                     Quad& v, Quad& a, Tally* tally) {
         using NF = NodalField<Dim>;
         const auto& sum = field.sum[node];
         for (int k = 0; k < Dim; ++k)
@@ -91,13 +97,16 @@ class GridSolver : public EngineOf<GridSolver> {
                 const double after = scene.prescribed(c, k, scene.time + scene.dt);
                 const double change = (after - scene.prescribed(c, k, scene.time)) / scene.dt;
                 NF::setComponent(v, k, after), NF::setComponent(a, k, change);
-                react(scene, c, node, k, sum[NF::mass] * change - (NF::forceOf(sum, k) + weight[NF::lane(k)]), after, tally[c]);
+                react(scene, c, node, k, sum[NF::mass] * change - (NF::forceOf(sum, k) + weight[NF::lane(k)]),
+                      after, tally[c]);
             }
     }
 
     template <int Dim>
-    static void react(const Scene<Dim>& scene, int constraint, int node, int axis, double force, double v, Tally& t) {
-        addReaction<Dim>(scene.grid.nodePosition(node), scene.constraints[constraint]->centre, axis, force, t.force, t.moment);
+    static void react(const Scene<Dim>& scene, int constraint, int node, int axis, double force, double v,
+                      Tally& t) {
+        addReaction<Dim>(scene.grid.nodePosition(node), scene.constraints[constraint]->centre, axis, force,
+                         t.force, t.moment);
         t.work += force * v * scene.dt;
         ++t.nodes;
     }

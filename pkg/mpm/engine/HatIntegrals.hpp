@@ -14,7 +14,8 @@ struct HatIntegrals {
 
     HatIntegrals() = default;
     MPM_INLINE HatIntegrals(const FourBoxes& centre, const FourBoxes& half) { // of the boxes
-        const FourBoxes y = (centre + half).max(-1).min(1), z = (centre - half).max(-1).min(1), Y = y.abs(), Z = z.abs();
+        const FourBoxes y = (centre + half).max(-1).min(1), z = (centre - half).max(-1).min(1), Y = y.abs(),
+                        Z = z.abs();
         N = (1 - 0.5 * Y) * y - (1 - 0.5 * Z) * z;
         slope = Z - Y;
         first = (0.5 - 1 / 3.0 * Y) * y * y - (0.5 - 1 / 3.0 * Z) * z * z;

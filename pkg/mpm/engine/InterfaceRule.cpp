@@ -47,7 +47,8 @@ template <int Dim> struct Boxes {
             if (k == Dim) return nullptr;
         }
     }
-    static bool close(const Entry& entry, const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& reach) {
+    static bool close(const Entry& entry, const Vec<Dim>& lower, const Vec<Dim>& upper,
+                      const Vec<Dim>& reach) {
         const Vec<Dim> x = vectorAt<Dim>(entry.body->particles.position, entry.particle);
         const Vec<Dim> half = entry.body->domains->halfSize();
         for (int k = 0; k < Dim; ++k)
@@ -71,12 +72,18 @@ template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double
             if (!boxes) boxes = std::make_unique<Boxes<Dim>>(scene);
             Vec<Dim> lower = Vec<Dim>::Constant(1e300), upper = -lower;
             for (int a = 0; a < corners<Dim>; ++a) {
-                const Vec<Dim> X = vectorAt<Dim>(*body->domains->vertexPositions(), corner[corners<Dim> * p + a]);
+                const Vec<Dim> X =
+                    vectorAt<Dim>(*body->domains->vertexPositions(), corner[corners<Dim> * p + a]);
                 lower = lower.cwiseMin(X), upper = upper.cwiseMax(X);
             }
             const Vec<Dim> reach = (1 - 1e-6) * scene.grid.cell;
             if (auto* entry = boxes->near(lower, upper, reach)) {
-                fault = {true, body->name, entry->body->name, place(Vec<Dim>(0.5 * (lower + upper))), edge, body->domains->initialEdge(p)};
+                fault = {true,
+                         body->name,
+                         entry->body->name,
+                         place(Vec<Dim>(0.5 * (lower + upper))),
+                         edge,
+                         body->domains->initialEdge(p)};
                 allowed = edge;
             }
         }

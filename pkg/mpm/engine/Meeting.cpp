@@ -23,7 +23,8 @@ template <int Dim> void Meeting<Dim>::find(const Scene<Dim>& scene, bool normals
     meets.clear(), touches.clear(), pairs.clear(), step_ = scene.step;
     isExplicit_.assign(scene.groups.size(), true), hasOutline_.assign(scene.groups.size(), false);
     for (auto& body : scene.bodies) {
-        if (!ExplicitSurface<Dim>::isOf(*body) && body->particles.size() > 0) isExplicit_[body->velocityField] = false;
+        if (!ExplicitSurface<Dim>::isOf(*body) && body->particles.size() > 0)
+            isExplicit_[body->velocityField] = false;
         if (body->domains->outline()) hasOutline_[body->velocityField] = true;
     }
     const int groups = int(scene.groups.size());
@@ -57,7 +58,9 @@ template <int Dim> bool Meeting<Dim>::findNodes(const Scene<Dim>& scene, int a, 
             both.last[k] = std::min(both.last[k], fieldB.extents[slab].last[k]);
         }
         grid.forNodes(both, slab, [&](int node) {
-            if (!(fieldA.sum[node][NodalField<Dim>::mass] > least && fieldB.sum[node][NodalField<Dim>::mass] > least)) return;
+            if (!(fieldA.sum[node][NodalField<Dim>::mass] > least &&
+                  fieldB.sum[node][NodalField<Dim>::mass] > least))
+                return;
             neighbourhood_.add(grid, node, int(meets.size()));
             meets.emplace_back();
             Meet<Dim>& meet = meets.back();
@@ -68,11 +71,13 @@ template <int Dim> bool Meeting<Dim>::findNodes(const Scene<Dim>& scene, int a, 
     return meets.size() > first;
 }
 
-template <int Dim> void Meeting<Dim>::findSurfaces(const Scene<Dim>& scene, int side, int field, size_t first) {
+template <int Dim>
+void Meeting<Dim>::findSurfaces(const Scene<Dim>& scene, int side, int field, size_t first) {
     boxes_[side].find(scene, field, neighbourhood_);
     if (!boxes_[side].isEmpty())
         for (size_t i = first; i < meets.size(); ++i)
-            boxes_[side].addTo(meets[i].surface[side], scene.grid, neighbourhood_, meets[i].node, meets[i].position);
+            boxes_[side].addTo(meets[i].surface[side], scene.grid, neighbourhood_, meets[i].node,
+                               meets[i].position);
     forSurfaces(scene, field, [&](Body<Dim>& body, ExplicitSurface<Dim>& surface) {
         surface.find(body, scene.grid, neighbourhood_);
         addParts(surface.parts(body), side);
@@ -98,40 +103,51 @@ template <int Dim> void Meeting<Dim>::findNormals(const Grid<Dim>& grid, size_t 
     for (size_t i = first; i < meets.size(); ++i) {
         Meet<Dim>& meet = meets[i];
         const bool explicitly[2] = {isExplicit_[meet.field[0]], isExplicit_[meet.field[1]]};
-        const Vec<Dim> outward[2] = {meet.surface[0].outward, -meet.surface[1].outward}; // along the normal, both
+        const Vec<Dim> outward[2] = {meet.surface[0].outward,
+                                     -meet.surface[1].outward}; // along the normal, both
         Vec<Dim> sum = Vec<Dim>::Zero();
         if (!explicitly[0] && !explicitly[1]) {
             for (int k = 0; k < Dim; ++k)
-                if (const double a = outward[0][k], b = outward[1][k]; a * b > 0) sum[k] = std::abs(a) < std::abs(b) ? a : b;
+                if (const double a = outward[0][k], b = outward[1][k]; a * b > 0)
+                    sum[k] = std::abs(a) < std::abs(b) ? a : b;
             meet.normal = unit<Dim>(sum, 0.0);
             continue;
         }
         double size[2], flatness[2];
         for (int side = 0; side < 2; ++side) {
             size[side] = outward[side].norm();
-            const double extent = explicitly[side] ? meet.surface[side].extent : outward[side].template lpNorm<1>();
+            const double extent =
+                explicitly[side] ? meet.surface[side].extent : outward[side].template lpNorm<1>();
             flatness[side] = size[side] / std::max(extent, 1e-300);
         }
         const double flattest = std::max(flatness[0], flatness[1]);
         bool counts[2];
-        for (int side = 0; side < 2; ++side) counts[side] = size[side] > 0 && flatness[side] > 0.99 * flattest;
-        if (explicitly[0] != explicitly[1]) { // boxes count where they are flat and the mesh has an edge, or at a plane of symmetry
+        for (int side = 0; side < 2; ++side)
+            counts[side] = size[side] > 0 && flatness[side] > 0.99 * flattest;
+        if (explicitly[0] !=
+            explicitly
+                [1]) { // boxes count where they are flat and the mesh has an edge, or at a plane of symmetry
             const int mesh = explicitly[0] ? 0 : 1;
-            const bool isHeld = grid.fields[meet.field[0]].isHeld(meet.node) || grid.fields[meet.field[1]].isHeld(meet.node);
-            const bool face = outward[0].dot(outward[1]) > 0; // else boxes caught inside the mesh hide the surface of the others
-            if (counts[mesh] || (!isHeld && (!face || flatness[1 - mesh] < edge))) counts[mesh] = size[mesh] > 0, counts[1 - mesh] = !counts[mesh];
+            const bool isHeld =
+                grid.fields[meet.field[0]].isHeld(meet.node) || grid.fields[meet.field[1]].isHeld(meet.node);
+            const bool face = outward[0].dot(outward[1]) >
+                              0; // else boxes caught inside the mesh hide the surface of the others
+            if (counts[mesh] || (!isHeld && (!face || flatness[1 - mesh] < edge)))
+                counts[mesh] = size[mesh] > 0, counts[1 - mesh] = !counts[mesh];
         }
         for (int side = 0; side < 2; ++side)
             if (counts[side]) sum += outward[side] / size[side];
         meet.normal = unit<Dim>(sum, 1e-6);
         for (int side = 0; side < 2; ++side)
-            if (counts[side] && explicitly[side] && !explicitly[1 - side] && flatness[side] < edge) meet.edgeOf = side;
+            if (counts[side] && explicitly[side] && !explicitly[1 - side] && flatness[side] < edge)
+                meet.edgeOf = side;
     }
 }
 
 // At an edge of a mesh against boxes the facets count as far as they move towards these: the tip of a pile pushes what lies below
 // it down, not aside.
-template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first) {
+template <int Dim>
+void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int side, int field, size_t first) {
     bool isAny = false;
     for (size_t i = first; i < meets.size(); ++i) isAny |= meets[i].edgeOf == side;
     if (!isAny) return;
@@ -152,7 +168,8 @@ template <int Dim> void Meeting<Dim>::turnAtEdges(const Scene<Dim>& scene, int s
         });
     });
     for (size_t i = first; i < meets.size(); ++i)
-        if (meets[i].edgeOf == side && !sum[i - first].isZero(0)) meets[i].normal = (side == 0 ? 1 : -1) * sum[i - first].normalized();
+        if (meets[i].edgeOf == side && !sum[i - first].isZero(0))
+            meets[i].normal = (side == 0 ? 1 : -1) * sum[i - first].normalized();
 }
 
 // Where a constraint holds both groups along an axis they do not push each other along it: at a plane of symmetry an outline has facets on
@@ -162,7 +179,9 @@ template <int Dim> void Meeting<Dim>::straighten(const Grid<Dim>& grid, size_t f
         Meet<Dim>& meet = meets[i];
         Vec<Dim> free = meet.normal;
         for (int k = 0; k < Dim; ++k)
-            if (grid.fields[meet.field[0]].holder[meet.node][k] >= 0 && grid.fields[meet.field[1]].holder[meet.node][k] >= 0) free[k] = 0;
+            if (grid.fields[meet.field[0]].holder[meet.node][k] >= 0 &&
+                grid.fields[meet.field[1]].holder[meet.node][k] >= 0)
+                free[k] = 0;
         if (free.norm() > 0.1) meet.normal = free.normalized();
     }
 }
@@ -172,7 +191,8 @@ template <int Dim> void Meeting<Dim>::findNormalsByMass(const Grid<Dim>& grid, s
         Vec<Dim> slope[2] = {Vec<Dim>::Zero(), Vec<Dim>::Zero()};
         for (int side = 0; side < 2; ++side)
             forNeighbours(grid, meets[i].node, [&](int node, const Index<Dim>& at) {
-                const Vec<Dim> step = Eigen::Map<const Eigen::Matrix<int, Dim, 1>>(at.data()).template cast<double>();
+                const Vec<Dim> step =
+                    Eigen::Map<const Eigen::Matrix<int, Dim, 1>>(at.data()).template cast<double>();
                 const double even = std::pow(0.5, step.squaredNorm()); // 1 2 1 across
                 const double mass = grid.fields[meets[i].field[side]].sum[node][NodalField<Dim>::mass];
                 slope[side] += even * mass * step.cwiseQuotient(grid.cell);
@@ -195,24 +215,28 @@ template <int Dim> void Meeting<Dim>::findFaces(const Scene<Dim>& scene, int sid
                 Meet<Dim>& meet = meets[slot];
                 FaceSeen<Dim>& face = meet.surface[side];
                 const Vec<Dim> d = vertex.position - meet.position;
-                const double along = sign * d.dot(meet.normal), beside = std::max(0.0, d.squaredNorm() - along * along);
+                const double along = sign * d.dot(meet.normal),
+                             beside = std::max(0.0, d.squaredNorm() - along * along);
                 const double faces = sign * vertex.outward.dot(meet.normal) / vertex.size;
                 if (beside > h * h || beside >= face.nearest || !(faces > 0.5)) return;
-                face.nearest = beside, face.reach = faces > 0.9 ? d.dot(vertex.outward) / (faces * vertex.size) : along;
+                face.nearest = beside,
+                face.reach = faces > 0.9 ? d.dot(vertex.outward) / (faces * vertex.size) : along;
             });
     });
 }
 
 // Boxes against a mesh: where the centre of one has crossed its face, the gap is closed, whatever the others do. What lies deeper than
 // half a cell belongs to the other side.
-template <int Dim> void Meeting<Dim>::findIntruders(const Grid<Dim>& grid, int side, int field, int other, size_t first) {
+template <int Dim>
+void Meeting<Dim>::findIntruders(const Grid<Dim>& grid, int side, int field, int other, size_t first) {
     if (isExplicit_[field] || !isExplicit_[other]) return;
     const double sign = side == 0 ? 1 : -1, h = grid.cell.minCoeff();
     for (size_t i = first; i < meets.size(); ++i) {
         Meet<Dim>& meet = meets[i];
         const FaceSeen<Dim>& face = meet.surface[1 - side];
         if (face.nearest < 1e300)
-            meet.surface[side].intruded = boxes_[side].crossed(grid, neighbourhood_, meet.node, meet.position, sign * meet.normal, -face.reach, h);
+            meet.surface[side].intruded = boxes_[side].crossed(grid, neighbourhood_, meet.node, meet.position,
+                                                               sign * meet.normal, -face.reach, h);
     }
 }
 
@@ -231,8 +255,8 @@ template <int Dim> void Meeting<Dim>::findGaps(const Grid<Dim>& grid, size_t fir
         for (int side = 0; side < 2; ++side) {
             const FaceSeen<Dim>& face = meet.surface[side];
             reach[side] = explicitly[side] && face.nearest < 1e300 ? face.reach
-                          : area[side] > 0.05 * meet.weight    ? n.dot(face.moment * n) / area[side]
-                                                               : -1e300;
+                          : area[side] > 0.05 * meet.weight        ? n.dot(face.moment * n) / area[side]
+                                                                   : -1e300;
             reach[side] = std::max(reach[side], face.intruded);
         }
         meet.gap = -reach[1] - reach[0];
@@ -266,11 +290,13 @@ template <int Dim> void Meeting<Dim>::findSkin(const Scene<Dim>& scene, int side
         for (const Vertex& vertex : surface.near)
             if (vertex.size > edge * vertex.extent) skins_[side].push_back(&vertex);
     });
-    std::stable_sort(skins_[side].begin(), skins_[side].end(), [](const Vertex* a, const Vertex* b) { return a->node < b->node; });
+    std::stable_sort(skins_[side].begin(), skins_[side].end(),
+                     [](const Vertex* a, const Vertex* b) { return a->node < b->node; });
 }
 
 // Distance of a vertex from boxes, along its normal: from where the nodes round it see them, if that is a plane. 1e300: it is not.
-template <int Dim> double Meeting<Dim>::distanceOfBoxes(const Grid<Dim>& grid, const Vertex& own, int side) const {
+template <int Dim>
+double Meeting<Dim>::distanceOfBoxes(const Grid<Dim>& grid, const Vertex& own, int side) const {
     const Vec<Dim> n = own.outward / own.size;
     double facing = 0, all = 0, distance = 0;
     for (int corner = 0; corner < own.round.size; ++corner) {
@@ -281,19 +307,24 @@ template <int Dim> double Meeting<Dim>::distanceOfBoxes(const Grid<Dim>& grid, c
         facing += area, all += S * boxes.outward.template lpNorm<1>();
         distance += area * (meet.position - own.position).dot(n) - S * n.dot(boxes.moment * n);
     }
-    return facing > 0.4 * std::pow(grid.cell.minCoeff(), Dim - 1) && facing > edge * all ? distance / facing : 1e300;
+    return facing > 0.4 * std::pow(grid.cell.minCoeff(), Dim - 1) && facing > edge * all ? distance / facing
+                                                                                         : 1e300;
 }
 
 // Distance of a vertex from another mesh: from the tangent plane at its nearest vertex, to which the normal is turned half-way.
-template <int Dim> double Meeting<Dim>::distanceOfMesh(const Grid<Dim>& grid, const Vertex& own, int side, Vec<Dim>& normal) const {
+template <int Dim>
+double Meeting<Dim>::distanceOfMesh(const Grid<Dim>& grid, const Vertex& own, int side,
+                                    Vec<Dim>& normal) const {
     const auto& others = skins_[1 - side];
     const Vertex* other = nullptr;
     double least = 1e300;
     forNeighbours(grid, own.node, [&](int node, const Index<Dim>& step) {
         if (step[0] > -1) return; // rows of three nodes follow each other
-        auto it = std::lower_bound(others.begin(), others.end(), node, [](const Vertex* vertex, int node) { return vertex->node < node; });
+        auto it = std::lower_bound(others.begin(), others.end(), node,
+                                   [](const Vertex* vertex, int node) { return vertex->node < node; });
         for (; it != others.end() && (*it)->node < node + 3; ++it)
-            if (const double d = ((*it)->position - own.position).squaredNorm(); d < least) least = d, other = *it;
+            if (const double d = ((*it)->position - own.position).squaredNorm(); d < least)
+                least = d, other = *it;
     });
     if (!other) return 1e300;
     const Vec<Dim> n = own.outward / own.size, facing = other->outward / other->size;
@@ -314,7 +345,8 @@ template <int Dim> void Meeting<Dim>::findTouches(const Scene<Dim>& scene, int a
             if (!isShared) continue;
             Touch<Dim> touch;
             touch.normal = own->outward / own->size, touch.tolerated = tolerated * h;
-            touch.gap = isExplicit_[side == 0 ? b : a] ? distanceOfMesh(grid, *own, side, touch.normal) : distanceOfBoxes(grid, *own, side);
+            touch.gap = isExplicit_[side == 0 ? b : a] ? distanceOfMesh(grid, *own, side, touch.normal)
+                                                       : distanceOfBoxes(grid, *own, side);
             if (side == 1) touch.normal = -touch.normal;
             if (std::abs(touch.gap) > 0.5 * h) continue;
             static_cast<NodesRound<Dim>&>(touch) = own->round;

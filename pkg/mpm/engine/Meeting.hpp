@@ -20,9 +20,9 @@ template <int Dim> struct Impulses {
 
 // Where surfaces of two groups face each other.
 template <int Dim> struct Site {
-    Vec<Dim> normal = Vec<Dim>::Zero(); // from the first group to the second; zero: not known
-    double gap = 0, area = 0;           // m; m2, of the smaller surface along the normal
-    double tolerated = 0;               // m, overlap that does not count
+    Vec<Dim> normal = Vec<Dim>::Zero();   // from the first group to the second; zero: not known
+    double gap = 0, area = 0;             // m; m2, of the smaller surface along the normal
+    double tolerated = 0;                 // m, overlap that does not count
     bool presses = false, sticks = false; // in this step
     Impulses<Dim> J;
 };
@@ -63,12 +63,12 @@ template <int Dim> class Meeting {
   private:
     using Vertex = typename ExplicitSurface<Dim>::Vertex;
     long step_ = -1;
-    Neighbourhood<Dim> neighbourhood_;            // of one pair of groups at a time, as what follows:
-    NearBoxes<Dim> boxes_[2];                     // of either group
-    std::vector<const Vertex*> skins_[2];         // vertices of either group at no edge, by their nearest node
-    std::vector<ExplicitSurface<Dim>> surfaces_;  // per body
-    std::vector<bool> isExplicit_;                // groups whose surface is explicit altogether
-    std::vector<bool> hasOutline_;                // groups with boxes that carry an outline
+    Neighbourhood<Dim> neighbourhood_;           // of one pair of groups at a time, as what follows:
+    NearBoxes<Dim> boxes_[2];                    // of either group
+    std::vector<const Vertex*> skins_[2];        // vertices of either group at no edge, by their nearest node
+    std::vector<ExplicitSurface<Dim>> surfaces_; // per body
+    std::vector<bool> isExplicit_;               // groups whose surface is explicit altogether
+    std::vector<bool> hasOutline_;               // groups with boxes that carry an outline
 
     // What groups a and b share, in this order; side: 0 for a, 1 for b; field: the number of that group; first: of their meets.
     bool findNodes(const Scene<Dim>& scene, int a, int b);
@@ -90,7 +90,9 @@ template <int Dim> class Meeting {
     // f(body, surface) for those bodies of a group that have an explicit one, not for bodies that take what these convert.
     template <class F> void forSurfaces(const Scene<Dim>& scene, int field, F&& f) {
         for (size_t b = 0; b < scene.bodies.size(); ++b)
-            if (Body<Dim>& body = *scene.bodies[b]; body.velocityField == field && ExplicitSurface<Dim>::isOf(body)) f(body, surfaces_[b]);
+            if (Body<Dim>& body = *scene.bodies[b];
+                body.velocityField == field && ExplicitSurface<Dim>::isOf(body))
+                f(body, surfaces_[b]);
     }
 };
 

@@ -22,8 +22,9 @@ template <int Dim> class NearBoxes {
             const Index<Dim> begin = grid.blockBegin(block);
             bool far = false;
             for (int k = 1; k < Dim; ++k)
-                far |= begin[k] + grid.blockWidth < grid.inCells(neighbourhood.lower[k], k) - grid.wander - 1 ||
-                       begin[k] > grid.inCells(neighbourhood.upper[k], k) + grid.wander + 1;
+                far |=
+                    begin[k] + grid.blockWidth < grid.inCells(neighbourhood.lower[k], k) - grid.wander - 1 ||
+                    begin[k] > grid.inCells(neighbourhood.upper[k], k) + grid.wander + 1;
             return far;
         };
         found_.clear(), start_.assign(neighbourhood.size() + 1, 0);
@@ -43,7 +44,9 @@ template <int Dim> class NearBoxes {
                     for (int i = 0; i < count; ++i) {
                         const int near = neighbourhood.number(node[i]);
                         if (near < 0) continue;
-                        found_.push_back({vectorAt<Dim>(position, begin + i), half, V[begin + i] / size, near}), ++start_[near];
+                        found_.push_back(
+                            {vectorAt<Dim>(position, begin + i), half, V[begin + i] / size, near}),
+                            ++start_[near];
                     }
                 }
             }
@@ -53,7 +56,8 @@ template <int Dim> class NearBoxes {
 
     // Adds to a surface: int over it of phi n = int grad phi dV,  of phi d n^T = int (d grad phi^T + phi I) dV; for each box products of
     // integrals along the axes.
-    void addTo(FaceSeen<Dim>& surface, const Grid<Dim>& grid, const Neighbourhood<Dim>& neighbourhood, int node, const Vec<Dim>& x) const {
+    void addTo(FaceSeen<Dim>& surface, const Grid<Dim>& grid, const Neighbourhood<Dim>& neighbourhood,
+               int node, const Vec<Dim>& x) const {
         FourBoxes outward[Dim], moment[Dim][Dim];
         for (int n = 0; n < Dim; ++n) {
             outward[n].setZero();
@@ -62,10 +66,13 @@ template <int Dim> class NearBoxes {
         const Vec<Dim> perCell = grid.cell.cwiseInverse();
         forRows(grid, neighbourhood, node, [&](int begin, int end) {
             for (int b = begin; b < end; b += 4) {
-                const auto at = [&](const std::vector<double>& values) { return FourBoxes::Map(values.data() + b); };
+                const auto at = [&](const std::vector<double>& values) {
+                    return FourBoxes::Map(values.data() + b);
+                };
                 HatIntegrals phi[Dim];
                 MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) phi[k] = HatIntegrals((at(centre_[k]) - x[k]) * perCell[k], at(half_[k]));
+                for (int k = 0; k < Dim; ++k)
+                    phi[k] = HatIntegrals((at(centre_[k]) - x[k]) * perCell[k], at(half_[k]));
                 FourBoxes density = at(density_);
                 for (int rest = end - b; rest < 4; ++rest) density[rest] = 0;
                 const auto product = [&](auto&& factor) {
@@ -76,25 +83,28 @@ template <int Dim> class NearBoxes {
                 };
                 MPM_UNROLL
                 for (int n = 0; n < Dim; ++n) {
-                    outward[n] += product([&](auto& phi, int k) -> auto& { return k == n ? phi.slope : phi.N; });
+                    outward[n] +=
+                        product([&](auto& phi, int k) -> auto& { return k == n ? phi.slope : phi.N; });
                     MPM_UNROLL
                     for (int m = 0; m < Dim; ++m)
                         moment[m][n] += product([&](auto& phi, int k) -> auto& {
-                            return k == n ? (k == m ? phi.slopeOfFirst : phi.slope) : (k == m ? phi.first : phi.N);
+                            return k == n ? (k == m ? phi.slopeOfFirst : phi.slope)
+                                          : (k == m ? phi.first : phi.N);
                         });
                 }
             }
         });
         for (int n = 0; n < Dim; ++n) {
             surface.outward[n] += outward[n].sum() * perCell[n];
-            for (int m = 0; m < Dim; ++m) surface.moment(m, n) += moment[m][n].sum() * grid.cell[m] * perCell[n];
+            for (int m = 0; m < Dim; ++m)
+                surface.moment(m, n) += moment[m][n].sum() * grid.cell[m] * perCell[n];
         }
     }
 
     // How far the centres near a node at x reach along n that have crossed a plane there, by half of h at most and not far beside the
     // node; -1e300: there are none.
-    double crossed(const Grid<Dim>& grid, const Neighbourhood<Dim>& neighbourhood, int node, const Vec<Dim>& x, const Vec<Dim>& n, double plane,
-                   double h) const {
+    double crossed(const Grid<Dim>& grid, const Neighbourhood<Dim>& neighbourhood, int node,
+                   const Vec<Dim>& x, const Vec<Dim>& n, double plane, double h) const {
         double furthest = -1e300;
         forRows(grid, neighbourhood, node, [&](int begin, int end) {
 #pragma omp simd reduction(max : furthest)
@@ -106,7 +116,8 @@ template <int Dim> class NearBoxes {
                     along += n[k] * d, square += d * d;
                 }
                 const double overlap = along - plane, beside = square - along * along;
-                const double reach = ((overlap >= 0) & (overlap <= 0.5 * h) & (beside <= 0.5 * h * h)) ? along : -1e300;
+                const double reach =
+                    ((overlap >= 0) & (overlap <= 0.5 * h) & (beside <= 0.5 * h * h)) ? along : -1e300;
                 furthest = furthest > reach ? furthest : reach;
             }
         });
@@ -119,9 +130,10 @@ template <int Dim> class NearBoxes {
         double density;
         int near; // number of the nearest node
     };
-    std::vector<Box> found_;                                // in the order of the particles, and then
-    std::vector<double> centre_[Dim], half_[Dim], density_; // by node: m; cells; volume, m3, over that of the box in cells
-    std::vector<int> start_;                                // of the boxes of each near node
+    std::vector<Box> found_; // in the order of the particles, and then
+    std::vector<double> centre_[Dim], half_[Dim],
+        density_;            // by node: m; cells; volume, m3, over that of the box in cells
+    std::vector<int> start_; // of the boxes of each near node
 
     void sort() {
         const size_t room = found_.size() + 3; // to look at four at a time
@@ -136,7 +148,8 @@ template <int Dim> class NearBoxes {
     }
 
     // f(begin, end) for the boxes whose nearest node is this one, or next to it.
-    template <class F> void forRows(const Grid<Dim>& grid, const Neighbourhood<Dim>& neighbourhood, int node, F&& f) const {
+    template <class F>
+    void forRows(const Grid<Dim>& grid, const Neighbourhood<Dim>& neighbourhood, int node, F&& f) const {
         forNeighbours(grid, node, [&](int near, const Index<Dim>& step) {
             const int first = neighbourhood.number(near); // rows of three nodes follow each other
             if (step[0] < 0) f(start_[first], start_[first + 3]);

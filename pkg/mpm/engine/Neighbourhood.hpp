@@ -16,7 +16,8 @@ template <int Dim, class F> MPM_INLINE void forNeighbours(const Grid<Dim>& grid,
     } else
         for (int l = -1; l <= 1; ++l)
             for (int j = -1; j <= 1; ++j)
-                for (int i = -1; i <= 1; ++i) f(node + i + j * grid.strides[1] + l * grid.strides[2], Index<3>{i, j, l});
+                for (int i = -1; i <= 1; ++i)
+                    f(node + i + j * grid.strides[1] + l * grid.strides[2], Index<3>{i, j, l});
 }
 
 template <int Dim> int nearestNode(const Grid<Dim>& grid, const Vec<Dim>& x) {
@@ -26,7 +27,8 @@ template <int Dim> int nearestNode(const Grid<Dim>& grid, const Vec<Dim>& x) {
 }
 
 // The same for points begin ... begin + count - 1 at once.
-template <int Dim> void nearestNodes(const Grid<Dim>& grid, const Field& position, int begin, int count, int* node) {
+template <int Dim>
+void nearestNodes(const Grid<Dim>& grid, const Field& position, int begin, int count, int* node) {
     std::fill(node, node + count, 0);
     for (int k = 0; k < Dim; ++k) {
         const double* x = position.plane(k) + begin;
@@ -47,7 +49,9 @@ template <int Dim> class Neighbourhood {
   public:
     Vec<Dim> lower, upper; // of a box that holds all that is near
 
-    void prepare(const Grid<Dim>& grid) { meet_.assign(grid.count, -1), near_.assign(grid.count, -1), nodes_.clear(); }
+    void prepare(const Grid<Dim>& grid) {
+        meet_.assign(grid.count, -1), near_.assign(grid.count, -1), nodes_.clear();
+    }
 
     void clear() {
         for (int node : nodes_) meet_[node] = near_[node] = -1;
@@ -69,11 +73,14 @@ template <int Dim> class Neighbourhood {
     }
 
     int size() const { return int(nodes_.size()); }
-    int meet(int node) const { return meet_[node]; }   // -1: the groups do not meet there
-    int number(int node) const { return near_[node]; } // of a node that is near, which grows with the node; -1: it is not
+    int meet(int node) const { return meet_[node]; } // -1: the groups do not meet there
+    int number(int node) const {
+        return near_[node];
+    } // of a node that is near, which grows with the node; -1: it is not
 
     bool holds(const Grid<Dim>& grid, const Vec<Dim>& x) const {
-        return (x.array() >= lower.array()).all() && (x.array() <= upper.array()).all() && near_[nearestNode(grid, x)] >= 0;
+        return (x.array() >= lower.array()).all() && (x.array() <= upper.array()).all() &&
+               near_[nearestNode(grid, x)] >= 0;
     }
 
     NodesRound<Dim> round(const Grid<Dim>& grid, const Vec<Dim>& x) const {

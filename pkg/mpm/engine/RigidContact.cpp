@@ -52,7 +52,8 @@ template <int Dim> Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>
         if (sum[NF::mass] <= least) return;
         for (int k = 0; k < Dim; ++k) {
             const int c = field.holder[node][k];
-            straining[k] += phi * (c < 0 ? sum[NF::momentum + k] / sum[NF::mass] : scene.prescribed(c, k, scene.time));
+            straining[k] +=
+                phi * (c < 0 ? sum[NF::momentum + k] / sum[NF::mass] : scene.prescribed(c, k, scene.time));
         }
     });
     for (int k = 0; k < Dim; ++k) own[k] = soil.particles.velocity.plane(k)[p];
@@ -67,7 +68,8 @@ struct Arm {
 
 // How far the place where friction acts has moved since the last step. A particle's own part is taken from its place: under FLIP its
 // velocity is another one.
-template <int Dim> Vec3 movedSince(const Body<Dim>& soil, int index, const RigidTouch& t, const Arm& arm, double dt) {
+template <int Dim>
+Vec3 movedSince(const Body<Dim>& soil, int index, const RigidTouch& t, const Arm& arm, double dt) {
     const Vec3 moved = t.point - t.before;
     if (soil.type->isMeshed()) return moved;
     return moved + dt * (gradientOf(soil, index) * arm.d);
@@ -78,11 +80,13 @@ template <int Dim>
 void addForce(const Body<Dim>& soil, int index, const Arm& arm, const Vec3& normal, const Vec3& friction,
               typename NodalField<Dim>::Sum* nodes) {
     using NF = NodalField<Dim>;
-    if (soil.type->isMeshed()) return soil.domains->addVertexForce(index, Vec<Dim>((normal + friction).template head<Dim>()), nodes);
+    if (soil.type->isMeshed())
+        return soil.domains->addVertexForce(index, Vec<Dim>((normal + friction).template head<Dim>()), nodes);
     soil.domains->weights(index, [&](int node, double phi, const Vec<Dim>& gradient) {
         const double shift = gradient.dot(arm.d.head<Dim>());
         for (int k = 0; k < Dim; ++k)
-            nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + (phi + arm.q * shift) * normal[k] + (phi + shift) * friction[k]);
+            nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + (phi + arm.q * shift) * normal[k] +
+                                              (phi + shift) * friction[k]);
     });
 }
 
@@ -95,7 +99,8 @@ template <int Dim> class RigidContact::Balance {
 
     Balance(const Scene<Dim>& scene, int bodies) : scene_(scene), nodes_(bodies) {}
 
-    void add(const Body<Dim>& soil, int body, int index, const Arm& arm, const Vec3& normal, const Vec3& friction) {
+    void add(const Body<Dim>& soil, int body, int index, const Arm& arm, const Vec3& normal,
+             const Vec3& friction) {
         if (nodes_[body].empty()) nodes_[body].assign(scene_.grid.count, NF::Sum::zero());
         addForce(soil, index, arm, normal, friction, nodes_[body].data());
     }
@@ -114,9 +119,9 @@ template <int Dim> class RigidContact::Balance {
                 size += f.norm(), moments += arm.norm() * f.norm();
             }
             if (force.norm() <= 1e-12 * size && torque.norm() <= 1e-12 * moments) continue;
-            throw RunError(message("step ", scene_.step, ": RigidContact: rigid body ", b, " and the nodes differ by ",
-                                   force.norm(), " kN of ", size, " and ", torque.norm(), " kN m of ", moments,
-                                   "; this is an error in the solver"));
+            throw RunError(message("step ", scene_.step, ": RigidContact: rigid body ", b,
+                                   " and the nodes differ by ", force.norm(), " kN of ", size, " and ",
+                                   torque.norm(), " kN m of ", moments, "; this is an error in the solver"));
         }
     }
 
@@ -133,29 +138,38 @@ std::string RigidContact::doc() const {
 }
 
 std::vector<Parameter> RigidContact::attributes() {
-    return {{"friction", "-", "Friction coefficient of each rigid body; 0: exactly none.", &friction, Range::notNegative()},
-            {"stiffness", "kPa/m", "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.",
-             &stiffness, Range::positive()},
-            {"stiffnessFactor", "-", "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
-                                     "4 [1 - (dt/dtCritical)^2] over the larger of 1 + 2 l/h and shearRatio (1 + 2 Dim l/h), l the half size of a "
-                                     "box, h the cell (vertices: over 1).",
-             &stiffnessFactor, {0, 1, true, false}},
-            {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},
-            {"normalDamping", "-", "Viscous damping of the normal motion over the critical one of a point.", &normalDamping,
-             Range::between(0, 1)},
-            {"checkBalance", "", "Compare force and moment of every rigid body with the sum over the nodes in every step.",
-             &checkBalance},
-            {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
-            {"shapes", "", "Shapes of the rigid bodies, 12 numbers each; made by addBody.", &shapes},
-            {"states", "", "Position, orientation, velocity and angular velocity, 13 numbers per rigid body.", &states},
-            {"history", "", "Contacts of the last step, 16 numbers each.", &history},
-            {"sizes", "", "Particles of each body of the scene in the last step.", &sizes},
-            {"impulses", "", "Integrals of force and torque over time, 6 numbers per rigid body.", &impulses}};
+    return {
+        {"friction", "-", "Friction coefficient of each rigid body; 0: exactly none.", &friction,
+         Range::notNegative()},
+        {"stiffness", "kPa/m",
+         "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.", &stiffness,
+         Range::positive()},
+        {"stiffnessFactor",
+         "-",
+         "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
+         "4 [1 - (dt/dtCritical)^2] over the larger of 1 + 2 l/h and shearRatio (1 + 2 Dim l/h), l the half size of a "
+         "box, h the cell (vertices: over 1).",
+         &stiffnessFactor,
+         {0, 1, true, false}},
+        {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},
+        {"normalDamping", "-", "Viscous damping of the normal motion over the critical one of a point.",
+         &normalDamping, Range::between(0, 1)},
+        {"checkBalance", "",
+         "Compare force and moment of every rigid body with the sum over the nodes in every step.",
+         &checkBalance},
+        {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
+        {"shapes", "", "Shapes of the rigid bodies, 12 numbers each; made by addBody.", &shapes},
+        {"states", "", "Position, orientation, velocity and angular velocity, 13 numbers per rigid body.",
+         &states},
+        {"history", "", "Contacts of the last step, 16 numbers each.", &history},
+        {"sizes", "", "Particles of each body of the scene in the last step.", &sizes},
+        {"impulses", "", "Integrals of force and torque over time, 6 numbers per rigid body.", &impulses}};
 }
 
 // Sizes follow the number of bodies, which is that of the friction coefficients.
 void RigidContact::finish() {
-    require(shapes.size() % RigidShape::size == 0, "RigidContact: shapes has ", shapes.size(), " entries; use addBody");
+    require(shapes.size() % RigidShape::size == 0, "RigidContact: shapes has ", shapes.size(),
+            " entries; use addBody");
     require(int(states.size()) == RigidState::size * bodies() && int(impulses.size()) == 6 * bodies() &&
                 history.size() % RigidTouch::size == 0,
             "RigidContact: friction has ", bodies(), " entries for ", states.size() / RigidState::size,
@@ -166,13 +180,14 @@ void RigidContact::finish() {
 }
 
 void RigidContact::setStates(const std::vector<double>& positions, const std::vector<double>& orientations,
-                             const std::vector<double>& velocities, const std::vector<double>& angularVelocities) {
+                             const std::vector<double>& velocities,
+                             const std::vector<double>& angularVelocities) {
     const std::vector<double>* const given[] = {&positions, &orientations, &velocities, &angularVelocities};
     const char* const name[] = {"positions", "orientations", "velocities", "angularVelocities"};
     for (int g = 0; g < 4; ++g) {
         const int width = g == 1 ? 4 : 3;
-        require(int(given[g]->size()) == width * bodies(), "RigidContact: ", name[g], " has ", given[g]->size(),
-                " numbers; give (", bodies(), ", ", width, "), a row for each rigid body");
+        require(int(given[g]->size()) == width * bodies(), "RigidContact: ", name[g], " has ",
+                given[g]->size(), " numbers; give (", bodies(), ", ", width, "), a row for each rigid body");
     }
     std::vector<double> rows;
     for (int b = 0; b < bodies(); ++b)
@@ -194,11 +209,15 @@ void RigidContact::setState(int body, const double* state) {
 void RigidContact::checkState(int body, const double* state) const {
     static const char* const name[] = {"position", "orientation", "velocity", "angular velocity"};
     for (int k = 0; k < RigidState::size; ++k)
-        require(std::isfinite(state[k]), "RigidContact: the ", name[k < 3 ? 0 : k < 7 ? 1 : k < 10 ? 2 : 3], " of rigid body ", body,
-                " is not finite; give numbers");
+        require(std::isfinite(state[k]), "RigidContact: the ",
+                name[k < 3    ? 0
+                     : k < 7  ? 1
+                     : k < 10 ? 2
+                              : 3],
+                " of rigid body ", body, " is not finite; give numbers");
     const double norm = Eigen::Map<const Eigen::Vector4d>(state + 3).norm();
-    require(std::abs(norm - 1) < 1e-6, "RigidContact: the orientation of rigid body ", body, " has the norm ", norm,
-            "; give a unit quaternion (w, x, y, z)");
+    require(std::abs(norm - 1) < 1e-6, "RigidContact: the orientation of rigid body ", body, " has the norm ",
+            norm, "; give a unit quaternion (w, x, y, z)");
 }
 
 template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
@@ -208,10 +227,11 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
     shape_.clear();
     for (size_t s = 0; s < shapes.size(); s += RigidShape::size) {
         shape_.emplace_back(&shapes[s], Dim);
-        require(!isAnyMeshed || !shape_.back().isThin() || shape_.back().thickness() > 0, "RigidContact: a facet of rigid body ",
-                shape_.back().body, " has no thickness, and vertices of APDI bodies would slip through; give it a thickness");
-        require(Dim == 3 || shape_.back().kind != RigidShape::Triangle, "RigidContact: rigid body ", shape_.back().body,
-                " has a facet with three vertices in a 2D scene; give two");
+        require(!isAnyMeshed || !shape_.back().isThin() || shape_.back().thickness() > 0,
+                "RigidContact: a facet of rigid body ", shape_.back().body,
+                " has no thickness, and vertices of APDI bodies would slip through; give it a thickness");
+        require(Dim == 3 || shape_.back().kind != RigidShape::Triangle, "RigidContact: rigid body ",
+                shape_.back().body, " has a facet with three vertices in a 2D scene; give two");
     }
     for (int b = 0; Dim == 2 && b < bodies(); ++b) {
         const double* s = &states[RigidState::size * b];
@@ -223,18 +243,20 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
 // kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points alone, for any number
 // of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times 1 + 2 l/h; of friction kappa_t A/m (1 + 2 Dim l/h).
 template <int Dim>
-double RigidContact::chooseStiffness(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
+double RigidContact::chooseStiffness(const Scene<Dim>& scene,
+                                     const std::vector<TouchPoints<Dim>>& points) const {
     double least = 1e300;
     for (auto& p : points)
         if (p.count() > 0) least = std::min(least, p.massPerArea());
     const double most = least / (scene.dt * scene.dt);
     if (std::isnan(stiffness)) return stiffnessFactor * most;
-    require(stiffness <= most, "RigidContact: stiffness = ", stiffness, " kPa/m is unstable; give at most ", most,
-            " for dt = ", scene.dt, " s, or lower dt");
+    require(stiffness <= most, "RigidContact: stiffness = ", stiffness, " kPa/m is unstable; give at most ",
+            most, " for dt = ", scene.dt, " s, or lower dt");
     return stiffness;
 }
 
-template <int Dim> Reach RigidContact::reachOf(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
+template <int Dim>
+Reach RigidContact::reachOf(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
     const double far = std::numeric_limits<double>::infinity();
     Reach reach{Vec3::Constant(-far), Vec3::Constant(far), scene.grid.cell.maxCoeff()};
     reach.lower.template head<Dim>().setConstant(far), reach.upper.template head<Dim>().setConstant(-far);
@@ -244,7 +266,8 @@ template <int Dim> Reach RigidContact::reachOf(const Scene<Dim>& scene, const st
 
 // Points that overlap or nearly do.
 template <int Dim>
-std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const {
+std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene,
+                                           const std::vector<TouchPoints<Dim>>& points) const {
     const double near = TouchPoints<Dim>::mostShift * scene.grid.cell.minCoeff();
     std::vector<RigidTouch> touches;
     touches.reserve(2 * history.size() / RigidTouch::size + 16);
@@ -267,21 +290,25 @@ std::vector<RigidTouch> RigidContact::find(const Scene<Dim>& scene, const std::v
                 gap -= half * (points[soil].stretch(i, n).factor - 1);
                 if (gap >= near) return;
                 const Surface s = shape.nearest(local);
-                touches.push_back({soil, shape.body, points[soil].id(i), n, Vec3::Zero(), x, gap, Vec3::Zero(), i,
-                                   int(&shape - shape_.data()), local - s.distance * s.normal, Vec3::Zero(), Vec3::Constant(notGiven)});
+                touches.push_back({soil, shape.body, points[soil].id(i), n, Vec3::Zero(), x, gap,
+                                   Vec3::Zero(), i, int(&shape - shape_.data()),
+                                   local - s.distance * s.normal, Vec3::Zero(), Vec3::Constant(notGiven)});
             });
     }
     return touches;
 }
 
 // Of points that nearly overlap, those that do.
-template <int Dim> void RigidContact::moveToStrainedPlaces(const Scene<Dim>& scene, std::vector<RigidTouch>& touches) const {
+template <int Dim>
+void RigidContact::moveToStrainedPlaces(const Scene<Dim>& scene, std::vector<RigidTouch>& touches) const {
     const double least = roundOff * scene.grid.cell.minCoeff();
     for (RigidTouch& t : touches) {
         const Vec3 shift = toStrainedPlace(scene, *scene.bodies[t.soil], t.place);
         t.point += shift, t.gap += t.normal.dot(shift);
     }
-    touches.erase(std::remove_if(touches.begin(), touches.end(), [&](const RigidTouch& t) { return t.gap >= -least; }), touches.end());
+    touches.erase(
+        std::remove_if(touches.begin(), touches.end(), [&](const RigidTouch& t) { return t.gap >= -least; }),
+        touches.end());
 }
 
 // Of the touches of a pair that look the same way only the deepest counts (flush boxes of a clump, neighbouring facets), and none
@@ -290,7 +317,9 @@ void RigidContact::dropRepeats(std::vector<RigidTouch>& touches) const {
     std::vector<const RigidTouch*> sorted; // a touch is too large to be sorted itself
     for (const RigidTouch& t : touches) sorted.push_back(&t);
     std::sort(sorted.begin(), sorted.end(), [](const RigidTouch* a, const RigidTouch* b) {
-        const auto key = [](const RigidTouch* t) { return std::tie(t->soil, t->id, t->body, t->gap, t->shape); };
+        const auto key = [](const RigidTouch* t) {
+            return std::tie(t->soil, t->id, t->body, t->gap, t->shape);
+        };
         return key(a) < key(b);
     });
     std::vector<RigidTouch> kept;
@@ -298,7 +327,8 @@ void RigidContact::dropRepeats(std::vector<RigidTouch>& touches) const {
     for (const RigidTouch* t : sorted) {
         bool isRepeat = false;
         for (size_t k = kept.size(); k-- > 0 && isSamePair(kept[k], *t);)
-            isRepeat |= kept[k].normal.dot(t->normal) > sameSide || shape_[kept[k].shape].nearest(t->edge).distance < -kept[k].gap;
+            isRepeat |= kept[k].normal.dot(t->normal) > sameSide ||
+                        shape_[kept[k].shape].nearest(t->edge).distance < -kept[k].gap;
         if (!isRepeat) kept.push_back(*t);
     }
     touches.swap(kept);
@@ -311,7 +341,8 @@ template <int Dim> void RigidContact::forgetRenumbered(const Scene<Dim>& scene) 
     if (now == sizes) return;
     for (auto row = history.begin(); row != history.end(); row += RigidTouch::size) {
         const int soil = int(*row);
-        if (sizes.at(soil) == now[soil] || !scene.bodies[soil]->type->isMeshed()) kept.insert(kept.end(), row, row + RigidTouch::size);
+        if (sizes.at(soil) == now[soil] || !scene.bodies[soil]->type->isMeshed())
+            kept.insert(kept.end(), row, row + RigidTouch::size);
     }
     history.swap(kept);
     sizes = now;
@@ -319,7 +350,9 @@ template <int Dim> void RigidContact::forgetRenumbered(const Scene<Dim>& scene) 
 
 // Slip and last place of touches that were there in the step before; the slip turns with the normal.
 void RigidContact::remember(std::vector<RigidTouch>& touches) const {
-    const auto key = [](const double* row) { return std::make_tuple(int(row[0]), int64_t(row[2]), int(row[1])); };
+    const auto key = [](const double* row) {
+        return std::make_tuple(int(row[0]), int64_t(row[2]), int(row[1]));
+    };
     const double *row = history.data(), *const end = row + history.size();
     for (RigidTouch& t : touches) {
         const auto mine = std::make_tuple(t.soil, t.id, t.body);
@@ -329,7 +362,8 @@ void RigidContact::remember(std::vector<RigidTouch>& touches) const {
             const Vec3 normal = Vec3::Map(same + 3);
             if (normal.dot(t.normal) <= nearest) continue;
             nearest = normal.dot(t.normal);
-            t.slip = turned(Vec3::Map(same + 6), normal, t.normal), t.before = Vec3::Map(same + 9), t.forceBefore = Vec3::Map(same + 13);
+            t.slip = turned(Vec3::Map(same + 6), normal, t.normal), t.before = Vec3::Map(same + 9),
+            t.forceBefore = Vec3::Map(same + 13);
             t.gapBefore = same[12];
         }
     }
@@ -352,7 +386,9 @@ template <int Dim> std::vector<RigidContact::Overlap> RigidContact::overlaps(Sce
     dropRepeats(touches);
     for (const RigidTouch& t : touches)
         if (-t.gap > deepest[t.body].depth) deepest[t.body] = {t.body, t.soil, -t.gap};
-    deepest.erase(std::remove_if(deepest.begin(), deepest.end(), [](const Overlap& o) { return o.depth == 0; }), deepest.end());
+    deepest.erase(
+        std::remove_if(deepest.begin(), deepest.end(), [](const Overlap& o) { return o.depth == 0; }),
+        deepest.end());
     return deepest;
 }
 
@@ -382,7 +418,8 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
 
 // The force of one touch, on the nodes and on the rigid body.
 template <int Dim>
-void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, RigidTouch& t, Balance<Dim>& balance) {
+void RigidContact::push(Scene<Dim>& scene, const TouchPoints<Dim>& points, RigidTouch& t,
+                        Balance<Dim>& balance) {
     const Body<Dim>& soil = *scene.bodies[t.soil];
     const RigidState& rigid = state_[t.body];
     const int index = points.index(t.place);

@@ -22,7 +22,7 @@ struct RigidTouch {
     // Not kept.
     int place = -1; // of the point in its body
     int shape = -1;
-    Vec3 edge = Vec3::Zero();               // point of the shape nearest to the particle, in the frame of the rigid body
+    Vec3 edge = Vec3::Zero(); // point of the shape nearest to the particle, in the frame of the rigid body
     Vec3 forceBefore = Vec3::Zero();        // force,
     Vec3 before = Vec3::Constant(notGiven); // point (not a number: a new touch)
     double gapBefore = 0;                   // and gap in the step before
@@ -83,17 +83,22 @@ class RigidContact : public EngineOf<RigidContact> {
 
     void checkState(int body, const double* state) const;
     template <int Dim> void check(Scene<Dim>& scene);
-    template <int Dim> Reach reachOf(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
-    template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
+    template <int Dim>
+    Reach reachOf(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
+    template <int Dim>
+    double chooseStiffness(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
     template <int Dim> std::vector<TouchPoints<Dim>>& look(Scene<Dim>& scene);
-    template <int Dim> std::vector<RigidTouch> find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
-    template <int Dim> void moveToStrainedPlaces(const Scene<Dim>& scene, std::vector<RigidTouch>& touches) const;
+    template <int Dim>
+    std::vector<RigidTouch> find(const Scene<Dim>& scene, const std::vector<TouchPoints<Dim>>& points) const;
+    template <int Dim>
+    void moveToStrainedPlaces(const Scene<Dim>& scene, std::vector<RigidTouch>& touches) const;
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);
     void dropRepeats(std::vector<RigidTouch>& touches) const;
     void remember(std::vector<RigidTouch>& touches) const;
     void pack(const std::vector<RigidTouch>& touches);
     template <int Dim> class Balance;
-    template <int Dim> void push(Scene<Dim>& scene, const TouchPoints<Dim>& points, RigidTouch& t, Balance<Dim>& balance);
+    template <int Dim>
+    void push(Scene<Dim>& scene, const TouchPoints<Dim>& points, RigidTouch& t, Balance<Dim>& balance);
 };
 
 } // namespace mpm

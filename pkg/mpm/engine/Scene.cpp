@@ -13,8 +13,7 @@ template <int Dim> void Scene<Dim>::prepare() {
     require(!bodies.empty(), "Scene: there is no body; add one with scene.add(name, region, material, type)");
     driven.clear();
     separateGroups();
-    for (auto& field : grid.fields)
-        field.holder.assign(grid.count, NodalField<Dim>::free());
+    for (auto& field : grid.fields) field.holder.assign(grid.count, NodalField<Dim>::free());
     for (size_t c = 0; c < constraints.size(); ++c) {
         const Constraint& constraint = *constraints[c];
         if (constraint.drivesBody()) body(constraint.body);
@@ -62,7 +61,9 @@ template <int Dim> void Scene<Dim>::endStep(double newTime) {
 
 template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
     using Clock = std::chrono::steady_clock;
-    const auto since = [](Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); };
+    const auto since = [](Clock::time_point t) {
+        return std::chrono::duration<double>(Clock::now() - t).count();
+    };
     const auto start = Clock::now();
     size_t lastStage = 0; // the clock moves on after it, so that callbacks at the end see the new time
     for (size_t e = 0; e < engines.size(); ++e)

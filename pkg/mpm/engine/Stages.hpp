@@ -7,7 +7,8 @@
 namespace mpm {
 
 // f(node) for every node that the particles of a field touch, slab by slab.
-template <int Dim, class F> void forActiveNodes(Team& team, const Scene<Dim>& scene, const NodalField<Dim>& field, F&& f) {
+template <int Dim, class F>
+void forActiveNodes(Team& team, const Scene<Dim>& scene, const NodalField<Dim>& field, F&& f) {
     team.inShares(field.shares, [&](int slab) { scene.grid.forNodes(field, slab, f); });
 }
 
@@ -22,7 +23,8 @@ template <int Dim> void locateAll(Team& team, Scene<Dim>& scene) {
             for (auto& body : scene.bodies) scene.sorted |= body->domains->settle();
             if (scene.sorted) return;
             for (auto& field : scene.grid.fields) field.forgetExtents();
-            for (auto& body : scene.bodies) body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
+            for (auto& body : scene.bodies)
+                body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
             for (auto& field : scene.grid.fields) field.shareOut();
         });
     } while (scene.sorted);
@@ -36,7 +38,8 @@ template <int Dim> void sumOnNodes(Team& team, Scene<Dim>& scene, bool withForce
     for (auto& field : scene.grid.fields)
         forActiveNodes(team, scene, field, [&](int node) { field.sum[node] = NodalField<Dim>::Sum::zero(); });
     for (auto& body : scene.bodies)
-        body->domains->addSum(team, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale, withForce);
+        body->domains->addSum(team, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale,
+                              withForce);
 }
 
 // Before the particles add their momentum to it.

@@ -17,7 +17,8 @@ template <int Dim> class TouchPoints {
     // Once per step.
     void update(Body<Dim>& body, const Grid<Dim>& grid) {
         isMeshed_ = body.type->isMeshed();
-        const bool isNew = body_ != &body || body.particles.size() != particles_ || body.inertiaScale != inertiaScale_;
+        const bool isNew =
+            body_ != &body || body.particles.size() != particles_ || body.inertiaScale != inertiaScale_;
         body_ = &body, particles_ = body.particles.size(), inertiaScale_ = body.inertiaScale;
         half_ = body.domains->halfSize();
         position_ = isMeshed_ ? body.domains->vertexPositions() : &body.particles.position;
@@ -30,7 +31,9 @@ template <int Dim> class TouchPoints {
     // What the solver knows point i by, and what it keeps for good.
     int index(int i) const { return isMeshed_ ? vertex_[i] : i; }
     int64_t id(int i) const { return isMeshed_ ? vertex_[i] : body_->particles.id.integers()[i]; }
-    double mass(int i) const { return isMeshed_ ? mass_[i] : inertiaScale_ * body_->particles.mass.plane()[i]; }
+    double mass(int i) const {
+        return isMeshed_ ? mass_[i] : inertiaScale_ * body_->particles.mass.plane()[i];
+    }
     Vec3 position(int i) const { return spatial(*position_, index(i)); }
 
     // Along n from the centre to the surface of the ellipsoid inscribed in a box, m; a vertex has no extent. A body that touches a
@@ -59,7 +62,8 @@ template <int Dim> class TouchPoints {
     Stretch stretch(int i, const Vec3& n) const {
         if (isMeshed_) return {};
         Vec3 across = Vec3::Zero(); // F^T n
-        for (int c = 0; c < 9; ++c) across[c % 3] += body_->particles.deformationGradient.plane(c)[i] * n[c / 3];
+        for (int c = 0; c < 9; ++c)
+            across[c % 3] += body_->particles.deformationGradient.plane(c)[i] * n[c / 3];
         const double t = std::tanh((across.norm() - 1) / mostStretch);
         return {1 + mostStretch * t, 1 - t * t};
     }
@@ -82,8 +86,10 @@ template <int Dim> class TouchPoints {
     }
 
     // f(i) for the points that may touch a shape; others, too.
-    template <class F> void near(const RigidShape& shape, const RigidState& at, const Grid<Dim>& grid, F&& f) const {
-        const double reach = this->reach(grid), radius = 0.5 * grid.cell.norm() + reach; // of a point, of a bin
+    template <class F>
+    void near(const RigidShape& shape, const RigidState& at, const Grid<Dim>& grid, F&& f) const {
+        const double reach = this->reach(grid),
+                     radius = 0.5 * grid.cell.norm() + reach; // of a point, of a bin
         const Eigen::Quaterniond back = at.orientation.conjugate();
         Vec3 lower, upper;
         shape.bounds(at, lower, upper);
@@ -102,7 +108,8 @@ template <int Dim> class TouchPoints {
             if (!isSmall && shape.nearest(back * (x - at.position)).distance > radius) return;
             for (int j = start_[bin]; j < start_[bin + 1]; ++j) {
                 bool isNear = true;
-                for (int k = 0; k < Dim; ++k) isNear &= inBin_[k][j] >= lower[k] - reach && inBin_[k][j] <= upper[k] + reach;
+                for (int k = 0; k < Dim; ++k)
+                    isNear &= inBin_[k][j] >= lower[k] - reach && inBin_[k][j] <= upper[k] + reach;
                 if (isNear) f(point_[j]);
             }
         };
@@ -136,12 +143,14 @@ template <int Dim> class TouchPoints {
     // Points by grid cell (with a layer outside the box), as they stood when the cells were filled.
     std::vector<int> start_, point_;
     std::vector<double> filledAt_[Dim], inBin_[Dim]; // in the order of the points, and of the bins
-    Index<Dim> lowest_, highest_; // occupied bins
+    Index<Dim> lowest_, highest_;                    // occupied bins
 
     double reach(const Grid<Dim>& grid) const { // of a point, m
         return (1 + mostStretch) * half_.maxCoeff() + mostShift * grid.cell.minCoeff() + skin(grid);
     }
-    double half(int k) const { return k < Dim ? half_[k] : half_.maxCoeff(); } // out of the plane: for a body beside it
+    double half(int k) const {
+        return k < Dim ? half_[k] : half_.maxCoeff();
+    } // out of the plane: for a body beside it
     static double skin(const Grid<Dim>& grid) { return 0.1 * grid.cell.minCoeff(); }
     static int binOf(const Grid<Dim>& grid, double x, int k) {
         const double c = std::floor((x - grid.lower[k]) / grid.cell[k]) + 1;
@@ -158,7 +167,8 @@ template <int Dim> class TouchPoints {
         const double least = half_.minCoeff();
         massPerArea_ = 1e300;
         for (int p = 0; p < particles_; ++p)
-            massPerArea_ = std::min(massPerArea_, mass(p) * 2 * least / body_->particles.initialVolume.plane()[p]);
+            massPerArea_ =
+                std::min(massPerArea_, mass(p) * 2 * least / body_->particles.initialVolume.plane()[p]);
     }
 
     void takeVertices() {
@@ -176,7 +186,8 @@ template <int Dim> class TouchPoints {
         for (Field* field : body_->domains->fields()) // a restart finds the same stiffness
             if (field->name == "vertexReference") shareAreas(*field);
         massPerArea_ = 1e300;
-        for (size_t i = 0; i < vertex_.size(); ++i) massPerArea_ = std::min(massPerArea_, mass_[i] / area_[i]);
+        for (size_t i = 0; i < vertex_.size(); ++i)
+            massPerArea_ = std::min(massPerArea_, mass_[i] / area_[i]);
     }
 
     // Each facet's area in equal parts to its vertices, which are at `position`.
@@ -185,7 +196,8 @@ template <int Dim> class TouchPoints {
         for (auto& facet : boundary_.facets) {
             Vec3 X[4];
             for (int a = 0; a < boundary_.size; ++a) X[a] = spatial(position, facet[a]);
-            const double area = Dim == 2 ? (X[1] - X[0]).norm() : 0.5 * (X[2] - X[0]).cross(X[3] - X[1]).norm();
+            const double area =
+                Dim == 2 ? (X[1] - X[0]).norm() : 0.5 * (X[2] - X[0]).cross(X[3] - X[1]).norm();
             for (int v : facet) area_[place_[v]] += area / boundary_.size;
         }
     }

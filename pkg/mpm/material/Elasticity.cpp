@@ -43,8 +43,7 @@ void Elasticity::finish(const std::string& who) {
     const bool byLame = first ? !lame.empty() : lame != std::vector<double>{completed_[0], completed_[1]};
     const bool byYoung = first ? !(std::isnan(young) && std::isnan(poisson))
                                : young != completed_[2] || poisson != completed_[3];
-    if (!first && !byLame && !byYoung)
-        return;
+    if (!first && !byLame && !byYoung) return;
 
     require(byLame || byYoung, who,
             ": elastic constants are missing; give either lame=(lambda, mu) or young and poisson");

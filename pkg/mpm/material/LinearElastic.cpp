@@ -44,7 +44,7 @@ Mat<3> exponentialMinusIdentity(const Mat<3>& a) {
 
 // The state is e = b - I and not b itself: with b the last digit of 1 is the last digit of the strain.
 class LinearElastic : public MaterialOf<LinearElastic> {
-public:
+  public:
     std::string className() const override { return "LinearElastic"; }
     std::string doc() const override {
         return R"(Linear elasticity in logarithmic strain (Hencky), for large rotation and any number of cycles.
@@ -60,8 +60,7 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
     std::vector<Parameter> parameters() override {
         std::vector<Parameter> all{
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
-        for (auto& p : elasticity_.parameters())
-            all.push_back(p);
+        for (auto& p : elasticity_.parameters()) all.push_back(p);
         return all;
     }
     void finish() override {
@@ -80,23 +79,20 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
     void stateFromStress(const double stress[9], double* state) const override {
         Mat<3> tau;
         for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j)
-                tau(i, j) = stress[3 * std::min(i, j) + std::max(i, j)];
+            for (int j = 0; j < 3; ++j) tau(i, j) = stress[3 * std::min(i, j) + std::max(i, j)];
         const double volumetric = tau.trace() / (3 * elasticity_.bulk());
         const Mat<3> eps =
             (tau - elasticity_.lambda() * volumetric * Mat<3>::Identity()) / (2 * elasticity_.mu());
         const Mat<3> e = exponentialMinusIdentity(2 * eps);
-        for (int k = 0; k < 6; ++k)
-            state[k] = e(row[k], column[k]);
+        for (int k = 0; k < 6; ++k) state[k] = e(row[k], column[k]);
     }
 
-    template <int Dim>
-    void stress(const MaterialPoints<Dim>& points) const {
+    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         stretch(points);
         stressOfStretch(points);
     }
 
-private:
+  private:
     static constexpr int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
 
     // e <- g + g^T + g g^T + f e f^T with g = dt L, written as e plus its change.
@@ -134,8 +130,7 @@ private:
         }
     }
 
-    template <class Planes>
-    MPM_INLINE static Symmetric stretchAt(const Planes& e, int p) {
+    template <class Planes> MPM_INLINE static Symmetric stretchAt(const Planes& e, int p) {
         return {e[0][p], e[1][p], e[2][p], e[3][p], e[4][p], e[5][p]};
     }
 

@@ -24,9 +24,10 @@ template <int Dim> struct MaterialPoints {
     double dt;
     const double* velocityGradient[Dim * Dim]; // L_ij at Dim*i + j, 1/s (after anti-locking, if any)
     const double* deformationGradient[9];      // F after the step, F_n+1 = (I + dt L) F_n
-    const double *volume, *initialVolume;      // after the step, and of the initial configuration: J is their ratio
-    double* stress[9];                         // in: at the start of the step; out: at its end
-    double* const* state;                      // state[k][p]: state variable k, see Material::stateVariables
+    const double *volume,
+        *initialVolume;   // after the step, and of the initial configuration: J is their ratio
+    double* stress[9];    // in: at the start of the step; out: at its end
+    double* const* state; // state[k][p]: state variable k, see Material::stateVariables
 };
 
 struct StateVariable {

@@ -13,9 +13,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 const double pi = std::acos(-1.0);
 
-double orInfinity(double limit) {
-    return std::isnan(limit) ? infinity : limit;
-}
+double orInfinity(double limit) { return std::isnan(limit) ? infinity : limit; }
 
 // What the loops need, from the parameters.
 struct Constants {
@@ -29,8 +27,7 @@ struct Constants {
     double bulkCompliance;  // 1/K
 };
 
-template <class Number>
-struct Returned {
+template <class Number> struct Returned {
     Number scale, p; // s = scale s_trial, mean stress p
 };
 
@@ -42,7 +39,8 @@ struct Returned {
 // it (volumetric f/slope > room) goes along the potential down to there and on at constant p, in one division.
 // Where it would end beyond the apex, so would the return without limit, and both go there.
 template <bool limited, class Number>
-MPM_INLINE Returned<Number> returnMap(const Constants& k, Number p, Number q, Number qA, Number plasticVolumetric) {
+MPM_INLINE Returned<Number> returnMap(const Constants& k, Number p, Number q, Number qA,
+                                      Number plasticVolumetric) {
     const Number f = qA + (p * k.sinPhi - k.cCosPhi), volumetric = 3 * k.bulk * k.beta * q;
     const Number freely = k.mu * qA + volumetric * k.sinPhi;
     Number excess = f, slope = freely, room = 0;
@@ -63,8 +61,7 @@ MPM_INLINE Returned<Number> returnMap(const Constants& k, Number p, Number q, Nu
 }
 
 // Trial stress in, stress out.
-template <bool limited>
-void returnToYield(const Constants& constants, const MaterialPoints<2>& points) {
+template <bool limited> void returnToYield(const Constants& constants, const MaterialPoints<2>& points) {
     const Constants k = constants;
     const double third = 1.0 / 3, major = (1 + k.sinPhi) / 2, minor = (1 - k.sinPhi) / 2;
     double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
@@ -75,7 +72,8 @@ void returnToYield(const Constants& constants, const MaterialPoints<2>& points) 
         const auto mean = 0.5 * (at(xx) + at(yy)), half = 0.5 * (at(xx) - at(yy)), shear = at(xy);
         const auto a = third * (mean - at(zz)), p = mean - a;
         const auto r2 = half * half + shear * shear, r = root(r2), q = root(r2 + 3 * a * a);
-        const auto s1 = whereGreater(a + r, -2 * a, a + r, -2 * a), s3 = whereGreater(-2 * a, a - r, a - r, -2 * a);
+        const auto s1 = whereGreater(a + r, -2 * a, a + r, -2 * a),
+                   s3 = whereGreater(-2 * a, a - r, a - r, -2 * a);
         const auto qA = major * s1 - minor * s3; // (s1 - s3)/2 + (s1 + s3)/2 sin(phi)
 
         const auto back = returnMap<limited>(k, p, q, qA, at(plasticVolumetric));
@@ -115,8 +113,7 @@ MPM_INLINE double lodeStrength(const Symmetric& s, double J2, double q, double s
     return q * (c - d - sine * (sinPhi / root3));
 }
 
-template <bool limited>
-void returnToYield(const Constants& constants, const MaterialPoints<3>& points) {
+template <bool limited> void returnToYield(const Constants& constants, const MaterialPoints<3>& points) {
     const Constants k = constants;
     const double third = 1.0 / 3;
     const auto stress = planes<9>(points.stress);
@@ -129,7 +126,8 @@ void returnToYield(const Constants& constants, const MaterialPoints<3>& points) 
         const Symmetric s = plusSpherical(trial, -p);
         const double J2 = halfSquare(s), q = std::sqrt(J2);
 
-        const Returned<double> back = returnMap<limited>(k, p, q, lodeStrength(s, J2, q, k.sinPhi), plasticVolumetric[i]);
+        const Returned<double> back =
+            returnMap<limited>(k, p, q, lodeStrength(s, J2, q, k.sinPhi), plasticVolumetric[i]);
         scatter(plusSpherical(back.scale * s, back.p), stress, i);
         plasticShear[i] += (1 - back.scale) * q * k.shearCompliance;
         plasticVolumetric[i] += (p - back.p) * k.bulkCompliance;
@@ -137,7 +135,7 @@ void returnToYield(const Constants& constants, const MaterialPoints<3>& points) 
 }
 
 class MohrCoulombDruckerPrager : public MaterialOf<MohrCoulombDruckerPrager> {
-public:
+  public:
     std::string className() const override { return "MohrCoulombDruckerPrager"; }
     std::string doc() const override {
         return R"(Elastic-perfectly plastic soil: Mohr-Coulomb yield surface f, Drucker-Prager potential g.
@@ -164,11 +162,11 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     std::vector<Parameter> parameters() override {
         std::vector<Parameter> all{
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
-        for (auto& p : elasticity_.parameters())
-            all.push_back(p);
+        for (auto& p : elasticity_.parameters()) all.push_back(p);
         const Range acute{0, pi / 2, false, true};
         all.push_back({"cohesion", "kPa", "required: cohesion c", &cohesion_, Range::notNegative()});
-        all.push_back({"frictionAngle", "rad", "required: friction angle phi", &frictionAngle_, acute, {}, true});
+        all.push_back(
+            {"frictionAngle", "rad", "required: friction angle phi", &frictionAngle_, acute, {}, true});
         all.push_back({"dilatancyAngle",
                        "rad",
                        "dilatancy angle psi, at most frictionAngle",
@@ -187,10 +185,12 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         all.push_back({"dilatancyLimit", "-",
                        "plastic volumetric strain from which on psi is 0; not given: off", &dilatancyLimit_,
                        Range::notNegative()});
-        all.push_back({"initialVoidRatio", "-",
-                       "void ratio e_0 at the start, together with criticalVoidRatio in place of dilatancyLimit",
-                       &initialVoidRatio_, Range::positive()});
-        all.push_back({"criticalVoidRatio", "-", "void ratio e_c from which on psi is 0, at least initialVoidRatio",
+        all.push_back(
+            {"initialVoidRatio", "-",
+             "void ratio e_0 at the start, together with criticalVoidRatio in place of dilatancyLimit",
+             &initialVoidRatio_, Range::positive()});
+        all.push_back({"criticalVoidRatio", "-",
+                       "void ratio e_c from which on psi is 0, at least initialVoidRatio",
                        &criticalVoidRatio_, Range::positive()});
         return all;
     }
@@ -205,14 +205,13 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override { state[0] = state[1] = 0; }
 
-    template <int Dim>
-    void stress(const MaterialPoints<Dim>& points) const {
+    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         trialStress(constants_.lambda, constants_.mu, points);
         std::isinf(constants_.dilatancyLimit) ? returnToYield<false>(constants_, points)
                                               : returnToYield<true>(constants_, points);
     }
 
-private:
+  private:
     double beta() const;
     double limitOfDilatancy() const;
 
@@ -226,10 +225,8 @@ private:
 
 double MohrCoulombDruckerPrager::beta() const {
     const double s = std::sin(dilatancyAngle_);
-    if (coneFit_ == "triaxialCompression")
-        return 2 * s / (std::sqrt(3.0) * (3 - s));
-    if (coneFit_ == "triaxialExtension")
-        return 2 * s / (std::sqrt(3.0) * (3 + s));
+    if (coneFit_ == "triaxialCompression") return 2 * s / (std::sqrt(3.0) * (3 - s));
+    if (coneFit_ == "triaxialExtension") return 2 * s / (std::sqrt(3.0) * (3 + s));
     const double t = std::tan(dilatancyAngle_);
     return t / std::sqrt(9 + 12 * t * t);
 }
@@ -237,14 +234,13 @@ double MohrCoulombDruckerPrager::beta() const {
 // The plastic volumetric strain is logarithmic: 1 + e = (1 + e_0) exp(eps_v^p).
 double MohrCoulombDruckerPrager::limitOfDilatancy() const {
     const bool byInitial = !std::isnan(initialVoidRatio_), byCritical = !std::isnan(criticalVoidRatio_);
-    if (!byInitial && !byCritical)
-        return orInfinity(dilatancyLimit_);
+    if (!byInitial && !byCritical) return orInfinity(dilatancyLimit_);
     const std::string who = className();
     require(byInitial && byCritical, who, ": ", byInitial ? "initialVoidRatio" : "criticalVoidRatio", " = ",
             byInitial ? initialVoidRatio_ : criticalVoidRatio_, " is given without ",
             byInitial ? "criticalVoidRatio" : "initialVoidRatio", "; give both, or dilatancyLimit");
-    require(std::isnan(dilatancyLimit_), who, ": dilatancyLimit = ", dilatancyLimit_, " and initialVoidRatio = ",
-            initialVoidRatio_, ", criticalVoidRatio = ", criticalVoidRatio_,
+    require(std::isnan(dilatancyLimit_), who, ": dilatancyLimit = ", dilatancyLimit_,
+            " and initialVoidRatio = ", initialVoidRatio_, ", criticalVoidRatio = ", criticalVoidRatio_,
             " are given together; give either the limit or the void ratios");
     require(initialVoidRatio_ <= criticalVoidRatio_, who, ": initialVoidRatio = ", initialVoidRatio_,
             " exceeds criticalVoidRatio = ", criticalVoidRatio_,

@@ -10,7 +10,7 @@ namespace mpm {
 namespace {
 
 class NeoHookean : public MaterialOf<NeoHookean> {
-public:
+  public:
     std::string className() const override { return "NeoHookean"; }
     std::string doc() const override {
         return R"(Compressible neo-Hookean elasticity.
@@ -26,8 +26,7 @@ Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
     std::vector<Parameter> parameters() override {
         std::vector<Parameter> all{
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
-        for (auto& p : elasticity_.parameters())
-            all.push_back(p);
+        for (auto& p : elasticity_.parameters()) all.push_back(p);
         return all;
     }
     void finish() override {
@@ -42,15 +41,14 @@ Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
                 "use LinearElastic, or bring the stress up by loading");
     }
 
-    template <int Dim>
-    void stress(const MaterialPoints<Dim>& points) const {
+    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         if constexpr (Dim == 2)
             planeStrain(points);
         else
             solid(points);
     }
 
-private:
+  private:
     // H = F - I keeps the digits of small strains: F F^T - I = H + H^T + H H^T, and det F - 1 likewise.
     void planeStrain(const MaterialPoints<2>& points) const {
         const double lambda = elasticity_.lambda(), mu = elasticity_.mu();

@@ -45,8 +45,7 @@ struct Quadratic {
 
 // 1/n + y/(n + 2) + y^2/(n + 4) + ... down to 1/last, by Horner's rule on three numbers: y with the
 // invariants I1, I2, I3 obeys y^3 = I1 y^2 - I2 y + I3 I.
-template <int n, int last>
-MPM_INLINE Quadratic oddReciprocals(double I1, double I2, double I3) {
+template <int n, int last> MPM_INLINE Quadratic oddReciprocals(double I1, double I2, double I3) {
     if constexpr (n == last)
         return {1.0 / n, 0, 0};
     else {

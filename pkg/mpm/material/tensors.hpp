@@ -22,35 +22,30 @@ struct Symmetric {
 
 // The planes of n components, for a loop to hold on to: through MaterialPoints it may fail to see that they
 // stay where they are, and then it does not vectorise.
-template <int n, class Number>
-inline std::array<Number*, n> planes(Number* const* component) {
+template <int n, class Number> inline std::array<Number*, n> planes(Number* const* component) {
     std::array<Number*, n> all;
     std::copy(component, component + n, all.begin());
     return all;
 }
 
 // Tensor of particle p, component (i, j) from plane 3*i + j.
-template <class Planes>
-MPM_INLINE Tensor gather(const Planes& component, int p) {
+template <class Planes> MPM_INLINE Tensor gather(const Planes& component, int p) {
     return {component[0][p], component[1][p], component[2][p], component[3][p], component[4][p],
             component[5][p], component[6][p], component[7][p], component[8][p]};
 }
 
 // The upper triangle alone, of a symmetric tensor.
-template <class Planes>
-MPM_INLINE Symmetric gatherUpper(const Planes& component, int p) {
+template <class Planes> MPM_INLINE Symmetric gatherUpper(const Planes& component, int p) {
     return {component[0][p], component[4][p], component[8][p],
             component[1][p], component[2][p], component[5][p]};
 }
 
-template <class Planes>
-MPM_INLINE void scatterUpper(const Symmetric& a, const Planes& component, int p) {
+template <class Planes> MPM_INLINE void scatterUpper(const Symmetric& a, const Planes& component, int p) {
     component[0][p] = a.xx, component[4][p] = a.yy, component[8][p] = a.zz;
     component[1][p] = a.xy, component[2][p] = a.xz, component[5][p] = a.yz;
 }
 
-template <class Planes>
-MPM_INLINE void scatter(const Symmetric& a, const Planes& component, int p) {
+template <class Planes> MPM_INLINE void scatter(const Symmetric& a, const Planes& component, int p) {
     scatterUpper(a, component, p);
     component[3][p] = a.xy, component[6][p] = a.xz, component[7][p] = a.yz;
 }
@@ -90,9 +85,7 @@ MPM_INLINE Tensor plusSpherical(const Tensor& a, double s) {
     return {a.xx + s, a.xy, a.xz, a.yx, a.yy + s, a.yz, a.zx, a.zy, a.zz + s};
 }
 
-MPM_INLINE double trace(const Tensor& a) {
-    return a.xx + a.yy + a.zz;
-}
+MPM_INLINE double trace(const Tensor& a) { return a.xx + a.yy + a.zz; }
 
 // a : a / 2
 MPM_INLINE double halfSquare(const Symmetric& a) {
@@ -130,14 +123,10 @@ MPM_INLINE Symmetric timesTransposed(const Tensor& a, const Tensor& b) {
             a.xx * b.zx + a.xy * b.zy + a.xz * b.zz, a.yx * b.zx + a.yy * b.zy + a.yz * b.zz};
 }
 
-MPM_INLINE Symmetric square(const Symmetric& a) {
-    return timesTransposed(a, a);
-}
+MPM_INLINE Symmetric square(const Symmetric& a) { return timesTransposed(a, a); }
 
 // r a r^T
-MPM_INLINE Symmetric congruence(const Tensor& r, const Symmetric& a) {
-    return timesTransposed(r * a, r);
-}
+MPM_INLINE Symmetric congruence(const Tensor& r, const Symmetric& a) { return timesTransposed(r * a, r); }
 
 // a + a^T
 MPM_INLINE Symmetric plusTransposed(const Tensor& a) {

@@ -18,18 +18,20 @@ namespace mpm {
 namespace {
 constexpr double worstQuality = 0.05; // smallest corner area over area below which a domain is given up
 constexpr double leastWeight = 0.02;  // a smaller corner weight would soon make a nodal mass negative
-constexpr double worstGrowth = 1.15;  // longest edge over that at the start beyond which a domain is converted, where that is asked for
+constexpr double worstGrowth =
+    1.15; // longest edge over that at the start beyond which a domain is converted, where that is asked for
 } // namespace
 
 template <int Dim> class MeshDomains : public Transfers<Dim> {
   public:
     using Base = Transfers<Dim>;
-    using typename Base::NF, typename Base::Planes;
     using Base::particles, Base::grid, Base::order, Base::damped_;
+    using typename Base::NF, typename Base::Planes;
     static constexpr int NC = corners<Dim>;
 
     MeshDomains(Particles<Dim>& particles, const Grid<Dim>& grid, double hourglass, bool converts)
-        : Base(particles, grid), hourglassCoefficient_(hourglass), converts_(converts), vertices_(grid, order) {}
+        : Base(particles, grid), hourglassCoefficient_(hourglass), converts_(converts),
+          vertices_(grid, order) {}
 
     // --- making -------------------------------------------------------------------------------------
     void build(const Geometry<Dim>& geometry) override {
@@ -44,8 +46,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         for (int p = 0; p < domains; ++p) {
             const Corners<Dim> X = cornersOf(p);
             const ClosedShape<Dim> shape(numbersOf<Dim>(X));
-            require(shape.volume > 0 && smallestCorner(shape, numbersOf<Dim>(X)) > 0, "APDI in '", Base::bodyName, "': domain ", p,
-                    " near ", place(Vec<Dim>(X.col(0))), " is inverted or concave; mend the mesh");
+            require(shape.volume > 0 && smallestCorner(shape, numbersOf<Dim>(X)) > 0, "APDI in '",
+                    Base::bodyName, "': domain ", p, " near ", place(Vec<Dim>(X.col(0))),
+                    " is inverted or concave; mend the mesh");
             for (int a = 0; a < NC; ++a) centres[p] += shape.w[a] * X.col(a);
             volumes[p] = shape.volume;
             const HourglassAmplitude<Dim> h = hourglassPattern<Dim>(X);
@@ -58,11 +61,14 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     std::vector<Field*> fields() override {
-        return {&vertices_.position, &vertices_.reference, &vertices_.velocity, &hourglass0_, &vertices_.hanging.weight};
+        return {&vertices_.position, &vertices_.reference, &vertices_.velocity, &hourglass0_,
+                &vertices_.hanging.weight};
     }
     std::vector<std::pair<std::string, std::vector<int>*>> tables() override {
         auto all = Base::tables();
-        all.insert(all.end(), {{"corners", &corner_}, {"slaves", &vertices_.hanging.slaves}, {"masters", &vertices_.hanging.masters}});
+        all.insert(all.end(), {{"corners", &corner_},
+                               {"slaves", &vertices_.hanging.slaves},
+                               {"masters", &vertices_.hanging.masters}});
         return all;
     }
 
@@ -74,7 +80,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         rowEnd_ = Batch<Dim>::rowEnds(corner_);
         isPatterned_ = false;
         for (int i = 0; i < hourglass0_.components(); ++i)
-            isPatterned_ |= std::any_of(hourglass0_.plane(i), hourglass0_.plane(i) + particles.size(), [](double h) { return h != 0; });
+            isPatterned_ |= std::any_of(hourglass0_.plane(i), hourglass0_.plane(i) + particles.size(),
+                                        [](double h) { return h != 0; });
         cutIntoPieces();
         if (!order.isOf(grid)) regroup();
     }
@@ -106,20 +113,25 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             const Shapes d(batch, vertices_.position, skew_);
             FromDomains from;
             q.momenta(batch.first, batch.count, inertiaScale, from.momentum);
-            if (withForce) q.tension(batch.first, batch.count, stress.data(), from.tension);
-            else std::memset(from.tension, 0, sizeof from.tension);
-            if (isPatterned_)
-                resist(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) { deformed.takeFrom(h, batch.first + p); });
+            if (withForce)
+                q.tension(batch.first, batch.count, stress.data(), from.tension);
             else
-                resist(batch, d, from, [](int, double (*)[Dim]) __attribute__((always_inline)) {});
-            batch.addToCorners(planes<vertexPlanes>(0), [&](int a, int k, int p) __attribute__((always_inline)) {
-                return given(d, from, a, k, p);
-            });
+                std::memset(from.tension, 0, sizeof from.tension);
+            if (isPatterned_)
+                resist(batch, d, from, [&](int p, double(*h)[Dim]) __attribute__((always_inline)) {
+                    deformed.takeFrom(h, batch.first + p);
+                });
+            else
+                resist(batch, d, from, [](int, double(*)[Dim]) __attribute__((always_inline)) {});
+            batch.addToCorners(planes<vertexPlanes>(0),
+                               [&](int a, int k, int p)
+                                   __attribute__((always_inline)) { return given(d, from, a, k, p); });
             if (hasBodyForce) {
                 q.bodyForces(batch.first, batch.count, from.bodyForce);
-                batch.addToCorners(planes<Dim>(force), [&](int a, int k, int p) __attribute__((always_inline)) {
-                    return d.w[a][p] * from.bodyForce[k][p];
-                });
+                batch.addToCorners(planes<Dim>(force),
+                                   [&](int a, int k, int p) __attribute__((always_inline)) {
+                                       return d.w[a][p] * from.bodyForce[k][p];
+                                   });
             }
         });
         sumToNodes(team, nodes, withForce, 1 / inertiaScale);
@@ -127,15 +139,17 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
 
     // Nodes -> vertices -> domains, and back with what the domains have then. The forces of hourglass control wait on the
     // vertices since addSum(); as an impulse they are the first part of the vertices' momentum.
-    void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* nodalMomentum, const Move& how) override {
+    void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* nodalMomentum,
+              const Move& how) override {
         const Planes q(particles);
         isCleared_ = false;
         if (nodalMomentum)
             team.chunksNoWait(vertices_.size(), [&](int begin, int end) {
                 scale(begin, end, planes<Dim>(control), how.dt);
-                vertices_.hanging.within(begin, end, [&](int, int slave) { // its masters have that of addSum()
-                    for (double* x : planes<Dim>(control)) x[slave] = 0;
-                });
+                vertices_.hanging.within(begin, end,
+                                         [&](int, int slave) { // its masters have that of addSum()
+                                             for (double* x : planes<Dim>(control)) x[slave] = 0;
+                                         });
             });
         nodes ? take(team, nodes, planes<2 * Dim>(motion)) : team.wait();
         pieces(team, [&](const Batch<Dim>& batch, int piece) {
@@ -153,9 +167,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             if (nodalMomentum) {
                 double given[Dim + 1][Batch<Dim>::most];
                 q.momenta(batch.first, batch.count, how.inertiaScale, given);
-                batch.addToCorners(planes<Dim>(control), [&](int a, int k, int p) __attribute__((always_inline)) {
-                    return d.w[a][p] * given[k][p];
-                });
+                batch.addToCorners(planes<Dim>(control),
+                                   [&](int a, int k, int p)
+                                       __attribute__((always_inline)) { return d.w[a][p] * given[k][p]; });
             }
         });
         if (!nodalMomentum) return;
@@ -177,13 +191,16 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // With the gradient comes the volume after the step: the polygon area (polyhedron volume) itself; J V0 differs from
     // it by O(dt). The shapes are made anew: that takes less time than to fetch them from memory.
     void takeGradient(int begin, int end, const typename NF::Velocity*, double dt) override {
-        batches(begin, end, [&](const Batch<Dim>& batch) { dt > 0 ? gradients<true>(batch, dt) : gradients<false>(batch, 0); });
+        batches(begin, end, [&](const Batch<Dim>& batch) {
+            dt > 0 ? gradients<true>(batch, dt) : gradients<false>(batch, 0);
+        });
     }
 
     // A batch takes about as long as 16 domains more than it has, and twice as long where it has to copy.
     double workOf(int begin, int end) const override {
         double work = 0;
-        batches(begin, end, [&](const Batch<Dim>& batch) { work += 16 + (batch.isStraight ? 1 : 2) * batch.count; });
+        batches(begin, end,
+                [&](const Batch<Dim>& batch) { work += 16 + (batch.isStraight ? 1 : 2) * batch.count; });
         return work;
     }
 
@@ -222,7 +239,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         double least = 1e300;
         for (int p = 0; p < particles.size(); ++p) {
             const auto X = numbersOf<Dim>(cornersOf(p));
-            least = std::min(least, smallestCorner(ClosedShape<Dim>(X), X) / particles.initialVolume.plane()[p]);
+            least =
+                std::min(least, smallestCorner(ClosedShape<Dim>(X), X) / particles.initialVolume.plane()[p]);
         }
         return least;
     }
@@ -261,7 +279,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         Vec<Dim> shift = vectorAt<Dim>(particles.position, p);
         for (int i = 0, rest = i; i < count; rest = ++i) {
             Vec<Dim> xi, x = Vec<Dim>::Zero();
-            for (int k = 0; k < Dim; rest /= parts[k++]) xi[k] = -1 + (2 * (rest % parts[k]) + 1.0) / parts[k];
+            for (int k = 0; k < Dim; rest /= parts[k++])
+                xi[k] = -1 + (2 * (rest % parts[k]) + 1.0) / parts[k];
             for (int a = 0; a < NC; ++a) {
                 double N = 1.0 / NC;
                 for (int k = 0; k < Dim; ++k) N *= 1 + xi[k] * cornerSign(a, k);
@@ -286,10 +305,12 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         for (int p = 0; p < particles.size(); ++p) {
             if (!keep[p]) continue;
             kept.push_back(p);
-            for (int a = 0; a < NC; ++a) cornerKept.push_back(corner_[NC * p + a]), used[cornerKept.back()] = 1;
+            for (int a = 0; a < NC; ++a)
+                cornerKept.push_back(corner_[NC * p + a]), used[cornerKept.back()] = 1;
         }
         for (int s = 0; s < vertices_.hanging.count(); ++s)
-            if (used[vertices_.hanging.slaves[s]]) vertices_.hanging.eachMaster(s, [&](int v, double) { used[v] = 1; });
+            if (used[vertices_.hanging.slaves[s]])
+                vertices_.hanging.eachMaster(s, [&](int v, double) { used[v] = 1; });
         std::vector<int> vertexKept, renumber(vertices_.size(), -1);
         for (int v = 0; v < vertices_.size(); ++v)
             if (used[v]) renumber[v] = int(vertexKept.size()), vertexKept.push_back(v);
@@ -307,14 +328,17 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     size_t bytes() const override {
-        return sizeof(int) * (corner_.size() + rowEnd_.size()) + vertices_.bytes() + carried_.bytes() + skew_.bytes() + hourglass0_.bytes();
+        return sizeof(int) * (corner_.size() + rowEnd_.size()) + vertices_.bytes() + carried_.bytes() +
+               skew_.bytes() + hourglass0_.bytes();
     }
 
     void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
         const Shape<Dim> shape(numbersOf<Dim>(cornersOf(p)));
         for (int a = 0; a < NC; ++a)
             vertices_.hanging.through(corner_[NC * p + a], [&](int v, double share) {
-                Hat{vertices_}(v, [&](int node, double S) { each(node, share * shape.w[a] * S, Vec<Dim>(share * S * shape.g[a])); });
+                Hat{vertices_}(v, [&](int node, double S) {
+                    each(node, share * shape.w[a] * S, Vec<Dim>(share * S * shape.g[a]));
+                });
             });
     }
 
@@ -325,11 +349,14 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         std::vector<int> sharing;
         for (int p : which) {
             const ClosedShape<Dim> shape(numbersOf<Dim>(cornersOf(p)));
-            for (int a = 0; a < NC; ++a) Base::addMassTo(corner_[NC * p + a], shape.w[a] * mass[p], share.data(), sharing);
+            for (int a = 0; a < NC; ++a)
+                Base::addMassTo(corner_[NC * p + a], shape.w[a] * mass[p], share.data(), sharing);
         }
         for (int v : sharing)
             vertices_.hanging.through(v, [&](int vertex, double part) {
-                Hat{vertices_}(vertex, [&](int node, double S) { Base::addMassTo(node, part * share[v] * S, nodal, touched); });
+                Hat{vertices_}(vertex, [&](int node, double S) {
+                    Base::addMassTo(node, part * share[v] * S, nodal, touched);
+                });
             });
     }
 
@@ -342,16 +369,17 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             FromDomains from;
             q.tension(batch.first, batch.count, tensor, from.tension);
             const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(vertices_.velocity));
-            resist(batch, d, from, [&](int p, double (*h)[Dim]) __attribute__((always_inline)) {
+            resist(batch, d, from, [&](int p, double(*h)[Dim]) __attribute__((always_inline)) {
                 for (int m = 0; m < modes; ++m)
                     for (int k = 0; k < Dim; ++k) {
                         h[m][k] = 0;
                         for (int a = 0; a < NC; ++a) h[m][k] += gamma(d, m, a, p) * V.x[a][k][p];
                     }
             });
-            batch.addToCorners(planes<2 * Dim>(force), [&](int a, int k, int p) __attribute__((always_inline)) {
-                return given(d, from, a, force + k, p);
-            });
+            batch.addToCorners(planes<2 * Dim>(force),
+                               [&](int a, int k, int p) __attribute__((always_inline)) {
+                                   return given(d, from, a, force + k, p);
+                               });
         });
         sumToNodes(team, nodes, true, 1);
     }
@@ -366,36 +394,38 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         double *volume = particles.volume.plane(), *L[Dim * Dim];
         for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
         const int first = batch.first, count = batch.count;
-        const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(vertices_.position)), V(batch, vectorPlanes<Dim>(vertices_.velocity));
+        const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(vertices_.position)),
+            V(batch, vectorPlanes<Dim>(vertices_.velocity));
         double quality[Batch<Dim>::most];
-        auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
-            const ClosedShape<Dim> shape(X.at(p));
-            MPM_UNROLL
-            for (int i = 0; i < Dim; ++i)
-                MPM_UNROLL
-                for (int j = 0; j < Dim; ++j) {
-                    double sum = 0;
+        auto one =
+            [&](int p)
+                __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
+                    const ClosedShape<Dim> shape(X.at(p));
                     MPM_UNROLL
-                    for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
-                    L[Dim * i + j][first + p] = sum;
-                }
-            if constexpr (!moves) return;
-            const auto before = X.at(p), velocity = V.at(p);
-            CornerNumbers<Dim> x;
-            MPM_UNROLL
-            for (int k = 0; k < Dim; ++k)
-                MPM_UNROLL
-                for (int a = 0; a < NC; ++a) x[k][a] = before[k][a] + dt * velocity[k][a];
-            const ClosedShape<Dim> after(x);
-            volume[first + p] = after.volume, quality[p] = qualityOf(after, smallestCorner(after, x));
-        };
+                    for (int i = 0; i < Dim; ++i) MPM_UNROLL
+                    for (int j = 0; j < Dim; ++j) {
+                        double sum = 0;
+                        MPM_UNROLL
+                        for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
+                        L[Dim * i + j][first + p] = sum;
+                    }
+                    if constexpr (!moves) return;
+                    const auto before = X.at(p), velocity = V.at(p);
+                    CornerNumbers<Dim> x;
+                    MPM_UNROLL
+                    for (int k = 0; k < Dim; ++k) MPM_UNROLL
+                    for (int a = 0; a < NC; ++a) x[k][a] = before[k][a] + dt * velocity[k][a];
+                    const ClosedShape<Dim> after(x);
+                    volume[first + p] = after.volume, quality[p] = qualityOf(after, smallestCorner(after, x));
+                };
         byVectors(count, one);
         if constexpr (!moves) return;
         int bad = converts_;
 #pragma omp simd reduction(| : bad)
         for (int p = 0; p < count; ++p) bad |= !(quality[p] > worstQuality);
         for (int p = 0; p < count && bad; ++p)
-            if (!(quality[p] > worstQuality) || (converts_ && isStretched(first + p))) noteDistorted({first + p, quality[p]});
+            if (!(quality[p] > worstQuality) || (converts_ && isStretched(first + p)))
+                noteDistorted({first + p, quality[p]});
     }
 
     // Smallest corner area over the area, but not above 0 if a corner weight is too small. In 2D a corner is flat before its weight is.
@@ -418,7 +448,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
                 if (differing != 1) continue;
                 double square = 0;
                 for (int k = 0; k < Dim; ++k) {
-                    const double d = vertices.plane(k)[corner_[NC * p + a]] - vertices.plane(k)[corner_[NC * p + b]];
+                    const double d =
+                        vertices.plane(k)[corner_[NC * p + a]] - vertices.plane(k)[corner_[NC * p + b]];
                     square += d * d;
                 }
                 longest = std::max(longest, square);
@@ -426,7 +457,10 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         return longest;
     }
 
-    bool isStretched(int p) const { return longestSquare(p, vertices_.position) > worstGrowth * worstGrowth * longestSquare(p, vertices_.reference); }
+    bool isStretched(int p) const {
+        return longestSquare(p, vertices_.position) >
+               worstGrowth * worstGrowth * longestSquare(p, vertices_.reference);
+    }
 
     void noteDistorted(const Distorted& d) {
         std::lock_guard<std::mutex> lock(mutex_);
@@ -444,7 +478,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // What a vertex holds during a transfer, plane by plane: from the domains momentum and inertial mass, force, and force of
     // hourglass control; towards the domains the motion in the place of the first, and in that of the last the momentum
     // that comes back.
-    static constexpr int momentum = 0, force = Dim + 1, control = 2 * Dim + 1, motion = 0, vertexPlanes = 3 * Dim + 1;
+    static constexpr int momentum = 0, force = Dim + 1, control = 2 * Dim + 1, motion = 0,
+                         vertexPlanes = 3 * Dim + 1;
 
     template <int n> std::array<double*, n> planes(int first) {
         std::array<double*, n> all;
@@ -467,10 +502,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             sum = d.w[a][p] * from.momentum[k][p];
         else if (k < control)
             MPM_UNROLL
-            for (int j = 0; j < Dim; ++j) sum += d.g[a][j][p] * from.tension[k - force][j][p];
-        else
-            MPM_UNROLL
-            for (int m = 0; m < modes; ++m) sum += gamma(d, m, a, p) * from.control[m][k - control][p];
+        for (int j = 0; j < Dim; ++j) sum += d.g[a][j][p] * from.tension[k - force][j][p];
+        else MPM_UNROLL for (int m = 0; m < modes; ++m) sum +=
+            gamma(d, m, a, p) * from.control[m][k - control][p];
         return sum;
     }
 
@@ -488,23 +522,22 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // with coefficient 1 a square is as stiff against the pattern as the exactly integrated bilinear element.
     template <class Resisted>
     void resist(const Batch<Dim>& batch, const Shapes& d, FromDomains& from, Resisted&& resisted) const {
-        auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
-            double h[modes][Dim], sum = 0;
-            MPM_UNROLL
-            for (int m = 0; m < modes; ++m)
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) h[m][k] = d.pattern[m][k][p];
-            resisted(p, h);
-            MPM_UNROLL
-            for (int a = 0; a < NC; ++a)
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
-            const double stiffness = hourglassModulus_ * d.volume[p] * sum;
-            MPM_UNROLL
-            for (int m = 0; m < modes; ++m)
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) from.control[m][k][p] = -stiffness * h[m][k];
-        };
+        auto one =
+            [&](int p)
+                __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
+                    double h[modes][Dim], sum = 0;
+                    MPM_UNROLL
+                    for (int m = 0; m < modes; ++m) MPM_UNROLL
+                    for (int k = 0; k < Dim; ++k) h[m][k] = d.pattern[m][k][p];
+                    resisted(p, h);
+                    MPM_UNROLL
+                    for (int a = 0; a < NC; ++a) MPM_UNROLL
+                    for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
+                    const double stiffness = hourglassModulus_ * d.volume[p] * sum;
+                    MPM_UNROLL
+                    for (int m = 0; m < modes; ++m) MPM_UNROLL
+                    for (int k = 0; k < Dim; ++k) from.control[m][k][p] = -stiffness * h[m][k];
+                };
         byVectors(batch.count, one);
     }
 
@@ -515,22 +548,26 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             double weightMass[chunkSize];
             for (int i = 0; i < count; ++i) weightMass[i] = overScale * given[Dim][first + i];
             std::array<const double*, Dim> f, c;
-            for (int k = 0; k < Dim; ++k) f[k] = given[force + k] + first, c[k] = withControl ? given[control + k] + first : Base::none;
+            for (int k = 0; k < Dim; ++k)
+                f[k] = given[force + k] + first, c[k] = withControl ? given[control + k] + first : Base::none;
             if constexpr (Dim == 2) {
-                interleave({given[0] + first, given[1] + first, given[2] + first, weightMass}, count, out->part, 2);
+                interleave({given[0] + first, given[1] + first, given[2] + first, weightMass}, count,
+                           out->part, 2);
                 interleave({f[0], c[0], f[1], c[1]}, count, out->part + 1, 2);
             } else {
                 double total[Dim][chunkSize];
                 for (int k = 0; k < Dim; ++k)
                     for (int i = 0; i < count; ++i) total[k][i] = f[k][i] + c[k][i];
-                interleave({given[0] + first, given[1] + first, given[2] + first, given[3] + first}, count, out->part, 2);
+                interleave({given[0] + first, given[1] + first, given[2] + first, given[3] + first}, count,
+                           out->part, 2);
                 interleave({total[0], total[1], total[2], weightMass}, count, out->part + 1, 2);
             }
         });
     }
 
     // Velocity (Dim numbers) or motion (2 Dim) of the nodes, to the vertices.
-    template <class Node, size_t n> void take(Team& team, const Node* nodes, const std::array<double*, n>& plane) {
+    template <class Node, size_t n>
+    void take(Team& team, const Node* nodes, const std::array<double*, n>& plane) {
         vertices_.gather(team, nodes, plane,
                          [](const Node* in, int count, const std::array<double*, n>& out) {
                              if constexpr (n == Dim)
@@ -541,10 +578,12 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     void clear(Team& team) {
-        team.chunks(vertices_.size(), [&](int begin, int end) { scale(begin, end, planes<vertexPlanes>(0), 0); });
+        team.chunks(vertices_.size(),
+                    [&](int begin, int end) { scale(begin, end, planes<vertexPlanes>(0), 0); });
     }
 
-    template <size_t n> static void scale(int begin, int end, const std::array<double*, n>& plane, double factor) {
+    template <size_t n>
+    static void scale(int begin, int end, const std::array<double*, n>& plane, double factor) {
         for (double* x : plane)
             for (int v = begin; v < end; ++v) x[v] = factor == 0 ? 0 : factor * x[v];
     }
@@ -562,7 +601,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     // f(batch, piece) for batches of domains; pieces that share a vertex take turns.
     template <class F> void pieces(Team& team, F&& f) {
         team.inTurns(pieces_, [&](int piece) {
-            batches(pieceStart_[piece], pieceStart_[piece + 1], [&](const Batch<Dim>& batch) { f(batch, piece); });
+            batches(pieceStart_[piece], pieceStart_[piece + 1],
+                    [&](const Batch<Dim>& batch) { f(batch, piece); });
         });
     }
 
@@ -578,14 +618,13 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         }
         MPM_INLINE void takeFrom(double (*h)[Dim], int p) const {
             MPM_UNROLL
-            for (int m = 0; m < modes; ++m)
+            for (int m = 0; m < modes; ++m) MPM_UNROLL
+            for (int i = 0; i < Dim; ++i) {
+                double sum = 0;
                 MPM_UNROLL
-                for (int i = 0; i < Dim; ++i) {
-                    double sum = 0;
-                    MPM_UNROLL
-                    for (int j = 0; j < Dim; ++j) sum += F[i][j][p] * pattern[m][j][p];
-                    h[m][i] -= sum;
-                }
+                for (int j = 0; j < Dim; ++j) sum += F[i][j][p] * pattern[m][j][p];
+                h[m][i] -= sum;
+            }
         }
     };
 
@@ -597,7 +636,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
             cutIntoPieces(std::max(least, longer));
             if (pieces_.graph(neighboursOfPieces()) <= 2) break;
         }
-        pieces_.shares.set(pieceCount(), [&](int piece) { return workOf(pieceStart_[piece], pieceStart_[piece + 1]); });
+        pieces_.shares.set(pieceCount(),
+                           [&](int piece) { return workOf(pieceStart_[piece], pieceStart_[piece + 1]); });
     }
 
     // At the ends of rows, where these are not too long.
@@ -611,7 +651,8 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     std::vector<std::vector<int>> neighboursOfPieces() const {
-        std::vector<std::vector<int>> neighbours(pieceCount()), at(vertices_.size()); // at: pieces at a vertex
+        std::vector<std::vector<int>> neighbours(pieceCount()),
+            at(vertices_.size()); // at: pieces at a vertex
         int piece = 0;
         for (size_t slot = 0; slot < corner_.size(); ++slot) {
             if (int(slot) / NC == pieceStart_[piece + 1]) ++piece;
@@ -628,13 +669,15 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     }
 
     void find(int begin, int end) {
-        vertices_.locate(begin, end, [&](int from, int to, double* const x[], int* cell, double* const local[]) {
-            return Base::support(from, to, x, 0.0, cell, local, "vertex", nullptr);
-        });
+        vertices_.locate(begin, end,
+                         [&](int from, int to, double* const x[], int* cell, double* const local[]) {
+                             return Base::support(from, to, x, 0.0, cell, local, "vertex", nullptr);
+                         });
     }
 
     void regroup() {
-        for (int begin = 0; begin < vertices_.size(); begin += chunkSize) find(begin, std::min(vertices_.size(), begin + chunkSize));
+        for (int begin = 0; begin < vertices_.size(); begin += chunkSize)
+            find(begin, std::min(vertices_.size(), begin + chunkSize));
         vertices_.group();
     }
 
@@ -643,7 +686,9 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
         vertices_.hanging.select([&](int s) {
             return std::none_of(gone.begin(), gone.end(), [&](int p) {
                 bool all = true;
-                vertices_.hanging.eachMaster(s, [&](int v, double) { all &= std::count(&corner_[NC * p], &corner_[NC * p] + NC, v) > 0; });
+                vertices_.hanging.eachMaster(s, [&](int v, double) {
+                    all &= std::count(&corner_[NC * p], &corner_[NC * p] + NC, v) > 0;
+                });
                 return all;
             });
         });
@@ -653,15 +698,18 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     const bool converts_;
     double hourglassModulus_ = 0; // kPa
     MeshVertices<Dim> vertices_;
-    Field hourglass0_{"hourglassReference", "m", "Hourglass pattern of the undeformed domain.", {hourglassModes<Dim>, Dim}};
+    Field hourglass0_{
+        "hourglassReference", "m", "Hourglass pattern of the undeformed domain.", {hourglassModes<Dim>, Dim}};
     bool isPatterned_ = true; // whether any undeformed domain has one: parallelograms have none
     std::vector<int> corner_; // 2^Dim per domain
     std::vector<int> rowEnd_; // see Batch
 
     Field carried_{"carried", "", "What the vertices hold during a transfer.", {vertexPlanes}};
-    Field skew_{"skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
+    Field skew_{
+        "skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
     std::atomic<bool> isCleared_{false}; // whether the vertices hold nothing, since locate()
-    std::vector<int> pieceStart_;        // of the stage between domains and vertices: first domain of each piece, and one past the last
+    std::vector<int>
+        pieceStart_; // of the stage between domains and vertices: first domain of each piece, and one past the last
     Turns pieces_;
     std::vector<Distorted> distorted_; // found in the last takeGradient(), in order
     std::mutex mutex_;
@@ -680,12 +728,18 @@ class APDI : public ParticleType {
                "Takegawa et al., Eq. (1); hourglass control: Flanagan & Belytschko 1981.";
     }
     std::vector<Parameter> parameters() override {
-        return {{"hourglass", "-", "Coefficient of the stiffness against hourglass patterns of the vertices; 0: none, "
-                                   "1: as stiff as the exactly integrated element.", &hourglass, Range::between(0, 1)},
-                {"onDistortion", "-", "What to do with a domain whose smallest corner falls to 5 % of its area: 'stop' the "
-                                      "run with an error, or 'convert' it to uGIMP particles; then also one whose "
-                                      "longest edge grew by 15 %: it knows the motion at its corners alone.",
-                 &onDistortion, {}, {"stop", "convert"}}};
+        return {{"hourglass", "-",
+                 "Coefficient of the stiffness against hourglass patterns of the vertices; 0: none, "
+                 "1: as stiff as the exactly integrated element.",
+                 &hourglass, Range::between(0, 1)},
+                {"onDistortion",
+                 "-",
+                 "What to do with a domain whose smallest corner falls to 5 % of its area: 'stop' the "
+                 "run with an error, or 'convert' it to uGIMP particles; then also one whose "
+                 "longest edge grew by 15 %: it knows the motion at its corners alone.",
+                 &onDistortion,
+                 {},
+                 {"stop", "convert"}}};
     }
     bool isMeshed() const override { return true; }
     bool converts() const override { return onDistortion == "convert"; }

@@ -45,12 +45,14 @@ template <int Dim> CornerNumbers<Dim> numbersOf(const Corners<Dim>& X) {
 // The shape of a quadrilateral in closed form, in plain numbers so that loops over domains vectorise.
 struct QuadrilateralShape {
     double w[4], g[4][2], volume, overVolume;
-    double smallestCorner;      // 4 det J at a corner: the area of a parallelogram, not above zero where concave or inverted
+    double
+        smallestCorner; // 4 det J at a corner: the area of a parallelogram, not above zero where concave or inverted
     std::array<double, 2> skew; // what follows is w; both zero for a parallelogram
     double pattern[1][2];       // coefficient of xi eta in the position: the hourglass pattern of the corners
 
     MPM_INLINE static std::array<double, 4> weights(const std::array<double, 2>& skew) {
-        return {0.25 - (skew[0] + skew[1]), 0.25 - (skew[0] - skew[1]), 0.25 + (skew[0] + skew[1]), 0.25 + (skew[0] - skew[1])};
+        return {0.25 - (skew[0] + skew[1]), 0.25 - (skew[0] - skew[1]), 0.25 + (skew[0] + skew[1]),
+                0.25 + (skew[0] - skew[1])};
     }
 
     MPM_INLINE explicit QuadrilateralShape(const CornerNumbers<2>& X) {
@@ -107,7 +109,8 @@ template <class T> struct Trilinear {
         return {sum[0], {sum[1], sum[2], rise[0]}, {sum[3], rise[2], rise[1], rise[3]}};
     }
     MPM_INLINE std::array<T, 8> atCorners() const {
-        const auto middle = atFaceCorners(mean, a[0], a[1], h[0]), half = atFaceCorners(a[2], h[2], h[1], h[3]);
+        const auto middle = atFaceCorners(mean, a[0], a[1], h[0]),
+                   half = atFaceCorners(a[2], h[2], h[1], h[3]);
         return {middle[0] - half[0], middle[1] - half[1], middle[2] - half[2], middle[3] - half[3],
                 middle[0] + half[0], middle[1] + half[1], middle[2] + half[2], middle[3] + half[3]};
     }
@@ -116,7 +119,8 @@ template <class T> struct Trilinear {
     // Coefficients of 1, xi, eta, xi eta, with 1/8 for both steps.
     MPM_INLINE static std::array<T, 4> onFace(const T& f0, const T& f1, const T& f2, const T& f3) {
         const T even = f0 + f2, odd = f1 + f3, rising = f2 - f0, falling = f1 - f3;
-        return {0.125 * (even + odd), 0.125 * (rising + falling), 0.125 * (rising - falling), 0.125 * (even - odd)};
+        return {0.125 * (even + odd), 0.125 * (rising + falling), 0.125 * (rising - falling),
+                0.125 * (even - odd)};
     }
     MPM_INLINE static std::array<T, 4> atFaceCorners(const T& mean, const T& a0, const T& a1, const T& h) {
         const T even = mean + h, odd = mean - h, rising = a0 + a1, falling = a0 - a1;
@@ -157,7 +161,8 @@ struct HexahedronShape {
         MPM_UNROLL
         for (int k = 0; k < 3; ++k) {
             const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-            A[k] = cross(a[k1], a[k2]), H[k] = cross(h[k], h[k2]), B[k] = cross(h[k2], a[k]) + cross(a[k1], h[k1]);
+            A[k] = cross(a[k1], a[k2]), H[k] = cross(h[k], h[k2]),
+            B[k] = cross(h[k2], a[k]) + cross(a[k1], h[k1]);
             sum += dot(a[k], H[k]);
         }
         volume = 8 * (dot(a[0], A[0]) + sum / 3);
@@ -170,7 +175,8 @@ struct HexahedronShape {
             const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
             gradient.a[k] = overV * (A[k] + (1.0 / 3) * H[k]), gradient.h[k] = (overV / 3) * B[k];
             skew[k] = overV / 3 * (dot(h[k2], A[k2]) + dot(h[k], A[k1]) + dot(h[3], B[k1]) / 3);
-            skew[3 + k] = overV / 9 * (dot(h[3], A[k2] - (1.0 / 3) * H[k2]) - dot(a[k], H[k1]) - dot(a[k1], H[k]));
+            skew[3 + k] =
+                overV / 9 * (dot(h[3], A[k2] - (1.0 / 3) * H[k2]) - dot(a[k], H[k1]) - dot(a[k1], H[k]));
         }
         skew[6] = overV * (-2.0 / 27) * dot(h[0], H[2]);
 
@@ -248,7 +254,9 @@ template <int Dim> struct Shape {
 
 // Smallest corner volume (2^Dim det J at a corner, the determinant of its edges): equals the volume for a parallelogram, is
 // zero or negative for a concave or inverted domain.
-MPM_INLINE double smallestCorner(const QuadrilateralShape& shape, const CornerNumbers<2>&) { return shape.smallestCorner; }
+MPM_INLINE double smallestCorner(const QuadrilateralShape& shape, const CornerNumbers<2>&) {
+    return shape.smallestCorner;
+}
 
 MPM_INLINE double smallestCorner(const HexahedronShape&, const CornerNumbers<3>& X) {
     const auto at = [&](int a) __attribute__((always_inline)) { return Triple{X[0][a], X[1][a], X[2][a]}; };

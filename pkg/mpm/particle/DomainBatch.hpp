@@ -49,7 +49,8 @@ template <int Dim> struct Batch {
     }
 
     // plane k of corner a of each domain p += value(a, k, p), corner by corner.
-    template <size_t n, class Value> MPM_INLINE void addToCorners(const std::array<double*, n>& plane, Value&& value) const {
+    template <size_t n, class Value>
+    MPM_INLINE void addToCorners(const std::array<double*, n>& plane, Value&& value) const {
         MPM_UNROLL
         for (int a = 0; a < NC; ++a)
             if (isStraight) {
@@ -62,12 +63,10 @@ template <int Dim> struct Batch {
             } else {
                 double given[n][most];
 #pragma omp simd
-                for (int p = 0; p < count; ++p)
-                    MPM_UNROLL
-                    for (size_t k = 0; k < n; ++k) given[k][p] = value(a, int(k), p);
-                for (int p = 0; p < count; ++p)
-                    MPM_UNROLL
-                    for (size_t k = 0; k < n; ++k) plane[k][corner[NC * p + a]] += given[k][p];
+                for (int p = 0; p < count; ++p) MPM_UNROLL
+                for (size_t k = 0; k < n; ++k) given[k][p] = value(a, int(k), p);
+                for (int p = 0; p < count; ++p) MPM_UNROLL
+                for (size_t k = 0; k < n; ++k) plane[k][corner[NC * p + a]] += given[k][p];
             }
     }
 };
@@ -82,14 +81,15 @@ template <int Dim, int n> class AtCorners {
     template <class Number> AtCorners(const Batch<Dim>& batch, const std::array<Number*, n>& plane) {
         for (int a = 0; a < NC; ++a)
             for (int k = 0; k < n; ++k) x[a][k] = batch.isStraight ? plane[k] + batch.corner[a] : copy_[a][k];
-        for (int p = 0; p < batch.count && !batch.isStraight; ++p)
+        for (int p = 0; p < batch.count && !batch.isStraight; ++p) MPM_UNROLL
+        for (int a = 0; a < NC; ++a) {
+            int v = batch.corner[NC * p + a];
+            asm(""
+                : "+r"(
+                    v)); // plain loads: without this GCC makes vectors of the numbers and takes twice as long
             MPM_UNROLL
-            for (int a = 0; a < NC; ++a) {
-                int v = batch.corner[NC * p + a];
-                asm("" : "+r"(v)); // plain loads: without this GCC makes vectors of the numbers and takes twice as long
-                MPM_UNROLL
-                for (int k = 0; k < n; ++k) copy_[a][k][p] = plane[k][v];
-            }
+            for (int k = 0; k < n; ++k) copy_[a][k][p] = plane[k][v];
+        }
     }
     AtCorners(const AtCorners&) = delete;
 
@@ -97,9 +97,8 @@ template <int Dim, int n> class AtCorners {
     MPM_INLINE CornerNumbers<Dim> at(int p) const {
         CornerNumbers<Dim> X;
         MPM_UNROLL
-        for (int a = 0; a < NC; ++a)
-            MPM_UNROLL
-            for (int k = 0; k < Dim; ++k) X[k][a] = x[a][k][p];
+        for (int a = 0; a < NC; ++a) MPM_UNROLL
+        for (int k = 0; k < Dim; ++k) X[k][a] = x[a][k][p];
         return X;
     }
 
@@ -123,14 +122,16 @@ template <int Dim> struct alignas(64) BatchWeights {
     BatchWeights(const Batch<Dim>& batch, const Field& skewField) {
         const double* skew[skews];
         for (int m = 0; m < skews; ++m) skew[m] = skewField.plane(m) + batch.first;
-        auto one = [&](int p) __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
-            Skew amount;
-            MPM_UNROLL
-            for (int m = 0; m < skews; ++m) amount[m] = skew[m][p];
-            const auto all = ClosedShape<Dim>::weights(amount);
-            MPM_UNROLL
-            for (int a = 0; a < NC; ++a) w[a][p] = all[a];
-        };
+        auto one =
+            [&](int p)
+                __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
+                    Skew amount;
+                    MPM_UNROLL
+                    for (int m = 0; m < skews; ++m) amount[m] = skew[m][p];
+                    const auto all = ClosedShape<Dim>::weights(amount);
+                    MPM_UNROLL
+                    for (int a = 0; a < NC; ++a) w[a][p] = all[a];
+                };
         byVectors(batch.count, one);
     }
 };
@@ -157,9 +158,8 @@ template <int Dim> struct alignas(64) BatchShapes {
             MPM_UNROLL
             for (int m = 0; m < skews; ++m) skew[m][p] = shape.skew[m];
             MPM_UNROLL
-            for (int m = 0; m < modes; ++m)
-                MPM_UNROLL
-                for (int k = 0; k < Dim; ++k) pattern[m][k][p] = shape.pattern[m][k];
+            for (int m = 0; m < modes; ++m) MPM_UNROLL
+            for (int k = 0; k < Dim; ++k) pattern[m][k][p] = shape.pattern[m][k];
         };
         byVectors(batch.count, one);
     }

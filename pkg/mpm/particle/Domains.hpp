@@ -82,7 +82,8 @@ template <int Dim> class Domains {
     // Particle velocity and position from nodal velocity and acceleration (nullptr: they stay). Then
     // node += phi * momentum + dt * forces of hourglass control, with weights and forces of the step's start
     // (nullptr: not wanted).
-    virtual void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum, const Move& how) = 0;
+    virtual void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
+                      const Move& how) = 0;
     // Energy that local damping took in the last move(), kJ.
     double dampedEnergy() const { return std::accumulate(damped_.begin(), damped_.end(), 0.0); }
     // The velocity that whatever the domain consists of moves with, if that is not the particle itself ...

@@ -18,7 +18,8 @@ class HangingVertices {
 
     int count() const { return int(slaves.size()); }
 
-    void set(const std::vector<int>& theSlaves, const std::vector<int>& theMasters, const std::vector<double>& weights) {
+    void set(const std::vector<int>& theSlaves, const std::vector<int>& theMasters,
+             const std::vector<double>& weights) {
         slaves = theSlaves, masters = theMasters;
         weight.resize(count());
         for (int s = 0; s < count(); ++s)
@@ -63,7 +64,8 @@ class HangingVertices {
         shares_.clear();
         for (int s = 0; s < count(); ++s)
             eachMaster(s, [&](int master, double w) { shares_.push_back({master, slaves[s], w}); });
-        std::stable_sort(shares_.begin(), shares_.end(), [](const Share& a, const Share& b) { return a.master < b.master; });
+        std::stable_sort(shares_.begin(), shares_.end(),
+                         [](const Share& a, const Share& b) { return a.master < b.master; });
         firstSlave_.assign(chunksOf(vertices) + 1, 0), firstShare_ = firstSlave_;
         for (int v : slaves) ++firstSlave_[v / chunkSize + 1];
         for (const Share& share : shares_) ++firstShare_[share.master / chunkSize + 1];
@@ -77,7 +79,8 @@ class HangingVertices {
         for (int s = 0; s < count(); ++s) {
             if (!keep(s)) continue;
             kept.push_back(slaves[s]), numbers.push_back(s);
-            keptMasters.insert(keptMasters.end(), masters.begin() + most * s, masters.begin() + most * s + most);
+            keptMasters.insert(keptMasters.end(), masters.begin() + most * s,
+                               masters.begin() + most * s + most);
         }
         slaves = kept, masters = keptMasters;
         weight.select(numbers);

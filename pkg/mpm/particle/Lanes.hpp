@@ -31,14 +31,20 @@ template <> struct Lanes<2> {
     struct Row {
         Octo both;
         MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w)
-            : both((Mask{0, 0, 0, 0, 0, -1, 0, -1} ? all(w.G[0]) : all(w.S)) * __builtin_shufflevector(value, B[0], 0, 1, 2, 3, 4, 5, 6, 7)) {}
-        MPM_INLINE void add(Pack<8>& sum, double S, double G) const { sum.wide(0) += (Mask{0, 0, 0, 0, -1, 0, -1, 0} ? all(G) : all(S)) * both; }
+            : both((Mask{0, 0, 0, 0, 0, -1, 0, -1} ? all(w.G[0]) : all(w.S)) *
+                   __builtin_shufflevector(value, B[0], 0, 1, 2, 3, 4, 5, 6, 7)) {}
+        MPM_INLINE void add(Pack<8>& sum, double S, double G) const {
+            sum.wide(0) += (Mask{0, 0, 0, 0, -1, 0, -1, 0} ? all(G) : all(S)) * both;
+        }
     };
 #else
     struct Row { // d_x phi in the even lanes, d_y phi in the odd ones, as a product of weights along the axes
         Quad value, product;
-        MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w) : value(w.S * value), product(alternating(w.S, w.G[0]) * B[0]) {}
-        MPM_INLINE void add(Pack<8>& sum, double S, double G) const { sum.part[0] += S * value, sum.part[1] += alternating(G, S) * product; }
+        MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w)
+            : value(w.S * value), product(alternating(w.S, w.G[0]) * B[0]) {}
+        MPM_INLINE void add(Pack<8>& sum, double S, double G) const {
+            sum.part[0] += S * value, sum.part[1] += alternating(G, S) * product;
+        }
     };
 #endif
     MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) { node += sum; }
@@ -55,7 +61,9 @@ template <> struct Lanes<3> {
             sum.part[0] += S * value, sum.part[1] += G * withG, sum.part[1] += S * withS;
         }
     };
-    MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) { node.part[0] += sum.part[0], node.part[1] += sum.part[1]; }
+    MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) {
+        node.part[0] += sum.part[0], node.part[1] += sum.part[1];
+    }
 };
 
 } // namespace mpm

@@ -48,9 +48,11 @@ template <int Dim> class MeshVertices {
     template <class Find> void locate(int begin, int end, Find&& find) {
         double *x[Dim], *local[Dim];
         for (int k = 0; k < Dim; ++k) x[k] = position.plane(k), local[k] = local_.plane(k);
-        hanging.within(begin, end, [&](int s, int slave) { // round-off would let it creep off the line between its masters
-            for (double* component : x) component[slave] = hanging.mean(s, component);
-        });
+        hanging.within(
+            begin, end,
+            [&](int s, int slave) { // round-off would let it creep off the line between its masters
+                for (double* component : x) component[slave] = hanging.mean(s, component);
+            });
         bool leaves = find(begin, end, x, cell_.data(), local);
         if (leaves && order_.isReady()) { // vertices near a node pass it all the time
             leaves = false;
@@ -77,7 +79,8 @@ template <int Dim> class MeshVertices {
             for (int i = order_.start[b + 1] - 1; i >= order_.start[b]; --i) {
                 const int v = order_.order[i];
                 block_[v] = b;
-                rowEnd_[i] = i + 1 < order_.start[b + 1] && order_.order[i + 1] == v + 1 ? rowEnd_[i + 1] : i + 1;
+                rowEnd_[i] =
+                    i + 1 < order_.start[b + 1] && order_.order[i + 1] == v + 1 ? rowEnd_[i + 1] : i + 1;
             }
         }
     }
@@ -112,18 +115,22 @@ template <int Dim> class MeshVertices {
                 const Node taken = take(i);
                 put(&taken, begin + i, 1);
             }
-            hanging.within(begin, end, [&](int s, int slave) { // where its masters are: another thread may be at these
-                Node sum = Node::zero();
-                hanging.eachMaster(s, [&](int v, double w) { hat(v, [&](int node, double S) { sum.add(w * S, nodes[node]); }); });
-                put(&sum, slave, 1);
-            });
+            hanging.within(begin, end,
+                           [&](int s, int slave) { // where its masters are: another thread may be at these
+                               Node sum = Node::zero();
+                               hanging.eachMaster(s, [&](int v, double w) {
+                                   hat(v, [&](int node, double S) { sum.add(w * S, nodes[node]); });
+                               });
+                               put(&sum, slave, 1);
+                           });
         });
     }
 
     // give(first, count, values) fills in what vertices with consecutive numbers give, from what they hold in the planes; what hanging ones
     // hold is added to that of their masters. The sums of a cell stay in registers, and towards the next one along the first axis only
     // nodes that are left behind are written.
-    template <class Node, size_t held, class Give> void scatter(Team& team, Node* nodes, const std::array<double*, held>& plane, Give&& give) const {
+    template <class Node, size_t held, class Give>
+    void scatter(Team& team, Node* nodes, const std::array<double*, held>& plane, Give&& give) const {
         team.inTurns(order_.turns, [&](int b) {
             const int start = order_.start[b], end = order_.start[b + 1];
             if (start == end) return;
@@ -138,12 +145,14 @@ template <int Dim> class MeshVertices {
                 Node given[chunkSize];
                 hanging.collect(first, first + next - begin, plane);
                 give(first, next - begin, given);
-                hanging.within(first, first + next - begin, [&](int, int slave) { given[slave - first] = Node::zero(); });
+                hanging.within(first, first + next - begin,
+                               [&](int, int slave) { given[slave - first] = Node::zero(); });
                 for (int i = 0; i < next - begin; ++i) {
                     const int here = hat.cell[first + i];
                     if (here == cell + 1) {
                         MPM_UNROLL
-                        for (int n = 0; n < NC; n += 2) at[hat.offset[n]] += sum[n], sum[n] = sum[n + 1], sum[n + 1] = Node::zero();
+                        for (int n = 0; n < NC; n += 2)
+                            at[hat.offset[n]] += sum[n], sum[n] = sum[n + 1], sum[n + 1] = Node::zero();
                         ++at;
                     } else if (here != cell) {
                         MPM_UNROLL
@@ -196,7 +205,8 @@ template <int Dim> class MeshVertices {
     };
 
     size_t bytes() const {
-        size_t sum = sizeof(int) * (cell_.size() + block_.size() + rowEnd_.size() + order_.order.size()) + local_.bytes();
+        size_t sum = sizeof(int) * (cell_.size() + block_.size() + rowEnd_.size() + order_.order.size()) +
+                     local_.bytes();
         for (const Field* field : {&position, &reference, &velocity}) sum += field->bytes();
         return sum;
     }
@@ -207,11 +217,13 @@ template <int Dim> class MeshVertices {
         alignas(64) double S[NC][chunkSize];
 
         Hats(const MeshVertices& m, int first, int count) : Hat(m) {
-            const auto set = [&](int i) __attribute__((always_inline)) { // its array would stop the loop below from vectorising
-                const auto one = Hat::weights(first + i);
-                MPM_UNROLL
-                for (int n = 0; n < NC; ++n) S[n][i] = one[n];
-            };
+            const auto set =
+                [&](int i)
+                    __attribute__((always_inline)) { // its array would stop the loop below from vectorising
+                        const auto one = Hat::weights(first + i);
+                        MPM_UNROLL
+                        for (int n = 0; n < NC; ++n) S[n][i] = one[n];
+                    };
 #pragma omp simd
             for (int i = 0; i < count; ++i) set(i);
         }
@@ -219,10 +231,11 @@ template <int Dim> class MeshVertices {
 
     const Grid<Dim>& grid_;
     BlockOrder<Dim>& order_;
-    std::vector<int> cell_;      // once per step
-    std::vector<int> block_;     // of the order, that each vertex belongs to
-    std::vector<int> rowEnd_;    // where in the order the numbers no longer follow each other
-    std::vector<char> hasLeft_;  // chunks in which a vertex has left what its block is known to touch, since the last settle()
+    std::vector<int> cell_;   // once per step
+    std::vector<int> block_;  // of the order, that each vertex belongs to
+    std::vector<int> rowEnd_; // where in the order the numbers no longer follow each other
+    std::vector<char>
+        hasLeft_; // chunks in which a vertex has left what its block is known to touch, since the last settle()
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
 };
 

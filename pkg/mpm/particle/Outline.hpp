@@ -12,13 +12,18 @@ namespace mpm {
 template <int Dim> class Outline {
   public:
     Field carrier{"outlineCarrier", "-", "Id of the particle that carries a facet of the outline.", {}, 'i'};
-    Field offset{"outlineOffset", "m", "From the particle to the middle of the facet, in the undeformed body.", {Dim}};
-    Field area{"outlineArea", "m2", "Outward area vector of the facet in the undeformed body (2D: length, m).", {Dim}};
+    Field offset{
+        "outlineOffset", "m", "From the particle to the middle of the facet, in the undeformed body.", {Dim}};
+    Field area{"outlineArea",
+               "m2",
+               "Outward area vector of the facet in the undeformed body (2D: length, m).",
+               {Dim}};
 
     int size() const { return carrier.size(); }
     std::vector<Field*> fields() { return {&carrier, &offset, &area}; }
 
-    void set(const std::vector<int>& carriers, const std::vector<Vec<Dim>>& offsets, const std::vector<Vec<Dim>>& areas) {
+    void set(const std::vector<int>& carriers, const std::vector<Vec<Dim>>& offsets,
+             const std::vector<Vec<Dim>>& areas) {
         for (Field* field : fields()) field->resize(int(carriers.size()));
         for (int i = 0; i < size(); ++i) {
             carrier.integers()[i] = carriers[i];
@@ -55,13 +60,16 @@ template <int Dim> class Outline {
         Mat<Dim> F;
         for (int k = 0; k < Dim; ++k)
             for (int m = 0; m < Dim; ++m) F(k, m) = particles.deformationGradient.plane(3 * k + m)[p];
-        return {vectorAt<Dim>(particles.position, p) + F * vectorAt<Dim>(offset, i), cofactor(F) * vectorAt<Dim>(area, i)};
+        return {vectorAt<Dim>(particles.position, p) + F * vectorAt<Dim>(offset, i),
+                cofactor(F) * vectorAt<Dim>(area, i)};
     }
 
   private:
     std::vector<int> particle_; // of each facet
 
-    static Mat<2> cofactor(const Mat<2>& F) { return (Mat<2>() << F(1, 1), -F(1, 0), -F(0, 1), F(0, 0)).finished(); }
+    static Mat<2> cofactor(const Mat<2>& F) {
+        return (Mat<2>() << F(1, 1), -F(1, 0), -F(0, 1), F(0, 0)).finished();
+    }
     static Mat<3> cofactor(const Mat<3>& F) {
         Mat<3> C;
         for (int k = 0; k < 3; ++k) C.row(k) = F.row((k + 1) % 3).cross(F.row((k + 2) % 3));

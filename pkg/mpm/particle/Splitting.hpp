@@ -21,7 +21,10 @@ template <int Dim> class Splitting {
   public:
     explicit Splitting(double limit) : limit_(limit) {}
 
-    Field share{"splitShare", "-", "What the cuts left of the domain of a particle, in the frame of the undeformed body.", {Dim, Dim}};
+    Field share{"splitShare",
+                "-",
+                "What the cuts left of the domain of a particle, in the frame of the undeformed body.",
+                {Dim, Dim}};
 
     bool isOn() const { return !std::isnan(limit_); }
 
@@ -121,7 +124,8 @@ template <int Dim> class Splitting {
 
     void halve(Particles<Dim>& particles, const Cut& cut) {
         const int p = cut.particle;
-        for (Field* extensive : {&particles.mass, &particles.volume, &particles.initialVolume}) extensive->plane()[p] *= 0.5;
+        for (Field* extensive : {&particles.mass, &particles.volume, &particles.initialVolume})
+            extensive->plane()[p] *= 0.5;
         for (int i = 0; i < Dim; ++i) {
             double along = 0; // (S m)_i
             for (int j = 0; j < Dim; ++j) along += share.plane(Dim * i + j)[p] * cut.along[j];

@@ -44,7 +44,8 @@ template <int Dim> class Transfers : public Domains<Dim> {
 
         // What `count` particles from `first` on give, plane by plane: momentum and inertial mass, -V tensor (planes 3*i + j, upper
         // triangle), body force.
-        template <size_t most> void momenta(int first, int count, double inertiaScale, double (&out)[Dim + 1][most]) const {
+        template <size_t most>
+        void momenta(int first, int count, double inertiaScale, double (&out)[Dim + 1][most]) const {
             const Planes q = *this;
 #pragma omp simd
             for (int i = 0; i < count; ++i) {
@@ -55,16 +56,15 @@ template <int Dim> class Transfers : public Domains<Dim> {
             }
         }
         template <size_t most>
-        void tension(int first, int count, const double* const tensor[9], double (&out)[Dim][Dim][most]) const {
+        void tension(int first, int count, const double* const tensor[9],
+                     double (&out)[Dim][Dim][most]) const {
             const double *V = volume + first, *sigma[Dim][Dim];
             for (int i = 0; i < Dim; ++i)
                 for (int j = 0; j < Dim; ++j) sigma[i][j] = tensor[i <= j ? 3 * i + j : 3 * j + i] + first;
 #pragma omp simd
-            for (int p = 0; p < count; ++p)
-                MPM_UNROLL
-                for (int i = 0; i < Dim; ++i)
-                    MPM_UNROLL
-                    for (int j = 0; j < Dim; ++j) out[i][j][p] = -V[p] * sigma[i][j][p];
+            for (int p = 0; p < count; ++p) MPM_UNROLL
+            for (int i = 0; i < Dim; ++i) MPM_UNROLL
+            for (int j = 0; j < Dim; ++j) out[i][j][p] = -V[p] * sigma[i][j][p];
         }
         template <size_t most> void bodyForces(int first, int count, double (&out)[Dim][most]) const {
             for (int k = 0; k < Dim; ++k)
@@ -86,7 +86,8 @@ template <int Dim> class Transfers : public Domains<Dim> {
                 interleave({B[0][0], B[0][1], B[1][0], B[1][1]}, count, &out[0][0]);
             else {
                 const double zero[lot] = {};
-                for (int k = 0; k < Dim; ++k) interleave({B[0][k], B[1][k], B[2][k], zero}, count, &out[0][k], 4);
+                for (int k = 0; k < Dim; ++k)
+                    interleave({B[0][k], B[1][k], B[2][k], zero}, count, &out[0][k], 4);
                 interleave({zero, zero, zero, mass + first}, count, &out[0][3], 4);
             }
         }
@@ -97,8 +98,10 @@ template <int Dim> class Transfers : public Domains<Dim> {
             return m.damping > 0 ? move<true>(first, count, m, motion) : move<false>(first, count, m, motion);
         }
 
-        template <bool damped, class Motion> double move(int first, int count, const Move& how, Motion&& motion) const {
-            const Planes q = *this; // pointers of its own: the compiler need not fear that the loop overwrites them
+        template <bool damped, class Motion>
+        double move(int first, int count, const Move& how, Motion&& motion) const {
+            const Planes q =
+                *this; // pointers of its own: the compiler need not fear that the loop overwrites them
             const double dt = how.dt, flip = how.flip, damping = how.damping;
             double taken = 0;
 #pragma omp simd reduction(+ : taken)
@@ -131,11 +134,16 @@ template <int Dim> class Transfers : public Domains<Dim> {
     template <class Planes> static void packForces(const Planes& plane, int count, Quad* out) {
         interleave({plane[0], Dim == 2 ? none : plane[1], plane[Dim - 1], none}, count, out);
     }
-    static void unpackVelocity(const typename NF::Velocity* in, int count, const std::array<double*, Dim>& plane) { separate(in->part, 1, count, plane); }
-    template <class Planes> static void unpackMotion(const typename NF::Motion* in, int count, Planes& plane) {
+    static void unpackVelocity(const typename NF::Velocity* in, int count,
+                               const std::array<double*, Dim>& plane) {
+        separate(in->part, 1, count, plane);
+    }
+    template <class Planes>
+    static void unpackMotion(const typename NF::Motion* in, int count, Planes& plane) {
         constexpr int parts = sizeof(typename NF::Motion) / sizeof(Quad);
         separate(in->part, parts, count, std::array<double*, 4>{plane[0], plane[1], plane[2], plane[3]});
-        if constexpr (Dim == 3) separate(in->part + 1, parts, count, std::array<double*, 2>{plane[4], plane[5]});
+        if constexpr (Dim == 3)
+            separate(in->part + 1, parts, count, std::array<double*, 2>{plane[4], plane[5]});
     }
 
     // Creates n particles with the given centres and volumes, numbered in order.
@@ -158,7 +166,8 @@ template <int Dim> class Transfers : public Domains<Dim> {
     }
 
     [[noreturn]] void outside(const char* what, int64_t number, const Vec<Dim>& x) const {
-        throw RunError(message("step ", Base::step, ": ", what, " ", number, " of '", Base::bodyName, "' at ", place(x),
+        throw RunError(message("step ", Base::step, ": ", what, " ", number, " of '", Base::bodyName, "' at ",
+                               place(x),
                                x.allFinite() ? " is outside the grid " : " has no finite position; grid ",
                                place(Base::grid.lower), " to ", place(Base::grid.upper),
                                "; enlarge the grid, hold the body with boundary conditions, or lower dt"));
@@ -175,7 +184,8 @@ template <int Dim> class Transfers : public Domains<Dim> {
         int stride[Dim];
         for (int k = 0; k < Dim; ++k) {
             at[k] = x[k], inside[k] = local[k], stride[k] = grid.strides[k];
-            origin[k] = grid.lower[k], overCell[k] = 1 / grid.cell[k], highest[k] = ghost + grid.cells[k] + 0.5;
+            origin[k] = grid.lower[k], overCell[k] = 1 / grid.cell[k],
+            highest[k] = ghost + grid.cells[k] + 0.5;
         }
         int wrong = 0, changed = 0;
 #pragma omp simd reduction(| : wrong, changed)
@@ -185,7 +195,8 @@ template <int Dim> class Transfers : public Domains<Dim> {
             for (int k = 0; k < Dim; ++k) {
                 const double c = (at[k][p] - origin[k]) * overCell[k] + ghost;
                 const bool isInside = c >= lowest && c <= highest[k];
-                const double base = isInside ? std::floor(c - offset) : 0; // nan and what is far away are no whole numbers
+                const double base =
+                    isInside ? std::floor(c - offset) : 0; // nan and what is far away are no whole numbers
                 inside[k][p] = c - base;
                 node += stride[k] * int(base);
                 wrong |= !isInside;
@@ -198,7 +209,8 @@ template <int Dim> class Transfers : public Domains<Dim> {
     }
 
   private:
-    [[noreturn]] void throwOutside(int begin, int end, double* const x[Dim], const char* what, const int64_t* number) const {
+    [[noreturn]] void throwOutside(int begin, int end, double* const x[Dim], const char* what,
+                                   const int64_t* number) const {
         const auto& grid = Base::grid;
         for (int p = begin;; ++p) {
             Vec<Dim> at;

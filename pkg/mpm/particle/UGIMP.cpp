@@ -27,21 +27,24 @@ template <int size, int lanes> struct alignas(64) BoxWeights {
         const double l = axis.l, quarter = axis.quarter, slope = axis.slope;
 #pragma omp simd
         for (int p = 0; p < count; ++p) {
-            const double c = position[p] - 1, cut = c < l ? c : l, middle = cut > -l ? cut : -l, beyond = c - middle;
-            const double below = l - middle, above = l + middle, right = beyond > 0 ? beyond : 0, left = right - beyond;
+            const double c = position[p] - 1, cut = c < l ? c : l, middle = cut > -l ? cut : -l,
+                         beyond = c - middle;
+            const double below = l - middle, above = l + middle, right = beyond > 0 ? beyond : 0,
+                         left = right - beyond;
             const double first = below * below * quarter + left, last = above * above * quarter + right;
             S[0][p] = first, S[1][p] = 1 - first - last, S[2][p] = last;
             G[0][p] = -slope * below, G[1][p] = -2 * slope * middle, G[2][p] = slope * above;
         }
-        for (int i = 0; i < 3; ++i) std::fill_n(S[i] + count, lanes, 0.0), std::fill_n(G[i] + count, lanes, 0.0);
+        for (int i = 0; i < 3; ++i)
+            std::fill_n(S[i] + count, lanes, 0.0), std::fill_n(G[i] + count, lanes, 0.0);
     }
 };
 
 template <int Dim> class BoxDomains : public Transfers<Dim> {
   public:
     using Base = Transfers<Dim>;
-    using typename Base::L, typename Base::NF, typename Base::Planes;
     using Base::particles, Base::grid, Base::order, Base::damped_;
+    using typename Base::L, typename Base::NF, typename Base::Planes;
 
     BoxDomains(Particles<Dim>& particles, const Grid<Dim>& grid, double splitAt, bool hasOutline)
         : Base(particles, grid), splitting_(splitAt), hasOutline_(hasOutline) {}
@@ -53,8 +56,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         for (int k = 0; k < Dim; ++k) {
             half_.plane()[k] = half[k];
             require(half[k] > 0 && half[k] <= 0.5 * grid.cell[k] * (1 + 1e-12), "UGIMP in '", Base::bodyName,
-                    "': half size ", half[k], " m must be positive and at most half a cell (", 0.5 * grid.cell[k],
-                    " m); use more particles per cell");
+                    "': half size ", half[k], " m must be positive and at most half a cell (",
+                    0.5 * grid.cell[k], " m); use more particles per cell");
             volume *= 2 * half[k];
         }
         Base::create(geometry.positions, std::vector<double>(geometry.positions.size(), volume));
@@ -77,7 +80,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     }
 
     void restored() override {
-        cell_.assign(particles.size(), -1), local_.resize(particles.size()), stretchEnd_.resize(particles.size());
+        cell_.assign(particles.size(), -1), local_.resize(particles.size()),
+            stretchEnd_.resize(particles.size());
         outline_.find(particles);
         order.isOf(grid) ? order.prepare(grid, 3) : regroup();
     }
@@ -86,7 +90,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     void locate(Team& team) override {
         team.inSharesNoWait(order.turns.shares, [&](int b) {
             const int begin = order.start[b], end = order.start[b + 1];
-            if (find(begin, end) || !order.isKnown(b)) order.inspect(b, grid, cell_), endStretches(begin, end);
+            if (find(begin, end) || !order.isKnown(b))
+                order.inspect(b, grid, cell_), endStretches(begin, end);
         });
     }
 
@@ -122,13 +127,16 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         });
     }
 
-    void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum, const Move& how) override {
+    void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
+              const Move& how) override {
         const Planes q(particles);
         batches(team, [&](int first, int count, const Weights& w, int block) {
             if (nodes) {
                 double taken[2 * Dim][padded];
                 gather(nodes, first, count, w, taken);
-                damped_[block] += q.move(first, count, how, [&](int k, int i) __attribute__((always_inline)) { return taken[k][i]; });
+                damped_[block] += q.move(first, count, how, [&](int k, int i) __attribute__((always_inline)) {
+                    return taken[k][i];
+                });
             }
             if (momentum) {
                 double given[Dim + 1][batch];
@@ -190,8 +198,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
             for (int p = 0; p < count; ++p)
                 for (int row = 0; row < rows; ++row)
                     for (int i = 0; i < 3; ++i)
-                        Base::addMassTo(cell_[first + p] + rowOffset(row) + i, w.across(row, p).S * w.axis[0].S[i][p] * mass[first + p],
-                                        nodal, touched);
+                        Base::addMassTo(cell_[first + p] + rowOffset(row) + i,
+                                        w.across(row, p).S * w.axis[0].S[i][p] * mass[first + p], nodal,
+                                        touched);
         }
     }
 
@@ -202,7 +211,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         grown();
         return true;
     }
-    size_t bytes() const override { return sizeof(int) * (cell_.size() + stretchEnd_.size()) + local_.bytes(); }
+    size_t bytes() const override {
+        return sizeof(int) * (cell_.size() + stretchEnd_.size()) + local_.bytes();
+    }
 
     const Outline<Dim>* outline() const override { return outline_.size() > 0 ? &outline_ : nullptr; }
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
@@ -225,7 +236,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     }
 
   private:
-    static constexpr int power(int base, int exponent) { return exponent == 0 ? 1 : base * power(base, exponent - 1); }
+    static constexpr int power(int base, int exponent) {
+        return exponent == 0 ? 1 : base * power(base, exponent - 1);
+    }
     static constexpr int rows = power(3, Dim - 1); // of three nodes along the first axis
 #ifdef __AVX512VL__
     static constexpr int rowsAtOnce = 3; // 18 sums, in 32 registers
@@ -235,7 +248,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     // A lane for each particle of a support, where there are two along each axis.
     using Several = typename Widest<corners<Dim>>::Vector;
     static constexpr int lanes = sizeof(Several) / sizeof(double);
-    static constexpr int batch = Base::lot, padded = batch + 8; // room for all lanes from each one on; whole cache lines
+    static constexpr int batch = Base::lot,
+                         padded = batch + 8; // room for all lanes from each one on; whole cache lines
 
     // Weights of a batch of particles, short enough to stay in the first cache while it is used.
     struct Weights {
@@ -303,13 +317,12 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         stretches(first, count, [&](int begin, int end, int cell) {
             for (int layer = 0; layer < rows; layer += 3) {
                 Quad sum[3][3] = {};
-                for (int p = begin; p < end; ++p)
+                for (int p = begin; p < end; ++p) MPM_UNROLL
+                for (int row = 0; row < 3; ++row) {
+                    const Quad v = w.across(layer + row, p).S * value[p];
                     MPM_UNROLL
-                    for (int row = 0; row < 3; ++row) {
-                        const Quad v = w.across(layer + row, p).S * value[p];
-                        MPM_UNROLL
-                        for (int i = 0; i < 3; ++i) sum[row][i] += w.axis[0].S[i][p] * v;
-                    }
+                    for (int i = 0; i < 3; ++i) sum[row][i] += w.axis[0].S[i][p] * v;
+                }
                 MPM_UNROLL
                 for (int row = 0; row < 3; ++row) {
                     Node* node = inRegister(nodes + cell + rowOffset(layer + row));
@@ -321,19 +334,18 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     }
 
     // First Quad of node += phi * value, second one += B grad phi; as many rows of nodes at a time as registers can hold the sums of.
-    MPM_INLINE void scatter(typename NF::Sum* nodes, int first, int count, const Weights& w, const Quad* value,
-                            const typename L::Set* B) const {
+    MPM_INLINE void scatter(typename NF::Sum* nodes, int first, int count, const Weights& w,
+                            const Quad* value, const typename L::Set* B) const {
         const auto& x = w.axis[0];
         stretches(first, count, [&](int begin, int end, int cell) {
             for (int top = 0; top < rows; top += rowsAtOnce) {
                 typename NF::Sum sum[rowsAtOnce][3] = {};
-                for (int p = begin; p < end; ++p)
+                for (int p = begin; p < end; ++p) MPM_UNROLL
+                for (int row = 0; row < rowsAtOnce; ++row) {
+                    const typename L::Row given(value[p], B[p], w.across(top + row, p));
                     MPM_UNROLL
-                    for (int row = 0; row < rowsAtOnce; ++row) {
-                        const typename L::Row given(value[p], B[p], w.across(top + row, p));
-                        MPM_UNROLL
-                        for (int i = 0; i < 3; ++i) given.add(sum[row][i], x.S[i][p], x.G[i][p]);
-                    }
+                    for (int i = 0; i < 3; ++i) given.add(sum[row][i], x.S[i][p], x.G[i][p]);
+                }
                 MPM_UNROLL
                 for (int row = 0; row < rowsAtOnce; ++row) {
                     auto* node = inRegister(nodes + cell + rowOffset(top + row));
@@ -353,7 +365,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
 
     // taken[k] = sum phi N_k over the nodes.
     template <size_t n, class Node>
-    MPM_INLINE void gather(const Node* nodes, int first, int count, const Weights& w, double (&taken)[n][padded]) const {
+    MPM_INLINE void gather(const Node* nodes, int first, int count, const Weights& w,
+                           double (&taken)[n][padded]) const {
         together(first, count, [&](int p, int cell) __attribute__((always_inline)) {
             const auto S = severalOf(w.axis[0].S, p);
             Several sum[n] = {};
@@ -362,7 +375,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
                 const Node* node = inRegister(nodes + cell + rowOffset(row));
                 const Several across = w.acrossSeveral(row, p).S;
                 MPM_UNROLL
-                for (size_t k = 0; k < n; ++k) sum[k] += across * (node[0][k] * S[0] + node[1][k] * S[1] + node[2][k] * S[2]);
+                for (size_t k = 0; k < n; ++k)
+                    sum[k] += across * (node[0][k] * S[0] + node[1][k] * S[1] + node[2][k] * S[2]);
             }
             MPM_UNROLL
             for (size_t k = 0; k < n; ++k) store(taken[k] + p, sum[k]);
@@ -423,8 +437,10 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     }
 
     std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...
-    Field local_{"local", "-", "Position within the support, in cells.", {Dim}}; // ... with the position in it
-    std::vector<int> stretchEnd_; // one past the last of the particles from each one on, in its block, that have the same support
+    Field local_{
+        "local", "-", "Position within the support, in cells.", {Dim}}; // ... with the position in it
+    std::vector<int>
+        stretchEnd_; // one past the last of the particles from each one on, in its block, that have the same support
     Field half_{"halfSize", "m", "Half edge of the box domains, one entry per axis."};
     Splitting<Dim> splitting_;
     Outline<Dim> outline_;
@@ -447,21 +463,29 @@ class UGIMP : public ParticleType {
                "split. Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-496.";
     }
     std::vector<Parameter> parameters() override {
-        return {{"perCell", "-", "Particles per cell and direction: one number, or one per direction.", &perCell,
-                 Range::between(1, 1000)},
-                {"cut", "", "Whether boxes that the boundary of the region cuts hold the part inside, at its centroid; False: they are "
-                            "whole, or left out where their centre is outside. For curved bodies in contact.", &cut},
-                {"outline", "", "With `cut`: whether the outline of the region goes with the particles as the surface that contact sees. False: the "
-                                "faces of the boxes are; for soil that flows, where the surface becomes another.", &outline},
-                {"splitAt", "-", "Stretch at which a particle is cut in two across its most stretched direction; its halves are cut when "
-                                 "they are that long against the box again. None: never.", &splitAt,
-                 Range::inside(1, std::numeric_limits<double>::infinity())}};
+        return {
+            {"perCell", "-", "Particles per cell and direction: one number, or one per direction.", &perCell,
+             Range::between(1, 1000)},
+            {"cut", "",
+             "Whether boxes that the boundary of the region cuts hold the part inside, at its centroid; False: they are "
+             "whole, or left out where their centre is outside. For curved bodies in contact.",
+             &cut},
+            {"outline", "",
+             "With `cut`: whether the outline of the region goes with the particles as the surface that contact sees. False: the "
+             "faces of the boxes are; for soil that flows, where the surface becomes another.",
+             &outline},
+            {"splitAt", "-",
+             "Stretch at which a particle is cut in two across its most stretched direction; its halves are cut when "
+             "they are that long against the box again. None: never.",
+             &splitAt, Range::inside(1, std::numeric_limits<double>::infinity())}};
     }
     void finish() override {
-        require(perCell.size() >= 1 && perCell.size() <= 3, "UGIMP: perCell takes one number or one per direction");
+        require(perCell.size() >= 1 && perCell.size() <= 3,
+                "UGIMP: perCell takes one number or one per direction");
         for (double n : perCell)
-            require(n == std::floor(n), "UGIMP: perCell = ", n, " is not allowed; give a whole number of particles "
-                                        "per cell and direction");
+            require(n == std::floor(n), "UGIMP: perCell = ", n,
+                    " is not allowed; give a whole number of particles "
+                    "per cell and direction");
     }
     bool isMeshed() const override { return false; }
     std::unique_ptr<Domains<2>> make(Particles<2>& p, const Grid<2>& g) const override {

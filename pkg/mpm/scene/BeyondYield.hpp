@@ -34,8 +34,10 @@ template <int Dim> struct PointsAtRest {
             points.deformationGradient[c] = particles.deformationGradient.plane(c) + first;
             std::copy_n(particles.stress.plane(c) + first, count, stress[c]);
         }
-        for (size_t k = 0; k < state.size(); ++k) std::copy_n(particles.state[k].plane() + first, count, states[k]);
-        points.volume = particles.volume.plane() + first, points.initialVolume = particles.initialVolume.plane() + first;
+        for (size_t k = 0; k < state.size(); ++k)
+            std::copy_n(particles.state[k].plane() + first, count, states[k]);
+        points.volume = particles.volume.plane() + first,
+        points.initialVolume = particles.initialVolume.plane() + first;
     }
 };
 
@@ -52,10 +54,12 @@ template <int Dim> BeyondYield beyondYield(const Body<Dim>& body, double toleran
             double change = 0, largest = 0;
             for (int c = 0; c < 9; ++c) {
                 const double before = particles.stress.plane(c)[first + i];
-                change = std::max(change, std::abs(copy.stress[c][i] - before)), largest = std::max(largest, std::abs(before));
+                change = std::max(change, std::abs(copy.stress[c][i] - before)),
+                largest = std::max(largest, std::abs(before));
             }
             bool flows = false;
-            for (size_t k = 0; k < copy.state.size(); ++k) flows |= copy.state[k][i] != particles.state[k].plane()[first + i];
+            for (size_t k = 0; k < copy.state.size(); ++k)
+                flows |= copy.state[k][i] != particles.state[k].plane()[first + i];
             if (!flows || !(change > tolerance * largest)) continue;
             ++found.count;
             if (change > found.change) found.change = change, found.worst = first + i;

@@ -14,22 +14,23 @@ template <int Dim> class Body {
     std::shared_ptr<ParticleType> type;
     Particles<Dim> particles;
     std::unique_ptr<Domains<Dim>> domains;
-    double inertiaScale = 1;           // factor on the inertial mass, not on the weight
-    bool isDamped = true;              // whether the local damping of the scene acts on it
-    bool fbar = false;                 // one increment of volumetric strain and one linear mean stress per cell
-    std::string group = "main";        // bodies of one group stick together; between groups there may be contact
-    int velocityField = 0;             // which of the grid's velocity fields the body moves with
-    Body* convertsTo = nullptr;        // takes the particles of domains that became too distorted
-    int converted = 0;                 // domains converted so far
-    double internalWork = 0;           // kJ (2D: per metre), int V sigma : D dt
-    double largestInertialMass = 0;    // Mg
+    double inertiaScale = 1;        // factor on the inertial mass, not on the weight
+    bool isDamped = true;           // whether the local damping of the scene acts on it
+    bool fbar = false;              // one increment of volumetric strain and one linear mean stress per cell
+    std::string group = "main";     // bodies of one group stick together; between groups there may be contact
+    int velocityField = 0;          // which of the grid's velocity fields the body moves with
+    Body* convertsTo = nullptr;     // takes the particles of domains that became too distorted
+    int converted = 0;              // domains converted so far
+    double internalWork = 0;        // kJ (2D: per metre), int V sigma : D dt
+    double largestInertialMass = 0; // Mg
 
     Body(const std::string& name, std::shared_ptr<Material> material, std::shared_ptr<ParticleType> type,
          const Grid<Dim>& grid)
         : name(name), material(material), type(type), domains(type->make(particles, grid)) {
         domains->bodyName = name;
         domains->lame = material->lame();
-        for (const StateVariable& v : material->stateVariables()) particles.state.emplace_back(v.name, v.unit, v.doc);
+        for (const StateVariable& v : material->stateVariables())
+            particles.state.emplace_back(v.name, v.unit, v.doc);
     }
     Body(const Body&) = delete;
 
@@ -45,7 +46,8 @@ template <int Dim> class Body {
         const auto variables = material->stateVariables();
         for (int p = first; p < particles.size(); ++p) {
             particles.mass.plane()[p] = material->density * particles.initialVolume.plane()[p];
-            for (size_t k = 0; k < variables.size(); ++k) particles.state[k].plane()[p] = variables[k].initial;
+            for (size_t k = 0; k < variables.size(); ++k)
+                particles.state[k].plane()[p] = variables[k].initial;
         }
     }
 
@@ -61,7 +63,8 @@ template <int Dim> class Body {
         for (size_t k = 0; k < particles.state.size(); ++k) state[k] = particles.state[k].plane()[p];
         material->stateFromStress(stress, state.data());
         for (int c = 0; c < 9; ++c) // planes that stay zero are not touched: they take no memory
-            if (double& component = particles.stress.plane(c)[p]; component != stress[c]) component = stress[c];
+            if (double& component = particles.stress.plane(c)[p]; component != stress[c])
+                component = stress[c];
         for (size_t k = 0; k < particles.state.size(); ++k) particles.state[k].plane()[p] = state[k];
     }
 };

@@ -12,7 +12,9 @@
 namespace mpm {
 
 // Adds the force that holds one component of a node at x, and its moment about `centre`, to those of a constraint.
-template <int Dim> void addReaction(const Vec<Dim>& x, const double* centre, int axis, double held, double* force, double* moment) {
+template <int Dim>
+void addReaction(const Vec<Dim>& x, const double* centre, int axis, double held, double* force,
+                 double* moment) {
     double arm[3] = {0, 0, 0};
     for (int k = 0; k < Dim; ++k) arm[k] = x[k] - centre[k];
     force[axis] += held;

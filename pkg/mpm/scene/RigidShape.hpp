@@ -33,7 +33,8 @@ struct RigidState {
         for (int k = 0; k < 3; ++k) s[k] = position[k] + dt * velocity[k];
         if (angularVelocity.isZero(0)) return;
         const double angle = angularVelocity.norm() * dt;
-        const Eigen::Quaterniond q = (Eigen::AngleAxisd(angle, angularVelocity.normalized()) * orientation).normalized();
+        const Eigen::Quaterniond q =
+            (Eigen::AngleAxisd(angle, angularVelocity.normalized()) * orientation).normalized();
         s[3] = q.w(), s[4] = q.x(), s[5] = q.y(), s[6] = q.z();
     }
 };
@@ -67,12 +68,18 @@ class RigidShape {
 
     // Radius of a sphere around the position of the body that holds the shape, and whether all turns of the body look the same.
     double extent() const {
-        const double far = std::max(point_[0].norm(), kind == Triangle ? std::max(point_[1].norm(), point_[2].norm()) : point_[1].norm());
+        const double far =
+            std::max(point_[0].norm(),
+                     kind == Triangle ? std::max(point_[1].norm(), point_[2].norm()) : point_[1].norm());
         switch (kind) {
-        case Wall: return std::numeric_limits<double>::infinity();
-        case Box: return point_[0].norm() + point_[1].norm();
-        case Sphere: return point_[0].norm() + radius_;
-        default: return far + radius_;
+        case Wall:
+            return std::numeric_limits<double>::infinity();
+        case Box:
+            return point_[0].norm() + point_[1].norm();
+        case Sphere:
+            return point_[0].norm() + radius_;
+        default:
+            return far + radius_;
         }
     }
     bool isCentredSphere() const { return kind == Sphere && point_[0].isZero(0); }
@@ -82,11 +89,16 @@ class RigidShape {
 
     Surface nearest(const Vec3& x) const {
         switch (kind) {
-        case Sphere: return around(x, point_[0], Vec3::UnitY());
-        case Wall: return {point_[1].dot(x - point_[0]), point_[1]};
-        case Box: return nearestOfBox(x);
-        case Capsule: return around(x, onSegment(x, point_[0], point_[1]), sideOfSegment());
-        default: return around(x, onTriangle(x), sideOfTriangle());
+        case Sphere:
+            return around(x, point_[0], Vec3::UnitY());
+        case Wall:
+            return {point_[1].dot(x - point_[0]), point_[1]};
+        case Box:
+            return nearestOfBox(x);
+        case Capsule:
+            return around(x, onSegment(x, point_[0], point_[1]), sideOfSegment());
+        default:
+            return around(x, onTriangle(x), sideOfTriangle());
         }
     }
 
@@ -99,7 +111,8 @@ class RigidShape {
         if (kind == Box) {
             const Vec3 local = turn_.conjugate() * (x - point_[0]);
             for (int k = 0; k < 3; ++k)
-                f(Surface{std::abs(local[k]) - point_[1][k], turn_ * Vec3((local[k] < 0 ? -1 : 1) * Vec3::Unit(k))});
+                f(Surface{std::abs(local[k]) - point_[1][k],
+                          turn_ * Vec3((local[k] < 0 ? -1 : 1) * Vec3::Unit(k))});
         }
         if (isThin()) {
             const Vec3 side = kind == Capsule ? sideOfSegment() : sideOfTriangle();
@@ -169,7 +182,9 @@ class RigidShape {
     Vec3 onTriangle(const Vec3& x) const {
         const Vec3 &a = point_[0], &b = point_[1], &c = point_[2];
         const Vec3 n = (b - a).cross(c - a), foot = x - n.dot(x - a) / n.squaredNorm() * n;
-        const auto isInside = [&](const Vec3& p, const Vec3& q) { return n.dot((q - p).cross(foot - p)) >= 0; };
+        const auto isInside = [&](const Vec3& p, const Vec3& q) {
+            return n.dot((q - p).cross(foot - p)) >= 0;
+        };
         if (isInside(a, b) && isInside(b, c) && isInside(c, a)) return foot;
         Vec3 best = onSegment(x, a, b);
         for (const Vec3& other : {onSegment(x, b, c), onSegment(x, c, a)})

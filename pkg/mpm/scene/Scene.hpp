@@ -17,15 +17,16 @@ class Engine;
 enum class Scheme { MUSL, USF, USL };
 
 struct Energies {
-    double gravity = 0;   // work of gravity and body forces, kJ
-    double loads = 0;     // work of boundary loads
-    double damping = 0;   // energy taken out by local damping
-    double contact = 0;   // energy lost to friction and impact between groups of bodies
+    double gravity = 0; // work of gravity and body forces, kJ
+    double loads = 0;   // work of boundary loads
+    double damping = 0; // energy taken out by local damping
+    double contact = 0; // energy lost to friction and impact between groups of bodies
 };
 
 template <int Dim> class Scene {
   public:
-    explicit Scene(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell) : grid(lower, upper, cell) {}
+    explicit Scene(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell)
+        : grid(lower, upper, cell) {}
     Scene(const Scene&) = delete;
 
     Grid<Dim> grid;
@@ -36,7 +37,7 @@ template <int Dim> class Scene {
     double time = 0, dt = 0;
     long step = 0;
     int threads = 1;
-    double damping = 0; // local non-viscous damping, see GridSolver and GridToParticle
+    double damping = 0;                  // local non-viscous damping, see GridSolver and GridToParticle
     Vec<Dim> gravity = Vec<Dim>::Zero(); // m/s2, as GridSolver applied it last
     Energies energies;
     bool sorted = false; // whether particles were sorted, while they are located

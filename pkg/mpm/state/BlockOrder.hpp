@@ -16,7 +16,7 @@ template <int Dim> class BlockOrder {
     std::vector<int> start; // first point of each block, and one past the last
     std::vector<int> order; // point numbers; empty: points are stored in this order already
 
-    Turns turns;            // neighbouring blocks touch the same nodes
+    Turns turns; // neighbouring blocks touch the same nodes
 
     int blocks() const { return int(start.size()) - 1; }
     // Not before the first grouping, nor from the checkpoint of a version with other blocks.
@@ -29,7 +29,8 @@ template <int Dim> class BlockOrder {
         order.resize(cell.size());
         std::iota(order.begin(), order.end(), 0);
         std::vector<int> block(cell.size());
-        std::transform(cell.begin(), cell.end(), block.begin(), [&](int c) { return grid.blockAt(grid.indices(c)); });
+        std::transform(cell.begin(), cell.end(), block.begin(),
+                       [&](int c) { return grid.blockAt(grid.indices(c)); });
         std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
             return block[a] != block[b] ? block[a] < block[b] : byCell && cell[a] < cell[b];
         });
@@ -42,7 +43,8 @@ template <int Dim> class BlockOrder {
     bool isReady() const { return isReady_; }
     void prepare(const Grid<Dim>& grid, int support) {
         std::vector<std::vector<int>> beside(blocks());
-        for (int b = 0; b < blocks(); ++b) grid.blocksBeside(b, [&](int other) { beside[b].push_back(other); });
+        for (int b = 0; b < blocks(); ++b)
+            grid.blocksBeside(b, [&](int other) { beside[b].push_back(other); });
         turns.graph(beside);
         turns.shares.set(blocks(), [&](int b) { return start[b + 1] - start[b]; });
         touched_.assign(blocks(), {});
@@ -74,7 +76,8 @@ template <int Dim> class BlockOrder {
     bool covers(int b, const Grid<Dim>& grid, int cell) const {
         const Index<Dim> index = grid.indices(cell);
         bool isInside = true;
-        for (int k = 0; k < Dim; ++k) isInside &= index[k] >= touched_[b].first[k] && index[k] <= touched_[b].last[k];
+        for (int k = 0; k < Dim; ++k)
+            isInside &= index[k] >= touched_[b].first[k] && index[k] <= touched_[b].last[k];
         return isInside;
     }
     // Notes a point of block b that is in another cell now; what its old cell needed is kept.
@@ -94,7 +97,9 @@ template <int Dim> class BlockOrder {
         for (int b = 0; b < blocks(); ++b) {
             const Index<Dim> begin = grid.blockBegin(b);
             for (int k = 1; k < Dim && start[b] < start[b + 1]; ++k)
-                if (touched_[b].first[k] < begin[k] - grid.wander || touched_[b].last[k] >= begin[k] + grid.blockWidth + grid.wander) return true;
+                if (touched_[b].first[k] < begin[k] - grid.wander ||
+                    touched_[b].last[k] >= begin[k] + grid.blockWidth + grid.wander)
+                    return true;
         }
         return false;
     }
@@ -104,7 +109,8 @@ template <int Dim> class BlockOrder {
 
     void markExtents(NodalField<Dim>& field) const {
         for (int b = 0; b < blocks(); ++b)
-            for (int slab = touched_[b].first[Dim - 1]; slab <= touched_[b].last[Dim - 1] + support_ - 1; ++slab) {
+            for (int slab = touched_[b].first[Dim - 1]; slab <= touched_[b].last[Dim - 1] + support_ - 1;
+                 ++slab) {
                 auto& extent = field.extents[slab];
                 for (int k = 0; k < Dim - 1; ++k) {
                     extent.first[k] = std::min(extent.first[k], touched_[b].first[k]);

@@ -19,7 +19,8 @@ class Field {
   public:
     // shape: of one entry, e.g. {} scalar, {2} vector, {3, 3} tensor. type: 'f' double or 'i' int64.
     Field(std::string name, std::string unit, std::string doc, std::vector<int> shape = {}, char type = 'f')
-        : name(std::move(name)), unit(std::move(unit)), doc(std::move(doc)), shape(std::move(shape)), type(type) {
+        : name(std::move(name)), unit(std::move(unit)), doc(std::move(doc)), shape(std::move(shape)),
+          type(type) {
         for (int n : this->shape) components_ *= n;
     }
 
@@ -41,7 +42,8 @@ class Field {
     // Keeps the first min(old, n) entries, zeroes the rest. Takes new memory: a NumPy view of the old
     // memory keeps that alive and goes stale, but never dangles.
     void resize(int n) {
-        const size_t pitch = (size_t(n) + 7) / 8 * 8 + 8; // the extra 8 keeps planes off each other's cache sets
+        const size_t pitch =
+            (size_t(n) + 7) / 8 * 8 + 8; // the extra 8 keeps planes off each other's cache sets
         const std::shared_ptr<void> fresh = zeroes(components_ * pitch * 8);
         const int kept = n < size_ ? n : size_;
         for (int c = 0; c < components_ && kept > 0; ++c)

@@ -23,7 +23,9 @@ template <int Dim> struct NodalField {
     static constexpr int momentum = 0, mass = Dim, weightMass = Dim == 2 ? 3 : 7;
     static constexpr int lane(int k) { return Dim == 2 ? 2 * k : k; }
     static constexpr int force(int k) { return 4 + lane(k); }
-    static double forceOf(const Sum& sum, int k) { return Dim == 2 ? sum[force(k)] + sum[force(k) + 1] : sum[force(k)]; }
+    static double forceOf(const Sum& sum, int k) {
+        return Dim == 2 ? sum[force(k)] + sum[force(k) + 1] : sum[force(k)];
+    }
 
     // Velocity, acceleration: what particles take.
     using Motion = Pack<Dim == 2 ? 4 : 8>;
@@ -45,7 +47,9 @@ template <int Dim> struct NodalField {
         const Quad f = sum.part[1];
         return Dim == 2 ? f + Quad{f[1], f[0], f[3], f[2]} : Quad{f[0], f[1], f[2], 0};
     }
-    MPM_INLINE static void setComponent(Quad& vector, int k, double value) { // not lane by lane: the vector would be read before it is in memory
+    MPM_INLINE static void
+    setComponent(Quad& vector, int k,
+                 double value) { // not lane by lane: the vector would be read before it is in memory
         const auto in = [&](int l) { return (Dim == 2 ? l / 2 : l) == k ? value : vector[l]; };
         vector = Quad{in(0), in(1), in(2), in(3)};
     }
@@ -88,7 +92,8 @@ template <int Dim> struct NodalField {
     Shares shares; // of the slabs, by the number of their touched nodes
 
     void setSize(int nodes, int slabs) {
-        sum.assign(nodes, Sum::zero()), motion.assign(nodes, Motion::zero()), velocity.assign(nodes, Velocity::zero());
+        sum.assign(nodes, Sum::zero()), motion.assign(nodes, Motion::zero()),
+            velocity.assign(nodes, Velocity::zero());
         holder.assign(nodes, free());
         extents.resize(slabs);
         forgetExtents();
@@ -101,7 +106,8 @@ template <int Dim> struct NodalField {
     void shareOut() {
         shares.set(int(extents.size()), [&](int slab) {
             double n = 1;
-            for (int k = 0; k < Dim - 1; ++k) n *= std::max(0, extents[slab].last[k] - extents[slab].first[k] + 1);
+            for (int k = 0; k < Dim - 1; ++k)
+                n *= std::max(0, extents[slab].last[k] - extents[slab].first[k] + 1);
             return n;
         });
     }
@@ -109,24 +115,28 @@ template <int Dim> struct NodalField {
 
 template <int Dim> class Grid {
   public:
-    static constexpr int ghost = 2;      // layers of nodes outside the box
-    static constexpr int blockWidth = 4; // in nodes; blocks are the pieces of deterministic scatter, see BlockOrder
-    static constexpr int wander = 1;     // nodes that a particle may leave its block by before it is re-sorted
+    static constexpr int ghost = 2; // layers of nodes outside the box
+    static constexpr int blockWidth =
+        4; // in nodes; blocks are the pieces of deterministic scatter, see BlockOrder
+    static constexpr int wander = 1; // nodes that a particle may leave its block by before it is re-sorted
 
-    Grid(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell) : lower(lower), upper(upper), cell(cell) {
+    Grid(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell)
+        : lower(lower), upper(upper), cell(cell) {
         int stride = 1;
         double total = 1;
         for (int k = 0; k < Dim; ++k) {
             require(std::isfinite(lower[k]) && std::isfinite(upper[k]) && lower[k] < upper[k],
-                    "Scene: lower = ", place(lower), ", upper = ", place(upper), "; lower must be below upper");
+                    "Scene: lower = ", place(lower), ", upper = ", place(upper),
+                    "; lower must be below upper");
             require(cell[k] > 0, "Scene: cell = ", cell[k], " m; give a positive cell size");
             total *= (upper[k] - lower[k]) / cell[k] + 1 + 2 * ghost;
-            require(total <= std::numeric_limits<int>::max(), "Scene: cell = ", cell[k], " m makes a grid of ", total,
-                    " nodes or more, and ", std::numeric_limits<int>::max(), " are possible; give a larger cell or a smaller grid");
+            require(total <= std::numeric_limits<int>::max(), "Scene: cell = ", cell[k],
+                    " m makes a grid of ", total, " nodes or more, and ", std::numeric_limits<int>::max(),
+                    " are possible; give a larger cell or a smaller grid");
             cells[k] = int(std::lround((upper[k] - lower[k]) / cell[k]));
             require(cells[k] >= 1 && std::abs(cells[k] * cell[k] - (upper[k] - lower[k])) < 1e-6 * cell[k],
-                    "Scene: upper - lower = ", upper[k] - lower[k], " m along axis ", k, " is not a multiple of cell = ",
-                    cell[k], " m; move lower or upper, or change cell");
+                    "Scene: upper - lower = ", upper[k] - lower[k], " m along axis ", k,
+                    " is not a multiple of cell = ", cell[k], " m; move lower or upper, or change cell");
             nodes[k] = cells[k] + 1 + 2 * ghost;
             strides[k] = stride, overStride_[k] = 1.0 / stride;
             stride *= nodes[k];
@@ -166,7 +176,8 @@ template <int Dim> class Grid {
     Index<Dim> blockBegin(int block) const {
         Index<Dim> begin;
         begin[0] = 0;
-        for (int k = 1, within = block, tile = block >> (Dim - 1); k < Dim; within /= 2, tile /= tilesAlong(k++))
+        for (int k = 1, within = block, tile = block >> (Dim - 1); k < Dim;
+             within /= 2, tile /= tilesAlong(k++))
             begin[k] = (2 * (tile % tilesAlong(k)) + within % 2) * blockWidth;
         return begin;
     }

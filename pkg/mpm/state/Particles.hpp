@@ -9,16 +9,24 @@ namespace mpm {
 
 template <int Dim> class Particles {
   public:
-    Field id{"id", "-", "Number of the particle within its body; stays with it when particles are sorted.", {}, 'i'};
+    Field id{"id",
+             "-",
+             "Number of the particle within its body; stays with it when particles are sorted.",
+             {},
+             'i'};
     Field position{"position", "m", "Position.", {Dim}};
     Field velocity{"velocity", "m/s", "Velocity.", {Dim}};
     Field mass{"mass", "Mg", "Mass (2D: per metre of thickness), without inertial scaling; constant."};
     Field volume{"volume", "m3", "Current volume (2D: area)."};
     Field initialVolume{"initialVolume", "m3", "Volume when the body was made."};
-    Field stress{"stress", "kPa", "Cauchy stress, tension positive; the solver reads the upper triangle.", {3, 3}};
-    Field deformationGradient{"deformationGradient", "-", "Deformation gradient F since the body was made.", {3, 3}};
-    Field velocityGradient{"velocityGradient", "1/s", "Velocity gradient L_ij = dv_i/dx_j of the last step.", {Dim, Dim}};
-    Field bodyForce{"bodyForce", "m/s2", "Acceleration by a body force, besides gravity; set by the user.", {Dim}};
+    Field stress{
+        "stress", "kPa", "Cauchy stress, tension positive; the solver reads the upper triangle.", {3, 3}};
+    Field deformationGradient{
+        "deformationGradient", "-", "Deformation gradient F since the body was made.", {3, 3}};
+    Field velocityGradient{
+        "velocityGradient", "1/s", "Velocity gradient L_ij = dv_i/dx_j of the last step.", {Dim, Dim}};
+    Field bodyForce{
+        "bodyForce", "m/s2", "Acceleration by a body force, besides gravity; set by the user.", {Dim}};
     Field reference{"reference", "m", "Position that displacement is counted from.", {Dim}};
     std::vector<Field> state; // the material's variables
 
@@ -28,9 +36,17 @@ template <int Dim> class Particles {
 
     // Every field that makes up the state of the particles.
     std::vector<Field*> fields() {
-        std::vector<Field*> all{&id,     &position,      &velocity, &mass,
-                                &volume, &initialVolume, &stress,   &deformationGradient,
-                                &velocityGradient, &bodyForce, &reference};
+        std::vector<Field*> all{&id,
+                                &position,
+                                &velocity,
+                                &mass,
+                                &volume,
+                                &initialVolume,
+                                &stress,
+                                &deformationGradient,
+                                &velocityGradient,
+                                &bodyForce,
+                                &reference};
         for (Field& variable : state) all.push_back(&variable);
         return all;
     }

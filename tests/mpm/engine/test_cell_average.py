@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """F-bar: after a step the mean stress is linear in each cell of a body. The volume-weighted mean of the cell and the deviators stay, the
 slopes are those towards the neighbouring cells, and no value is beyond theirs."""
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 CELL = 0.5
@@ -14,7 +14,13 @@ def stressed(kind, stress, fbar=True, dim=2):
     """A block at rest with stress(positions), (N,) or (N, 3, 3), after one step too short to change it. Returns the body and the stress before."""
     scene = mpm.Scene((0,) * dim, (4,) * dim, CELL)
     type_ = mpm.APDI(size=CELL / 2) if kind == "APDI" else mpm.UGIMP(perCell=2)
-    body = scene.add("block", mpm.box((1, 0.5, 1)[:dim], (3, 2.5, 3)[:dim]), mpm.MohrCoulombDruckerPrager(**STRONG), type_, fbar=fbar)
+    body = scene.add(
+        "block",
+        mpm.box((1, 0.5, 1)[:dim], (3, 2.5, 3)[:dim]),
+        mpm.MohrCoulombDruckerPrager(**STRONG),
+        type_,
+        fbar=fbar,
+    )
     given = stress(body.position)
     body.stress[...] = given if given.ndim == 3 else given[:, None, None] * np.eye(3)
     before = body.stress.copy()
@@ -52,15 +58,21 @@ def test_cells_keep_their_mean_and_particles_their_deviator(kind):
     assert np.abs(p - old).max() > 1
     for c in np.unique(cell, axis=0):
         inside = (cell == c).all(axis=1)
-        assert np.average(p[inside], weights=body.volume[inside]) == pytest.approx(np.average(old[inside], weights=body.volume[inside]), abs=1e-8)
-    assert body.stress - p[:, None, None] * np.eye(3) == pytest.approx(before - old[:, None, None] * np.eye(3), abs=1e-8)
+        assert np.average(p[inside], weights=body.volume[inside]) == pytest.approx(
+            np.average(old[inside], weights=body.volume[inside]), abs=1e-8
+        )
+    assert body.stress - p[:, None, None] * np.eye(3) == pytest.approx(
+        before - old[:, None, None] * np.eye(3), abs=1e-8
+    )
 
 
 @pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_linear_field_stays_and_what_alternates_within_cells_goes(kind, dim):
     slope = np.array([3.0, -5.0, 2.0])[:dim]
-    body, before = stressed(kind, lambda x: 7 + x @ slope + 4 * (-1) ** np.floor(x[:, 1] / (CELL / 2) + 1e-9), dim=dim)
+    body, before = stressed(
+        kind, lambda x: 7 + x @ slope + 4 * (-1) ** np.floor(x[:, 1] / (CELL / 2) + 1e-9), dim=dim
+    )
     p, inside = mean(body.stress), isInside(body)
     assert p[inside] == pytest.approx(7 + body.position[inside] @ slope, abs=1e-8)
     assert mean(before)[inside] != pytest.approx(p[inside], abs=1)  # control
@@ -84,9 +96,9 @@ def test_no_value_is_beyond_the_means_of_the_neighbours(kind):
         around = [means[c - 1], means[c], means[c + 1]]
         assert min(around) - 1e-8 <= p[cell == c].min() and p[cell == c].max() <= max(around) + 1e-8
     steep = list(means)[1]
-    assert np.ptp(p[cell == steep]) > 0.1 * means[steep]             # control: elsewhere it is not constant
+    assert np.ptp(p[cell == steep]) > 0.1 * means[steep]  # control: elsewhere it is not constant
     top = max(means, key=means.get)
-    assert np.ptp(p[cell == top]) < 1e-8                             # at an extremum it is
+    assert np.ptp(p[cell == top]) < 1e-8  # at an extremum it is
 
 
 def test_without_fbar_each_particle_keeps_its_own():
@@ -100,9 +112,13 @@ def test_a_stress_that_is_no_number_ends_the_run_with_its_error(kind, dim):
     """Positions become nan before F-bar looks which cells they are in."""
     scene = mpm.Scene((0,) * dim, (4,) * dim, CELL)
     type_ = mpm.APDI(size=CELL / 2) if kind == "APDI" else mpm.UGIMP(perCell=2)
-    body = scene.add("block", mpm.box((1,) * dim, (3,) * dim), mpm.MohrCoulombDruckerPrager(**STRONG), type_, fbar=True)
+    body = scene.add(
+        "block", mpm.box((1,) * dim, (3,) * dim), mpm.MohrCoulombDruckerPrager(**STRONG), type_, fbar=True
+    )
+
     def spoil():
         body.stress[3] = np.nan
+
     scene.engines = [*scene.engines, mpm.PyRunner(spoil, iterPeriod=1)]
     with pytest.raises(RuntimeError, match="no finite position|distorted|inverted"):
         scene.run(steps=3, progress=False)

@@ -1,21 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Frictional contact between groups of bodies (doc/contact.md). Pairs are named by their types: base and what lies on it."""
+
 import re
 from math import cos, radians, sin, tan
 
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 
 PAIRS = ["uu", "ua", "au", "aa"]  # u: uGIMP, a: APDI,
-CUT = ["uc", "ac", "cc"]          # c: uGIMP that carries its outline
+CUT = ["uc", "ac", "cc"]  # c: uGIMP that carries its outline
 SCHEMES = ["MUSL", "USL", "USF"]
 G = 10.0  # m/s2
 
 
-pytestmark = pytest.mark.filterwarnings("ignore:Scene. the groups .* stick together")  # as a reference: bonded bodies
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:Scene. the groups .* stick together"
+)  # as a reference: bonded bodies
 
 
 def typeOf(letter, cell):
@@ -27,7 +29,13 @@ def elastic(young=1e5):
 
 
 def chain(contact, **solver):
-    engines = [mpm.ParticleToGrid(), mpm.GridSolver(**solver), contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(**solver),
+        contact,
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     return [e for e in engines if e is not None]
 
 
@@ -65,7 +73,9 @@ def test_groups_that_neither_slip_nor_separate_are_one_body(dim, pair, scheme):
     bonded = stacked(None, pair, dim, scheme)
     tied = stacked(mpm.Contact(slip=False, separation=False), pair, dim, scheme)
     assert difference(bonded, tied) < 1e-13
-    assert difference(bonded, stacked(mpm.Contact(), pair, dim, scheme)) > 5e-3  # control: they could have slipped
+    assert (
+        difference(bonded, stacked(mpm.Contact(), pair, dim, scheme)) > 5e-3
+    )  # control: they could have slipped
 
 
 def pressed(contact, pair, scheme):
@@ -79,14 +89,22 @@ def pressed(contact, pair, scheme):
     return run(scene, steps=300)
 
 
-@pytest.mark.parametrize("scheme", ["MUSL", "USL"])  # USF strains with velocities that agree without friction (doc/contact.md)
+@pytest.mark.parametrize(
+    "scheme", ["MUSL", "USL"]
+)  # USF strains with velocities that agree without friction (doc/contact.md)
 @pytest.mark.parametrize("pair", ["uu", "ua", "aa"])
 def test_much_friction_without_separation_bonds_what_presses(pair, scheme):
     """The law itself sticks here, not slip=False. With impactLoss=1 the particles take the whole exchange: 0.1 %."""
     bonded = pressed(None, pair, scheme)
     assert difference(bonded, pressed(mpm.Contact(friction=100, separation=False), pair, scheme)) < 1e-13
-    assert 1e-4 < difference(bonded, pressed(mpm.Contact(friction=100, separation=False, impactLoss=1), pair, scheme)) < 2e-3
-    assert difference(bonded, pressed(mpm.Contact(friction=0.01, separation=False), pair, scheme)) > 2e-3  # control: it slips
+    assert (
+        1e-4
+        < difference(bonded, pressed(mpm.Contact(friction=100, separation=False, impactLoss=1), pair, scheme))
+        < 2e-3
+    )
+    assert (
+        difference(bonded, pressed(mpm.Contact(friction=0.01, separation=False), pair, scheme)) > 2e-3
+    )  # control: it slips
 
 
 def test_a_dead_contact_bonds():
@@ -99,12 +117,33 @@ def test_a_dead_contact_bonds():
 class Incline:
     """A block on a flat base; gravity is turned by `slope` degrees once the block has come to rest."""
 
-    def __init__(self, pair, friction, dim=2, scheme="MUSL", slope=30, damping=0.0, threads=1, time=0.15, cell=0.1, start=0.5, **law):
+    def __init__(
+        self,
+        pair,
+        friction,
+        dim=2,
+        scheme="MUSL",
+        slope=30,
+        damping=0.0,
+        threads=1,
+        time=0.15,
+        cell=0.1,
+        start=0.5,
+        **law,
+    ):
         self.cell, self.slope, self.damping, self.dim = cell, radians(slope), damping, dim
         self.along = np.array([1.0, 0.0] if dim == 2 else [0.8, 0.6])
-        self.scene = mpm.Scene((0,) * dim, (2.4, 1.0) if dim == 2 else (1.6, 1.6, 0.7), cell, scheme=scheme, threads=threads)
-        base, block = ((2.4, 0.2), ((start, 0.2), (start + 0.6, 0.5))) if dim == 2 else ((1.6, 1.6, 0.2), ((0.4, 0.4, 0.2), (0.8, 0.8, 0.4)))
-        self.base = self.scene.add("base", box((0,) * dim, base), elastic(), typeOf(pair[0], cell), group="base")
+        self.scene = mpm.Scene(
+            (0,) * dim, (2.4, 1.0) if dim == 2 else (1.6, 1.6, 0.7), cell, scheme=scheme, threads=threads
+        )
+        base, block = (
+            ((2.4, 0.2), ((start, 0.2), (start + 0.6, 0.5)))
+            if dim == 2
+            else ((1.6, 1.6, 0.2), ((0.4, 0.4, 0.2), (0.8, 0.8, 0.4)))
+        )
+        self.base = self.scene.add(
+            "base", box((0,) * dim, base), elastic(), typeOf(pair[0], cell), group="base"
+        )
         self.block = self.scene.add("block", box(*block), elastic(), typeOf(pair[1], cell), group="block")
         self.contact = mpm.Contact(friction=friction, **law)
         self.scene.engines = chain(self.contact, gravity=self.gravity(0), damping=0.7, fixed=["bottom"])
@@ -161,20 +200,27 @@ def test_a_block_sticks_to_an_incline(dim, friction, pair):
     """tan 30 degrees = 0.577. Damping takes the jerk of the release; without friction it would let a block gain 0.5 m/s."""
     incline = Incline(pair, friction, dim, damping=0.5, time=0.2 if dim == 2 else 0.08)
     assert abs(incline.speed[-1]) < 1e-3
-    friction, normal = (incline.forces[-1][0] ** 2 + (dim == 3) * incline.forces[-1][1] ** 2) ** 0.5, incline.forces[-1][dim - 1]
+    friction, normal = (
+        (incline.forces[-1][0] ** 2 + (dim == 3) * incline.forces[-1][1] ** 2) ** 0.5,
+        incline.forces[-1][dim - 1],
+    )
     assert friction / normal == pytest.approx(tan(radians(30)), rel=0.01)
     assert incline.penetration < 0.02
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_every_scheme_slides_and_sticks(scheme):
-    assert Incline("ua", 0.3, scheme=scheme).acceleration() == pytest.approx(G * (sin(radians(30)) - 0.3 * cos(radians(30))), rel=0.02)
+    assert Incline("ua", 0.3, scheme=scheme).acceleration() == pytest.approx(
+        G * (sin(radians(30)) - 0.3 * cos(radians(30))), rel=0.02
+    )
     assert abs(Incline("ua", 0.8, scheme=scheme, damping=0.2, time=0.2).speed[-1]) < 0.005
 
 
 def test_normals_by_mass_tilt_at_the_ends_of_a_plane():
     """A limit (doc/contact.md), and the control of the normals from surfaces: the block loses 10 % of its acceleration and more."""
-    assert Incline("uu", 0.3, normals="mass").acceleration() < 0.9 * G * (sin(radians(30)) - 0.3 * cos(radians(30)))
+    assert Incline("uu", 0.3, normals="mass").acceleration() < 0.9 * G * (
+        sin(radians(30)) - 0.3 * cos(radians(30))
+    )
 
 
 def test_without_slip_friction_does_not_matter():
@@ -185,10 +231,18 @@ def test_without_slip_friction_does_not_matter():
 def drawn(contact, pairs=("ua",), length=0.6):
     """Blocks on one base, drawn along it at 0.5 m/s: for each the drive, and its weight."""
     scene = mpm.Scene((0, 0), (1 + 1.2 * len(pairs), 1), 0.1, threads=1)
-    scene.add("base", box((0, 0), (1 + 1.2 * len(pairs), 0.2)), elastic(), typeOf(pairs[0][0], 0.1), group="base")
+    scene.add(
+        "base", box((0, 0), (1 + 1.2 * len(pairs), 0.2)), elastic(), typeOf(pairs[0][0], 0.1), group="base"
+    )
     drives, weights = [], []
     for k, pair in enumerate(pairs):
-        block = scene.add(f"block {k}", box((0.3 + 1.2 * k, 0.2), (0.3 + length + 1.2 * k, 0.5)), elastic(), typeOf(pair[1], 0.1), group=f"block {k}")
+        block = scene.add(
+            f"block {k}",
+            box((0.3 + 1.2 * k, 0.2), (0.3 + length + 1.2 * k, 0.5)),
+            elastic(),
+            typeOf(pair[1], 0.1),
+            group=f"block {k}",
+        )
         drives.append(mpm.Drive(block, velocity=(0.5, None), ramp=0.05, name=f"drive {k}"))
         weights.append(G * block.mass.sum())
     scene.engines = chain(contact, gravity=(0, -G), damping=0.3, fixed="bottom", drive=drives)
@@ -209,7 +263,9 @@ def means(scene, time, values):
 def test_adhesion_adds_its_stress_times_the_area_in_contact(pair, friction):
     scene, [drive], [weight] = drawn(mpm.Contact(friction=friction, adhesion=2.0), [pair])
     run(scene, until=0.2)
-    assert means(scene, 0.1, lambda: drive.reaction[0]) == pytest.approx(friction * weight + 2.0 * 0.6, rel=0.02)
+    assert means(scene, 0.1, lambda: drive.reaction[0]) == pytest.approx(
+        friction * weight + 2.0 * 0.6, rel=0.02
+    )
 
 
 def test_adhesion_brakes_a_sliding_block():
@@ -225,7 +281,9 @@ def test_pairs_of_groups_have_laws_of_their_own():
     scene, drives, weights = drawn(contact, ["ua"] * 3)
     run(scene, until=0.2)
     reactions = means(scene, 0.1, lambda: [d.reaction[0] for d in drives])
-    assert reactions == pytest.approx([0.5 * weights[0], 0.1 * weights[1], 0.3 * weights[2] + 0.5 * 0.6], rel=0.02)
+    assert reactions == pytest.approx(
+        [0.5 * weights[0], 0.1 * weights[1], 0.3 * weights[2] + 0.5 * 0.6], rel=0.02
+    )
 
 
 # --- force and energy -----------------------------------------------------------------------------------
@@ -233,8 +291,15 @@ def test_a_driven_body_feels_its_friction():
     contact = mpm.Contact(friction=0.4)
     scene, [drive], [weight] = drawn(contact)
     run(scene, until=0.2)
-    began, lost, work, missing = scene.time, contact.frictionWork, drive.work, mpm.diagnostics.energyError(scene)
-    reaction, friction, normal = means(scene, 0.2, lambda: (drive.reaction[0], *contact.forceOn("block 0")[:2]))
+    began, lost, work, missing = (
+        scene.time,
+        contact.frictionWork,
+        drive.work,
+        mpm.diagnostics.energyError(scene),
+    )
+    reaction, friction, normal = means(
+        scene, 0.2, lambda: (drive.reaction[0], *contact.forceOn("block 0")[:2])
+    )
     assert reaction == pytest.approx(-friction, rel=1e-3)
     assert reaction == pytest.approx(0.4 * weight, rel=0.01)
     assert normal == pytest.approx(weight, rel=0.01)
@@ -250,7 +315,10 @@ def test_bodies_that_are_both_driven_feel_their_friction():
     scene = mpm.Scene((0, 0), (2, 1), 0.1, threads=1)
     base = scene.add("base", box((0, 0), (2, 0.2)), elastic(), mpm.UGIMP(perCell=2), group="base")
     block = scene.add("block", box((0.5, 0.2), (1.1, 0.5)), elastic(), mpm.APDI(size=0.05), group="block")
-    drives = [mpm.Drive(block, velocity=(0.5, None), name="block"), mpm.Drive(base, velocity=(0, None), name="base")]
+    drives = [
+        mpm.Drive(block, velocity=(0.5, None), name="block"),
+        mpm.Drive(base, velocity=(0, None), name="base"),
+    ]
     contact = mpm.Contact(friction=0.4, adhesion=1.0)
     scene.engines = chain(contact, gravity=(0, -G), damping=0.3, fixed="bottom", drive=drives)
     run(scene, until=0.2)
@@ -280,7 +348,9 @@ def test_contact_takes_energy_and_never_gives_any():
 def test_forces_on_two_groups_are_opposite_and_keep_the_momentum():
     scene = mpm.Scene((0, 0), (2, 2), 0.1, threads=1)
     first = scene.add("first", box((0.4, 0.4), (0.9, 1.0)), elastic(1e3), mpm.UGIMP(perCell=2), group="first")
-    second = scene.add("second", box((1.0, 0.5), (1.5, 1.3)), elastic(1e3), mpm.APDI(size=0.05), group="second")
+    second = scene.add(
+        "second", box((1.0, 0.5), (1.5, 1.3)), elastic(1e3), mpm.APDI(size=0.05), group="second"
+    )
     first.velocity, second.velocity = (1.0, 0.3), (-1.0, -0.4)
     contact = mpm.Contact(friction=0.3)
     scene.engines = chain(contact)
@@ -315,12 +385,19 @@ def test_nothing_acts_before_surfaces_touch():
 
 def workOnTheGap(pair, impactLoss):
     """Work of the pressure on surfaces that part while they touch, over the work of the drive: soil that yields under a punch."""
-    soil = mpm.MohrCoulombDruckerPrager(density=2.0, young=1e4, poisson=0.3, cohesion=2.0, frictionAngle=radians(30))
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=2.0, young=1e4, poisson=0.3, cohesion=2.0, frictionAngle=radians(30)
+    )
     scene = mpm.Scene((0, 0), (3, 2), 0.1, threads=1)
     scene.add("soil", box((0, 0), (3, 1)), soil, typeOf(pair[0], 0.1), group="soil")
     punch = scene.add("punch", box((1.3, 1), (1.7, 1.3)), elastic(), typeOf(pair[1], 0.1), group="punch")
-    contact, drive = mpm.Contact(friction=0.3, impactLoss=impactLoss), mpm.Drive(punch, velocity=(0, -1.0), ramp=0.02)
-    scene.engines = chain(contact, gravity=(0, -G), damping=0.05, roller=("left", "right"), fixed="bottom", drive=drive)
+    contact, drive = (
+        mpm.Contact(friction=0.3, impactLoss=impactLoss),
+        mpm.Drive(punch, velocity=(0, -1.0), ramp=0.02),
+    )
+    scene.engines = chain(
+        contact, gravity=(0, -G), damping=0.05, roller=("left", "right"), fixed="bottom", drive=drive
+    )
     work = 0.0
     while scene.time < 0.08:
         run(scene, steps=1)
@@ -366,14 +443,18 @@ def pullOut(pair, wide, shift, friction=0.2, adhesion=0.0, squeeze=0.0, normals=
     left = 2 + (shift - wide // 2) * h
     scene = mpm.Scene((0, 0), (4, 4.5), h, threads=1)
     plate = box((left, 0.25), (left + wide * h, 3))
-    soil = scene.add("soil", box((0, bottom), (4, bottom + D)) - plate, elastic(), typeOf(pair[0], h), group="soil")
+    soil = scene.add(
+        "soil", box((0, bottom), (4, bottom + D)) - plate, elastic(), typeOf(pair[0], h), group="soil"
+    )
     pile = scene.add("plate", plate, elastic(), typeOf(pair[1], h), group="plate")
     vertical = -2 * G * (bottom + D - soil.position[:, 1])
     soil.setStress(vertical[:, None, None] * np.diag([K0, 1, K0]) - np.diag([squeeze, 0, 0]))
     contact = mpm.Contact(friction=friction, adhesion=adhesion, normals=normals)
     drive = mpm.Drive(pile, velocity=(0, 0.02), ramp=0.03)
     base = mpm.Drive(soil.below(bottom + 0.5 * h), velocity=(None, 0), name="base")
-    scene.engines = chain(contact, gravity=(0, -G), damping=0.5, roller=("left", "right"), drive=[drive, base])
+    scene.engines = chain(
+        contact, gravity=(0, -G), damping=0.5, roller=("left", "right"), drive=[drive, base]
+    )
     run(scene, until=0.1)
     pulls = []
     for _ in range(40):
@@ -383,8 +464,19 @@ def pullOut(pair, wide, shift, friction=0.2, adhesion=0.0, squeeze=0.0, normals=
     return (np.mean(pulls) - G * pile.mass.sum()) / shaft, contact.largestPenetration / h
 
 
-@pytest.mark.parametrize("pair, wide, shift", [("uu", 2, 0), ("ua", 2, 0), ("aa", 2, 0), ("aa", 1, 0), ("ua", 1, 0), ("ua", 2, 0.5),
-                                               ("aa", 2, 0.5), ("uu", 2, 0.5)])
+@pytest.mark.parametrize(
+    "pair, wide, shift",
+    [
+        ("uu", 2, 0),
+        ("ua", 2, 0),
+        ("aa", 2, 0),
+        ("aa", 1, 0),
+        ("ua", 1, 0),
+        ("ua", 2, 0.5),
+        ("aa", 2, 0.5),
+        ("uu", 2, 0.5),
+    ],
+)
 def test_a_plate_is_held_by_friction_along_its_shaft(pair, wide, shift):
     pull, penetration = pullOut(pair, wide, shift)
     assert pull == pytest.approx(1, rel=0.1)
@@ -404,7 +496,10 @@ def test_a_plate_of_one_cell_between_grid_lines_misses_half_of_its_friction():
 
 # --- the same bits --------------------------------------------------------------------------------------
 def bits(scene):
-    return [np.sort(np.concatenate([b.position, b.velocity, b.stress.reshape(len(b), 9)], axis=1), axis=0) for b in scene.bodies]
+    return [
+        np.sort(np.concatenate([b.position, b.velocity, b.stress.reshape(len(b), 9)], axis=1), axis=0)
+        for b in scene.bodies
+    ]
 
 
 def same(one, other):
@@ -430,15 +525,24 @@ def test_a_restart_in_the_middle_of_sliding_gives_the_same_bits(pair, scheme):
     assert same(incline.scene, again)
     assert restored.frictionWork == incline.contact.frictionWork > 0
     assert [b.group for b in again.bodies] == ["base", "block"]
-    assert restored.forceOn("block").any() and np.array_equal(restored.forceOn("block"), incline.contact.forceOn("block"))
+    assert restored.forceOn("block").any() and np.array_equal(
+        restored.forceOn("block"), incline.contact.forceOn("block")
+    )
 
 
 def test_a_mesh_that_might_be_converted_is_still_a_mesh():
     """The body that would take its domains is empty: normals and gaps come from the mesh, bit for bit."""
+
     def pressed(onDistortion):
         scene = mpm.Scene((0, 0), (4, 3), 0.25, threads=1)
         scene.add("base", box((0.25, 0), (3, 1)), elastic(1e4), mpm.UGIMP(perCell=2), group="a")
-        block = scene.add("block", box((0.75, 1), (2.5, 1.75)), elastic(1e4), mpm.APDI(size=0.125, onDistortion=onDistortion), group="b")
+        block = scene.add(
+            "block",
+            box((0.75, 1), (2.5, 1.75)),
+            elastic(1e4),
+            mpm.APDI(size=0.125, onDistortion=onDistortion),
+            group="b",
+        )
         scene.engines = chain(mpm.Contact(friction=0.2), gravity=(1.0, -G), damping=0.1, fixed="bottom")
         scene.dt = 2e-4
         run(scene, steps=200)
@@ -452,7 +556,13 @@ def test_converted_domains_stay_in_their_group():
     """A sliding mesh, one vertex of which is pulled so far that its domains are given up, slides on."""
     scene = mpm.Scene((0, 0), (2.4, 1), 0.1, threads=1)
     scene.add("base", box((0, 0), (2.4, 0.2)), elastic(), mpm.UGIMP(perCell=2), group="base")
-    block = scene.add("block", box((0.5, 0.2), (1.1, 0.5)), elastic(100.0), mpm.APDI(size=0.05, onDistortion="convert"), group="block")
+    block = scene.add(
+        "block",
+        box((0.5, 0.2), (1.1, 0.5)),
+        elastic(100.0),
+        mpm.APDI(size=0.05, onDistortion="convert"),
+        group="block",
+    )
     block.velocity = (1.0, 0.0)
     contact = mpm.Contact(friction=0.3)
     scene.engines = chain(contact, gravity=(0, -G), fixed="bottom")
@@ -471,7 +581,13 @@ def test_converted_domains_stay_in_their_group():
 def two(groups=("a", "b")):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
     for k, group in enumerate(groups):
-        scene.add(f"body {k}", box((0.5, 0.5 + 0.5 * k), (1.5, 1.0 + 0.5 * k)), elastic(), mpm.UGIMP(perCell=2), group=group)
+        scene.add(
+            f"body {k}",
+            box((0.5, 0.5 + 0.5 * k), (1.5, 1.0 + 0.5 * k)),
+            elastic(),
+            mpm.UGIMP(perCell=2),
+            group=group,
+        )
     return scene
 
 
@@ -492,7 +608,12 @@ def test_pairs_must_be_groups_and_laws_not_negative():
     scene.engines = chain(contact)
     with raises("Contact: there is no group 'c'; groups: a, b"):
         run(scene, steps=1)
-    for name, value in (("friction", -0.1), ("adhesion", -1.0), ("friction", float("nan")), ("friction", "rough")):
+    for name, value in (
+        ("friction", -0.1),
+        ("adhesion", -1.0),
+        ("friction", float("nan")),
+        ("friction", "rough"),
+    ):
         with raises(f"Contact: {name} = {value!r} between 'a' and 'b'; give zero or a positive number"):
             mpm.Contact().pair("a", "b", **{"friction": 0.1, name: value})
     for name in ("friction", "adhesion"):

@@ -4,9 +4,9 @@
 Two columns of uGIMP boxes beside one line of nodes with shear stress of opposite sign: the nodal forces are large, but
 their accelerations cancel in every particle. The pair moves at a constant velocity; nothing may slow it down.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 
@@ -22,7 +22,12 @@ def lockedPair(shear=SHEAR):
     stress = np.zeros((pile.count, 3, 3))
     stress[:, 0, 1] = stress[:, 1, 0] = np.where(pile.position[:, 0] < 1, shear, -shear)
     pile.stress = stress
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(damping=0.5), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(damping=0.5),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = 1e-6
     return scene, pile
 

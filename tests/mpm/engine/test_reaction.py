@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What a drive exerts on a body at rest balances its body forces, in force and moment, component by component."""
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 
@@ -11,9 +11,19 @@ from yade_mpm import box
 @pytest.mark.parametrize("dim", [2, 3])
 def test_force_and_moment_of_a_drive_balance_body_forces(dim, kind):
     scene = mpm.Scene((0,) * dim, (2,) * dim, 0.2, threads=1)
-    body = scene.add("block", box((0.4,) * dim, (0.8, 1.2, 1.0)[:dim]), mpm.LinearElastic(density=2.0, lame=(1e3, 1e3)), kind)
+    body = scene.add(
+        "block",
+        box((0.4,) * dim, (0.8, 1.2, 1.0)[:dim]),
+        mpm.LinearElastic(density=2.0, lame=(1e3, 1e3)),
+        kind,
+    )
     drive = mpm.Drive(body, velocity=(0,) * dim)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0,) * dim, drive=drive), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0,) * dim, drive=drive),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     arm = body.position - (body.mass @ body.position) / body.mass.sum()
     body.bodyForce[:] = 3.0 + arm @ np.random.default_rng(dim).uniform(-5, 5, (dim, dim))
     force = -body.mass[:, None] * body.bodyForce

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rigid bodies in frictional contact with uGIMP and APDI bodies (doc/rigid-contact.md)."""
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box, rigid
 
@@ -18,14 +18,27 @@ def typeOf(kind, cell):
 
 
 def chain(contact, *callbacks, **solver):
-    return [mpm.ParticleToGrid(), contact, mpm.GridSolver(**solver), mpm.GridToParticle(), mpm.DomainUpdater(), *callbacks]
+    return [
+        mpm.ParticleToGrid(),
+        contact,
+        mpm.GridSolver(**solver),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+        *callbacks,
+    ]
 
 
 class Free:
     """Integrates one rigid body by the leap-frog rule; `load` kN, `drag` 1/s against the vertical motion."""
 
     def __init__(self, contact, mass, inertia=np.inf, load=(0, 0, 0), drag=0.0):
-        self.contact, self.mass, self.inertia, self.load, self.drag = contact, mass, inertia, np.array(load, float), drag
+        self.contact, self.mass, self.inertia, self.load, self.drag = (
+            contact,
+            mass,
+            inertia,
+            np.array(load, float),
+            drag,
+        )
         self.x, self.q = contact.positions.copy(), contact.orientations.copy()
         self.v, self.w = contact.velocities.copy(), contact.angularVelocities.copy()
         self.isHeldBack, self.isDeaf, self.log = False, False, []
@@ -45,7 +58,7 @@ class Free:
     def acceleration(self, first, column=1):
         """Slope of the velocity along x, or of the spin (column 6), since entry `first`, the first fifth left out."""
         rows = np.array(self.log[first:])
-        rows = rows[len(rows) // 5:]
+        rows = rows[len(rows) // 5 :]
         return np.polyfit(rows[:, 0], rows[:, column], 1)[0]
 
 
@@ -64,7 +77,7 @@ def thrown(kind, dim, threads=1, friction=0.4, **attributes):
 
 
 def momentum(block, sphere):
-    own = sphere.mass * sphere.v[0, :block.position.shape[1]]
+    own = sphere.mass * sphere.v[0, : block.position.shape[1]]
     return own + (block.mass[:, None] * block.velocity).sum(axis=0)
 
 
@@ -95,12 +108,17 @@ def test_force_and_moment_on_the_nodes_are_those_on_the_body(kind, dim):
         place[name] = contact.positions[0].copy()
 
     inner = scene.engines
-    scene.engines = [inner[0], mpm.PyRunner(lambda: look("before"), iterPeriod=1), inner[1],
-                     mpm.PyRunner(lambda: look("after"), iterPeriod=1), *inner[2:]]
+    scene.engines = [
+        inner[0],
+        mpm.PyRunner(lambda: look("before"), iterPeriod=1),
+        inner[1],
+        mpm.PyRunner(lambda: look("after"), iterPeriod=1),
+        *inner[2:],
+    ]
     scene.run(steps=15, progress=False)
     nodes = rows["before"][:, 0].astype(int)
     force, arm = np.zeros((len(nodes), 3)), np.zeros((len(nodes), 3))
-    force[:, :dim] = (rows["after"] - rows["before"])[:, 2 + dim:2 + 2 * dim]
+    force[:, :dim] = (rows["after"] - rows["before"])[:, 2 + dim : 2 + 2 * dim]
     arm[:, :dim] = scene.nodePositions()[nodes] - place["before"][:dim]
     size = np.linalg.norm(force, axis=1).sum()
     reach = (np.linalg.norm(arm, axis=1) * np.linalg.norm(force, axis=1)).sum()
@@ -121,7 +139,12 @@ def test_friction_acts_where_the_normal_leaves_the_box(angle):
     normal, along = np.array((np.sin(angle), np.cos(angle), 0)), np.array((np.cos(angle), -np.sin(angle), 0))
     centre = np.append(block.position[0], 0)
     contact = mpm.RigidContact(stiffnessFactor=0.1)
-    contact.addBody(rigid.Wall(normal=tuple(normal)), friction=0.9, position=centre - 0.95 * half * normal, velocity=0.1 * along)
+    contact.addBody(
+        rigid.Wall(normal=tuple(normal)),
+        friction=0.9,
+        position=centre - 0.95 * half * normal,
+        velocity=0.1 * along,
+    )
     scene.engines, scene.dt = chain(contact), 1e-4
     scene.run(steps=1, progress=False)
     before = np.append(block.position[0], 0)  # where the second step finds the box
@@ -143,7 +166,9 @@ def plateOnGround(kind, friction=0.3, weight=10.0, length=4.0):
     contact.addBody(rigid.Box((0.45, 0.2)), friction=friction, position=(1.5, 0.7))
     plate = Free(contact, weight / 10, load=(0, -weight, 0), drag=50)
     plate.isHeldBack = True
-    scene.engines = chain(contact, mpm.PyRunner(plate, iterPeriod=1), fixed=("bottom", "left", "right"), damping=0.3)
+    scene.engines = chain(
+        contact, mpm.PyRunner(plate, iterPeriod=1), fixed=("bottom", "left", "right"), damping=0.3
+    )
     scene.run(steps=700, progress=False)
     plate.isHeldBack = False
     return scene, contact, plate
@@ -160,7 +185,12 @@ def test_the_ground_carries_a_plate(kind):
     assert len(table["gap"]) == contact.contacts >= 9
     assert -table["gap"].min() == contact.largestPenetration
     assert table["force"].sum(axis=0) == pytest.approx(-contact.forces[0], abs=1e-9)
-    contact.shapes = [*contact.shapes[:2], contact.shapes[2], contact.shapes[3] + 1, *contact.shapes[4:]]  # control: lifted
+    contact.shapes = [
+        *contact.shapes[:2],
+        contact.shapes[2],
+        contact.shapes[3] + 1,
+        *contact.shapes[4:],
+    ]  # control: lifted
     scene.run(steps=1, progress=False)
     assert contact.contacts == 0 and not contact.forces.any()
 
@@ -222,7 +252,9 @@ def test_a_disc_slides_or_rolls_down_an_incline(kind, friction):
     weight = mass * g * np.array([np.sin(theta), -np.cos(theta), 0])
     disc = Free(contact, mass, mass * radius**2 / 2, load=weight, drag=30)
     disc.isHeldBack = True
-    scene.engines = chain(contact, mpm.PyRunner(disc, iterPeriod=1), fixed=("bottom", "left", "right"), damping=0.3)
+    scene.engines = chain(
+        contact, mpm.PyRunner(disc, iterPeriod=1), fixed=("bottom", "left", "right"), damping=0.3
+    )
     scene.run(until=0.3, progress=False)
     disc.isHeldBack, first = False, len(disc.log)
     scene.run(until=0.7, progress=False)
@@ -244,8 +276,13 @@ def layerFactor(chi, poisson):
     """
     a, b = -0.347 * (3 - 2 * poisson) / (1 - poisson), 0.056 * (5 - 2 * poisson) / (1 - poisson)
     pi = np.pi
-    return (1 - 2 * a / pi * chi + 4 * a**2 / pi**2 * chi**2 - 8 / pi**3 * (a**3 + 4 * pi**2 / 15 * b) * chi**3
-            + 16 * a / pi**4 * (a**3 + 3 * pi**2 / 5 * b) * chi**4)
+    return (
+        1
+        - 2 * a / pi * chi
+        + 4 * a**2 / pi**2 * chi**2
+        - 8 / pi**3 * (a**3 + 4 * pi**2 / 15 * b) * chi**3
+        + 16 * a / pi**4 * (a**3 + 3 * pi**2 / 5 * b) * chi**4
+    )
 
 
 def forceOverHertz(cells, radiusInCells, ratio=0.2, young=1e4, poisson=0.3, isMeshed=True):
@@ -257,7 +294,12 @@ def forceOverHertz(cells, radiusInCells, ratio=0.2, young=1e4, poisson=0.3, isMe
     size, a = cells * h, radiusInCells * h
     radius, depth = a / ratio, a * ratio
     scene = mpm.Scene((0, 0, 0), (size, size, size + 4 * h), h, threads=1)
-    scene.add("block", box((0, 0, 0), (size,) * 3), elastic(young), mpm.APDI(size=h) if isMeshed else mpm.UGIMP(perCell=2))
+    scene.add(
+        "block",
+        box((0, 0, 0), (size,) * 3),
+        elastic(young),
+        mpm.APDI(size=h) if isMeshed else mpm.UGIMP(perCell=2),
+    )
     contact = mpm.RigidContact(stiffnessFactor=0.8)
     duration = 6 * size / np.sqrt(1.35 * young / 2)
     contact.addBody(rigid.Sphere(radius), position=(0, 0, size + radius), velocity=(0, 0, -depth / duration))
@@ -267,7 +309,9 @@ def forceOverHertz(cells, radiusInCells, ratio=0.2, young=1e4, poisson=0.3, isMe
     contact.setStates(contact.positions, contact.orientations, np.zeros((1, 3)), np.zeros((1, 3)))
     scene.run(until=1.5 * duration, progress=False)
     table = contact.contactTable()
-    penetration = np.average(-table["gap"], weights=table["force"][:, 2])  # the compliance of the penalty itself
+    penetration = np.average(
+        -table["gap"], weights=table["force"][:, 2]
+    )  # the compliance of the penalty itself
     depth = size + radius - contact.positions[0, 2] - penetration
     hertz = 4 / 3 * young / (1 - poisson**2) * np.sqrt(radius) * depth**1.5
     return 4 * contact.forces[0, 2] / hertz, layerFactor(np.sqrt(radius * depth) / size, poisson)
@@ -291,9 +335,15 @@ def test_a_sphere_on_a_finer_block_follows_hertz(cells, radius, isMeshed):
 
 # --- touching, without overlap ----------------------------------------------------------------------------
 TOUCHING = {  # shape, and its lowest point below its position
-    "small sphere": (rigid.Sphere(0.05), 0.05), "sphere as large as a cell": (rigid.Sphere(0.1), 0.1), "sphere": (rigid.Sphere(0.5), 0.5),
-    "flat sphere": (rigid.Sphere(2.0), 2.0), "box": (rigid.Box((0.13, 0.1, 0.13)), 0.1),
-    "box on its edge": (rigid.Box((0.1, 0.1, 0.1), orientation=(np.cos(np.pi / 8), 0, 0, np.sin(np.pi / 8))), 0.1 * np.sqrt(2)),
+    "small sphere": (rigid.Sphere(0.05), 0.05),
+    "sphere as large as a cell": (rigid.Sphere(0.1), 0.1),
+    "sphere": (rigid.Sphere(0.5), 0.5),
+    "flat sphere": (rigid.Sphere(2.0), 2.0),
+    "box": (rigid.Box((0.13, 0.1, 0.13)), 0.1),
+    "box on its edge": (
+        rigid.Box((0.1, 0.1, 0.1), orientation=(np.cos(np.pi / 8), 0, 0, np.sin(np.pi / 8))),
+        0.1 * np.sqrt(2),
+    ),
     "facet": (rigid.Facet([(-0.1, 0), (0.1, 0.02)], thickness=0.02), 0.01),
 }
 
@@ -327,6 +377,7 @@ def test_a_body_that_only_touches_flat_ground_gets_no_force(kind, dim, name):
 def test_a_body_that_touches_the_ground_is_not_thrown_off_by_small_steps():
     """A disc under its weight, steps of 1/20 of the critical one: the contact is 400 times as stiff. It only ever goes down. Control: put
     1 mm deeper it is thrown up."""
+
     def velocities(deep):
         scene = mpm.Scene((0, 0), (1.2, 1.8), 0.1, threads=1)
         scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), mpm.UGIMP(perCell=2))
@@ -365,7 +416,11 @@ def energies(scene, contact):
     table = contact.contactTable()
     force, normal, slip = table["force"], table["normal"], table["slip"]
     springs = -0.5 * ((force * normal).sum(axis=1) * table["gap"]).sum() - 0.5 * (force * slip).sum()
-    return springs, mpm.diagnostics.kineticEnergy(scene) + mpm.diagnostics.internalWork(scene), scene.core.energies["loads"]
+    return (
+        springs,
+        mpm.diagnostics.kineticEnergy(scene) + mpm.diagnostics.internalWork(scene),
+        scene.core.energies["loads"],
+    )
 
 
 @pytest.mark.filterwarnings("ignore:RigidContact. rigid body 0 is .* m deep")
@@ -435,12 +490,18 @@ def test_the_bits_do_not_depend_on_the_threads(kind):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_restart_goes_on_with_the_same_bits(kind):
     """The history is in the checkpoint. Control: without it the result is another one."""
+
     def driven():
         scene = mpm.Scene((0, 0), (2, 1), 0.1, threads=1)
         scene.add("soil", box((0, 0), (2, 0.5)), elastic(), typeOf(kind, 0.1))
         contact = mpm.RigidContact()
-        contact.addBody([rigid.Sphere(0.1, (-0.1, 0)), rigid.Sphere(0.1, (0.1, 0))], friction=0.5, position=(1, 0.6),
-                        velocity=(0.3, -0.2), angularVelocity=(0, 0, 1))
+        contact.addBody(
+            [rigid.Sphere(0.1, (-0.1, 0)), rigid.Sphere(0.1, (0.1, 0))],
+            friction=0.5,
+            position=(1, 0.6),
+            velocity=(0.3, -0.2),
+            angularVelocity=(0, 0, 1),
+        )
         scene.engines = chain(contact, fixed=("bottom",))
         return scene
 
@@ -457,13 +518,17 @@ def test_a_restart_goes_on_with_the_same_bits(kind):
     assert states[0] == scene["soil"].velocity.tobytes() + scene.engines[1].forces.tobytes() != states[1]
 
 
-@pytest.mark.parametrize("shapes", [
-    [rigid.Box((0.4, 0.1))],
-    [rigid.Box((0.25, 0.1), (-0.15, 0)), rigid.Box((0.25, 0.1), (0.15, 0))],
-    [rigid.Facet([(-0.4, -0.1), (0.4, -0.1)])],
-    [rigid.Facet([(-0.4, -0.1), (0.1, -0.1)]), rigid.Facet([(0.1, -0.1), (0.4, -0.1)])],
-    [rigid.Wall((0, -1), (0, -0.1))],
-], ids=["box", "flush boxes", "facet", "two facets", "wall"])
+@pytest.mark.parametrize(
+    "shapes",
+    [
+        [rigid.Box((0.4, 0.1))],
+        [rigid.Box((0.25, 0.1), (-0.15, 0)), rigid.Box((0.25, 0.1), (0.15, 0))],
+        [rigid.Facet([(-0.4, -0.1), (0.4, -0.1)])],
+        [rigid.Facet([(-0.4, -0.1), (0.1, -0.1)]), rigid.Facet([(0.1, -0.1), (0.4, -0.1)])],
+        [rigid.Wall((0, -1), (0, -0.1))],
+    ],
+    ids=["box", "flush boxes", "facet", "two facets", "wall"],
+)
 def test_shapes_with_the_same_face_press_alike(shapes):
     """A flat face pressed 1 mm into ground 0.8 m wide: 32 particles with the same force, no matter what the face belongs to."""
     scene = mpm.Scene((0, 0), (1.2, 1), 0.1, threads=1)
@@ -478,15 +543,23 @@ def test_shapes_with_the_same_face_press_alike(shapes):
 
 def test_a_turned_clump_in_3D_is_where_it_should_be():
     """A box in a body that is turned by 90 degrees about x and moved: its upright face meets the ground. Control: not turned."""
+
     def contacts(orientation):
         scene = mpm.Scene((0, 0, 0), (1, 1, 1), 0.1, threads=1)
         scene.add("soil", box((0, 0, 0), (1, 1, 0.5)), elastic(), mpm.UGIMP(perCell=2))
         contact = mpm.RigidContact(checkBalance=True)
-        contact.addBody([rigid.Box((0.19, 0.05, 0.09), (0, -0.2, 0)), rigid.Facet([(0, -0.25, 0), (0.08, -0.25, 0), (0, -0.25, 0.08)])],
-                        position=(0.5, 0.5, 0.749), orientation=orientation)
+        contact.addBody(
+            [
+                rigid.Box((0.19, 0.05, 0.09), (0, -0.2, 0)),
+                rigid.Facet([(0, -0.25, 0), (0.08, -0.25, 0), (0, -0.25, 0.08)]),
+            ],
+            position=(0.5, 0.5, 0.749),
+            orientation=orientation,
+        )
         scene.engines = chain(contact)
         scene.run(steps=1, progress=False)
         return contact.contacts
+
     turn = np.sqrt(0.5)
     assert contacts((turn, turn, 0, 0)) == 8 * 4
     assert contacts((1, 0, 0, 0)) == 0
@@ -527,25 +600,58 @@ def test_bodies_move_on_with_their_velocities():
 
 
 # --- input errors -----------------------------------------------------------------------------------------
-@pytest.mark.parametrize("make, error, text", [
-    (lambda c: c.addBody([]), ValueError, "addBody without a shape"),
-    (lambda c: c.addBody(["sphere"]), TypeError, "shape = 'sphere'; give mpm.rigid.Sphere"),
-    (lambda c: c.addBody(rigid.Sphere(-1)), ValueError, "Sphere: radius = -1 is not allowed; give a positive number in m"),
-    (lambda c: c.addBody(rigid.Box((1, 0, 1))), ValueError, "Box: halfSize = .* positive half edges"),
-    (lambda c: c.addBody(rigid.Wall((0, 0))), ValueError, "Wall: normal = .* has no direction"),
-    (lambda c: c.addBody(rigid.Facet([(0, 0), (0, 0)])), ValueError, "Facet: vertices = .* coincide"),
-    (lambda c: c.addBody(rigid.Sphere(1), friction=-0.1), ValueError, "friction = .*-0.1.* zero or a positive number"),
-    (lambda c: c.addBody(rigid.Sphere(1), orientation=(1, 1, 0, 0)), ValueError, "orientation = .* unit quaternion"),
-    (lambda c: c.addBody(rigid.Sphere(1), position=(0, np.nan)), ValueError, "position = .* give 3 numbers"),
-    (lambda c: setattr(c, "friction", [0.1, 0.2]), ValueError, "friction has 2 entries for 1 rigid bodies; give one per body"),
-    (lambda c: setattr(c, "stiffnessFactor", 2), ValueError, "stiffnessFactor = 2 is not allowed"),
-    (lambda c: setattr(c, "stifness", 2), ValueError, "did you mean 'stiffness'"),
-    (lambda c: c.setStates(np.zeros((2, 3)), [[1, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]), ValueError,
-     r"positions has 6 numbers; give \(1, 3\), a row for each rigid body"),
-    (lambda c: c.setStates([[0, 0, np.inf]], [[1, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]), ValueError,
-     "the position of rigid body 0 is not finite"),
-    (lambda c: c.setStates([[0, 0, 0]], [[0, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]), ValueError, "rigid body 0 has the norm 0"),
-])
+@pytest.mark.parametrize(
+    "make, error, text",
+    [
+        (lambda c: c.addBody([]), ValueError, "addBody without a shape"),
+        (lambda c: c.addBody(["sphere"]), TypeError, "shape = 'sphere'; give mpm.rigid.Sphere"),
+        (
+            lambda c: c.addBody(rigid.Sphere(-1)),
+            ValueError,
+            "Sphere: radius = -1 is not allowed; give a positive number in m",
+        ),
+        (lambda c: c.addBody(rigid.Box((1, 0, 1))), ValueError, "Box: halfSize = .* positive half edges"),
+        (lambda c: c.addBody(rigid.Wall((0, 0))), ValueError, "Wall: normal = .* has no direction"),
+        (lambda c: c.addBody(rigid.Facet([(0, 0), (0, 0)])), ValueError, "Facet: vertices = .* coincide"),
+        (
+            lambda c: c.addBody(rigid.Sphere(1), friction=-0.1),
+            ValueError,
+            "friction = .*-0.1.* zero or a positive number",
+        ),
+        (
+            lambda c: c.addBody(rigid.Sphere(1), orientation=(1, 1, 0, 0)),
+            ValueError,
+            "orientation = .* unit quaternion",
+        ),
+        (
+            lambda c: c.addBody(rigid.Sphere(1), position=(0, np.nan)),
+            ValueError,
+            "position = .* give 3 numbers",
+        ),
+        (
+            lambda c: setattr(c, "friction", [0.1, 0.2]),
+            ValueError,
+            "friction has 2 entries for 1 rigid bodies; give one per body",
+        ),
+        (lambda c: setattr(c, "stiffnessFactor", 2), ValueError, "stiffnessFactor = 2 is not allowed"),
+        (lambda c: setattr(c, "stifness", 2), ValueError, "did you mean 'stiffness'"),
+        (
+            lambda c: c.setStates(np.zeros((2, 3)), [[1, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]),
+            ValueError,
+            r"positions has 6 numbers; give \(1, 3\), a row for each rigid body",
+        ),
+        (
+            lambda c: c.setStates([[0, 0, np.inf]], [[1, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]),
+            ValueError,
+            "the position of rigid body 0 is not finite",
+        ),
+        (
+            lambda c: c.setStates([[0, 0, 0]], [[0, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]),
+            ValueError,
+            "rigid body 0 has the norm 0",
+        ),
+    ],
+)
 def test_wrong_input_is_refused_and_changes_nothing(make, error, text):
     contact = mpm.RigidContact()
     contact.addBody(rigid.Sphere(0.1))
@@ -555,12 +661,21 @@ def test_wrong_input_is_refused_and_changes_nothing(make, error, text):
     assert contact.attributes() == before
 
 
-@pytest.mark.parametrize("kind, dim, shape, orientation, text", [
-    ("APDI", 2, rigid.Facet([(0, 0), (1, 0)]), (1, 0, 0, 0), "facet of rigid body 0 has no thickness"),
-    ("UGIMP", 2, rigid.Facet([(0, 0), (1, 0), (0, 1)]), (1, 0, 0, 0), "three vertices in a 2D scene; give two"),
-    ("UGIMP", 2, rigid.Sphere(0.1), (0, 1, 0, 0), "rotation about z only"),
-    ("UGIMP", 3, None, None, "there is no rigid body; add one with addBody"),
-])
+@pytest.mark.parametrize(
+    "kind, dim, shape, orientation, text",
+    [
+        ("APDI", 2, rigid.Facet([(0, 0), (1, 0)]), (1, 0, 0, 0), "facet of rigid body 0 has no thickness"),
+        (
+            "UGIMP",
+            2,
+            rigid.Facet([(0, 0), (1, 0), (0, 1)]),
+            (1, 0, 0, 0),
+            "three vertices in a 2D scene; give two",
+        ),
+        ("UGIMP", 2, rigid.Sphere(0.1), (0, 1, 0, 0), "rotation about z only"),
+        ("UGIMP", 3, None, None, "there is no rigid body; add one with addBody"),
+    ],
+)
 def test_what_does_not_fit_the_scene_is_refused_before_the_run(kind, dim, shape, orientation, text):
     scene = mpm.Scene((0,) * dim, (1,) * dim, 0.25)
     scene.add("soil", box((0,) * dim, (1,) * (dim - 1) + (0.5,)), elastic(), typeOf(kind, 0.25))
@@ -576,7 +691,13 @@ def test_the_engine_has_its_place_in_the_chain():
     scene = mpm.Scene((0, 0), (1, 1), 0.25)
     contact = mpm.RigidContact()
     with pytest.raises(ValueError, match="do not make a step"):
-        scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+        scene.engines = [
+            mpm.ParticleToGrid(),
+            mpm.GridSolver(),
+            contact,
+            mpm.GridToParticle(),
+            mpm.DomainUpdater(),
+        ]
     scene.engines = chain(contact)
 
 

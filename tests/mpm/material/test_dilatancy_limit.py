@@ -11,9 +11,9 @@ Reference, closed form:
 Tolerance: 1e-12 of the strain where it is exact; 2 % for the slope in simple shear, whose stresses turn.
 Controls: without the limit the volume goes on growing; a limit that is 1e-9 higher is noticed.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 C, PHI, PSI = 8.5, np.radians(30), np.radians(10)
@@ -25,7 +25,14 @@ I = np.eye(3)
 
 
 def soil(cohesion=C, **attributes):
-    return mpm.MohrCoulombDruckerPrager(density=1.53, lame=(LAMBDA, MU), cohesion=cohesion, frictionAngle=PHI, dilatancyAngle=PSI, **attributes)
+    return mpm.MohrCoulombDruckerPrager(
+        density=1.53,
+        lame=(LAMBDA, MU),
+        cohesion=cohesion,
+        frictionAngle=PHI,
+        dilatancyAngle=PSI,
+        **attributes,
+    )
 
 
 def plasticVolume(point):
@@ -34,6 +41,7 @@ def plasticVolume(point):
 
 def heldStep(point, gradient, free, stress, guess):
     """One step in which the gradient g + x free keeps <free, sigma>/<free, free> at `stress`; returns x. By secants on copies."""
+
     def miss(x):
         return (point.copy().gradient(gradient + x * free, 1.0) * free).sum() / (free * free).sum() - stress
 
@@ -130,12 +138,17 @@ def test_the_step_that_reaches_the_limit_ends_there():
         assert abs(plasticVolume(point) - limit) < 1e-17
     free = mpm.MaterialPoint(soil(dilatancyLimit=1.001 * full), stress=BEFORE)
     free.strain(STEP)
-    assert np.abs(free.stress - whole.stress).max() < 1e-11 and plasticVolume(free) == pytest.approx(full, rel=1e-12)
+    assert np.abs(free.stress - whole.stress).max() < 1e-11 and plasticVolume(free) == pytest.approx(
+        full, rel=1e-12
+    )
 
 
 def test_a_soil_at_its_limit_is_one_without_dilatancy():
     stress = []
-    for material in (soil(dilatancyLimit=0.0), mpm.MohrCoulombDruckerPrager(density=1.53, lame=(LAMBDA, MU), cohesion=C, frictionAngle=PHI)):
+    for material in (
+        soil(dilatancyLimit=0.0),
+        mpm.MohrCoulombDruckerPrager(density=1.53, lame=(LAMBDA, MU), cohesion=C, frictionAngle=PHI),
+    ):
         point = mpm.MaterialPoint(material, stress=BEFORE)
         for _ in range(5):
             point.strain(STEP)
@@ -143,7 +156,12 @@ def test_a_soil_at_its_limit_is_one_without_dilatancy():
         assert plasticVolume(point) == 0
     assert np.abs(stress[0] - stress[1]).max() < 1e-11
     control = mpm.MaterialPoint(soil(), stress=BEFORE)
-    assert np.abs(control.strain(STEP) - mpm.MaterialPoint(soil(dilatancyLimit=0.0), stress=BEFORE).strain(STEP)).max() > 1
+    assert (
+        np.abs(
+            control.strain(STEP) - mpm.MaterialPoint(soil(dilatancyLimit=0.0), stress=BEFORE).strain(STEP)
+        ).max()
+        > 1
+    )
 
 
 # --- void ratios -----------------------------------------------------------------------------------------------
@@ -151,7 +169,9 @@ def test_the_void_ratio_ends_at_the_critical_one():
     e0, critical = 0.60, 0.61
     _, _, point = compressed(soil(initialVoidRatio=e0, criticalVoidRatio=critical), RADIAL, 2200)
     assert (1 + e0) * np.exp(plasticVolume(point)) - 1 == pytest.approx(critical, abs=1e-15)
-    material = soil(initialVoidRatio=e0, criticalVoidRatio=0.6001)  # may be changed on the way, as any attribute
+    material = soil(
+        initialVoidRatio=e0, criticalVoidRatio=0.6001
+    )  # may be changed on the way, as any attribute
     _, _, other = compressed(material, RADIAL, 1000)
     assert (1 + e0) * np.exp(plasticVolume(other)) - 1 == pytest.approx(0.6001, abs=1e-15)
     material.criticalVoidRatio = critical
@@ -162,15 +182,22 @@ def test_the_void_ratio_ends_at_the_critical_one():
 
 
 # --- opening ---------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("attributes, highest", [({}, C / np.tan(PHI)), ({"tensionCutOff": 5.0}, 5.0)], ids=["apex", "cut-off"])
+@pytest.mark.parametrize(
+    "attributes, highest", [({}, C / np.tan(PHI)), ({"tensionCutOff": 5.0}, 5.0)], ids=["apex", "cut-off"]
+)
 def test_opening_is_not_held_back_but_counts(attributes, highest):
     point = mpm.MaterialPoint(soil(dilatancyLimit=LIMIT, **attributes))
     for _ in range(400):
         stress = point.strain(1e-5 * I)
     assert stress == pytest.approx(highest * I, rel=1e-12, abs=1e-9)
-    assert plasticVolume(point) == pytest.approx(400 * 3e-5 - highest / BULK, rel=1e-9) and plasticVolume(point) > LIMIT
+    assert (
+        plasticVolume(point) == pytest.approx(400 * 3e-5 - highest / BULK, rel=1e-9)
+        and plasticVolume(point) > LIMIT
+    )
     opened = plasticVolume(point)
-    point.strain(-(100 + highest) / (3 * BULK) * I)  # back to -100 kPa, elastically: the opening is not taken back
+    point.strain(
+        -(100 + highest) / (3 * BULK) * I
+    )  # back to -100 kPa, elastically: the opening is not taken back
     assert plasticVolume(point) == opened
     point.strain(STEP)
     assert plasticVolume(point) == opened and point.state["plasticShearStrain"] > 1e-3
@@ -186,10 +213,19 @@ def shearedBlock(limit):
     Returns the scene and the plastic volume of that domain just before.
     """
     scene = mpm.Scene((0, 0), (6, 3), 0.5, threads=1)
-    body = scene.add("soil", mpm.box((1, 0), (3, 2)), soil(cohesion=200, dilatancyLimit=limit),
-                     mpm.APDI(size=0.25, onDistortion="convert"))
+    body = scene.add(
+        "soil",
+        mpm.box((1, 0), (3, 2)),
+        soil(cohesion=200, dilatancyLimit=limit),
+        mpm.APDI(size=0.25, onDistortion="convert"),
+    )
     top = mpm.Drive(body.above(1.7), velocity=(2.0, 0.0))
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(fixed=("bottom",), drive=top), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(fixed=("bottom",), drive=top),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = 2e-4
     scene.run(steps=400, progress=False)
     middle = np.argmin(np.linalg.norm(body.position - (2.1, 1.1), axis=1))
@@ -203,7 +239,9 @@ def test_the_plastic_volume_goes_through_a_conversion_and_on_from_a_checkpoint(t
     scene, dilated = shearedBlock(LIMIT)
     assert abs(dilated - LIMIT) < 1e-15
     after = scene["soil (converted)"].plasticVolumetricStrain
-    assert scene["soil"].converted == 4, "with its neighbours at the pulled vertex, whose edges grew by more than 15 %"
+    assert scene["soil"].converted == 4, (
+        "with its neighbours at the pulled vertex, whose edges grew by more than 15 %"
+    )
     assert len(after) >= 4 and (np.abs(after - LIMIT) < 1e-15).all()
     scene.save(tmp_path / "a.h5")
     loaded = mpm.load(tmp_path / "a.h5")

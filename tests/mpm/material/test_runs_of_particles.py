@@ -9,20 +9,24 @@ restart). For plane strain: the 3D update of a single point. Tolerance there: 1e
 Controls: a particle whose stress differs in the 13th digit comes out differently; so does a 3D point that is strained
 out of the plane.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*stress outside the yield surface")  # random ones
 
 MATERIALS = {
-    "soil": lambda: mpm.MohrCoulombDruckerPrager(density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5,
-                                                 dilatancyAngle=0.2),
-    "soil at its limit": lambda: mpm.MohrCoulombDruckerPrager(density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5,
-                                                              dilatancyAngle=0.2, dilatancyLimit=5e-4),
-    "strong soil": lambda: mpm.MohrCoulombDruckerPrager(density=1.5, lame=(9e3, 6e3), cohesion=1e6, frictionAngle=0.5),
+    "soil": lambda: mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, dilatancyAngle=0.2
+    ),
+    "soil at its limit": lambda: mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, dilatancyAngle=0.2, dilatancyLimit=5e-4
+    ),
+    "strong soil": lambda: mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(9e3, 6e3), cohesion=1e6, frictionAngle=0.5
+    ),
     "elastic": lambda: mpm.LinearElastic(density=1.5, lame=(9e3, 6e3)),
     "neo-Hookean": lambda: mpm.NeoHookean(density=1.5, lame=(9e3, 6e3)),
 }
@@ -36,7 +40,10 @@ def heldNodes(L):
     """Velocity L (x - PLACE) of all nodes that the particles touch."""
     dim = len(L)
     nodes = np.stack(np.meshgrid(*[range(5, 9)] * dim, indexing="ij"), axis=-1).reshape(-1, dim)
-    return [mpm.Hold(box(x - 0.01, x + 0.01), tuple(L @ (x - PLACE[:dim])), name=f"node {x}") for x in nodes.astype(float)]
+    return [
+        mpm.Hold(box(x - 0.01, x + 0.01), tuple(L @ (x - PLACE[:dim])), name=f"node {x}")
+        for x in nodes.astype(float)
+    ]
 
 
 def bodies(material, L, stress, most=MOST):
@@ -47,12 +54,19 @@ def bodies(material, L, stress, most=MOST):
     made = []
     for n in range(1, most + 1):
         corner = np.array([0, n - 1, 0][:dim])
-        made.append(scene.add(f"{n}", box(corner, corner + np.array([n, 1, 1][:dim])), material, mpm.UGIMP(perCell=1)))
+        made.append(
+            scene.add(f"{n}", box(corner, corner + np.array([n, 1, 1][:dim])), material, mpm.UGIMP(perCell=1))
+        )
     for body in made:
         body.position[...] = PLACE[:dim]
         if stress is not None:
-            body.stress = stress[:body.count]
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(hold=heldNodes(L)), mpm.GridToParticle(), mpm.DomainUpdater()]
+            body.stress = stress[: body.count]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(hold=heldNodes(L)),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.dt, scene.allowUnstable = DT, True
     scene.run(steps=1, progress=False)
     return made

@@ -7,12 +7,12 @@ Tolerance: 1e-12 of the largest stress that occurs in the step (of the largest s
 Controls: a reference without friction, without the Lode angle, without the half rotation, that does not split the step at
 the dilatancy limit, with small strains, and without the change of volume must be told apart.
 """
+
 from fractions import Fraction
 
 import numpy as np
 import pytest
 import scipy.linalg
-
 import yade_mpm as mpm
 
 TOLERANCE = 1e-12
@@ -65,8 +65,20 @@ def trialStress(stress, g, halfRotation=True):
     return R @ stress @ R.T + (r @ increment @ r.T if halfRotation else increment)
 
 
-def soilStep(stress, g, volumetric, cohesion, frictionAngle, dilatancyAngle=0.0, tensionCutOff=np.inf,
-             dilatancyLimit=np.inf, friction=True, lode=True, halfRotation=True, split=True):
+def soilStep(
+    stress,
+    g,
+    volumetric,
+    cohesion,
+    frictionAngle,
+    dilatancyAngle=0.0,
+    tensionCutOff=np.inf,
+    dilatancyLimit=np.inf,
+    friction=True,
+    lode=True,
+    halfRotation=True,
+    split=True,
+):
     """New stress, increments of plastic shear and volumetric strain, and the largest stress on the way."""
     trial = trialStress(stress, g, halfRotation)
     p, bulk = np.trace(trial) / 3, LAMBDA + 2 / 3 * MU
@@ -88,7 +100,9 @@ def soilStep(stress, g, volumetric, cohesion, frictionAngle, dilatancyAngle=0.0,
         multiplier = f / perMultiplier
         returned = p - 3 * bulk * beta * multiplier
         if split and beta > 0 and volumetric + 3 * beta * multiplier > dilatancyLimit:
-            dilating = (dilatancyLimit - volumetric) / (3 * beta)  # up to the limit, and the rest without dilatancy
+            dilating = (dilatancyLimit - volumetric) / (
+                3 * beta
+            )  # up to the limit, and the rest without dilatancy
             multiplier = dilating + (f - dilating * perMultiplier) / perShear
             returned = p - 3 * bulk * beta * dilating
         scale = 1 - MU * multiplier / q if q > 0 else -np.inf
@@ -116,11 +130,21 @@ def soilSteps(kind, rng):
         "triaxial": lambda: (rng.choice([SOIL, SAND, CLAY]), -p * I, e * np.diag(triaxial)),
         "triaxial, turned": lambda: (SOIL, turned(-p + 50 * triaxial, rng), 0 * I),
         "nearly triaxial": lambda: (
-            SOIL, turned(-p + 50 * triaxial + 50 * magnitude(rng, -16, -1) * rng.normal(size=3), rng), 0 * I),
-        "tension cut-off": lambda: ({**SOIL, "tensionCutOff": 2.0}, 0.1 * stress, 0.1 * g + 0.01 * rng.uniform() * I),
+            SOIL,
+            turned(-p + 50 * triaxial + 50 * magnitude(rng, -16, -1) * rng.normal(size=3), rng),
+            0 * I,
+        ),
+        "tension cut-off": lambda: (
+            {**SOIL, "tensionCutOff": 2.0},
+            0.1 * stress,
+            0.1 * g + 0.01 * rng.uniform() * I,
+        ),
         "dilatancy limit": lambda: ({**SOIL, "dilatancyLimit": 0.002}, stress, g),
         "apex, dilatancy limit": lambda: (
-            {**SOIL, "dilatancyLimit": 2e-3 * rng.uniform()}, 0.1 * stress, 0.1 * g + 5e-4 * rng.uniform() * I),
+            {**SOIL, "dilatancyLimit": 2e-3 * rng.uniform()},
+            0.1 * stress,
+            0.1 * g + 5e-4 * rng.uniform() * I,
+        ),
         "large rotation": lambda: (SOIL, stress, scipy.linalg.expm(spin(rng, 2.5)) @ (I + 0.3 * g) - I),
         "large skew gradient": lambda: ({**SOIL, "cohesion": 1e6}, stress, g + spin(rng, 6.0)),
         "tiny step": lambda: (SOIL, stress, magnitude(rng, -14, -6) * rng.normal(size=(3, 3))),
@@ -134,7 +158,9 @@ def soilErrors(kind, cases=150, steps=3, **dropped):
     worst, seen = 0.0, {"elastic": 0, "yielding": 0, "apex": 0}
     for _ in range(cases):
         attributes, stress, g = soilSteps(kind, rng)
-        point = mpm.MaterialPoint(mpm.MohrCoulombDruckerPrager(density=1.5, lame=(LAMBDA, MU), **attributes), stress=stress)
+        point = mpm.MaterialPoint(
+            mpm.MohrCoulombDruckerPrager(density=1.5, lame=(LAMBDA, MU), **attributes), stress=stress
+        )
         for _ in range(steps):
             before = point.stress
             shear, volumetric = point.state["plasticShearStrain"], point.state["plasticVolumetricStrain"]
@@ -143,18 +169,43 @@ def soilErrors(kind, cases=150, steps=3, **dropped):
             scale = max(scale, 1e-300)
             strain = max(scale / MU, shear, abs(volumetric))
             assert (found == found.T).all()
-            worst = max(worst, np.abs(found - expected).max() / scale,
-                        abs(point.state["plasticShearStrain"] - shear - dShear) / strain,
-                        abs(point.state["plasticVolumetricStrain"] - volumetric - dVolumetric) / strain)
+            worst = max(
+                worst,
+                np.abs(found - expected).max() / scale,
+                abs(point.state["plasticShearStrain"] - shear - dShear) / strain,
+                abs(point.state["plasticVolumetricStrain"] - volumetric - dVolumetric) / strain,
+            )
             deviator = found - np.trace(found) / 3 * I
-            seen["apex" if not np.abs(deviator).max() > 1e-12 * scale else "yielding" if dShear > 0 else "elastic"] += 1
+            seen[
+                "apex"
+                if not np.abs(deviator).max() > 1e-12 * scale
+                else "yielding"
+                if dShear > 0
+                else "elastic"
+            ] += 1
     return worst, seen
 
 
-SOIL_KINDS = ["elastic", "yielding", "undrained clay", "sand", "sand from zero stress", "rest", "apex", "isotropic",
-              "triaxial", "triaxial, turned", "nearly triaxial", "tension cut-off", "dilatancy limit", "apex, dilatancy limit",
-              "large rotation",
-              "large skew gradient", "tiny step", "tiny stress"]
+SOIL_KINDS = [
+    "elastic",
+    "yielding",
+    "undrained clay",
+    "sand",
+    "sand from zero stress",
+    "rest",
+    "apex",
+    "isotropic",
+    "triaxial",
+    "triaxial, turned",
+    "nearly triaxial",
+    "tension cut-off",
+    "dilatancy limit",
+    "apex, dilatancy limit",
+    "large rotation",
+    "large skew gradient",
+    "tiny step",
+    "tiny stress",
+]
 
 
 @pytest.mark.parametrize("kind", SOIL_KINDS)
@@ -166,9 +217,17 @@ def test_the_soil_follows_its_definition(kind):
             assert seen[what] > 50
 
 
-@pytest.mark.parametrize("kind, dropped", [
-    ("yielding", "friction"), ("triaxial", "friction"), ("yielding", "lode"), ("large rotation", "halfRotation"),
-    ("dilatancy limit", "split"), ("apex, dilatancy limit", "split")])
+@pytest.mark.parametrize(
+    "kind, dropped",
+    [
+        ("yielding", "friction"),
+        ("triaxial", "friction"),
+        ("yielding", "lode"),
+        ("large rotation", "halfRotation"),
+        ("dilatancy limit", "split"),
+        ("apex, dilatancy limit", "split"),
+    ],
+)
 def test_control_a_term_left_out_of_the_soil_is_noticed(kind, dropped):
     worst, _ = soilErrors(kind, cases=20, **{dropped: False})
     assert worst > 1e8 * TOLERANCE
@@ -183,8 +242,9 @@ def test_a_triaxial_state_at_yield_stays_to_the_last_digits(principal):
     for _ in range(200):
         stress = turned(principal, rng)
         for factor, yields in ((1 + 1e-14, False), (1 - 1e-14, True)):
-            soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(LAMBDA, MU), cohesion=factor * cohesion,
-                                                frictionAngle=phi)
+            soil = mpm.MohrCoulombDruckerPrager(
+                density=1.5, lame=(LAMBDA, MU), cohesion=factor * cohesion, frictionAngle=phi
+            )
             point = mpm.MaterialPoint(soil, stress=stress)
             point.gradient(0 * I, 1.0)
             assert (point.state["plasticShearStrain"] > 0) == yields
@@ -216,8 +276,14 @@ def henckySteps(kind, rng):
         "tiny": lambda: (magnitude(rng, -150, -6) * strain, 0 * I),
         "tiny step": lambda: (0 * I, magnitude(rng, -14, -6) * g),
         "large": lambda: (0.5 * symmetric(rng), 0.1 * rng.normal(size=(3, 3))),
-        "large, coaxial": lambda: (np.diag(rng.uniform(-1, 1, size=3)), np.diag(rng.uniform(-0.3, 0.3, size=3))),
-        "about the limit of the series": lambda: (turned(rng.choice([-1, 1]) * rng.uniform(0.1, 0.3, size=3), rng), 0 * I),
+        "large, coaxial": lambda: (
+            np.diag(rng.uniform(-1, 1, size=3)),
+            np.diag(rng.uniform(-0.3, 0.3, size=3)),
+        ),
+        "about the limit of the series": lambda: (
+            turned(rng.choice([-1, 1]) * rng.uniform(0.1, 0.3, size=3), rng),
+            0 * I,
+        ),
         "isotropic": lambda: (rng.uniform(-0.3, 0.3) * I, rng.uniform(-0.1, 0.1) * I),
         "uniaxial": lambda: (turned([size, 0, 0], rng), 0 * I),
         "two alike": lambda: (turned([size, size * (1 + magnitude(rng, -16, -2)), -size], rng), 0 * I),
@@ -227,8 +293,20 @@ def henckySteps(kind, rng):
     }[kind]()
 
 
-HENCKY_KINDS = ["moderate", "tiny", "tiny step", "large", "large, coaxial", "about the limit of the series", "isotropic",
-                "uniaxial", "two alike", "rest", "large rotation", "large skew gradient"]
+HENCKY_KINDS = [
+    "moderate",
+    "tiny",
+    "tiny step",
+    "large",
+    "large, coaxial",
+    "about the limit of the series",
+    "isotropic",
+    "uniaxial",
+    "two alike",
+    "rest",
+    "large rotation",
+    "large skew gradient",
+]
 
 
 def henckyErrors(kind, cases=150, **dropped):
@@ -243,7 +321,9 @@ def henckyErrors(kind, cases=150, **dropped):
             g = g / 2
         found = point.gradient(g, 1.0)
         e, expected = henckyStep(e, g, np.linalg.det(point.deformationGradient), **dropped)
-        roundOff = 1e-15 * np.abs(g).max() ** 2 * np.linalg.norm(I + e, 2)  # g + g^T + g g^T of a rotation cancels
+        roundOff = (
+            1e-15 * np.abs(g).max() ** 2 * np.linalg.norm(I + e, 2)
+        )  # g + g^T + g g^T of a rotation cancels
         axes = [("XX", 0, 0), ("YY", 1, 1), ("ZZ", 2, 2), ("XY", 0, 1), ("XZ", 0, 2), ("YZ", 1, 2)]
         state = max(abs(point.state["stretch" + name] - e[i, j]) for name, i, j in axes)
         scale = max(np.abs(e).max(), 1e-300)
@@ -251,8 +331,11 @@ def henckyErrors(kind, cases=150, **dropped):
         magnified = scale / min(1, 1 + np.linalg.eigvalsh(e)[0])
         largest = max(np.abs(expected).max(), 2 * MU * magnified)
         assert (found == found.T).all()
-        worst = max(worst, (state - roundOff) / scale,
-                    (np.abs(found - expected).max() - 2 * (LAMBDA + MU) * roundOff) / largest)
+        worst = max(
+            worst,
+            (state - roundOff) / scale,
+            (np.abs(found - expected).max() - 2 * (LAMBDA + MU) * roundOff) / largest,
+        )
     return worst
 
 
@@ -282,7 +365,9 @@ def neoHookean(F, volume=True):
     (a, b, c), (d, e, f), (g, h, i) = F
     J = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
     pressure = LAMBDA * np.log1p(float(J - 1)) if volume else 0.0
-    strain = [[float(sum(F[r][k] * F[s][k] for k in range(3)) - (r == s)) for s in range(3)] for r in range(3)]
+    strain = [
+        [float(sum(F[r][k] * F[s][k] for k in range(3)) - (r == s)) for s in range(3)] for r in range(3)
+    ]
     return (pressure * I + MU * np.array(strain)) / float(J)
 
 

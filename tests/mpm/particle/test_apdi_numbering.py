@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Rows of a mesh are read and written as vectors, other domains one by one: how a mesh is numbered must not matter."""
+
 from itertools import product
 from math import radians
 
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 
@@ -24,11 +24,23 @@ def meshOf(dim, n):
 def shear(points, cells, steps=60):
     """Stress and position of the particles after some steps of a block that is sheared on a held base, under gravity."""
     dim = points.shape[1]
-    soil = mpm.MohrCoulombDruckerPrager(density=2.0, young=1e3, poisson=0.3, cohesion=1.0, frictionAngle=radians(25), dilatancyAngle=radians(5))
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=2.0,
+        young=1e3,
+        poisson=0.3,
+        cohesion=1.0,
+        frictionAngle=radians(25),
+        dilatancyAngle=radians(5),
+    )
     scene = mpm.Scene((0,) * dim, (2,) * dim, 0.1, threads=1)
     body = scene.add("soil", (points, cells), soil, mpm.APDI(hourglass=0.1))
     body.velocity[:, 0] = 2 * (body.position[:, -1] - 0.5)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0,) * (dim - 1) + (-9.81,)), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0,) * (dim - 1) + (-9.81,)),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     scene.dt = 2e-4
     scene.run(steps=steps, progress=False)
     return body.stress.copy(), body.position.copy()

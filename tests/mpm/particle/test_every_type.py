@@ -5,9 +5,9 @@ A new type is tested here without being named: boxes get random positions, meshe
 identities are asked of the plain weights (`body.weights`) and, through prescribed or recorded nodal
 values, of the transfers that a step really uses.
 """
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm import box
 
@@ -102,14 +102,16 @@ def test_nodes_get_what_the_weights_say(name, dim):
         m, V, sigma = body.mass[p], body.volume[p], body.stress[p, :dim, :dim]
         for x, phi, gradient in body.weights(p):
             f = phi * m * body.bodyForce[p] - V * sigma @ gradient
-            expected[number[tuple(np.round(x, 6))]] += np.concatenate([[phi * m], phi * m * body.velocity[p], f])
+            expected[number[tuple(np.round(x, 6))]] += np.concatenate(
+                [[phi * m], phi * m * body.velocity[p], f]
+            )
     for engine in scene.engines[1:]:
         engine.dead = True
     scene.dt, scene.allowUnstable = 1e-9, True
     scene.run(steps=1, progress=False)
     found = np.zeros_like(expected)
     for row in scene.core.nodalValues():
-        found[row[0]] = row[1:2 + 2 * dim]
+        found[row[0]] = row[1 : 2 + 2 * dim]
     scale = np.abs(expected).max(axis=0)
     assert np.abs(found - expected).max() <= 1e-13 * scale.max()
     assert scene.core.nodalTotals() == pytest.approx(expected.sum(axis=0), rel=1e-12)
@@ -156,7 +158,9 @@ def test_volume_grows_with_the_trace_of_the_velocity_gradient(name, dim, scheme)
     body = addBlock(scene, name, young=1e8)
     rng = np.random.default_rng(6)
     body.velocity = rng.normal(size=(body.count, dim))
-    stress = 1e6 * rng.normal(size=(body.count, 3, 3))  # the step changes the velocities by about as much as they are
+    stress = 1e6 * rng.normal(
+        size=(body.count, 3, 3)
+    )  # the step changes the velocities by about as much as they are
     body.stress = stress + stress.swapaxes(1, 2)
     volume, vertices = body.volume.copy(), body.vertices.copy() if body.cells is not None else None
     scene.dt, scene.allowUnstable = 1e-6, True
@@ -167,7 +171,12 @@ def test_volume_grows_with_the_trace_of_the_velocity_gradient(name, dim, scheme)
     tolerance = 10 * (scene.dt * np.abs(L).max()) ** 2  # what is of second order in a step
     assert np.abs(body.volume / volume - 1 - scene.dt * rate).max() <= tolerance
     if vertices is not None and scheme != "USF":
-        assert np.abs(body.vertices - vertices - scene.dt * np.asarray(body.core.view("vertexVelocity", True))).max() <= 1e-15
+        assert (
+            np.abs(
+                body.vertices - vertices - scene.dt * np.asarray(body.core.view("vertexVelocity", True))
+            ).max()
+            <= 1e-15
+        )
 
 
 def fall(name, dim, steps, g=2.0, look=None):
@@ -199,7 +208,10 @@ def test_free_fall_is_exact(name, dim):
     assert np.abs(before[:, -1] - halfStep - after[:, -1]).min() > 1e-6
 
 
-LOOKS = {"criticalTimeStep": lambda scene, body: scene.criticalTimeStep(iterations=1), "weights": lambda scene, body: body.weights(0)}
+LOOKS = {
+    "criticalTimeStep": lambda scene, body: scene.criticalTimeStep(iterations=1),
+    "weights": lambda scene, body: body.weights(0),
+}
 
 
 @everyType

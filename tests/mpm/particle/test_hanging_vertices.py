@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Vertices of fine domains on the edges of coarse ones: what they hold goes to the nodes by way of their masters, once."""
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 from yade_mpm.mesh import Mesh, meshRegion, refineNear
 
@@ -13,11 +13,15 @@ def block(dim, hourglass):
     """A block of coarse domains with fine ones in its middle, its free vertices out of order; scene and body."""
     scene = mpm.Scene((0,) * dim, (8,) * dim, EDGE, threads=1)
     region = mpm.box((2,) * dim, (6,) * dim)
-    mesh = refineNear(meshRegion(region, scene.lower, scene.upper, EDGE, "block"), np.full((1, dim), 3.7), 0.1, 0.5)
+    mesh = refineNear(
+        meshRegion(region, scene.lower, scene.upper, EDGE, "block"), np.full((1, dim), 3.7), 0.1, 0.5
+    )
     assert len(mesh.slaves) >= 4 and len(mesh.cells) > 4**dim
     points = mesh.points + 0.05 * np.random.default_rng(1).uniform(-1, 1, mesh.points.shape) + 0.1
     mesh = Mesh(onMasters(points, mesh), mesh.cells, mesh.slaves, mesh.masters, mesh.masterWeights)
-    body = scene.add("block", mesh, mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3), mpm.APDI(hourglass=hourglass))
+    body = scene.add(
+        "block", mesh, mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3), mpm.APDI(hourglass=hourglass)
+    )
     scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
     scene.dt, scene.allowUnstable = 1e-4, True
     return scene, body
@@ -34,7 +38,7 @@ def nodeTable(scene):
     """Mass, momentum and force of all nodes, as the last ParticleToGrid left them."""
     table = np.zeros((len(scene.nodePositions()), 1 + 2 * scene.dim))
     for row in scene.core.nodalValues():
-        table[row[0]] = row[1:2 + 2 * scene.dim]
+        table[row[0]] = row[1 : 2 + 2 * scene.dim]
     return table
 
 
@@ -65,7 +69,9 @@ def test_nodes_get_what_the_weights_say(dim):
     for p in range(body.count):
         for x, phi, gradient in body.weights(p):
             f = -body.volume[p] * body.stress[p, :dim, :dim] @ gradient
-            expected[number[tuple(np.round(x, 6))]] += np.concatenate([[phi * body.mass[p]], phi * body.mass[p] * body.velocity[p], f])
+            expected[number[tuple(np.round(x, 6))]] += np.concatenate(
+                [[phi * body.mass[p]], phi * body.mass[p] * body.velocity[p], f]
+            )
     for engine in scene.engines[1:]:
         engine.dead = True
     scene.run(steps=1, progress=False)
@@ -77,14 +83,18 @@ def test_nodes_get_what_the_weights_say(dim):
 def test_the_impulse_of_hourglass_control_comes_once(dim):
     """MUSL: m_i v_i = sum phi m v_p + dt times the forces of hourglass control, here the only ones; vertices move with v."""
     scene, body = block(dim, hourglass=0.1)
-    body.vertices[...] = onMasters(body.vertices + 0.1 * np.random.default_rng(2).uniform(-1, 1, body.vertices.shape), body.mesh)
+    body.vertices[...] = onMasters(
+        body.vertices + 0.1 * np.random.default_rng(2).uniform(-1, 1, body.vertices.shape), body.mesh
+    )
     phi, S = matrix(scene, body), hats(scene, body.vertices)
     scene.run(steps=1, progress=False)
-    mass, force = nodeTable(scene)[:, :1], nodeTable(scene)[:, 1 + dim:]
+    mass, force = nodeTable(scene)[:, :1], nodeTable(scene)[:, 1 + dim :]
     momentum = phi @ (body.mass[:, None] * body.velocity) + scene.dt * force
     velocity = np.divide(momentum, mass, out=np.zeros_like(momentum), where=mass > 0)
     expected = onMasters(S.T @ velocity, body.mesh)
     found = np.asarray(body.core.view("vertexVelocity", True))
     assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max()
-    withoutControl = S.T @ np.divide(momentum - scene.dt * force, mass, out=np.zeros_like(momentum), where=mass > 0)
+    withoutControl = S.T @ np.divide(
+        momentum - scene.dt * force, mass, out=np.zeros_like(momentum), where=mass > 0
+    )
     assert np.abs(withoutControl - expected)[body.mesh.slaves].max() > 0.1 * np.abs(expected).max()  # control

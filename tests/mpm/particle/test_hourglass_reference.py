@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Hourglass control resists what a domain's pattern differs from that of the undeformed one by. Where all of these are parallelograms there is
 nothing to compare with, and the deformation gradient is not asked."""
+
 import numpy as np
 import pytest
-
 import yade_mpm as mpm
 
 EDGE = 0.06
@@ -16,8 +16,12 @@ def emptyScene(dim):
 
 def meshOf(dim, n, unevenness):
     """A mesh of n domains in each direction whose vertices are off a lattice by a part of the edge: points, cells."""
-    body = emptyScene(dim).add("lattice", mpm.box((8 * EDGE,) * dim, ((8 + n) * EDGE,) * dim), SOIL, mpm.APDI(size=EDGE))
-    return 0.5 - 8 * EDGE + body.vertices + EDGE * np.random.default_rng(1).uniform(-unevenness, unevenness, body.vertices.shape), body.cells
+    body = emptyScene(dim).add(
+        "lattice", mpm.box((8 * EDGE,) * dim, ((8 + n) * EDGE,) * dim), SOIL, mpm.APDI(size=EDGE)
+    )
+    return 0.5 - 8 * EDGE + body.vertices + EDGE * np.random.default_rng(1).uniform(
+        -unevenness, unevenness, body.vertices.shape
+    ), body.cells
 
 
 def speedAfterAStep(points, cells, deform=None, push=0.0):

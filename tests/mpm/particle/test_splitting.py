@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """UGIMP(splitAt): what a cut keeps, when it comes, and that runs with cuts are the same on any number of threads and after a restart."""
+
 import numpy as np
 import pytest
 import yade_mpm as mpm
@@ -10,8 +11,12 @@ SOIL = dict(density=1.5, young=1e4, poisson=0.3, cohesion=5, frictionAngle=0.5, 
 
 def body(dim=2, splitAt=1.5):
     scene = mpm.Scene(lower=(0,) * dim, upper=(4,) * dim, cell=1.0)
-    return scene, scene.add("soil", box((1,) * dim, (3,) * dim), mpm.MohrCoulombDruckerPrager(**SOIL),
-                            mpm.UGIMP(perCell=2, splitAt=splitAt))
+    return scene, scene.add(
+        "soil",
+        box((1,) * dim, (3,) * dim),
+        mpm.MohrCoulombDruckerPrager(**SOIL),
+        mpm.UGIMP(perCell=2, splitAt=splitAt),
+    )
 
 
 def deform(soil, F, dim):
@@ -42,11 +47,20 @@ def sums(soil):
     """What a cut keeps: sums over the particles."""
     m, V, x, v = soil.mass, soil.volume, soil.position, soil.velocity
     moment = np.einsum("p,pi,pj->ij", m, x, v)
-    return {"mass": m.sum(), "volume": V.sum(), "initial volume": soil.initialVolume.sum(), "centre of mass": m @ x,
-            "momentum": m @ v, "angular momentum": moment - moment.T, "kinetic energy": 0.5 * m @ (v**2).sum(axis=1),
-            "stress": np.einsum("p,pij->ij", V, soil.stress), "stress power": np.einsum("p,pij,pij->", V, soil.stress, soil.stress),
-            "plastic shear strain": m @ soil.plasticShearStrain, "plastic volumetric strain": m @ soil.plasticVolumetricStrain,
-            "displacement": m @ soil.displacement}
+    return {
+        "mass": m.sum(),
+        "volume": V.sum(),
+        "initial volume": soil.initialVolume.sum(),
+        "centre of mass": m @ x,
+        "momentum": m @ v,
+        "angular momentum": moment - moment.T,
+        "kinetic energy": 0.5 * m @ (v**2).sum(axis=1),
+        "stress": np.einsum("p,pij->ij", V, soil.stress),
+        "stress power": np.einsum("p,pij,pij->", V, soil.stress, soil.stress),
+        "plastic shear strain": m @ soil.plasticShearStrain,
+        "plastic volumetric strain": m @ soil.plasticVolumetricStrain,
+        "displacement": m @ soil.displacement,
+    }
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -71,7 +85,9 @@ def test_halves_stand_along_the_stretched_direction_and_keep_the_second_moment(d
     soil.core.splitStretched()
     n = R[:, 0]
     offsets = np.array([x - first[i] for i, x in zip(soil.id, soil.position) if i in first])
-    assert np.allclose(np.abs(offsets @ n), 0.5 * 1.8 * half) and np.allclose(offsets, np.outer(offsets @ n, n))
+    assert np.allclose(np.abs(offsets @ n), 0.5 * 1.8 * half) and np.allclose(
+        offsets, np.outer(offsets @ n, n)
+    )
     whole, part = (1.8 * half) ** 2 / 3, (0.9 * half) ** 2 / 3
     assert part + (0.9 * half) ** 2 == pytest.approx(whole), "half length 0.9 l at a distance of 0.9 l"
 
@@ -97,9 +113,15 @@ def test_pure_rotation_cuts_nothing():
 
 def pulled(splitAt=1.2, scheme="MUSL", threads=1, dim=2):
     """A block that is torn apart at its sides, fast enough to cut many particles within 100 steps."""
-    scene = mpm.Scene(lower=(0,) * dim, upper=(8,) * dim, cell=0.25 if dim == 2 else 0.5, scheme=scheme, threads=threads)
-    soil = scene.add("soil", box((3,) * dim, (5,) * dim), mpm.NeoHookean(density=1, young=10, poisson=0.3),
-                     mpm.UGIMP(perCell=2, splitAt=splitAt))
+    scene = mpm.Scene(
+        lower=(0,) * dim, upper=(8,) * dim, cell=0.25 if dim == 2 else 0.5, scheme=scheme, threads=threads
+    )
+    soil = scene.add(
+        "soil",
+        box((3,) * dim, (5,) * dim),
+        mpm.NeoHookean(density=1, young=10, poisson=0.3),
+        mpm.UGIMP(perCell=2, splitAt=splitAt),
+    )
     soil.velocity = 4 * (soil.position - 4) + 0.3 * np.sin(5 * soil.position)
     scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
     scene.dt = 5e-3
@@ -148,7 +170,9 @@ def test_a_torn_block_keeps_mass_and_momentum(dim):
     assert np.allclose(soil.mass @ soil.velocity, momentum, rtol=1e-11, atol=1e-11 * mass)
     assert np.allclose(soil.volume, soil.initialVolume * np.linalg.det(soil.deformationGradient), rtol=1e-12)
     share = np.linalg.det(soil.core.view("splitShare", True))
-    assert np.allclose(soil.initialVolume, (2 * soil.halfSize).prod() * share, rtol=1e-12), "shares stay with their particles"
+    assert np.allclose(soil.initialVolume, (2 * soil.halfSize).prod() * share, rtol=1e-12), (
+        "shares stay with their particles"
+    )
 
 
 def test_a_limit_of_one_or_less_is_refused():

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A sphere and a box of YADE above a block of soil, for test_in_yade.py; run inside YADE."""
+
 import hashlib
 
 import numpy as np
@@ -17,20 +18,40 @@ def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False):
     isPolyhedron: the box is one of YADE's Polyhedra.
     """
     scene = mpm.Scene((0, 0, 0), (1.2, 1.2, 1.2), 0.1)
-    soil = scene.add("soil", mpm.box((0.3, 0.3, 0.2), (0.9, 0.9, 0.5)), mpm.NeoHookean(density=1.0, lame=(200.0, 100.0)),
-                     mpm.UGIMP(perCell=2))
+    soil = scene.add(
+        "soil",
+        mpm.box((0.3, 0.3, 0.2), (0.9, 0.9, 0.5)),
+        mpm.NeoHookean(density=1.0, lame=(200.0, 100.0)),
+        mpm.UGIMP(perCell=2),
+    )
     contact = mpm.RigidContact(checkBalance=True)
-    held = {} if isFree else {"hold": mpm.Hold(mpm.box((0, 0, 0), (1.2, 1.2, 0.21)), velocity=(0, 0, 0)), "damping": 0.3}
-    scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(gravity=(0, 0, 0), **held), mpm.GridToParticle(),
-                     mpm.DomainUpdater()]
+    held = (
+        {}
+        if isFree
+        else {"hold": mpm.Hold(mpm.box((0, 0, 0), (1.2, 1.2, 0.21)), velocity=(0, 0, 0)), "damping": 0.3}
+    )
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        contact,
+        mpm.GridSolver(gravity=(0, 0, 0), **held),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
     O.bodies.append(utils.sphere((0.5, 0.6, 0.5948), 0.1))  # touches the four boxes below it
-    O.bodies.append(polyhedron((0.75, 0.6, 0.56), (0.08, 0.1, 0.05)) if isPolyhedron else utils.box((0.75, 0.6, 0.56), (0.08, 0.1, 0.05)))
+    O.bodies.append(
+        polyhedron((0.75, 0.6, 0.56), (0.08, 0.1, 0.05))
+        if isPolyhedron
+        else utils.box((0.75, 0.6, 0.56), (0.08, 0.1, 0.05))
+    )
     for number in IDS:
         state = O.bodies[number].state
         state.mass, state.inertia, state.blockedDOFs = MASS, Vector3(1e-4, 1e-4, 1e-4), ""
         O.bodies[number].dynamic = True
         state.vel = Vector3(0.02, 0, -0.2) if isFree else Vector3(0, 0, 0)
-    O.engines = [ForceResetter(), NewtonIntegrator(gravity=(0, 0, 0 if isFree else -G), damping=0 if isFree else 0.3)]
+    O.engines = [
+        ForceResetter(),
+        NewtonIntegrator(gravity=(0, 0, 0 if isFree else -G), damping=0 if isFree else 0.3),
+    ]
     bodies = inYade.Bodies(contact, IDS, friction=0.3)
     coupling = inYade.attach(scene, mpmSteps=mpmSteps, demSteps=demSteps)
     if isCoupled:
@@ -41,13 +62,18 @@ def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False):
 def polyhedron(centre, extents):
     """A box as one of YADE's Polyhedra."""
     from yade import polyhedra_utils
+
     signs = np.array(np.meshgrid((-1, 1), (-1, 1), (-1, 1))).reshape(3, -1).T
-    return polyhedra_utils.polyhedra(utils.defaultMaterial(), v=[Vector3(*(np.array(centre) + s * extents)) for s in signs])
+    return polyhedra_utils.polyhedra(
+        utils.defaultMaterial(), v=[Vector3(*(np.array(centre) + s * extents)) for s in signs]
+    )
 
 
 def momentum(soil):
     """Of the soil and of the bodies, Mg m/s."""
-    return (soil.velocity * soil.mass[:, None]).sum(axis=0) + sum(MASS * np.array(O.bodies[b].state.vel) for b in IDS)
+    return (soil.velocity * soil.mass[:, None]).sum(axis=0) + sum(
+        MASS * np.array(O.bodies[b].state.vel) for b in IDS
+    )
 
 
 def fly(cycles, **options):
@@ -57,7 +83,11 @@ def fly(cycles, **options):
     for _ in range(cycles):
         O.run(coupling.demSteps, True)
         change, contacts = max(change, np.abs(momentum(soil) - before).max()), max(contacts, contact.contacts)
-    return {"change": change, "contacts": contacts, "given": float((soil.velocity * soil.mass[:, None]).sum(axis=0)[2])}
+    return {
+        "change": change,
+        "contacts": contacts,
+        "given": float((soil.velocity * soil.mass[:, None]).sum(axis=0)[2]),
+    }
 
 
 def rest(**options):
@@ -69,7 +99,11 @@ def rest(**options):
     for _ in range(40):
         O.run(50, True)
         forces.append(contact.forces[1, 2])
-    return {"force": float(np.mean(forces)), "velocity": O.bodies[1].state.vel[2], "height": O.bodies[1].state.pos[2]}
+    return {
+        "force": float(np.mean(forces)),
+        "velocity": O.bodies[1].state.vel[2],
+        "height": O.bodies[1].state.pos[2],
+    }
 
 
 def shoot(how, isEvery, **options):
@@ -86,7 +120,9 @@ def shoot(how, isEvery, **options):
     ball.pos, ball.vel = (0.6, 0.6, 8.9), (0, 0, -40 if how == "far" else 0)
     other.pos, other.vel = (0.75, 0.6, 30), (0, 0, 0)
     if how == "late":
-        O.engines = [PyRunner(command="O.bodies[0].state.vel = (0, 0, -40)", iterPeriod=30, firstIterRun=30, nDo=1)] + O.engines
+        O.engines = [
+            PyRunner(command="O.bodies[0].state.vel = (0, 0, -40)", iterPeriod=30, firstIterRun=30, nDo=1)
+        ] + O.engines
     if how == "hand":
         O.run(50, True)
         ball.pos, ball.vel = (0.6, 0.6, 0.59), (0, 0, -0.2)
@@ -96,7 +132,12 @@ def shoot(how, isEvery, **options):
 
 def bits(soil):
     """Digest of soil and bodies."""
-    digest = hashlib.sha256(b"".join(np.ascontiguousarray(soil.core.view(f, False)).tobytes() for f in ("position", "velocity", "stress")))
+    digest = hashlib.sha256(
+        b"".join(
+            np.ascontiguousarray(soil.core.view(f, False)).tobytes()
+            for f in ("position", "velocity", "stress")
+        )
+    )
     for number in IDS:
         state = O.bodies[number].state
         digest.update(repr([tuple(v) for v in (state.pos, state.vel, state.angVel, state.ori)]).encode())

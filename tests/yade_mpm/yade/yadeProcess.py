@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Processes of YADE for the tests: a script runs in one of its own and reports through `say(name, value)`."""
+
 import json
 import os
 import shutil
@@ -7,7 +8,6 @@ import subprocess
 from pathlib import Path
 
 import pytest
-
 import yade_mpm as mpm
 
 YADE = shutil.which("yade")
@@ -35,8 +35,15 @@ def start(script, folder, command=("yade", "-n", "-x")):
     (folder / "script.py").write_text(PRELUDE.format(folders=FOLDERS) + script)
     package = os.path.dirname(os.path.dirname(mpm.__file__))
     environment = dict(os.environ, PYTHONPATH=package, MPLBACKEND="Agg", OMP_NUM_THREADS="1")
-    return subprocess.Popen([*command, "script.py"], cwd=folder, env=environment, text=True, stdin=subprocess.DEVNULL,
-                            stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    return subprocess.Popen(
+        [*command, "script.py"],
+        cwd=folder,
+        env=environment,
+        text=True,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
 
 
 def end(process, code=0, patience=60):

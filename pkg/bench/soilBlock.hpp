@@ -10,7 +10,7 @@
 // is not in the figures.
 #pragma once
 
-#include "mpm/engine/Engine.hpp"
+#include "mpm/scene/Engine.hpp"
 
 namespace mpm {
 

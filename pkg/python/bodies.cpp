@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Bodies: their arrays as zero-copy views, their making and their restoring.
-#include "mpm/scene/BeyondYield.hpp"
+#include "mpm/check/BeyondYield.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "python.hpp"
 
@@ -106,9 +106,9 @@ template <int Dim> struct Bind {
     // Weights of a particle by the plain definition: (node position, phi, gradient) each.
     static bp::list weights(B& body, int p) {
         require(p >= 0 && p < body.particles.size(), "weights: particle ", p, " does not exist");
-        Team team;
-        body.domains->locate(team);
-        team.rethrow();
+        ParallelRegion region;
+        body.domains->locate(region);
+        region.rethrow();
         bp::list all;
         body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
             bp::list x, g;
@@ -165,7 +165,7 @@ template <int Dim> struct Bind {
     }
     // Number of domains whose quality is at most `limit`, and the worst of all.
     static bp::tuple poorDomains(B& body, double limit) {
-        const Poor found = body.domains->poor(limit);
+        const QualityReport found = body.domains->qualityReport(limit);
         return bp::make_tuple(found.count, found.worst.particle, found.worst.quality);
     }
     static bp::tuple yielding(B& body, double tolerance) {

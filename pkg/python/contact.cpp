@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // What RigidContact and Contact have besides their attributes: states in one call, forces as arrays.
-#include "mpm/engine/Contact.hpp"
+#include "mpm/contact/Contact.hpp"
 
-#include "mpm/engine/RigidContact.hpp"
+#include "mpm/contact/rigid/RigidContact.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "python.hpp"
 

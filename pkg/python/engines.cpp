@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Engines, constraints, and the engine that calls back into Python.
-#include "mpm/engine/Engine.hpp"
+#include "mpm/base/parallel/watched.hpp"
+#include "mpm/scene/Engine.hpp"
 #include "python.hpp"
 
 namespace mpm::python {

@@ -4,7 +4,7 @@
 // A state is any Python object with pos, ori, vel and angVel. No header of the host is needed: where it keeps them as vectors of
 // Eigen, Boost.Python's registry, which all modules of a process share, tells where the numbers lie. They are copied as doubles,
 // because the host may align Eigen's types in another way. Everything else is read as a sequence of numbers.
-#include "mpm/engine/RigidContact.hpp"
+#include "mpm/contact/rigid/RigidContact.hpp"
 #include "python.hpp"
 
 namespace mpm::python {

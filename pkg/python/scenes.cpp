@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-#include "mpm/engine/CriticalTimeStep.hpp"
-#include "mpm/engine/Engine.hpp"
-#include "mpm/engine/InterfaceRule.hpp"
-#include "mpm/engine/Stages.hpp"
+#include "mpm/base/parallel/watched.hpp"
+#include "mpm/check/CriticalTimeStep.hpp"
+#include "mpm/check/InterfaceRule.hpp"
+#include "mpm/scene/Engine.hpp"
+#include "mpm/step/nodes.hpp"
 #include "python.hpp"
 
 namespace mpm::python {
@@ -75,7 +76,7 @@ template <int Dim> struct Bind {
     class RatesKept {
       public:
         explicit RatesKept(S& scene) {
-            parallel(scene.threads, [&](Team& team) { locateAll(team, scene); });
+            parallel(scene.threads, [&](ParallelRegion& region) { locateParticles(region, scene); });
             for (auto& body : scene.bodies) {
                 keep(body->particles.velocityGradient);
                 if (Field* velocities = body->domains->vertexVelocities()) keep(*velocities);

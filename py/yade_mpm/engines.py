@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Engines of the step, as registered in pkg/mpm/engine, prescribed motions, and callbacks."""
+"""Engines of the step, as registered in pkg/mpm/step and contact, prescribed motions, and callbacks."""
 
 import sys
 import weakref

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Elastic-perfectly plastic c-phi soil: Mohr-Coulomb yield surface, Drucker-Prager plastic potential.
-#include "mpm/base/longChains.hpp"
+#include "mpm/base/simd/forEachSimdPair.hpp"
 #include "mpm/material/Material.hpp"
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/tensors.hpp"
@@ -67,7 +67,7 @@ template <bool limited> void returnToYield(const Constants& constants, const Mat
     double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
            *zz = points.stress[8];
     double *plasticShear = points.state[0], *plasticVolumetric = points.state[1];
-    inLongChains(points.count, [&](auto at) __attribute__((always_inline)) {
+    forEachSimdPair(points.count, [&](auto at) __attribute__((always_inline)) {
         // Principal deviators a + r, a - r and -2a: no Lode angle needed.
         const auto mean = 0.5 * (at(xx) + at(yy)), half = 0.5 * (at(xx) - at(yy)), shear = at(xy);
         const auto a = third * (mean - at(zz)), p = mean - a;

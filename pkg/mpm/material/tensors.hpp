@@ -3,6 +3,7 @@
 // becomes a register of several particles, which a loop over Eigen's matrices does not.
 #pragma once
 
+#include "mpm/base/simd/Pack.hpp"
 #include "mpm/base/types.hpp"
 
 #include <algorithm>

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The contract of a particle type. A ParticleType holds the user's choices; for every body it makes
 // Domains, which own the geometry of the body's particle domains and its transfers to and from the grid.
-// Dispatch is one virtual call per body and stage; every such call is made by all threads of a team.
+// Dispatch is one virtual call per body and stage; every such call is made by all threads of a region.
 #pragma once
 
+#include "mpm/base/parallel/ParallelRegion.hpp"
 #include "mpm/base/parameters.hpp"
 #include "mpm/base/registry.hpp"
 #include "mpm/particle/Outline.hpp"
@@ -38,7 +39,7 @@ struct Distorted {
 };
 
 // Domains of poor quality: their number, and the worst of all.
-struct Poor {
+struct QualityReport {
     int count = 0;
     Distorted worst{-1, 1};
 };
@@ -74,20 +75,21 @@ template <int Dim> class Domains {
     // --- the step, in this order --------------------------------------------------------------------
     // Cell and local position of everything that transfers, and whether it is inside the grid; once per step. The threads
     // do not wait for each other at the end.
-    virtual void locate(Team& team) = 0;
+    virtual void locate(ParallelRegion& region) = 0;
     // What the grid is touched by, then; returns true when particles have been sorted and must be located again. One thread.
-    virtual bool settle() = 0;
+    virtual bool resort() = 0;
     // Node += phi * {momentum, mass, body force} - V sigma grad phi + forces of hourglass control.
-    virtual void addSum(Team& team, typename NF::Sum* nodes, double inertiaScale, bool withForce) = 0;
+    virtual void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
+                        bool withForce) = 0;
     // Particle velocity and position from nodal velocity and acceleration (nullptr: they stay). Then
     // node += phi * momentum + dt * forces of hourglass control, with weights and forces of the step's start
     // (nullptr: not wanted).
-    virtual void move(Team& team, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
-                      const Move& how) = 0;
+    virtual void move(ParallelRegion& region, const typename NF::Motion* nodes,
+                      typename NF::Velocity* momentum, const Move& how) = 0;
     // Energy that local damping took in the last move(), kJ.
     double dampedEnergy() const { return std::accumulate(damped_.begin(), damped_.end(), 0.0); }
     // The velocity that whatever the domain consists of moves with, if that is not the particle itself ...
-    virtual void takeVelocity(Team&, const typename NF::Velocity*) {}
+    virtual void takeVelocity(ParallelRegion&, const typename NF::Velocity*) {}
     // ... and from it the velocity gradient of particles [begin, end); dt = 0: nothing else.
     virtual void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double dt) = 0;
     // Volume of particles [begin, end) from F after the step; of meshed domains takeGradient() has found it already.
@@ -95,12 +97,12 @@ template <int Dim> class Domains {
     // How long that takes for particles [begin, end), in about the time of one.
     virtual double workOf(int begin, int end) const { return end - begin; }
     // Moves the domains; last in the step.
-    virtual void advance(Team&, double /*dt*/) {}
+    virtual void advance(ParallelRegion&, double /*dt*/) {}
 
     // --- besides the step ---------------------------------------------------------------------------
     // Force of node += -V tensor grad phi + internal stiffness of the domain against unit-time motion: the elastic
     // operator of the critical time step. `tensor`: planes 3*i + j.
-    virtual void addForce(Team& team, typename NF::Sum* nodes, const double* const tensor[9]) = 0;
+    virtual void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) = 0;
     // nodal[node] += phi * mass of the given particles; nodes that were at zero are appended to `touched`.
     // One thread.
     virtual void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const = 0;
@@ -120,7 +122,7 @@ template <int Dim> class Domains {
     // Distorted domains found in takeGradient(); empty for types that cannot distort.
     virtual std::vector<Distorted> distorted() const { return {}; }
     // Domains whose quality is at most `limit`, and the worst of all; boxes keep theirs.
-    virtual Poor poor(double /*limit*/) const { return {}; }
+    virtual QualityReport qualityReport(double /*limit*/) const { return {}; }
     virtual std::vector<Piece<Dim>> split(int /*particle*/, const Vec<Dim>& /*halfSize*/) const { return {}; }
     virtual void remove(const std::vector<int>& /*sorted particles*/) {}
     virtual void grown() {} // after particles were appended

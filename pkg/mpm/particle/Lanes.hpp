@@ -9,6 +9,7 @@
 // the force is the sum of two lanes; in 3D there is a Quad for each axis, and a lane for each component.
 #pragma once
 
+#include "mpm/base/simd/Pack.hpp"
 #include "mpm/base/types.hpp"
 
 namespace mpm {

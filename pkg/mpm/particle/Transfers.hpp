@@ -8,7 +8,7 @@
 //   L_p = sum_i v_i (x) grad phi_ip                                                  setGradients()
 #pragma once
 
-#include "mpm/base/interleave.hpp"
+#include "mpm/base/simd/transpose.hpp"
 #include "mpm/particle/Domains.hpp"
 #include "mpm/particle/Lanes.hpp"
 
@@ -29,7 +29,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
         nodal[node] += mass;
     }
 
-    static constexpr int lot = 64; // particles that are treated together, at most
+    static constexpr int largestBatch = 64; // particles that are treated together, at most
 
     // The arrays of the particles, hoisted out of the loops.
     struct Planes {
@@ -74,18 +74,18 @@ template <int Dim> class Transfers : public Domains<Dim> {
         // The same in the lanes of the nodes. Value lanes of NodalField::Sum: momentum and mass; in 2D also the weight mass, which
         // in 3D is a lane of B.
         void values(int first, int count, double inertiaScale, Quad* out) const {
-            double p[Dim + 1][lot];
+            double p[Dim + 1][largestBatch];
             momenta(first, count, inertiaScale, p);
             interleave({p[0], p[1], p[2], Dim == 2 ? mass + first : p[Dim]}, count, out);
         }
         // B = - V tensor, for its products with grad phi; in 3D with the weight mass.
         void forces(int first, int count, const double* const tensor[9], typename L::Set* out) const {
-            double B[Dim][Dim][lot];
+            double B[Dim][Dim][largestBatch];
             tension(first, count, tensor, B);
             if constexpr (Dim == 2)
                 interleave({B[0][0], B[0][1], B[1][0], B[1][1]}, count, &out[0][0]);
             else {
-                const double zero[lot] = {};
+                const double zero[largestBatch] = {};
                 for (int k = 0; k < Dim; ++k)
                     interleave({B[0][k], B[1][k], B[2][k], zero}, count, &out[0][k], 4);
                 interleave({zero, zero, zero, mass + first}, count, &out[0][3], 4);

@@ -4,6 +4,7 @@
 // before the grouping is made anew, so the grouping is part of the state (and of a checkpoint).
 #pragma once
 
+#include "mpm/base/parallel/ColouredPieces.hpp"
 #include "mpm/state/Grid.hpp"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ template <int Dim> class BlockOrder {
     std::vector<int> start; // first point of each block, and one past the last
     std::vector<int> order; // point numbers; empty: points are stored in this order already
 
-    Turns turns; // neighbouring blocks touch the same nodes
+    ColouredPieces coloured; // neighbouring blocks touch the same nodes
 
     int blocks() const { return int(start.size()) - 1; }
     // Not before the first grouping, nor from the checkpoint of a version with other blocks.
@@ -45,8 +46,8 @@ template <int Dim> class BlockOrder {
         std::vector<std::vector<int>> beside(blocks());
         for (int b = 0; b < blocks(); ++b)
             grid.blocksBeside(b, [&](int other) { beside[b].push_back(other); });
-        turns.graph(beside);
-        turns.shares.set(blocks(), [&](int b) { return start[b + 1] - start[b]; });
+        coloured.graph(beside);
+        coloured.partition.set(blocks(), [&](int b) { return start[b + 1] - start[b]; });
         touched_.assign(blocks(), {});
         runs_.assign(blocks(), 0);
         support_ = support, isReady_ = true;

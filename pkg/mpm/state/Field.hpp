@@ -3,7 +3,7 @@
 // component 1 ...), so that loops over particles vectorise and components nobody touches cost nothing.
 #pragma once
 
-#include "mpm/base/largePages.hpp"
+#include "mpm/base/simd/largePages.hpp"
 #include "mpm/base/types.hpp"
 
 #include <cstdint>

@@ -4,114 +4,13 @@
 // first, along which it is as long as the grid.
 #pragma once
 
-#include "mpm/base/largePages.hpp"
 #include "mpm/base/require.hpp"
-#include "mpm/base/threads.hpp"
-#include "mpm/base/types.hpp"
+#include "mpm/state/NodalField.hpp"
 
 #include <limits>
 #include <vector>
 
 namespace mpm {
-
-// Nodal data of one velocity field. Bodies that share a velocity field stick together; where there is a Contact,
-// each group of bodies has its own.
-template <int Dim> struct NodalField {
-    // What particles give: momentum, mass, weight mass (mass without inertial scaling), and force: in 2D component k is the sum of two lanes,
-    // see particle/Lanes.hpp.
-    using Sum = Pack<8>;
-    static constexpr int momentum = 0, mass = Dim, weightMass = Dim == 2 ? 3 : 7;
-    static constexpr int lane(int k) { return Dim == 2 ? 2 * k : k; }
-    static constexpr int force(int k) { return 4 + lane(k); }
-    static double forceOf(const Sum& sum, int k) {
-        return Dim == 2 ? sum[force(k)] + sum[force(k) + 1] : sum[force(k)];
-    }
-
-    // Velocity, acceleration: what particles take.
-    using Motion = Pack<Dim == 2 ? 4 : 8>;
-
-    // The velocity that enters the velocity gradient. Where it is summed up from particles (MUSL, USF): their momentum, and behind it 1/mass.
-    using Velocity = Pack<4>;
-    MPM_INLINE static Velocity noMomentum(double overMass) {
-        Velocity v;
-        v.part[0] = Dim == 2 ? Quad{0, 0, overMass, 0} : Quad{0, 0, 0, overMass};
-        return v;
-    }
-
-    // Vectors with component k in lane(k), in 2D also in the next.
-    MPM_INLINE static Quad momentumIn(const Sum& sum) {
-        const Quad p = sum.part[0];
-        return Dim == 2 ? Quad{p[0], p[0], p[1], p[1]} : Quad{p[0], p[1], p[2], 0};
-    }
-    MPM_INLINE static Quad forceIn(const Sum& sum) {
-        const Quad f = sum.part[1];
-        return Dim == 2 ? f + Quad{f[1], f[0], f[3], f[2]} : Quad{f[0], f[1], f[2], 0};
-    }
-    MPM_INLINE static void
-    setComponent(Quad& vector, int k,
-                 double value) { // not lane by lane: the vector would be read before it is in memory
-        const auto in = [&](int l) { return (Dim == 2 ? l / 2 : l) == k ? value : vector[l]; };
-        vector = Quad{in(0), in(1), in(2), in(3)};
-    }
-    MPM_INLINE static void setMotion(Motion& motion, const Quad& v, const Quad& a) {
-        if constexpr (Dim == 2)
-            motion.part[0] = evenLanes(v, a);
-        else
-            motion.part[0] = Quad{v[0], v[1], v[2], a[0]}, motion.part[1] = Quad{a[1], a[2], 0, 0};
-    }
-    MPM_INLINE static Velocity velocityOf(const Quad& v) {
-        Velocity velocity;
-        velocity.part[0] = Dim == 2 ? evenLanes(v, Quad{}) : v;
-        return velocity;
-    }
-
-    std::vector<Sum, OnLargePages<Sum>> sum;
-    std::vector<Motion, OnLargePages<Motion>> motion;
-    std::vector<Velocity, OnLargePages<Velocity>> velocity;
-
-    // Which constraint holds each component of a node, -1: none. Fixed sets of nodes are entered by
-    // Scene::prepare(), driven ones anew in every step by ParticleToGrid (see engine/Driving.hpp).
-    using Holders = std::array<short, Dim>;
-    std::vector<Holders> holder;
-    static Holders free() {
-        Holders none;
-        none.fill(-1);
-        return none;
-    }
-    bool isHeld(int node) const {
-        bool held = false;
-        for (short h : holder[node]) held |= h >= 0;
-        return held;
-    }
-
-    // The part of each slab that particles touched in this step: a box in the other axes.
-    struct Extent {
-        Index<Dim> first, last; // inclusive; first > last: none
-    };
-    std::vector<Extent> extents;
-    Shares shares; // of the slabs, by the number of their touched nodes
-
-    void setSize(int nodes, int slabs) {
-        sum.assign(nodes, Sum::zero()), motion.assign(nodes, Motion::zero()),
-            velocity.assign(nodes, Velocity::zero());
-        holder.assign(nodes, free());
-        extents.resize(slabs);
-        forgetExtents();
-    }
-    void forgetExtents() {
-        Extent none;
-        none.first.fill(1 << 30), none.last.fill(-(1 << 30));
-        std::fill(extents.begin(), extents.end(), none);
-    }
-    void shareOut() {
-        shares.set(int(extents.size()), [&](int slab) {
-            double n = 1;
-            for (int k = 0; k < Dim - 1; ++k)
-                n *= std::max(0, extents[slab].last[k] - extents[slab].first[k] + 1);
-            return n;
-        });
-    }
-};
 
 template <int Dim> class Grid {
   public:

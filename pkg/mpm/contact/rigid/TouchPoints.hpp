@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The points of a body that a rigid body can touch: the boxes of uGIMP particles, or the boundary vertices of a mesh. And the
+// broad phase: the points are kept in the cells of the grid, and a shape is asked for its distance once per cell.
+#pragma once
+
+#include "mpm/contact/BoundaryFacets.hpp"
+#include "mpm/contact/rigid/RigidShape.hpp"
+#include "mpm/scene/Scene.hpp"
+
+namespace mpm {
+
+template <int Dim> class TouchPoints {
+  public:
+    // Least inertial mass of a point over the area it stands for, Mg/m2: what bounds the stiffness of contact.
+    double massPerArea() const { return massPerArea_; }
+
+    // Once per step.
+    void update(Body<Dim>& body, const Grid<Dim>& grid) {
+        isMeshed_ = body.type->isMeshed();
+        const bool isNew =
+            body_ != &body || body.particles.size() != particles_ || body.inertiaScale != inertiaScale_;
+        body_ = &body, particles_ = body.particles.size(), inertiaScale_ = body.inertiaScale;
+        half_ = body.domains->halfSize();
+        position_ = isMeshed_ ? body.domains->vertexPositions() : &body.particles.position;
+        if (isNew) isMeshed_ ? takeVertices() : takeBoxes();
+        if (isMeshed_) shareAreas(*position_);
+        if (isNew || haveDrifted()) fillCells(grid);
+    }
+
+    int count() const { return isMeshed_ ? int(vertex_.size()) : particles_; }
+    // What the solver knows point i by, and what it keeps for good.
+    int index(int i) const { return isMeshed_ ? vertex_[i] : i; }
+    int64_t id(int i) const { return isMeshed_ ? vertex_[i] : body_->particles.id.integers()[i]; }
+    double mass(int i) const {
+        return isMeshed_ ? mass_[i] : inertiaScale_ * body_->particles.mass.plane()[i];
+    }
+    Vec3 position(int i) const { return spatial(*position_, index(i)); }
+
+    // Along n from the centre to the surface of the ellipsoid inscribed in a box, m; a vertex has no extent. A body that touches a
+    // flat row of boxes overlaps with none of their ellipsoids, but with the corners of those beside the place.
+    double halfAlong(const Vec3& n) const {
+        if (isMeshed_) return 0;
+        double sum = 0;
+        for (int k = 0; k < 3; ++k) sum += std::pow(n[k] / half(k), 2);
+        return 1 / std::sqrt(sum);
+    }
+
+    // Along n from the centre to the surface of the box itself, m: half the edge along an axis, more on a diagonal.
+    double exitAlong(const Vec3& n) const {
+        if (isMeshed_) return 0;
+        double s = std::numeric_limits<double>::infinity();
+        for (int k = 0; k < 3; ++k) s = std::min(s, half(k) / std::abs(n[k]));
+        return s;
+    }
+
+    // Stretch of point i along n, |F^T n|, limited to 1 -+ mostStretch: boxes keep their size where the soil flows. And the
+    // derivative of the limited stretch.
+    struct Stretch {
+        double factor = 1, rate = 0;
+    };
+    static constexpr double mostStretch = 0.05;
+    Stretch stretch(int i, const Vec3& n) const {
+        if (isMeshed_) return {};
+        Vec3 across = Vec3::Zero(); // F^T n
+        for (int c = 0; c < 9; ++c)
+            across[c % 3] += body_->particles.deformationGradient.plane(c)[i] * n[c / 3];
+        const double t = std::tanh((across.norm() - 1) / mostStretch);
+        return {1 + mostStretch * t, 1 - t * t};
+    }
+
+    // Area that point i stands for under a normal n: of a vertex its share of the facets, of a box volume over extent.
+    double area(int i, const Vec3& n) const {
+        return isMeshed_ ? area_[i] : body_->particles.initialVolume.plane()[i] / (2 * halfAlong(n));
+    }
+
+    // Makes a box so large that it holds all points and their extents.
+    void widen(const Grid<Dim>& grid, Vec3& lower, Vec3& upper) const {
+        if (count() == 0) return;
+        const double far = std::numeric_limits<double>::infinity(), reach = this->reach(grid);
+        for (int k = 0; k < Dim; ++k) {
+            if (lowest_[k] == 0) lower[k] = -far;
+            if (highest_[k] == grid.cells[k] + 1) upper[k] = far;
+            lower[k] = std::min(lower[k], grid.lower[k] + (lowest_[k] - 1) * grid.cell[k] - reach);
+            upper[k] = std::max(upper[k], grid.lower[k] + highest_[k] * grid.cell[k] + reach);
+        }
+    }
+
+    // f(i) for the points that may touch a shape; others, too.
+    template <class F>
+    void near(const RigidShape& shape, const RigidState& at, const Grid<Dim>& grid, F&& f) const {
+        const double reach = this->reach(grid),
+                     radius = 0.5 * grid.cell.norm() + reach; // of a point, of a bin
+        const Eigen::Quaterniond back = at.orientation.conjugate();
+        Vec3 lower, upper;
+        shape.bounds(at, lower, upper);
+        Index<Dim> first, last;
+        for (int k = 0; k < Dim; ++k) {
+            first[k] = std::max(lowest_[k], binOf(grid, lower[k] - reach, k));
+            last[k] = std::min(highest_[k], binOf(grid, upper[k] + reach, k));
+            if (first[k] > last[k]) return;
+        }
+        bool isSmall = true; // few bins could be left out then
+        for (int k = 0; k < Dim; ++k) isSmall &= last[k] - first[k] < 4;
+        const auto visit = [&](int bin, const Index<Dim>& at3) {
+            if (start_[bin] == start_[bin + 1]) return;
+            Vec3 x = Vec3::Zero();
+            for (int k = 0; k < Dim; ++k) x[k] = grid.lower[k] + (at3[k] - 0.5) * grid.cell[k];
+            if (!isSmall && shape.nearest(back * (x - at.position)).distance > radius) return;
+            for (int j = start_[bin]; j < start_[bin + 1]; ++j) {
+                bool isNear = true;
+                for (int k = 0; k < Dim; ++k)
+                    isNear &= inBin_[k][j] >= lower[k] - reach && inBin_[k][j] <= upper[k] + reach;
+                if (isNear) f(point_[j]);
+            }
+        };
+        Index<Dim> i = first;
+        for (;;) { // all bins of the range, first axis fastest
+            int bin = 0;
+            for (int k = Dim - 1; k >= 0; --k) bin = bin * (grid.cells[k] + 2) + i[k];
+            for (i[0] = first[0]; i[0] <= last[0]; ++i[0]) visit(bin + i[0] - first[0], i);
+            i[0] = first[0];
+            int k = 1;
+            while (k < Dim && ++i[k] > last[k]) i[k] = first[k], ++k;
+            if (k == Dim) return;
+        }
+    }
+
+    static constexpr double mostShift = 0.01; // of a cell, how far from a point contact may look for it
+
+  private:
+    const Body<Dim>* body_ = nullptr;
+    const Field* position_ = nullptr;
+    bool isMeshed_ = false;
+    int particles_ = -1;
+    double inertiaScale_ = 0, massPerArea_ = 0;
+    Vec<Dim> half_ = Vec<Dim>::Zero();
+
+    // Of a mesh.
+    BoundaryFacets<Dim> boundary_;
+    std::vector<int> vertex_, place_; // boundary vertices, and the place of each vertex among them
+    std::vector<double> area_, mass_;
+
+    // Points by grid cell (with a layer outside the box), as they stood when the cells were filled.
+    std::vector<int> start_, point_;
+    std::vector<double> filledAt_[Dim], inBin_[Dim]; // in the order of the points, and of the bins
+    Index<Dim> lowest_, highest_;                    // occupied bins
+
+    double reach(const Grid<Dim>& grid) const { // of a point, m
+        return (1 + mostStretch) * half_.maxCoeff() + mostShift * grid.cell.minCoeff() + skin(grid);
+    }
+    double half(int k) const {
+        return k < Dim ? half_[k] : half_.maxCoeff();
+    } // out of the plane: for a body beside it
+    static double skin(const Grid<Dim>& grid) { return 0.1 * grid.cell.minCoeff(); }
+    static int binOf(const Grid<Dim>& grid, double x, int k) {
+        const double c = std::floor((x - grid.lower[k]) / grid.cell[k]) + 1;
+        return c > 0 ? int(std::min(c, grid.cells[k] + 1.0)) : 0;
+    }
+
+    static Vec3 spatial(const Field& field, int i) {
+        Vec3 x = Vec3::Zero();
+        for (int k = 0; k < Dim; ++k) x[k] = field.plane(k)[i];
+        return x;
+    }
+
+    void takeBoxes() {
+        const double least = half_.minCoeff();
+        massPerArea_ = 1e300;
+        for (int p = 0; p < particles_; ++p)
+            massPerArea_ =
+                std::min(massPerArea_, mass(p) * 2 * least / body_->particles.initialVolume.plane()[p]);
+    }
+
+    void takeVertices() {
+        boundary_.find(*body_->domains);
+        place_.assign(position_->size(), -1), vertex_.clear();
+        for (auto& facet : boundary_.facets)
+            for (int v : facet) place_[v] = 0;
+        for (int v = 0; v < int(place_.size()); ++v)
+            if (place_[v] == 0) place_[v] = int(vertex_.size()), vertex_.push_back(v);
+        mass_.assign(vertex_.size(), 0.0);
+        const std::vector<int>& corner = *body_->domains->cornerTable();
+        for (size_t a = 0; a < corner.size(); ++a)
+            if (const int i = place_[corner[a]]; i >= 0)
+                mass_[i] += inertiaScale_ * body_->particles.mass.plane()[a / corners<Dim>] / corners<Dim>;
+        for (Field* field : body_->domains->fields()) // a restart finds the same stiffness
+            if (field->name == "vertexReference") shareAreas(*field);
+        massPerArea_ = 1e300;
+        for (size_t i = 0; i < vertex_.size(); ++i)
+            massPerArea_ = std::min(massPerArea_, mass_[i] / area_[i]);
+    }
+
+    // Each facet's area in equal parts to its vertices, which are at `position`.
+    void shareAreas(const Field& position) {
+        area_.assign(vertex_.size(), 0.0);
+        for (auto& facet : boundary_.facets) {
+            Vec3 X[4];
+            for (int a = 0; a < boundary_.size; ++a) X[a] = spatial(position, facet[a]);
+            const double area =
+                Dim == 2 ? (X[1] - X[0]).norm() : 0.5 * (X[2] - X[0]).cross(X[3] - X[1]).norm();
+            for (int v : facet) area_[place_[v]] += area / boundary_.size;
+        }
+    }
+
+    bool haveDrifted() const {
+        const double allowed = skin(body_->domains->grid) / std::sqrt(double(Dim));
+        for (int k = 0; k < Dim; ++k) {
+            const double *x = position_->plane(k), *before = filledAt_[k].data();
+            double most = 0;
+            if (isMeshed_)
+                for (int i = 0; i < count(); ++i) most = std::max(most, std::abs(x[vertex_[i]] - before[i]));
+            else
+#pragma omp simd reduction(max : most)
+                for (int i = 0; i < particles_; ++i) most = std::max(most, std::abs(x[i] - before[i]));
+            if (most > allowed) return true;
+        }
+        return false;
+    }
+
+    void fillCells(const Grid<Dim>& grid) {
+        const int n = count();
+        int bins = 1;
+        for (int k = 0; k < Dim; ++k) {
+            bins *= grid.cells[k] + 2, filledAt_[k].resize(n);
+            lowest_[k] = grid.cells[k] + 1, highest_[k] = 0;
+        }
+        std::vector<int> bin(n, 0);
+        start_.assign(bins + 1, 0), point_.resize(n);
+        for (int i = 0; i < n; ++i) {
+            const Vec3 x = position(i);
+            for (int k = Dim - 1; k >= 0; --k) {
+                const int c = binOf(grid, x[k], k);
+                filledAt_[k][i] = x[k];
+                bin[i] = bin[i] * (grid.cells[k] + 2) + c;
+                lowest_[k] = std::min(lowest_[k], c), highest_[k] = std::max(highest_[k], c);
+            }
+            ++start_[bin[i] + 1];
+        }
+        for (int b = 0; b < bins; ++b) start_[b + 1] += start_[b];
+        std::vector<int> next(start_.begin(), start_.end() - 1);
+        for (int i = 0; i < n; ++i) point_[next[bin[i]]++] = i;
+        for (int k = 0; k < Dim; ++k) {
+            inBin_[k].resize(n);
+            for (int j = 0; j < n; ++j) inBin_[k][j] = filledAt_[k][point_[j]];
+        }
+    }
+};
+
+} // namespace mpm

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The loop over engines.
+#include "mpm/scene/Scene.hpp"
+
+#include "mpm/base/parallel/watched.hpp"
+#include "mpm/scene/Engine.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace mpm {
+
+template <int Dim> void Scene<Dim>::prepare() {
+    require(!bodies.empty(), "Scene: there is no body; add one with scene.add(name, region, material, type)");
+    driven.clear();
+    separateGroups();
+    for (auto& field : grid.fields) field.holder.assign(grid.count, NodalField<Dim>::free());
+    for (size_t c = 0; c < constraints.size(); ++c) {
+        const Constraint& constraint = *constraints[c];
+        if (constraint.drivesBody()) body(constraint.body);
+        if (!constraint.active) continue;
+        for (auto& field : grid.fields)
+            for (int node : constraint.nodes)
+                for (int k = 0; k < Dim; ++k)
+                    if (!std::isnan(constraint.velocity[k])) field.holder[node][k] = short(c);
+    }
+    for (auto& body : bodies) body->domains->lame = body->material->lame(); // may have been changed since
+    for (auto& engine : engines) engine->finish(), engine->prepare(*this);
+    require(!engines.empty(), "Scene: there are no engines; leave scene.engines alone for the default chain");
+}
+
+// Without an engine for contact all bodies move with one velocity field.
+template <int Dim> void Scene<Dim>::separateGroups() {
+    const auto separates = [](auto& engine) { return !engine->dead && engine->separatesGroups(); };
+    const bool isSeparate = std::any_of(engines.begin(), engines.end(), separates);
+    groups.clear();
+    for (auto& body : bodies) {
+        const std::string group = isSeparate ? body->group : "";
+        auto found = std::find(groups.begin(), groups.end(), group);
+        if (found == groups.end()) found = groups.insert(groups.end(), group);
+        body->velocityField = int(found - groups.begin());
+    }
+    grid.setFields(int(groups.size()));
+}
+
+template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {
+    if (engine.dead) return;
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    for (auto& body : bodies) body->domains->step = step;
+    engine.action(*this);
+    setWatched(engine.seconds, engine.seconds + std::chrono::duration<double>(Clock::now() - begin).count());
+    setWatched(engine.calls, engine.calls + 1);
+}
+
+template <int Dim> void Scene<Dim>::endStep(double newTime) {
+    for (auto& constraint : constraints) constraint->stepped(dt);
+    for (auto& engine : engines)
+        if (!engine->dead) engine->stepped(dt);
+    setWatched(time, newTime), setWatched(step, step + 1);
+}
+
+template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {
+    using Clock = std::chrono::steady_clock;
+    const auto since = [](Clock::time_point t) {
+        return std::chrono::duration<double>(Clock::now() - t).count();
+    };
+    const auto start = Clock::now();
+    size_t lastStage = 0; // the clock moves on after it, so that callbacks at the end see the new time
+    for (size_t e = 0; e < engines.size(); ++e)
+        if (engines[e]->isStage() && !engines[e]->dead) lastStage = e;
+    long taken = 0;
+    ThreadPool::during(threads, [&] {
+        for (; taken < steps; ++taken) {
+            if (taken > 0 && since(start) >= seconds) break;
+            for (size_t e = 0; e < engines.size(); ++e) {
+                Engine& engine = *engines[e];
+                const auto tick = [&] {
+                    if (e == lastStage) endStep(time + dt);
+                };
+                try {
+                    actAlone(engine);
+                } catch (...) { // what ends a step at its last stage (a distorted domain) has made all of it
+                    tick();
+                    throw;
+                }
+                tick();
+            }
+        }
+    });
+    return taken;
+}
+
+template class Scene<2>;
+template class Scene<3>;
+
+} // namespace mpm

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// F-bar: one increment of volumetric strain per cell of the grid and body, and one mean stress that is linear in it. tr L of a
+// particle is replaced by its volume-weighted mean over the particles whose centres are in the same cell (de Souza Neto et al.
+// 1996; for MPM Coombs et al. 2018), and after the stress update the mean stress by that of the cell and the slopes towards its
+// neighbours. Without the latter the operator is not symmetric: mean stresses of yielding particles with friction part within a
+// cell, and nothing brings them back. Without slopes the mean stress would be a staircase of cells.
+#pragma once
+
+#include "mpm/base/parallel/ParallelRegion.hpp"
+#include "mpm/scene/Body.hpp"
+
+namespace mpm {
+
+class CellAverage {
+  public:
+    // Before anything else; called by all threads.
+    template <int Dim> void start(ParallelRegion& region, int particles, const Grid<Dim>& grid) {
+        region.once([&] {
+            for (int k = 0; k < Dim; ++k) strides_[k] = grid.strides[k], edges_[k] = grid.cell[k];
+            slabSize_ = grid.strides[Dim - 1], slabs_ = grid.slabs();
+            cell_.resize(particles), value_.resize(particles), cells_.resize(grid.count),
+                slabsOf_.resize(chunksOf(particles));
+        });
+    }
+
+    // Cells of particles [begin, end), a chunk.
+    template <int Dim>
+    void locate(const Particles<Dim>& particles, const Grid<Dim>& grid, int begin, int end) {
+        std::fill(cell_.begin() + begin, cell_.begin() + end, 0);
+        for (int k = 0; k < Dim; ++k) {
+            const double *x = particles.position.plane(k), last = grid.nodes[k] - 2.0;
+            for (
+                int p = begin; p < end;
+                ++p) { // a particle that just left the grid, or has no place (nan), is found out by the next step
+                const double c = std::min(std::max(1.0, grid.inCells(x[p], k)), last);
+                cell_[p] += int(c) * grid.strides[k];
+            }
+        }
+        const auto extremes = std::minmax_element(cell_.begin() + begin, cell_.begin() + end);
+        slabsOf_[begin / chunkSize] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
+    }
+
+    // Of each particle: the value to be averaged, and after toMeans() or toLinear() what changes it to the average.
+    double* values() { return value_.data(); }
+
+    // Sums of the values in each cell, in the order of the particles, by the thread that has this stretch of the grid; called by all threads.
+    template <bool withCentres, int Dim> void sum(ParallelRegion& region, const Particles<Dim>& particles) {
+        region.once([&] {
+            ++round_;
+            std::vector<int> inSlab(slabs_, 0);
+            for (const Range& slabs : slabsOf_) ++inSlab[(slabs.first + slabs.last) / 2];
+            partitions_.set(slabs_, [&](int slab) { return inSlab[slab]; });
+        });
+        const double *volume = particles.volume.plane(), *x[Dim];
+        for (int k = 0; k < Dim; ++k) x[k] = particles.position.plane(k);
+        region.forOwnRange(partitions_, [&](int firstSlab, int endSlab) {
+            const int first = firstSlab * slabSize_, end = endSlab * slabSize_;
+            for (int c = 0; c < int(slabsOf_.size()); ++c)
+                if (slabsOf_[c].last >= firstSlab && slabsOf_[c].first < endSlab)
+                    for (int p = c * chunkSize; p < std::min(int(cell_.size()), (c + 1) * chunkSize); ++p) {
+                        if (cell_[p] < first || cell_[p] >= end) continue;
+                        Cell& cell = cells_[cell_[p]];
+                        const bool isEmpty = cell.round != round_;
+                        cell.round = round_, cell.particles = isEmpty ? 1 : cell.particles + 1;
+                        cell.volume = (isEmpty ? 0 : cell.volume) + volume[p];
+                        cell.sum = (isEmpty ? 0 : cell.sum) + volume[p] * value_[p];
+                        for (int k = 0; k < Dim && withCentres; ++k)
+                            cell.moment[k] = (isEmpty ? 0 : cell.moment[k]) + volume[p] * x[k][p];
+                    }
+        });
+    }
+
+    // For particles [begin, end): the mean of their cell.
+    void toMeans(int begin, int end) {
+        const int* cell = cell_.data();
+        const Cell* cells = cells_.data();
+        double* value = value_.data();
+#pragma omp simd
+        for (int p = begin; p < end; ++p) value[p] = cells[cell[p]].sum / cells[cell[p]].volume - value[p];
+    }
+
+    // For particles [begin, end): linear in their cell, with its mean.
+    template <int Dim> void toLinear(const Particles<Dim>& particles, int begin, int end) {
+        for (int p = begin; p < end;) {
+            const int cell = cell_[p];
+            if (cells_[cell].particles == 1) {
+                value_[p++] = 0;
+                continue;
+            }
+            const Linear<Dim> linear = linearIn<Dim>(cell);
+            for (; p < end && cell_[p] == cell; ++p)
+                value_[p] = linear.at(vectorAt<Dim>(particles.position, p)) - value_[p];
+        }
+    }
+
+  private:
+    struct Cell {
+        long round = 0; // in which it was summed: else nothing is in it
+        int particles = 0;
+        double volume = 0, sum = 0, moment[3] = {};
+
+        double mean() const { return sum / volume; }
+        double centre(int axis) const { return moment[axis] / volume; } // of the particles
+    };
+    template <int Dim> struct Linear {
+        double mean;
+        Vec<Dim> centre, slope;
+        double at(const Vec<Dim>& x) const { return mean + slope.dot(x - centre); }
+    };
+    struct Range {
+        int first, last;
+    };
+
+    template <int Dim> Linear<Dim> linearIn(int number) const {
+        const Cell& cell = cells_[number];
+        Linear<Dim> linear{cell.mean(), Vec<Dim>::Zero(), Vec<Dim>::Zero()};
+        for (int k = 0; k < Dim; ++k) {
+            linear.centre[k] = cell.centre(k);
+            linear.slope[k] = slope(cells_[number - strides_[k]], cell, cells_[number + strides_[k]], k);
+        }
+        return linear;
+    }
+
+    // The mean of the slopes to both neighbours, and at most twice the smaller one: along an axis no value in an evenly filled cell is
+    // beyond those of the neighbours (the monotonised central difference of van Leer 1977). Zero at an extremum and where a neighbour
+    // is empty.
+    double slope(const Cell& before, const Cell& cell, const Cell& after, int axis) const {
+        if (before.round != round_ || after.round != round_) return 0;
+        const auto between = [&](const Cell& a, const Cell& b) {
+            return (b.mean() - a.mean()) / std::max(b.centre(axis) - a.centre(axis), 0.5 * edges_[axis]);
+        };
+        const double left = between(before, cell), right = between(cell, after),
+                     central = 0.5 * (left + right);
+        if (left * right <= 0) return 0;
+        return std::copysign(std::min({std::abs(central), 2 * std::abs(left), 2 * std::abs(right)}), central);
+    }
+
+    int strides_[3] = {};          // from a cell to the next one
+    double edges_[3] = {};         // m, of a cell
+    int slabSize_ = 0, slabs_ = 0; // nodes in a slab of the grid, and number of slabs
+    long round_ = 0;               // number of sums so far
+    std::vector<int> cell_;        // of each particle
+    std::vector<double> value_;
+    std::vector<Cell> cells_;
+    std::vector<Range> slabsOf_; // of each chunk
+    WorkPartition partitions_;   // of the slabs
+};
+
+} // namespace mpm

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Pieces of the step that more than one engine uses; all are called by every thread of a region.
+#pragma once
+
+#include "mpm/scene/Scene.hpp"
+
+namespace mpm {
+
+// f(node) for every node that the particles of a field touch, slab by slab.
+template <int Dim, class F>
+void forActiveNodes(ParallelRegion& region, const Scene<Dim>& scene, const NodalField<Dim>& field, F&& f) {
+    region.forPieces(field.partition, [&](int slab) { scene.grid.forNodes(field, slab, f); });
+}
+
+// Finds everything in the grid, and what part of the grid is touched.
+template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scene) {
+    do { // once more after sorting
+        for (auto& body : scene.bodies) body->domains->locate(region);
+        region.wait();
+        region.once([&] {
+            scene.sorted = false;
+            if (region.failed()) return;
+            for (auto& body : scene.bodies) scene.sorted |= body->domains->resort();
+            if (scene.sorted) return;
+            for (auto& field : scene.grid.fields) field.forgetExtents();
+            for (auto& body : scene.bodies)
+                body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
+            for (auto& field : scene.grid.fields) field.partitionNodes();
+        });
+    } while (scene.sorted);
+}
+
+// Sums of mass, momentum and force on the nodes, from the particles where locate() found them.
+// Hourglass control is a force here. Under MUSL and USF it also enters the velocity that moves the vertices
+// (velocityFromParticles): that is a sum over particles, which cannot hold a pattern of single domains, so
+// the force alone would never undo one.
+template <int Dim> void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, bool withForce) {
+    for (auto& field : scene.grid.fields)
+        forActiveNodes(region, scene, field,
+                       [&](int node) { field.sum[node] = NodalField<Dim>::Sum::zero(); });
+    for (auto& body : scene.bodies)
+        body->domains->addSum(region, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale,
+                              withForce);
+}
+
+// Before the particles add their momentum to it.
+template <int Dim> void clearVelocity(ParallelRegion& region, Scene<Dim>& scene) {
+    const double least = scene.leastMass();
+    for (auto& field : scene.grid.fields)
+        forActiveNodes(region, scene, field, [&](int node) {
+            const double m = field.sum[node][NodalField<Dim>::mass];
+            field.velocity[node] = NodalField<Dim>::noMomentum(m > least ? 1 / m : 0);
+        });
+}
+
+// From the momentum of the particles to the velocity that enters the velocity gradient (MUSL, USF), with what is
+// prescribed at the given time.
+template <int Dim> void velocityFromMomentum(ParallelRegion& region, Scene<Dim>& scene, double time) {
+    for (auto& field : scene.grid.fields)
+        forActiveNodes(region, scene, field, [&](int node) {
+            auto& v = field.velocity[node];
+            const double overMass = v[Dim];
+            v = overMass * v;
+            if (overMass > 0 && field.isHeld(node))
+                for (int k = 0; k < Dim; ++k)
+                    if (const int c = field.holder[node][k]; c >= 0) v.set(k, scene.prescribed(c, k, time));
+        });
+}
+
+} // namespace mpm

@@ -40,21 +40,21 @@ except ImportError as _error:
         f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH"
     ) from None
 from . import diagnostics, rigid
-from . import engines as _engines
-from . import materials as _materials
-from . import particles as _particles
-from .body import Body, BodyPart
-from .certificate import Certificate, quasiStatic, rateSensitivity
-from .engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner, RigidContact
-from .history import History
-from .materials import Material, MaterialPoint
-from .mesh import Mesh, meshFromArrays, meshFromFile
-from .meshRows import inRows
-from .particles import ParticleType
-from .recorder import Recorder
-from .regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
-from .restoring import load
-from .scene import Scene
+from .check.certificate import Certificate, quasiStatic, rateSensitivity
+from .engine import engines as _engines
+from .engine.engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner, RigidContact
+from .geometry.mesh import Mesh, meshFromArrays, meshFromFile
+from .geometry.meshRows import inRows
+from .geometry.regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
+from .io.history import History
+from .io.recorder import Recorder
+from .material import materials as _materials
+from .material.materials import Material, MaterialPoint
+from .particle import types as _particles
+from .particle.body import Body, BodyPart
+from .particle.types import ParticleType
+from .scene.restoring import load
+from .scene.scene import Scene
 
 globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
 

@@ -6,9 +6,10 @@ import sys
 
 import numpy as np
 
-from . import _core, rigid
-from .engines import RigidContact
-from .yadePlane import Plane
+from .. import _core
+from ..engine import rigid
+from ..engine.engines import RigidContact
+from .plane import Plane
 
 EVERY = 100  # cycles, after which far bodies are looked for, too
 DENSER = 30  # times the densest body of the scene; steel on peat has 11

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 import h5py
 import numpy as np
 
-from .engines import Callback
+from ..engine.engines import Callback
 from .files import checkWritable
 
 QUADRILATERAL, HEXAHEDRON = 9, 12  # VTK cell types

@@ -13,8 +13,8 @@ import os
 import h5py
 import numpy as np
 
-from . import __version__
-from .engines import Callback, GridSolver
+from .. import __version__
+from ..engine.engines import Callback, GridSolver
 from .files import checkWritable, replacing
 
 FORMAT, VERSION = "yade-mpm checkpoint", 2

@@ -9,7 +9,8 @@ import sys
 import threading
 import time
 
-from . import checkpoint, limits
+from ..base import limits
+from ..io import checkpoint
 from .pace import Pace
 
 SLICE = 0.1  # s of wall time between looks at signals and the progress bar

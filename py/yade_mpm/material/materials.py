@@ -5,8 +5,8 @@ import copy
 
 import numpy as np
 
-from . import _core
-from .attributes import Attributed, makeClasses
+from .. import _core
+from ..base.attributes import Attributed, makeClasses
 
 
 class Material(Attributed):

@@ -8,8 +8,8 @@ from collections.abc import MutableMapping
 
 import numpy as np
 
-from . import diagnostics
-from .engines import Callback, Contact, Hold
+from ..check import diagnostics
+from ..engine.engines import Callback, Contact, Hold
 from .files import checkWritable, replacing
 from .recorder import Recorder, checkPeriod, extend
 

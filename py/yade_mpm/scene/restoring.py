@@ -8,16 +8,16 @@ import warnings
 import h5py
 import numpy as np
 
-from . import __version__
-from .body import BodyPart
-from .checkpoint import FORMAT, VERSION, storedFields
-from .engines import Callback, Drive, GridSolver, Hold, PyRunner
-from .engines import classes as engineClasses
-from .materials import classes as materialClasses
-from .materials import rebuilt
-from .mesh import Mesh
-from .particles import classes as particleClasses
-from .regions import regionFromSpec
+from .. import __version__
+from ..engine.engines import Callback, Drive, GridSolver, Hold, PyRunner
+from ..engine.engines import classes as engineClasses
+from ..geometry.mesh import Mesh
+from ..geometry.regions import regionFromSpec
+from ..io.checkpoint import FORMAT, VERSION, storedFields
+from ..material.materials import classes as materialClasses
+from ..material.materials import rebuilt
+from ..particle.body import BodyPart
+from ..particle.types import classes as particleClasses
 from .scene import Scene
 
 

@@ -5,18 +5,20 @@ import warnings
 
 import numpy as np
 
-from . import _core, checkpoint, limits
-from .attributes import Guarded
-from .body import Body
-from .engines import FACES, Callback, Engine, GridSolver, belongTo, classes
-from .files import checkWritable
-from .lattice import checkOverlap
-from .materials import Material
-from .mistakes import likelyMistakes
-from .particles import Boxes, ParticleType
-from .particles import classes as particleClasses
-from .regions import Region
-from .running import Run
+from .. import _core
+from ..base import limits
+from ..base.attributes import Guarded
+from ..check.mistakes import likelyMistakes
+from ..engine.engines import FACES, Callback, Engine, GridSolver, belongTo, classes
+from ..geometry.lattice import checkOverlap
+from ..geometry.regions import Region
+from ..io import checkpoint
+from ..io.files import checkWritable
+from ..material.materials import Material
+from ..particle.body import Body
+from ..particle.types import Boxes, ParticleType
+from ..particle.types import classes as particleClasses
+from .run import Run
 
 MOST_THREADS = 1024
 PARTICLES_PER_THREAD = 1000  # a block of 2000 is 1.5 times as fast on two (doc/performance.md)

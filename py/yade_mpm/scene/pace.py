@@ -7,7 +7,7 @@ are the same bits for any number, so a run may change it: it tries the other num
 
 import time
 
-from .engines import Engine
+from ..engine.engines import Engine
 
 FIRST, LATER = (
     0.3,

@@ -6,12 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from . import _core
-from .attributes import Attributed, makeClasses
-from .lattice import asSpacing, cutCells, cutOutline, latticePoints
-from .mesh import Mesh, meshFromArrays, meshFromFile, meshRegion, refineNear
-from .meshRows import inRows
-from .regions import Region
+from .. import _core
+from ..base.attributes import Attributed, makeClasses
+from ..geometry.lattice import asSpacing, cutCells, cutOutline, latticePoints
+from ..geometry.mesh import Mesh, meshFromArrays, meshFromFile, meshRegion, refineNear
+from ..geometry.meshRows import inRows
+from ..geometry.regions import Region
 
 
 class Boxes(NamedTuple):

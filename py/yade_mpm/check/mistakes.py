@@ -3,8 +3,8 @@
 
 import numpy as np
 
-from .engines import Contact, Drive, RigidContact
-from .materials import MaterialPoint
+from ..engine.engines import Contact, Drive, RigidContact
+from ..material.materials import MaterialPoint
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
 ANGLES = 5, 85  # degrees; no coefficient of friction is that large

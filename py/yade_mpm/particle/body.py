@@ -3,9 +3,9 @@
 
 import numpy as np
 
-from . import limits
-from .attributes import Guarded
-from .regions import Region
+from ..base import limits
+from ..base.attributes import Guarded
+from ..geometry.regions import Region
 
 
 class Body(Guarded):

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Whether a run can be called quasi-static: a few ratios of its history against limits."""
+
+import math
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+
+START_UP = (
+    0.1  # share of the time at the beginning that does not count: little work is done, and the load sets in
+)
+
+LIMITS = {
+    "kineticRatio": 0.05,  # Getting Started with Abaqus, 13.4: 0.05 to 0.1 of the internal energy for most of the process
+    "unbalancedRatio": 0.05,  # measured, see doc/quasi-static.md; YADE asks 0.01 or less of its own at rest
+    "energyError": 0.02,  # Abaqus: total energy within 1 percent; Radioss: 1 or 2 percent are acceptable
+    "dampedRatio": 0.05,  # our choice; artificial energies in the examples of Abaqus: 0.02 no problem, 0.15 substantial
+    "rateSensitivity": 0.05,  # what an engineer would not see in a resistance
+}
+_meaning = {
+    "kineticRatio": "kinetic energy is {} of the work done",
+    "unbalancedRatio": "the mean out-of-balance force of the nodes is {} of the mean force on a node",
+    "energyError": "the energy balance is open by {} of the work done",
+    "dampedRatio": "damping took {} of the work done",
+    "rateSensitivity": "another rate changes the result by {}",
+}
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What `quasiStatic` found: numbers, the limits used, and the verdict.
+
+    kineticRatio : largest kinetic energy over the work done, -.
+    unbalancedRatio : mean of `diagnostics.unbalancedRatio`, -.
+    energyError : largest |energy error| over the work done, -.
+    dampedRatio : energy taken by local damping over the work done, at the end, -.
+    rateSensitivity : relative change of the result at another rate, -; None: not looked at.
+    after : rows of the history from this time on count, s.
+    limits : dict name -> largest allowed value.
+
+    print() of it gives the verdict in words.
+    """
+
+    kineticRatio: float
+    unbalancedRatio: float
+    energyError: float
+    dampedRatio: float
+    rateSensitivity: float | None
+    after: float
+    limits: dict = field(default_factory=lambda: dict(LIMITS))
+
+    @property
+    def reasons(self):
+        """List of sentences that say why the run is not quasi-static; empty if it is."""
+        return [
+            self._sentence(name) for name in self._judged() if not getattr(self, name) <= self.limits[name]
+        ]
+
+    @property
+    def isQuasiStatic(self):
+        """Whether every ratio is known and within its limit."""
+        return not self.reasons
+
+    def asDict(self):
+        """Numbers, limits and verdict as plain types, for JSON; a number that is not known is None."""
+        plain = {
+            name: None if isinstance(value, float) and not math.isfinite(value) else value
+            for name, value in asdict(self).items()
+        }
+        return {**plain, "isQuasiStatic": self.isQuasiStatic, "reasons": self.reasons}
+
+    def __str__(self):
+        if self.reasons:
+            return "NOT quasi-static: " + "; ".join(self.reasons)
+        return "quasi-static: " + "; ".join(self._sentence(name) for name in self._judged())
+
+    def _judged(self):
+        return [name for name in self.limits if getattr(self, name) is not None]
+
+    def _sentence(self, name):
+        value = getattr(self, name)
+        if math.isnan(value):
+            return f"{name} is not known (no work is done, or the history holds nan)"
+        return f"{_meaning[name].format(_percent(value))} (limit {_percent(self.limits[name])})"
+
+
+def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
+    """Certificate of a run: whether it can be called quasi-static, by its history.
+
+    Parameters
+    ----------
+    history : `History` of the run, or a mapping of its columns time (s), kineticEnergy, dampedEnergy, energyError, workDone
+        (kJ) and unbalancedRatio (-).
+    after : rows from this time on count, s; default: the last nine tenths of the time that the rows span.
+    rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another rate, -; default: not
+        judged.
+    limits : dict of limits that replace some of the default ones: kineticRatio 0.05, unbalancedRatio 0.05, energyError 0.02,
+        dampedRatio 0.05, rateSensitivity 0.05.
+
+    Energies are compared with `diagnostics.workDone`. A ratio that is nan counts as not known, and refuses the verdict. The
+    sources of the limits are in doc/quasi-static.md. Energies of a whole model say little about a small part of it, and
+    nothing about a history that is too coarse to see a peak.
+
+    Raises ValueError for a history without rows after `after`, an unknown or non-positive limit, or a negative rateSensitivity.
+    """
+    t = np.asarray(history["time"], dtype=float)
+    if not len(t):
+        raise ValueError(
+            "quasiStatic: the history has no rows; put a History with a shorter period among the engines"
+        )
+    if after is None:
+        after = t[0] + START_UP * (t[-1] - t[0])
+    rows = t >= after
+    if not rows.any():
+        raise ValueError(
+            f"quasiStatic: the history has no rows from after = {after:g} s on, it ends at {t[-1]:g} s"
+        )
+    if rateSensitivity is not None and not rateSensitivity >= 0:
+        raise ValueError(
+            f"quasiStatic: rateSensitivity = {rateSensitivity!r} is not allowed; give zero or a positive number"
+        )
+    kinetic, damped, error, work, unbalanced = (
+        np.asarray(history[name], dtype=float)[rows]
+        for name in ("kineticEnergy", "dampedEnergy", "energyError", "workDone", "unbalancedRatio")
+    )
+    return Certificate(
+        kineticRatio=_largest(kinetic, work),
+        unbalancedRatio=float(unbalanced.mean()),
+        energyError=_largest(np.abs(error), work),
+        dampedRatio=_largest(damped[-1:], work[-1:]),
+        rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
+        after=float(after),
+        limits=_limits(limits or {}),
+    )
+
+
+def rateSensitivity(x, result, xOther, resultOther):
+    """Relative change of a result at another rate, mean |difference| over mean |result|, where both runs reach, -.
+
+    x, result : e.g. penetration (m, increasing) and resistance (kN) of the run, (N,); xOther, resultOther : of the other one.
+
+    Take twice the rate for the other run. If the result depends on the rate by a power of one or more, R(2v) - R(v) is at
+    least R(v) - R(0), what the rate of the run itself does; and that run takes half the time.
+
+    Raises ValueError if the two have fewer than two points of the run in common.
+    """
+    x, result = np.asarray(x, dtype=float), np.asarray(result, dtype=float)
+    common = (x >= np.min(xOther)) & (x <= np.max(xOther))
+    if common.sum() < 2:
+        raise ValueError(
+            "rateSensitivity: the two runs have no stretch in common; let the other one go as far"
+        )
+    difference = np.interp(x[common], xOther, resultOther) - result[common]
+    return float(np.abs(difference).mean() / np.abs(result[common]).mean())
+
+
+def _largest(part, work):
+    """Largest part over work; nan where no work is done."""
+    if not (work > 0).all():
+        return math.nan
+    return float((part / work).max())
+
+
+def _limits(given):
+    for name, value in given.items():
+        if name not in LIMITS:
+            raise ValueError(f"quasiStatic: there is no limit '{name}'; limits: {', '.join(LIMITS)}")
+        if not value > 0:
+            raise ValueError(
+                f"quasiStatic: limits['{name}'] = {value!r} is not allowed; give a positive number"
+            )
+    return {**LIMITS, **given}
+
+
+def _percent(ratio):
+    return f"{100 * ratio:.2g} %" if ratio < 1 else f"{100 * ratio:.0f} %"

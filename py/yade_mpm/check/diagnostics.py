@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Numbers that tell how a run is doing, each a function of a scene.
+
+In 2D masses, forces and energies are per metre of thickness.
+"""
+
+from operator import itemgetter
+
+import numpy as np
+
+
+# --- mass, momentum, energy -----------------------------------------------------------------------------
+def mass(scene):
+    """Mass of all particles, sum m, Mg; without inertial scaling."""
+    return float(sum(body.mass.sum() for body in scene.bodies))
+
+
+def momentum(scene):
+    """Momentum, sum s m v, Mg m/s (dim,), with the inertial mass (s: inertiaScale of the body)."""
+    return sum(
+        (body.inertiaScale * np.array(body.core.motion()[0]) for body in scene.bodies), np.zeros(scene.dim)
+    )
+
+
+def kineticEnergy(scene):
+    """Kinetic energy, sum 1/2 s m v.v, kJ, with the inertial mass (s: inertiaScale of the body)."""
+    return float(sum(0.5 * body.inertiaScale * body.core.motion()[1] for body in scene.bodies))
+
+
+def internalWork(scene):
+    """Work of the stresses since the start, int sum V sigma : D dt, kJ: elastic energy and plastic dissipation."""
+    return float(sum(body.core.internalWork for body in scene.bodies))
+
+
+def externalWork(scene):
+    """Work of gravity, body forces, boundary loads and prescribed motions since the start, kJ."""
+    energies = scene.core.energies
+    return float(energies["gravity"] + energies["loads"] + sum(c.work for c in scene.constraints))
+
+
+def dampedEnergy(scene):
+    """Energy taken out by local damping since the start, kJ."""
+    return float(scene.core.energies["damping"])
+
+
+def contactEnergy(scene):
+    """Energy lost to friction and impact between groups of bodies since the start, kJ."""
+    return float(scene.core.energies["contact"])
+
+
+def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
+    """What is missing in the energy balance, W_ext - W_damp - W_contact - W_int - (E_kin - E_kin,0), kJ.
+
+    initialKineticEnergy : E_kin,0 at the start, kJ; default 0.
+    relative : divide by |W_ext| + W_damp + W_contact + |W_int| + E_kin + E_kin,0; 0 where all are zero.
+    kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
+
+    Positive: energy was lost in the transfers, in hourglass control or in conversions. Velocities belong to the middle
+    of steps, so dt/2 dE_kin/dt is always part of it; that oscillates and does not add up.
+    """
+    kinetic = kineticEnergy(scene) if kinetic is None else kinetic
+    external, internal, damped = (
+        externalWork(scene),
+        internalWork(scene),
+        dampedEnergy(scene) + contactEnergy(scene),
+    )
+    error = external - damped - internal - (kinetic - initialKineticEnergy)
+    if not relative:
+        return error
+    scale = abs(external) + damped + abs(internal) + kinetic + initialKineticEnergy
+    return error / scale if scale > 0 else 0.0
+
+
+def workDone(scene):
+    """Work done so far whatever its sign, |W_gravity| + |W_loads| + sum |W_c|, kJ; W_c: of one prescribed motion.
+
+    Unlike `externalWork` it is no sum in which the work of gravity and of a drive may cancel: the scale of energy ratios.
+    """
+    energies = scene.core.energies
+    return float(
+        abs(energies["gravity"]) + abs(energies["loads"]) + sum(abs(c.work) for c in scene.constraints)
+    )
+
+
+def kineticRatio(scene, kinetic=None):
+    """Kinetic energy over the work done, E_kin / `workDone`, -; nan before any work is done.
+
+    kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
+
+    Small values (a few percent) mean that a run is quasi-static, see `yade_mpm.quasiStatic`.
+    """
+    done = workDone(scene)
+    kinetic = kineticEnergy(scene) if kinetic is None else kinetic
+    return kinetic / done if done > 0 else float("nan")
+
+
+# --- domains --------------------------------------------------------------------------------------------
+def minJacobian(scene):
+    """Smallest corner Jacobian of all APDI domains over their initial volume, -; nan without APDI domains."""
+    values = [body.minJacobian for body in scene.bodies if _isMeshed(body) and body.count]
+    return float(min(values)) if values else float("nan")
+
+
+def hourglassAmplitude(scene):
+    """Largest hourglass amplitude of all APDI domains over their edge, -; nan without APDI domains."""
+    values = [body.hourglassAmplitude for body in scene.bodies if _isMeshed(body) and body.count]
+    return float(max(values)) if values else float("nan")
+
+
+def distortedCount(scene):
+    """Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run stops, or converts them."""
+    return sum(body.distortedCount for body in scene.bodies)
+
+
+def invertedCount(scene):
+    """Number of APDI domains with a corner Jacobian <= 0, and of uGIMP particles with det F <= 0."""
+    return sum(_inverted(body) for body in scene.bodies if body.count)
+
+
+def convertedCount(scene):
+    """Number of APDI domains that were converted to uGIMP particles so far."""
+    return sum(body.converted for body in scene.bodies)
+
+
+def cornerJacobians(corners):
+    """Jacobian at every corner of quadrilaterals or hexahedra: the volume spanned by the edges that meet there.
+
+    corners : (N, 4, 2) or (N, 8, 3), m, VTK order. Returns (N, 4 or 8), m2 or m3.
+    """
+    dim = corners.shape[2]
+    unit = _unitCorners(dim)
+    jacobians = np.empty(corners.shape[:2])
+    for a, here in enumerate(unit):
+        edges = []
+        for axis in range(dim):
+            there = here.copy()
+            there[axis] *= -1
+            b = int(np.flatnonzero((unit == there).all(axis=1))[0])
+            edges.append((corners[:, b] - corners[:, a]) * there[axis])
+        jacobians[:, a] = np.linalg.det(np.stack(edges, axis=1))
+    return jacobians
+
+
+# --- stress ---------------------------------------------------------------------------------------------
+def meanStressAlong(bodies, x, width, lower, upper):
+    """Height and mean stress of the particles along a vertical line of a 2D scene, from the lowest up.
+
+    bodies : whose particles count. x, width : the line and the width of the strip around it that particles are in, by their
+    present positions, m. lower, upper : the stretch of heights, m. Returns y (m) and tr(sigma)/3 (kPa, tension positive), (N,).
+    """
+    pairs = (pair for body in bodies for pair in body.core.meanStresses(x, width / 2, lower, upper))
+    y, mean = np.reshape(sorted(pairs, key=itemgetter(0)), (-1, 2)).T
+    return y, mean
+
+
+def stripes(values):
+    """Root mean square of the second difference of values along a line over their mean, -.
+
+    values : (N,) e.g. of `meanStressAlong`. A linear profile gives 0; values that alternate by +-a from row to row, 4 a over
+    the mean. Volumetric locking and modes that cell-wise integration leaves free appear as such stripes.
+
+    Raises ValueError for fewer than three values.
+    """
+    values = np.asarray(values, float)
+    if values.ndim != 1 or len(values) < 3:
+        raise ValueError(f"stripes: values of shape {values.shape}; give three or more along a line")
+    return float(np.sqrt(np.mean(np.diff(values, 2) ** 2)) / abs(values.mean()))
+
+
+# --- forces ---------------------------------------------------------------------------------------------
+def unbalancedRatio(scene):
+    """Mean out-of-balance force of the nodes over the mean force that stresses exert on them, of the last step, -.
+
+    sum |m_i a_i| / (sum V_p |sigma_p| / h), with the acceleration a_i of the node (prescribed where it is held), the norm of
+    the stress (2D: in the plane) and the smallest cell edge h; the number of nodes cancels. It is what unbalancedForce of YADE
+    is for contacts: mean resultant over mean contact force. nan before the first step, infinite where nothing
+    but inertia acts. Values of single steps scatter; take the mean over a time.
+    """
+    inertia, nodes, stressed = scene.core.balance()
+    if not nodes:
+        return float("nan")
+    scale = stressed / float(np.min(scene.cell))
+    return inertia / scale if scale > 0 else float("inf" if inertia > 0 else "nan")
+
+
+def sectionForce(body, height, thickness=None):
+    """Normal force in a horizontal section of a body, N = sum sigma_vv V_slice / h, kN, tension positive.
+
+    height : of the section (last axis), m. thickness : h of the slice around it that is averaged over, m; default:
+    one cell of the grid. V_slice is the share of a particle's volume that lies in the slice by the vertical extent
+    of its domain, so that a uniform stress gives stress times area at any height. 0 where the body has no material.
+
+    Raises ValueError for a thickness that is not positive.
+    """
+    h = float(body._scene.cell[-1] if thickness is None else thickness)
+    if not h > 0:
+        raise ValueError(f"sectionForce: thickness = {thickness!r} m is not allowed; give a positive number")
+    if not body.count:
+        return 0.0
+    bottom, top = _verticalExtent(body)
+    inside = np.minimum(top, height + h / 2) - np.maximum(bottom, height - h / 2)
+    share = np.maximum(inside, 0) / (top - bottom)
+    up = body._scene.dim - 1
+    return float((share * body.volume * body.stress[:, up, up]).sum() / h)
+
+
+# --- inside ---------------------------------------------------------------------------------------------
+def _isMeshed(body):
+    return body.type.core.isMeshed
+
+
+def _inverted(body):
+    if not _isMeshed(body):
+        return body.core.inverted
+    if body.minJacobian > 0:
+        return 0
+    return int((cornerJacobians(body.corners()) <= 0).any(axis=1).sum())
+
+
+def _verticalExtent(body):
+    """Lowest and highest point of every domain, m."""
+    if not _isMeshed(body):
+        y, half = body.position[:, -1], body.halfSize[-1]
+        return y - half, y + half
+    y = body.corners()[:, :, -1]
+    return y.min(axis=1), y.max(axis=1)
+
+
+def _unitCorners(dim):
+    """Corners of the cube from -1 to 1 in VTK order."""
+    square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    return square if dim == 2 else np.array([(*xy, z) for z in (-1, 1) for xy in square])

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Engines of the step, as registered in pkg/mpm/step and contact, prescribed motions, and callbacks."""

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Shapes of rigid bodies for `RigidContact`, in the frame of their body: coordinates with two (z = 0) or three numbers, m.
+
+In a 2D scene a sphere is a disc, a box a rectangle, a facet a segment, all per metre of thickness.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+_SPHERE, _BOX, _WALL, _CAPSULE, _TRIANGLE = range(5)  # as in pkg/mpm/scene/RigidShape.hpp
+
+
+class Shape:
+    """Base of the shapes of rigid bodies."""
+
+
+@dataclass
+class Sphere(Shape):
+    """Sphere (2D: disc). radius : m. centre : m, default the origin of the body."""
+
+    radius: float
+    centre: tuple = (0.0, 0.0, 0.0)
+
+    def row(self):
+        """The numbers of the shape, as the solver reads them."""
+        return _SPHERE, [*_vector(self, "centre"), _positive(self, "radius")]
+
+
+@dataclass
+class Box(Shape):
+    """Box (2D: rectangle).
+
+    halfSize : half edges, m, two or three numbers. centre : m. orientation : unit quaternion (w, x, y, z) against the body.
+    """
+
+    halfSize: tuple
+    centre: tuple = (0.0, 0.0, 0.0)
+    orientation: tuple = (1.0, 0.0, 0.0, 0.0)
+
+    def row(self):
+        """The numbers of the shape, as the solver reads them."""
+        half = _vector(self, "halfSize", missing=1.0)
+        if not (half > 0).all():
+            raise ValueError(
+                f"Box: halfSize = {self.halfSize!r} is not allowed; give positive half edges in m"
+            )
+        turn = np.asarray(self.orientation, float)
+        if turn.shape != (4,) or not abs(np.linalg.norm(turn) - 1) < 1e-6:
+            raise ValueError(
+                f"Box: orientation = {self.orientation!r} is not allowed; give a unit quaternion (w, x, y, z)"
+            )
+        return _BOX, [*_vector(self, "centre"), *half, *turn]
+
+
+@dataclass
+class Wall(Shape):
+    """Half-space. normal : out of the wall, into the room where the soil is. point : one on its surface, m."""
+
+    normal: tuple
+    point: tuple = (0.0, 0.0, 0.0)
+
+    def row(self):
+        """The numbers of the shape, as the solver reads them."""
+        normal = _vector(self, "normal")
+        if not np.linalg.norm(normal) > 0:
+            raise ValueError(
+                f"Wall: normal = {self.normal!r} has no direction; give a vector that is not zero"
+            )
+        return _WALL, [*_vector(self, "point"), *normal / np.linalg.norm(normal)]
+
+
+@dataclass
+class Facet(Shape):
+    """Segment between two vertices, or triangle with three, with rounded edges; touched from either side.
+
+    vertices : m, (2, 2), (2, 3) or (3, 3). thickness : m, default 0; APDI bodies need one.
+    """
+
+    vertices: tuple = field(default_factory=tuple)
+    thickness: float = 0.0
+
+    def row(self):
+        """The numbers of the shape, as the solver reads them."""
+        points = [_point(self, "vertices", v) for v in self.vertices]
+        if len(points) not in (2, 3):
+            raise ValueError(f"Facet: {len(points)} vertices; give two (segment) or three (triangle)")
+        size = (
+            np.linalg.norm(points[1] - points[0])
+            if len(points) == 2
+            else np.linalg.norm(np.cross(points[1] - points[0], points[2] - points[0]))
+        )
+        if not size > 0:
+            raise ValueError(f"Facet: vertices = {self.vertices!r} coincide or lie on a line; move one")
+        if not (isinstance(self.thickness, (int, float, np.number)) and 0 <= self.thickness < np.inf):
+            raise ValueError(
+                f"Facet: thickness = {self.thickness!r} is not allowed; give zero or a positive number in m"
+            )
+        return (_CAPSULE if len(points) == 2 else _TRIANGLE), [*np.concatenate(points), 0.5 * self.thickness]
+
+
+def shapeRow(body, shape):
+    """The twelve numbers of a shape of a rigid body."""
+    if not isinstance(shape, Shape):
+        raise TypeError(f"RigidContact: shape = {shape!r}; give mpm.rigid.Sphere, Box, Wall or Facet")
+    kind, numbers = shape.row()
+    return [float(body), float(kind), *map(float, numbers), *[0.0] * (10 - len(numbers))]
+
+
+def _vector(shape, name, missing=0.0):
+    return _point(shape, name, getattr(shape, name), missing)
+
+
+def _point(shape, name, value, missing=0.0):
+    try:
+        given = np.asarray(value, float)
+    except (TypeError, ValueError):
+        given = np.zeros(0)
+    if given.shape not in ((2,), (3,)) or not np.isfinite(given).all():
+        raise ValueError(
+            f"{type(shape).__name__}: {name} = {value!r} is not allowed; give two or three numbers in m"
+        )
+    return given if len(given) == 3 else np.append(given, missing)
+
+
+def _positive(shape, name):
+    value = getattr(shape, name)
+    if not (isinstance(value, (int, float, np.number)) and 0 < value < np.inf):
+        raise ValueError(
+            f"{type(shape).__name__}: {name} = {value!r} is not allowed; give a positive number in m"
+        )
+    return float(value)

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Command lines of scenes: what they share, numbers that argparse checks, and how a scene ends.
+
+    parser = commandLine.Parser("footing", __doc__, smoke={"cell": 0.5})    # --smoke takes 0.5 unless --cell is given
+    parser.add_argument("--cell", type=commandLine.partOf(2.0), default=0.25)
+    a = parser.parse()
+
+The functions of a number are for argparse's `type`: they return it, or raise ArgumentTypeError with what is allowed.
+
+It is part of the package, not of scripts/, so that a copy of a scene runs in any folder, and in YADE, which does not look beside a script.
+"""
+
+import argparse
+import os
+import sys
+from math import inf, isfinite
+
+
+def positive(text):
+    """A number above zero."""
+    return _number(text, lambda x: x > 0, "a positive number")
+
+
+def notNegative(text):
+    """Zero or a number above it."""
+    return _number(text, lambda x: x >= 0, "zero or a positive number")
+
+
+def count(text):
+    """A whole number from 1 on."""
+    return int(_number(text, lambda x: x >= 1 and x == int(x), "a whole number from 1 on"))
+
+
+def between(least, most):
+    """Function that takes numbers from `least` to `most`, both included."""
+    return lambda text: _number(text, lambda x: least <= x <= most, f"a number from {least:g} to {most:g}")
+
+
+def below(most):
+    """Function that takes zero and numbers up to `most`, which is not included."""
+    return lambda text: _number(text, lambda x: 0 <= x < most, f"a number from 0 to below {most:g}")
+
+
+def partOf(length):
+    """Function that takes lengths (m) of which `length` is a whole number, such as cells that have to fit into it, and rounds to the digits of that."""
+    return lambda text: (
+        length
+        / round(
+            length / _number(text, lambda x: x > 0 and isWhole(length / x), f"{length:g} over a whole number")
+        )
+    )
+
+
+def isWhole(ratio):
+    """Whether a ratio of two lengths is a whole number from 1 on, but for round-off."""
+    return round(ratio) >= 1 and abs(ratio - round(ratio)) < 1e-6
+
+
+def _number(text, isAllowed, allowed):
+    try:
+        number = float(text)
+    except ValueError:
+        number = inf
+    if not (isfinite(number) and isAllowed(number)):
+        raise argparse.ArgumentTypeError(f"{text} is not allowed; give {allowed}")
+    return number
+
+
+class Parser(argparse.ArgumentParser):
+    """Command line of a scene, with --smoke, --threads and --out.
+
+    name : of the scene; results go to results/NAME. doc : docstring of the scene, its description. smoke : dict argument -> its default
+    beside --smoke. threads : whether the scene takes a number of threads; default True.
+    """
+
+    def __init__(self, name, doc, smoke, threads=True):
+        super().__init__(prog=name, description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+        self._smoke = smoke
+        shared = self.add_argument_group("all scenes")
+        shared.add_argument(
+            "--smoke",
+            action="store_true",
+            help="coarse and fast, where nothing else is given: " + " ".join(map(_option, smoke.items())),
+        )
+        if threads:
+            shared.add_argument("--threads", type=count, help="number of threads (default: chosen)")
+        shared.add_argument(
+            "--out",
+            default=os.path.join("results", name),
+            help=f"folder of the results (default results/{name})",
+        )
+
+    def parse(self, words=None):
+        """Arguments of a command line, a list of words (default: of the program)."""
+        a = self.parse_args(words)
+        if a.smoke:
+            self.set_defaults(**self._smoke)
+            a = self.parse_args(words)
+        return a
+
+    def given(self, words=None):
+        """Names of the arguments that stand on the command line, whatever their values."""
+        nothing = object()
+        a = self.parse_args(words, argparse.Namespace(**dict.fromkeys(vars(self.parse_args(words)), nothing)))
+        return {name for name, value in vars(a).items() if value is not nothing}
+
+    def refuseBeside(self, words, option, names, why):
+        """Ends the program if any of the arguments `names` is given beside `option`, which takes no notice of them."""
+        for name in sorted(self.given(words) & set(names)):
+            self.error(f"--{name.replace('_', '-')} has no meaning beside {option}: {why}")
+
+
+def _option(item):
+    """An argument and its value as they stand on a command line."""
+    name, value = item
+    values = value if isinstance(value, list) else [value]
+    return f"--{name} " + " ".join(f"{v:.7g}" if isinstance(v, float) else str(v) for v in values)
+
+
+def run(main):
+    """Calls the main function of a scene. What this package refuses or cannot go on with, and files that fail, end the program with their
+    message and 1, Ctrl-C ends it with 130; any other error keeps its traceback."""
+    try:
+        main()
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
+    except (ValueError, RuntimeError, OSError) as error:
+        if not (isinstance(error, OSError) or _isOfPackage(error)):
+            raise
+        raise SystemExit(f"{os.path.splitext(os.path.basename(sys.argv[0]))[0]}: {error}") from None
+
+
+def _isOfPackage(error):
+    """Whether an error was raised in this package, or in the solver below it."""
+    last = error.__traceback__
+    while last.tb_next:
+        last = last.tb_next
+    package = os.path.dirname(os.path.dirname(__file__))
+    return last.tb_frame.f_code.co_filename.startswith(package + os.sep)

@@ -69,12 +69,81 @@ def test_the_solver_knows_neither_python_nor_its_host():
 
 
 def test_the_package_does_not_import_what_uses_it():
-    for path in (ROOT / "py" / "yade_mpm").glob("*.py"):
+    for path in (ROOT / "py" / "yade_mpm").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text())):
             modules = [a.name for a in node.names] if isinstance(node, ast.Import) else []
             modules += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             for module in modules:
                 assert module.split(".")[0] not in ("scripts", "tests"), f"{path.name} imports {module}"
+
+
+PYTHON_ROOMS = [
+    {"base"},
+    {"geometry"},
+    {"material", "particle"},
+    {"engine"},
+    {"check"},
+    {"io"},
+    {"scene"},
+    {"study", "yade"},
+    {""},  # the face of the package: public names of what is in the rooms
+]
+PYTHON_LEVEL = {room: level for level, rooms in enumerate(PYTHON_ROOMS) for room in rooms}
+GIVEN = {"_core", "__version__"}  # by the package to all rooms, before it imports any
+
+
+def packageSources():
+    """Dict name -> text of the modules of the package, e.g. "scene/run.py"."""
+    package = ROOT / "py" / "yade_mpm"
+    return {str(p.relative_to(package)): p.read_text() for p in package.rglob("*.py")}
+
+
+def importedModules(name, text):
+    """Modules of the package that a module imports, e.g. "scene.run"; imports inside functions count."""
+    folder = name.split("/")[:-1]
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            start = folder[: len(folder) + 1 - node.level] + (node.module.split(".") if node.module else [])
+            if node.module and (len(start) == 2 or not (ROOT / "py" / "yade_mpm" / "/".join(start)).is_dir()):
+                found.add(".".join(start))
+            else:
+                found |= {".".join([*start, a.name]) for a in node.names if start or a.name not in GIVEN}
+    return found
+
+
+def wrongImports(files):
+    """Imports against the order of the rooms. files: dict name -> text, as `packageSources` gives it."""
+    wrong = []
+    for name, text in files.items():
+        own = name.split("/")[0] if "/" in name else ""
+        assert own in PYTHON_LEVEL, f"{name} is in no room; give the room a place in PYTHON_ROOMS"
+        for module in importedModules(name, text):
+            other = module.split(".")[0] if "." in module else ""
+            if own != other and PYTHON_LEVEL[other] >= PYTHON_LEVEL[own]:
+                wrong.append(f"{name} ({own}) imports {module} ({other or 'the face of the package'})")
+    return wrong
+
+
+def test_no_import_runs_against_the_order_of_the_rooms():
+    files = packageSources()
+    assert {name.split("/")[0] for name in files if "/" in name} == set(PYTHON_LEVEL) - {""}
+    assert wrongImports(files) == []
+
+
+@pytest.mark.parametrize(
+    "name, line",
+    [
+        ("geometry/new.py", "from ..particle.body import Body"),
+        ("particle/new.py", "from ..material import materials"),
+        ("engine/new.py", "from ..scene.scene import Scene"),
+        ("io/new.py", "def load():\n    from ..scene import scene"),
+        ("scene/new.py", "from .. import inYade"),
+        ("study/new.py", "from ..yade.coupling import attach"),
+    ],
+)
+def test_control_a_wrong_import_is_found(name, line):
+    assert wrongImports({name: line + "\n"}) != []
 
 
 def circle(imports):
@@ -88,14 +157,13 @@ def circle(imports):
 
 def test_no_module_of_the_package_imports_itself_through_others():
     """Imports inside functions count."""
-    imports = {}
-    for path in (ROOT / "py" / "yade_mpm").glob("*.py"):
-        own = [n for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.ImportFrom) and n.level]
-        imports[path.stem] = {n.module for n in own if n.module} | {
-            a.name for n in own if not n.module for a in n.names
-        }
-    assert "engines" in imports["scene"] and circle(imports) == set()
-    assert circle({**imports, "engines": imports["engines"] | {"scene"}}) >= {"engines", "scene"}
+    imports = {
+        name[: -len(".py")].replace("/", "."): importedModules(name, text)
+        for name, text in packageSources().items()
+    }
+    assert "engine.engines" in imports["scene.scene"] and circle(imports) == set()
+    back = {**imports, "engine.engines": imports["engine.engines"] | {"scene.scene"}}
+    assert circle(back) >= {"engine.engines", "scene.scene"}
 
 
 @pytest.mark.parametrize(

@@ -131,7 +131,7 @@ def test_the_package_without_its_solver_says_what_to_run():
 def test_pip_installs_what_the_package_imports():
     """All but YADE, which has what it needs."""
     root, imported = RUN.parents[1], set()
-    for file in (root / "py" / "yade_mpm").glob("*.py"):
+    for file in (root / "py" / "yade_mpm").rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text())):
             names = (
                 [a.name for a in node.names]

@@ -39,7 +39,7 @@ except ImportError as _error:
         f"yade_mpm: there is no solver for this Python, {_sys.executable}, in {_os.path.dirname(__file__)} ({_error}); run scripts/run "
         f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH"
     ) from None
-from . import diagnostics, rigid
+from . import certificate, diagnostics, engines, files, rigid
 from .check.certificate import Certificate, quasiStatic, rateSensitivity
 from .engine import engines as _engines
 from .engine.engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner, RigidContact

@@ -13,7 +13,7 @@ Control: local damping (the fall), and an initial velocity that shears by 1e-6 1
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm.particles import MeshedType, classes
+from yade_mpm.particle.types import MeshedType, classes
 
 H = 0.25
 STEPS = 160

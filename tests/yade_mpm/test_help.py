@@ -49,7 +49,7 @@ def test_what_meshed_types_take_besides_stands_at_the_margin():
     assert re.search(r"^size : .*\nmatched : .*\n\nA region .* become stairs", inspect.getdoc(mpm.APDI), re.M)
 
 
-@pytest.mark.parametrize("name", sorted(mpm.materials.classes))
+@pytest.mark.parametrize("name", sorted(mpm.material.materials.classes))
 def test_attributes_that_a_material_cannot_do_without_are_called_required(name):
     make = getattr(mpm, name)
     docs = {p["name"]: p["doc"] for p in make._make(name).parameters()}

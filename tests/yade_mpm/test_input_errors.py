@@ -206,7 +206,7 @@ def test_a_copy_of_a_material_is_independent():
 
 
 def test_every_material_checks_what_all_have():
-    for name in mpm.materials.classes:
+    for name in mpm.material.materials.classes:
         make = getattr(mpm, name)
         refused(f"{name}: density = -1 is not allowed", lambda: make(density=-1))
         refused(f"{name} has no attribute 'nonsense' (allowed: ", lambda: make(nonsense=1))

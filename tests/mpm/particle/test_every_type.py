@@ -38,7 +38,7 @@ def addBlock(scene, name, jitter=0.1, young=1e3):
         body = scene.add("block", region, material, type_())
         body.position += jitter * (2 + rng.uniform(-1, 1, body.position.shape)) * cell / 2
         return body
-    mesh = mpm.particles.meshRegion(region, scene.lower, scene.upper, cell / 2, "block")
+    mesh = mpm.particle.types.meshRegion(region, scene.lower, scene.upper, cell / 2, "block")
     points = mesh.points + jitter * (2 + rng.uniform(-1, 1, mesh.points.shape)) * cell / 2
     return scene.add("block", (points, mesh.cells), material, type_())
 

@@ -6,7 +6,8 @@ import hashlib
 import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, PyRunner, Vector3, utils
-from yade_mpm import inYade, yadeBodies
+from yade_mpm import inYade
+from yade_mpm.yade import bodies
 
 MASS, G = 0.02, 10.0  # Mg, m/s2
 IDS = [0, 1]
@@ -114,7 +115,7 @@ def shoot(how, isEvery, **options):
     """
     soil, contact, coupling = build(True, **options)
     if isEvery:
-        yadeBodies.EVERY = 1
+        bodies.EVERY = 1
     ball, other = O.bodies[0].state, O.bodies[1].state
     O.dt = 1e-3 * coupling.mpmSteps
     ball.pos, ball.vel = (0.6, 0.6, 8.9), (0, 0, -40 if how == "far" else 0)

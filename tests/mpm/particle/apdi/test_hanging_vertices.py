@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm.mesh import Mesh, meshRegion, refineNear
+from yade_mpm.geometry.mesh import Mesh, meshRegion, refineNear
 
 EDGE = 1.0
 

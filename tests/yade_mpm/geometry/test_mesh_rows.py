@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm.mesh import Mesh, cellVolumes, meshFromArrays, meshRegion, refineNear
+from yade_mpm.geometry.mesh import Mesh, cellVolumes, meshFromArrays, meshRegion, refineNear
 
 FACE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 CORNERS = {2: np.array(FACE), 3: np.array([(*xy, z) for z in (0, 1) for xy in FACE])}
@@ -164,7 +164,7 @@ def test_the_benchmark_times_both_numberings(tmp_path):
     meshio = pytest.importorskip("meshio")
     points, cells = shuffled(*block((12, 10)))
     meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), [("quad", cells)]).write(tmp_path / "soil.vtk")
-    script = Path(__file__).resolve().parents[2] / "scripts" / "bench_mesh.py"
+    script = Path(__file__).resolve().parents[3] / "scripts" / "bench_mesh.py"
 
     def bench(*arguments):
         return subprocess.run(

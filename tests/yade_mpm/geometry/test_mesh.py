@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 import numpy as np
 import pytest
-from yade_mpm.lattice import latticePoints
-from yade_mpm.mesh import (
+from yade_mpm.geometry.lattice import latticePoints
+from yade_mpm.geometry.mesh import (
     boundaryFacets,
     cellVolumes,
     cornerJacobians,
@@ -11,7 +11,7 @@ from yade_mpm.mesh import (
     meshRegion,
     refineNear,
 )
-from yade_mpm.regions import box, sphere
+from yade_mpm.geometry.regions import box, sphere
 
 SHAFT = box((14.875, 11), (15.125, 21))
 ZONE = box((14, 5.5), (16, 12)) - SHAFT

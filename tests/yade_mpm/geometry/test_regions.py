@@ -4,7 +4,7 @@ from math import inf, nan
 
 import numpy as np
 import pytest
-from yade_mpm.regions import box, disc, everywhere, halfSpace, polygon, regionFromSpec, sphere
+from yade_mpm.geometry.regions import box, disc, everywhere, halfSpace, polygon, regionFromSpec, sphere
 
 SQUARE = box((0, 0), (2, 1))
 ONE_OF_EACH = [

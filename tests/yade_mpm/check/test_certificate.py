@@ -221,7 +221,7 @@ def test_the_unbalanced_ratio_is_the_sum_of_its_definition(dim):
 def test_the_sheet_pile_states_that_it_is_not_quasi_static_at_2_metres_per_second(
     tmp_path, monkeypatch, capsys
 ):
-    path = Path(__file__).resolve().parents[2] / "scripts" / "sheet_pile.py"
+    path = Path(__file__).resolve().parents[3] / "scripts" / "sheet_pile.py"
     spec = importlib.util.spec_from_file_location("sheet_pile", path)
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)

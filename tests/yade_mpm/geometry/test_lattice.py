@@ -2,8 +2,8 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm.lattice import checkOverlap, cutCells, firstNear, latticePoints
-from yade_mpm.regions import box, disc, halfSpace, polygon, sphere
+from yade_mpm.geometry.lattice import checkOverlap, cutCells, firstNear, latticePoints
+from yade_mpm.geometry.regions import box, disc, halfSpace, polygon, sphere
 
 LOWER, UPPER = (0, 0), (30, 24)
 SHAFT = box((14.875, 11), (15.125, 21))

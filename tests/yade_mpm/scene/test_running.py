@@ -15,8 +15,8 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
-import yade_mpm.attributes
-import yade_mpm.scene
+import yade_mpm.base.attributes
+import yade_mpm.scene.scene
 from yade_mpm import box
 
 SCENE = """
@@ -135,7 +135,7 @@ scene["a"].velocity = (0.3, 0.0)
 scene.engines = [*scene.engines[:-1], mpm.Recorder("out.vtkhdf", period=0.2), mpm.History(iterPeriod=7, file="out.csv"),
                  mpm.PyRunner(end, iterPeriod=50, label="end")]
 scene.dt = 1e-3
-mpm.running.SHARE = 1e6
+mpm.scene.run.SHARE = 1e6
 """
 
 
@@ -405,7 +405,7 @@ def test_pause_in_a_callback_stops_after_that_step(period, background):
 
 
 def test_runs_can_be_cut_in_pieces(monkeypatch):
-    monkeypatch.setattr(mpm.limits, "DT_PERIOD", 10)
+    monkeypatch.setattr(mpm.base.limits, "DT_PERIOD", 10)
     whole, pieces = smallScene(velocity=(0.1, 0.2)), smallScene(velocity=(0.1, 0.2))
     whole.run(steps=40)
     for steps in (0, 3, 7, 1, 19, 10):
@@ -466,7 +466,7 @@ def test_vertices_and_particles_follow_the_same_nodes_under_a_load():
 
 def test_estimates_of_the_time_step_leave_no_trace(monkeypatch):
     """Neither in the fields nor in the work of the loads, which is that on the vertices."""
-    monkeypatch.setattr(mpm.limits, "DT_PERIOD", 5)
+    monkeypatch.setattr(mpm.base.limits, "DT_PERIOD", 5)
     scene = pulledMesh("stop")
     body = scene["mesh"]
     body.vertices[0] -= 0.247
@@ -674,7 +674,7 @@ def test_a_run_looks_up_no_more_than_it_must(monkeypatch):
     def refuse(*arguments):
         raise AssertionError("looked up again")
 
-    monkeypatch.setattr(yade_mpm.attributes, "didYouMean", refuse)
+    monkeypatch.setattr(yade_mpm.base.attributes, "didYouMean", refuse)
     monkeypatch.setattr(mpm.Scene, "nodePositions", refuse)
     scene.run(steps=3)
     assert scene.steps == 4 and scene.constraints[-1].heldNodes == 4

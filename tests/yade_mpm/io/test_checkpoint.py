@@ -11,7 +11,7 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
-import yade_mpm.scene
+import yade_mpm.scene.scene
 from yade_mpm import box
 
 PERIOD = 20  # steps between estimates of the time step; the runs below cross several
@@ -115,11 +115,11 @@ def converting():
 
 def run(scene, steps):
     """Runs with a short period between estimates; of the driven scenes the velocity is changed on the way."""
-    mpm.limits.DT_PERIOD = PERIOD
+    mpm.base.limits.DT_PERIOD = PERIOD
     try:
         scene.run(steps=steps, progress=False)
     finally:
-        mpm.limits.DT_PERIOD = 5000
+        mpm.base.limits.DT_PERIOD = 5000
 
 
 def bitsOf(file):
@@ -437,7 +437,7 @@ def test_a_checkpoint_is_replaced_as_a_whole(tmp_path, monkeypatch):
     scene.save(file)
     before = file.read_bytes()
     monkeypatch.setattr(
-        mpm.checkpoint, "_syncToDisk", lambda path: (_ for _ in ()).throw(OSError("no space left"))
+        mpm.io.checkpoint, "_syncToDisk", lambda path: (_ for _ in ()).throw(OSError("no space left"))
     )
     with pytest.raises(OSError, match="could not be written: no space left"):
         scene.save(file)

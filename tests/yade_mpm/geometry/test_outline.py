@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from yade_mpm import box, disc, halfSpace, polygon, sphere
-from yade_mpm.lattice import cutCells, cutOutline
+from yade_mpm.geometry.lattice import cutCells, cutOutline
 
 CUT = mpm.UGIMP(perCell=2, cut=True)
 

@@ -3,8 +3,8 @@
 
 from types import SimpleNamespace
 
-from yade_mpm import pace
 from yade_mpm.engines import Engine
+from yade_mpm.scene import pace
 
 
 class Clock:

@@ -6,7 +6,8 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm import box, recorder
+from yade_mpm import box
+from yade_mpm.io import recorder
 
 
 @pytest.fixture(autouse=True)

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One format for all: what scripts/format would change is an error, and prose keeps to 110 columns, too."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+COLUMNS = 110
+PROSE = [*sorted(ROOT.glob("*.md")), ROOT / "AUTHORS", *sorted((ROOT / "doc").rglob("*.md"))]
+VENV = ROOT / "build" / "venv"
+FORMATTERS = [VENV / "bin" / name for name in ("ruff", "clang-format")]
+
+
+def tooLong(text):
+    """Numbers of the lines that are too long. A row of a table has to be one line in Markdown, and may be."""
+    return [
+        number
+        for number, line in enumerate(text.splitlines(), 1)
+        if len(line) > COLUMNS and not line.lstrip().startswith("|")
+    ]
+
+
+@pytest.mark.parametrize("page", PROSE, ids=lambda page: str(page.relative_to(ROOT)))
+def test_prose_keeps_to_110_columns(page):
+    assert tooLong(page.read_text()) == []
+
+
+def test_control_a_long_line_is_found_and_a_row_of_a_table_is_not():
+    assert tooLong(f"{'x' * 110}\n{'y' * 111}\n  | {'z' * 200} |\n") == [2]
+
+
+def test_cpp_and_python_are_formatted():
+    # scripts/test runs this in build/venv, where it has installed both: there nothing is skipped.
+    missing = [tool.name for tool in FORMATTERS if not tool.exists()]
+    if missing and Path(sys.prefix).resolve() != VENV.resolve():
+        pytest.skip(f"no {' and no '.join(missing)} in build/venv; scripts/setup --test installs them")
+    assert not missing, "scripts/setup --test did not install them"
+    done = subprocess.run([ROOT / "scripts" / "format", "--check"], capture_output=True, text=True)
+    assert done.returncode == 0, f"run scripts/format\n{done.stdout[-4000:]}{done.stderr[-4000:]}"

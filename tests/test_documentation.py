@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The manual: its links lead somewhere, and the scene of the README runs as it stands."""
 
+import math
 import re
 from pathlib import Path
 
@@ -72,3 +73,13 @@ def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
     assert abs(column["error"]).max() < 0.01 * 2.0 * 9.81 * 2.5
     assert going["scene"].steps == column["scene"].steps + 100  # the first hundred went into both
     assert len(results["velocity"]) == 200
+
+
+def test_the_engine_in_python_slows_the_block_down(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "doc" / "adding-an-engine.md").read_text()
+    names = {}
+    exec(re.search(r"```python\n(.*?)```", page, re.S)[1], names)
+    exact = 2 * math.exp(-names["RATE"] * names["scene"].time)
+    assert abs(names["block"].velocity[:, 0] - exact).max() < 1e-9 * exact
+    assert f"velocity {exact:.6g}"[:14] == capsys.readouterr().out[:14]

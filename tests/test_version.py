@@ -19,7 +19,9 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 
 def versionOfTheBuild():
     """As CMake reads it."""
-    return re.search(r"^project\([^)]*?VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.M)[1].rstrip(")")
+    return re.search(r"^project\([^)]*?VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text(), re.M)[1].rstrip(
+        ")"
+    )
 
 
 def test_the_package_tells_the_version_of_the_build():

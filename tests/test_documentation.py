@@ -27,6 +27,17 @@ def test_links_lead_to_files_and_headings(page):
             assert not anchor or anchor in anchors(target), link
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_files_that_a_page_names_are_there(page):
+    """Notes tell of their day, and may name what has moved since; pages on adding a class name one to be written."""
+    if page.parent.name == "notes":
+        return
+    named = re.findall(r"`((?:tests|pkg|py|scripts|doc)/[\w./-]+)`", page.read_text())
+    toBeWritten = "pkg/" if page.stem.startswith("adding") else None
+    missing = [name for name in named if not (ROOT / name).exists()]
+    assert [name for name in missing if not (toBeWritten and name.startswith(toBeWritten))] == []
+
+
 def test_every_picture_is_shown():
     shown = {
         (page.parent / name).resolve()

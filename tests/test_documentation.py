@@ -29,7 +29,7 @@ def test_links_lead_to_files_and_headings(page):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_files_that_a_page_names_are_there(page):
-    """Notes tell of their day, and may name what has moved since; pages on adding a class name one to be written."""
+    """Notes tell of their day, and may name what has moved since. Pages on adding a class name files to be written."""
     if page.parent.name == "notes":
         return
     named = re.findall(r"`((?:tests|pkg|py|scripts|doc)/[\w./-]+)`", page.read_text())

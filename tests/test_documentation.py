@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The manual: its links lead somewhere, and the scene of the README runs as it stands."""
+"""The manual: its links lead somewhere, and what it shows of code runs or compiles as it stands."""
 
 import math
 import re
+import subprocess
 from pathlib import Path
 
 import pytest
+import yade_mpm
 
 ROOT = Path(__file__).parents[1]
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "doc").rglob("*.md"))]
@@ -29,7 +31,7 @@ def test_links_lead_to_files_and_headings(page):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_files_that_a_page_names_are_there(page):
-    """Notes tell of their day, and may name what has moved since. Pages on adding a class name files to be written."""
+    """Notes may name what has moved since, pages on adding a class a file to be written."""
     if page.parent.name == "notes":
         return
     named = re.findall(r"`((?:tests|pkg|py|scripts|doc)/[\w./-]+)`", page.read_text())
@@ -94,3 +96,32 @@ def test_the_engine_in_python_slows_the_block_down(monkeypatch, tmp_path, capsys
     exact = 2 * math.exp(-names["RATE"] * names["scene"].time)
     assert abs(names["block"].velocity[:, 0] - exact).max() < 1e-9 * exact
     assert f"velocity {exact:.6g}"[:14] == capsys.readouterr().out[:14]
+
+
+CPP_FILES = [
+    (page, text)
+    for page in PAGES
+    for text in re.findall(r"^```cpp\n(.*?)^```", page.read_text(), re.M | re.S)
+    if text.startswith("// SPDX")  # a whole file, not a part of one
+]
+
+
+@pytest.mark.parametrize("page, text", CPP_FILES, ids=[page.stem for page, _ in CPP_FILES])
+def test_whole_files_of_cpp_compile(page, text, tmp_path):
+    """As the build would: its compiler, its Eigen. Warnings are errors."""
+    cache = Path(yade_mpm.__file__).parents[2] / "CMakeCache.txt"
+    if not cache.exists():
+        pytest.skip("yade_mpm is not imported from a build folder, which would tell the compiler")
+    told = dict(re.findall(r"^(\w+):\w+=(.*)$", cache.read_text(), re.M))
+    eigen = Path(told["Eigen3_DIR"]).parents[2] / "include" / "eigen3"
+    file = tmp_path / "Example.cpp"
+    file.write_text(text)
+    flags = ["-std=c++17", "-fopenmp", "-march=native", "-Wall", "-Wextra", "-Wno-psabi", "-Werror"]
+    include = [f"-I{ROOT / 'pkg'}", "-isystem", eigen]
+    command = [told["CMAKE_CXX_COMPILER"], "-fsyntax-only", *flags, *include, file]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:4000]
+
+
+def test_pages_on_a_new_class_show_a_whole_file():
+    assert {page.stem for page, _ in CPP_FILES} >= {"adding-a-material", "adding-an-engine"}

@@ -165,6 +165,23 @@ template <int Dim> class Transfers : public Domains<Dim> {
         return planes;
     }
 
+    // V = J V0 of particles [begin, end).
+    void volumesFromGradient(int begin, int end) {
+        const double* F[9];
+        for (int i = 0; i < 9; ++i) F[i] = particles.deformationGradient.plane(i);
+        double* V = particles.volume.plane();
+        const double* V0 = particles.initialVolume.plane();
+#pragma omp simd
+        for (int p = begin; p < end; ++p) {
+            if (Dim == 2)
+                V[p] = V0[p] * (F[0][p] * F[4][p] - F[1][p] * F[3][p]) * F[8][p];
+            else
+                V[p] = V0[p] * (F[0][p] * (F[4][p] * F[8][p] - F[5][p] * F[7][p]) -
+                                F[1][p] * (F[3][p] * F[8][p] - F[5][p] * F[6][p]) +
+                                F[2][p] * (F[3][p] * F[7][p] - F[4][p] * F[6][p]));
+        }
+    }
+
     [[noreturn]] void outside(const char* what, int64_t number, const Vec<Dim>& x) const {
         throw RunError(message("step ", Base::step, ": ", what, " ", number, " of '", Base::bodyName, "' at ",
                                place(x),

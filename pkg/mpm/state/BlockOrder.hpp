@@ -14,6 +14,10 @@ namespace mpm {
 
 template <int Dim> class BlockOrder {
   public:
+    // Nodes per axis that a point may reach. Points of a block stay within `wander` nodes of it, and the next block of its
+    // colour begins two blocks further: with more, two threads would add to one node.
+    static constexpr int largestSupport = Grid<Dim>::blockWidth - 2 * Grid<Dim>::wander + 1;
+
     std::vector<int> start; // first point of each block, and one past the last
     std::vector<int> order; // point numbers; empty: points are stored in this order already
 
@@ -43,6 +47,9 @@ template <int Dim> class BlockOrder {
     // Before the first look at a new grouping. `support`: nodes per direction. One thread.
     bool isReady() const { return isReady_; }
     void prepare(const Grid<Dim>& grid, int support) {
+        require(support >= 1 && support <= largestSupport, "a particle type whose points reach ", support,
+                " nodes per axis was given; blocks of the grid allow 1 to ", largestSupport,
+                ", or threads would add to the same node; use a narrower kernel");
         std::vector<std::vector<int>> beside(blocks());
         for (int b = 0; b < blocks(); ++b)
             grid.blocksBeside(b, [&](int other) { beside[b].push_back(other); });

@@ -5,7 +5,7 @@ import pytest
 import yade_mpm as mpm
 
 MATERIALS = ["LinearElastic", "MohrCoulombDruckerPrager", "NeoHookean"]
-TYPES = ["APDI", "UGIMP"]
+TYPES = ["APDI", "BSpline", "UGIMP"]
 ENGINES = [
     "BoundaryLoad",
     "Contact",

@@ -3,6 +3,7 @@
 // particles of constant size). Good for separation and very large deformation. The box neither stretches
 // nor turns: in tension gaps open between boxes, and from a stretch of 2 (h + l)/(2 l) on neighbours
 // no longer share a node (numerical fracture), unless long particles are cut in two (Splitting.hpp).
+#include "mpm/particle/LatticeType.hpp"
 #include "mpm/particle/Transfers.hpp"
 #include "mpm/particle/ugimp/Splitting.hpp"
 
@@ -159,19 +160,7 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     }
 
     void volumes(int begin, int end) override {
-        const double* F[9];
-        for (int i = 0; i < 9; ++i) F[i] = particles.deformationGradient.plane(i);
-        double* V = particles.volume.plane();
-        const double* V0 = particles.initialVolume.plane();
-#pragma omp simd
-        for (int p = begin; p < end; ++p) {
-            if (Dim == 2)
-                V[p] = V0[p] * (F[0][p] * F[4][p] - F[1][p] * F[3][p]) * F[8][p];
-            else
-                V[p] = V0[p] * (F[0][p] * (F[4][p] * F[8][p] - F[5][p] * F[7][p]) -
-                                F[1][p] * (F[3][p] * F[8][p] - F[5][p] * F[6][p]) +
-                                F[2][p] * (F[3][p] * F[7][p] - F[4][p] * F[6][p]));
-        }
+        Base::volumesFromGradient(begin, end);
         if (splitting_.isOn()) splitting_.look(particles, begin, end);
     }
 
@@ -450,9 +439,8 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
     std::vector<int> runsWhenSorted_{0};
 };
 
-class UGIMP : public ParticleType {
+class UGIMP : public LatticeType {
   public:
-    std::vector<double> perCell{2};
     bool cut = false, outline = true;
     double splitAt = notGiven;
 
@@ -464,31 +452,23 @@ class UGIMP : public ParticleType {
                "split. Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-496.";
     }
     std::vector<Parameter> parameters() override {
-        return {
-            {"perCell", "-", "Particles per cell and direction: one number, or one per direction.", &perCell,
-             Range::between(1, 1000)},
-            {"cut", "",
-             "Whether boxes that the boundary of the region cuts hold the part inside, at its centroid; False: they are "
-             "whole, or left out where their centre is outside. For curved bodies in contact.",
-             &cut},
-            {"outline", "",
-             "With `cut`: whether the outline of the region goes with the particles as the surface that contact sees. False: the "
-             "faces of the boxes are; for soil that flows, where the surface becomes another.",
-             &outline},
-            {"splitAt", "-",
-             "Stretch at which a particle is cut in two across its most stretched direction; its halves are cut when "
-             "they are that long against the box again. None: never.",
-             &splitAt, Range::inside(1, std::numeric_limits<double>::infinity())}};
+        auto all = LatticeType::parameters();
+        all.insert(
+            all.end(),
+            {{"cut", "",
+              "Whether boxes that the boundary of the region cuts hold the part inside, at its centroid; False: they are "
+              "whole, or left out where their centre is outside. For curved bodies in contact.",
+              &cut},
+             {"outline", "",
+              "With `cut`: whether the outline of the region goes with the particles as the surface that contact sees. False: the "
+              "faces of the boxes are; for soil that flows, where the surface becomes another.",
+              &outline},
+             {"splitAt", "-",
+              "Stretch at which a particle is cut in two across its most stretched direction; its halves are cut when "
+              "they are that long against the box again. None: never.",
+              &splitAt, Range::inside(1, std::numeric_limits<double>::infinity())}});
+        return all;
     }
-    void finish() override {
-        require(perCell.size() >= 1 && perCell.size() <= 3,
-                "UGIMP: perCell takes one number or one per direction");
-        for (double n : perCell)
-            require(n == std::floor(n), "UGIMP: perCell = ", n,
-                    " is not allowed; give a whole number of particles "
-                    "per cell and direction");
-    }
-    bool isMeshed() const override { return false; }
     std::unique_ptr<Domains<2>> make(Particles<2>& p, const Grid<2>& g) const override {
         return std::make_unique<BoxDomains<2>>(p, g, splitAt, cut && outline);
     }

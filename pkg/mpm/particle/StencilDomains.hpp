@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// A particle type made from a kernel: points on a lattice that reach a few nodes along each axis, with
+//
+//   phi_ip = prod_k S(x_k),   d_k phi_ip the same with the derivative G of S along axis k.
+//
+// All transfers go through stencil(); they are written to be read, and fast types are tested against them. A Kernel has
+//
+//   static constexpr const char *name, *doc;      as users see the type
+//   static constexpr int support;                 nodes per axis, 2 or 3
+//   static AxisWeights<support> along(double c, double l);
+//
+// where c is the position of the point from the middle of its nodes, in cells and in [-1/2, 1/2), and l half the edge of its
+// share of the lattice, in cells. BSpline.cpp is an example; doc/adding-a-particle-type.md goes on from here.
+#pragma once
+
+#include "mpm/particle/LatticeType.hpp"
+#include "mpm/particle/Transfers.hpp"
+
+namespace mpm {
+
+// Along one axis: weights of the nodes that a point reaches, and their derivatives over c.
+template <int nodes> struct AxisWeights {
+    double S[nodes], G[nodes];
+};
+
+template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim> {
+    static_assert(Kernel::support >= 2, "a kernel needs two nodes per axis or more for its derivatives");
+    static_assert(Kernel::support <= BlockOrder<Dim>::largestSupport,
+                  "the kernel reaches more nodes per axis than threads keep apart, see BlockOrder");
+
+  public:
+    using Base = Transfers<Dim>;
+    using typename Base::NF, typename Base::Planes;
+    using Base::particles, Base::grid, Base::order, Base::damped_, Base::Base;
+
+    // --- making -------------------------------------------------------------------------------------
+    void build(const Geometry<Dim>& geometry) override {
+        half_.resize(Dim);
+        for (int k = 0; k < Dim; ++k) half_.plane()[k] = geometry.halfSize[k];
+        double volume = 1;
+        for (int k = 0; k < Dim; ++k) volume *= 2 * geometry.halfSize[k];
+        Base::create(geometry.positions, std::vector<double>(geometry.positions.size(), volume));
+        group();
+    }
+
+    std::vector<Field*> fields() override { return {&half_}; }
+
+    void restored() override {
+        cell_.assign(particles.size(), -1);
+        local_.resize(particles.size());
+        order.isOf(grid) ? order.prepare(grid, support) : group();
+    }
+
+    // --- the step -----------------------------------------------------------------------------------
+    void locate(ParallelRegion& region) override {
+        region.forPiecesNoWait(order.coloured.partition, [&](int block) {
+            if (find(order.start[block], order.start[block + 1]) || !order.isKnown(block))
+                order.inspect(block, grid, cell_);
+        });
+    }
+
+    bool resort() override {
+        isSorted_ = !isSorted_ && order.broken(grid);
+        if (isSorted_) group();
+        damped_.assign(order.blocks(), 0.0);
+        return isSorted_;
+    }
+
+    void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
+                bool withForce) override {
+        const auto stress = Base::stressPlanes();
+        forParticles(region, [&](int p, int) {
+            addMomentum(nodes, p, inertiaScale);
+            if (withForce) addTension(nodes, p, stress.data());
+            if (withForce && particles.hasBodyForce) addBodyForce(nodes, p);
+        });
+    }
+
+    void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) override {
+        forParticles(region, [&](int p, int) { addTension(nodes, p, tensor); });
+    }
+
+    void move(ParallelRegion& region, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
+              const Move& how) override {
+        forParticles(region, [&](int p, int block) {
+            if (nodes) damped_[block] += gather(nodes, p, how);
+            if (momentum) scatter(momentum, p, how.inertiaScale);
+        });
+    }
+
+    void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double) override {
+        for (int p = begin; p < end; ++p) {
+            Mat<Dim> L = Mat<Dim>::Zero();
+            stencil(p, [&](int node, double, const Vec<Dim>& gradient) {
+                for (int i = 0; i < Dim; ++i) L.row(i) += nodes[node][i] * gradient.transpose();
+            });
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j) particles.velocityGradient.plane(Dim * i + j)[p] = L(i, j);
+        }
+    }
+
+    void volumes(int begin, int end) override { Base::volumesFromGradient(begin, end); }
+
+    // --- besides the step ---------------------------------------------------------------------------
+    void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
+        for (int p : which)
+            stencil(p, [&](int node, double phi, const Vec<Dim>&) {
+                Base::addMassTo(node, phi * particles.mass.plane()[p], nodal, touched);
+            });
+    }
+
+    void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
+        stencil(p, each);
+    }
+
+    void grown() override { group(); }
+    size_t bytes() const override { return sizeof(int) * cell_.size() + local_.bytes(); }
+
+    Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
+    double longestEdge(int) const override { return 2 * halfSize().maxCoeff(); }
+
+  protected:
+    static constexpr int support = Kernel::support;
+
+    // f(node, weight, gradient) for every node that particle p reaches, where locate() found it.
+    template <class F> void stencil(int p, F&& f) const {
+        AxisWeights<support> axis[Dim];
+        for (int k = 0; k < Dim; ++k)
+            axis[k] = Kernel::along(local_.plane(k)[p] - middle, half_.plane()[k] / grid.cell[k]);
+        forLattice([&](const Index<Dim>& i) {
+            int node = cell_[p];
+            double weight = 1;
+            Vec<Dim> gradient = grid.cell.cwiseInverse();
+            for (int k = 0; k < Dim; ++k) {
+                node += i[k] * grid.strides[k];
+                weight *= axis[k].S[i[k]];
+                for (int m = 0; m < Dim; ++m) gradient[m] *= m == k ? axis[k].G[i[k]] : axis[k].S[i[k]];
+            }
+            f(node, weight, gradient);
+        });
+    }
+
+    // Cells of particles [begin, end); returns whether one has changed.
+    bool find(int begin, int end) {
+        double *x[Dim], *local[Dim];
+        for (int k = 0; k < Dim; ++k) {
+            x[k] = particles.position.plane(k);
+            local[k] = local_.plane(k);
+        }
+        return Base::support(begin, end, x, middle - 0.5, cell_.data(), local, "particle",
+                             particles.id.integers());
+    }
+
+    // Sorts the particles by block and cell.
+    virtual void group() {
+        cell_.resize(particles.size());
+        local_.resize(particles.size());
+        find(0, particles.size());
+        order.group(grid, cell_);
+        particles.permute(order.order);
+        order.order.clear();
+        order.prepare(grid, support);
+    }
+
+    std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...
+    Field local_{"local", "-", "Position from that node, in cells.", {Dim}}; // ... and
+    Field half_{"halfSize", "m", "Half edge of the box domains, one entry per axis."};
+    bool isSorted_ = false; // in this round of locate() and resort()
+
+  private:
+    static constexpr double middle = 0.5 * (support - 1); // of the support, in cells from its lowest node
+
+    // f(i) for the nodes of a support, by their numbers along each axis; the first axis is the fastest.
+    template <class F> static void forLattice(F&& f) {
+        Index<Dim> i{};
+        for (int k = 0; k < Dim;) {
+            if (k == 0) f(i);
+            if (++i[k] < support) {
+                k = 0;
+            } else {
+                i[k++] = 0;
+            }
+        }
+    }
+
+    // f(p, block) for all particles; blocks that share nodes take turns.
+    template <class F> void forParticles(ParallelRegion& region, F&& f) {
+        region.forColoured(order.coloured, [&](int block) {
+            for (int p = order.start[block]; p < order.start[block + 1]; ++p) f(p, block);
+        });
+    }
+
+    template <class Node> static void add(Node& node, int lane, double value) {
+        node.set(lane, node[lane] + value);
+    }
+
+    // node += phi {momentum, inertial mass, mass}
+    void addMomentum(typename NF::Sum* nodes, int p, double inertiaScale) const {
+        const double m = particles.mass.plane()[p], inertia = inertiaScale * m;
+        const Vec<Dim> momentum = inertia * vectorAt<Dim>(particles.velocity, p);
+        stencil(p, [&](int node, double phi, const Vec<Dim>&) {
+            for (int k = 0; k < Dim; ++k) add(nodes[node], NF::momentum + k, phi * momentum[k]);
+            add(nodes[node], NF::mass, phi * inertia);
+            add(nodes[node], NF::weightMass, phi * m);
+        });
+    }
+
+    // node += - V tensor grad phi, of which the upper triangle is read (planes 3 i + j)
+    void addTension(typename NF::Sum* nodes, int p, const double* const tensor[9]) const {
+        Mat<Dim> tension;
+        for (int i = 0; i < Dim; ++i)
+            for (int j = 0; j < Dim; ++j)
+                tension(i, j) =
+                    -particles.volume.plane()[p] * tensor[3 * std::min(i, j) + std::max(i, j)][p];
+        stencil(p, [&](int node, double, const Vec<Dim>& gradient) {
+            const Vec<Dim> force = tension * gradient;
+            for (int k = 0; k < Dim; ++k) add(nodes[node], NF::force(k), force[k]);
+        });
+    }
+
+    void addBodyForce(typename NF::Sum* nodes, int p) const {
+        const Vec<Dim> force = particles.mass.plane()[p] * vectorAt<Dim>(particles.bodyForce, p);
+        stencil(p, [&](int node, double phi, const Vec<Dim>&) {
+            for (int k = 0; k < Dim; ++k) add(nodes[node], NF::force(k), phi * force[k]);
+        });
+    }
+
+    // Particle p follows the nodes; returns the energy that damping took.
+    double gather(const typename NF::Motion* nodes, int p, const Move& how) {
+        double motion[2 * Dim] = {};
+        stencil(p, [&](int node, double phi, const Vec<Dim>&) {
+            for (int k = 0; k < 2 * Dim; ++k) motion[k] += phi * nodes[node][k];
+        });
+        return Planes(particles).move(p, 1, how, [&](int k, int) { return motion[k]; });
+    }
+
+    void scatter(typename NF::Velocity* nodes, int p, double inertiaScale) const {
+        const Vec<Dim> momentum =
+            inertiaScale * particles.mass.plane()[p] * vectorAt<Dim>(particles.velocity, p);
+        stencil(p, [&](int node, double phi, const Vec<Dim>&) {
+            for (int k = 0; k < Dim; ++k) add(nodes[node], k, phi * momentum[k]);
+        });
+    }
+};
+
+// The type that users choose; MPM_REGISTER(ParticleType, ...) makes it known.
+template <class Kernel> class StencilType : public LatticeType {
+  public:
+    std::string className() const override { return Kernel::name; }
+    std::string doc() const override { return Kernel::doc; }
+    std::unique_ptr<Domains<2>> make(Particles<2>& particles, const Grid<2>& grid) const override {
+        return std::make_unique<StencilDomains<2, Kernel>>(particles, grid);
+    }
+    std::unique_ptr<Domains<3>> make(Particles<3>& particles, const Grid<3>& grid) const override {
+        return std::make_unique<StencilDomains<3, Kernel>>(particles, grid);
+    }
+};
+
+} // namespace mpm

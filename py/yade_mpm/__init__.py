@@ -9,7 +9,7 @@ box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & 
 Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes the name of a file, too
 LinearElastic, NeoHookean, MohrCoulombDruckerPrager, Material    materials
 MaterialPoint                  one point of a material, strained by hand
-UGIMP, APDI, BSpline, ParticleType                              particle types
+UGIMP, APDI, BSpline, ParticleType                               particle types
 ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of every step, in this order
 BoundaryLoad, Contact, RigidContact                              engines that may be added
 Drive, Hold                    prescribed motions, given to the GridSolver

@@ -11,9 +11,8 @@ class LatticeType : public ParticleType {
     std::vector<double> perCell{2};
 
     std::vector<Parameter> parameters() override {
-        return {
-            {"perCell", "-", "Particles per cell and direction: one number, or one per direction.", &perCell,
-             Range::between(1, 1000)}};
+        return {{"perCell", "-", "Particles per cell and direction: one number, or one per direction.",
+                 &perCell, Range::between(1, 1000)}};
     }
     void finish() override {
         require(perCell.size() >= 1 && perCell.size() <= 3, className(),

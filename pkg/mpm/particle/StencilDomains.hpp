@@ -30,8 +30,8 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim> {
 
   public:
     using Base = Transfers<Dim>;
-    using typename Base::NF, typename Base::Planes;
     using Base::particles, Base::grid, Base::order, Base::damped_, Base::Base;
+    using typename Base::NF, typename Base::Planes;
 
     // --- making -------------------------------------------------------------------------------------
     void build(const Geometry<Dim>& geometry) override {
@@ -210,8 +210,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim> {
         Mat<Dim> tension;
         for (int i = 0; i < Dim; ++i)
             for (int j = 0; j < Dim; ++j)
-                tension(i, j) =
-                    -particles.volume.plane()[p] * tensor[3 * std::min(i, j) + std::max(i, j)][p];
+                tension(i, j) = -particles.volume.plane()[p] * tensor[3 * std::min(i, j) + std::max(i, j)][p];
         stencil(p, [&](int node, double, const Vec<Dim>& gradient) {
             const Vec<Dim> force = tension * gradient;
             for (int k = 0; k < Dim; ++k) add(nodes[node], NF::force(k), force[k]);

@@ -37,7 +37,7 @@ from yade import (
     VTKRecorder,
     utils,
 )
-from yade_mpm import commandLine, files, inYade, plot
+from yade_mpm import commandLine, files, inYade, plot, study
 from yade_mpm.commandLine import below, count, notNegative, positive
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(sys.argv[0])))
@@ -60,7 +60,6 @@ CUSHION = {
 
 def options():
     parser = commandLine.Parser("yade_pile", __doc__, smoke={"penetration": 0.6, "blows": 1})
-    parser.set_defaults(out=None)  # of a run of yade-batch a folder of its own
     parser.add_argument(
         "--friction",
         type=notNegative,
@@ -135,7 +134,8 @@ def arguments():
     if EMBEDDED + a.penetration > PILE_LENGTH - a.cell:
         parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --penetration")
     a.dt = a.dt or (min(4e-4, 1.6e-3 * a.cell) if a.smoke else 1e-3 * a.cell)
-    a.out = a.out or (os.path.join(BATCH, O.tags["id"]) if "YADE_BATCH" in os.environ else RESULTS)
+    if "YADE_BATCH" in os.environ:  # a folder of its own
+        parser.fill(a, words, out=os.path.join(BATCH, O.tags["id"]))
     bonded(a)  # refuses what does not fit its ground
     return a
 
@@ -148,7 +148,7 @@ def soil(a, contact):
     scene.engines = [
         mpm.ParticleToGrid(),
         contact,
-        sheet_pile.gridSolver(),
+        mpm.GridSolver(**sheet_pile.SOLVER),
         mpm.GridToParticle(),
         mpm.DomainUpdater(),
     ]
@@ -158,23 +158,12 @@ def soil(a, contact):
 
 def bonded(a):
     """Arguments of the sheet pile scene with the same soil, cell and rate."""
-    words = [
-        "--cell",
-        a.cell,
-        "--thickness",
-        a.thickness,
-        "--rate",
-        a.rate,
-        "--ramp",
-        a.ramp,
-        "--until",
-        a.penetration / a.rate + 0.5 * a.ramp,
-        "--out",
-        os.path.join(a.out, "bonded"),
-    ]
-    return sheet_pile.arguments(
-        [str(word) for word in words + (["--threads", a.threads] if a.threads else [])]
-    )
+    parser = sheet_pile.options()
+    parser.set_defaults(thickness=a.thickness, ramp=a.ramp)
+    until = a.penetration / a.rate + 0.5 * a.ramp
+    words = ["--cell", a.cell, "--rate", a.rate, "--until", until, "--out", os.path.join(a.out, "bonded")]
+    words += ["--threads", a.threads] if a.threads else []
+    return sheet_pile.arguments([str(word) for word in words], parser)
 
 
 def pile(a):
@@ -323,8 +312,8 @@ def report(a, out, number, scene, history, gauge, wall):
         "base": history["bottom.fy"] - weight(scene),
     }
     if a.drive == "velocity":
-        curves["smooth"] = sheet_pile.movingAverage(depth, raw, a.cell)
-        curves["base"] = sheet_pile.movingAverage(depth, curves["base"], a.cell)
+        curves["smooth"] = study.movingAverage(depth, raw, a.cell)
+        curves["base"] = study.movingAverage(depth, curves["base"], a.cell)
     table(os.path.join(out, "resistance.csv"), curves)
     state = O.bodies[number].state
     summary = {
@@ -344,8 +333,8 @@ def report(a, out, number, scene, history, gauge, wall):
         "penetration": gauge.start - state.pos[1],
     }
     if a.drive == "velocity":
-        summary["resistance"] = sheet_pile.atHalfMetres(depth, curves["smooth"])
-        summary["resistanceAtBase"] = sheet_pile.atHalfMetres(depth, curves["base"])
+        summary["resistance"] = study.atSteps(depth, curves["smooth"])
+        summary["resistanceAtBase"] = study.atSteps(depth, curves["base"])
     else:
         ends = HAMMER_PERIOD * np.arange(1, a.blows + 2)
         summary["afterBlow"] = {
@@ -455,7 +444,7 @@ def compare(a):
 def runBonded(a):
     """The sheet pile scene in its own loop, as a result like the others."""
     b = bonded(a)
-    summary, scene, history = sheet_pile.run(b, b.out)
+    summary, scene, history = sheet_pile.run(b)
     depth, raw, smooth = sheet_pile.resistanceCurve(b, scene, history)
     return {
         "depth": depth,

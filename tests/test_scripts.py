@@ -56,6 +56,16 @@ def test_a_script_of_ones_own_runs_where_one_is(checkout, tmp_path, name):
 
 
 @onDebian
+@pytest.mark.parametrize("name", ["many", "studies/many", "scripts/studies/many.py"])
+def test_a_study_runs_at_the_root_too_and_finds_the_scenes(checkout, name):
+    (checkout / "scripts" / "studies").mkdir()
+    study = 'import demo\nif __name__ == "__main__":\n    print("study")\n'
+    (checkout / "scripts" / "studies" / "many.py").write_text('"""Many runs."""\n' + study)
+    assert run(checkout, name, cwd=checkout).stdout == f"[] {checkout} {checkout}/build/python\nstudy\n"
+    assert "many                 Many runs." in run(checkout, cwd=checkout).stdout
+
+
+@onDebian
 def test_what_is_not_there_is_named_and_the_scenes_listed(checkout):
     wrong = run(checkout, "dmeo", cwd=checkout)
     assert (
@@ -106,9 +116,15 @@ commandLine.run(main)
     assert ("Traceback" in ended.stderr) == last.startswith("ValueError")
 
 
-@pytest.mark.parametrize(
-    "file", [f for f in sorted(RUN.parent.glob("*.py")) if f.stem != "bench"], ids=lambda f: f.stem
-)
+PARTS = (
+    "bench",
+    "sheet_pile_measures",
+    "sheet_pile_pictures",
+)  # a program of its own kind, and modules of studies
+SCENES = [f for f in sorted(RUN.parent.rglob("*.py")) if f.stem not in PARTS]
+
+
+@pytest.mark.parametrize("file", SCENES, ids=lambda f: f.stem)
 def test_every_scene_ends_that_way(file):
     assert file.read_text().endswith('\nif __name__ == "__main__":\n    commandLine.run(main)\n')
 

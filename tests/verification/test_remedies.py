@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What slip and the limit of dilatancy change in the sheet pile (scripts/remedies.py), on a coarse grid.
+"""What slip and the limit of dilatancy change in the sheet pile (scripts/studies/remedies.py), on a coarse grid.
 
 With friction the soil beside the embedded metre stays where it is (no collar) and closes behind the tip; without dilatancy the
 surface hardly heaves; both lower the resistance. Control: the published model, which shows all of it.
 """
 
 import argparse
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-import remedies  # noqa: E402
-import sheet_pile  # noqa: E402
+import remedies
+import sheet_pile
+import sheet_pile_study
+from yade_mpm import study
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +81,7 @@ def test_the_table_names_every_run(results):
 
 # --- the tip --------------------------------------------------------------------------------------------
 def words(*more):
-    return sheet_pile.arguments(["--cell", "0.5", *more])
+    return sheet_pile_study.arguments(["--cell", "0.5", *more])
 
 
 def test_the_published_run_needs_no_option():
@@ -129,7 +127,7 @@ def test_a_wedge_has_its_angle_and_stands_where_the_flat_tip_does(angle):
     "given, message",
     [
         (["--tip", "90"], "--tip needs a pile that is a mesh"),
-        (["--friction", "0.3", "--tip", "20"], "--tip 20 is not allowed; give 30 to 180 degrees"),
+        (["--friction", "0.3", "--tip", "20"], "--tip: 20 is not allowed; give a number from 30 to 180"),
     ],
 )
 def test_a_tip_that_cannot_be_is_refused(given, message, capsys):
@@ -140,8 +138,8 @@ def test_a_tip_that_cannot_be_is_refused(given, message, capsys):
 
 def test_scatter_is_zero_of_a_straight_line_and_that_of_a_wave_elsewhere():
     x = np.linspace(0, 4, 4001)
-    assert sheet_pile.scatter(x, 100 + 50 * x, 100 + 50 * x) == 0
-    assert sheet_pile.scatter(x, 100 + 10 * np.sin(2 * np.pi * x), np.full_like(x, 100.0)) == pytest.approx(
+    assert study.scatter(x, 100 + 50 * x, 100 + 50 * x) == 0
+    assert study.scatter(x, 100 + 10 * np.sin(2 * np.pi * x), np.full_like(x, 100.0)) == pytest.approx(
         0.1 / 2**0.5, rel=1e-3
     )
-    assert sheet_pile.scatter(x[:500], x[:500], x[:500]) is None
+    assert study.scatter(x[:500], x[:500], x[:500]) is None

@@ -13,14 +13,13 @@ Controls: another friction angle, a base close below, another hole, no F-bar.
 """
 
 import importlib.util
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
-sys.path.insert(0, str(SCRIPTS))  # remedies.py imports sheet_pile
+FOLDERS = SCRIPTS, SCRIPTS / "studies"
 EARTH_PRESSURE = {"active": 13.46, "passive": 710.07}
 STRIP = {0.5: 0.9595, 1.0: 0.8183, 2.0: 0.5498, 3.0: 0.3958, 4.0: 0.3058}
 HOLE = {"side": 3.14, "crown": -1.11}
@@ -30,7 +29,8 @@ slow = pytest.mark.slow
 
 def scene(name):
     """A fresh copy of a script, so that a test may change its constants."""
-    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
+    file = next(f for folder in FOLDERS if (f := folder / f"{name}.py").exists())
+    spec = importlib.util.spec_from_file_location(name, file)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -53,14 +53,18 @@ REFUSED = {  # of the scenes, which argument with which words
         "--cell nan",
         "--threads 0",
         "--threads 1.5",
+        "--friction -1",
+    ],
+    "sheet_pile_study": [
         "--ramp -1",
         "--psi 40",
-        "--friction -1",
         "--flip 2",
+        "--tip 20",
         "--split 0.9",
-        "--thickness 0.25 with --cell 0.1 : --cell 0.1",
+        "--thickness 0.25 with --cell 0.1 : --cell 0.1 --thickness 0.25",
         "--thickness 0.125 with --cell 0.25 : --thickness 0.125",
     ],
+    "sheet_pile_compare": ["--types ugimp"],
     "hertz": ["--cells 0", "--shift 0.3 with uGIMP : --shift 0.3 --ground ugimp", "--shift 2"],
     "plate_with_hole": ["--cells -1", "--cells two"],
     "column_collapse": [
@@ -95,9 +99,8 @@ def refusal(name, words, capsys):
 @pytest.mark.parametrize(
     "name, words, ignored",
     [
-        ("sheet_pile", "--types apdi --split 1.3", "--split"),
-        ("sheet_pile", "--types ugimp --on-distortion convert", "--on-distortion"),
-        ("sheet_pile", "--types ugimp --compare", "--compare"),
+        ("sheet_pile_study", "--types apdi --split 1.3", "--split"),
+        ("sheet_pile_study", "--types ugimp --on-distortion convert", "--on-distortion"),
         ("footing", "--compare --fbar", "--fbar"),
         ("column_collapse", "--compare --cell 0.01", "--cell"),
         ("column_collapse", "--compare --types ugimp", "--types"),
@@ -111,7 +114,8 @@ def test_arguments_that_would_have_no_effect_are_refused(name, words, ignored, c
 @pytest.mark.parametrize(
     "name, words",
     [
-        ("sheet_pile", "--cell 0.25 --rate 0.2 --ramp 1"),
+        ("sheet_pile", "--cell 0.25 --rate 0.2"),
+        ("sheet_pile_study", "--cell 0.25 --rate 0.2 --ramp 1"),
         ("column_collapse", "--cell 0.005"),
         ("footing", "--cell 0.4 --rate 0.02"),
         ("hertz", "--cells 8"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the headline scene (scripts/sheet_pile.py) promises: particles, resistance, balance, symmetry, surface, and its summary.json.
+"""What the headline scene (scripts/sheet_pile.py) and its studies promise: particles, resistance, balance, symmetry, surface, and its summary.json.
 
 Hybrid and all uGIMP on the coarse grid (cell and pile of 0.5 m), 1 m in 3125 steps at 1 m/s, through the functions of `--compare`;
 and the number of particles of the default scene, without a run. Bounds are measured values with a margin.
@@ -7,20 +7,21 @@ and the number of particles of the default scene, without a run. Bounds are meas
 
 import argparse
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "scripts"))
-import sheet_pile  # noqa: E402
+import sheet_pile
+import sheet_pile_compare
+import sheet_pile_measures
+import sheet_pile_study
 
 KEYS = {
     "arguments",
     "versions",
     "threads",
     "particles",
+    "bodies",
     "soilParticles",
     "allUGIMPSoilParticles",
     "soilParticleRatio",
@@ -70,11 +71,14 @@ KEYS = {
 def test_the_default_scene_needs_less_than_30_5_percent_of_the_particles(words, ratio, allUGIMP):
     def count(*types):
         return sum(
-            b.count for b in sheet_pile.soilBodies(sheet_pile.build(sheet_pile.arguments([*words, *types])))
+            b.count
+            for b in sheet_pile_measures.soilBodies(
+                sheet_pile.build(sheet_pile_study.arguments([*words, *types]))
+            )
         )
 
     hybrid, other = count(), count("--types", "ugimp")
-    assert other == allUGIMP == sheet_pile.allUGIMP(sheet_pile.arguments(words))
+    assert other == allUGIMP == sheet_pile_measures.allUGIMP(sheet_pile_study.arguments(words))
     assert hybrid / other == pytest.approx(ratio, abs=5e-4) and hybrid / other < 0.305
 
 
@@ -82,7 +86,7 @@ def test_the_default_scene_needs_less_than_30_5_percent_of_the_particles(words, 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
     """Arguments, (summary, scene, history) of hybrid and of all uGIMP, and their comparison."""
-    a = sheet_pile.arguments(
+    a = sheet_pile_study.arguments(
         [
             "--smoke",
             "--until",
@@ -96,10 +100,10 @@ def runs(tmp_path_factory):
         ]
     )
     both = [
-        sheet_pile.run(b, b.out)
+        sheet_pile_study.run(b)
         for b in (a, argparse.Namespace(**{**vars(a), "types": "ugimp", "out": a.out + "/ugimp"}))
     ]
-    return a, *both, sheet_pile.compare(a, *both)
+    return a, *both, sheet_pile_compare.compare(a, *both)
 
 
 @pytest.fixture(params=[1, 2], ids=["hybrid", "all uGIMP"])
@@ -112,7 +116,7 @@ def test_the_hybrid_needs_a_quarter_of_the_particles(runs):
     assert (
         result["soilParticles"]
         == [1576, 5752]
-        == [sum(b.count for b in sheet_pile.soilBodies(r[1])) for r in (hybrid, other)]
+        == [sum(b.count for b in sheet_pile_measures.soilBodies(r[1])) for r in (hybrid, other)]
     )
     assert (hybrid[0]["soilParticleRatio"], other[0]["soilParticleRatio"]) == (1576 / 5752, 1)
 
@@ -138,10 +142,10 @@ def test_the_reaction_of_the_drive_is_that_of_the_base(one):
 
 def test_control_a_base_that_feels_less_is_noticed(runs):
     a, (_, scene, history), *_ = runs
-    weight = sum(b.mass.sum() for b in sheet_pile.soilBodies(scene)) * sheet_pile.GRAVITY
+    weight = sum(b.mass.sum() for b in sheet_pile_measures.soilBodies(scene)) * sheet_pile.GRAVITY
     _, raw, _ = sheet_pile.resistanceCurve(a, scene, history)
     forged = {"time": history["time"], "drive.fy": history["drive.fy"], "bottom.fy": weight + 0.9 * raw}
-    assert sheet_pile.reactionBalance(a, scene, forged, np.inf) == pytest.approx(0.1, rel=1e-9)
+    assert sheet_pile_measures.reactionBalance(a, scene, forged, np.inf) == pytest.approx(0.1, rel=1e-9)
 
 
 def test_the_run_is_symmetric(runs, one):
@@ -150,7 +154,7 @@ def test_the_run_is_symmetric(runs, one):
     pile = scene["pile"]
     tip = pile.reference[:, 1] < sheet_pile.DEPTH - sheet_pile.EMBEDDED + a.cell
     pile.position[tip, 0] += 0.1 * a.thickness  # control
-    drift = sheet_pile.summarise(a, scene, history, 1.0, 1)["tipDrift"]
+    drift = sheet_pile_measures.summarise(a, scene, history)["tipDrift"]
     pile.position[tip, 0] -= 0.1 * a.thickness
     assert drift == pytest.approx(0.1)
 
@@ -178,15 +182,15 @@ def test_the_published_model_opens_the_ground_beside_the_pile(one):
 
 
 def test_the_hole_of_the_surface_is_the_pile_alone(one):
-    assert sheet_pile.surfaceOf(one[1]).hole == pytest.approx((14.75, 15.25), abs=1e-3)
+    assert sheet_pile_measures.surfaceOf(one[1]).hole == pytest.approx((14.75, 15.25), abs=1e-3)
 
 
 def test_a_particle_that_flies_off_is_isolated(one):
     summary, scene, _ = one
-    body = sheet_pile.soilBodies(scene)[0]
+    body = sheet_pile_measures.soilBodies(scene)[0]
     assert summary["isolatedParticles"] == 0
     body.position[0, 1] += 20  # control
-    assert sheet_pile.surfaceOf(scene).isolated == 1
+    assert sheet_pile_measures.surfaceOf(scene).isolated == 1
     body.position[0, 1] -= 20
 
 
@@ -196,14 +200,14 @@ def test_only_a_mesh_can_tell_whether_the_surface_is_single_valued(runs):
 
 # --- stripes ------------------------------------------------------------------------------------------------
 def test_stripes_leave_out_the_peak_at_the_tip_but_nothing_below():
-    a = sheet_pile.arguments([])
+    a = sheet_pile_study.arguments([])
     scene = sheet_pile.build(a)
     tip = sheet_pile.DEPTH - sheet_pile.EMBEDDED
 
     def both(pressure):
-        for body in sheet_pile.soilBodies(scene):
+        for body in sheet_pile_measures.soilBodies(scene):
             body.stress[...] = -pressure(tip - body.position[:, 1])[:, None, None] * np.eye(3)
-        return sheet_pile.stripesFrom(a, scene)
+        return sheet_pile_measures.stripesFrom(a, scene)
 
     peak = both(lambda depth: 100.0 + 400 * (depth < a.cell))
     assert peak[0] > 0.3 and peak[1] == 0

@@ -1,30 +1,24 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The sheet pile pressed into soil of APDI alone, whose stretched domains become uGIMP particles (scripts/sheet_pile.py).
+"""The sheet pile pressed into soil of APDI alone, whose stretched domains become uGIMP particles (scripts/studies/sheet_pile_study.py).
 
 The coarse, fast scene: cell 0.5 m, pile of 0.5 m, 1 m/s; to 1.25 m, and the whole 4 m at 0.1 m/s (slow). Reference: the hybrid.
 Tolerance 10 % of its resistance down to 2 m. Control: without conversion edges grow beyond the limit.
 """
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
+import sheet_pile
+import sheet_pile_study
 import yade_mpm as mpm
-
-PATH = Path(__file__).resolve().parents[2] / "scripts" / "sheet_pile.py"
-spec = importlib.util.spec_from_file_location("sheet_pile", PATH)
-sheetPile = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(sheetPile)
 
 
 def press(*options):
     """Scene, history and resistance at every 0.5 m down to 2 m of a run with the given options."""
-    a = sheetPile.arguments(["--threads", "1", *options])
-    scene, history = sheetPile.build(a), mpm.History(period=a.until / 300)
+    a = sheet_pile_study.arguments(["--threads", "1", *options])
+    scene, history = sheet_pile.build(a), mpm.History(period=a.until / 300)
     scene.engines = [*scene.engines, history]
     scene.run(until=a.until, progress=False)
-    depth, _, resistance = sheetPile.resistanceCurve(a, scene, history)
+    depth, _, resistance = sheet_pile.resistanceCurve(a, scene, history)
     return scene, history, np.interp(np.arange(0.5, min(2.0, depth[-1]) + 1e-6, 0.5), depth, resistance)
 
 

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""scripts/sheet_pile.py --resume: an interrupted run goes on with its own arguments, and ends as if it had not been interrupted."""
+"""--resume: an interrupted run of the sheet pile goes on with its own arguments, and ends as if nothing had happened."""
 
-import importlib.util
 import json
 import os
 import signal
@@ -9,11 +8,10 @@ import time
 from pathlib import Path
 
 import pytest
-
-PATH = Path(__file__).resolve().parents[2] / "scripts" / "sheet_pile.py"
-spec = importlib.util.spec_from_file_location("sheet_pile", PATH)
-sheetPile = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(sheetPile)
+import sheet_pile
+import sheet_pile_compare
+import sheet_pile_study
+from yade_mpm import plot
 
 OPTIONS = ["--cell", "1", "--rate", "2", "--ramp", "0.25", "--psi", "5", "--until", "0.9", "--threads", "1"]
 DEEPER = [
@@ -49,14 +47,14 @@ RESULTS = (
 
 def results(*words):
     """Runs the scene and returns summary.json."""
-    a = sheetPile.arguments([*words])
-    sheetPile.run(a, a.out)
+    a = sheet_pile_study.arguments([*words])
+    sheet_pile_study.run(a)
     return json.loads((Path(a.out) / "summary.json").read_text())
 
 
 def interrupt(monkeypatch, body, run, *words):
     """Ctrl-C at the first snapshot of the run that has this body, after a quarter."""
-    snapshot = sheetPile.plot.Snapshot
+    snapshot = plot.Snapshot
 
     def signalled(scene, *words):
         if scene.time > 0 and body in [b.name for b in scene.bodies]:
@@ -64,7 +62,7 @@ def interrupt(monkeypatch, body, run, *words):
         return snapshot(scene, *words)
 
     with monkeypatch.context() as patch:
-        patch.setattr(sheetPile.plot, "Snapshot", signalled)
+        patch.setattr(plot, "Snapshot", signalled)
         with pytest.raises(KeyboardInterrupt):
             run(*words)
 
@@ -90,6 +88,19 @@ def test_a_run_that_is_resumed_ends_like_one_that_was_not_interrupted(interrupte
     }
 
 
+def test_the_scene_of_the_readme_goes_on_alike(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def run(*words):
+        return sheet_pile.run(sheet_pile.arguments([*words]))[0]
+
+    words = ["--cell", "1", "--rate", "2", "--until", "0.9", "--threads", "1", "--out"]
+    interrupt(monkeypatch, "pile", run, *words, "cut")
+    assert run("--resume", "cut/checkpoint.h5")["resistance"] == run(*words, "whole")["resistance"] != {}
+    assert Path("cut/history.csv").read_text() == Path("whole/history.csv").read_text()
+    assert Path("cut/sheet_pile.png").exists()
+
+
 def test_until_may_change_also_where_no_snapshot_is_left(interrupted):
     summary = results("--resume", interrupted, "--until", "0.4", "--cell", "1")  # as the run has it
     assert summary["penetration"] == pytest.approx(2 * 0.4 - 0.25, abs=0.003) and list(
@@ -101,28 +112,29 @@ def test_until_may_change_also_where_no_snapshot_is_left(interrupted):
 
 def compared(monkeypatch, *words):
     """Runs the scene as a program and returns compare.json."""
-    monkeypatch.setattr("sys.argv", ["sheet_pile.py", *words])
-    sheetPile.main()
-    return json.loads(Path(sheetPile.arguments([*words]).out, "compare.json").read_text())
+    monkeypatch.setattr("sys.argv", ["sheet_pile_compare.py", *words])
+    sheet_pile_compare.main()
+    return json.loads(Path(sheet_pile_compare.arguments([*words]).out, "compare.json").read_text())
 
 
 def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(
-        sheetPile.plot,
+        plot,
         "save",
-        lambda figure, file: (
-            Path(file).write_text(str(time.monotonic())) and sheetPile.plot.plt.close(figure)
-        ),
+        lambda figure, file: Path(file).write_text(str(time.monotonic())) and plot.plt.close(figure),
     )
-    words = [*DEEPER, "--compare", "--out", "cut"]
+    words = [*DEEPER, "--out", "cut"]
     interrupt(monkeypatch, "soil", compared, monkeypatch, *words)
-    assert "continue with: scripts/run sheet_pile --resume cut/checkpoint.h5\n" in capsys.readouterr().err
+    assert (
+        "continue with: scripts/run sheet_pile_compare --resume cut/checkpoint.h5\n"
+        in capsys.readouterr().err
+    )
     assert Path("cut/summary.json").exists() and not Path("cut/ugimp/summary.json").exists()
     first, picture = (Path("cut", name).read_bytes() for name in ("summary.json", "domains.png"))
     rows = Path("cut/ugimp/history.csv").read_text().count("\n")
     with monkeypatch.context() as patch:
-        patch.setattr(sheetPile, "build", None)  # neither run begins anew
+        patch.setattr(sheet_pile, "build", None)  # neither run begins anew
         resumed = compared(patch, "--resume", "cut/checkpoint.h5")
         assert compared(patch, "--resume", "cut/checkpoint.h5") == resumed  # both are at their ends
     assert (first, picture) == tuple(
@@ -139,17 +151,17 @@ def test_the_second_half_begins_anew_after_another_run(tmp_path, monkeypatch):
     """What that left in the folder belongs to other arguments."""
     monkeypatch.chdir(tmp_path)
     interrupt(monkeypatch, "pile", results, *DEEPER, "--flip", "0.9", "--out", "cut")
-    a = sheetPile.arguments(["--resume", "cut/checkpoint.h5", "--compare"])
+    a = sheet_pile_compare.arguments(["--resume", "cut/checkpoint.h5"])
     for flip, resume in (("1", None), ("0.9", "cut/ugimp/checkpoint.h5")):
         interrupt(
             monkeypatch, "pile", results, *DEEPER, "--flip", flip, "--types", "ugimp", "--out", "cut/ugimp"
         )
-        assert sheetPile.allUGIMPRun(a).resume == resume
+        assert sheet_pile_compare.allUGIMPRun(a).resume == resume
 
 
 def refusal(capsys, *words):
     with pytest.raises(SystemExit):
-        sheetPile.arguments(["--resume", *words])
+        sheet_pile_study.arguments(["--resume", *words])
     return capsys.readouterr().err
 
 

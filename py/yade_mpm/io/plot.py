@@ -28,7 +28,8 @@ plt.rcParams.update(
 class Snapshot:
     """Domains of some bodies as they are now, for a picture later.
 
-    scene : 2D scene. value : name of a field (scalar) that colours them; bodies without it are drawn grey, ValueError if all are.
+    scene : 2D scene. value : name of a field (scalar) that colours them; bodies without it are drawn grey,
+    ValueError if all are.
     """
 
     def __init__(self, scene, value):
@@ -37,7 +38,8 @@ class Snapshot:
         known = {f["name"] for body in scene.bodies for f in body.fields() if not f["shape"]}
         if value not in known:
             raise ValueError(
-                f"Snapshot: no body has a field {value!r} of one number per particle; fields: {', '.join(sorted(known))}"
+                f"Snapshot: no body has a field {value!r} of one number per particle; fields: "
+                f"{', '.join(sorted(known))}"
             )
         self.time, self.value = scene.time, value
         self.parts = []
@@ -54,7 +56,8 @@ class Snapshot:
                 )
 
     def draw(self, axes, limit, colours="inferno_r", window=None):
-        """Draws the domains; limit is the value at the end of the colour scale. Returns the coloured collection."""
+        """Draws the domains; limit is the value at the end of the colour scale. Returns the coloured
+        collection."""
         coloured = None
         for _, meshed, corners, values in self.parts:
             style = dict(edgecolors=(0, 0, 0, 0.25) if meshed else "none", linewidths=0.15)
@@ -73,6 +76,74 @@ class Snapshot:
         else:
             axes.autoscale_view()
         return coloured
+
+
+class Snapshots(list):
+    """Snapshots of a run, one for each call with its scene; for a PyRunner. value : as of `Snapshot`."""
+
+    def __init__(self, value):
+        super().__init__()
+        self.value = value
+
+    def __call__(self, scene):
+        self.append(Snapshot(scene, self.value))
+
+
+def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
+    """Figure of snapshots side by side (or one above the other), each with its title, and one colour bar:
+    (figure, last axes).
+
+    limit : as of `Snapshot.draw`; window, too, or a list of one for each. label : of the bar. curves : width
+    of further axes at the right for curves, over that of a panel; the last axes are these.
+    """
+    n = len(snapshots)
+    windows = window if isinstance(window, list) else [window] * n
+    left, right, bottom, top = windows[0]
+    high = (top - bottom) / (right - left)
+    if vertical:
+        figure, axes = plt.subplots(
+            n, 1, figsize=(7, 6.2 * high * n + 0.6), sharex=True, squeeze=False, layout="constrained"
+        )
+    else:
+        widths = [1.0] * n + [curves] * (curves > 0)
+        size = (2.9 * sum(widths) + 1.0, min(4.6, 2.6 * high + 1.1))
+        figure, axes = plt.subplots(
+            1, len(widths), figsize=size, width_ratios=widths, squeeze=False, layout="constrained"
+        )
+    axes = axes.ravel()
+    for ax, snapshot, title, part in zip(axes, snapshots, titles, windows):
+        coloured = snapshot.draw(ax, limit, window=part)
+        ax.set_title(title)
+        if vertical:
+            ax.set_ylabel("y (m)")
+        else:
+            ax.set_xlabel("x (m)")
+            ax.tick_params(labelleft=ax is axes[0])
+    (axes[n - 1].set_xlabel if vertical else axes[0].set_ylabel)("x (m)" if vertical else "y (m)")
+    figure.colorbar(coloured, ax=list(axes[:n]), label=label, extend="max", shrink=0.8)
+    return figure, axes[-1]
+
+
+def domains(axes, bodies, values, limits, label, colours="inferno_r", scale=1.0, edge=None, **bar):
+    """Domains of bodies, coloured by numbers, with a colour bar.
+
+    values : function of a body that gives a number for each of its domains. limits : ends of the colour
+    scale. label : of the bar; `bar` goes
+    to `Figure.colorbar`. scale : length that the coordinates are divided by, m. edge : colour of the edges,
+    default that of the face.
+    """
+    for body in bodies:
+        collection = PolyCollection(
+            body.corners() / scale,
+            array=values(body),
+            cmap=colours,
+            clim=limits,
+            edgecolors=edge or "face",
+            linewidths=0.12,
+        )
+        axes.add_collection(collection)
+    axes.set_aspect("equal")
+    axes.figure.colorbar(collection, ax=axes, label=label, **bar)
 
 
 def save(figure, file, **how):

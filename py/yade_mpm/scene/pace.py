@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""How many threads a run takes, where nobody has said: as many as the scene's size asks for, or one while other jobs have the processors.
+"""How many threads a run takes, where nobody has said: as many as the scene's size asks for, or one while
+other jobs have the processors.
 
-Threads that share their processors with another job wait for each other most of the time: two then take two to four times as long as one. The results
-are the same bits for any number, so a run may change it: it tries the other number for a moment, now and then, and stays with the faster.
+Threads that share their processors with another job wait for each other most of the time: two then take two
+to four times as long as one. The results are the same bits for any number, so a run may change it: it tries
+the other number for a moment, now and then, and stays with the faster.
 """
 
 import time

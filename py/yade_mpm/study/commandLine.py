@@ -1,19 +1,22 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Command lines of scenes: what they share, numbers that argparse checks, and how a scene ends.
 
-    parser = commandLine.Parser("footing", __doc__, smoke={"cell": 0.5})    # --smoke takes 0.5 unless --cell is given
+    parser = commandLine.Parser("footing", __doc__, smoke={"cell": 0.5})  # --smoke takes 0.5, unless --cell is given
     parser.add_argument("--cell", type=commandLine.partOf(2.0), default=0.25)
     a = parser.parse()
 
 The functions of a number are for argparse's `type`: they return it, or raise ArgumentTypeError with what is allowed.
 
-It is part of the package, not of scripts/, so that a copy of a scene runs in any folder, and in YADE, which does not look beside a script.
+It is part of the package, not of scripts/, so that a copy of a scene runs in any folder, and in YADE, which does not
+look beside a script.
 """
 
 import argparse
 import os
 import sys
 from math import inf, isfinite
+
+from .resume import resumed
 
 
 def positive(text):
@@ -42,7 +45,8 @@ def below(most):
 
 
 def partOf(length):
-    """Function that takes lengths (m) of which `length` is a whole number, such as cells that have to fit into it, and rounds to the digits of that."""
+    """Function that takes lengths (m) of which `length` is a whole number, such as cells that have to fit
+    into it, and rounds to the digits of that."""
     return lambda text: (
         length
         / round(
@@ -67,35 +71,48 @@ def _number(text, isAllowed, allowed):
 
 
 class Parser(argparse.ArgumentParser):
-    """Command line of a scene, with --smoke, --threads and --out.
+    """Command line of a scene, with --smoke, --threads, --out and, where the scene can be resumed, --resume.
 
-    name : of the scene; results go to results/NAME. doc : docstring of the scene, its description. smoke : dict argument -> its default
-    beside --smoke. threads : whether the scene takes a number of threads; default True.
+    name : of the scene; results go to results/NAME. doc : docstring of the scene, its description. smoke :
+    dict argument -> its default beside --smoke. threads : whether the scene takes a number of threads;
+    default True. resume : names of the arguments that a run may change when it is resumed; default None: it
+    cannot be.
     """
 
-    def __init__(self, name, doc, smoke, threads=True):
+    def __init__(self, name, doc, smoke, threads=True, resume=None):
         super().__init__(prog=name, description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
-        self._smoke = smoke
+        self._smoke, self._mayChange = smoke, resume
+        self._folder = os.path.join("results", name)
         shared = self.add_argument_group("all scenes")
         shared.add_argument(
             "--smoke",
             action="store_true",
-            help="coarse and fast, where nothing else is given: " + " ".join(map(_option, smoke.items())),
+            help="coarse and fast, where nothing else is given: " + ", ".join(map(_pair, smoke.items())),
         )
         if threads:
             shared.add_argument("--threads", type=count, help="number of threads (default: chosen)")
-        shared.add_argument(
-            "--out",
-            default=os.path.join("results", name),
-            help=f"folder of the results (default results/{name})",
+        # With --resume the default is the folder of the run.
+        shared.add_argument("--out", help=f"folder of the results (default {self._folder})")
+        if resume is not None:
+            shared.add_argument("--resume", metavar="CHECKPOINT", help=self._resumeHelp())
+
+    def _resumeHelp(self):
+        changed = ", ".join(f"--{name}" for name in (*self._mayChange, "threads"))
+        return (
+            "continue the run that left this checkpoint in the folder of its results, with its arguments; of others "
+            f"only {changed} may be given"
         )
 
     def parse(self, words=None):
-        """Arguments of a command line, a list of words (default: of the program)."""
+        """Arguments of a command line, a list of words (default: of the program); with --resume those of
+        the run continued."""
         a = self.parse_args(words)
         if a.smoke:
             self.set_defaults(**self._smoke)
             a = self.parse_args(words)
+        if self._mayChange is not None and a.resume:
+            return resumed(self, a, self.given(words), self._mayChange)
+        a.out = a.out or self._folder
         return a
 
     def given(self, words=None):
@@ -104,22 +121,29 @@ class Parser(argparse.ArgumentParser):
         a = self.parse_args(words, argparse.Namespace(**dict.fromkeys(vars(self.parse_args(words)), nothing)))
         return {name for name, value in vars(a).items() if value is not nothing}
 
+    def fill(self, a, words, **values):
+        """Gives values to arguments that stand neither on the command line nor among those of --smoke."""
+        known = self.given(words) | (set(self._smoke) if a.smoke else set())
+        vars(a).update({name: value for name, value in values.items() if name not in known})
+
     def refuseBeside(self, words, option, names, why):
-        """Ends the program if any of the arguments `names` is given beside `option`, which takes no notice of them."""
+        """Ends the program if any of the arguments `names` is given beside `option`, which takes no notice
+        of them."""
         for name in sorted(self.given(words) & set(names)):
             self.error(f"--{name.replace('_', '-')} has no meaning beside {option}: {why}")
 
 
-def _option(item):
-    """An argument and its value as they stand on a command line."""
+def _pair(item):
+    """An argument and its value in words."""
     name, value = item
     values = value if isinstance(value, list) else [value]
-    return f"--{name} " + " ".join(f"{v:.7g}" if isinstance(v, float) else str(v) for v in values)
+    return f"{name} " + " ".join(f"{v:.7g}" if isinstance(v, float) else str(v) for v in values)
 
 
 def run(main):
-    """Calls the main function of a scene. What this package refuses or cannot go on with, and files that fail, end the program with their
-    message and 1, Ctrl-C ends it with 130; any other error keeps its traceback."""
+    """Calls the main function of a scene. What this package refuses or cannot go on with, and files that
+    fail, end the program with their message and 1, Ctrl-C ends it with 130; any other error keeps its
+    traceback."""
     try:
         main()
     except KeyboardInterrupt:

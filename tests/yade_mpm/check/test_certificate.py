@@ -221,8 +221,8 @@ def test_the_unbalanced_ratio_is_the_sum_of_its_definition(dim):
 def test_the_sheet_pile_states_that_it_is_not_quasi_static_at_2_metres_per_second(
     tmp_path, monkeypatch, capsys
 ):
-    path = Path(__file__).resolve().parents[3] / "scripts" / "sheet_pile.py"
-    spec = importlib.util.spec_from_file_location("sheet_pile", path)
+    path = Path(__file__).resolve().parents[3] / "scripts" / "studies" / "sheet_pile_study.py"
+    spec = importlib.util.spec_from_file_location("sheet_pile_study", path)
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
     options = [
@@ -238,7 +238,7 @@ def test_the_sheet_pile_states_that_it_is_not_quasi_static_at_2_metres_per_secon
         "--dilatancyLimit",
         "0.02",
     ]
-    monkeypatch.setattr(sys, "argv", ["sheet_pile", *options, "--out", str(tmp_path)])
+    monkeypatch.setattr(sys, "argv", ["sheet_pile_study", *options, "--out", str(tmp_path)])
     script.main()
     assert "NOT quasi-static: kinetic energy is" in capsys.readouterr().out
     written = json.loads((tmp_path / "summary.json").read_text())["quasiStatic"]

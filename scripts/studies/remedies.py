@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The sheet pile with and without slip, a limit of dilatancy, and anti-locking: what each remedy changes.
 
-Runs scripts/sheet_pile.py as published, with each remedy alone, and with all of them, to two metres at twice the default rate,
-and makes one table and one picture. Takes about five minutes on a quiet machine with cells of 0.25 m, ten times that with half
-of them.
+Runs the sheet pile as published, with each remedy alone, and with all of them, to two metres at twice the
+default rate, and makes one table and one picture. Takes about five minutes on a quiet machine with cells of
+0.25 m, ten times that with half of them.
 
     scripts/run remedies
     scripts/run remedies --cell 0.125 --only published all
@@ -15,6 +15,7 @@ Units: Mg, m, s, kPa, per metre of thickness.
 import os
 
 import sheet_pile
+import sheet_pile_study
 from yade_mpm import commandLine, files, plot
 from yade_mpm.commandLine import positive
 
@@ -51,9 +52,8 @@ def arguments(given=None):
     a = p.parse(given)
     most = sheet_pile.PILE_LENGTH - sheet_pile.EMBEDDED - a.cell
     if a.penetration > most:
-        p.error(
-            f"--penetration {a.penetration:g} is not allowed; give up to {most:g} m, or the pile vanishes in the ground"
-        )
+        refused = f"--penetration {a.penetration:g} is not allowed"
+        p.error(f"{refused}; give up to {most:g} m, or the pile vanishes in the ground")
     return a
 
 
@@ -72,11 +72,9 @@ def run(a, name):
         *REMEDIES[name],
     ]
     words += ["--threads", a.threads] if a.threads else []
-    b = sheet_pile.arguments([str(w) for w in words])
-    folder = os.path.join(a.out, name.replace(" ", "").replace(",", "_").replace("=", ""))
+    words += ["--out", os.path.join(a.out, name.replace(" ", "").replace(",", "_").replace("=", ""))]
     print(f"--- {name}", flush=True)
-    summary, scene, _ = sheet_pile.run(b, folder)
-    return summary, scene
+    return sheet_pile_study.run(sheet_pile_study.arguments([str(w) for w in words]))[:2]
 
 
 def table(results):
@@ -92,23 +90,11 @@ def table(results):
 
 def draw(a, scenes, file):
     """Pictures of all runs beside each other."""
-    figure, axes = plot.plt.subplots(
-        1, len(scenes), figsize=(2.4 * len(scenes), 3.4), sharey=True, squeeze=False, layout="constrained"
-    )
-    for ax, (name, scene) in zip(axes[0], scenes.items()):
-        middle = scene.upper[0] / 2
-        window = (
-            middle - 3,
-            middle + 3,
-            sheet_pile.DEPTH - sheet_pile.EMBEDDED - a.penetration - 1.5,
-            sheet_pile.DEPTH + 1.5,
-        )
-        coloured = plot.Snapshot(scene, "plasticShearStrain").draw(ax, 0.5, window=window)
-        ax.set_title(name, fontsize=9)
-        ax.set_xticks([middle - 2, middle, middle + 2], ["-2", "0", "2"])
-        ax.set_xlabel("x (m)")
-    axes[0][0].set_ylabel("y (m)")
-    figure.colorbar(coloured, ax=axes, label="plastic shear strain (-)", extend="max", shrink=0.8)
+    top, bottom = sheet_pile.DEPTH + 1.5, sheet_pile.DEPTH - sheet_pile.EMBEDDED - a.penetration - 1.5
+    middles = [scene.upper[0] / 2 for scene in scenes.values()]
+    windows = [(middle - 3, middle + 3, bottom, top) for middle in middles]
+    snapshots = [plot.Snapshot(scene, "plasticShearStrain") for scene in scenes.values()]
+    figure, _ = plot.panels(snapshots, scenes, 0.5, "plastic shear strain (-)", windows)
     plot.save(figure, file)
 
 

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Structured meshes: quadrilaterals of a rectangle that is mapped to a shape."""
+
+from math import ceil, radians, tan
+
+import numpy as np
+
+
+def quadrilaterals(x, y):
+    """Points (N, 2) and cells (M, 4) of a structured mesh, for `scene.add`.
+
+    x, y : coordinates of its points, m, arrays (A, B) with A, B >= 2; neighbours in an array are neighbours
+    in the mesh. The cells turn counter-clockwise, whichever way the arrays run.
+    """
+    rows, columns = x.shape
+    points = np.stack([x, y], axis=2).reshape(-1, 2)
+    first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+    along, across = points[[columns, 1]] - points[0]
+    isRowFirst = along[0] * across[1] > along[1] * across[0]
+    second, fourth = (columns, 1) if isRowFirst else (1, columns)
+    return points, np.stack([first, first + second, first + columns + 1, first + fourth], axis=1)
+
+
+def wedgedColumn(middle, bottom, width, height, angle, size):
+    """Mesh of a column with a wedge at its lower end: rows of chevrons that flatten with height. (points,
+    cells).
+
+    middle, bottom : its axis and its lowest point, m. angle : of the wedge, degrees, 180 for a flat end. size
+    : of the domains, m; the width takes an even number of them.
+    """
+    columns, rows = 2 * ceil(width / (2 * size) - 1e-9), round(height / size)
+    x, y = np.meshgrid(np.linspace(-1, 1, columns + 1), np.linspace(0, 1, rows + 1))
+    rise = 0.5 * width / tan(radians(angle / 2))
+    return quadrilaterals(middle + 0.5 * width * x, bottom + height * y + rise * np.abs(x) * (1 - y))

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What every summary says of a run: its arguments, versions, size and time."""
+
+import platform
+import resource
+
+import numpy as np
+
+from .. import __version__, _core
+
+
+def record(a, scene, seconds, steps=None):
+    """Dict of plain numbers and texts, for JSON: what was asked for, what ran, and how long it took.
+
+    a : arguments of the run, a namespace. seconds : wall time of its steps, s; steps : number of these,
+    default: all of the scene.
+    """
+    steps = scene.steps if steps is None else steps
+    return {
+        "arguments": dict(vars(a)),
+        "versions": {
+            "yade_mpm": __version__,
+            "python": platform.python_version(),
+            "numpy": np.__version__,
+            "compiler": _core.compiler,
+        },
+        "threads": scene.threads,
+        "particles": scene.particleCount,
+        "bodies": {b.name: {"type": type(b.type).__name__, "count": b.count} for b in scene.bodies},
+        "steps": scene.steps,
+        "dt": scene.dt,
+        "dtCritical": scene.dtCritical,
+        "wallSeconds": seconds,
+        "nsPerParticleStep": seconds / max(1, steps) / scene.particleCount * 1e9,
+        "peakMemoryBytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,  # Linux gives KiB
+        "timing": {name: round(engine[0], 3) for name, engine in scene.timing().items()},
+    }

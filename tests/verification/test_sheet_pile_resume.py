@@ -12,6 +12,7 @@ import sheet_pile
 import sheet_pile_compare
 import sheet_pile_study
 from yade_mpm import plot
+from yade_mpm.io import plot as snapshots
 
 OPTIONS = ["--cell", "1", "--rate", "2", "--ramp", "0.25", "--psi", "5", "--until", "0.9", "--threads", "1"]
 DEEPER = [
@@ -54,7 +55,7 @@ def results(*words):
 
 def interrupt(monkeypatch, body, run, *words):
     """Ctrl-C at the first snapshot of the run that has this body, after a quarter."""
-    snapshot = plot.Snapshot
+    snapshot = snapshots.Snapshot
 
     def signalled(scene, *words):
         if scene.time > 0 and body in [b.name for b in scene.bodies]:
@@ -62,7 +63,7 @@ def interrupt(monkeypatch, body, run, *words):
         return snapshot(scene, *words)
 
     with monkeypatch.context() as patch:
-        patch.setattr(plot, "Snapshot", signalled)
+        patch.setattr(snapshots, "Snapshot", signalled)
         with pytest.raises(KeyboardInterrupt):
             run(*words)
 

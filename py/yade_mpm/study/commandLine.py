@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Command lines of scenes: what they share, numbers that argparse checks, and how a scene ends.
 
-    parser = commandLine.Parser("footing", __doc__, smoke={"cell": 0.5})  # --smoke takes 0.5, unless --cell is given
-    parser.add_argument("--cell", type=commandLine.partOf(2.0), default=0.25)
-    a = parser.parse()
+    parser = commandLine.Parser("footing", __doc__, smoke={"cell": 0.5})  # unless --cell is given beside
+    --smoke parser.add_argument("--cell", type=commandLine.partOf(2.0), default=0.25) a = parser.parse()
 
-The functions of a number are for argparse's `type`: they return it, or raise ArgumentTypeError with what is allowed.
+The functions of a number are for argparse's `type`: they return it, or raise ArgumentTypeError with what is
+allowed.
 
-It is part of the package, not of scripts/, so that a copy of a scene runs in any folder, and in YADE, which does not
-look beside a script.
+It is part of the package, not of scripts/, so that a copy of a scene runs in any folder, and in YADE, which
+does not look beside a script.
 """
 
 import argparse

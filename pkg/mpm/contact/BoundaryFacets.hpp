@@ -3,8 +3,7 @@
 #pragma once
 
 #include "mpm/particle/Domains.hpp"
-
-#include <Eigen/Geometry>
+#include "mpm/state/facets.hpp"
 
 #include <algorithm>
 #include <map>
@@ -14,24 +13,22 @@ namespace mpm {
 // Facets of a mesh that belong to one domain only, less those where fine domains meet a coarse one.
 template <int Dim> class BoundaryFacets {
   public:
-    static constexpr int size = Dim == 2 ? 2 : 4; // vertices of a facet
+    static constexpr int size = cornersOfFacet<Dim>;
     using Facet = std::array<int, size>;
     std::vector<Facet> facets;
 
     void find(Domains<Dim>& domains) {
-        static const int table[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                        {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
         std::map<Facet, std::pair<Facet, int>> count; // by sorted vertices
         const std::vector<int>& corner = *domains.cornerTable();
         for (size_t first = 0; first < corner.size(); first += corners<Dim>)
-            for (int f = 0; f < 2 * Dim; ++f) {
+            for (int f = 0; f < facetsOfCell<Dim>; ++f) {
                 Facet facet;
-                for (int a = 0; a < size; ++a)
-                    facet[a] = corner[first + (Dim == 2 ? (f + a) % 4 : table[f][a])];
+                for (int a = 0; a < size; ++a) facet[a] = corner[first + FacetCorners<Dim>::of[f][a]];
                 Facet key = facet;
                 std::sort(key.begin(), key.end());
                 auto& entry = count[key];
-                entry.first = facet, ++entry.second;
+                entry.first = facet;
+                ++entry.second;
             }
         facets.clear();
         const Hanging hanging(domains);
@@ -42,6 +39,7 @@ template <int Dim> class BoundaryFacets {
   private:
     // The vertices of a facet between fine and coarse domains are, or hang on, exactly the corners of one coarse facet.
     struct Hanging {
+        static constexpr int mastersOfSlave = 4; // in the table of the domains, filled up with -1
         std::map<int, std::vector<int>> masters;
         std::vector<std::vector<int>> coarse;
 
@@ -53,8 +51,8 @@ template <int Dim> class BoundaryFacets {
             }
             for (size_t s = 0; s < slaves.size(); ++s) {
                 std::vector<int> mine;
-                for (int m = 0; m < 4; ++m)
-                    if (all[4 * s + m] >= 0) mine.push_back(all[4 * s + m]);
+                for (int m = 0; m < mastersOfSlave; ++m)
+                    if (const int master = all[mastersOfSlave * s + m]; master >= 0) mine.push_back(master);
                 std::sort(mine.begin(), mine.end());
                 if (int(mine.size()) == size) coarse.push_back(mine);
                 masters[slaves[s]] = mine;

@@ -2,7 +2,7 @@
 // Frictional contact between groups of bodies. See Contact.cpp; the derivation is in doc/contact.md.
 #pragma once
 
-#include "mpm/contact/Meeting.hpp"
+#include "mpm/contact/ContactImpulses.hpp"
 #include "mpm/scene/Engine.hpp"
 
 namespace mpm {
@@ -16,9 +16,8 @@ class Contact : public EngineOf<Contact> {
     std::vector<double> impulses; // time integrals of the forces since the start
 
     // Of the last step.
-    std::vector<double>
-        table; // groups (2), node (3), normal (3), gap, area, force on the second group (3), slip rate (3)
-    std::vector<double> forces;                  // on group b by group a < b, kN, from 3 pairOf(a, b) on
+    std::vector<double> table;  // groups (2), node (3), normal (3), gap, area, force on the second (3), slip rate (3)
+    std::vector<double> forces; // on group b by group a < b, kN, from 3 pairOf(a, b) on
     double largestPenetration = 0, gridLoss = 0; // m; kJ
     int sliding = 0, reduced = 0;
 
@@ -40,44 +39,26 @@ class Contact : public EngineOf<Contact> {
     static size_t pairOf(int a, int b) { return size_t(b) * (b - 1) / 2 + a; }
 
   private:
-    struct Law {
-        double friction, adhesion;
-        bool slip;
+    template <int Dim> struct State {
+        ContactSearch<Dim> search;
+        ContactImpulses<Dim> impulses;
     };
-    // Two groups on a node: inverse masses, velocities at the start and of the solution, what they have exchanged.
-    template <int Dim> struct Pair {
-        Vec<Dim> W[2], start[2], v[2];
-        Impulses<Dim> J;
-        void take(const Impulses<Dim>& more, double share) {
-            J.all += share * more.all, J.agreeing += share * more.agreeing;
-            for (int side = 0; side < 2; ++side) {
-                const Vec<Dim> answer = (side == 0 ? -share : share) * W[side];
-                v[side] += answer.cwiseProduct(more.all), start[side] += answer.cwiseProduct(more.agreeing);
-            }
-        }
-    };
-    std::tuple<Meeting<2>, Meeting<3>> meetings_;
-    std::tuple<std::vector<Pair<2>>, std::vector<Pair<3>>> nodes_;
+    std::tuple<State<2>, State<3>> states_;
 
-    template <int Dim> Meeting<Dim>& meeting(const Scene<Dim>& scene);
-    template <int Dim, class LawOf>
-    void settle(Meeting<Dim>& meeting, const Stretch& pair, double dt, LawOf&& lawOf);
-    template <int Dim> double bound(Meeting<Dim>& meeting, const Stretch& pair);
-    template <int Dim>
-    bool renew(Site<Dim>& site, const Law& law, double dt, const int* at, const double* S, int count);
     template <int Dim> void check(Scene<Dim>& scene);
+    template <int Dim> State<Dim>& found(const Scene<Dim>& scene);
     template <int Dim> void tie(Scene<Dim>& scene);
+    template <int Dim> void addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss);
     template <int Dim>
-    double stopping(const Site<Dim>& site, const Vec<Dim>& answer, const Vec<Dim>& w, double dt) const;
-    template <int Dim>
-    Impulses<Dim> exchange(const Site<Dim>& site, const Law& law, double dt, const Vec<Dim>& answer,
-                           const Vec<Dim>& start, const Vec<Dim>& w) const;
-    template <int Dim>
-    static void change(Scene<Dim>& scene, const Meet<Dim>& meet, int side, const Vec<Dim>& answer,
+    static void change(Scene<Dim>& scene, const ContactNode<Dim>& contact, int side, const Vec<Dim>& answer,
                        const Impulses<Dim>& J);
-    template <int Dim> void addFriction(Meeting<Dim>& meeting, const Stretch& pair, double loss);
-    template <int Dim> void tell(Scene<Dim>& scene, const Meet<Dim>& meet, const Vec<Dim>& slip);
-    Law lawOf(int a, int b) const;
+    template <int Dim>
+    void exchange(Scene<Dim>& scene, ContactNode<Dim>& contact, const NodeMotion<Dim>& node);
+    template <int Dim>
+    void record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const Vec<Dim>& slip);
+    FrictionLaw lawOf(int a, int b) const;
+    // What particles lose of the velocities with which groups meet; nothing where these move as one body.
+    double loss() const { return separation || slip ? impactLoss : 0; }
 };
 
 } // namespace mpm

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Where two groups of bodies are in contact: on nodes that both move, and at vertices of meshes between such nodes.
+#pragma once
+
+#include "mpm/contact/NearbyNodes.hpp"
+
+namespace mpm {
+
+// v over its size; zero where that is not above `least`.
+template <int Dim> Vec<Dim> unit(const Vec<Dim>& v, double least) {
+    const double size = v.norm();
+    return size > least && size > 0 ? Vec<Dim>(v / size) : Vec<Dim>(Vec<Dim>::Zero());
+}
+
+// On the second group, kN s: all that the nodes take, and the part of it that only makes the velocities of the start
+// agree.
+template <int Dim> struct Impulses {
+    Vec<Dim> all = Vec<Dim>::Zero(), agreeing = Vec<Dim>::Zero();
+    bool sticks = false;
+
+    void scale(double factor) {
+        all *= factor;
+        agreeing *= factor;
+    }
+};
+
+// Where surfaces of two groups face each other.
+template <int Dim> struct ContactSite {
+    Vec<Dim> normal = Vec<Dim>::Zero();   // from the first group to the second; zero: not known
+    double gap = 0, area = 0;             // m; m2, of the smaller surface along the normal
+    double tolerated = 0;                 // m, overlap that does not count
+    bool presses = false, sticks = false; // in this step
+    Impulses<Dim> J;
+};
+
+// A node that two groups move.
+template <int Dim> struct ContactNode : ContactSite<Dim> {
+    int node, field[2];
+    Vec<Dim> position;
+    NodalSurface<Dim> surface[2];
+    int edgeOf = -1;                      // which of the two has an edge here that the normal is taken from
+    double weight = 0;                    // m2, of the surface that normal and gap rest on
+    bool hasPoints = false;               // contact points, which tell better how far the surfaces overlap
+    bool acts = false, slides = false;    // with what it shares with contact points
+    Vec<Dim> impulse = Vec<Dim>::Zero();  // kN s, on the second group in this step,
+    Vec<Dim> friction = Vec<Dim>::Zero(); // and what of it is friction
+};
+
+// A vertex of a mesh at the surface of the other group, between nodes that both move.
+template <int Dim> struct ContactPoint : ContactSite<Dim>, SurroundingNodes<Dim> {};
+
+// Contact nodes and points of one pair of groups: from first to one before end.
+struct ContactPair {
+    size_t firstNode, endNode, firstPoint, endPoint;
+};
+
+} // namespace mpm

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "mpm/contact/ContactSearch.hpp"
+
+namespace mpm {
+
+template <int Dim> void ContactSearch<Dim>::clear() {
+    nodes.clear();
+    points.clear();
+    pairs.clear();
+}
+
+template <int Dim> void ContactSearch<Dim>::prepare(const Scene<Dim>& scene) {
+    clear();
+    pair_.nearby.prepare(scene.grid);
+    pair_.surfaces.resize(scene.bodies.size()); // bodies stay; a mesh that loses domains is looked at anew
+    step_ = -1;
+}
+
+// Which groups have explicit surfaces, and which outlines.
+template <int Dim> void ContactSearch<Dim>::look(const Scene<Dim>& scene) {
+    isExplicit_.assign(scene.groups.size(), true);
+    hasOutline_.assign(scene.groups.size(), false);
+    for (auto& body : scene.bodies) {
+        if (!ExplicitSurface<Dim>::isOf(*body) && body->particles.size() > 0)
+            isExplicit_[body->velocityField] = false;
+        if (body->domains->outline()) hasOutline_[body->velocityField] = true;
+    }
+}
+
+template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, bool normalsByMass) {
+    clear();
+    look(scene);
+    step_ = scene.step;
+    pair_.scene = &scene;
+    pair_.nodes = &nodes;
+    const int groups = int(scene.groups.size());
+    for (int a = 0; a < groups; ++a)
+        for (int b = a + 1; b < groups; ++b) {
+            const size_t firstPoint = points.size();
+            pair_.first = nodes.size();
+            for (int side = 0; side < 2; ++side) {
+                const int field = pair_.field[side] = side == 0 ? a : b;
+                pair_.isExplicit[side] = isExplicit_[field];
+                pair_.hasOutline[side] = hasOutline_[field];
+            }
+            if (!findNodes(pair_)) continue;
+            findSurfaces(pair_);
+            findNormals(pair_, normalsByMass);
+            findGaps(pair_);
+            findPoints(pair_, points);
+            pairs.push_back({pair_.first, nodes.size(), firstPoint, points.size()});
+        }
+}
+
+template class ContactSearch<2>;
+template class ContactSearch<3>;
+
+} // namespace mpm

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Where groups of bodies are in contact, found once per step, and how their surfaces lie there: normal, gap, area.
+#pragma once
+
+#include "mpm/contact/PairSearch.hpp"
+
+namespace mpm {
+
+template <int Dim> class ContactSearch {
+  public:
+    std::vector<ContactNode<Dim>> nodes;
+    std::vector<ContactPoint<Dim>> points;
+    std::vector<ContactPair> pairs;
+
+    void prepare(const Scene<Dim>& scene);
+    // normalsByMass: from the gradient of the nodal mass instead of the surfaces.
+    void find(const Scene<Dim>& scene, bool normalsByMass);
+    bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
+
+  private:
+    long step_ = -1;
+    PairSearch<Dim> pair_; // the one in work
+    std::vector<bool> isExplicit_, hasOutline_; // of groups, see PairSearch
+
+    void look(const Scene<Dim>& scene);
+    void clear();
+};
+
+} // namespace mpm

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The impulse that two groups exchange where they are in contact. With the relative velocity w = (v_a - v_b) . n and the
+// mobility 1/m_a + 1/m_b,
+//     J_n = [w - max(g, 0)/dt] / (1/m_a + 1/m_b) where that is positive,   |J_t| <= mu J_n + adhesion A dt:
+// surfaces may close a gap but not cross, and do not pull.
+#pragma once
+
+#include "mpm/contact/ContactNode.hpp"
+
+#include <algorithm>
+
+namespace mpm {
+
+struct FrictionLaw {
+    double friction;   // -
+    double adhesion;   // kPa
+    bool slip;         // false: no slip whatever the friction
+    bool separation;   // false: surfaces hold together, gap or not
+    double impactLoss; // -, part of the velocity with which groups meet that particles lose
+
+    // The impulses on the second group. mobility: of both groups together, per component; zero where they are held.
+    // start, w: relative velocities at the start and of the solution.
+    template <int Dim>
+    Impulses<Dim> impulses(const ContactSite<Dim>& site, double dt, const Vec<Dim>& mobility,
+                           const Vec<Dim>& start, const Vec<Dim>& w) const;
+
+  private:
+    template <int Dim>
+    double stopping(const ContactSite<Dim>& site, const Vec<Dim>& mobility, const Vec<Dim>& w,
+                    double dt) const;
+};
+
+// What stops an approach faster than the gap allows in a step, as an impulse on the second group. Where impacts are
+// lost, surfaces that pressed on each other in this step do not part either in the velocities that are made anew: the
+// pressure would give energy.
+template <int Dim>
+double FrictionLaw::stopping(const ContactSite<Dim>& site, const Vec<Dim>& mobility, const Vec<Dim>& w,
+                             double dt) const {
+    const double excess =
+        w.dot(site.normal) - (separation ? std::max(site.gap + site.tolerated, 0.0) / dt : 0);
+    const double alongNormal = site.normal.dot(mobility.cwiseProduct(site.normal));
+    if (!(alongNormal > 0)) return 0;
+    return (excess > 0 || !separation ? 1 : site.presses ? impactLoss : 0) * excess / alongNormal;
+}
+
+template <int Dim>
+Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, const Vec<Dim>& mobility,
+                                    const Vec<Dim>& start, const Vec<Dim>& w) const {
+    Impulses<Dim> J;
+    if (!separation && !slip) { // one body
+        for (int k = 0; k < Dim; ++k) {
+            if (!(mobility[k] > 0)) continue;
+            J.all[k] = w[k] / mobility[k];
+            J.agreeing[k] = start[k] / mobility[k];
+        }
+        J.sticks = true;
+        return J;
+    }
+    const Vec<Dim>& n = site.normal;
+    const double pushed = stopping(site, mobility, w, dt);
+    if (pushed == 0) return J;
+    const double agreed = separation ? std::min(stopping(site, mobility, start, dt), pushed)
+                                     : stopping(site, mobility, start, dt);
+    J.all = pushed * n;
+    J.agreeing = agreed * n;
+    const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
+    const Vec<Dim> slipping = across(w - mobility.cwiseProduct(J.all));
+    const Vec<Dim> slippingBefore = across(start - mobility.cwiseProduct(J.agreeing));
+    const Vec<Dim> t = unit(slipping, 0.0);
+    const double along = t.dot(mobility.cwiseProduct(t)); // 0: constraints hold both
+    const double borne = adhesion * site.area * dt;
+    J.sticks = t.isZero(0);
+    if (J.sticks || !(along > 0 || slip)) return J;
+    const double limit = friction * std::max(pushed - (1 - impactLoss) * agreed, 0.0) + borne;
+    J.sticks = along > 0 &&
+               (!slip || (slipping.norm() <= along * (friction * std::max(pushed, 0.0) + borne) &&
+                          (slipping - (1 - impactLoss) * slippingBefore).norm() <= along * limit));
+    if (J.sticks) {
+        J.all += slipping / along;
+        J.agreeing += slippingBefore / along;
+    } else {
+        J.all += std::min(along > 0 ? slipping.norm() / along : limit, limit) * t;
+    }
+    return J;
+}
+
+} // namespace mpm

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The nodes on which a pair of groups is in contact, and those next to them.
+#pragma once
+
+#include "mpm/contact/NodalSurface.hpp"
+#include "mpm/state/nearestNode.hpp"
+
+#include <algorithm>
+
+namespace mpm {
+
+// The nodes of the cell round a point: their numbers among the contact nodes, -1 where it is none, and their hat
+// functions.
+template <int Dim> struct SurroundingNodes {
+    static constexpr int size = 1 << Dim;
+    int contact[size];
+    double S[size];
+};
+
+template <int Dim> class NearbyNodes {
+  public:
+    Vec<Dim> lower, upper; // of a box that holds all that is near
+
+    void prepare(const Grid<Dim>& grid) {
+        contact_.assign(grid.count, -1);
+        near_.assign(grid.count, -1);
+        nodes_.clear();
+    }
+
+    void clear() {
+        for (int node : nodes_) contact_[node] = near_[node] = -1;
+        nodes_.clear();
+        lower.setConstant(farAway);
+        upper = -lower;
+    }
+
+    // Before finish(): the groups are in contact on this node, `number` among the contact nodes.
+    void add(const Grid<Dim>& grid, int node, int number) {
+        contact_[node] = number;
+        const Vec<Dim> x = grid.nodePosition(node);
+        lower = lower.cwiseMin(x - 2 * grid.cell);
+        upper = upper.cwiseMax(x + 2 * grid.cell);
+        forNeighbours(grid, node, [&](int other, const Index<Dim>&) {
+            if (near_[other] >= 0) return;
+            near_[other] = 0;
+            nodes_.push_back(other);
+        });
+    }
+    void finish() {
+        std::sort(nodes_.begin(), nodes_.end());
+        for (size_t i = 0; i < nodes_.size(); ++i) near_[nodes_[i]] = int(i);
+    }
+
+    int size() const { return int(nodes_.size()); }
+    int contact(int node) const { return contact_[node]; } // -1: no contact node
+    // Of a node that is near, growing with the node: rows of nodes have numbers in a row. -1: it is not near.
+    int number(int node) const { return near_[node]; }
+
+    bool holds(const Grid<Dim>& grid, const Vec<Dim>& x) const {
+        return (x.array() >= lower.array()).all() && (x.array() <= upper.array()).all() &&
+               near_[nearestNode(grid, x)] >= 0;
+    }
+
+    SurroundingNodes<Dim> around(const Grid<Dim>& grid, const Vec<Dim>& x) const {
+        int first = 0;
+        double part[Dim];
+        for (int k = 0; k < Dim; ++k) {
+            const double c = grid.inCells(x[k], k);
+            const double below = std::floor(c);
+            first += int(below) * grid.strides[k];
+            part[k] = c - below;
+        }
+        SurroundingNodes<Dim> around;
+        for (int corner = 0; corner < around.size; ++corner) {
+            int node = first;
+            double S = 1;
+            for (int k = 0; k < Dim; ++k) {
+                const bool isUpper = corner >> k & 1;
+                node += isUpper ? grid.strides[k] : 0;
+                S *= isUpper ? part[k] : 1 - part[k];
+            }
+            around.contact[corner] = contact_[node];
+            around.S[corner] = S;
+        }
+        return around;
+    }
+
+  private:
+    std::vector<int> contact_, near_; // of all nodes of the grid
+    std::vector<int> nodes_;          // that are near, contact nodes among them; in order
+};
+
+} // namespace mpm

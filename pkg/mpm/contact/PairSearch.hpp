@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The pair of groups that is searched for contact, and the steps of that search: each is one file and fills in some
+// members of the contact nodes. Side 0 is the first group, side 1 the second; normals point from 0 to 1.
+#pragma once
+
+#include "mpm/contact/ContactNode.hpp"
+#include "mpm/contact/NearbyBoxes.hpp"
+
+namespace mpm {
+
+// Flatness below which a surface has an edge. Flatness is what a surface has left of its area when its directions are
+// added up: 1 for a plane, 0.71 at a right edge.
+constexpr double edgeFlatness = 0.9;
+
+template <int Dim> struct PairSearch {
+    using Vertex = typename ExplicitSurface<Dim>::Vertex;
+
+    const Scene<Dim>* scene = nullptr;
+    std::vector<ContactNode<Dim>>* nodes = nullptr; // of all pairs; those of this pair come last,
+    size_t first = 0;                               // from this one on
+    int field[2];                                   // numbers of the groups
+    bool isExplicit[2];                             // whether their surface is explicit altogether
+    bool hasOutline[2];                             // whether they have boxes that carry an outline
+
+    NearbyNodes<Dim> nearby;
+    NearbyBoxes<Dim> boxes[2];
+    std::vector<ExplicitSurface<Dim>> surfaces; // per body of the scene
+
+    const Grid<Dim>& grid() const { return scene->grid; }
+    const NodalField<Dim>& fieldOf(int side) const { return scene->grid.fields[field[side]]; }
+
+    // f(contact node) for those of this pair.
+    template <class F> void forNodes(F&& f) const {
+        for (size_t i = first; i < nodes->size(); ++i) f((*nodes)[i]);
+    }
+    // The contact node at a node of the grid; nullptr: there is none.
+    ContactNode<Dim>* at(int node) const {
+        const int number = nearby.contact(node);
+        return number < 0 ? nullptr : &(*nodes)[number];
+    }
+    // f(body, surface) for those bodies of a group that have an explicit one, not for bodies that take what these
+    // convert.
+    template <class F> void forSurfaces(int side, F&& f) {
+        for (size_t b = 0; b < scene->bodies.size(); ++b)
+            if (Body<Dim>& body = *scene->bodies[b];
+                body.velocityField == field[side] && ExplicitSurface<Dim>::isOf(body))
+                f(body, surfaces[b]);
+    }
+};
+
+// The nodes on which both groups have mass; false: there are none.
+template <int Dim> bool findNodes(PairSearch<Dim>& pair);
+// What the nodes see of the surfaces.
+template <int Dim> void findSurfaces(PairSearch<Dim>& pair);
+// byMass: from the gradient of the nodal mass instead of the surfaces.
+template <int Dim> void findNormals(PairSearch<Dim>& pair, bool byMass);
+// Gaps and areas.
+template <int Dim> void findGaps(PairSearch<Dim>& pair);
+// Vertices of meshes between the nodes.
+template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points);
+
+} // namespace mpm

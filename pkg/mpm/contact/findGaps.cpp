@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The gap between the surfaces at each contact node, and the area on which they meet. With A = n . int phi n dA, a group
+// reaches n . int phi d n^T dA n / A along n; a mesh as far as the tangent plane at its nearest vertex.
+#include "mpm/contact/PairSearch.hpp"
+
+namespace mpm {
+
+namespace {
+
+// Cosine between the normals of a vertex and of the node above which the surface there faces the other group at all, and
+// above which its tangent plane crosses the normal of the node near enough to be taken; else the vertex itself counts.
+constexpr double leastFacing = 0.5;
+constexpr double planeFacing = 0.9;
+// Surface of a group along the normal over the area in contact above which it tells how far the group reaches: below,
+// moment over area is noise.
+constexpr double leastOwnArea = 0.05;
+// Gap between boxes, in cells, below which they do not cross but face away from each other.
+constexpr double deepestGap = -0.5;
+// Area over that of a face of the cell below which a node hardly feels a surface, and takes normal and gap of its
+// neighbours.
+constexpr double leastArea = 0.05;
+// Size of a mean of unit normals below which it has no direction.
+constexpr double leastMeanNormal = 0.1;
+
+// Where the tangent plane of the nearest vertex crosses the normal through a node, for groups that are meshes; vertices
+// at edges have no such plane, and count by themselves.
+template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
+    if (!pair.isExplicit[side]) return;
+    const Grid<Dim>& grid = pair.grid();
+    const double sign = side == 0 ? 1 : -1;
+    const double h = grid.cell.minCoeff();
+    pair.forSurfaces(side, [&](const Body<Dim>&, const ExplicitSurface<Dim>& surface) {
+        for (const auto& vertex : surface.near)
+            forNeighbours(grid, vertex.node, [&](int node, const Index<Dim>&) {
+                ContactNode<Dim>* const contact = pair.at(node);
+                if (!contact) return;
+                NodalSurface<Dim>& seen = contact->surface[side];
+                const Vec<Dim> d = vertex.position - contact->position;
+                const double along = sign * d.dot(contact->normal);
+                const double beside = std::max(0.0, d.squaredNorm() - along * along);
+                const double facing = sign * vertex.outward.dot(contact->normal) / vertex.size;
+                if (beside > h * h || beside >= seen.nearest || !(facing > leastFacing)) return;
+                seen.nearest = beside;
+                seen.reach = facing > planeFacing ? d.dot(vertex.outward) / (facing * vertex.size) : along;
+            });
+    });
+}
+
+// Boxes against a mesh: where the centre of one has crossed its face, the gap is closed, whatever the others do.
+template <int Dim> void findIntruders(PairSearch<Dim>& pair, int side) {
+    if (pair.isExplicit[side] || !pair.isExplicit[1 - side]) return;
+    const double sign = side == 0 ? 1 : -1;
+    const double h = pair.grid().cell.minCoeff();
+    pair.forNodes([&](ContactNode<Dim>& contact) {
+        const NodalSurface<Dim>& mesh = contact.surface[1 - side];
+        if (mesh.hasPlane())
+            contact.surface[side].intruded =
+                pair.boxes[side].crossed(pair.grid(), pair.nearby, contact.node, contact.position,
+                                         sign * contact.normal, -mesh.reach, h);
+    });
+}
+
+// How far each group reaches along the normal.
+template <int Dim> void setGap(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
+    const Vec<Dim>& n = contact.normal;
+    const double area[2] = {contact.surface[0].outward.dot(n), -contact.surface[1].outward.dot(n)};
+    contact.area = std::max(0.0, std::min(area[0], area[1]));
+    const bool isIntruded = contact.surface[0].isIntruded() || contact.surface[1].isIntruded();
+    contact.weight = isIntruded ? area[pair.isExplicit[0] ? 0 : 1] : contact.area;
+    if (!(contact.weight > 0)) return;
+    double reach[2];
+    for (int side = 0; side < 2; ++side) {
+        const NodalSurface<Dim>& seen = contact.surface[side];
+        reach[side] = pair.isExplicit[side] && seen.hasPlane()   ? seen.reach
+                      : area[side] > leastOwnArea * contact.weight ? n.dot(seen.moment * n) / area[side]
+                                                                   : -farAway;
+        reach[side] = std::max(reach[side], seen.intruded);
+    }
+    contact.gap = -reach[1] - reach[0];
+    if (!pair.isExplicit[0] && !pair.isExplicit[1] && contact.gap < deepestGap * pair.grid().cell.minCoeff())
+        contact.weight = 0;
+}
+
+template <int Dim> void borrow(const PairSearch<Dim>& pair) {
+    const Grid<Dim>& grid = pair.grid();
+    const double least = leastArea * std::pow(grid.cell.minCoeff(), Dim - 1);
+    pair.forNodes([&](ContactNode<Dim>& contact) {
+        if (contact.weight > least) return;
+        Vec<Dim> normal = Vec<Dim>::Zero();
+        double weight = 0, gap = 0;
+        forNeighbours(grid, contact.node, [&](int node, const Index<Dim>&) {
+            const ContactNode<Dim>* const other = pair.at(node);
+            if (!other || !(other->weight > least)) return;
+            normal += other->weight * other->normal;
+            weight += other->weight;
+            gap += other->weight * other->gap;
+        });
+        contact.normal = unit<Dim>(normal, leastMeanNormal * weight);
+        contact.gap = weight > 0 ? gap / weight : 0;
+    });
+}
+
+} // namespace
+
+template <int Dim> void findGaps(PairSearch<Dim>& pair) {
+    for (int side = 0; side < 2; ++side) findPlanes(pair, side);
+    for (int side = 0; side < 2; ++side) findIntruders(pair, side);
+    pair.forNodes([&](ContactNode<Dim>& contact) { setGap(pair, contact); });
+    borrow(pair);
+}
+
+template void findGaps(PairSearch<2>&);
+template void findGaps(PairSearch<3>&);
+
+} // namespace mpm

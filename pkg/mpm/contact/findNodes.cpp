@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The nodes on which two groups are in contact, and the surfaces as these nodes see them: int phi n dA and
+// int phi d n^T dA, d from the node. Both are sums over the facets of a mesh, or, by the theorem of Gauss, over boxes.
+#include "mpm/contact/PairSearch.hpp"
+
+namespace mpm {
+
+template <int Dim> bool findNodes(PairSearch<Dim>& pair) {
+    const Grid<Dim>& grid = pair.grid();
+    const auto &fieldA = pair.fieldOf(0), &fieldB = pair.fieldOf(1);
+    const double least = pair.scene->leastMass();
+    pair.nearby.clear();
+    for (int slab = 0; slab < grid.slabs(); ++slab) {
+        auto both = fieldA.extents[slab];
+        for (int k = 0; k < Dim - 1; ++k) {
+            both.first[k] = std::max(both.first[k], fieldB.extents[slab].first[k]);
+            both.last[k] = std::min(both.last[k], fieldB.extents[slab].last[k]);
+        }
+        grid.forNodes(both, slab, [&](int node) {
+            if (!(fieldA.sum[node][NodalField<Dim>::mass] > least &&
+                  fieldB.sum[node][NodalField<Dim>::mass] > least))
+                return;
+            pair.nearby.add(grid, node, int(pair.nodes->size()));
+            pair.nodes->emplace_back();
+            ContactNode<Dim>& contact = pair.nodes->back();
+            contact.node = node;
+            contact.field[0] = pair.field[0];
+            contact.field[1] = pair.field[1];
+            contact.position = grid.nodePosition(node);
+        });
+    }
+    pair.nearby.finish();
+    return pair.nodes->size() > pair.first;
+}
+
+namespace {
+
+template <int Dim>
+void addParts(PairSearch<Dim>& pair, int side,
+              const std::vector<typename PairSearch<Dim>::Vertex>& vertices) {
+    for (const auto& vertex : vertices)
+        for (int corner = 0; corner < vertex.around.size; ++corner) {
+            if (vertex.around.contact[corner] < 0) continue;
+            const double phi = vertex.around.S[corner];
+            ContactNode<Dim>& contact = (*pair.nodes)[vertex.around.contact[corner]];
+            NodalSurface<Dim>& surface = contact.surface[side];
+            surface.outward += phi * vertex.outward;
+            surface.extent += phi * vertex.extent;
+            surface.moment += phi * (vertex.position - contact.position) * vertex.outward.transpose();
+        }
+}
+
+} // namespace
+
+template <int Dim> void findSurfaces(PairSearch<Dim>& pair) {
+    const Grid<Dim>& grid = pair.grid();
+    for (int side = 0; side < 2; ++side) {
+        pair.boxes[side].find(*pair.scene, pair.field[side], pair.nearby);
+        if (!pair.boxes[side].isEmpty())
+            pair.forNodes([&](ContactNode<Dim>& contact) {
+                pair.boxes[side].addTo(contact.surface[side], grid, pair.nearby, contact.node,
+                                       contact.position);
+            });
+        pair.forSurfaces(side, [&](Body<Dim>& body, ExplicitSurface<Dim>& surface) {
+            surface.find(body, grid, pair.nearby);
+            addParts(pair, side, surface.parts(body));
+        });
+    }
+}
+
+template bool findNodes(PairSearch<2>&);
+template bool findNodes(PairSearch<3>&);
+template void findSurfaces(PairSearch<2>&);
+template void findSurfaces(PairSearch<3>&);
+
+} // namespace mpm

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Contact points: where surfaces are curved they overlap between nodes that keep their gap. So the vertices of meshes
+// keep their distance, too.
+#include "mpm/contact/PairSearch.hpp"
+
+namespace mpm {
+
+namespace {
+
+// Overlap that is let pass, in cells: planes then leave all to the nodes, and a rolling disc is no polygon of its
+// vertices.
+constexpr double toleratedOverlap = 0.01;
+// Distance of a vertex from the other surface, in cells, up to which it is a contact point: what is deeper has crossed
+// and is not pushed back.
+constexpr double furthest = 0.5;
+// Area of boxes that faces a vertex, over that of a face of the cell, above which they are seen well enough: about half
+// of what a node sees of a plane.
+constexpr double leastFacingArea = 0.4;
+
+// Vertices at the surface of a mesh that are near and at no edge, by their nearest node.
+template <int Dim> struct SmoothVertices {
+    using Vertex = typename PairSearch<Dim>::Vertex;
+    std::vector<const Vertex*> all;
+    std::vector<int> bin;
+    Bins bins;
+
+    SmoothVertices(PairSearch<Dim>& pair, int side) {
+        if (!pair.isExplicit[side]) return;
+        pair.forSurfaces(side, [&](const Body<Dim>&, const ExplicitSurface<Dim>& surface) {
+            for (const Vertex& vertex : surface.near) {
+                if (!vertex.isFlatter(edgeFlatness)) continue;
+                all.push_back(&vertex);
+                bin.push_back(pair.nearby.number(vertex.node));
+            }
+        });
+        bins.fill(pair.nearby.size(), bin);
+    }
+    bool isEmpty() const { return all.empty(); }
+    const Vertex& at(int place) const { return *all[bins.point(place)]; }
+};
+
+// Distance of a vertex from boxes, along its normal: from where the nodes round it see them, if that is a plane.
+// farAway: it is not.
+template <int Dim>
+double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own, int side) {
+    const Vec<Dim> n = own.normal();
+    double facing = 0, all = 0, distance = 0;
+    for (int corner = 0; corner < own.around.size; ++corner) {
+        if (own.around.contact[corner] < 0) continue;
+        const ContactNode<Dim>& contact = (*pair.nodes)[own.around.contact[corner]];
+        const NodalSurface<Dim>& boxes = contact.surface[1 - side];
+        const double S = own.around.S[corner];
+        const double area = -S * boxes.outward.dot(n);
+        facing += area;
+        all += S * boxes.outward.template lpNorm<1>();
+        distance += area * (contact.position - own.position).dot(n) - S * n.dot(boxes.moment * n);
+    }
+    const bool isPlane = facing > leastFacingArea * std::pow(pair.grid().cell.minCoeff(), Dim - 1) &&
+                         facing > edgeFlatness * all;
+    return isPlane ? distance / facing : farAway;
+}
+
+// Distance of a vertex from another mesh: from the tangent plane at its nearest vertex, to which the normal is turned
+// half-way. farAway: there is none that faces it.
+template <int Dim>
+double distanceOfMesh(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own,
+                      const SmoothVertices<Dim>& others, Vec<Dim>& normal) {
+    if (others.isEmpty()) return farAway;
+    const typename PairSearch<Dim>::Vertex* other = nullptr;
+    double least = farAway; // m2
+    forNeighbours(pair.grid(), own.node, [&](int node, const Index<Dim>&) {
+        const int bin = pair.nearby.number(node);
+        if (bin < 0) return;
+        for (int v = others.bins.begin(bin); v < others.bins.end(bin); ++v) {
+            const auto& vertex = others.at(v);
+            const double square = (vertex.position - own.position).squaredNorm();
+            if (square >= least) continue;
+            least = square;
+            other = &vertex;
+        }
+    });
+    if (!other) return farAway;
+    const Vec<Dim> n = own.normal(), facing = other->normal();
+    if (n.dot(facing) > -edgeFlatness) return farAway;
+    normal = (n - facing).normalized();
+    return (own.position - other->position).dot(facing);
+}
+
+template <int Dim> bool isBetweenContactNodes(const SurroundingNodes<Dim>& around) {
+    bool areAll = true;
+    for (int contact : around.contact) areAll &= contact >= 0;
+    return areAll;
+}
+
+} // namespace
+
+template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points) {
+    const double h = pair.grid().cell.minCoeff();
+    const SmoothVertices<Dim> vertices[2] = {{pair, 0}, {pair, 1}};
+    for (int side = 0; side < 2; ++side)
+        for (int v = 0; v < vertices[side].bins.count(); ++v) {
+            const auto& own = vertices[side].at(v);
+            if (!isBetweenContactNodes<Dim>(own.around)) continue;
+            ContactPoint<Dim> point;
+            point.normal = own.normal();
+            point.tolerated = toleratedOverlap * h;
+            point.gap = pair.isExplicit[1 - side]
+                            ? distanceOfMesh(pair, own, vertices[1 - side], point.normal)
+                            : distanceOfBoxes(pair, own, side);
+            if (side == 1) point.normal = -point.normal;
+            if (std::abs(point.gap) > furthest * h) continue;
+            static_cast<SurroundingNodes<Dim>&>(point) = own.around;
+            for (int contact : point.contact) (*pair.nodes)[contact].hasPoints = true;
+            points.push_back(point);
+        }
+}
+
+template void findPoints(PairSearch<2>&, std::vector<ContactPoint<2>>&);
+template void findPoints(PairSearch<3>&, std::vector<ContactPoint<3>>&);
+
+} // namespace mpm

@@ -16,8 +16,9 @@ class Contact : public EngineOf<Contact> {
     std::vector<double> impulses; // time integrals of the forces since the start
 
     // Of the last step.
-    std::vector<double> table;  // groups (2), node (3), normal (3), gap, area, force on the second (3), slip rate (3)
-    std::vector<double> forces; // on group b by group a < b, kN, from 3 pairOf(a, b) on
+    std::vector<double>
+        table; // groups (2), node (3), normal (3), gap, area, force on the second (3), slip rate (3)
+    std::vector<double> forces;                  // on group b by group a < b, kN, from 3 pairOf(a, b) on
     double largestPenetration = 0, gridLoss = 0; // m; kJ
     int sliding = 0, reduced = 0;
 
@@ -54,8 +55,7 @@ class Contact : public EngineOf<Contact> {
                        const Impulses<Dim>& J);
     template <int Dim>
     void exchange(Scene<Dim>& scene, ContactNode<Dim>& contact, const NodeMotion<Dim>& node);
-    template <int Dim>
-    void record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const Vec<Dim>& slip);
+    template <int Dim> void record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const Vec<Dim>& slip);
     FrictionLaw lawOf(int a, int b) const;
     // What particles lose of the velocities with which groups meet; nothing where these move as one body.
     double loss() const { return separation || slip ? impactLoss : 0; }

@@ -40,7 +40,8 @@ template <int Dim> class ContactImpulses {
             for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) {
                 ContactPoint<Dim>& point = search.points[i];
                 const FrictionLaw law = lawOf(point);
-                if (!law.separation) break; // what shares a node stays together: nothing crosses between nodes
+                if (!law.separation)
+                    break; // what shares a node stays together: nothing crosses between nodes
                 isDone &= !update(point, law, dt, point.contact, point.S, point.size);
             }
             if (isDone) return;

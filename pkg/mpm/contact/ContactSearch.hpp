@@ -19,7 +19,7 @@ template <int Dim> class ContactSearch {
 
   private:
     long step_ = -1;
-    PairSearch<Dim> pair_; // the one in work
+    PairSearch<Dim> pair_;                      // the one in work
     std::vector<bool> isExplicit_, hasOutline_; // of groups, see PairSearch
 
     void look(const Scene<Dim>& scene);

@@ -27,8 +27,7 @@ template <int Dim> class ExplicitSurface {
 
     // What is near, and what its parts have of the surface: vertices, or the corners of facets.
     void find(Body<Dim>& body, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby) {
-        body.type->isMeshed() ? findVertices(body, grid, nearby)
-                              : findFacets(body, grid, nearby);
+        body.type->isMeshed() ? findVertices(body, grid, nearby) : findFacets(body, grid, nearby);
     }
     const std::vector<Vertex>& parts(const Body<Dim>& body) const {
         return body.type->isMeshed() ? near : corners_;

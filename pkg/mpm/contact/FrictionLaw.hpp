@@ -72,9 +72,9 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     J.sticks = t.isZero(0);
     if (J.sticks || !(along > 0 || slip)) return J;
     const double limit = friction * std::max(pushed - (1 - impactLoss) * agreed, 0.0) + borne;
-    J.sticks = along > 0 &&
-               (!slip || (slipping.norm() <= along * (friction * std::max(pushed, 0.0) + borne) &&
-                          (slipping - (1 - impactLoss) * slippingBefore).norm() <= along * limit));
+    J.sticks =
+        along > 0 && (!slip || (slipping.norm() <= along * (friction * std::max(pushed, 0.0) + borne) &&
+                                (slipping - (1 - impactLoss) * slippingBefore).norm() <= along * limit));
     if (J.sticks) {
         J.all += slipping / along;
         J.agreeing += slippingBefore / along;

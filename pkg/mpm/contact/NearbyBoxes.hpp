@@ -26,8 +26,8 @@ template <int Dim> class NearbyBoxes {
 
     // Adds to a surface: int over it of phi n = int grad phi dV,  of phi d n^T = int (d grad phi^T + phi I) dV; for each box products of
     // integrals along the axes.
-    void addTo(NodalSurface<Dim>& surface, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby,
-               int node, const Vec<Dim>& x) const {
+    void addTo(NodalSurface<Dim>& surface, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby, int node,
+               const Vec<Dim>& x) const {
         FourBoxes outward[Dim], moment[Dim][Dim];
         for (int n = 0; n < Dim; ++n) {
             outward[n].setZero();
@@ -74,8 +74,8 @@ template <int Dim> class NearbyBoxes {
     // How far the centres near a node at x reach along n that have crossed a plane there; -farAway: there are none. Only
     // those within half a cell of size h behind the plane count: what is deeper belongs to the other side. And only those
     // within sqrt(1/2) h of the normal through the node: the plane is that of the vertex nearest to this normal.
-    double crossed(const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby, int node,
-                   const Vec<Dim>& x, const Vec<Dim>& n, double plane, double h) const {
+    double crossed(const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby, int node, const Vec<Dim>& x,
+                   const Vec<Dim>& n, double plane, double h) const {
         const double deepest = 0.5 * h;
         const double widest = 0.5 * h * h; // m2
         double furthest = -farAway;
@@ -106,9 +106,9 @@ template <int Dim> class NearbyBoxes {
         Vec<Dim> centre, half;
         double density;
     };
-    std::vector<Box> found_; // in the order of the particles,
-    std::vector<int> bin_;   // number of the nearest node of each,
-    Bins bins_;              // and by that number:
+    std::vector<Box> found_;                      // in the order of the particles,
+    std::vector<int> bin_;                        // number of the nearest node of each,
+    Bins bins_;                                   // and by that number:
     std::vector<double> centre_[Dim], half_[Dim]; // m; cells
     std::vector<double> density_;                 // volume, m3, over that of the box in cells
 
@@ -145,7 +145,8 @@ template <int Dim> class NearbyBoxes {
     }
 
     void sort() {
-        const size_t room = found_.size() + atOnce - 1; // the last ones are looked at together with what follows
+        const size_t room =
+            found_.size() + atOnce - 1; // the last ones are looked at together with what follows
         for (int k = 0; k < Dim; ++k) {
             centre_[k].resize(room);
             half_[k].resize(room);

@@ -71,7 +71,7 @@ template <int Dim> void setGap(const PairSearch<Dim>& pair, ContactNode<Dim>& co
     double reach[2];
     for (int side = 0; side < 2; ++side) {
         const NodalSurface<Dim>& seen = contact.surface[side];
-        reach[side] = pair.isExplicit[side] && seen.hasPlane()   ? seen.reach
+        reach[side] = pair.isExplicit[side] && seen.hasPlane()     ? seen.reach
                       : area[side] > leastOwnArea * contact.weight ? n.dot(seen.moment * n) / area[side]
                                                                    : -farAway;
         reach[side] = std::max(reach[side], seen.intruded);

@@ -25,7 +25,8 @@ template <int Dim> Vec<Dim> normalOfBoxes(const Vec<Dim> outward[2]) {
 
 // At an edge of one group the flatter surface of the other counts. Of equals the mesh counts, else their mean.
 template <int Dim> void setNormal(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
-    const Vec<Dim> outward[2] = {contact.surface[0].outward, -contact.surface[1].outward}; // along the normal, both
+    const Vec<Dim> outward[2] = {contact.surface[0].outward,
+                                 -contact.surface[1].outward}; // along the normal, both
     if (!pair.isExplicit[0] && !pair.isExplicit[1]) {
         contact.normal = normalOfBoxes<Dim>(outward);
         return;
@@ -44,8 +45,7 @@ template <int Dim> void setNormal(const PairSearch<Dim>& pair, ContactNode<Dim>&
     if (pair.isExplicit[0] != pair.isExplicit[1]) {
         // Boxes count where they are flat and the mesh has an edge, or at a plane of symmetry.
         const int mesh = pair.isExplicit[0] ? 0 : 1;
-        const bool isHeld =
-            pair.fieldOf(0).isHeld(contact.node) || pair.fieldOf(1).isHeld(contact.node);
+        const bool isHeld = pair.fieldOf(0).isHeld(contact.node) || pair.fieldOf(1).isHeld(contact.node);
         // Else boxes caught inside the mesh hide the surface of the others.
         const bool doFace = outward[0].dot(outward[1]) > 0;
         if (counts[mesh] || (!isHeld && (!doFace || flatness[1 - mesh] < edgeFlatness))) {

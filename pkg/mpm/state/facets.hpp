@@ -8,7 +8,7 @@
 
 namespace mpm {
 
-template <int Dim> constexpr int facetsOfCell = 2 * Dim;          // edges of a quadrilateral, faces of a hexahedron
+template <int Dim> constexpr int facetsOfCell = 2 * Dim; // edges of a quadrilateral, faces of a hexahedron
 template <int Dim> constexpr int cornersOfFacet = 1 << (Dim - 1); // two or four
 
 // Corners (VTK order) of each facet of a cell, so that its area vector points outward.

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""An elastic cylinder pressed onto an elastic half-plane, or another cylinder: contact pressure against Hertz.
+"""An elastic cylinder pressed onto an elastic half-plane, or another cylinder: contact pressure against
+Hertz.
 
-A cylinder of radius R = 20 a is pressed down until it touches the ground along a half-width of about a; or one of 2 R onto another
-of 2 R (--two), which is the same for 1/R = 1/R1 + 1/R2. Plane strain, no friction, no weight; the right halves are meshed, with rollers
-on the axis and below. Closed form (Hertz 1882; Johnson 1985, Contact Mechanics, sect. 4.2) for the load P and 1/E* = 2 (1 - nu^2)/E: half-width a = sqrt(4 P R / (pi E*)), pressure
-p = p0 sqrt(1 - (x/a)^2), p0 = 2 P / (pi a). The half-width found is 2 sqrt(<x^2> - h^2/6), with the mean over the forces of the
-nodes; h^2/6 is what hat functions add.
+A cylinder of radius R = 20 a is pressed down until it touches the ground along a half-width of about a; or
+one of 2 R onto another of 2 R (--two), which is the same for 1/R = 1/R1 + 1/R2. Plane strain, no friction, no
+weight; the right halves are meshed, with rollers on the axis and below. Closed form (Hertz 1882; Johnson
+1985, Contact Mechanics, sect. 4.2) for the load P and 1/E* = 2 (1 - nu^2)/E: half-width a = sqrt(4 P R / (pi
+E*)), pressure p = p0 sqrt(1 - (x/a)^2), p0 = 2 P / (pi a). The half-width found is 2 sqrt(<x^2> - h^2/6),
+with the mean over the forces of the nodes; h^2/6 is what hat functions add.
 
 Units: Mg, m, s, kPa, per metre of thickness; a is 1 m.
 
@@ -21,7 +23,7 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, disc, files, plot
+from yade_mpm import box, commandLine, disc, files, plot, study
 from yade_mpm.commandLine import between, count
 
 RADIUS, EXTENT = (
@@ -34,7 +36,7 @@ TYPES = ("apdi", "ugimp", "cut")
 CUT, OUTLINE = True, True  # as of UGIMP, where --ground or --cylinder is cut
 
 
-def arguments(given=None):
+def arguments(words=None):
     p = commandLine.Parser("hertz", __doc__, smoke={"cells": 5})
     p.add_argument(
         "--cells", type=count, default=8, help="cells per nominal half-width (default %(default)s)"
@@ -42,26 +44,14 @@ def arguments(given=None):
     p.add_argument(
         "--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)"
     )
-    p.add_argument(
-        "--cylinder",
-        choices=TYPES,
-        default="apdi",
-        help="particles of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it (default %(default)s)",
-    )
+    cylinder = "of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it"
+    p.add_argument("--cylinder", choices=TYPES, default="apdi", help=f"{cylinder} (default %(default)s)")
     p.add_argument("--two", action="store_true", help="two cylinders of twice the radius")
-    p.add_argument(
-        "--shift",
-        type=between(-1, 1),
-        default=0.0,
-        help="height of the surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)",
-    )
-    p.add_argument(
-        "--normals",
-        choices=("surface", "mass"),
-        default="surface",
-        help="as of Contact (default %(default)s)",
-    )
-    a = p.parse(given)
+    shift = "surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)"
+    p.add_argument("--shift", type=between(-1, 1), default=0.0, help=shift)
+    normals = "as of Contact (default %(default)s)"
+    p.add_argument("--normals", choices=("surface", "mass"), default="surface", help=normals)
+    a = p.parse(words)
     if (a.ground, a.cylinder) != ("apdi", "apdi") and a.shift % 0.5:
         p.error(f"--shift {a.shift:g} with uGIMP is not allowed; give a multiple of 0.5")
     return a
@@ -73,66 +63,53 @@ def rise(x, radius):
 
 
 def block(bottom, top, size):
-    """Quadrilaterals of a block 0 <= x <= EXTENT; bottom, top: heights as functions of x. Returns (points, cells)."""
+    """Mesh of a block 0 <= x <= EXTENT; bottom, top: heights as functions of x."""
     n, m = round(EXTENT / size), round((top(0.0) - bottom(0.0)) / size)
     x, t = np.meshgrid(np.linspace(0, EXTENT, n + 1), np.linspace(0, 1, m + 1), indexing="ij")
-    points = np.stack([x, bottom(x) + t * (top(x) - bottom(x))], axis=2).reshape(-1, 2)
-    first = np.arange(n)[:, None] * (m + 1) + np.arange(m)
-    return points, np.stack([first, first + m + 1, first + m + 2, first + 1], axis=2).reshape(-1, 4)
+    return study.quadrilaterals(x, bottom(x) + t * (top(x) - bottom(x)))
 
 
 def build(a):
     """The scene; the surface of the ground is at y = shift."""
     h = 1 / a.cells
     surface, bottom = a.shift * h, -EXTENT + a.shift * h
-    top = surface + EXTENT
-    radius = 2 * RADIUS if a.two else RADIUS
-    over = lambda x: rise(x, radius)  # the gap is over + under
-    under = over if a.two else lambda x: 0 * x
-    scene = mpm.Scene(
-        lower=(0, -EXTENT - h * (1 + np.ceil(under(EXTENT) / h))),
-        upper=(EXTENT + 2 * h, 2 * EXTENT),
-        cell=h,
-        threads=a.threads,
-    )
+    top, radius = surface + EXTENT, 2 * RADIUS if a.two else RADIUS
+
+    def over(x):  # the gap is over + under
+        return rise(x, radius)
+
+    def under(x):
+        return rise(x, radius) if a.two else 0 * x
+
+    lower = 0, -EXTENT - h * (1 + np.ceil(under(EXTENT) / h))
+    scene = mpm.Scene(lower=lower, upper=(EXTENT + 2 * h, 2 * EXTENT), cell=h, threads=a.threads)
     steel = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
-    kinds = {
-        "apdi": mpm.APDI(),
-        "ugimp": mpm.UGIMP(perCell=2),
-        "cut": mpm.UGIMP(perCell=2, cut=CUT, outline=OUTLINE),
-    }
-    level = lambda y: lambda x: y + 0 * x
-    below = box((0, bottom), (EXTENT, surface))
-    if a.ground == "cut" and a.two:
+    cut = mpm.UGIMP(perCell=2, cut=CUT, outline=OUTLINE)
+    kinds = {"apdi": mpm.APDI(), "ugimp": mpm.UGIMP(perCell=2), "cut": cut}
+
+    below, above = box((0, bottom), (EXTENT, surface)), box((0, surface), (EXTENT, top))
+    if a.ground == "apdi":
+        below = block(lambda x: bottom + 0 * x, lambda x: surface - under(x), h / 2)
+    elif a.ground == "cut" and a.two:
         below = below & disc((0, surface - radius), radius)
-    ground = scene.add(
-        "ground",
-        block(level(bottom), lambda x: surface - under(x), h / 2) if a.ground == "apdi" else below,
-        steel,
-        kinds[a.ground],
-        group="ground",
-    )
-    if a.ground == "ugimp":
+    if a.cylinder == "apdi":
+        above = block(lambda x: surface + over(x), lambda x: top + 0 * x, h / 2)
+    elif a.cylinder == "cut":
+        above = above & disc((0, surface + radius), radius)
+    ground = scene.add("ground", below, steel, kinds[a.ground], group="ground")
+    cylinder = scene.add("cylinder", above, steel, kinds[a.cylinder], group="cylinder")
+    if a.ground == "ugimp":  # columns of boxes that follow the curve
         ground.position[:, 1] -= under(ground.position[:, 0])
         ground.zeroDisplacement()
-    above = box((0, surface), (EXTENT, top))
-    if a.cylinder == "cut":
-        above = above & disc((0, surface + radius), radius)
-    cylinder = scene.add(
-        "cylinder",
-        block(lambda x: surface + over(x), level(top), h / 2) if a.cylinder == "apdi" else above,
-        steel,
-        kinds[a.cylinder],
-        group="cylinder",
-    )
     if a.cylinder == "ugimp":
         cylinder.position[:, 1] += over(cylinder.position[:, 0])
         cylinder.zeroDisplacement()
+
     press = mpm.Drive(cylinder.above(top - 1.01 * h), velocity=(None, 0), name="press")
     base = mpm.Drive(ground.below(bottom + 0.51 * h), velocity=(None, 0), name="base")
     scene.engines = [
         mpm.ParticleToGrid(),
-        mpm.GridSolver(damping=0.7, roller=("left",), drive=[press, base]),
+        mpm.GridSolver(damping=0.7, roller="left", drive=[press, base]),
         mpm.Contact(normals=a.normals),
         mpm.GridToParticle(),
         mpm.DomainUpdater(),
@@ -162,8 +139,7 @@ def hatMean(x, h, halfWidth):
 
 def run(a):
     """Presses the cylinder down and lets it come to rest; returns (summary, scene)."""
-    began, h = time.monotonic(), 1 / a.cells
-    scene = build(a)
+    began, h, scene = time.monotonic(), 1 / a.cells, build(a)
     press = scene.engines[1].drive[0]
     contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
     way = 4 * EXTENT / scene["ground"].material.waveSpeed
@@ -171,6 +147,7 @@ def run(a):
     scene.run(until=way)
     press.velocity = (None, 0)
     scene.run(until=5 * way)
+
     x, force = nodalForces(contact, h, scene)
     load = force[0] + 2 * force[1:].sum()
     modulus = YOUNG / (2 * (1 - POISSON**2))
@@ -179,10 +156,7 @@ def run(a):
     reached = 2 * np.sqrt(2 * (force * x**2).sum() / load - h**2 / 6)
     pressure, exact = force / h, peak * hatMean(x, h, hertz)
     return {
-        "arguments": vars(a),
-        "particles": scene.particleCount,
-        "steps": scene.steps,
-        "wallSeconds": time.monotonic() - began,
+        **study.record(a, scene, time.monotonic() - began),
         "unbalancedRatio": mpm.diagnostics.unbalancedRatio(scene),
         "load": load,
         "pressOverLoad": -2 * press.reaction[1] / load,
@@ -204,23 +178,13 @@ def draw(scene, summary, out):
     """Vertical stress round the contact, and the pressure at the nodes against the closed form."""
     peak, a = summary["hertzPeakPressure"], summary["hertzHalfWidth"]
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.0), layout="constrained")
-    for body in scene.bodies:
-        domains = plot.PolyCollection(
-            body.corners() / a,
-            array=-body.stress[:, 1, 1] / peak,
-            cmap="inferno_r",
-            edgecolors="face",
-            linewidths=0.1,
-        )
-        domains.set_clim(0, 1)
-        left.add_collection(domains)
-    left.set(xlim=(0, 3), ylim=(-1.8, 1.8), aspect="equal", xlabel="x / a", ylabel="y / a")
-    figure.colorbar(domains, ax=left, label="vertical stress / $p_0$")
+    label = "vertical stress / $p_0$"
+    plot.domains(left, scene.bodies, lambda body: -body.stress[:, 1, 1] / peak, (0, 1), label, scale=a)
+    left.set(xlim=(0, 3), ylim=(-1.8, 1.8), xlabel="x / a", ylabel="y / a")
     x = np.linspace(0, a, 200)
     right.plot(x / a, np.sqrt(1 - (x / a) ** 2), "k-", lw=1, label="Hertz")
-    nodes, exact, reached = (
-        np.array(summary[key])[np.array(summary["x"]) < 1.5 * a] for key in ("x", "closedForm", "pressure")
-    )
+    inside = np.array(summary["x"]) < 1.5 * a
+    nodes, exact, reached = (np.array(summary[key])[inside] for key in ("x", "closedForm", "pressure"))
     right.plot(nodes / a, exact / peak, "k+", ms=7, clip_on=False, label="Hertz, mean over a hat")
     right.plot(
         nodes / a, reached / peak, "C3o", ms=4, mfc="none", clip_on=False, label="force of a node / cell"
@@ -236,16 +200,14 @@ def main():
     summary, scene = run(a)
     files.saveJson(os.path.join(a.out, "summary.json"), summary)
     draw(scene, summary, a.out)
-    print(f"{summary['particles']} particles, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
     print("                    reached      Hertz    error")
     for name, own, exact in (
         ("half-width, m", "halfWidth", "hertzHalfWidth"),
         ("peak pressure, kPa", "peakPressure", "hertzPeakPressure"),
         ("at the axis, kPa", "axisPressure", "hertzAxisPressure"),
     ):
-        print(
-            f"{name:18s} {summary[own]:10.4g} {summary[exact]:10.4g} {summary[own] / summary[exact] - 1:8.1%}"
-        )
+        found, expected = summary[own], summary[exact]
+        print(f"{name:18s} {found:10.4g} {expected:10.4g} {found / expected - 1:8.1%}")
     print(f"rms of the curve {summary['rmsError']:.1%} of the peak; results in {a.out}/")
 
 

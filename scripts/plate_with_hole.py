@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A plate with a circular hole under tension: curved APDI domains from a mesh of one's own.
 
-A plate of 5 x 8 m with a hole of radius a = 0.5 m is pulled at its short ends with sigma0 = 100 Pa. A quarter is meshed with
-quadrilaterals that follow the hole; the traction acts on the edges of the domains. Reference: stress concentration in a strip of
-finite width, a / W = 0.2 (Howland 1930, Phil. Trans. R. Soc. A 229, 49-86): hoop stress 3.14 sigma0 where the hole meets the
-section across the load, -1.11 sigma0 where it meets the axis of the load. Stresses in the plane are those of plane stress,
-because the hole carries no force.
+A plate of 5 x 8 m with a hole of radius a = 0.5 m is pulled at its short ends with sigma0 = 100 Pa. A quarter
+is meshed with quadrilaterals that follow the hole; the traction acts on the edges of the domains. Reference:
+stress concentration in a strip of finite width, a / W = 0.2 (Howland 1930, Phil. Trans. R. Soc. A 229,
+49-86): hoop stress 3.14 sigma0 where the hole meets the section across the load, -1.11 sigma0 where it meets
+the axis of the load. Stresses in the plane are those of plane stress, because the hole carries no force.
 
 Units: kg, m, s, Pa, per metre of thickness.
 
@@ -19,7 +19,7 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, files, plot
+from yade_mpm import box, commandLine, files, plot, study
 from yade_mpm.commandLine import count
 
 HALF_WIDTH, HALF_LENGTH, RADIUS = 2.5, 4.0, 0.5  # m; the load is along y
@@ -27,18 +27,20 @@ SIGMA0, YOUNG, POISSON, DENSITY = 100.0, 1e6, 0.3, 1000.0  # Pa, Pa, -, kg/m3: s
 REFERENCE = {"side": 3.14, "crown": -1.11}  # hoop stress over sigma0 at (a, 0) and (0, a)
 
 
-def arguments(given=None):
+def arguments(words=None):
     p = commandLine.Parser("plate_with_hole", __doc__, smoke={"cells": 4})
     p.add_argument(
         "--cells", type=count, default=8, help="cells per radius of the hole (default %(default)s)"
     )
-    return p.parse(given)
+    return p.parse(words)
 
 
 def quarterMesh(cell):
-    """Quadrilaterals of the quarter plate, (points (Nv, 2), cells (Nc, 4)): rays from the hole to the outer edge.
+    """Quadrilaterals of the quarter plate, (points (Nv, 2), cells (Nc, 4)): rays from the hole to the outer
+    edge.
 
-    No edge is longer than a cell, so that every grid node inside the plate belongs to some vertex. Rings are closest at the hole.
+    No edge is longer than a cell, so that every grid node inside the plate belongs to some vertex. Rings are
+    closest at the hole.
     """
     across = int(np.ceil(HALF_WIDTH / cell))  # rays that end on the top, y = HALF_LENGTH
     along = int(np.ceil(HALF_LENGTH / cell))  # rays that end on the right, x = HALF_WIDTH
@@ -55,10 +57,8 @@ def quarterMesh(cell):
     rings = int(np.ceil(1.3 * longest / cell))
     s = np.linspace(0, 1, rings + 1)[:, None, None]
     s = 0.6 * s + 0.4 * s**2  # steps from 0.6 to 1.4 of the mean
-    points = ((1 - s) * inner + s * outer).reshape(-1, 2)
-    first = (np.arange(rings)[:, None] * len(outer) + np.arange(len(outer) - 1)).ravel()
-    cells = np.stack([first, first + len(outer), first + len(outer) + 1, first + 1], axis=1)
-    return points, cells
+    points = (1 - s) * inner + s * outer
+    return study.quadrilaterals(points[..., 0], points[..., 1])
 
 
 def build(a):
@@ -83,7 +83,8 @@ def build(a):
 
 
 def hoopStress(plate, side):
-    """Distance from the hole over its radius, and hoop stress over sigma0, of the domains nearest to an axis."""
+    """Distance from the hole over its radius, and hoop stress over sigma0, of the domains nearest to an
+    axis."""
     x, y = plate.position.T
     r, angle = np.hypot(x, y), np.arctan2(y, x)
     if side == "crown":
@@ -95,9 +96,11 @@ def hoopStress(plate, side):
 
 
 def atHole(plate, side, reach=0.75):
-    """Hoop stress over sigma0 at the hole: the form of the closed solution, c0 + c2 / r^2 + c4 / r^4, fitted up to reach radii.
+    """Hoop stress over sigma0 at the hole: the form of the closed solution, c0 + c2 / r^2 + c4 / r^4, fitted
+    up to reach radii.
 
-    The domains hold one stress each and the cells at the hole are cut by it; a fit takes the mean of their scatter.
+    The domains hold one stress each and the cells at the hole are cut by it; a fit takes the mean of their
+    scatter.
     """
     distance, stress = hoopStress(plate, side)
     near = distance < reach
@@ -109,10 +112,10 @@ def atHole(plate, side, reach=0.75):
 def run(a, tolerance=1e-2):
     """Pulls the plate and lets it come to rest; returns (summary, scene).
 
-    tolerance : largest out-of-balance force over the mean internal force; the largest sits at light nodes of cut cells.
+    tolerance : largest out-of-balance force over the mean internal force; the largest sits at light nodes of
+    cut cells.
     """
-    began = time.monotonic()
-    scene = build(a)
+    began, scene = time.monotonic(), build(a)
     load = next(e for e in scene.engines if isinstance(e, mpm.BoundaryLoad))
     scene.run(until=load.ramp)
     scene.settle(damping=0.7, tolerance=tolerance)
@@ -120,10 +123,8 @@ def run(a, tolerance=1e-2):
     reached = {side: atHole(plate, side) for side in REFERENCE}
     base = next(c for c in scene.constraints if c.name == "bottom")
     return {
-        "arguments": vars(a),
+        **study.record(a, scene, time.monotonic() - began),
         "domains": scene.particleCount,
-        "steps": scene.steps,
-        "wallSeconds": time.monotonic() - began,
         "unbalancedForce": scene.unbalancedForce(),
         "baseReactionOverLoad": -base.reaction[1] / (SIGMA0 * HALF_WIDTH),
         "concentration": reached,
@@ -133,19 +134,14 @@ def run(a, tolerance=1e-2):
 
 
 def draw(scene, summary, out):
+    """Stress round the hole, and hoop stress along both axes against Howland."""
     plate = scene["plate"]
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.0), layout="constrained")
-    domains = plot.PolyCollection(
-        plate.corners(),
-        array=plate.stress[:, 1, 1] / SIGMA0,
-        cmap="coolwarm",
-        edgecolors=(0, 0, 0, 0.3),
-        linewidths=0.15,
+    label = "stress along the load / σ0"
+    plot.domains(
+        left, [plate], lambda b: b.stress[:, 1, 1] / SIGMA0, (-3.2, 3.2), label, "coolwarm", edge="0.3"
     )
-    domains.set_clim(-3.2, 3.2)
-    left.add_collection(domains)
-    left.set(xlim=(0, 1.6), ylim=(0, 1.6), aspect="equal", xlabel="x (m)", ylabel="y (m)")
-    figure.colorbar(domains, ax=left, label="stress along the load / σ0")
+    left.set(xlim=(0, 1.6), ylim=(0, 1.6), xlabel="x (m)", ylabel="y (m)")
     for side, colour, axis in (("side", "C3", "across the load"), ("crown", "C0", "along the load")):
         distance, stress = hoopStress(plate, side)
         right.plot(distance, stress, ".", ms=3, color=colour, label=f"domains on the axis {axis}")
@@ -164,13 +160,10 @@ def main():
     summary, scene = run(a)
     files.saveJson(os.path.join(a.out, "summary.json"), summary)
     draw(scene, summary, a.out)
-    print(f"{summary['domains']} domains, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
-    for side in REFERENCE:
-        print(
-            f"{side:6s} hoop stress / sigma0 {summary['concentration'][side]:7.3f}, reference {REFERENCE[side]:6.2f} "
-            f"({summary['error'][side]:+.1%})"
-        )
-    print(f"results in {a.out}/")
+    for side, exact in REFERENCE.items():
+        found, error = summary["concentration"][side], summary["error"][side]
+        print(f"{side:6s} hoop stress / sigma0 {found:7.3f}, reference {exact:6.2f} ({error:+.1%})")
+    print(f"{summary['domains']} domains, {summary['steps']} steps; results in {a.out}/")
 
 
 if __name__ == "__main__":

@@ -1,22 +1,22 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A block that hangs from its top stretches to 2.6 times its length under gravity that is switched on suddenly: does it stay whole?
+"""A block that hangs from its top stretches to 2.6 times its length under gravity that is switched on
+suddenly: does it stay whole?
 
-Block of 1 x 1 m, plane strain, neo-Hookean, E = 1000 kPa, nu = 0.3, rho = 1.05 Mg/m3, g = 1000 m/s2, held in both directions at
-the top. The mesh of APDI stretches with the body; the boxes of uGIMP do not, and the body falls apart where its particles drift
-farther apart than a box and a cell reach (numerical fracture). `UGIMP(splitAt=1.3)` cuts long particles in two. See
-doc/numerical-fracture.md. Units: Mg, m, s, kPa.
+Block of 1 x 1 m, plane strain, neo-Hookean, E = 1000 kPa, nu = 0.3, rho = 1.05 Mg/m3, g = 1000 m/s2, held in
+both directions at the top. The mesh of APDI stretches with the body; the boxes of uGIMP do not, and the body
+falls apart where its particles drift farther apart than a box and a cell reach (numerical fracture).
+`UGIMP(splitAt=1.3)` cuts long particles in two. See doc/numerical-fracture.md. Units: Mg, m, s, kPa.
 
-    scripts/run stretching_bar                          # three bars, and their centre of mass against finite elements
-    scripts/run stretching_bar --picture stretching_bar.png
+    scripts/run stretching_bar                          # three bars, and their centre of mass against finite
+    elements scripts/run stretching_bar --cell 0.0625
 """
 
-import argparse
+import os
 from pathlib import Path
 
 import numpy as np
 import yade_mpm as mpm
-from matplotlib.collections import PolyCollection
 from yade_mpm import box, commandLine, plot
 from yade_mpm.commandLine import between, count, partOf
 
@@ -24,16 +24,37 @@ REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "verification" / "st
 LOWEST = 0.09  # s, when the bar is longest
 
 
-def makeScene(kind="APDI", cell=0.125, perCell=3, splitAt=1.3, step=0.001, gravity=1000.0, scheme="MUSL"):
-    """Scene of the bar. kind: 'APDI' (two domains per cell and direction), 'UGIMP' or 'split'; perCell: of the latter two; step: time
-    step over the cell size, s/m; with uGIMP the result depends on it far below the critical step.
+def arguments(words=None):
+    p = commandLine.Parser("stretching_bar", __doc__, smoke={"cell": 0.25, "until": 0.05})
+    p.add_argument(
+        "--cell", type=partOf(0.5), default=0.125, help="m: 0.5 m over a whole number (default %(default)s)"
+    )
+    p.add_argument(
+        "--perCell", type=count, default=3, help="boxes per cell and direction (default %(default)s)"
+    )
+    p.add_argument("--splitAt", type=float, default=1.3, help="stretch of the cuts (default %(default)s)")
+    p.add_argument(
+        "--until", type=between(0.01, 100), default=LOWEST, help="end, s (default %(default)s, the longest)"
+    )
+    a = p.parse(words)
+    if not a.splitAt > 1:
+        p.error(f"--splitAt {a.splitAt:g} is not allowed; give a stretch above 1")
+    return a
+
+
+def build(
+    kind="APDI", cell=0.125, perCell=3, splitAt=1.3, step=0.001, gravity=1000.0, scheme="MUSL", threads=None
+):
+    """Scene of the bar. kind: 'APDI' (two domains per cell and direction), 'UGIMP' or 'split'; perCell: of
+    the latter two; step: time step over the cell size, s/m; with uGIMP the result depends on it far below
+    the critical step.
     """
     types = {
         "APDI": lambda: mpm.APDI(size=cell / 2),
         "UGIMP": lambda: mpm.UGIMP(perCell=perCell),
         "split": lambda: mpm.UGIMP(perCell=perCell, splitAt=splitAt),
     }
-    scene = mpm.Scene(lower=(-0.5, -4), upper=(1.5, 1), cell=cell, scheme=scheme)
+    scene = mpm.Scene(lower=(-0.5, -4), upper=(1.5, 1), cell=cell, scheme=scheme, threads=threads)
     rubber = mpm.NeoHookean(density=1.05, young=1000, poisson=0.3)
     scene.add("bar", box((0, 0), (1, 1)), rubber, types[kind]())
     scene.engines = [
@@ -47,12 +68,13 @@ def makeScene(kind="APDI", cell=0.125, perCell=3, splitAt=1.3, step=0.001, gravi
 
 
 class Watch:
-    """Time (s), height of the centre of mass (m) and widest gap between the heights of particles (cells), with time."""
+    """Time (s), height of the centre of mass (m) and widest gap between the heights of particles (cells),
+    with time."""
 
     def __init__(self, scene):
         self.scene, self.bar, self.rows = scene, scene["bar"], []
         self.note()
-        scene.engines = scene.engines + [mpm.PyRunner(self.note, iterPeriod=5)]
+        scene.engines = [*scene.engines, mpm.PyRunner(self.note, iterPeriod=5)]
 
     def note(self):
         y, mass = self.bar.position[:, 1], self.bar.mass
@@ -67,7 +89,8 @@ class Watch:
 
     @property
     def miss(self):
-        """Largest distance of the centre of mass from the reference, in parts of its largest fall (1.07 m)."""
+        """Largest distance of the centre of mass from the reference, in parts of its largest fall (1.07
+        m)."""
         t, centre, *_ = np.loadtxt(REFERENCE, delimiter=",").T
         mine = np.array(self.rows)
         asked = (t > 0) & (t <= mine[-1, 0] + 1e-9)
@@ -77,105 +100,54 @@ class Watch:
 
 
 def run(until=LOWEST, progress=None, **arguments):
-    """Runs a bar; returns (scene, watch). Arguments as for `makeScene`."""
-    scene = makeScene(**arguments)
+    """Runs a bar; returns (scene, watch). Arguments as for `build`."""
+    scene = build(**arguments)
     watch = Watch(scene)
     scene.run(until=until, progress=progress)
     return scene, watch
 
 
 def draw(bars, file):
-    """The bars side by side, coloured by vertical stress, with the lower end of the reference; and the centres of mass."""
+    """The bars side by side, coloured by vertical stress, with the lower end of the reference; the centres
+    of mass."""
     t, centre, end, _ = np.loadtxt(REFERENCE, delimiter=",").T
-    figure, axes = plot.plt.subplots(
-        1,
-        len(bars) + 1,
-        figsize=(2.3 * len(bars) + 4.2, 5.4),
-        width_ratios=[1] * len(bars) + [1.6],
-        layout="constrained",
-    )
-    for ax, (name, (scene, watch)) in zip(axes, bars.items()):
-        bar = scene["bar"]
-        domains = PolyCollection(
-            bar.corners(),
-            array=bar.stress[:, 1, 1],
-            cmap="viridis",
-            edgecolor="k",
-            linewidth=0.15,
-            clim=(0, 4000),
+    widths = [1.0] * len(bars) + [1.6]
+    size = 2.3 * len(bars) + 4.2, 5.4
+    figure, axes = plot.plt.subplots(1, len(widths), figsize=size, width_ratios=widths, layout="constrained")
+    *panels, curves = axes
+    for ax, (name, (scene, watch)) in zip(panels, bars.items()):
+        limits, lower = (0, 4000), np.interp(scene.time, t, end)
+        domains = plot.domains(
+            ax, scene.bodies, lambda b: b.stress[:, 1, 1], limits, colours="viridis", edge="k"
         )
-        ax.add_collection(domains)
-        ax.axhline(np.interp(scene.time, t, end), color="C3", ls="--", lw=1)
+        ax.axhline(lower, color="C3", ls="--", lw=1)
         ax.set(
             xlim=(-0.3, 1.3),
             ylim=(-3.1, 1.05),
-            aspect="equal",
             xlabel="x (m)",
-            title=f"{name}\n{bar.count} particles",
+            title=f"{name}\n{scene.particleCount} particles",
         )
-        axes[-1].plot(*np.array(watch.rows).T[:2], label=name)
-    axes[0].set_ylabel("y (m)")
-    axes[0].text(
-        0.5,
-        np.interp(scene.time, t, end) - 0.05,
-        "lower end,\nfinite elements",
-        color="C3",
-        ha="center",
-        va="top",
-    )
-    figure.colorbar(domains, ax=axes[:-1], label="vertical stress (kPa)", extend="both", shrink=0.8)
-    axes[-1].plot(t, centre, "k.", ms=5, label="finite elements")
-    axes[-1].set(
-        xlabel="time (s)",
-        ylabel="height of the centre of mass (m)",
-        xlim=(0, 1.05 * scene.time),
-        ylim=(-1.7, 0.6),
-    )
-    axes[-1].legend(fontsize=9)
+        curves.plot(*np.array(watch.rows).T[:2], label=name)
+    panels[0].set_ylabel("y (m)")
+    panels[0].text(0.5, lower - 0.05, "lower end,\nfinite elements", color="C3", ha="center", va="top")
+    figure.colorbar(domains, ax=panels, label="vertical stress (kPa)", extend="both", shrink=0.8)
+    curves.plot(t, centre, "k.", ms=5, label="finite elements")
+    curves.set(xlabel="time (s)", ylabel="height of the centre of mass (m)")
+    curves.set(xlim=(0, 1.05 * scene.time), ylim=(-1.7, 0.6))
+    curves.legend(fontsize=9)
     plot.save(figure, file, dpi=110)
 
 
 def main():
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument(
-        "--cell",
-        type=partOf(0.5),
-        default=0.125,
-        help="cell size, m: 0.5 m over a whole number (default %(default)s)",
-    )
-    parser.add_argument(
-        "--perCell",
-        type=count,
-        default=3,
-        help="uGIMP particles per cell and direction (default %(default)s)",
-    )
-    parser.add_argument(
-        "--splitAt", type=float, default=1.3, help="stretch at which particles are cut (default %(default)s)"
-    )
-    parser.add_argument(
-        "--until",
-        type=between(0.01, 100),
-        default=LOWEST,
-        help="end, s (default %(default)s, when the bar is longest)",
-    )
-    parser.add_argument("--picture", metavar="FILE", help="draw the bars")
-    given = parser.parse_args()
-    if not given.splitAt > 1:
-        parser.error(f"--splitAt {given.splitAt:g} is not allowed; give a stretch above 1")
+    a = arguments()
+    os.makedirs(a.out, exist_ok=True)
     bars = {}
-    for name, kind in (("APDI", "APDI"), ("uGIMP", "UGIMP"), (f"uGIMP, splitAt={given.splitAt:g}", "split")):
-        scene, watch = bars[name] = run(
-            given.until, kind=kind, cell=given.cell, perCell=given.perCell, splitAt=given.splitAt
-        )
-        print(
-            f"{name:20} {scene.particleCount:6} particles at the end; centre of mass within {watch.miss:.1%} of the largest fall; "
-            f"widest gap {watch.widestGap:.2f} cells",
-            flush=True,
-        )
-    if given.picture:
-        draw(bars, given.picture)
+    for name, kind in (("APDI", "APDI"), ("uGIMP", "UGIMP"), (f"uGIMP, splitAt={a.splitAt:g}", "split")):
+        shared = dict(cell=a.cell, perCell=a.perCell, splitAt=a.splitAt, threads=a.threads)
+        scene, watch = bars[name] = run(a.until, kind=kind, **shared)
+        whole = f"centre of mass within {watch.miss:.1%} of its fall, widest gap {watch.widestGap:.2f} cells"
+        print(f"{name:20} {scene.particleCount:6} particles at the end; {whole}", flush=True)
+    draw(bars, os.path.join(a.out, "stretching_bar.png"))
 
 
 if __name__ == "__main__":

@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A strip load on an elastic half-plane: vertical stress under its centre.
 
-A pressure q acts on a strip of width 2b on the ground, through the edges of APDI domains. Plane strain, no weight; the half
-of 40 b x 40 b right of the axis is meshed, with rollers at its sides and base. Local damping brings the rest. Closed form on
-the axis of a half-plane without end, at depth z: sigma_z / q = (alpha + sin alpha) / pi, alpha = 2 atan(b / z) (Boussinesq,
-in Poulos & Davis 1974, Elastic solutions for soil and rock mechanics, ch. 3); the base at 40 b raises the deeper values.
+A pressure q acts on a strip of width 2b on the ground, through the edges of APDI domains. Plane strain, no
+weight; the half of 40 b x 40 b right of the axis is meshed, with rollers at its sides and base. Local damping
+brings the rest. Closed form on the axis of a half-plane without end, at depth z: sigma_z / q = (alpha + sin
+alpha) / pi, alpha = 2 atan(b / z) (Boussinesq, in Poulos & Davis 1974, Elastic solutions for soil and rock
+mechanics, ch. 3); the base at 40 b raises the deeper values.
 
 Units: Mg, m, s, kPa, per metre of thickness; b = 1 m.
 
@@ -18,7 +19,7 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, files, plot
+from yade_mpm import box, commandLine, files, plot, study
 from yade_mpm.commandLine import partOf, positive
 
 B, Q = 1.0, 10.0  # m: half width of the strip; kPa
@@ -30,26 +31,21 @@ YOUNG, POISSON, DENSITY = (
 DEPTHS = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
 
 
-def arguments(given=None):
+def arguments(words=None):
     p = commandLine.Parser("strip_load", __doc__, smoke={"cell": 0.5, "extent": 20.0})
     p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
     p.add_argument(
-        "--size",
-        type=partOf(B),
-        help="edge of the APDI domains, m: 1 m over a whole number (default: half a cell)",
+        "--size", type=partOf(B), help="of the domains, m: 1 m over a whole number (default: half a cell)"
     )
-    p.add_argument(
-        "--extent", type=positive, default=40.0, help="width and depth of the ground, m (default %(default)s)"
-    )
-    a = p.parse(given)
+    p.add_argument("--extent", type=positive, default=40.0, help="width and depth, m (default %(default)s)")
+    a = p.parse(words)
     a.size = a.size or a.cell / 2
     if not commandLine.isWhole(B / a.size):  # the load would not end at B
         p.error(f"--cell {a.cell:g} is not allowed; give {2 * B:g} over a whole number, or --size too")
     for name in ("cell", "size"):
         if not commandLine.isWhole(0.5 * a.extent / vars(a)[name]):
-            p.error(
-                f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed; give two, four, six ... times that"
-            )
+            refused = f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed"
+            p.error(f"{refused}; give two, four, six ... times that")
     return a
 
 
@@ -68,12 +64,17 @@ def build(a):
     strip = box((0, -1e-3 * a.cell), (B, 1e-3 * a.cell))
     scene.engines = [
         mpm.ParticleToGrid(),
-        mpm.BoundaryLoad(ground, where=strip, pressure=Q, ramp=4 * a.extent / rock.waveSpeed),
+        mpm.BoundaryLoad(ground, where=strip, pressure=Q, ramp=rampTime(a, rock)),
         mpm.GridSolver(damping=0.7, roller=("left", "right", "bottom")),
         mpm.GridToParticle(),
         mpm.DomainUpdater(),
     ]
     return scene
+
+
+def rampTime(a, rock):
+    """Time over which the load grows, s: four times that of a wave through the ground."""
+    return 4 * a.extent / rock.waveSpeed
 
 
 def axisProfile(scene):
@@ -87,18 +88,14 @@ def axisProfile(scene):
 
 def run(a, tolerance=1e-3):
     """Loads the ground and lets it come to rest; returns (summary, scene)."""
-    began = time.monotonic()
-    scene = build(a)
-    load = next(e for e in scene.engines if isinstance(e, mpm.BoundaryLoad))
-    scene.run(until=load.ramp)
+    began, scene = time.monotonic(), build(a)
+    scene.run(until=rampTime(a, scene["ground"].material))
     scene.settle(damping=0.7, tolerance=tolerance)
     reached, exact = np.interp(DEPTHS, *axisProfile(scene)), closedForm(DEPTHS)
     base = next(c for c in scene.constraints if c.name == "bottom")
     return {
-        "arguments": vars(a),
+        **study.record(a, scene, time.monotonic() - began),
         "domains": scene.particleCount,
-        "steps": scene.steps,
-        "wallSeconds": time.monotonic() - began,
         "unbalancedForce": scene.unbalancedForce(),
         "baseReactionOverLoad": base.reaction[1] / (Q * B),
         "depth": DEPTHS.tolist(),
@@ -108,22 +105,14 @@ def run(a, tolerance=1e-3):
     }, scene
 
 
-def draw(scene, summary, out):
+def draw(scene, out):
     """Bulb of vertical stress, and the axis against the closed form."""
-    ground = scene["ground"]
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
-    domains = plot.PolyCollection(
-        ground.corners(),
-        array=-ground.stress[:, 1, 1] / Q,
-        cmap="inferno_r",
-        edgecolors="face",
-        linewidths=0.1,
+    plot.domains(
+        left, scene.bodies, lambda body: -body.stress[:, 1, 1] / Q, (0, 1), "vertical stress / q", scale=B
     )
-    domains.set_clim(0, 1)
-    left.add_collection(domains)
-    left.plot([0, B], [0.06, 0.06], "C0-", lw=3, clip_on=False)
-    left.set(xlim=(0, 5), ylim=(-6, 0.1), aspect="equal", xlabel="x / b", ylabel="y / b")
-    figure.colorbar(domains, ax=left, label="vertical stress / q")
+    left.plot([0, 1], [0.06, 0.06], "C0-", lw=3, clip_on=False)
+    left.set(xlim=(0, 5), ylim=(-6, 0.1), xlabel="x / b", ylabel="y / b")
     depth, stress = axisProfile(scene)
     z = np.linspace(0.05, 8, 200)
     right.plot(closedForm(z), z, "k-", lw=1, label="half-plane, closed form")
@@ -138,8 +127,7 @@ def main():
     os.makedirs(a.out, exist_ok=True)
     summary, scene = run(a)
     files.saveJson(os.path.join(a.out, "summary.json"), summary)
-    draw(scene, summary, a.out)
-    print(f"{summary['domains']} domains, {summary['steps']} steps in {summary['wallSeconds']:.1f} s")
+    draw(scene, a.out)
     print("  z/b  sigma_z/q  closed form    error")
     for row in zip(DEPTHS, summary["stress"], summary["closedForm"], summary["error"]):
         print("{:5.1f} {:10.4f} {:12.4f} {:8.1%}".format(*row))

@@ -2,18 +2,21 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Earth pressure on a smooth rigid wall: Rankine's active and passive states.
 
-Soil of height H = 5 m with c = 8.5 kPa, phi = 30 degrees, gamma = 15.009 kN/m3 stands behind a smooth vertical wall at x = 0, on
-a smooth base. The wall moves away by 1 % of H (active) or into the soil by 5 % of H (passive). Rankine 1857 with Bell's cohesion,
-K_a = 1/3, K_p = 3:
-    active   gamma z K_a - 2 c sqrt(K_a): thrust 13.46 kN/m, of which the pressure alone, below 1.962 m, is 23.09 kN/m
-    passive  gamma z K_p + 2 c sqrt(K_p): thrust 710.07 kN/m
-The wall is a line of grid nodes with a prescribed normal velocity, which can pull: its reaction is the thrust with
-tension. The line stays where it is while soil moves through it, with half a metre of soil behind it to feed the passive state;
-that fresh soil makes the pressure at the foot of the wall lower, and higher above, than Rankine's line.
+Soil of height H = 5 m with c = 8.5 kPa, phi = 30 degrees, gamma = 15.009 kN/m3 stands behind a smooth
+vertical wall at x = 0, on a smooth base. The wall moves away by 1 % of H (active) or into the soil by 5 % of
+H (passive). Rankine 1857 with Bell's cohesion, K_a = 1/3, K_p = 3:
 
-Local damping must be small here: in slow plastic flow all material moves one way, and a damping of 0.7 carries part of its weight
-(active thrust 13 % too low). The ground beside the wall settles (active) or heaves (passive) by up to 3 % of H meanwhile, which
-Rankine's numbers for the first height leave out.
+    active   gamma z K_a - 2 c sqrt(K_a): thrust 13.46 kN/m; the pressure alone, below 1.962 m, 23.09 kN/m
+    passive  gamma z K_p + 2 c sqrt(K_p): thrust 710.07 kN/m
+
+The wall is a line of grid nodes with a prescribed normal velocity, which can pull: its reaction is the thrust
+with tension. The line stays where it is while soil moves through it, with half a metre of soil behind it to
+feed the passive state; that fresh soil makes the pressure at the foot of the wall lower, and higher above,
+than Rankine's line.
+
+Local damping must be small here: in slow plastic flow all material moves one way, and a damping of 0.7
+carries part of its weight (active thrust 13 % too low). The ground beside the wall settles (active) or heaves
+(passive) by up to 3 % of H meanwhile, which Rankine's numbers for the first height leave out.
 
 Units: Mg, m, s, kPa, per metre of thickness.
 
@@ -28,7 +31,7 @@ from math import radians, sqrt, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, files, plot
+from yade_mpm import box, commandLine, files, plot, study
 from yade_mpm.commandLine import below, between, partOf, positive
 
 HEIGHT, LENGTH, BEHIND = 5.0, 12.0, 0.5  # m: soil; soil behind the wall's line
@@ -37,33 +40,28 @@ COHESION, FRICTION, K0 = 8.5, radians(30), 0.43
 MOVEMENT = {"active": -0.01 * HEIGHT, "passive": 0.05 * HEIGHT}  # m, positive into the soil
 
 
-def arguments(given=None):
+def arguments(words=None):
     p = commandLine.Parser("wall", __doc__, smoke={"cell": 0.5, "rate": 0.05})
-    p.add_argument(
-        "--state", choices=("active", "passive", "both"), default="both", help="which (default %(default)s)"
-    )
+    p.add_argument("--state", choices=(*MOVEMENT, "both"), default="both", help="which (default %(default)s)")
     p.add_argument(
         "--types", choices=("ugimp", "apdi"), default="ugimp", help="particle type (default %(default)s)"
     )
     p.add_argument(
-        "--cell",
-        type=partOf(1.0),
-        default=0.25,
-        help="cell size, m: 1 m over a whole number (default %(default)s)",
+        "--cell", type=partOf(1.0), default=0.25, help="m: 1 m over a whole number (default %(default)s)"
     )
     p.add_argument(
-        "--psi", type=between(0, 30), default=10.0, help="dilatancy angle, degrees (default %(default)s)"
+        "--psi", type=between(0, 30), default=10.0, help="dilatancy, degrees (default %(default)s)"
     )
     p.add_argument("--rate", type=positive, default=0.02, help="speed of the wall, m/s (default %(default)s)")
     p.add_argument("--damping", type=below(1), default=0.1, help="local damping (default %(default)s)")
-    return p.parse(given)
+    return p.parse(words)
 
 
 def rankine(state, z):
     """Horizontal pressure at depth z, kPa, compression positive."""
-    K = tan(radians(45) - FRICTION / 2) ** 2 if state == "active" else tan(radians(45) + FRICTION / 2) ** 2
-    cohesive = 2 * COHESION * sqrt(K)
-    return DENSITY * GRAVITY * z * K + (cohesive if state == "passive" else -cohesive)
+    sign = 1 if state == "passive" else -1
+    K = tan(radians(45) + sign * FRICTION / 2) ** 2
+    return DENSITY * GRAVITY * z * K + sign * (2 * COHESION * sqrt(K))
 
 
 def rankineThrust(state, tension=True):
@@ -77,19 +75,15 @@ def rankineThrust(state, tension=True):
 def build(a, state):
     """The scene: soil at rest under its weight, and the wall (without output)."""
     fed = BEHIND if state == "passive" else 0.0
-    scene = mpm.Scene(
-        lower=(-2 * BEHIND, 0), upper=(LENGTH, HEIGHT + 4 * a.cell), cell=a.cell, threads=a.threads
-    )
-    soil = mpm.MohrCoulombDruckerPrager(
-        density=DENSITY, lame=LAME, cohesion=COHESION, frictionAngle=FRICTION, dilatancyAngle=radians(a.psi)
-    )
-    type_ = mpm.UGIMP(perCell=2) if a.types == "ugimp" else mpm.APDI(size=a.cell / 2)
-    scene.add("soil", box((-fed, 0), (LENGTH, HEIGHT)), soil, type_)
+    upper = LENGTH, HEIGHT + 4 * a.cell
+    scene = mpm.Scene(lower=(-2 * BEHIND, 0), upper=upper, cell=a.cell, threads=a.threads)
+    strength = dict(cohesion=COHESION, frictionAngle=FRICTION, dilatancyAngle=radians(a.psi))
+    soil = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=LAME, **strength)
+    study.addGround(scene, "soil", box((-fed, 0), (LENGTH, HEIGHT)), None, soil, a.types)
     scene.initialStress(surface=HEIGHT, K0=K0, gravity=GRAVITY)
     line = box((-9 * BEHIND, -HEIGHT), (0.1 * a.cell, 3 * HEIGHT))
-    wall = mpm.Hold(
-        line, velocity=(np.sign(MOVEMENT[state]) * a.rate, None), ramp=rampTime(a, state), name="wall"
-    )
+    velocity = np.sign(MOVEMENT[state]) * a.rate, None
+    wall = mpm.Hold(line, velocity=velocity, ramp=rampTime(a, state), name="wall")
     scene.engines = [
         mpm.ParticleToGrid(),
         mpm.GridSolver(gravity=(0, -GRAVITY), damping=a.damping, roller=("right", "bottom"), hold=wall),
@@ -100,72 +94,63 @@ def build(a, state):
 
 
 def rampTime(a, state):
+    """Time over which the speed of the wall grows from zero, s."""
     return 0.2 * abs(MOVEMENT[state]) / a.rate
 
 
 def run(a, state, out=None):
     """Moves the wall; returns (summary, scene, movement over H, thrust (kN/m))."""
-    began = time.monotonic()
-    scene, ramp = build(a, state), rampTime(a, state)
-    until = abs(MOVEMENT[state]) / a.rate + 0.5 * ramp
-    history = mpm.History(
-        period=until / 200, file=None if out is None else os.path.join(out, f"history_{state}.csv")
-    )
-    scene.engines = scene.engines + [history]
+    began, ramp = time.monotonic(), rampTime(a, state)
+    scene, until = build(a, state), abs(MOVEMENT[state]) / a.rate + 0.5 * ramp
+    file = None if out is None else os.path.join(out, f"history_{state}.csv")
+    history = mpm.History(period=until / 200, file=file)
+    scene.engines = [*scene.engines, history]
     scene.run(until=until)
-    t, thrust = history["time"], history["wall.fx"]
-    movement = a.rate * np.where(t < ramp, t**2 / (2 * ramp), t - 0.5 * ramp) / HEIGHT
+    movement, thrust = study.travel(history["time"], a.rate, ramp) / HEIGHT, history["wall.fx"]
     late = movement > 0.8 * movement[-1]
     z, pressure = pressureOnWall(scene, a.cell)
-    height = float((scene["soil"].position[:, 1]).max()) + a.cell / 4
+    pressureThrust = float((np.maximum(pressure, 0) * np.gradient(z)).sum())
+    reference, pressureReference = rankineThrust(state), rankineThrust(state, tension=False)
     summary = {
-        "particles": scene.particleCount,
-        "steps": scene.steps,
-        "wallSeconds": time.monotonic() - began,
+        **study.record(a, scene, time.monotonic() - began),
         "thrust": float(thrust[late].mean()),
-        "reference": rankineThrust(state),
-        "error": float(thrust[late].mean() / rankineThrust(state) - 1),
-        "finalError": float(thrust[-1] / rankineThrust(state) - 1),
-        "pressureThrust": float((np.maximum(pressure, 0) * np.gradient(z)).sum()),
-        "pressureReference": rankineThrust(state, tension=False),
-        "finalHeight": height,
+        "reference": reference,
+        "error": float(thrust[late].mean() / reference - 1),
+        "finalError": float(thrust[-1] / reference - 1),
+        "pressureThrust": pressureThrust,
+        "pressureReference": pressureReference,
+        "pressureError": pressureThrust / pressureReference - 1,
+        "finalHeight": float((scene["soil"].position[:, 1]).max()) + a.cell / 4,
     }
-    summary["pressureError"] = summary["pressureThrust"] / summary["pressureReference"] - 1
     return summary, scene, movement, thrust
 
 
 def pressureOnWall(scene, cell):
-    """Depth below the initial surface and mean horizontal pressure of the first cells beside the wall, in slices of a cell."""
-    soil = scene["soil"]
+    """Depth below the initial surface and mean horizontal pressure of the first two cells beside the wall,
+    in slices."""
+    soil, count = scene["soil"], round(HEIGHT / cell)
     beside = (soil.position[:, 0] > 0) & (soil.position[:, 0] < 2 * cell)
-    slice_ = np.floor((HEIGHT - soil.position[beside, 1]) / cell + 1e-9).astype(int)
-    keep = (slice_ >= 0) & (slice_ < round(HEIGHT / cell))
-    count = np.bincount(slice_[keep], minlength=round(HEIGHT / cell))
-    total = np.bincount(
-        slice_[keep], weights=-soil.stress[beside, 0, 0][keep], minlength=round(HEIGHT / cell)
-    )
-    return (np.arange(len(count)) + 0.5) * cell, total / np.maximum(count, 1)
+    slices = np.floor((HEIGHT - soil.position[beside, 1]) / cell + 1e-9).astype(int)
+    keep = (slices >= 0) & (slices < count)
+    number = np.bincount(slices[keep], minlength=count)
+    total = np.bincount(slices[keep], weights=-soil.stress[beside, 0, 0][keep], minlength=count)
+    return (np.arange(count) + 0.5) * cell, total / np.maximum(number, 1)
 
 
 def draw(results, a):
-    figure, axes = plot.plt.subplots(
-        2, len(results), figsize=(4.2 * len(results), 6.4), squeeze=False, layout="constrained"
-    )
+    """Thrust against movement, and pressure against depth at the end, beside Rankine's."""
+    size = 4.2 * len(results), 6.4
+    figure, axes = plot.plt.subplots(2, len(results), figsize=size, squeeze=False, layout="constrained")
     for (state, (summary, scene, movement, thrust)), (top, bottom) in zip(results.items(), axes.T):
-        top.plot(100 * movement, thrust, "C3")
+        top.plot(100 * movement, thrust, "C3", label="wall")
         top.axhline(summary["reference"], color="k", ls="--", lw=0.9, label="Rankine")
-        top.set(
-            title=state,
-            xlabel="movement of the wall / H (%)",
-            ylabel="thrust (kN/m)",
-            xlim=(0, None),
-            ylim=(0, None),
-        )
-        top.legend()
+        top.set(title=state, xlim=(0, None), ylim=(0, None))
+        top.set(xlabel="movement of the wall / H (%)", ylabel="thrust (kN/m)")
         z, pressure = pressureOnWall(scene, a.cell)
         bottom.plot(rankine(state, np.array([0, HEIGHT])), [0, HEIGHT], "k--", lw=0.9, label="Rankine")
         bottom.plot(pressure, z, "C3.", label="beside the wall, mean over two cells")
         bottom.set(xlabel="horizontal pressure (kPa)", ylabel="depth (m)", ylim=(HEIGHT, 0))
+        top.legend()
         bottom.legend()
     plot.save(figure, os.path.join(a.out, "wall.png"))
 
@@ -174,21 +159,17 @@ def main():
     a = arguments()
     os.makedirs(a.out, exist_ok=True)
     results = {}
-    for state in ("active", "passive") if a.state == "both" else (a.state,):
+    for state in MOVEMENT if a.state == "both" else (a.state,):
         results[state] = run(a, state, a.out)
         s = results[state][0]
-        print(
-            f"{state}: thrust {s['thrust']:.2f} kN/m, Rankine {s['reference']:.2f} ({s['error']:+.1%}); pressure without tension "
-            f"{s['pressureThrust']:.2f}, Rankine {s['pressureReference']:.2f} ({s['pressureError']:+.1%}); "
-            f"{s['steps']} steps in {s['wallSeconds']:.1f} s",
-            flush=True,
+        print(f"{state}: thrust {s['thrust']:.2f} kN/m, Rankine {s['reference']:.2f} ({s['error']:+.1%})")
+        pressure = (
+            f"{s['pressureThrust']:.2f}, Rankine {s['pressureReference']:.2f} ({s['pressureError']:+.1%})"
         )
-    files.saveJson(
-        os.path.join(a.out, "summary.json"),
-        {"arguments": vars(a), **{state: r[0] for state, r in results.items()}},
-    )
+        print(f"{state}: without tension {pressure}", flush=True)
+    summaries = {state: result[0] for state, result in results.items()}
+    files.saveJson(os.path.join(a.out, "summary.json"), {"arguments": vars(a), **summaries})
     draw(results, a)
-    print(f"results in {a.out}/")
 
 
 if __name__ == "__main__":

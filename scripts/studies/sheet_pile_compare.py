@@ -107,8 +107,8 @@ def main():
     result = compare(a, first, second)
     particles, other = result["soilParticles"]
     print(
-        f"hybrid against all uGIMP: {particles / other:.1%} of the soil particles, {result['wallRatio']:.2f} of "
-        f"the wall time, resistance within {result['largestDifferenceTo2m']:.1%} up to 2 m and "
+        f"hybrid against all uGIMP: {particles / other:.1%} of the soil particles, {result['wallRatio']:.2f} "
+        f"of the wall time, resistance within {result['largestDifferenceTo2m']:.1%} up to 2 m and "
         f"{result['largestDifference']:.1%} overall; see {os.path.join(a.out, 'compare.png')}"
     )
 

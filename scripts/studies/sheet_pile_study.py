@@ -138,8 +138,9 @@ def tell(summary, out):
     scatter = summary["resistanceScatter"]
     within = "" if scatter is None else f", within {scatter:.1%} (rms) of the mean over 1 m"
     print(
-        f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s ({summary['nsPerParticleStep']:.0f} ns per "
-        f"particle-step); resistance in kN/m at {resistance or 'half a metre: not reached'}{within}; results in {out}/"
+        f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s ({summary['nsPerParticleStep']:.0f} ns "
+        f"per particle-step); resistance in kN/m at {resistance or 'half a metre: not reached'}{within}; "
+        f"results in {out}/"
     )
 
 

@@ -106,7 +106,8 @@ def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
         )
     else:
         widths = [1.0] * n + [curves] * (curves > 0)
-        size = (2.9 * sum(widths) + 1.0, min(4.6, 2.6 * high + 1.1))
+        one = 2.9 if high > 0.7 else 4.8  # inches: a level panel is broad
+        size = (one * sum(widths) + 1.0, min(4.6, 0.9 * one * high + 1.1))
         figure, axes = plt.subplots(
             1, len(widths), figsize=size, width_ratios=widths, squeeze=False, layout="constrained"
         )
@@ -124,26 +125,23 @@ def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
     return figure, axes[-1]
 
 
-def domains(axes, bodies, values, limits, label, colours="inferno_r", scale=1.0, edge=None, **bar):
-    """Domains of bodies, coloured by numbers, with a colour bar.
+def domains(axes, bodies, values, limits, label=None, colours="inferno_r", scale=1.0, edge=None, **bar):
+    """Domains of bodies, coloured by numbers; returns the coloured collection.
 
-    values : function of a body that gives a number for each of its domains. limits : ends of the colour
-    scale. label : of the bar; `bar` goes
-    to `Figure.colorbar`. scale : length that the coordinates are divided by, m. edge : colour of the edges,
-    default that of the face.
+    values : function of a body that gives a number for each domain. limits : ends of the colour scale.
+    label : of a colour bar; default none. scale : length that coordinates are divided by, m. edge : colour of
+    the edges, default that of the face. bar : for `Figure.colorbar`.
     """
     for body in bodies:
-        collection = PolyCollection(
-            body.corners() / scale,
-            array=values(body),
-            cmap=colours,
-            clim=limits,
-            edgecolors=edge or "face",
-            linewidths=0.12,
+        style = dict(
+            array=values(body), cmap=colours, clim=limits, edgecolors=edge or "face", linewidths=0.12
         )
-        axes.add_collection(collection)
+        coloured = PolyCollection(body.corners() / scale, **style)
+        axes.add_collection(coloured)
     axes.set_aspect("equal")
-    axes.figure.colorbar(collection, ax=axes, label=label, **bar)
+    if label:
+        axes.figure.colorbar(coloured, ax=axes, label=label, **bar)
+    return coloured
 
 
 def save(figure, file, **how):

@@ -42,10 +42,16 @@ except ImportError as _error:
 from . import certificate, diagnostics, engines, files, rigid
 from .check.certificate import Certificate, quasiStatic, rateSensitivity
 from .engine import engines as _engines
-from .engine.engines import BoundaryLoad, Drive, GridSolver, Hold, PyRunner, RigidContact
-from .geometry.mesh import Mesh, meshFromArrays, meshFromFile
+from .engine.boundaryLoad import BoundaryLoad
+from .engine.callback import PyRunner
+from .engine.gridSolver import GridSolver
+from .engine.prescribed import Drive, Hold
+from .engine.rigidContact import RigidContact
+from .geometry.mesh import Mesh
+from .geometry.meshInput import meshFromArrays, meshFromFile
 from .geometry.meshRows import inRows
-from .geometry.regions import Region, box, disc, everywhere, halfSpace, polygon, sphere
+from .geometry.region import Region
+from .geometry.regions import box, disc, everywhere, halfSpace, polygon, sphere
 from .io.history import History
 from .io.recorder import Recorder
 from .material import materials as _materials

@@ -75,7 +75,7 @@ class Attributed:
         if value is None and self._make is not None and self._make(self._coreName).value(name) is None:
             self.core.clear(name)
         else:
-            self.core.set(name, _plain(value))
+            self.core.set(name, plain(value))
 
     def _refuseFixed(self, name, before):
         isFixed = self._usedBy is not None and (self._fixed is None or name in self._fixed)
@@ -111,12 +111,12 @@ class Attributed:
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.attributes().items())})"
 
 
-def _plain(value):
+def plain(value):
     """Arrays as lists and NumPy scalars as Python numbers, which is what the core reads."""
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, (list, tuple)):
-        return [_plain(v) for v in value]
+        return [plain(v) for v in value]
     return value
 
 

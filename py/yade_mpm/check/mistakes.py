@@ -3,7 +3,9 @@
 
 import numpy as np
 
-from ..engine.engines import Contact, Drive, RigidContact
+from ..engine.contact import Contact
+from ..engine.prescribed import Drive
+from ..engine.rigidContact import RigidContact
 from ..material.materials import MaterialPoint
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense

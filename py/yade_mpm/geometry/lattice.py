@@ -10,8 +10,8 @@ from itertools import product
 import numpy as np
 from scipy.spatial import cKDTree
 
+from .numbers import formatNumber, formatPoint
 from .outline import outlineFacets
-from .regions import formatNumber, formatPoint
 
 _EDGE_TOLERANCE = 1e-6  # of the spacing
 _SAMPLES = {2: 64, 3: 16}  # per edge of a cell that a boundary cuts

@@ -14,7 +14,8 @@ import h5py
 import numpy as np
 
 from .. import __version__
-from ..engine.engines import Callback, GridSolver
+from ..engine.callback import Callback
+from ..engine.gridSolver import GridSolver
 from .files import checkWritable, replacing
 
 FORMAT, VERSION = "yade-mpm checkpoint", 2

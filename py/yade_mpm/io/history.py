@@ -4,39 +4,19 @@
 import math
 import os
 import time
-from collections.abc import MutableMapping
 
 import numpy as np
 
 from ..check import diagnostics
-from ..engine.engines import Callback, Contact, Hold
+from ..engine.callback import Callback, checkPeriod
+from ..engine.engine import NO_CALL
+from . import quantities
+from .columns import Columns, namesOf
 from .files import checkWritable, replacing
-from .recorder import Recorder, checkPeriod, extend
+from .recorder import Recorder
+from .vtkhdf import extend
 
 FLUSH = 5.0  # s of wall time at most between writes
-
-_standard = {  # name -> (unit in 3D, function of the scene)
-    "time": ("s", lambda scene: scene.time),
-    "step": ("-", lambda scene: scene.steps),
-    "dt": ("s", lambda scene: scene.dt),
-    "dtCritical": ("s", lambda scene: math.nan if scene.dtCritical is None else scene.dtCritical),
-    "particles": ("-", lambda scene: scene.particleCount),
-    "mass": ("Mg", diagnostics.mass),
-    "kineticEnergy": ("kJ", diagnostics.kineticEnergy),
-    "internalWork": ("kJ", diagnostics.internalWork),
-    "externalWork": ("kJ", diagnostics.externalWork),
-    "dampedEnergy": ("kJ", diagnostics.dampedEnergy),
-    "contactEnergy": ("kJ", diagnostics.contactEnergy),
-    "workDone": ("kJ", diagnostics.workDone),
-    "unbalancedRatio": ("-", diagnostics.unbalancedRatio),
-    "minJacobian": ("-", diagnostics.minJacobian),
-    "hourglassAmplitude": ("-", diagnostics.hourglassAmplitude),
-    "distortedCount": ("-", diagnostics.distortedCount),
-    "invertedCount": ("-", diagnostics.invertedCount),
-    "convertedCount": ("-", diagnostics.convertedCount),
-}
-_extensive = ("kN", "kN m", "kJ", "Mg", "Mg m/s")  # per metre of thickness in 2D
-
 
 class History(Callback):
     """Samples reactions, energies and diagnostics every period; `history["time"]` is a NumPy array.
@@ -113,12 +93,19 @@ class History(Callback):
             raise KeyError(f"there is no column '{name}'; columns: {', '.join(self._data)}")
         return np.array(self._data[name])
 
+    def rowsFrom(self, first):
+        """Rows from a number on, each a dict name -> value."""
+        names = list(self._data)
+        return [
+            dict(zip(names, values)) for values in zip(*(column[first:] for column in self._data.values()))
+        ]
+
     def spec(self):
         """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew, rows included."""
         columns = {
             name: c if isinstance(c, str) else None
             for key, c in self._columns.items()
-            for name in _names(key)
+            for name in namesOf(key)
         }
         return dict(
             period=self.virtPeriod,
@@ -158,7 +145,7 @@ class History(Callback):
             if self._motions.setdefault(c.name, c) is not c:  # another one of that name
                 self._before.pop(c.name, None)
                 self._motions[c.name] = c
-        for name, integrals in _integrals(scene).items():
+        for name, integrals in quantities.timeIntegrals(scene).items():
             self._before.setdefault(name, [scene.time, *integrals])
         if self._file is not None:
             checkWritable(self._file, "History")
@@ -170,7 +157,7 @@ class History(Callback):
 
     def stepsToCall(self, scene):
         """No call ever stops the run: it need not look after each."""
-        return 1 << 30
+        return NO_CALL
 
     def flush(self):
         """Writes the rows that are not in the files yet."""
@@ -181,32 +168,14 @@ class History(Callback):
 
     # --- rows ---
     def _row(self, scene):
-        row, means = {}, self._means(scene)
-        for name, (unit, function) in _standard.items():
-            row[name] = (unit, function(scene))
-            if name == "particles":
-                row.update(self._reactions(scene, means))
-                row.update(self._contacts(scene, means))
-            elif name == "mass":
-                row.update(
-                    (f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", diagnostics.momentum(scene))
-                )
-            elif name == "contactEnergy":
-                row["energyError"] = (
-                    "kJ",
-                    diagnostics.energyError(scene, self._initialEnergy, kinetic=row["kineticEnergy"][1]),
-                )
-            elif name == "workDone":
-                row["kineticRatio"] = ("-", diagnostics.kineticRatio(scene, row["kineticEnergy"][1]))
+        row = quantities.measured(scene, self._means(scene), self._initialEnergy)
         for key in self._columns:
             row.update((name, ("", value)) for name, value in self._columns.measure(key, scene))
-        self._append(
-            {
-                name: (_perMetre(unit) if scene.dim == 2 else unit, value)
-                for name, (unit, value) in row.items()
-            }
-        )
-        self._before = {name: [scene.time, *integrals] for name, integrals in _integrals(scene).items()}
+        if scene.dim == 2:
+            row = {name: (quantities.perMetre(unit), value) for name, (unit, value) in row.items()}
+        self._append(row)
+        integrals = quantities.timeIntegrals(scene)
+        self._before = {name: [scene.time, *values] for name, values in integrals.items()}
 
     def _means(self, scene):
         """Dict of what is averaged -> mean since the last row; nothing for what has seen no step since."""
@@ -214,39 +183,9 @@ class History(Callback):
             return {}
         return {
             name: [(now - before) / (scene.time - since) for now, before in zip(integrals, start)]
-            for name, integrals in _integrals(scene).items()
+            for name, integrals in quantities.timeIntegrals(scene).items()
             for since, *start in [self._before[name]]
             if scene.time > since
-        }
-
-    def _reactions(self, scene, means):
-        """Reaction, moment and work of every prescribed motion."""
-        row, dim = {}, scene.dim
-        for c in scene.constraints:
-            six = means.get(c.name, [*c.core.reaction, *c.core.moment])
-            row.update((f"{c.name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[:dim], six))
-            if not (isinstance(c, Hold) and isinstance(c.where, str) and c.name == c.where):  # a face
-                row.update(
-                    (f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in ((2,) if dim == 2 else (0, 1, 2))
-                )
-            row[f"{c.name}.work"] = ("kJ", c.work)
-        return row
-
-    def _contacts(self, scene, means):
-        """Force between each pair of groups; work of friction and overlap of all."""
-        contact = _contactOf(scene)
-        if contact is None:
-            return {}
-        row = {}
-        for pair, force in contact.forces().items():
-            name = _nameOf(pair)
-            row.update(
-                (f"{name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[: scene.dim], means.get(name, force))
-            )
-        return {
-            **row,
-            "contact.frictionWork": ("kJ", contact.frictionWork),
-            "contact.largestPenetration": ("m", contact.largestPenetration),
         }
 
     def _append(self, row):
@@ -278,7 +217,7 @@ class History(Callback):
 
     def _writeRecorder(self):
         recorder = next(
-            (e for e in self._scene.engines if isinstance(e, Recorder) and e._path is not None), None
+            (e for e in self._scene.engines if isinstance(e, Recorder) and e.isOpen), None
         )
         if recorder is None:
             return
@@ -290,75 +229,3 @@ class History(Callback):
                 known = self._inRecorder if name in group else 0
                 extend(group, name, np.array(column[known:]), known, unit=self._units[name])
         self._inRecorder = self._count
-
-
-class Columns(dict):
-    """Columns that the user adds: name, or tuple of names -> function of the scene, expression as text, or None (nan)."""
-
-    def __init__(self, columns):
-        super().__init__()
-        self._code = {}
-        for name, column in dict(columns).items():
-            self[name] = column
-
-    update = MutableMapping.update  # one by one, too
-
-    def __setitem__(self, name, column):
-        isText = isinstance(column, str) and not isinstance(
-            name, tuple
-        )  # a checkpoint keeps each text by its name
-        if not (column is None or callable(column) or isText):
-            orText = "" if isinstance(name, tuple) else ", or an expression as text"
-            raise TypeError(f"History: column '{name}' = {column!r}; give a function of the scene{orText}")
-        if any(mark in str(one) for one in _names(name) for mark in ',"\n'):
-            raise ValueError(f"History: the name of column {name!r} may hold no comma, quote or line end")
-        if isText:
-            self._code[name] = compile(column, f"<column {name}>", "eval")
-        super().__setitem__(name, column)
-
-    def measure(self, name, scene):
-        """(name, value) of a column now, or of each of several; ValueError, which ends the run, where one is no number or raises something."""
-        column = self[name]
-        if column is None:
-            return [(one, math.nan) for one in _names(name)]
-        try:
-            known = {"scene": scene, "diagnostics": diagnostics, "np": np}
-            found = eval(self._code[name], known) if isinstance(column, str) else column(scene)
-            return [
-                (one, float(value))
-                for one, value in zip(
-                    _names(name), found if isinstance(name, tuple) else [found], strict=True
-                )
-            ]
-        except Exception as error:
-            raise ValueError(
-                f"History: column '{name}' ({column if isinstance(column, str) else 'a function'}) gives no number: {type(error).__name__}: "
-                f"{error}"
-            ) from error
-
-
-def _names(key):
-    """Names of the columns that the user gave as one name or a tuple."""
-    return key if isinstance(key, tuple) else (key,)
-
-
-def _contactOf(scene):
-    """The Contact among the engines of a scene, or None."""
-    return next((e for e in scene.engines if isinstance(e, Contact) and not e.dead), None)
-
-
-def _nameOf(pair):
-    return "contact.{}-{}".format(*pair)
-
-
-def _integrals(scene):
-    """Dict name -> time integrals of what a history averages: reaction and moment of each prescribed motion, force between each pair of groups."""
-    all = {c.name: [*c.core.impulse, *c.core.angularImpulse] for c in scene.constraints}
-    contact = _contactOf(scene)
-    if contact is not None:
-        all.update((_nameOf(pair), impulse.tolist()) for pair, impulse in contact.forceImpulses().items())
-    return all
-
-
-def _perMetre(unit):
-    return unit + "/m" if unit in _extensive else unit

@@ -5,7 +5,7 @@ import numpy as np
 
 from ..base import limits
 from ..base.attributes import Guarded
-from ..geometry.regions import Region
+from ..geometry.region import Region
 
 
 class Body(Guarded):

@@ -9,9 +9,11 @@ import numpy as np
 from .. import _core
 from ..base.attributes import Attributed, makeClasses
 from ..geometry.lattice import asSpacing, cutCells, cutOutline, latticePoints
-from ..geometry.mesh import Mesh, meshFromArrays, meshFromFile, meshRegion, refineNear
+from ..geometry.mesh import Mesh
+from ..geometry.meshing import meshRegion, refineNear
+from ..geometry.meshInput import meshFromArrays, meshFromFile
 from ..geometry.meshRows import inRows
-from ..geometry.regions import Region
+from ..geometry.region import Region
 
 
 class Boxes(NamedTuple):

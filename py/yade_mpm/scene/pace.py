@@ -9,7 +9,7 @@ the other number for a moment, now and then, and stays with the faster.
 
 import time
 
-from ..engine.engines import Engine
+from ..engine.engine import Engine
 
 FIRST, LATER = (
     0.3,

@@ -9,8 +9,10 @@ import h5py
 import numpy as np
 
 from .. import __version__
-from ..engine.engines import Callback, Drive, GridSolver, Hold, PyRunner
+from ..engine.callback import Callback, PyRunner
 from ..engine.engines import classes as engineClasses
+from ..engine.gridSolver import GridSolver
+from ..engine.prescribed import Drive, Hold
 from ..geometry.mesh import Mesh
 from ..geometry.regions import regionFromSpec
 from ..io.checkpoint import FORMAT, VERSION, storedFields

@@ -9,9 +9,13 @@ from .. import _core
 from ..base import limits
 from ..base.attributes import Guarded
 from ..check.mistakes import likelyMistakes
-from ..engine.engines import FACES, Callback, Engine, GridSolver, belongTo, classes
+from ..engine.callback import Callback
+from ..engine.engine import Engine, belongTo
+from ..engine.engines import classes
+from ..engine.gridSolver import GridSolver
+from ..engine.prescribed import FACES
 from ..geometry.lattice import checkOverlap
-from ..geometry.regions import Region
+from ..geometry.region import Region
 from ..io import checkpoint
 from ..io.files import checkWritable
 from ..material.materials import Material

@@ -8,7 +8,7 @@ import numpy as np
 
 from .. import _core
 from ..engine import rigid
-from ..engine.engines import RigidContact
+from ..engine.rigidContact import RigidContact
 from .plane import Plane
 
 EVERY = 100  # cycles, after which far bodies are looked for, too

@@ -17,7 +17,8 @@ import sys
 import threading
 
 from ..base import limits
-from ..engine.engines import Callback, RigidContact
+from ..engine.callback import Callback
+from ..engine.rigidContact import RigidContact
 from ..io import checkpoint
 from ..io.files import checkWritable
 from ..io.history import History

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from yade_mpm import box
-from yade_mpm.io import recorder
+from yade_mpm.io import pagedFile, vtkhdf
 
 
 @pytest.fixture(autouse=True)
@@ -397,7 +397,7 @@ def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(
     scene.engines = chain(mpm.Recorder(file, iterPeriod=10))
     scene.run(steps=20, progress=False)
     shutil.copy(file, tmp_path / "before.h5")
-    writes, write = [], recorder._writeAll
+    writes, write = [], pagedFile._writeAll
 
     def dying(*arguments):
         if len(writes) >= survived:
@@ -405,11 +405,11 @@ def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(
         writes.append(arguments)
         write(*arguments)
 
-    monkeypatch.setattr(recorder, "_writeAll", dying)
+    monkeypatch.setattr(pagedFile, "_writeAll", dying)
     with pytest.raises(Killed):
         scene.run(steps=10, progress=False)
     monkeypatch.undo()
-    hadJournal = recorder.recover(file)
+    hadJournal = pagedFile.recover(file)
     assert hadJournal == (survived > 0)
     assert not os.path.exists(str(file) + ".journal")
     if not hadJournal:
@@ -425,7 +425,7 @@ def test_the_journal_is_what_saves_a_killed_writer(tmp_path, monkeypatch):
     scene, file = makeScene(), tmp_path / "a.h5"
     scene.engines = chain(mpm.Recorder(file, iterPeriod=10))
     scene.run(steps=20, progress=False)
-    count, write = [0], recorder._writeAll
+    count, write = [0], pagedFile._writeAll
 
     def dying(*arguments):
         count[0] += 1
@@ -433,7 +433,7 @@ def test_the_journal_is_what_saves_a_killed_writer(tmp_path, monkeypatch):
             raise Killed
         write(*arguments)
 
-    monkeypatch.setattr(recorder, "_writeAll", dying)
+    monkeypatch.setattr(pagedFile, "_writeAll", dying)
     with pytest.raises(Killed):
         scene.run(steps=10, progress=False)
     monkeypatch.undo()
@@ -442,19 +442,19 @@ def test_the_journal_is_what_saves_a_killed_writer(tmp_path, monkeypatch):
     except Exception:
         steps = None
     assert steps != [0, 10, 20, 30]
-    recorder.recover(file)
+    pagedFile.recover(file)
     assert [f["steps"] for f in readWithH5py(file)] == [0, 10, 20, 30]
 
 
 def test_an_error_while_a_frame_is_made_leaves_the_file_as_it_was(tmp_path):
     runAndWatch(makeScene(), tmp_path / "a.h5", steps=10)
     before = (tmp_path / "a.h5").read_bytes()
-    with pytest.raises(RuntimeError), recorder.appendingTo(tmp_path / "a.h5") as h5:
-        recorder.extend(h5["VTKHDF"], "Points", np.zeros((100, 3)))
+    with pytest.raises(RuntimeError), pagedFile.appendingTo(tmp_path / "a.h5") as h5:
+        vtkhdf.extend(h5["VTKHDF"], "Points", np.zeros((100, 3)))
         raise RuntimeError
     assert (tmp_path / "a.h5").read_bytes() == before
-    with recorder.appendingTo(tmp_path / "a.h5") as h5:
-        recorder.extend(h5["VTKHDF"], "Points", np.zeros((100, 3)))
+    with pagedFile.appendingTo(tmp_path / "a.h5") as h5:
+        vtkhdf.extend(h5["VTKHDF"], "Points", np.zeros((100, 3)))
     assert (tmp_path / "a.h5").read_bytes() != before
 
 
@@ -462,7 +462,7 @@ def test_a_paged_file_reads_back_what_was_written_across_pages(tmp_path):
     random, file = np.random.default_rng(1), tmp_path / "a.bin"
     mirror = bytearray(random.bytes(10000))
     file.write_bytes(mirror)
-    with recorder.PagedFile(file) as pages:
+    with pagedFile.PagedFile(file) as pages:
         for _ in range(200):
             at, data = int(random.integers(0, 20000)), random.bytes(int(random.integers(1, 9000)))
             mirror.extend(bytes(max(0, at + len(data) - len(mirror))))

@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm.geometry.mesh import Mesh, meshRegion, refineNear
+from yade_mpm.geometry.mesh import Mesh
+from yade_mpm.geometry.meshing import meshRegion, refineNear
 
 EDGE = 1.0
 

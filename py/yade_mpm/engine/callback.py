@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Engines that call back into Python."""
+
+import inspect
+import sys
+import weakref
+
+import numpy as np
+
+from .. import _core
+from ..base.attributes import plain
+from .engine import NO_CALL, Engine
+
+
+class Callback(Engine):
+    """Base of engines that call back into Python: every `iterPeriod` steps or every `virtPeriod` s of scene time.
+
+    A class that adds `spec()`, a dict of constructor arguments that JSON can hold, is restored from checkpoints.
+    """
+
+    def __init__(self, iterPeriod=0, virtPeriod=0.0, **attributes):
+        # The solver refers to the object weakly: a cycle through it would never be collected.
+        method = weakref.WeakMethod(self._call)
+        object.__setattr__(self, "core", _core.makePythonEngine(lambda: method()()))
+        for name, value in dict(attributes, iterPeriod=iterPeriod, virtPeriod=virtPeriod).items():
+            self.core.set(name, plain(value))
+        self._scene = None
+
+    def bind(self, scene):
+        self._scene = scene
+
+    def _call(self):
+        self._scene._acting = self
+        self.act(self._scene)
+        self._scene._acting = None
+
+    def stepsToCall(self, scene):
+        dt, steps = scene.core.dt, NO_CALL
+        if self.iterPeriod > 0:
+            past = scene.steps % self.iterPeriod
+            steps = self.iterPeriod - past if past else 1
+        if self.virtPeriod > 0:
+            past = scene.time % self.virtPeriod
+            steps = min(steps, max(1, int((self.virtPeriod - past) / dt) - 1) if past > dt else 1)
+        return steps
+
+    def act(self, scene):
+        """What to do; the scene is at rest between two engines meanwhile."""
+        raise NotImplementedError
+
+
+class PyRunner(Callback):
+    """Calls a Python function every `iterPeriod` steps or every `virtPeriod` seconds of scene time.
+
+    Parameters
+    ----------
+    command : function of no argument, or of the scene; or a string that is executed in __main__, with `scene` defined.
+    iterPeriod : steps between calls. virtPeriod : scene time between calls, s. One of the two is needed.
+    """
+
+    def __init__(self, command, iterPeriod=0, virtPeriod=0.0, **attributes):
+        if not (callable(command) or isinstance(command, str)):
+            raise TypeError(f"PyRunner: command = {command!r}; give a function or a string")
+        if not iterPeriod and not virtPeriod:
+            raise ValueError("PyRunner: give iterPeriod (steps) or virtPeriod (s)")
+        super().__init__(iterPeriod, virtPeriod, **attributes)
+        self._command = command
+        self._code = compile(command, "<PyRunner>", "exec") if isinstance(command, str) else None
+        self._wantsScene = callable(command) and _takesArgument(command)
+
+    command = property(lambda self: self._command, doc="What is called.")
+
+    def spec(self):
+        """Constructor arguments for a checkpoint; a function cannot be stored: TypeError."""
+        if not isinstance(self._command, str):
+            raise TypeError("a function cannot be stored")
+        return {"command": self._command, "iterPeriod": self.iterPeriod, "virtPeriod": self.virtPeriod}
+
+    def act(self, scene):
+        if isinstance(self._command, str):
+            exec(self._code, dict(vars(sys.modules["__main__"]), scene=scene))
+        elif self._wantsScene:
+            self._command(scene)
+        else:
+            self._command()
+
+
+def _takesArgument(function):
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except ValueError:
+        return False
+    return any(
+        p.default is p.empty and p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD) for p in parameters
+    )
+
+
+def checkPeriod(who, period, iterPeriod):
+    """Raises ValueError unless exactly one period is given and positive."""
+    if not (
+        np.isreal(period)
+        and np.isreal(iterPeriod)
+        and (period > 0) != (iterPeriod > 0)
+        and period >= 0
+        and iterPeriod >= 0
+        and iterPeriod == int(iterPeriod)
+    ):
+        raise ValueError(
+            f"{who}: period = {period!r} s, iterPeriod = {iterPeriod!r} is not allowed; give one of the two, "
+            f"positive: scene time or number of steps between records"
+        )

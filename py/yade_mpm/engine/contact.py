@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Contact between groups of bodies."""
+
+import numpy as np
+
+from .engine import generated
+
+
+class Contact(generated["Contact"]):
+    __doc__ = (
+        generated["Contact"].__doc__
+        + """
+
+        scene.add("pile", shaft, steel, mpm.APDI(size=0.125), group="pile")
+        contact = mpm.Contact(friction=0.4)
+        scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(...), contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+"""
+    )
+
+    def __init__(self, **attributes):
+        super().__init__(**attributes)
+        object.__setattr__(self, "_pairs", {})
+        object.__setattr__(self, "_groups", [])
+
+    def pair(self, first, second, friction, adhesion=0.0):
+        """Friction (-) and adhesion (kPa) between two groups, by their names; else those of the engine."""
+        for name, value in (("friction", friction), ("adhesion", adhesion)):
+            if not (isinstance(value, (int, float, np.number)) and value >= 0):
+                raise ValueError(
+                    f"Contact: {name} = {value!r} between '{first}' and '{second}'; give zero or a positive number"
+                )
+        self._pairs[first, second] = float(friction), float(adhesion)
+        if self._groups:
+            self._setPairs()
+
+    def frictions(self):
+        """All coefficients of friction: that of the engine, and those of pairs of groups."""
+        return [self.friction, *(friction for friction, _ in self._pairs.values())]
+
+    def bind(self, scene):
+        object.__setattr__(self, "_groups", list(dict.fromkeys(b.group for b in scene.bodies)))
+        if self._pairs:
+            self._setPairs()
+
+    def _setPairs(self):
+        for name in (n for names in self._pairs for n in names):
+            if name not in self._groups:
+                raise ValueError(f"Contact: there is no group '{name}'; groups: {', '.join(self._groups)}")
+        self.core.set(
+            "pairs",
+            [
+                float(x)
+                for (a, b), law in self._pairs.items()
+                for x in (self._groups.index(a), self._groups.index(b), *law)
+            ],
+        )
+
+    sliding = property(
+        lambda self: self.core.sliding, doc="Number of nodes in contact that slid in the last step."
+    )
+    largestPenetration = property(
+        lambda self: self.core.largestPenetration,
+        doc="Largest overlap of surfaces at nodes in contact in the last step, m.",
+    )
+    gridLoss = property(
+        lambda self: self.core.gridLoss,
+        doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative (doc/contact.md).",
+    )
+    reduced = property(
+        lambda self: self.core.reduced,
+        doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut (doc/contact.md).",
+    )
+
+    def contactTable(self):
+        """Dict of arrays over the nodes in contact in the last step.
+
+        first, second : names of the groups; node (n, 3), m; normal (n, 3), from the first to the second; gap, m (negative:
+        overlap); area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, the rate of the first
+        against the second (RigidContact: a length).
+        """
+        rows = np.reshape(self.core.table, (-1, 16))
+        names = np.array(self._groups or [""], object)
+        return {
+            "first": names[rows[:, 0].astype(int)],
+            "second": names[rows[:, 1].astype(int)],
+            "node": rows[:, 2:5],
+            "normal": rows[:, 5:8],
+            "gap": rows[:, 8],
+            "area": rows[:, 9],
+            "force": rows[:, 10:13],
+            "slip": rows[:, 13:],
+        }
+
+    def forces(self):
+        """Dict (A, B) -> force on group B by group A in the last step, kN (3,), for all pairs of groups; zero where they do not meet."""
+        return self._byPair(self.core.forces)
+
+    def forceImpulses(self):
+        """Dict (A, B) -> time integral of the force on group B by group A since the start, kN s (3,), for all pairs of groups."""
+        return self._byPair(self.impulses)
+
+    def _byPair(self, values):
+        rows, pairs = (
+            np.reshape(values, (-1, 3)),
+            [(a, b) for b in range(len(self._groups)) for a in range(b)],
+        )
+        return {
+            (self._groups[a], self._groups[b]): rows[k] if k < len(rows) else np.zeros(3)
+            for k, (a, b) in enumerate(pairs)
+        }
+
+    def forceOn(self, group):
+        """Force on a group in the last step, kN (3,)."""
+        return sum(
+            (
+                (second == group) * force - (first == group) * force
+                for (first, second), force in self.forces().items()
+            ),
+            np.zeros(3),
+        )

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The engine that moves the nodes, with the motions that are prescribed to them."""
+
+from .engine import generated
+from .prescribed import FACES, Drive, Hold
+
+
+class GridSolver(generated["GridSolver"]):
+    __doc__ = (
+        generated["GridSolver"].__doc__
+        + """
+roller : faces of the grid where the normal velocity is zero, e.g. ("left", "right").
+fixed : faces where all velocity is zero, e.g. ("bottom",).
+hold : `Hold` or list of them.
+drive : `Drive` or list of them.
+Where several apply to a node, the later in this order wins: roller, fixed, hold, drive."""
+    )
+
+    def __init__(self, roller=(), fixed=(), hold=(), drive=(), **attributes):
+        super().__init__(**attributes)
+        self._roller, self._fixed = _names("roller", roller), _names("fixed", fixed)
+        self._hold, self._drive = _listOf(Hold, "hold", hold), _listOf(Drive, "drive", drive)
+        self._faces = {}
+
+    roller = property(lambda self: self._roller, doc="Faces with zero normal velocity.")
+    fixed = property(lambda self: self._fixed, doc="Faces with zero velocity.")
+    hold = property(lambda self: self._hold, doc="List of prescribed motions of nodes.")
+
+    @property
+    def drive(self):
+        """The only `Drive`, or the list of them."""
+        return self._drive[0] if len(self._drive) == 1 else self._drive
+
+    def constraints(self, scene):
+        """All prescribed motions of the scene, in the order in which later ones win."""
+        faces = []
+        for face in self._roller + self._fixed:
+            if face not in FACES[scene.dim]:
+                raise ValueError(
+                    f"GridSolver: there is no face '{face}'; faces are {', '.join(FACES[scene.dim])}"
+                )
+            velocity = [0.0] * scene.dim
+            if face in self._roller and face not in self._fixed:
+                velocity = [0.0 if k == FACES[scene.dim][face][0] else None for k in range(scene.dim)]
+            if face not in self._faces:
+                self._faces[face] = Hold(face, velocity)
+            if not any(h is self._faces[face] for h in faces):
+                faces.append(self._faces[face])
+        everything = faces + self._hold + self._drive
+        names = [c.name for c in everything]
+        for c in everything:
+            if names.count(c.name) > 1:
+                raise ValueError(
+                    f"GridSolver: two prescribed motions are named '{c.name}'; give each a name of its own"
+                )
+        return everything
+
+
+def _names(what, names):
+    if isinstance(names, str):
+        names = (names,)
+    if not (isinstance(names, (list, tuple)) and all(isinstance(n, str) for n in names)):
+        raise TypeError(f"GridSolver: {what} = {names!r}; give names of faces, e.g. ('left', 'right')")
+    return list(names)
+
+
+def _listOf(kind, what, given):
+    given = list(given) if isinstance(given, (list, tuple)) else [given]
+    for one in given:
+        if not isinstance(one, kind):
+            raise TypeError(f"GridSolver: {what} = {one!r}; give mpm.{kind.__name__}(...)")
+    return given

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Prescribed motions, of parts of bodies and of nodes."""
+
+import numpy as np
+
+from .. import _core
+from ..base.attributes import Guarded
+from ..geometry.region import Region
+from ..particle.body import Body, BodyPart
+
+FACES = {
+    2: {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)},
+    3: {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)},
+}
+
+
+class Prescribed(Guarded):
+    """A prescribed velocity; base of `Drive` and `Hold`.
+
+    Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D), both
+    exerted by the constraint on the material (2D: per metre). Since the start: `work` kJ, and `impulse` (dim,) kN s, the time
+    integral of the reaction, whose difference between two times makes the mean.
+    """
+
+    _owner = None
+
+    def __init__(self, velocity, ramp, name):
+        object.__setattr__(self, "core", _core.Constraint())
+        self._velocity = _velocity(type(self).__name__, velocity)
+        self._hasBegun = False
+        if not isinstance(name, str):
+            raise TypeError(f"{type(self).__name__}: name = {name!r}; give a string")
+        if not (isinstance(ramp, (int, float, np.number)) and 0 <= ramp < np.inf):
+            raise ValueError(
+                f"{type(self).__name__}: ramp = {ramp!r} is not allowed; give zero or a positive time in s"
+            )
+        self.core.name, self.core.velocity, self.core.ramp = name, self._velocity, float(ramp)
+
+    def bind(self, scene):
+        """Called before a run: the ramp counts from the first one."""
+        if self.dim != scene.dim:
+            raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
+        if not self._hasBegun:
+            self.core.began, self._hasBegun = scene.time, True
+
+    dim = property(lambda self: len(self._velocity), doc="Number of axes, 2 or 3.")
+    name = property(lambda self: self.core.name, doc="Name, used for histories.")
+    ramp = property(lambda self: self.core.ramp, doc="Time over which the velocity grows from zero, s.")
+    work = property(lambda self: self.core.work, doc="Work done on the material since the start, kJ.")
+    heldNodes = property(
+        lambda self: self.core.heldNodes, doc="Number of nodal components held in the last step."
+    )
+    centre = property(
+        lambda self: np.array(self.core.centre)[: self.dim], doc="Point that `moment` refers to, m."
+    )
+
+    @property
+    def velocity(self):
+        """Prescribed velocity, m/s, one component per axis, None where free; may be changed between steps."""
+        return tuple(None if np.isnan(v) else v for v in self.core.velocity)
+
+    @velocity.setter
+    def velocity(self, value):
+        values = _velocity(type(self).__name__, value)
+        if len(values) != self.dim:
+            raise ValueError(f"{type(self).__name__}: velocity has {len(values)} components; give {self.dim}")
+        self.core.velocity = self._velocity = values
+
+    @property
+    def reaction(self):
+        """Force on the material in the last step, kN (2D: kN/m). RuntimeError as long as it is in no scene that was run."""
+        if not self._hasBegun:
+            kind = type(self).__name__
+            raise RuntimeError(
+                f"{kind}: '{self.name}' is in no scene that was run; give it to GridSolver({kind.lower()}=...) and run the scene"
+            )
+        return np.array(self.core.reaction)[: self.dim]
+
+    impulse = property(
+        lambda self: np.array(self.core.impulse)[: self.dim],
+        doc="Time integral of the reaction since the start, kN s (2D: kN s/m).",
+    )
+
+    @property
+    def moment(self):
+        """Moment on the material about `centre` in the last step, kN m."""
+        return self.core.moment[2] if self.dim == 2 else np.array(self.core.moment)
+
+
+class Drive(Prescribed):
+    """Moves a part of a body with a prescribed velocity and measures the force that takes.
+
+    Parameters
+    ----------
+    part : part of a body: `body.above(y)`, `body.below(y)` (looked up anew in every step), `body.inside(region)`,
+        `body.all()`, or a body.
+    velocity : m/s, one component per axis; None leaves a direction free.
+    ramp : s, time over which the velocity grows from zero; default 0.
+    name : for histories; default "drive".
+
+    Nodes whose mass is to more than one half driven take the velocity.
+    """
+
+    def __init__(self, part, velocity, ramp=0.0, name="drive"):
+        super().__init__(velocity, ramp, name)
+        part = part.all() if isinstance(part, Body) else part
+        if not isinstance(part, BodyPart):
+            raise TypeError(f"Drive: part = {part!r}; give a body or a part of one, e.g. pile.above(12)")
+        object.__setattr__(self, "part", part)
+        far = 1e300
+        self.core.body = part.body.name
+        lower, upper = [-far] * self.dim, [far] * self.dim
+        lower[-1] = -far if part.lower is None else float(part.lower)
+        upper[-1] = far if part.upper is None else float(part.upper)
+        self.core.lower, self.core.upper = lower, upper
+        if part.ids is not None:
+            self.core.ids = part.ids
+        part.body._scene._made.append(self)
+
+    def bind(self, scene):
+        if not any(self.part.body is b for b in scene.bodies):
+            raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
+        if not self._hasBegun and self.part.ids is None:
+            heights = self.part.body.position[:, -1]
+            if not (
+                (heights > self.core.lower[self.dim - 1]) & (heights <= self.core.upper[self.dim - 1])
+            ).any():
+                raise ValueError(
+                    f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}; its particles are at "
+                    f"heights from {heights.min():g} to {heights.max():g} m"
+                )
+        super().bind(scene)
+
+
+class Hold(Prescribed):
+    """Prescribes the velocity of nodes: of a face of the grid or inside a region.
+
+    Parameters
+    ----------
+    where : name of a face ("left", "right", "bottom", "top"; in 3D also "front", "back") or a region. Nodes on and
+        behind a face are held.
+    velocity : m/s, one component per axis; None leaves a direction free.
+    ramp : s, time over which the velocity grows from zero; default 0.
+    name : for histories; default the name of the face or "hold".
+    """
+
+    _isFound = False  # whether its nodes are known: the grid stays as it is
+
+    def __init__(self, where, velocity, ramp=0.0, name=None):
+        if not isinstance(where, (str, Region)):
+            raise TypeError(f"Hold: where = {where!r}; give the name of a face or a region")
+        super().__init__(velocity, ramp, name or (where if isinstance(where, str) else "hold"))
+        object.__setattr__(self, "where", where)
+
+    def bind(self, scene):
+        super().bind(scene)
+        if self._isFound:
+            return
+        nodes = scene.faceNodes(self.where) if isinstance(self.where, str) else scene.nodesInside(self.where)
+        if len(nodes) == 0:
+            raise ValueError(
+                f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell size)"
+            )
+        self.core.nodes = np.ascontiguousarray(nodes, np.int32)
+        self.core.centre = list(scene.nodePositions()[nodes].mean(axis=0))
+        self._isFound = True
+
+
+def _velocity(who, velocity):
+    given = list(velocity) if isinstance(velocity, (list, tuple, np.ndarray)) else []
+    numbers = [v for v in given if v is not None]
+    if len(given) not in (2, 3) or not all(
+        isinstance(v, (int, float, np.number)) and np.isfinite(v) for v in numbers
+    ):
+        raise ValueError(
+            f"{who}: velocity = {velocity!r} is not allowed; give one number (m/s) or None per axis"
+        )
+    return [np.nan if v is None else float(v) for v in given]

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Contact of the scene's bodies with rigid ones."""
+
+import numpy as np
+
+from .engine import generated
+from .rigid import shapeRow
+
+
+class RigidContact(generated["RigidContact"]):
+    __doc__ = (
+        generated["RigidContact"].__doc__
+        + """
+
+Rigid bodies are added by `addBody` and moved by `setStates`, by YADE or a callback; until they are set anew they move on with
+their velocities. All arrays have a row per rigid body and three columns, in 2D scenes, too."""
+    )
+
+    _isFelt = True  # False: there are inYade.Bodies that no coupling has
+
+    def addBody(
+        self,
+        shapes,
+        friction=0.0,
+        position=(0, 0, 0),
+        orientation=(1, 0, 0, 0),
+        velocity=(0, 0, 0),
+        angularVelocity=(0, 0, 0),
+    ):
+        """Adds a rigid body and returns its number.
+
+        shapes : `rigid.Sphere`, `Box`, `Wall` or `Facet`, or a list of them (a clump), in the frame of the body.
+        friction : coefficient, -. position : m; orientation : unit quaternion (w, x, y, z); velocity : m/s;
+        angularVelocity : rad/s.
+        """
+        if self._isBound:
+            raise RuntimeError("RigidContact: addBody after the first run; add all rigid bodies before it")
+        shapes = list(shapes) if isinstance(shapes, (list, tuple)) else [shapes]
+        if not shapes:
+            raise ValueError("RigidContact: addBody without a shape; give e.g. [mpm.rigid.Sphere(0.1)]")
+        number = len(self.friction)
+        state = (
+            _rows("position", [position], 3)
+            + _rows("orientation", [orientation], 4)
+            + _rows("velocity", [velocity], 3)
+            + _rows("angularVelocity", [angularVelocity], 3)
+        )
+        if not abs(np.linalg.norm(state[3:7]) - 1) < 1e-6:
+            raise ValueError(
+                f"RigidContact: orientation = {orientation!r} is not allowed; give a unit quaternion (w, x, y, z)"
+            )
+        rows = [x for shape in shapes for x in shapeRow(number, shape)]
+        self.core.set("friction", [*self.friction, friction])
+        for name, more in (("shapes", rows), ("states", state), ("impulses", [0.0] * 6)):
+            self.core.set(name, [*self.core.value(name), *more])
+        self.core.finish()
+        return number
+
+    def frictions(self):
+        """The coefficients of friction of all rigid bodies."""
+        return list(self.friction)
+
+    def setStates(self, positions, orientations, velocities, angularVelocities):
+        """Positions (N, 3) m, orientations (N, 4) as (w, x, y, z), velocities (N, 3) m/s, angular velocities (N, 3) rad/s."""
+        self.core.setStates(
+            *(
+                np.ascontiguousarray(a, np.float64)
+                for a in (positions, orientations, velocities, angularVelocities)
+            )
+        )
+
+    forces = property(
+        lambda self: np.array(self.core.forces),
+        doc="Forces on the rigid bodies in the last step, kN (2D: kN/m).",
+    )
+    torques = property(
+        lambda self: np.array(self.core.torques),
+        doc="Moments on the rigid bodies about their positions, kN m.",
+    )
+    positions = property(
+        lambda self: self._states()[:, :3], doc="Positions, m; where the bodies are after the last step."
+    )
+    orientations = property(lambda self: self._states()[:, 3:7], doc="Orientations (w, x, y, z).")
+    velocities = property(lambda self: self._states()[:, 7:10], doc="Velocities, m/s.")
+    angularVelocities = property(lambda self: self._states()[:, 10:], doc="Angular velocities, rad/s.")
+    contacts = property(lambda self: self.core.contacts, doc="Number of contacts in the last step.")
+    sliding = property(lambda self: self.core.sliding, doc="Number of contacts that slid in the last step.")
+    largestPenetration = property(
+        lambda self: self.core.largestPenetration, doc="Largest overlap in the last step, m."
+    )
+    stiffnessUsed = property(
+        lambda self: self.core.stiffnessUsed, doc="Normal stiffness per area in the last step, kPa/m."
+    )
+
+    def takeImpulses(self):
+        """Integrals of forces and torques over the time since the last call, kN s and kN m s: (N, 3), (N, 3); for sub-cycling."""
+        taken = np.reshape(self.core.value("impulses"), (-1, 6))
+        self.core.clearImpulses()
+        return taken[:, :3], taken[:, 3:]
+
+    def contactTable(self):
+        """Dict of arrays over the contacts of the last step.
+
+        soil : number of the body in scene.bodies; body : rigid body; id : particle (uGIMP) or vertex (APDI); normal (n, 3), out
+        of the rigid body; slip (n, 3), m, held by the tangential spring; point (n, 3), m, the vertex, or where the
+        particle would be had it moved as it is strained; gap, m; force (n, 3), kN, on the soil.
+        """
+        rows = np.reshape(self.core.value("history"), (-1, 16))
+        table = {name: rows[:, k].astype(int) for k, name in enumerate(("soil", "body", "id"))}
+        return {
+            **table,
+            "normal": rows[:, 3:6],
+            "slip": rows[:, 6:9],
+            "point": rows[:, 9:12],
+            "gap": rows[:, 12],
+            "force": rows[:, 13:],
+        }
+
+    def _states(self):
+        return np.reshape(self.core.value("states"), (-1, 13))
+
+    def __repr__(self):
+        return f"<RigidContact of {len(self.friction)} rigid bodies, {self.contacts} contacts>"
+
+
+def _rows(what, values, width):
+    try:
+        array = np.asarray(values, float)
+    except (TypeError, ValueError):
+        array = np.zeros(0)
+    if width == 3 and array.shape[-1:] == (2,):
+        array = np.pad(array, ((0, 0), (0, 1)))
+    if array.shape != (len(values), width) or not np.isfinite(array).all():
+        raise ValueError(f"RigidContact: {what} = {values[0]!r} is not allowed; give {width} numbers")
+    return array.ravel().tolist()

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Meshes that users bring, as arrays or files, checked."""
+
+import os
+
+import numpy as np
+
+from .mesh import Mesh, cellVolumes, cornerJacobians
+from .numbers import formatPoint
+
+_MIRROR = {2: [0, 3, 2, 1], 3: [0, 3, 2, 1, 4, 7, 6, 5]}
+
+
+def meshFromArrays(points, cells, name):
+    """Mesh from vertex coordinates and cells, checked.
+
+    points: (Nv, 2 or 3); a z column of zeros is dropped if the cells are quadrilaterals.
+    cells: (Nc, 4) quadrilaterals or (Nc, 8) hexahedra. name: of the body, for errors.
+    Points that no cell uses are dropped. If all cells are mirrored they are turned over.
+    Raises ValueError, with cell number and position, on a wrong shape, a number that is not finite,
+    an index out of range, a repeated vertex, or a cell that is inverted, concave or collapsed.
+    """
+    points, cells = _asArrays(points, cells, name)
+    outside = np.any((cells < 0) | (cells >= len(points)), axis=1)
+    if np.any(outside):
+        k = np.flatnonzero(outside)[0]
+        raise ValueError(
+            f"'{name}': cell {k} names vertices {cells[k].tolist()}, but the points are "
+            f"numbered 0 to {len(points) - 1}; count from zero"
+        )
+    ordered = np.sort(cells, axis=1)
+    _refuseCells(
+        np.any(ordered[:, 1:] == ordered[:, :-1], axis=1),
+        points,
+        cells,
+        name,
+        "names a vertex twice; use quadrilaterals and hexahedra with distinct corners",
+    )
+    used, cells = np.unique(cells, return_inverse=True)
+    points, cells = points[used], cells.reshape(ordered.shape)
+    isInverted = cellVolumes(points, cells) < 0
+    if np.all(isInverted):
+        cells, isInverted = cells[:, _MIRROR[points.shape[1]]], ~isInverted
+    _refuseCells(isInverted, points, cells, name, "is inverted; order its vertices as in the other cells")
+    jacobians = cornerJacobians(points, cells)
+    isBad = jacobians.min(axis=1) <= 1e-10 * np.abs(jacobians).max(axis=1)
+    _refuseCells(isBad, points, cells, name, "is concave or collapsed; every corner must be convex")
+    return Mesh(points, cells)
+
+
+def meshFromFile(path, name):
+    """Mesh from a file of any format that meshio reads (Gmsh, VTK, Abaqus, ...).
+
+    path: of the file. It must hold quadrilaterals, or hexahedra, and no other cells of that
+    dimension; cells of lower dimension (boundary lines, points) are ignored. name: of the body.
+    Raises FileNotFoundError, ImportError without meshio, ValueError on an unreadable file, on other
+    cells, and as `meshFromArrays` does.
+    """
+    try:
+        import meshio
+    except ImportError as error:
+        raise ImportError(
+            f"'{name}': reading {path} needs the meshio package; install it or use meshFromArrays"
+        ) from error
+    if not os.path.exists(path):  # meshio would leave the program
+        raise FileNotFoundError(
+            f"'{name}': there is no mesh file '{os.path.abspath(os.fsdecode(path))}'; correct the name"
+        )
+    try:
+        content = meshio.read(path)
+    except (Exception, SystemExit) as error:  # meshio leaves the program on a file it cannot read
+        raise ValueError(f"'{name}': {path} is not a mesh file that meshio can read: {error}") from error
+    dim = max((block.dim for block in content.cells), default=0)
+    kind = {2: "quad", 3: "hexahedron"}.get(dim)
+    others = sorted({block.type for block in content.cells if block.dim == dim and block.type != kind})
+    if kind is None or others:
+        raise ValueError(
+            f"'{name}': {path} holds cells of type {', '.join(others) or 'none'}; "
+            "only quad (2D) or hexahedron (3D) cells, of 4 or 8 vertices, are allowed"
+        )
+    return meshFromArrays(content.points, content.cells_dict[kind], name)
+
+
+def _asArrays(points, cells, name):
+    points, cells = np.array(points, float), np.array(cells)
+    hasShape = cells.ndim == 2 and cells.shape[1] in (4, 8) and len(cells)
+    if not hasShape or not np.issubdtype(cells.dtype, np.integer):
+        raise ValueError(
+            f"'{name}': cells has shape {cells.shape} and type {cells.dtype}; "
+            "(Nc, 4) or (Nc, 8) vertex numbers (int) are needed"
+        )
+    dim = 2 if cells.shape[1] == 4 else 3
+    if points.ndim == 2 and points.shape[1] == 3 and dim == 2:
+        if np.any(np.abs(points[:, 2]) > 1e-12 * np.max(np.abs(points))):
+            raise ValueError(
+                f"'{name}': quadrilaterals must lie in the plane z = 0, but z reaches "
+                f"{np.max(np.abs(points[:, 2])):.9g}; use hexahedra in 3D"
+            )
+        points = points[:, :2]
+    if points.ndim != 2 or points.shape[1] != dim:
+        raise ValueError(
+            f"'{name}': points has shape {points.shape}, but cells of {cells.shape[1]} vertices "
+            f"need (Nv, {dim})"
+        )
+    bad = np.flatnonzero(~np.all(np.isfinite(points), axis=1))
+    if len(bad):
+        raise ValueError(f"'{name}': point {bad[0]} at {formatPoint(points[bad[0]])} is not finite")
+    return points, cells.astype(int)
+
+
+def _refuseCells(isBad, points, cells, name, complaint):
+    if np.any(isBad):
+        k = np.flatnonzero(isBad)[0]
+        place = formatPoint(points[cells[k]].mean(axis=0).round(9))
+        raise ValueError(f"'{name}': cell {k} at {place} {complaint} ({np.sum(isBad)} such cells)")

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Numbers that users give, checked, and as text."""
+
+import numpy as np
+
+
+def formatNumber(x):
+    """Shortest text that reads back as the same number (30, not 30.0)."""
+    text = repr(float(x))
+    return text[:-2] if text.endswith(".0") else text
+
+
+def formatPoint(point):
+    """Text of a point as a tuple."""
+    return "(" + ", ".join(formatNumber(x) for x in point) + ")"
+
+
+def formatArgument(value):
+    if value.ndim == 2:
+        return "[" + ", ".join(formatPoint(point) for point in value) + "]"
+    return formatPoint(value) if value.ndim else formatNumber(value)
+
+
+def numbers(who, what, value, shape=None):
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{who}: {what} = {value!r} is not made of numbers") from None
+    if shape is not None and array.shape != shape:
+        raise ValueError(f"{who}: {what} = {value!r} must be {'one number' if shape == () else shape}")
+    return array
+
+
+def requireFinite(who, what, array):
+    if not np.all(np.isfinite(array)):
+        raise ValueError(f"{who}: {what} = {array.tolist()} must be finite; remove NaN and infinity")
+
+
+def vector(who, what, value, dim=None):
+    array = numbers(who, what, value)
+    allowed = (2, 3) if dim is None else (dim,)
+    if array.ndim != 1 or len(array) not in allowed:
+        raise ValueError(f"{who}: {what} = {value!r} must have {' or '.join(map(str, allowed))} coordinates")
+    requireFinite(who, what, array)
+    return array

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a history records besides the columns of its user: scene, reactions, contacts, energies."""
+
+import math
+
+from ..check import diagnostics
+from ..engine.contact import Contact
+from ..engine.prescribed import Hold
+
+STANDARD = {  # name -> (unit in 3D, function of the scene)
+    "time": ("s", lambda scene: scene.time),
+    "step": ("-", lambda scene: scene.steps),
+    "dt": ("s", lambda scene: scene.dt),
+    "dtCritical": ("s", lambda scene: math.nan if scene.dtCritical is None else scene.dtCritical),
+    "particles": ("-", lambda scene: scene.particleCount),
+    "mass": ("Mg", diagnostics.mass),
+    "kineticEnergy": ("kJ", diagnostics.kineticEnergy),
+    "internalWork": ("kJ", diagnostics.internalWork),
+    "externalWork": ("kJ", diagnostics.externalWork),
+    "dampedEnergy": ("kJ", diagnostics.dampedEnergy),
+    "contactEnergy": ("kJ", diagnostics.contactEnergy),
+    "workDone": ("kJ", diagnostics.workDone),
+    "unbalancedRatio": ("-", diagnostics.unbalancedRatio),
+    "minJacobian": ("-", diagnostics.minJacobian),
+    "hourglassAmplitude": ("-", diagnostics.hourglassAmplitude),
+    "distortedCount": ("-", diagnostics.distortedCount),
+    "invertedCount": ("-", diagnostics.invertedCount),
+    "convertedCount": ("-", diagnostics.convertedCount),
+}
+
+
+EXTENSIVE = ("kN", "kN m", "kJ", "Mg", "Mg m/s")  # per metre of thickness in 2D
+
+
+def measured(scene, means, initialEnergy):
+    """Dict name -> (unit in 3D, value) of all standard columns.
+
+    Parameters
+    ----------
+    scene : Scene
+    means : dict name -> mean of what `timeIntegrals` has, since the last row; values of the last step where missing.
+    initialEnergy : float, kJ, kinetic energy at the start.
+    """
+    row = {}
+    for name, (unit, function) in STANDARD.items():
+        row[name] = (unit, function(scene))
+        if name == "particles":
+            row.update(_reactions(scene, means))
+            row.update(_contacts(scene, means))
+        elif name == "mass":
+            momentum = diagnostics.momentum(scene)
+            row.update((f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", momentum))
+        elif name == "contactEnergy":
+            error = diagnostics.energyError(scene, initialEnergy, kinetic=row["kineticEnergy"][1])
+            row["energyError"] = ("kJ", error)
+        elif name == "workDone":
+            row["kineticRatio"] = ("-", diagnostics.kineticRatio(scene, row["kineticEnergy"][1]))
+    return row
+
+
+def _reactions(scene, means):
+    """Reaction, moment and work of every prescribed motion."""
+    row, dim = {}, scene.dim
+    for c in scene.constraints:
+        six = means.get(c.name, [*c.core.reaction, *c.core.moment])
+        row.update((f"{c.name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[:dim], six))
+        isFace = isinstance(c, Hold) and isinstance(c.where, str) and c.name == c.where
+        if not isFace:
+            axes = (2,) if dim == 2 else (0, 1, 2)
+            row.update((f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in axes)
+        row[f"{c.name}.work"] = ("kJ", c.work)
+    return row
+
+
+def _contacts(scene, means):
+    """Force between each pair of groups; work of friction and overlap of all."""
+    contact = _contactOf(scene)
+    if contact is None:
+        return {}
+    row = {}
+    for pair, force in contact.forces().items():
+        name = _nameOf(pair)
+        components = zip("xyz"[: scene.dim], means.get(name, force))
+        row.update((f"{name}.f{axis}", ("kN", f)) for axis, f in components)
+    row["contact.frictionWork"] = ("kJ", contact.frictionWork)
+    row["contact.largestPenetration"] = ("m", contact.largestPenetration)
+    return row
+
+
+def _contactOf(scene):
+    """The Contact among the engines of a scene, or None."""
+    return next((e for e in scene.engines if isinstance(e, Contact) and not e.dead), None)
+
+
+def _nameOf(pair):
+    return "contact.{}-{}".format(*pair)
+
+
+def timeIntegrals(scene):
+    """Dict name -> time integrals of what a history averages.
+
+    These are reaction and moment of each prescribed motion, and the force between each pair of groups.
+    """
+    integrals = {c.name: [*c.core.impulse, *c.core.angularImpulse] for c in scene.constraints}
+    contact = _contactOf(scene)
+    if contact is not None:
+        integrals.update((_nameOf(pair), impulse.tolist()) for pair, impulse in contact.forceImpulses().items())
+    return integrals
+
+
+def perMetre(unit):
+    return unit + "/m" if unit in EXTENSIVE else unit

@@ -57,7 +57,8 @@ from .io.recorder import Recorder
 from .material import materials as _materials
 from .material.materials import Material, MaterialPoint
 from .particle import types as _particles
-from .particle.body import Body, BodyPart
+from .particle.body import Body
+from .particle.part import BodyPart
 from .particle.types import ParticleType
 from .scene.restoring import load
 from .scene.scene import Scene

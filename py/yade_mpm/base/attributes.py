@@ -95,6 +95,10 @@ class Attributed:
                 f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, dir(self))}"
             ) from None
 
+    def markUsed(self, name):
+        """Called when the body of that name was made with it: what is fixed cannot change from then on."""
+        self._usedBy = name
+
     def attributeNames(self):
         """Names of all attributes."""
         return [p["name"] for p in self.core.parameters()]

@@ -192,7 +192,7 @@ def sectionForce(body, height, thickness=None):
 
     Raises ValueError for a thickness that is not positive.
     """
-    h = float(body._scene.cell[-1] if thickness is None else thickness)
+    h = float(body.scene.cell[-1] if thickness is None else thickness)
     if not h > 0:
         raise ValueError(f"sectionForce: thickness = {thickness!r} m is not allowed; give a positive number")
     if not body.count:
@@ -200,7 +200,7 @@ def sectionForce(body, height, thickness=None):
     bottom, top = _verticalExtent(body)
     inside = np.minimum(top, height + h / 2) - np.maximum(bottom, height - h / 2)
     share = np.maximum(inside, 0) / (top - bottom)
-    up = body._scene.dim - 1
+    up = body.scene.dim - 1
     return float((share * body.volume * body.stress[:, up, up]).sum() / h)
 
 

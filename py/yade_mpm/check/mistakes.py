@@ -26,9 +26,11 @@ def likelyMistakes(scene, gravity):
         yield from _beyondYield(body)
         if body.count and body.material.lameConstants[1] > STIFFER * softest:
             yield from _bending(body)
-    if scene._geostatic is not None and not np.isclose(scene._geostatic, -gravity[-1] if gravity else 0):
+    if scene.geostaticGravity is not None and not np.isclose(
+        scene.geostaticGravity, -gravity[-1] if gravity else 0
+    ):
         yield (
-            f"Scene: initialStress was made for {scene._geostatic:g} m/s2 downwards, the GridSolver has gravity = {gravity} m/s2; the "
+            f"Scene: initialStress was made for {scene.geostaticGravity:g} m/s2 downwards, the GridSolver has gravity = {gravity} m/s2; the "
             f"ground will move"
         )
     yield from _leftOut(scene)
@@ -62,7 +64,7 @@ def _overlap(scene, contact):
 def _leftOut(scene):
     """Loads and drives of its bodies that nobody has given to the scene."""
     inUse = {id(part) for part in (*scene.engines, *scene.constraints)}
-    for part in (p for p in scene._made if id(p) not in inUse):
+    for part in (p for p in scene.loadsAndDrives if id(p) not in inUse):
         if isinstance(part, Drive):
             yield (
                 f"Drive: '{part.name}' of '{part.part.body.name}' is not given to the GridSolver and moves nothing; give GridSolver(drive=...), or make it when "
@@ -108,7 +110,7 @@ def _beyondYield(body):
     count, worst, change = body.core.beyondYield(ROUNDOFF)
     if not count:
         return
-    up = body._scene.dim - 1
+    up = body.scene.dim - 1
     vertical, horizontal = body.stress[worst, up, up], body.stress[worst, 0, 0]
     bearable = _bearableK0(body.material, vertical, up) if vertical < 0 else None
     advice = (
@@ -150,7 +152,7 @@ def _bending(body):
     corners = body.corners()
     extents = np.ptp(corners.reshape(-1, corners.shape[-1]), axis=0)
     axis = int(extents.argmin())
-    thin, cell = extents[axis], body._scene.cell[axis]
+    thin, cell = extents[axis], body.scene.cell[axis]
     if extents.max() < SLENDER * thin:
         return
     faults = ["one particle wide"] if np.ptp(body.position[:, axis]) < 1e-6 * thin else []

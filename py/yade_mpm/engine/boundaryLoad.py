@@ -58,7 +58,7 @@ where : region; facets whose centre is inside are loaded (default: all boundary 
             )
         pairs = [(owner, _facetNumber(body.mesh.cells[owner], facet)) for facet, owner in zip(facets, owners)]
         super().__init__(body=body.name, facets=np.array(pairs, float).ravel(), **attributes)
-        body._scene._made.append(self)
+        body.scene.loadsAndDrives.append(self)
 
 
 def _facetNumber(cell, facet):

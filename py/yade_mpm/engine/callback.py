@@ -30,9 +30,9 @@ class Callback(Engine):
         self._scene = scene
 
     def _call(self):
-        self._scene._acting = self
+        self._scene.stepper.acting = self
         self.act(self._scene)
-        self._scene._acting = None
+        self._scene.stepper.acting = None
 
     def stepsToCall(self, scene):
         dt, steps = scene.core.dt, NO_CALL

@@ -38,6 +38,12 @@ class Engine(Attributed):
     def bind(self, scene):
         """Called before a run; engines that need the scene look things up here."""
 
+    isBound = property(lambda self: self._isBound, doc="Whether it was checked against a scene.")
+
+    def markBound(self):
+        """Called when it was checked against a scene: its vectors keep their length from then on."""
+        self._isBound = True
+
     def flush(self):
         """Called when a run ends or is saved; engines that write files write here what is not in them yet."""
 

@@ -9,7 +9,10 @@ from .gridSolver import GridSolver
 from .prescribed import Drive, Hold, Prescribed
 from .rigidContact import RigidContact
 
-classes = {**generated, **{own.__name__: own for own in (GridSolver, BoundaryLoad, RigidContact, Contact, PyRunner)}}
+classes = {
+    **generated,
+    **{own.__name__: own for own in (GridSolver, BoundaryLoad, RigidContact, Contact, PyRunner)},
+}
 globals().update(classes)
 __all__ = ["Callback", "Drive", "Engine", "Hold", "Prescribed", "classes"]
 __all__ += classes

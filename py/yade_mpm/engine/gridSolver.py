@@ -20,11 +20,14 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
         super().__init__(**attributes)
         self._roller, self._fixed = _names("roller", roller), _names("fixed", fixed)
         self._hold, self._drive = _listOf(Hold, "hold", hold), _listOf(Drive, "drive", drive)
-        self._faces = {}
+        self._faceHolds = {}
 
     roller = property(lambda self: self._roller, doc="Faces with zero normal velocity.")
     fixed = property(lambda self: self._fixed, doc="Faces with zero velocity.")
     hold = property(lambda self: self._hold, doc="List of prescribed motions of nodes.")
+
+    faceHolds = property(lambda self: self._faceHolds, doc="Dict face -> its `Hold`, of those in use so far.")
+    drives = property(lambda self: self._drive, doc="List of driven parts.")
 
     @property
     def drive(self):
@@ -42,10 +45,10 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
             velocity = [0.0] * scene.dim
             if face in self._roller and face not in self._fixed:
                 velocity = [0.0 if k == FACES[scene.dim][face][0] else None for k in range(scene.dim)]
-            if face not in self._faces:
-                self._faces[face] = Hold(face, velocity)
-            if not any(h is self._faces[face] for h in faces):
-                faces.append(self._faces[face])
+            if face not in self._faceHolds:
+                self._faceHolds[face] = Hold(face, velocity)
+            if not any(h is self._faceHolds[face] for h in faces):
+                faces.append(self._faceHolds[face])
         everything = faces + self._hold + self._drive
         names = [c.name for c in everything]
         for c in everything:

@@ -6,7 +6,8 @@ import numpy as np
 from .. import _core
 from ..base.attributes import Guarded
 from ..geometry.region import Region
-from ..particle.body import Body, BodyPart
+from ..particle.body import Body
+from ..particle.part import BodyPart
 
 FACES = {
     2: {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)},
@@ -23,11 +24,11 @@ class Prescribed(Guarded):
     """
 
     _owner = None
+    hasBegun = False  # whether its ramp counts
 
     def __init__(self, velocity, ramp, name):
         object.__setattr__(self, "core", _core.Constraint())
         self._velocity = _velocity(type(self).__name__, velocity)
-        self._hasBegun = False
         if not isinstance(name, str):
             raise TypeError(f"{type(self).__name__}: name = {name!r}; give a string")
         if not (isinstance(ramp, (int, float, np.number)) and 0 <= ramp < np.inf):
@@ -40,8 +41,8 @@ class Prescribed(Guarded):
         """Called before a run: the ramp counts from the first one."""
         if self.dim != scene.dim:
             raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
-        if not self._hasBegun:
-            self.core.began, self._hasBegun = scene.time, True
+        if not self.hasBegun:
+            self.core.began, self.hasBegun = scene.time, True
 
     dim = property(lambda self: len(self._velocity), doc="Number of axes, 2 or 3.")
     name = property(lambda self: self.core.name, doc="Name, used for histories.")
@@ -69,7 +70,7 @@ class Prescribed(Guarded):
     @property
     def reaction(self):
         """Force on the material in the last step, kN (2D: kN/m). RuntimeError as long as it is in no scene that was run."""
-        if not self._hasBegun:
+        if not self.hasBegun:
             kind = type(self).__name__
             raise RuntimeError(
                 f"{kind}: '{self.name}' is in no scene that was run; give it to GridSolver({kind.lower()}=...) and run the scene"
@@ -115,12 +116,12 @@ class Drive(Prescribed):
         self.core.lower, self.core.upper = lower, upper
         if part.ids is not None:
             self.core.ids = part.ids
-        part.body._scene._made.append(self)
+        part.body.scene.loadsAndDrives.append(self)
 
     def bind(self, scene):
         if not any(self.part.body is b for b in scene.bodies):
             raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
-        if not self._hasBegun and self.part.ids is None:
+        if not self.hasBegun and self.part.ids is None:
             heights = self.part.body.position[:, -1]
             if not (
                 (heights > self.core.lower[self.dim - 1]) & (heights <= self.core.upper[self.dim - 1])

@@ -16,8 +16,6 @@ Rigid bodies are added by `addBody` and moved by `setStates`, by YADE or a callb
 their velocities. All arrays have a row per rigid body and three columns, in 2D scenes, too."""
     )
 
-    _isFelt = True  # False: there are inYade.Bodies that no coupling has
-
     def addBody(
         self,
         shapes,

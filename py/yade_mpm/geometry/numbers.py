@@ -43,3 +43,13 @@ def vector(who, what, value, dim=None):
         raise ValueError(f"{who}: {what} = {value!r} must have {' or '.join(map(str, allowed))} coordinates")
     requireFinite(who, what, array)
     return array
+
+
+def isNumber(value):
+    """Whether a value is a real number; a flag is none."""
+    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+
+
+def placeText(x):
+    """Text of a place, m, with as many digits as an error needs."""
+    return "(" + ", ".join(f"{v:.6g}" for v in x) + ")"

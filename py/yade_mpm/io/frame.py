@@ -91,7 +91,7 @@ def _values(body, name):
     """A field of a body as (N,), (N, 3) or (N, 9); None if the body has no such field."""
     if name in DERIVED:
         values = DERIVED[name][1](body)
-    elif name in body._fields:
+    elif name in body.fieldNames:
         values = getattr(body, name)
     else:
         return None

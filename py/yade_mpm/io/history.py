@@ -18,6 +18,7 @@ from .vtkhdf import extend
 
 FLUSH = 5.0  # s of wall time at most between writes
 
+
 class History(Callback):
     """Samples reactions, energies and diagnostics every period; `history["time"]` is a NumPy array.
 
@@ -216,9 +217,7 @@ class History(Callback):
         return "".join(",".join(map(str, row)) + "\n" for row in rows)
 
     def _writeRecorder(self):
-        recorder = next(
-            (e for e in self._scene.engines if isinstance(e, Recorder) and e.isOpen), None
-        )
+        recorder = next((e for e in self._scene.engines if isinstance(e, Recorder) and e.isOpen), None)
         if recorder is None:
             return
         if recorder is not self._recorder:

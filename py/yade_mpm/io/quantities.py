@@ -104,7 +104,9 @@ def timeIntegrals(scene):
     integrals = {c.name: [*c.core.impulse, *c.core.angularImpulse] for c in scene.constraints}
     contact = _contactOf(scene)
     if contact is not None:
-        integrals.update((_nameOf(pair), impulse.tolist()) for pair, impulse in contact.forceImpulses().items())
+        integrals.update(
+            (_nameOf(pair), impulse.tolist()) for pair, impulse in contact.forceImpulses().items()
+        )
     return integrals
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from ..base import limits
 from ..base.attributes import Guarded
 from ..geometry.region import Region
+from .part import BodyPart
 
 
 class Body(Guarded):
@@ -23,6 +24,10 @@ class Body(Guarded):
         self._convertsTo = None  # name of the body that takes over distorted domains
         self._fields = {f["name"] for f in core.fields(False)}
 
+    scene = property(lambda self: self._scene, doc="The scene that it belongs to.")
+    convertsTo = property(
+        lambda self: self._convertsTo, doc="Name of the body that takes over distorted domains."
+    )
     name = property(lambda self: self.core.name, doc="Name of the body.")
     count = property(lambda self: self.core.count, doc="Number of particles.")
     converted = property(lambda self: self.core.converted, doc="Domains converted to uGIMP particles so far.")
@@ -40,6 +45,8 @@ class Body(Guarded):
     bytesPerParticle = property(
         lambda self: self.core.bytes / max(1, self.count), doc="Memory, bytes per particle."
     )
+
+    fieldNames = property(lambda self: frozenset(self._fields), doc="Names of all particle fields.")
 
     def __len__(self):
         return self.count
@@ -116,7 +123,7 @@ class Body(Guarded):
         if not (isinstance(value, str) and value):
             raise ValueError(f"body '{self.name}': group = {value!r}; give a name, e.g. 'pile'")
         self.core.group = value
-        self._scene._dirty()
+        self._scene.stepper.noteChange()
 
     @property
     def isDamped(self):
@@ -187,6 +194,11 @@ class Body(Guarded):
         """Weights of one particle: list of (node position, phi, gradient of phi)."""
         return list(self.core.weights(int(particle)))
 
+    def convertTo(self, other):
+        """Lets another body, of uGIMP particles, take over the domains that become too distorted."""
+        self._scene.core.convertTo(self.name, other.name)
+        self._convertsTo = other.name
+
     # --- parts, for driving ---
     def above(self, height):
         """Part of the body above a height (along the last axis), looked up anew in every step."""
@@ -205,27 +217,6 @@ class Body(Guarded):
     def all(self):
         """All particles of the body."""
         return BodyPart(self)
-
-
-class BodyPart:
-    """Part of a body: by height, or a fixed set of particle ids."""
-
-    def __init__(self, body, lower=None, upper=None, ids=None):
-        for height in (lower, upper):
-            if not (height is None or isinstance(height, (int, float, np.number)) and np.isfinite(height)):
-                raise ValueError(f"body '{body.name}': a part above or below {height!r}; give a height in m")
-        self.body, self.lower, self.upper = body, lower, upper
-        self.ids = None if ids is None else np.sort(np.asarray(ids, np.int64))
-        if ids is not None and len(self.ids) == 0:
-            raise ValueError(f"body '{body.name}': no particle is in that region; move or widen it")
-
-    def __repr__(self):
-        limits = [
-            f"{side} {height:g} m"
-            for side, height in (("above", self.lower), ("below", self.upper))
-            if height is not None
-        ]
-        return f"<part of '{self.body.name}': {' and '.join(limits) or (f'{len(self.ids)} particles' if self.ids is not None else 'all')}>"
 
 
 def _flag(body, name, value):

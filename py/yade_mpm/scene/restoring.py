@@ -1,25 +1,24 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A scene from a checkpoint, whose layout is in checkpoint.py."""
+"""A scene from a checkpoint; saving.py is the way there."""
 
-import json
 import os
-import warnings
 
-import h5py
 import numpy as np
 
-from .. import __version__
+from ..base.warn import warnUser
 from ..engine.callback import Callback, PyRunner
 from ..engine.engines import classes as engineClasses
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive, Hold
 from ..geometry.mesh import Mesh
 from ..geometry.regions import regionFromSpec
-from ..io.checkpoint import FORMAT, VERSION, storedFields
+from ..io import checkpoint
+from ..io.checkpoint import storedFields
 from ..material.materials import classes as materialClasses
 from ..material.materials import rebuilt
-from ..particle.body import BodyPart
+from ..particle.part import BodyPart
 from ..particle.types import classes as particleClasses
+from .adding import newBody
 from .scene import Scene
 
 
@@ -39,36 +38,8 @@ def load(file, callbacks=None):
     Warns when the state is that of an interrupted step, or of an interrupted `settle`.
     """
     file = os.fspath(file)
-    if not os.path.isfile(file):
-        raise FileNotFoundError(f"checkpoint '{file}' does not exist")
-    if not h5py.is_hdf5(file):
-        raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
-    try:
-        with h5py.File(file, "r") as h5:
-            spec = _readSpec(h5, file)
-            arrays = [_readArrays(h5[f"bodies/{k}"]) for k in range(len(spec["bodies"]))]
-    except (OSError, KeyError, RuntimeError, json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"checkpoint '{file}' is damaged: {error}; use an older one") from error
+    spec, arrays = checkpoint.read(file)
     return _build(spec, arrays, dict(callbacks or {}), file)
-
-
-def _readSpec(h5, file):
-    if h5.attrs.get("format") != FORMAT:
-        raise ValueError(f"'{file}' is an HDF5 file, but no checkpoint of yade_mpm")
-    version = int(h5.attrs.get("formatVersion", 0))
-    if version != VERSION:
-        raise ValueError(
-            f"checkpoint '{file}' has format {version}, written by yade_mpm {h5.attrs.get('package')}; "
-            f"yade_mpm {__version__} reads format {VERSION}; continue it with that version"
-        )
-    return json.loads(bytes(h5["scene"][...]).decode())
-
-
-def _readArrays(group):
-    return {
-        kind: {name: data[...] for name, data in group.get(kind, {}).items()}
-        for kind in ("particles", "domains", "tables")
-    }
 
 
 def _build(spec, arrays, callbacks, file):
@@ -81,36 +52,27 @@ def _build(spec, arrays, callbacks, file):
         raise ValueError(
             f"load: checkpoint '{file}' has no callback {', '.join(map(repr, callbacks))}; check the labels"
         )
-    scene.allowUnstable, scene.dtCritical, scene.stiffest = (
-        spec["allowUnstable"],
-        spec["dtCritical"],
-        spec["stiffest"],
-    )
+    for name in ("allowUnstable", "dtCritical", "stiffest"):
+        setattr(scene, name, spec[name])
     scene.dt = spec["dt"]
     scene.core.dt, scene.core.time, scene.core.step = spec["currentDt"], spec["time"], spec["steps"]
     scene.core.energies = spec["energies"]
-    scene._estimatedAt, scene._checked, scene._checkedState = (
-        spec["estimatedAt"],
-        spec["checked"],
-        scene._stabilityState(),
-    )
+    scene.stepper.restore(spec["checked"], spec["estimatedAt"])
     _warn(scene, spec, file)
     return scene
 
 
 def _warn(scene, spec, file):
     if spec["midStep"]:
-        warnings.warn(
+        warnUser(
             f"checkpoint '{file}' holds the state of an interrupted step {spec['steps']}: look at it, but do not "
-            f"continue from it",
-            stacklevel=4,
+            f"continue from it"
         )
     if spec["settling"] is not None:
-        scene._solver("load").damping = spec["settling"]
-        warnings.warn(
+        scene.gridSolver("load").damping = spec["settling"]
+        warnUser(
             f"checkpoint '{file}' was written during settle(): call settle() again (damping is back at "
-            f"{spec['settling']:g})",
-            stacklevel=4,
+            f"{spec['settling']:g})"
         )
 
 
@@ -124,7 +86,7 @@ def _buildBodies(scene, spec, arrays, file):
         _buildBody(scene, entry, stored, materials[entry["material"]], types[number], file)
     for body, entry in zip(scene.bodies, spec["bodies"]):
         if entry["convertsTo"] is not None:
-            scene._convertTo(body, scene[entry["convertsTo"]])
+            body.convertTo(scene[entry["convertsTo"]])
 
 
 def _buildType(spec, scene, file):
@@ -138,7 +100,8 @@ def _buildType(spec, scene, file):
 
 def _buildBody(scene, entry, stored, material, kind, file):
     region = None if entry["region"] is None else regionFromSpec(entry["region"])
-    body = scene._newBody(
+    body = newBody(
+        scene,
         entry["name"],
         material,
         kind,
@@ -262,7 +225,7 @@ def _buildSolver(spec, scene):
         roller=spec["roller"], fixed=spec["fixed"], hold=holds, drive=drives, **spec["attributes"]
     )
     for face, h in spec["faces"].items():
-        solver._faces[face] = _restored(Hold(face, h["velocity"]), h)
+        solver.faceHolds[face] = _restored(Hold(face, h["velocity"]), h)
     return solver
 
 
@@ -273,5 +236,5 @@ def _part(spec, scene):
 def _restored(prescribed, spec):
     for name, value in spec["state"].items():
         setattr(prescribed.core, name, value)
-    prescribed._hasBegun = spec["hasBegun"]
+    prescribed.hasBegun = spec["hasBegun"]
     return prescribed

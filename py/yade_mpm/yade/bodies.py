@@ -3,6 +3,7 @@
 
 import operator
 import sys
+import weakref
 
 import numpy as np
 
@@ -10,8 +11,11 @@ from .. import _core
 from ..engine import rigid
 from ..engine.rigidContact import RigidContact
 from .plane import Plane
+from .shapes import density as densityOf
+from .shapes import frameOf, shapesOf
 
 EVERY = 100  # cycles, after which far bodies are looked for, too
+unfelt = weakref.WeakSet()  # contacts whose bodies no coupling has had yet: YADE does not feel them
 DENSER = 30  # times the densest body of the scene; steel on peat has 11
 
 
@@ -55,11 +59,11 @@ class Bodies:
         for number in self.ids:
             if not 0 <= number < len(O.bodies) or O.bodies[number] is None:
                 raise ValueError(f"inYade.Bodies: there is no body {number} in O.bodies")
-        shapes = [_shapesOf(O, O.bodies[number], facetThickness, self._plane) for number in self.ids]
+        shapes = [shapesOf(O, O.bodies[number], facetThickness, self._plane) for number in self.ids]
         isNew = self._take(contact, shapes, friction)
-        contact._isFelt = False  # by YADE, as long as no coupling has these bodies
+        unfelt.add(contact)
         states = [O.bodies[number].state for number in self.ids]
-        turns = [self._plane.turnToScene(_frameOf(O.bodies[number])).tolist() for number in self.ids]
+        turns = [self._plane.turnToScene(frameOf(O.bodies[number])).tolist() for number in self.ids]
         self._exchange = _core.BodyExchange(
             contact.core, states, self.ids, O.forces, self._plane.frame.tolist(), turns
         )
@@ -95,7 +99,7 @@ class Bodies:
         """Once, of a body that is far denser than the soil: YADE's own material has 1000, which are kg/m3."""
         most = DENSER * max(body.material.density for body in scene.bodies)
         for number in () if self._isWeighed else self.ids:
-            density = _density(self._O, self._O.bodies[number], self.thickness if scene.dim == 2 else None)
+            density = densityOf(self._O, self._O.bodies[number], self.thickness if scene.dim == 2 else None)
             if density > most:
                 print(
                     f"warning: inYade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the densest of the scene "
@@ -154,96 +158,12 @@ def checkExchanges(coupling):
                 f"inYade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the scene '{coupling.label}'; put it behind "
                 f"ParticleToGrid, and attach the scene again"
             )
-        bodies.contact._isFelt = True
+        unfelt.discard(bodies.contact)
         bodies.warnOfDensities(coupling.scene)
-    for contact in (c for c in contacts if not c._isFelt):
-        contact._isFelt = True
+    for contact in [c for c in contacts if c in unfelt]:
+        unfelt.discard(contact)
         print(
             f"warning: the inYade.Bodies of a RigidContact of '{coupling.label}' are not in exchanges: its rigid bodies stand still, and those of YADE feel "
             f"no soil; coupling.exchanges.append(bodies)",
             file=sys.stderr,
         )
-
-
-def _frameOf(body):
-    """Orientation (x, y, z, w) of the frame of the shapes against that of the body. A clump has its principal axes, which may be turned
-    out of the plane of a 2D scene; the axes of its first member are not."""
-    if not body.isClump:
-        return 0.0, 0.0, 0.0, 1.0
-    return tuple(body.shape.members[min(body.shape.members.keys())][1])
-
-
-def _shapesOf(O, body, facetThickness, plane):
-    """Shapes of a body of YADE in the frame of `_frameOf`, in the axes of the scene."""
-    if body.isClumpMember:
-        raise ValueError(
-            f"inYade.Bodies: body {body.id} stands in clump {body.clumpId}; give the number of the clump"
-        )
-    members = body.shape.members.items() if body.isClump else [(body.id, ((0, 0, 0), (0, 0, 0, 1)))]
-    back = plane.turnToScene(_frameOf(body)) * (1, -1, -1, -1)
-    return [
-        shape
-        for member, (centre, turn) in members
-        for shape in _shapesAt(
-            O.bodies[member],
-            _turned(back, plane.toScene(centre)),
-            tuple(_product(back, plane.turnToScene(turn))),
-            facetThickness,
-            plane,
-        )
-    ]
-
-
-def _shapesAt(body, centre, turn, facetThickness, plane):
-    """Shapes of a body that is no clump, with its place in the frame of `_frameOf`."""
-    shape, kind = body.shape, type(body.shape).__name__
-    if kind == "Sphere":
-        return [rigid.Sphere(shape.radius, tuple(centre))]
-    if kind == "Box":
-        return [rigid.Box(tuple(plane.lengthsToScene(shape.extents)), tuple(centre), turn)]
-    if kind in ("Facet", "Polyhedra"):
-        vertices = (
-            shape.vertices if kind == "Facet" else [shape.v[k] for k in shape.GetSurfaceTriangulation()]
-        )
-        corners = [tuple(centre + _turned(turn, plane.toScene(v))) for v in vertices]
-        return [rigid.Facet(tuple(corners[k : k + 3]), facetThickness) for k in range(0, len(corners), 3)]
-    if kind == "Wall":
-        if shape.sense == 0:
-            raise ValueError(
-                f"inYade.Bodies: wall {body.id} has sense 0; give 1 or -1, the side on which the soil is"
-            )
-        return [rigid.Wall(tuple(plane.toScene(shape.sense * np.eye(3)[shape.axis])), tuple(centre))]
-    raise ValueError(
-        f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall and clumps of them can touch the soil"
-    )
-
-
-def _density(O, body, thickness):
-    """Mass over volume, Mg/m3; zero for what is moved by its velocity alone, and for facets. thickness : of a 2D scene; None in 3D."""
-    shapes = (
-        [O.bodies[member].shape for member in body.shape.members.keys()] if body.isClump else [body.shape]
-    )
-    if body.state.blockedDOFs == "xyzXYZ" or not all(
-        type(shape).__name__ in ("Sphere", "Box") for shape in shapes
-    ):
-        return 0.0
-    return body.state.mass / sum(_volume(shape, thickness) for shape in shapes)
-
-
-def _volume(shape, thickness):
-    if type(shape).__name__ == "Box":
-        return 8 * shape.extents.prod()
-    return np.pi * shape.radius**2 * (4 / 3 * shape.radius if thickness is None else thickness)
-
-
-def _turned(quaternion, v):
-    w, axis = quaternion[0], np.array(quaternion[1:])
-    return v + 2 * np.cross(axis, np.cross(axis, v) + w * v)
-
-
-def _product(p, q):
-    """Product of quaternions (..., 4), (w, x, y, z): first q, then p."""
-    vector = p[..., :1] * q[..., 1:] + q[..., :1] * p[..., 1:] + np.cross(p[..., 1:], q[..., 1:])
-    return np.concatenate(
-        [p[..., :1] * q[..., :1] - (p[..., 1:] * q[..., 1:]).sum(axis=-1, keepdims=True), vector], axis=-1
-    )

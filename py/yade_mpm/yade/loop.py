@@ -21,6 +21,7 @@ errors = []  # of engines, not raised yet
 
 
 def omega():
+    """O of YADE."""
     try:
         from yade import O
     except ImportError as error:
@@ -54,21 +55,20 @@ def _endingRun(method):
         if isInStep():
             return method(self, *args, **keywords)
         if not self.running:
-            waitForStep(self)
+            waitForStep()
             _raiseErrors()
             for coupling in attached.values():
-                coupling._checkEngines()
-                coupling._fresh, coupling._loopThread = True, None
+                coupling.beginRun()
         try:
             result = method(self, *args, **keywords)
         except BaseException:  # of another engine: YADE has left the step half done
             for coupling in attached.values():
-                coupling._loopThread = None
+                coupling.endRun()
             raise
         if not self.running:
-            waitForStep(self)
+            waitForStep()
             for coupling in attached.values():
-                coupling._loopThread = None
+                coupling.endRun()
                 coupling.flush()
             signals.afterRun()
             _raiseErrors()
@@ -77,25 +77,20 @@ def _endingRun(method):
     return wrapped
 
 
-def pauseAfterStep(O):
+def pauseAfterStep(yade):
     """Tells YADE to stop after this step; from inside a step."""
-    _originals.get("pause", type(O).pause)(O)
+    _originals.get("pause", type(yade).pause)(yade)
 
 
 def isInStep():
     """Whether the caller is a callback of YADE's loop."""
-    return any(c._loopThread == threading.get_ident() for c in attached.values())
+    return any(c.isInStep() for c in attached.values())
 
 
-def waitForStep(O):
+def waitForStep():
     """After a pause YADE calls itself not running while it still finishes the step; its number moves on at the end."""
     deadline = time.monotonic() + STEP_PATIENCE
-
-    def isUnfinished(coupling):
-        isOpen = coupling._loopThread is not None and coupling._iter == O.iter
-        return coupling._thread is not None or isOpen and time.monotonic() < deadline
-
-    while any(isUnfinished(c) for c in attached.values()):
+    while any(c.isUnfinished(time.monotonic() < deadline) for c in attached.values()):
         time.sleep(0.0005)
 
 
@@ -107,9 +102,9 @@ def _saving(method):
                 "O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() and O.wait() "
                 "first"
             )
-        waitForStep(self)
+        waitForStep()
         for coupling in attached.values():
-            coupling._saveBeside(file)
+            coupling.saveBeside(file)
         return method(self, file, *args, **keywords)
 
     return wrapped
@@ -122,12 +117,17 @@ def _forgetting(method):
             self.pause()
         for coupling in list(attached.values()):
             coupling.flush()
-            coupling._letGo()
+            coupling.letGo()
         attached.clear()
         errors.clear()
         return method(self, *args, **keywords)
 
     return wrapped
+
+
+def warn(message):
+    """Writes a warning of a scene."""
+    print(message, file=sys.stderr)
 
 
 def _raiseErrors():
@@ -140,7 +140,7 @@ def _raiseErrors():
 @atexit.register
 def _flushAll():
     for coupling in attached.values():
-        if coupling.error is None and not coupling._O.running:
+        if coupling.error is None and not omega().running:
             coupling.flush()
 
 
@@ -175,9 +175,8 @@ class _Signals:
     def _handle(self, number, frame):
         self._noted = number
         if not isInStep():  # else afterRun() sees to it
-            O = omega()
-            if O.running:
-                O.pause()
+            if omega().running:
+                omega().pause()
             self.afterRun()
 
     def afterRun(self):
@@ -185,20 +184,20 @@ class _Signals:
         if number is None or threading.current_thread() is not threading.main_thread():
             return
         self._noted = None
-        moved = [c for c in attached.values() if c.error is None and c.scene.steps > c._stepsSaved]
+        moved = [c for c in attached.values() if c.error is None and c.scene.steps > c.stepsSaved]
         if moved:
-            self._save(moved[0]._O)
+            self._save(omega())
         before = self._before.get(number)
         if callable(before):
             before(number, None)
         elif before != signal.SIG_IGN:
             raise SystemExit(128 + number)
 
-    def _save(self, O):
-        file = f"{O.tags['id']}.interrupted.yade.gz"
-        at = f"interrupted at O.iter = {O.iter}, O.time = {O.time:g} s"
+    def _save(self, yade):
+        file = f"{yade.tags['id']}.interrupted.yade.gz"
+        at = f"interrupted at O.iter = {yade.iter}, O.time = {yade.time:g} s"
         try:
-            O.save(file)
+            yade.save(file)
             print(
                 f"{at}; the state is in {file} and beside it (continue with O.load and inYade.attach())",
                 file=sys.stderr,

@@ -283,7 +283,7 @@ def test_outputs_and_choices_come_back(tmp_path):
         )
     assert scene.core.energies == loaded.core.energies
     with pytest.raises(ValueError, match="two prescribed motions"):
-        b._drive.append(b.drive)
+        b.drives.append(b.drive)
         loaded.prepare()
 
 

@@ -135,7 +135,7 @@ scene["a"].velocity = (0.3, 0.0)
 scene.engines = [*scene.engines[:-1], mpm.Recorder("out.vtkhdf", period=0.2), mpm.History(iterPeriod=7, file="out.csv"),
                  mpm.PyRunner(end, iterPeriod=50, label="end")]
 scene.dt = 1e-3
-mpm.scene.run.SHARE = 1e6
+mpm.scene.policy.SHARE = 1e6
 """
 
 
@@ -581,14 +581,14 @@ def test_a_body_keeps_its_scene_and_a_refused_body_is_empty():
     gc.collect()
     assert body.count == 64 and body.corners().shape == (64, 4, 2)
     seen = []
-    original = mpm.Scene._build
+    original = mpm.scene.adding.build
     scene = smallScene()
     try:
-        mpm.Scene._build = lambda self, body, geometry: (seen.append(body), original(self, body, geometry))
+        mpm.scene.adding.build = lambda body, geometry: (seen.append(body), original(body, geometry))
         with pytest.raises(ValueError, match="overlap"):
             scene.add("twice", box((0.5, 0.5), (1, 1)), scene["soft"].material, mpm.UGIMP())
     finally:
-        mpm.Scene._build = original
+        mpm.scene.adding.build = original
     with pytest.raises(AttributeError):
         seen[0].count
     assert len(scene.bodies) == 1

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Whether the domains of a scene can go on: edges at interfaces, distortion, values that are not finite."""
+
+import numpy as np
+
+from ..base import limits
+from ..geometry.numbers import placeText
+
+
+def checkInterface(scene, limit):
+    """Refuses APDI edges that are too long beside uGIMP particles.
+
+    Parameters
+    ----------
+    scene : Scene
+    limit : float, cells; longer edges within one cell of uGIMP raise ValueError (in a run RuntimeError).
+
+    Returns what is wrong with the longest of those above INTERFACE_WARN, as text; or None.
+    """
+    fault = scene.core.interfaceFault(min(limit, limits.INTERFACE_WARN))
+    if fault is None:
+        return None
+    meshed, boxes, where, edge, initial = fault
+    cell = min(scene.cell)
+    place = f"interface of '{meshed}' and '{boxes}' near {where}: an edge"
+    if initial > limits.INTERFACE_BUILD * cell:
+        text = (
+            f"{place} of {edge:.6g} m is longer than the cell {cell:.6g} m within one cell of uGIMP particles; "
+            f"refine '{meshed}' there, e.g. APDI(size=..., matched=...)"
+        )
+    else:
+        text = (
+            f"{place} has stretched from {initial:.3g} to {edge:.3g} m, {edge / cell:.3g} cells, within one cell "
+            f"of uGIMP particles, where the stress becomes wrong beyond one cell (a run ends at "
+            f'{limits.INTERFACE_RUN:g}); use UGIMP there, or APDI(onDistortion="convert")'
+        )
+    if edge > limit * cell:
+        raise (ValueError(text) if scene.steps == 0 else RuntimeError(f"step {scene.steps}: {text}"))
+    return text
+
+
+def distortion(scene):
+    """Which APDI domain is distorted most, if any is much, as text; or None."""
+    poor = [
+        (quality, body, particle, count)
+        for body in scene.bodies
+        for count, particle, quality in [body.core.poorDomains(limits.POOR_QUALITY)]
+        if count
+    ]
+    if not poor:
+        return None
+    quality, body, particle, count = min(poor, key=lambda p: p[0])
+    number = f"{count} domains" if count > 1 else "a domain"
+    converts = body.type.core.converts
+    return (
+        f"{number} of '{body.name}' distorted, most that of particle {body.id[particle]} at "
+        f"{placeText(body.position[particle])}: smallest corner {100 * quality:.3g} % of its area, and at 5 % "
+        f"{'it becomes uGIMP' if converts else 'the run stops'}; use UGIMP there"
+        + ("" if converts else ', or APDI(onDistortion="convert")')
+    )
+
+
+def checkFields(body):
+    """Refuses values that are not finite, and mass or volume that is not positive."""
+    for ofDomains in (False, True):
+        for name in (field["name"] for field in body.core.fields(ofDomains)):
+            if name != "bodyForce" or body.core.hasBodyForce:
+                _checkField(body, name, np.asarray(body.core.view(name, ofDomains)))
+
+
+def _checkField(body, name, values):
+    isFinite = np.isfinite(values)
+    if not isFinite.all():
+        number = np.argwhere(~isFinite)[0][0]
+        raise ValueError(
+            f"body '{body.name}': {name} holds a value that is not finite (entry {number}); mend it"
+        )
+    if name in ("mass", "volume", "initialVolume") and not (values > 0).all():
+        raise ValueError(
+            f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend it"
+        )

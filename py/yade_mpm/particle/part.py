@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Parts of bodies, to be driven."""
+
+import numpy as np
+
+
+class BodyPart:
+    """Part of a body: by height, or a fixed set of particle ids."""
+
+    def __init__(self, body, lower=None, upper=None, ids=None):
+        for height in (lower, upper):
+            if not (height is None or isinstance(height, (int, float, np.number)) and np.isfinite(height)):
+                raise ValueError(f"body '{body.name}': a part above or below {height!r}; give a height in m")
+        self.body, self.lower, self.upper = body, lower, upper
+        self.ids = None if ids is None else np.sort(np.asarray(ids, np.int64))
+        if ids is not None and len(self.ids) == 0:
+            raise ValueError(f"body '{body.name}': no particle is in that region; move or widen it")
+
+    def __repr__(self):
+        limits = [
+            f"{side} {height:g} m"
+            for side, height in (("above", self.lower), ("below", self.upper))
+            if height is not None
+        ]
+        return f"<part of '{self.body.name}': {' and '.join(limits) or (f'{len(self.ids)} particles' if self.ids is not None else 'all')}>"

@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bodies of a scene: how they are added, and what they are made of."""
+
+import numpy as np
+
+from ..geometry.lattice import checkOverlap
+from ..geometry.numbers import placeText
+from ..geometry.region import Region
+from ..material.materials import Material
+from ..particle.body import Body
+from ..particle.types import Boxes, ParticleType, classes
+
+
+def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group="main"):
+    """Adds a body and returns it.
+
+    Parameters
+    ----------
+    name : str, used in messages, results and checkpoints.
+    region : Region; for APDI also (points (Nv, dim), cells (Nc, 4 or 8)), a Mesh, or the name of a mesh file.
+        Domains are in the order of the cells; those of a file are numbered anew in rows, for speed:
+        `body.mesh.cellNumbers` tells which cell each is.
+    material : Material, e.g. mpm.LinearElastic(...).
+    type : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).
+    inertiaScale : float, factor on the inertial mass, not on the weight; default 1.
+    fbar : bool, one increment of volumetric strain and one linear mean stress per cell (against volumetric
+        locking; de Souza Neto et al. 1996, doc/decisions/0008); default False.
+    group : str; bodies of one group stick together, between groups a `Contact` engine lets them slip; default
+        "main".
+
+    Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies that
+    overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
+    """
+    scene.refuseWhileRunning("add")
+    _checkArguments(scene, name, region, material, type)
+    geometry = type.geometry(region, scene, name)
+    if not isinstance(geometry, tuple) and geometry.dim != scene.dim:
+        raise ValueError(f"body '{name}': the mesh is {geometry.dim}D, the scene {scene.dim}D")
+    _checkInside(scene, name, geometry)
+    region = region if isinstance(region, Region) else None
+    body = newBody(scene, name, material, type, region, inertiaScale, fbar, group)
+    try:
+        build(body, geometry)
+        for other in scene.bodies[:-1]:
+            checkOverlap(other.name, *_innerBoxes(other), name, *_innerBoxes(body))
+    except Exception:
+        _drop(scene, body)
+        raise
+    if type.core.converts:
+        _addConverted(scene, body)
+    return body
+
+
+def newBody(scene, name, material, type, region, inertiaScale, fbar, group):
+    """A body without particles, at the end of scene.bodies."""
+    core = scene.core.addBody(name, material.core, type.core)
+    body = Body(scene, core, type, material, region)
+    scene.bodies.append(body)
+    scene.stepper.noteChange()
+    try:
+        body.inertiaScale, body.fbar, body.group = inertiaScale, fbar, group
+    except Exception:
+        _drop(scene, body)
+        raise
+    material.markUsed(name)
+    type.markUsed(name)
+    return body
+
+
+def build(body, geometry):
+    """Fills a body with particles: Boxes, or the cells of a Mesh."""
+    if isinstance(geometry, tuple):
+        _buildBoxes(body, geometry)
+    else:
+        body.mesh = geometry
+        body.core.buildMesh(
+            _array(geometry.points),
+            _array(geometry.cells, np.int32),
+            _array(geometry.slaves, np.int32),
+            _array(geometry.masters, np.int32),
+            _array(geometry.masterWeights),
+        )
+
+
+def _checkArguments(scene, name, region, material, type):
+    if not (isinstance(name, str) and name):
+        raise TypeError(f"Scene: name = {name!r} of a body; give a string")
+    if not isinstance(material, Material):
+        raise TypeError(f"body '{name}': material = {material!r}; give e.g. mpm.LinearElastic(...)")
+    if not isinstance(type, ParticleType):
+        raise TypeError(
+            f"body '{name}': type = {type!r}; give e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=...)"
+        )
+    if isinstance(region, Region) and region.dim != scene.dim:
+        raise ValueError(f"body '{name}': the region is {region.dim}D, the scene {scene.dim}D")
+
+
+def _checkInside(scene, name, geometry):
+    isBoxes = isinstance(geometry, tuple)
+    positions = geometry.positions if isBoxes else geometry.points
+    tolerance = 1e-9 * scene.cell
+    outside = ((positions < scene.lower - tolerance) | (positions > scene.upper + tolerance)).any(axis=1)
+    if outside.any():
+        at = positions[np.argmax(outside)]
+        raise ValueError(
+            f"body '{name}': {'particle' if isBoxes else 'vertex'} at {placeText(at)} is outside the grid "
+            f"{placeText(scene.lower)} to {placeText(scene.upper)}; enlarge the grid or move the body"
+        )
+
+
+def _drop(scene, body):
+    """Takes back the body added last; whoever still has it finds it empty, not dangling."""
+    scene.bodies.pop()
+    scene.core.dropBody()
+    body.__dict__.update(core=None, _fields=())
+
+
+def _buildBoxes(body, boxes):
+    outline = (_array(boxes.carriers, np.int32), _array(boxes.offsets), _array(boxes.areas))
+    body.core.buildLattice(_array(boxes.positions), _array(boxes.halfSize), *outline)
+    if boxes.shares is not None:
+        for field in ("mass", "volume", "initialVolume"):
+            setattr(body, field, getattr(body, field) * boxes.shares[body.id])
+
+
+def _addConverted(scene, body):
+    """The body that takes over domains of `body` that become too distorted; empty at first."""
+    spacing = scene.cell / 2 if body.type.matched is None else 2 * body.type.matched.halfSize
+    name = body.name + " (converted)"
+    options = body.inertiaScale, body.fbar, body.group
+    other = newBody(scene, name, body.material, classes["UGIMP"](), None, *options)
+    build(other, Boxes(np.zeros((0, scene.dim)), spacing / 2))
+    body.convertTo(other)
+
+
+def _innerBoxes(body):
+    """Centres and half sizes of boxes that lie inside the domains of a body, for the check of overlaps."""
+    if body.cells is None:
+        share = body.initialVolume / np.prod(2 * body.halfSize)
+        # Of cut boxes, half of what they hold.
+        return body.position, np.where(share > 1 - 1e-9, 1, share / 2)[:, None] * body.halfSize
+    return body.position, 0.5 * np.abs(body.corners() - body.position[:, None]).min(axis=1)
+
+
+def _array(values, dtype=np.float64):
+    return np.ascontiguousarray(values, dtype=dtype)

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a scene is given of its grid, checked."""
+
+import numpy as np
+
+from .. import _core
+
+
+def makeCore(lower, upper, cell):
+    """The solver's scene on a grid."""
+    make = _core.Scene2 if len(lower) == 2 else _core.Scene3
+    try:
+        return make(list(lower), list(upper), list(cell))
+    except MemoryError:
+        count = np.prod((upper - lower) / cell)
+        raise MemoryError(
+            f"Scene: the {count:.3g} cells of the grid do not fit into memory; give a larger cell or a smaller grid"
+        ) from None
+
+
+def cellSize(cell, dim):
+    """Cell size per axis, m (dim,), from one number or one per axis."""
+    try:
+        return np.broadcast_to(np.asarray(cell, float), (dim,)).copy()
+    except (TypeError, ValueError):
+        raise ValueError(f"Scene: cell = {cell!r} is not allowed; give one number, or {dim}, m") from None
+
+
+def corner(what, values):
+    """A corner of the grid as an array, m (2,) or (3,); `what` names it in errors."""
+    try:
+        array = np.asarray(values, float)
+    except (TypeError, ValueError):
+        array = np.zeros(0)
+    if array.shape not in ((2,), (3,)) or not np.isfinite(array).all():
+        raise ValueError(
+            f"Scene: {what} = {values!r} is not allowed; give two (plane strain) or three numbers, m"
+        )
+    return array

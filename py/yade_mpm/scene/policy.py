@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a loop over steps does between them, and when: one policy for `Scene.run` and for the loop of YADE."""
+
+import math
+import time
+
+from ..base import limits
+from ..check.domains import checkInterface, distortion
+
+SHARE = 0.01  # of the wall time of a run that checkpoints may take
+
+
+class LoopPolicy:
+    """Looks at the domains, estimates the critical step anew, saves, and lets callbacks stop the loop.
+
+    A loop calls `beforeSteps`, takes at most `stepsToNext` steps, and calls `afterSteps`.
+
+    Parameters
+    ----------
+    scene : Scene
+    say : function of a text, for warnings.
+    save : function without argument that writes a checkpoint; default: none is written.
+    savePeriod : float, s of wall time between checkpoints; None (default): none is written.
+    stride : int, steps that the loop takes at a time; default 1.
+    """
+
+    def __init__(self, scene, say, save=None, savePeriod=None, stride=1):
+        self._scene, self._say, self._save, self._savePeriod = scene, say, save, savePeriod
+        self._checkAt = _firstAt(scene.steps, limits.CHECK_PERIOD, stride)
+        self._estimateAt = _firstAt(scene.steps, limits.DT_PERIOD, stride)
+        self._saveAt = math.inf if savePeriod is None else time.monotonic() + savePeriod
+
+    def beforeSteps(self):
+        """Looks at the domains and estimates the critical step where that is due.
+
+        Returns whether the critical step was estimated. Raises RuntimeError where an interface has become too coarse.
+        """
+        steps = self._scene.steps
+        if steps >= self._checkAt:
+            self._checkAt = _nextAt(steps, limits.CHECK_PERIOD)
+            self.lookAtDomains(limits.INTERFACE_RUN)
+        if steps < self._estimateAt:
+            return False
+        self._estimateAt = _nextAt(steps, limits.DT_PERIOD)
+        if self._scene.stepper.estimatedAt != steps:
+            self._estimate()
+        return True
+
+    def stepsToNext(self):
+        """Steps until something is due, or a callback may have been called, which may want to stop the loop."""
+        scene = self._scene
+        calls = (engine.stepsToCall(scene) for engine in scene.engines)
+        return min(self._checkAt - scene.steps, self._estimateAt - scene.steps, *calls)
+
+    def afterSteps(self):
+        """Writes a checkpoint where that is due; a file that cannot be written makes a warning."""
+        began = time.monotonic()
+        if began < self._saveAt:
+            return
+        try:
+            self._save()
+        except OSError as error:
+            self._say(f"warning: step {self._scene.steps}: {error}")
+        now = time.monotonic()
+        self._saveAt = now + max(self._savePeriod, (now - began) / SHARE)
+
+    def lookAtDomains(self, longest):
+        """Warns, once each, of long edges beside uGIMP and of distorted domains.
+
+        Parameters
+        ----------
+        longest : float, cells; edges beside uGIMP that are longer end the run by RuntimeError.
+        """
+        scene = self._scene
+        faults = {"interface": checkInterface(scene, longest), "distortion": distortion(scene)}
+        for what, fault in faults.items():
+            if fault is not None and what not in scene.warnedOf:
+                scene.warnedOf.add(what)
+                self._say(f"warning: step {scene.steps}: {fault}")
+
+    def _estimate(self):
+        scene, stepper = self._scene, self._scene.stepper
+        critical = stepper.estimateCriticalStep()
+        stepper.estimatedAt = scene.steps
+        if not critical > 0:
+            return  # every node is held: nothing to go by
+        if scene.givenDt is None:
+            stepper.dt = stepper.safeDt()
+        elif scene.givenDt > critical and not scene.allowUnstable:
+            self._say(
+                f"warning: step {scene.steps}: dt = {scene.givenDt:.3g} s now exceeds the critical step "
+                f"{critical:.3g} s (stiffest: '{scene.stiffest}')"
+            )
+
+
+def _firstAt(steps, period, stride):
+    """Step at which a loop that begins has something to do: now, if it was due behind the steps taken last."""
+    latest = steps // period * period
+    return latest if latest > max(0, steps - stride) else latest + period
+
+
+def _nextAt(steps, period):
+    return (steps // period + 1) * period

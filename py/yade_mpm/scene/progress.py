@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""How far a run is, on a terminal and elsewhere."""
+
+import sys
+import time
+
+
+class Progress:
+    """A bar on a terminal, a line now and then elsewhere.
+
+    Parameters
+    ----------
+    scene : Scene
+    wanted : bool, show it; None: for a run of more than 2 s.
+    stepsLeft : function that returns the number of steps to the end.
+    """
+
+    WAIT = 2.0  # s before anything is shown
+    LINES = 30.0  # s between lines that are no terminal
+
+    def __init__(self, scene, wanted, stepsLeft):
+        self.scene, self.wanted, self.stepsLeft = scene, wanted, stepsLeft
+        self.began, self.firstStep = time.monotonic(), scene.steps
+        self.bar, self.lastLine = None, 0.0
+        self.terminal = sys.stderr.isatty()
+
+    def text(self):
+        """Time, rate and number of threads."""
+        steps = self.scene.steps - self.firstStep
+        wall = time.monotonic() - self.began
+        rate = wall / max(1, steps) / max(1, self.scene.particleCount) * 1e9
+        threads = f"{self.scene.core.threads} thread{'s' if self.scene.core.threads > 1 else ''}"
+        return f"t = {self.scene.time:.4g} s, {rate:.3g} ns per particle-step on {threads}"
+
+    def update(self):
+        """Shows the present state; to be called between steps."""
+        wall = time.monotonic() - self.began
+        if self.wanted is False or (wall < self.WAIT and not self.wanted):
+            return
+        done, left = self.scene.steps - self.firstStep, self.stepsLeft()
+        if self.terminal:
+            if self.bar is None:
+                from tqdm import tqdm
+
+                self.bar = tqdm(
+                    total=done + left, unit="step", file=sys.stderr, dynamic_ncols=True, leave=True
+                )
+            self.bar.total = done + left
+            self.bar.set_postfix_str(self.text(), refresh=False)
+            self.bar.update(done - self.bar.n)
+        elif wall - self.lastLine >= self.LINES or (left == 0 and self.lastLine > 0):
+            self.lastLine = wall
+            remaining = wall / max(1, done) * left
+            print(
+                f"step {self.scene.steps} of {self.scene.steps + left}, {self.text()}, {remaining:.0f} s left",
+                file=sys.stderr,
+            )
+
+    def say(self, message):
+        """Writes a message above the bar."""
+        if self.bar is not None:
+            self.bar.write(message, file=sys.stderr)
+        else:
+            print(message, file=sys.stderr)
+
+    def close(self):
+        """Ends the bar."""
+        if self.bar is not None:
+            self.bar.close()
+            self.bar = None

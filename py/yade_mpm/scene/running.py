@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Methods of a scene about its runs: to begin, pause and wait for them, and what is refused meanwhile."""
+
+import numpy as np
+
+from ..geometry.numbers import isNumber
+from ..io.files import checkWritable
+from .background import BackgroundRun
+from .run import Run
+
+
+def run(
+    scene,
+    until=None,
+    steps=None,
+    background=False,
+    progress=None,
+    checkpointFile=None,
+    checkpointPeriod=600.0,
+):
+    """Runs to a time or for a number of steps.
+
+    Parameters
+    ----------
+    until : float, s, scene time to reach; or steps : int, number of steps. One of the two.
+    background : bool, return at once; `pause()` stops, `wait()` waits and raises what went wrong.
+    progress : bool, show progress; default: yes for a run of more than 2 s.
+    checkpointFile : str, where Ctrl-C, SIGTERM and errors leave the state; default: beside the recorder's file, or
+        yade_mpm.checkpoint.h5.
+    checkpointPeriod : float, s of wall time after which the state is saved there anyway, for power that fails or a
+        killed process; default 600; None: not. Saving takes at most a hundredth of the run.
+
+    Before the first step the scene is checked: ValueError for a time step above the critical one (unless
+    `allowUnstable`), an interface that is too coarse, or constraints that hold nothing. During the run RuntimeError
+    for particles outside the grid, distorted domains and an interface that has become too coarse, after the state
+    was saved. KeyboardInterrupt and SystemExit(143) after Ctrl-C and SIGTERM, likewise.
+    """
+    _checkRun(scene, until, steps, checkpointFile, checkpointPeriod)
+    scene.prepare()
+    kind = BackgroundRun if background else Run
+    run = scene._loop = kind(scene, until, steps, progress, checkpointFile, checkpointPeriod)
+    if background:
+        run.start()
+    else:
+        run.loop()
+
+
+def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
+    scene.refuseWhileRunning("run")
+    if scene.stepper.acting is not None:
+        raise RuntimeError("run: a step is going on; a callback cannot run the scene")
+    if (until is None) == (steps is None):
+        raise ValueError("run: give either until (s) or steps")
+    if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 0):
+        raise ValueError(f"run: steps = {steps!r} is not allowed; give a whole number")
+    if until is not None and not (isinstance(until, (int, float, np.number)) and until < np.inf):
+        raise ValueError(f"run: until = {until!r} is not allowed; give a time in s")
+    if until is not None and not until > scene.time:
+        raise ValueError(f"run: until = {until:g} s is not after the scene's time {scene.time:g} s")
+    if checkpointFile is not None:
+        checkWritable(checkpointFile)
+    if checkpointPeriod is not None and not (isNumber(checkpointPeriod) and checkpointPeriod >= 0):
+        raise ValueError(
+            f"run: checkpointPeriod = {checkpointPeriod!r} is not allowed; give a wall time in s, or None"
+        )
+
+
+def step(scene):
+    """Takes one step. The critical step is estimated before the first one only."""
+    scene.refuseWhileRunning("step")
+    if scene.stepper.acting is not None:
+        raise RuntimeError("step: a step is going on; a callback cannot step the scene")
+    if not scene.stepper.isReady:
+        scene.prepare()
+    try:
+        scene.stepper.advance(1)
+    finally:
+        scene.stepper.acting = None
+
+
+def handOver(scene, loop):
+    """Gives the scene to the loop of another program, which `pause`, `wait` and `running` then ask.
+
+    Parameters
+    ----------
+    loop : object with isAlive(), whether steps may be going on; isThisThread(), whether the caller is a callback of
+        them; stop() and wait(). None: nobody has the scene.
+    """
+    scene._loop = loop
+
+
+def pause(scene):
+    """Ends a run: of a background run waits for the end of a slice of 0.1 s; in a callback, after this step."""
+    if scene._loop is not None:
+        scene._loop.stop()
+        scene._loop.wait()
+
+
+def wait(scene):
+    """Waits for a background run and raises what went wrong in it."""
+    if scene._loop is not None:
+        scene._loop.wait()
+
+
+def refuseWhileRunning(scene, what):
+    """Raises RuntimeError, in the name of `what`, where a run is going on in the background."""
+    if scene.running and not scene._loop.isThisThread():
+        raise RuntimeError(f"{what}: a run is going on in the background; pause() it first")
+
+
+def refuseDuringStep(scene, what):
+    scene.refuseWhileRunning(what)
+    if scene.stepper.acting is not None:
+        raise RuntimeError(
+            f"{what}: a step is going on, and the change would come too late; pause() in the callback, and "
+            f"set it between two runs"
+        )
+
+
+def refuseMidStep(scene, what):
+    if scene.isMidStep():
+        raise RuntimeError(
+            f"{what}: the scene is in the middle of a step; put the callback at the end of the engines"
+        )

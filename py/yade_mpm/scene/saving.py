@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A scene as a checkpoint; restoring.py is the way back."""
+
+import json
+
+import numpy as np
+
+from ..engine.callback import Callback
+from ..engine.gridSolver import GridSolver
+from ..io import checkpoint
+
+_CONSTRAINT_STATE = (
+    "work",
+    "began",
+    "active",
+    "reaction",
+    "moment",
+    "impulse",
+    "angularImpulse",
+    "centre",
+    "heldNodes",
+)
+
+
+def save(scene, file, midStep=False):
+    """Writes a scene to a file, from which `load` continues with the same bits.
+
+    Parameters
+    ----------
+    scene : Scene
+    file : str, name of the file.
+    midStep : bool, note that the state is that of an interrupted step; default False.
+
+    Raises OSError when the file cannot be written.
+    """
+    checkpoint.write(file, {**describe(scene), "midStep": bool(midStep)}, scene.bodies)
+
+
+def describe(scene):
+    """Everything of a scene but the arrays of its bodies, as a dict that JSON can hold."""
+    materials, types = _distinct(b.material for b in scene.bodies), _distinct(b.type for b in scene.bodies)
+    return {
+        "lower": list(scene.lower),
+        "upper": list(scene.upper),
+        "cell": list(scene.cell),
+        "scheme": scene.scheme,
+        "threads": scene.givenThreads,
+        "allowUnstable": bool(scene.allowUnstable),
+        "dt": scene.givenDt,
+        "currentDt": scene.core.dt,
+        "dtCritical": scene.dtCritical,
+        "stiffest": scene.stiffest,
+        "checked": scene.stepper.isChecked,
+        "estimatedAt": scene.stepper.estimatedAt,
+        "time": scene.time,
+        "steps": scene.steps,
+        "energies": dict(scene.core.energies),
+        "settling": scene.dampingAfterSettling,
+        "materials": [{"class": type(m).__name__, "attributes": m.attributes()} for m in materials],
+        "types": [_describeType(t) for t in types],
+        "bodies": [
+            _describeBody(b, _indexOf(materials, b.material), _indexOf(types, b.type)) for b in scene.bodies
+        ],
+        "engines": None
+        if not scene.hasEngines
+        else [_describeEngine(e, k) for k, e in enumerate(scene.engines)],
+    }
+
+
+def _distinct(objects):
+    return list({id(o): o for o in objects}.values())
+
+
+def _indexOf(objects, one):
+    return next(k for k, o in enumerate(objects) if o is one)
+
+
+def _describeType(kind):
+    spec = {"class": type(kind).__name__, "attributes": kind.attributes()}
+    if kind.core.isMeshed:
+        size = kind.size if kind.size is None else np.asarray(kind.size, float).tolist()
+        spec.update(size=size, matched=None if kind.matched is None else kind.matched.name)
+    return spec
+
+
+def _describeBody(body, material, kind):
+    return {
+        "name": body.name,
+        "material": material,
+        "type": kind,
+        "region": None if body.region is None else body.region.spec(),
+        "inertiaScale": body.inertiaScale,
+        "isDamped": body.isDamped,
+        "fbar": body.fbar,
+        "group": body.group,
+        "count": body.count,
+        "converted": body.converted,
+        "internalWork": body.core.internalWork,
+        "largestInertialMass": body.core.largestInertialMass,
+        "hasBodyForce": body.core.hasBodyForce,
+        "convertsTo": body.convertsTo,
+    }
+
+
+def _describeEngine(engine, number):
+    spec = {"class": type(engine).__name__, "attributes": engine.attributes()}
+    if isinstance(engine, GridSolver):
+        spec.update(
+            roller=engine.roller,
+            fixed=engine.fixed,
+            hold=[_describeHold(h) for h in engine.hold],
+            drive=[_describeDrive(d) for d in engine.drives],
+            faces={face: _describePrescribed(h) for face, h in engine.faceHolds.items()},
+        )
+    elif isinstance(engine, Callback):
+        try:
+            spec["spec"] = json.loads(json.dumps(engine.spec()))
+        except Exception:  # nothing may keep a checkpoint from being written; load() asks for it
+            command = getattr(engine, "command", None)
+            spec["callback"] = engine.label or getattr(command, "__name__", type(engine).__name__)
+    return spec
+
+
+def _describePrescribed(prescribed):
+    core = prescribed.core
+    state = {name: getattr(core, name) for name in _CONSTRAINT_STATE}
+    return {
+        "velocity": list(prescribed.velocity),
+        "ramp": prescribed.ramp,
+        "name": prescribed.name,
+        "hasBegun": prescribed.hasBegun,
+        "state": state,
+    }
+
+
+def _describeHold(hold):
+    where = hold.where if isinstance(hold.where, str) else hold.where.spec()
+    return {"where": where, **_describePrescribed(hold)}
+
+
+def _describeDrive(drive):
+    part = drive.part
+    lower, upper = (None if x is None else float(x) for x in (part.lower, part.upper))
+    return {
+        "body": part.body.name,
+        "lower": lower,
+        "upper": upper,
+        "ids": None if part.ids is None else part.ids.tolist(),
+        **_describePrescribed(drive),
+    }

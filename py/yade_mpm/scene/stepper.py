@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Steps of a scene for whoever owns the clock: `Scene.run`, `Scene.step`, or the loop of another program."""
+
+import numpy as np
+
+from ..base import limits
+from ..base.warn import warnUser
+from ..check.domains import checkFields, checkInterface
+from ..check.mistakes import likelyMistakes
+from ..engine import chain
+from ..engine.callback import Callback
+from ..engine.engine import belongTo
+from ..engine.gridSolver import GridSolver
+
+UNLIMITED = 1e9  # s of wall time: no limit
+
+
+class Stepper:
+    """Makes a scene ready to step, and takes its steps; `scene.stepper`.
+
+    A loop of your own prepares once, then steps as long as the scene stays ready:
+
+        scene.prepare()
+        while ...:
+            if not scene.stepper.isReady:
+                scene.prepare()
+            scene.stepper.advance(10)
+
+    or engine by engine, with `act` for each of `scene.engines` and `endStep` behind the last stage. `LoopPolicy` tells
+    such a loop when to look at the domains and to estimate the critical step anew.
+
+    Attributes
+    ----------
+    constraints : list of prescribed motions that are in force, those of faces included.
+    estimatedAt : int, step at which the critical step was estimated last; -1: never.
+    acting : Engine, callback that is at work or has failed at it; None between them.
+    """
+
+    def __init__(self, scene):
+        self._scene = scene
+        self._chain = None  # engines that the core has
+        self._isPrepared, self._isStable = False, False
+        self._checkedState = None  # what the critical step was checked for
+        self.constraints, self.estimatedAt, self.acting = [], -1, None
+
+    # --- readiness ------------------------------------------------------------------------------------
+    @property
+    def isReady(self):
+        """Whether the scene can step as it stands; if not, `prepare` it."""
+        return self._isPrepared and self._chain == self._scene.engines and self.isChecked
+
+    isPrepared = property(
+        lambda self: self._isPrepared,
+        doc="Whether nothing was noted since `prepare` that calls for it again; quicker than isReady, which also looks at "
+        "what materials and bodies are like now.",
+    )
+
+    @property
+    def isChecked(self):
+        """Whether the time step was checked for the scene as it stands."""
+        return self._isStable and self._checkedState == self._stabilityState()
+
+    def noteChange(self, mayBeUnstable=True):
+        """Something of the scene has changed: it has to be prepared before the next step.
+
+        Parameters
+        ----------
+        mayBeUnstable : bool, whether the time step has to be checked, too; default True.
+        """
+        self._isPrepared = False
+        if mayBeUnstable:
+            self._isStable = False
+
+    def restore(self, isChecked, estimatedAt):
+        """State of a scene from a checkpoint: whether its time step was checked, and the step of the last estimate."""
+        self._isStable, self._checkedState = isChecked, self._stabilityState()
+        self.estimatedAt = estimatedAt
+
+    def prepare(self):
+        """Checks the scene and gives the chain to the solver; see `Scene.run` for what is refused."""
+        scene = self._scene
+        if not isinstance(scene.allowUnstable, (bool, np.bool_)):
+            raise ValueError(
+                f"Scene: allowUnstable = {scene.allowUnstable!r} is not allowed; give True or False"
+            )
+        self._prepareChain()
+        for body in scene.bodies:
+            checkFields(body)
+        if scene.steps == 0:
+            for mistake in likelyMistakes(scene, scene.gridSolver("prepare").gravity):
+                warnUser(mistake)
+        checkInterface(scene, limits.INTERFACE_BUILD if scene.steps == 0 else limits.INTERFACE_RUN)
+        if not self.isChecked:
+            self.checkTimeStep()
+        scene.core.threads = scene.threads
+        self._isPrepared = True
+
+    def _prepareChain(self):
+        scene, engines = self._scene, self._scene.engines
+        chain.checkOrder(engines, scene.scheme)  # the list itself may have been changed since it was given
+        chain.checkComplete(engines, scene.scheme)
+        self.constraints = [c for e in engines if isinstance(e, GridSolver) for c in e.constraints(scene)]
+        for part in [*engines, *self.constraints]:
+            belongTo(scene, part)
+        for constraint in self.constraints:
+            constraint.bind(scene)
+        for engine in sorted(engines, key=lambda e: isinstance(e, Callback)):  # which look at the others
+            engine.bind(scene)
+        scene.core.setConstraints([c.core for c in self.constraints])
+        scene.core.setEngines([e.core for e in engines])
+        scene.core.prepare()
+        self._chain = list(engines)
+        for engine in engines:
+            engine.markBound()
+
+    # --- time step ------------------------------------------------------------------------------------
+    @property
+    def dt(self):
+        """Length of the next step, s; to be set by a loop that chooses it within `scene.dtCritical`."""
+        return self._scene.core.dt
+
+    @dt.setter
+    def dt(self, value):
+        self._scene.core.dt = value
+
+    def checkTimeStep(self):
+        """Estimates the critical step; takes a share of it if dt was left out, refuses a dt above it otherwise."""
+        scene, given = self._scene, self._scene.givenDt
+        scene.core.threads = scene.threads
+        isAllowed = given is not None and scene.allowUnstable
+        critical = None if isAllowed and scene.dtCritical is not None else self.estimateCriticalStep()
+        if given is None:
+            if not critical > 0:
+                raise ValueError(
+                    "Scene: no critical time step can be found (every node is held); give scene.dt"
+                )
+            self.dt = self.safeDt()
+        elif not isAllowed and given > critical > 0:
+            raise ValueError(
+                f"dt = {given:.3g} s exceeds the critical step {critical:.3g} s of this scene (stiffest: "
+                f"'{scene.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid"
+            )
+        else:
+            self.dt = given
+        self.estimatedAt = scene.steps
+        self._isStable, self._checkedState = True, self._stabilityState()
+
+    def estimateCriticalStep(self, tolerance=1e-4, iterations=300):
+        """Critical step of the scene as it stands, s; sets scene.dtCritical and scene.stiffest.
+
+        Parameters
+        ----------
+        tolerance : float, relative change over ten iterations at which to stop; default 1e-4.
+        iterations : int, most iterations; default 300.
+        """
+        self._prepareChain()
+        scene = self._scene
+        found = scene.core.criticalTimeStep(tolerance, iterations)
+        scene.dtCritical, scene.dtIterations, scene.stiffest = found
+        return scene.dtCritical
+
+    def safeDt(self):
+        """The share of the critical step that is taken where nobody has given dt, s."""
+        return limits.DT_SAFETY[self._scene.scheme] * self._scene.dtCritical
+
+    def _stabilityState(self):
+        """What the critical step depends on and may be changed between runs."""
+        scene = self._scene
+        bodies = [(tuple(b.material.lameConstants), b.inertiaScale) for b in scene.bodies]
+        return scene.givenDt, scene.allowUnstable, bodies
+
+    # --- steps ----------------------------------------------------------------------------------------
+    def advance(self, steps, seconds=UNLIMITED):
+        """Takes steps.
+
+        Parameters
+        ----------
+        steps : int, how many at most.
+        seconds : float, s of wall time after which to return behind a step; default: no limit.
+        """
+        self._scene.core.advance(steps, seconds)
+
+    def act(self, engine):
+        """Lets one engine of the chain act; the clock stands still until `endStep`."""
+        self._scene.core.actAlone(engine.core)
+
+    def endStep(self, time):
+        """The end of a step that was taken engine by engine; sets the clock, s."""
+        self._scene.core.endStep(time)
+
+    def setTime(self, time):
+        """Sets the clock between two steps, s: to that of the program that owns it."""
+        self._scene.core.time = time
+
+    def isMidStep(self):
+        """Whether a callback is at work between two stages of a step, where the state is neither old nor new."""
+        if self.acting is None:
+            return False
+        engines = self._scene.engines
+        stages = [e for e in engines if not isinstance(e, Callback) and not e.dead]
+        before = engines[: engines.index(self.acting)] if self.acting in engines else []
+        done = [e for e in stages if e in before]
+        changes = [e for e in done if type(e).__name__ != "ParticleToGrid"]
+        return bool(changes) and len(done) < len(stages)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Inside YADE: the engines of a scene become engines of O.engines, on one clock with the discrete elements.
+
+    from yade_mpm import inYade
+    soil = inYade.attach(scene)   # adds engines before the NewtonIntegrator, chooses O.dt
+    O.run(1000, True)
+
+YADE is used through its Python interface only. An engine of ours is a PyRunner whose command is `inYade.act(...)`.
+"""
+
+import json
+import os
+import sys
+
+from ..scene.restoring import load
+from ..scene.scene import Scene
+from . import loop
+from .bodies import Bodies
+from .coupling import Coupling
+from .output import checkpointOf, tagOf
+
+__all__ = ["Bodies", "Coupling", "act", "attach", "checkpointOf"]
+
+
+def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", plot=False, callbacks=None):
+    """Makes the engines of a scene engines of O.engines, before the NewtonIntegrator (at the end if there is none).
+
+    Parameters
+    ----------
+    scene : `yade_mpm.Scene`. Left out after O.load: the scene from the checkpoint beside the loaded file.
+    mpmSteps : MPM steps in one DEM step; default 1 (after O.load: as saved).
+    demSteps : DEM steps in one MPM step; default 1 (likewise). One of the two is 1.
+    stages : True: one engine per stage, which YADE times and switches off (`dead`) one by one; False: the whole chain as
+        one engine, which is faster for small scenes. Default: True unless mpmSteps > 1, which needs False.
+    label : of the engine, or the start of the labels of the engines, e.g. "mpm_GridSolver"; default "mpm". Two scenes
+        need two.
+    plot : pass new rows of every `History` of the scene to yade.plot.addData, with `i` and `t`; default False.
+    callbacks : as for `yade_mpm.load`, where the checkpoint needs functions; only without `scene`.
+
+    Returns the `Coupling`. A scene that was attached under the same label before is replaced.
+
+    O.dt becomes the smaller of what the scene needs and of what the discrete elements need: O.dt if it was set, else
+    0.8 PWaveTimeStep. `maxDt` of a time stepper in O.engines is set likewise.
+
+    Raises ImportError without YADE, TypeError and ValueError for arguments that are not allowed, ValueError for a
+    time stepper behind the engines, what `Scene.prepare` raises, and RuntimeError while YADE runs.
+    """
+    omega = loop.omega()
+    if omega.running:
+        raise RuntimeError("inYade.attach: YADE is running; O.pause() and O.wait() first")
+    if not (isinstance(label, str) and label.isidentifier()):
+        raise ValueError(
+            f"inYade.attach: label = {label!r} is not allowed; give letters, digits and underscores, e.g. 'mpm'"
+        )
+    saved = {}
+    if scene is None:
+        scene, saved = _fromTag(omega, label, callbacks)
+    elif callbacks is not None:
+        raise ValueError(
+            "inYade.attach: callbacks go with a checkpoint; leave them out where the scene is given"
+        )
+    if not isinstance(scene, Scene):
+        raise TypeError(f"inYade.attach: scene = {scene!r}; give a yade_mpm.Scene")
+    for other in loop.attached.values():
+        if other.scene is scene and other.label != label:
+            raise ValueError(
+                f"inYade.attach: this scene is attached as '{other.label}' already; detach() it there"
+            )
+    mpmSteps = saved.get("mpmSteps", 1) if mpmSteps is None else _count("mpmSteps", mpmSteps)
+    demSteps = saved.get("demSteps", 1) if demSteps is None else _count("demSteps", demSteps)
+    if mpmSteps > 1 and demSteps > 1:
+        raise ValueError(
+            f"inYade.attach: mpmSteps = {mpmSteps}, demSteps = {demSteps}; one of the two has to be 1"
+        )
+    stages = saved.get("stages", mpmSteps == 1) if stages is None else bool(stages)
+    if stages and mpmSteps > 1:
+        raise ValueError(
+            "inYade.attach: engines per stage cannot act several times in a DEM step; give stages=False "
+            "(scene.timing() still tells the time of each stage)"
+        )
+    loop.waitForStep()
+    loop.errors.clear()
+    if label in loop.attached:
+        loop.attached.pop(label).letGo()
+    coupling = Coupling(omega, scene, mpmSteps, demSteps, stages, label, bool(plot), saved)
+    loop.attached[label] = coupling
+    loop.wrapOmega(type(omega))
+    loop.signals.install()
+    return coupling
+
+
+def act(label, number=None):
+    """What an engine of ours does: the whole step, or stage `number`. Never raises; an error pauses YADE and is raised
+    after the step."""
+    coupling = loop.attached.get(label)
+    if coupling is not None:
+        coupling.act(number)
+    elif not loop.errors:
+        message = f"inYade: no scene is attached as '{label}'; after O.load call inYade.attach()"
+        print(message, file=sys.stderr)
+        loop.errors.append(RuntimeError(message))
+    if loop.errors:
+        loop.pauseAfterStep(loop.omega())
+
+
+def _count(name, value):
+    if not isinstance(value, int) or isinstance(value, bool) or value < 1:
+        raise ValueError(f"inYade.attach: {name} = {value!r} is not allowed; give a whole number from 1 on")
+    return value
+
+
+def _fromTag(omega, label, callbacks):
+    """Scene from the checkpoint that O.tags name, and what was noted there."""
+    tag = tagOf(label)
+    if tag not in list(omega.tags.keys()):
+        raise ValueError(
+            f"inYade.attach: no scene was given, and YADE's state names none for the label '{label}' "
+            f"(O.tags['{tag}'])"
+        )
+    saved = json.loads(omega.tags[tag])
+    if saved["iter"] != omega.iter:
+        raise ValueError(
+            f"inYade.attach: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE is at "
+            f"{omega.iter}; load a file that O.save wrote with the scene attached, or give the scene"
+        )
+    file = os.path.join(os.path.dirname(omega.filename or ""), saved["file"])
+    return load(file, callbacks), saved

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Dependencies run one way: base <- state <- {particle, material} <- scene <- check <- step <- contact <- pkg/python <- py.
+"""Dependencies run one way.
 
-`scene` is what holds bodies together: it knows the contracts of particle types and materials, so it stands above them.
+base <- state <- {particle, material} <- scene <- check <- step <- contact <- pkg/python <- py.
+
+`scene` is what holds bodies together: it knows the contracts of particle types and materials, so it stands
+above them.
 """
 
 import ast
@@ -147,7 +150,8 @@ def test_control_a_wrong_import_is_found(name, line):
 
 
 def circle(imports):
-    """Modules that import each other in a circle; empty if there is none. imports: dict module -> set of modules."""
+    """Modules that import each other in a circle; empty if there is none. imports: dict module -> set of
+    modules."""
     rest = dict(imports)
     while free := [name for name, needs in rest.items() if not needs & set(rest)]:
         for name in free:

@@ -6,7 +6,7 @@ Units: Mg, m, s, kPa (2D: per metre of thickness); tension positive; angles in r
 Scene, load                    a scene (`help(mpm.Scene)` is the place to start); one from a checkpoint
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
-Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes the name of a file, too
+Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes a file's name, too
 LinearElastic, NeoHookean, MohrCoulombDruckerPrager, Material    materials
 MaterialPoint                  one point of a material, strained by hand
 UGIMP, APDI, BSpline, ParticleType                               particle types
@@ -17,8 +17,9 @@ Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
 quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
 diagnostics, rigid             modules: energies and other numbers of a scene; shapes for RigidContact
 
-Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface), `yade_mpm.inYade`,
-`yade_mpm.commandLine` (of scenes: numbers for argparse, how a scene ends), `yade_mpm.study` (of scenes: runs, curves).
+Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface),
+`yade_mpm.inYade`, `yade_mpm.commandLine` (of scenes: numbers for argparse, how a scene ends), `yade_mpm.study` (of
+scenes: runs, curves).
 """
 
 import os as _os
@@ -27,8 +28,9 @@ import types as _types
 
 __version__ = "0.1.0"
 
-# Threads that wait at a barrier spin for a short while only, or they would take the processor from other jobs.
-# Read by GCC's OpenMP when the solver is loaded; set OMP_WAIT_POLICY or GOMP_SPINCOUNT to choose otherwise.
+# Threads that wait at a barrier spin for a short while only, or they would take the processor from other
+# jobs. Read by GCC's OpenMP when the solver is loaded; set OMP_WAIT_POLICY or GOMP_SPINCOUNT to choose
+# otherwise.
 if "OMP_WAIT_POLICY" not in _os.environ:
     _os.environ.setdefault("GOMP_SPINCOUNT", "2000")
 
@@ -36,7 +38,8 @@ try:
     from . import _core
 except ImportError as _error:
     raise ImportError(
-        f"yade_mpm: there is no solver for this Python, {_sys.executable}, in {_os.path.dirname(__file__)} ({_error}); run scripts/run "
+        f"yade_mpm: there is no solver for this Python, {_sys.executable}, in {_os.path.dirname(__file__)} "
+        f"({_error}); run scripts/run "
         f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH"
     ) from None
 from . import certificate, diagnostics, engines, files, rigid

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The benchmark measures what it says: every figure is there, they fit together, and the soil yields meanwhile."""
+"""The benchmark measures what it says: every figure is there, they fit together, and the soil yields
+meanwhile."""
 
 import json
 import subprocess
@@ -58,7 +59,8 @@ def test_figures_are_complete_and_fit_together(case, particles):
         stages = [figures[stage] for stage in STAGES]
         assert min(stages) > 0
         assert figures["shortest"] == pytest.approx(sum(stages))
-        # No step is shorter than the shortest of all its parts; processor time is what other jobs do not add to.
+        # No step is shorter than the shortest of all its parts; processor time is what other jobs do not add
+        # to.
         assert figures["shortest"] + 1000 * figures["overhead"] / particles <= figures["step"]
         assert figures["shortest"] > 0.5 * 1000 * figures["cpu_time"] / particles
         # The program's own clock against that of the library, which times a step: us against ns per particle.

@@ -41,7 +41,7 @@ def test_attributes_have_a_default_and_whole_sentences(name):
         r"^(\w+) : default (\S.*)\n {4}(.*(?:\n(?!\w+ :|\n).*)*)", inspect.getdoc(getattr(mpm, name)), re.M
     )
     assert [e[0] for e in entries] == [p["name"] for p in getattr(mpm, name)._make(name).parameters()]
-    for attribute, default, text in entries:
+    for attribute, _, text in entries:
         assert not re.search(r"[a-z)] (Allowed:|One of)", text), attribute
 
 

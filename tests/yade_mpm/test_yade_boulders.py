@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Boulders of YADE fall on soil (scripts/yade_boulders.py): they come to rest, the soil carries them, nothing is lost."""
+"""Boulders of YADE fall on soil (scripts/yade_boulders.py): they come to rest, the soil carries them, nothing
+is lost."""
 
 import h5py
 import pytest

@@ -16,7 +16,8 @@ sys.argv += ["--smoke", "--threads", "1", "--out", "out"]
 """
 
 
-# --- driven by its velocity -----------------------------------------------------------------------------------
+# --- driven by its velocity
+# -----------------------------------------------------------------------------------
 FRICTIONS = 0.0, 0.3, 0.6
 DRIVEN = (
     SMOKE
@@ -30,9 +31,11 @@ for body in scene.bodies:
     x = np.abs(body.position[:, 0] - yade_pile.WIDTH / 2)
     beside = body.position[:, 1] > yade_pile.DEPTH - yade_pile.EMBEDDED - a.penetration + a.thickness
     inside = max(inside, float((a.thickness / 2 - x[beside]).max()))
-say("pile", dict(depth=result["depth"].tolist(), time=result["time"].tolist(), raw=result["raw"].tolist(), base=result["base"].tolist(),
-                 vel=list(state.vel), checked=scene.engines[1].checkBalance, contacts=scene.engines[1].contacts, inside=inside,
-                 finite=all(bool(np.isfinite(getattr(b, f)).all()) for b in scene.bodies for f in ("position", "velocity", "stress")),
+say("pile", dict(depth=result["depth"].tolist(), time=result["time"].tolist(), raw=result["raw"].tolist(),
+base=result["base"].tolist(),
+                 vel=list(state.vel), checked=scene.engines[1].checkBalance,
+                 contacts=scene.engines[1].contacts, inside=inside, finite=all(bool(np.isfinite(getattr(b,
+                 f)).all()) for b in scene.bodies for f in ("position", "velocity", "stress")),
                  summary=result["summary"], arguments=vars(a)))
 """
 )
@@ -69,7 +72,8 @@ def test_the_pile_moves_exactly_as_it_is_driven(pile):
 
 
 def test_the_base_carries_what_the_pile_presses_with(pile):
-    """Balance of the soil as a whole, but for its inertia; in each step `checkBalance` compares pile and nodes."""
+    """Balance of the soil as a whole, but for its inertia; in each step `checkBalance` compares pile and
+    nodes."""
     assert pile["checked"] and pile["contacts"] > 0
     assert mean(pile, "base") == pytest.approx(mean(pile, "raw"), rel=0.08)
 
@@ -78,7 +82,8 @@ def test_no_particle_gets_into_the_pile_and_nothing_is_lost(pile):
     assert pile["finite"] and pile["inside"] < -0.05 and pile["summary"]["largestOverlap"] < 0.04
 
 
-# --- driven by a hammer ---------------------------------------------------------------------------------------
+# --- driven by a hammer
+# ---------------------------------------------------------------------------------------
 HAMMERED = (
     SMOKE
     + """
@@ -86,9 +91,11 @@ sys.argv += ["--drive", "hammer", "--cell", "0.5"]
 a = yade_pile.arguments()
 result = yade_pile.run(a, "hammer")
 hammer, pile = O.bodies[3].state, O.bodies[O.bodies[0].clumpId].state
-say("result", dict(depth=result["depth"].tolist(), time=result["time"].tolist(), raw=result["raw"].tolist(), summary=result["summary"],
-                   weight=(pile.mass + hammer.mass) * yade_pile.GRAVITY, masses=[pile.mass, hammer.mass], speed=[pile.vel[1], hammer.vel[1]],
-                   clearance=hammer.pos[1] - yade_pile.HAMMER_RADIUS - O.bodies[1].state.pos[1] - O.bodies[1].shape.extents[1]))
+say("result", dict(depth=result["depth"].tolist(), time=result["time"].tolist(), raw=result["raw"].tolist(),
+summary=result["summary"],
+                   weight=(pile.mass + hammer.mass) * yade_pile.GRAVITY, masses=[pile.mass, hammer.mass],
+                   speed=[pile.vel[1], hammer.vel[1]], clearance=hammer.pos[1] - yade_pile.HAMMER_RADIUS -
+                   O.bodies[1].state.pos[1] - O.bodies[1].shape.extents[1]))
 """
 )
 
@@ -105,7 +112,8 @@ def test_a_hammer_drives_the_pile_which_comes_to_rest(tmp_path):
     assert -0.01 < said["clearance"] < 0.001, "the hammer lies on the head; overlap is weight over 1e5 kN/m"
 
 
-# --- yade-batch -----------------------------------------------------------------------------------------------
+# --- yade-batch
+# -----------------------------------------------------------------------------------------------
 MAIN = "import yade_pile\nyade_pile.main()"
 
 

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Scenes with a closed form, in one loop with bodies of YADE (scripts/yade_*.py): bearing capacity, Hertz, rolling and sliding.
+"""Scenes with a closed form, in one loop with bodies of YADE (scripts/yade_*.py): bearing capacity, Hertz,
+rolling and sliding.
 
-Set-ups and references are in the docstrings of the scripts. References: Prandtl 1920, (2 + pi) c, 5 %; Hertz 1882 with the factor of a layer, 3 %;
-a = g (sin - mu cos) and 2/3 g sin on the incline, 5 %. Controls: no F-bar, a half-space instead of the layer, the other mode of motion.
+Set-ups and references are in the docstrings of the scripts. References: Prandtl 1920, (2 + pi) c, 5 %; Hertz
+1882 with the factor of a layer, 3 %; a = g (sin - mu cos) and 2/3 g sin on the incline, 5 %. Controls: no
+F-bar, a half-space instead of the layer, the other mode of motion.
 """
 
 import numpy as np
@@ -19,7 +21,8 @@ def footings(tmp_path_factory):
         """
 import yade_footing
 for name, options in {"fine": {"cell": 0.3}, "hybrid": {}, "smooth": {"friction": 0.0},
-                      "apdi": {"types": "apdi", "cell": 0.3}, "ugimp": {"types": "ugimp"}, "locked": {"fbar": False}}.items():
+                      "apdi": {"types": "apdi", "cell": 0.3}, "ugimp": {"types": "ugimp"}, "locked": {"fbar":
+                      False}}.items():
     say(name, yade_footing.run(**{"cell": 0.5, **options})[0])
 """,
         tmp_path_factory.mktemp("footings"),
@@ -52,7 +55,8 @@ def test_with_cells_of_a_twentieth_of_the_width_the_load_over_the_box_is_that_of
 
 # --- Hertz ------------------------------------------------------------------------------------------------
 def test_a_sphere_of_yade_is_carried_as_hertz_says(tmp_path):
-    """Contact radius of three cells; within 3 % (0.2 % were measured). Control: a half-space misses by 30 %."""
+    """Contact radius of three cells; within 3 % (0.2 % were measured). Control: a half-space misses by 30
+    %."""
     said, _ = run(
         """
 import yade_hertz
@@ -64,7 +68,8 @@ say("factors", [yade_hertz.layerFactor(chi) for chi in (0.01, 0.1, 0.3)])
     coarse = said["coarse"]
     assert coarse["error"] == pytest.approx(0, abs=0.03) and coarse["swing"] < 0.01
     assert coarse["force"] > 1.2 * coarse["reference"] / coarse["layerFactor"]
-    # Dimitriadis et al. 2002, not bonded, nu = 0.3; and the first order 2 m chi / pi with m = int M du = 1.16758.
+    # Dimitriadis et al. 2002, not bonded, nu = 0.3; and the first order 2 m chi / pi with m = int M du =
+    # 1.16758.
     assert said["factors"][1:] == pytest.approx([1.0817, 1.2835], rel=6e-3)
     assert said["factors"][0] == pytest.approx(1 + 2 * 1.16758 / np.pi * 0.01, abs=1e-4)
 
@@ -105,10 +110,12 @@ for name, (types, friction, plane) in {DISCS!r}.items():
 
 @pytest.mark.parametrize("name", DISCS)
 def test_a_disc_of_yade_slides_or_rolls_down_an_incline(discs, name):
-    """Acceleration within 5 % (0.5 to 0.8 % were measured; up to 2.5 % from other places to start), in every plane. Control: the other mode.
+    """Acceleration within 5 % (0.5 to 0.8 % were measured; up to 2.5 % from other places to start), in every
+    plane. Control: the other mode.
 
-    Spin within 7 %. On uGIMP within 0.3 % in the first 0.2 s (0.03 % were measured; 0.5 % with a fortieth of the shearRatio): from 0.8 m/s on the disc hops
-    over the boxes, half of the time in the air with the spin it has, and ends at 0.88 to 0.95 by chance.
+    Spin within 7 %. On uGIMP within 0.3 % in the first 0.2 s (0.03 % were measured; 0.5 % with a fortieth of
+    the shearRatio): from 0.8 m/s on the disc hops over the boxes, half of the time in the air with the spin
+    it has, and ends at 0.88 to 0.95 by chance.
     """
     disc, friction = discs[name], DISCS[name][1]
     assert disc["acceleration"] == pytest.approx(disc["closedForm"], rel=0.05) and disc["outOfPlane"] == 0

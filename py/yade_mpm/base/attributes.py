@@ -19,7 +19,8 @@ def didYouMean(name, known):
 
 
 class Guarded:
-    """Object that takes no public attribute its class does not have: AttributeError, with the nearest name."""
+    """Object that takes no public attribute its class does not have: AttributeError, with the nearest
+    name."""
 
     def __setattr__(self, name, value):
         if not name.startswith("_") and name not in self.__dict__ and not hasattr(type(self), name):
@@ -125,7 +126,8 @@ def plain(value):
 
 
 def makeClass(name, make, base=Attributed):
-    """Class `name` whose instances are made by make(name); its docstring lists attribute, default, unit, meaning."""
+    """Class `name` whose instances are made by make(name); its docstring lists attribute, default, unit,
+    meaning."""
     core = make(name)
     lines = [core.doc, "", "Attributes", "----------"]
     for p in core.parameters():

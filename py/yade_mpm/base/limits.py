@@ -5,8 +5,10 @@
 DT_SAFETY = {"MUSL": 0.8, "USF": 0.8, "USL": 0.5}
 DT_PERIOD = 5000  # steps between estimates of the critical step
 CHECK_PERIOD = 1000  # steps between looks at the interface and at the quality of domains
-# Smallest corner of an APDI domain over its area from which on down the run warns; at 0.05 it stops, or converts the domain.
+# Smallest corner of an APDI domain over its area from which on down the run warns; at 0.05 it stops, or
+# converts the domain.
 POOR_QUALITY = 0.2
-# Longest APDI edge beside uGIMP, in cells: when the scene is built, and while running as domains stretch and the interface
-# moves; from 1.5 on the run warns. The sheet pile reaches 1.39; a column errs in stress by up to 15 % at 1.5 and 42 % at 2 (doc/sheet-pile.md).
+# Longest APDI edge beside uGIMP, in cells: when the scene is built, and while running as domains stretch and
+# the interface moves; from 1.5 on the run warns. The sheet pile reaches 1.39; a column errs in stress by up
+# to 15 % at 1.5 and 42 % at 2 (doc/sheet-pile.md).
 INTERFACE_BUILD, INTERFACE_WARN, INTERFACE_RUN = 1 + 1e-9, 1.5, 2.0

@@ -28,7 +28,8 @@ def kineticEnergy(scene):
 
 
 def internalWork(scene):
-    """Work of the stresses since the start, int sum V sigma : D dt, kJ: elastic energy and plastic dissipation."""
+    """Work of the stresses since the start, int sum V sigma : D dt, kJ: elastic energy and plastic
+    dissipation."""
     return float(sum(body.core.internalWork for body in scene.bodies))
 
 
@@ -55,8 +56,8 @@ def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
     relative : divide by |W_ext| + W_damp + W_contact + |W_int| + E_kin + E_kin,0; 0 where all are zero.
     kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
 
-    Positive: energy was lost in the transfers, in hourglass control or in conversions. Velocities belong to the middle
-    of steps, so dt/2 dE_kin/dt is always part of it; that oscillates and does not add up.
+    Positive: energy was lost in the transfers, in hourglass control or in conversions. Velocities belong to
+    the middle of steps, so dt/2 dE_kin/dt is always part of it; that oscillates and does not add up.
     """
     kinetic = kineticEnergy(scene) if kinetic is None else kinetic
     external, internal, damped = (
@@ -72,9 +73,11 @@ def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
 
 
 def workDone(scene):
-    """Work done so far whatever its sign, |W_gravity| + |W_loads| + sum |W_c|, kJ; W_c: of one prescribed motion.
+    """Work done so far whatever its sign, |W_gravity| + |W_loads| + sum |W_c|, kJ; W_c: of one prescribed
+    motion.
 
-    Unlike `externalWork` it is no sum in which the work of gravity and of a drive may cancel: the scale of energy ratios.
+    Unlike `externalWork` it is no sum in which the work of gravity and of a drive may cancel: the scale of
+    energy ratios.
     """
     energies = scene.core.energies
     return float(
@@ -108,7 +111,8 @@ def hourglassAmplitude(scene):
 
 
 def distortedCount(scene):
-    """Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run stops, or converts them."""
+    """Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run stops, or
+    converts them."""
     return sum(body.distortedCount for body in scene.bodies)
 
 
@@ -123,7 +127,8 @@ def convertedCount(scene):
 
 
 def cornerJacobians(corners):
-    """Jacobian at every corner of quadrilaterals or hexahedra: the volume spanned by the edges that meet there.
+    """Jacobian at every corner of quadrilaterals or hexahedra: the volume spanned by the edges that meet
+    there.
 
     corners : (N, 4, 2) or (N, 8, 3), m, VTK order. Returns (N, 4 or 8), m2 or m3.
     """
@@ -145,8 +150,10 @@ def cornerJacobians(corners):
 def meanStressAlong(bodies, x, width, lower, upper):
     """Height and mean stress of the particles along a vertical line of a 2D scene, from the lowest up.
 
-    bodies : whose particles count. x, width : the line and the width of the strip around it that particles are in, by their
-    present positions, m. lower, upper : the stretch of heights, m. Returns y (m) and tr(sigma)/3 (kPa, tension positive), (N,).
+    bodies : whose particles count. x, width : the line and the width of the strip around it that particles
+        are in, by their
+    present positions, m. lower, upper : the stretch of heights, m. Returns y (m) and tr(sigma)/3 (kPa,
+        tension positive), (N,).
     """
     pairs = (pair for body in bodies for pair in body.core.meanStresses(x, width / 2, lower, upper))
     y, mean = np.reshape(sorted(pairs, key=itemgetter(0)), (-1, 2)).T
@@ -156,8 +163,9 @@ def meanStressAlong(bodies, x, width, lower, upper):
 def stripes(values):
     """Root mean square of the second difference of values along a line over their mean, -.
 
-    values : (N,) e.g. of `meanStressAlong`. A linear profile gives 0; values that alternate by +-a from row to row, 4 a over
-    the mean. Volumetric locking and modes that cell-wise integration leaves free appear as such stripes.
+    values : (N,) e.g. of `meanStressAlong`. A linear profile gives 0; values that alternate by +-a from row
+    to row, 4 a over the mean. Volumetric locking and modes that cell-wise integration leaves free appear as
+    such stripes.
 
     Raises ValueError for fewer than three values.
     """
@@ -169,12 +177,14 @@ def stripes(values):
 
 # --- forces ---------------------------------------------------------------------------------------------
 def unbalancedRatio(scene):
-    """Mean out-of-balance force of the nodes over the mean force that stresses exert on them, of the last step, -.
+    """Mean out-of-balance force of the nodes over the mean force that stresses exert on them, of the last
+    step, -.
 
-    sum |m_i a_i| / (sum V_p |sigma_p| / h), with the acceleration a_i of the node (prescribed where it is held), the norm of
-    the stress (2D: in the plane) and the smallest cell edge h; the number of nodes cancels. It is what unbalancedForce of YADE
-    is for contacts: mean resultant over mean contact force. nan before the first step, infinite where nothing
-    but inertia acts. Values of single steps scatter; take the mean over a time.
+    sum |m_i a_i| / (sum V_p |sigma_p| / h), with the acceleration a_i of the node (prescribed where it is
+    held), the norm of the stress (2D: in the plane) and the smallest cell edge h; the number of nodes
+    cancels. It is what unbalancedForce of YADE is for contacts: mean resultant over mean contact force. nan
+    before the first step, infinite where nothing but inertia acts. Values of single steps scatter; take the
+    mean over a time.
     """
     inertia, nodes, stressed = scene.core.balance()
     if not nodes:
@@ -186,9 +196,10 @@ def unbalancedRatio(scene):
 def sectionForce(body, height, thickness=None):
     """Normal force in a horizontal section of a body, N = sum sigma_vv V_slice / h, kN, tension positive.
 
-    height : of the section (last axis), m. thickness : h of the slice around it that is averaged over, m; default:
-    one cell of the grid. V_slice is the share of a particle's volume that lies in the slice by the vertical extent
-    of its domain, so that a uniform stress gives stress times area at any height. 0 where the body has no material.
+    height : of the section (last axis), m. thickness : h of the slice around it that is averaged over, m;
+    default: one cell of the grid. V_slice is the share of a particle's volume that lies in the slice by the
+    vertical extent of its domain, so that a uniform stress gives stress times area at any height. 0 where the
+    body has no material.
 
     Raises ValueError for a thickness that is not positive.
     """

@@ -25,12 +25,14 @@ def checkInterface(scene, limit):
     place = f"interface of '{meshed}' and '{boxes}' near {where}: an edge"
     if initial > limits.INTERFACE_BUILD * cell:
         text = (
-            f"{place} of {edge:.6g} m is longer than the cell {cell:.6g} m within one cell of uGIMP particles; "
+            f"{place} of {edge:.6g} m is longer than the cell {cell:.6g} m within one cell of uGIMP "
+            "particles; "
             f"refine '{meshed}' there, e.g. APDI(size=..., matched=...)"
         )
     else:
         text = (
-            f"{place} has stretched from {initial:.3g} to {edge:.3g} m, {edge / cell:.3g} cells, within one cell "
+            f"{place} has stretched from {initial:.3g} to {edge:.3g} m, {edge / cell:.3g} cells, within one "
+            "cell "
             f"of uGIMP particles, where the stress becomes wrong beyond one cell (a run ends at "
             f'{limits.INTERFACE_RUN:g}); use UGIMP there, or APDI(onDistortion="convert")'
         )
@@ -54,7 +56,8 @@ def distortion(scene):
     converts = body.type.core.converts
     return (
         f"{number} of '{body.name}' distorted, most that of particle {body.id[particle]} at "
-        f"{placeText(body.position[particle])}: smallest corner {100 * quality:.3g} % of its area, and at 5 % "
+        f"{placeText(body.position[particle])}: smallest corner {100 * quality:.3g} % of its area, and at 5 "
+        "% "
         f"{'it becomes uGIMP' if converts else 'the run stops'}; use UGIMP there"
         + ("" if converts else ', or APDI(onDistortion="convert")')
     )
@@ -77,5 +80,6 @@ def _checkField(body, name, values):
         )
     if name in ("mass", "volume", "initialVolume") and not (values > 0).all():
         raise ValueError(
-            f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend it"
+            f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend "
+            "it"
         )

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is allowed in a scene, but is more likely a mistake: units that do not fit, stresses and piles that the model cannot bear."""
+"""What is allowed in a scene, but is more likely a mistake: units that do not fit, stresses and piles that
+the model cannot bear."""
 
 import numpy as np
 
@@ -15,7 +16,8 @@ FASTEST = 2e4  # m/s; compression waves in diamond: 1.8e4
 STIFFER = 10  # a body is a structure in softer ones from this ratio of shear moduli on
 SLENDER = 4  # and bends from this ratio of its extents on
 ROUNDOFF = 1e-6  # relative, of a stress
-OVERLAP = 0.02  # cells, of a rigid body with the soil; with the default stiffness p/kappa is less under 0.5 % of rho c^2
+# cells, of a rigid body with the soil; with the default stiffness p/kappa is less under 0.5 % of rho c^2
+OVERLAP = 0.02
 
 
 def likelyMistakes(scene, gravity):
@@ -30,19 +32,25 @@ def likelyMistakes(scene, gravity):
         scene.geostaticGravity, -gravity[-1] if gravity else 0
     ):
         yield (
-            f"Scene: initialStress was made for {scene.geostaticGravity:g} m/s2 downwards, the GridSolver has gravity = {gravity} m/s2; the "
+            f"Scene: initialStress was made for {scene.geostaticGravity:g} m/s2 downwards, the GridSolver "
+            f"has gravity = {gravity} m/s2; the "
             f"ground will move"
         )
     yield from _leftOut(scene)
     groups = dict.fromkeys(b.group for b in scene.bodies)
     if len(groups) > 1 and not any(isinstance(e, Contact) for e in scene.engines):
-        yield f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among the engines"
+        yield (
+            f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among "
+            "the "
+            f"engines"
+        )
     for engine in (e for e in scene.engines if isinstance(e, RigidContact) and not e.dead):
         yield from _overlap(scene, engine)
     for engine, friction in ((e, f) for e in scene.engines for f in e.frictions()):
         if ANGLES[0] <= friction <= ANGLES[1]:
             yield (
-                f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its tangent, "
+                f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its "
+                "tangent, "
                 f"{np.tan(np.radians(friction)):.3g}, if it is one"
             )
 
@@ -56,8 +64,10 @@ def _overlap(scene, contact):
             len(found), f", and {len(found) - 1} others are in the soil"
         )
         yield (
-            f"RigidContact: rigid body {body} is {depth:.3g} m deep in '{scene.bodies[soil].name}'{others}; what overlaps at the start is thrown out, the "
-            f"faster the smaller the time step; start where the two only touch, or leave the place of the body empty (region - box(...))"
+            f"RigidContact: rigid body {body} is {depth:.3g} m deep in '{scene.bodies[soil].name}'{others}; "
+            "what overlaps at the start is thrown out, the "
+            f"faster the smaller the time step; start where the two only touch, or leave the place of the "
+            "body empty (region - box(...))"
         )
 
 
@@ -67,40 +77,48 @@ def _leftOut(scene):
     for part in (p for p in scene.loadsAndDrives if id(p) not in inUse):
         if isinstance(part, Drive):
             yield (
-                f"Drive: '{part.name}' of '{part.part.body.name}' is not given to the GridSolver and moves nothing; give GridSolver(drive=...), or make it when "
+                f"Drive: '{part.name}' of '{part.part.body.name}' is not given to the GridSolver and moves "
+                "nothing; give GridSolver(drive=...), or make it when "
                 f"it is needed"
             )
         else:
             yield (
-                f"BoundaryLoad: the load on '{part.body}' is not among the engines and does nothing; add it behind ParticleToGrid (USF: "
+                f"BoundaryLoad: the load on '{part.body}' is not among the engines and does nothing; add it "
+                "behind ParticleToGrid (USF: "
                 f"DomainUpdater), with dead=True if it is for later"
             )
 
 
 def _units(body, gravity):
-    """A density that looks like a unit weight, a body that its own weight would crush, one stiffer than any solid."""
+    """A density that looks like a unit weight, a body that its own weight would crush, one stiffer than any
+    solid."""
     density, (lame, mu) = body.material.density, body.material.lameConstants
     if UNIT_WEIGHTS[0] <= density <= UNIT_WEIGHTS[1]:
         yield (
-            f"body '{body.name}': density = {density:g} Mg/m3 looks like a unit weight in kN/m3; give {density / 9.81:.3g} "
+            f"body '{body.name}': density = {density:g} Mg/m3 looks like a unit weight in kN/m3; give "
+            f"{density / 9.81:.3g} "
             f"if it is one"
         )
     weight = density * np.linalg.norm(gravity) * np.ptp(body.corners()[..., -1]) if body.count else 0.0
     if weight > lame + 2 * mu:
         yield (
-            f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness lambda + 2 mu = "
-            f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the stiffness in MPa?"
+            f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness "
+            "lambda + 2 mu = "
+            f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the "
+            "stiffness in MPa?"
         )
     elif (
         weight and density > UNIT_WEIGHTS[1] and body.material.waveSpeed < SLOWEST
     ):  # a scene in kg, m, s, Pa has faster waves
         yield (
-            f"body '{body.name}': density = {density:g} Mg/m3 is more than any matter has, and compression waves travel at {body.material.waveSpeed:.3g} m/s only; "
+            f"body '{body.name}': density = {density:g} Mg/m3 is more than any matter has, and compression "
+            f"waves travel at {body.material.waveSpeed:.3g} m/s only; "
             f"units are Mg/m3, m and kPa: is the density in kg/m3?"
         )
     if body.material.waveSpeed > FASTEST:
         yield (
-            f"body '{body.name}': compression waves travel at {body.material.waveSpeed:.3g} m/s, faster than in any solid; units are Mg/m3, m "
+            f"body '{body.name}': compression waves travel at {body.material.waveSpeed:.3g} m/s, faster than "
+            "in any solid; units are Mg/m3, m "
             f"and kPa: is the stiffness in Pa?"
         )
 
@@ -117,17 +135,20 @@ def _beyondYield(body):
         "give a stress inside the yield surface"
         if bearable is None
         else (
-            f"where the vertical stress is {vertical:.3g} kPa it bears K0 from {bearable[0]:.4g} to {bearable[1]:.4g}, given is {horizontal / vertical:.4g}"
+            f"where the vertical stress is {vertical:.3g} kPa it bears K0 from {bearable[0]:.4g} to "
+            f"{bearable[1]:.4g}, given is {horizontal / vertical:.4g}"
         )
     )
     yield (
-        f"body '{body.name}': {100 * count / body.count:.3g} % of its particles start with a stress outside the yield surface of "
+        f"body '{body.name}': {100 * count / body.count:.3g} % of its particles start with a stress outside "
+        "the yield surface of "
         f"{type(body.material).__name__}, and the first step changes it by up to {change:.3g} kPa; {advice}"
     )
 
 
 def _bearableK0(material, vertical, up):
-    """Least and largest K0 that a material bears at a vertical stress, by bisection from K0 = 1; None if it does not bear that."""
+    """Least and largest K0 that a material bears at a vertical stress, by bisection from K0 = 1; None if it
+    does not bear that."""
 
     def bears(K0):
         stress = vertical * np.diag([1.0 if k == up else K0 for k in range(3)])
@@ -159,6 +180,7 @@ def _bending(body):
     faults += [f"thinner than a cell ({thin:.3g} of {cell:.3g} m)"] if thin < (1 - 1e-6) * cell else []
     if faults:
         yield (
-            f"body '{body.name}' is {' and '.join(faults)}: its bending stiffness is wrong, by a factor and more; give two particles or more "
+            f"body '{body.name}' is {' and '.join(faults)}: its bending stiffness is wrong, by a factor and "
+            "more; give two particles or more "
             f"across it and a cell no larger than its thickness, half of it for bending (doc/sheet-pile.md)"
         )

@@ -27,7 +27,8 @@ where : region; facets whose centre is inside are loaded (default: all boundary 
             pairs % 1
         ).any():
             raise ValueError(
-                f"BoundaryLoad: facets name domains that '{self.body}' does not have; make the load from the body"
+                f"BoundaryLoad: facets name domains that '{self.body}' does not have; make the load from the "
+                "body"
             )
 
     def __init__(self, body, where=None, **attributes):

@@ -13,9 +13,11 @@ from .engine import NO_CALL, Engine
 
 
 class Callback(Engine):
-    """Base of engines that call back into Python: every `iterPeriod` steps or every `virtPeriod` s of scene time.
+    """Base of engines that call back into Python: every `iterPeriod` steps or every `virtPeriod` s of scene
+    time.
 
-    A class that adds `spec()`, a dict of constructor arguments that JSON can hold, is restored from checkpoints.
+    A class that adds `spec()`, a dict of constructor arguments that JSON can hold, is restored from
+    checkpoints.
     """
 
     def __init__(self, iterPeriod=0, virtPeriod=0.0, **attributes):
@@ -54,7 +56,8 @@ class PyRunner(Callback):
 
     Parameters
     ----------
-    command : function of no argument, or of the scene; or a string that is executed in __main__, with `scene` defined.
+    command : function of no argument, or of the scene; or a string that is executed in __main__, with `scene`
+        defined.
     iterPeriod : steps between calls. virtPeriod : scene time between calls, s. One of the two is needed.
     """
 

@@ -42,7 +42,8 @@ def checkOrder(engines, scheme):
     if isKindTwice or isEngineTwice or places != sorted(places):
         raise ValueError(
             f"Scene: engines {', '.join(stages)} do not make a step; under {scheme} the order is "
-            f"{', '.join(ORDER[scheme])}, each once, loads (and RigidContact, in their place) as many as you like"
+            f"{', '.join(ORDER[scheme])}, each once, loads (and RigidContact, in their place) as many as you "
+            "like"
         )
 
 

@@ -13,7 +13,8 @@ class Contact(generated["Contact"]):
 
         scene.add("pile", shaft, steel, mpm.APDI(size=0.125), group="pile")
         contact = mpm.Contact(friction=0.4)
-        scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(...), contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+        scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(...), contact, mpm.GridToParticle(),
+        mpm.DomainUpdater()]
 """
     )
 
@@ -27,7 +28,8 @@ class Contact(generated["Contact"]):
         for name, value in (("friction", friction), ("adhesion", adhesion)):
             if not (isinstance(value, (int, float, np.number)) and value >= 0):
                 raise ValueError(
-                    f"Contact: {name} = {value!r} between '{first}' and '{second}'; give zero or a positive number"
+                    f"Contact: {name} = {value!r} between '{first}' and '{second}'; give zero or a positive "
+                    "number"
                 )
         self._pairs[first, second] = float(friction), float(adhesion)
         if self._groups:
@@ -64,19 +66,21 @@ class Contact(generated["Contact"]):
     )
     gridLoss = property(
         lambda self: self.core.gridLoss,
-        doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative (doc/contact.md).",
+        doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative "
+        "(doc/contact.md).",
     )
     reduced = property(
         lambda self: self.core.reduced,
-        doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut (doc/contact.md).",
+        doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut "
+        "(doc/contact.md).",
     )
 
     def contactTable(self):
         """Dict of arrays over the nodes in contact in the last step.
 
-        first, second : names of the groups; node (n, 3), m; normal (n, 3), from the first to the second; gap, m (negative:
-        overlap); area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, the rate of the first
-        against the second (RigidContact: a length).
+        first, second : names of the groups; node (n, 3), m; normal (n, 3), from the first to the second; gap,
+        m (negative: overlap); area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, the rate
+        of the first against the second (RigidContact: a length).
         """
         rows = np.reshape(self.core.table, (-1, 16))
         names = np.array(self._groups or [""], object)
@@ -92,11 +96,13 @@ class Contact(generated["Contact"]):
         }
 
     def forces(self):
-        """Dict (A, B) -> force on group B by group A in the last step, kN (3,), for all pairs of groups; zero where they do not meet."""
+        """Dict (A, B) -> force on group B by group A in the last step, kN (3,), for all pairs of groups; zero
+        where they do not meet."""
         return self._byPair(self.core.forces)
 
     def forceImpulses(self):
-        """Dict (A, B) -> time integral of the force on group B by group A since the start, kN s (3,), for all pairs of groups."""
+        """Dict (A, B) -> time integral of the force on group B by group A since the start, kN s (3,), for all
+        pairs of groups."""
         return self._byPair(self.impulses)
 
     def _byPair(self, values):

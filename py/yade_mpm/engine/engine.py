@@ -10,7 +10,8 @@ NO_CALL = 1 << 30  # steps: more than any run takes between two looks
 
 
 def belongTo(scene, part):
-    """Gives an engine or a prescribed motion to a scene; another scene's is refused, for it sums up work, rows or frames."""
+    """Gives an engine or a prescribed motion to a scene; another scene's is refused, for it sums up work,
+    rows or frames."""
     if part._owner is not None and part._owner() is not scene:
         raise ValueError(
             f"{type(part).__name__}: it was used by another scene; make a new one for each scene"
@@ -52,7 +53,8 @@ class Engine(Attributed):
         return []
 
     def stepsToCall(self, scene):
-        """After so many steps Python may have been called, and certainly not before: the run looks then whether to stop."""
+        """After so many steps Python may have been called, and certainly not before: the run looks then
+        whether to stop."""
         return NO_CALL
 
 

@@ -18,9 +18,9 @@ FACES = {
 class Prescribed(Guarded):
     """A prescribed velocity; base of `Drive` and `Hold`.
 
-    Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D), both
-    exerted by the constraint on the material (2D: per metre). Since the start: `work` kJ, and `impulse` (dim,) kN s, the time
-    integral of the reaction, whose difference between two times makes the mean.
+    Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D),
+    both exerted by the constraint on the material (2D: per metre). Since the start: `work` kJ, and `impulse`
+    (dim,) kN s, the time integral of the reaction, whose difference between two times makes the mean.
     """
 
     _owner = None
@@ -69,11 +69,13 @@ class Prescribed(Guarded):
 
     @property
     def reaction(self):
-        """Force on the material in the last step, kN (2D: kN/m). RuntimeError as long as it is in no scene that was run."""
+        """Force on the material in the last step, kN (2D: kN/m). RuntimeError as long as it is in no scene
+        that was run."""
         if not self.hasBegun:
             kind = type(self).__name__
             raise RuntimeError(
-                f"{kind}: '{self.name}' is in no scene that was run; give it to GridSolver({kind.lower()}=...) and run the scene"
+                f"{kind}: '{self.name}' is in no scene that was run; give it to "
+                f"GridSolver({kind.lower()}=...) and run the scene"
             )
         return np.array(self.core.reaction)[: self.dim]
 
@@ -93,8 +95,8 @@ class Drive(Prescribed):
 
     Parameters
     ----------
-    part : part of a body: `body.above(y)`, `body.below(y)` (looked up anew in every step), `body.inside(region)`,
-        `body.all()`, or a body.
+    part : part of a body: `body.above(y)`, `body.below(y)` (looked up anew in every step),
+        `body.inside(region)`, `body.all()`, or a body.
     velocity : m/s, one component per axis; None leaves a direction free.
     ramp : s, time over which the velocity grows from zero; default 0.
     name : for histories; default "drive".
@@ -127,7 +129,8 @@ class Drive(Prescribed):
                 (heights > self.core.lower[self.dim - 1]) & (heights <= self.core.upper[self.dim - 1])
             ).any():
                 raise ValueError(
-                    f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}; its particles are at "
+                    f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}; its "
+                    "particles are at "
                     f"heights from {heights.min():g} to {heights.max():g} m"
                 )
         super().bind(scene)
@@ -138,8 +141,8 @@ class Hold(Prescribed):
 
     Parameters
     ----------
-    where : name of a face ("left", "right", "bottom", "top"; in 3D also "front", "back") or a region. Nodes on and
-        behind a face are held.
+    where : name of a face ("left", "right", "bottom", "top"; in 3D also "front", "back") or a region. Nodes
+        on and behind a face are held.
     velocity : m/s, one component per axis; None leaves a direction free.
     ramp : s, time over which the velocity grows from zero; default 0.
     name : for histories; default the name of the face or "hold".
@@ -160,7 +163,8 @@ class Hold(Prescribed):
         nodes = scene.faceNodes(self.where) if isinstance(self.where, str) else scene.nodesInside(self.where)
         if len(nodes) == 0:
             raise ValueError(
-                f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell size)"
+                f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell "
+                "size)"
             )
         self.core.nodes = np.ascontiguousarray(nodes, np.int32)
         self.core.centre = list(scene.nodePositions()[nodes].mean(axis=0))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Shapes of rigid bodies for `RigidContact`, in the frame of their body: coordinates with two (z = 0) or three numbers, m.
+"""Shapes of rigid bodies for `RigidContact`, in the frame of their body: coordinates with two (z = 0) or
+three numbers, m.
 
 In a 2D scene a sphere is a disc, a box a rectangle, a facet a segment, all per metre of thickness.
 """
@@ -31,7 +32,8 @@ class Sphere(Shape):
 class Box(Shape):
     """Box (2D: rectangle).
 
-    halfSize : half edges, m, two or three numbers. centre : m. orientation : unit quaternion (w, x, y, z) against the body.
+    halfSize : half edges, m, two or three numbers. centre : m. orientation : unit quaternion (w, x, y, z)
+        against the body.
     """
 
     halfSize: tuple
@@ -55,7 +57,8 @@ class Box(Shape):
 
 @dataclass
 class Wall(Shape):
-    """Half-space. normal : out of the wall, into the room where the soil is. point : one on its surface, m."""
+    """Half-space. normal : out of the wall, into the room where the soil is. point : one on its surface,
+    m."""
 
     normal: tuple
     point: tuple = (0.0, 0.0, 0.0)

@@ -12,8 +12,9 @@ class RigidContact(generated["RigidContact"]):
         generated["RigidContact"].__doc__
         + """
 
-Rigid bodies are added by `addBody` and moved by `setStates`, by YADE or a callback; until they are set anew they move on with
-their velocities. All arrays have a row per rigid body and three columns, in 2D scenes, too."""
+Rigid bodies are added by `addBody` and moved by `setStates`, by YADE or a callback; until they are set anew
+they move on with their velocities. All arrays have a row per rigid body and three columns, in 2D scenes,
+too."""
     )
 
     def addBody(
@@ -27,7 +28,8 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
     ):
         """Adds a rigid body and returns its number.
 
-        shapes : `rigid.Sphere`, `Box`, `Wall` or `Facet`, or a list of them (a clump), in the frame of the body.
+        shapes : `rigid.Sphere`, `Box`, `Wall` or `Facet`, or a list of them (a clump), in the frame of the
+            body.
         friction : coefficient, -. position : m; orientation : unit quaternion (w, x, y, z); velocity : m/s;
         angularVelocity : rad/s.
         """
@@ -45,7 +47,8 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
         )
         if not abs(np.linalg.norm(state[3:7]) - 1) < 1e-6:
             raise ValueError(
-                f"RigidContact: orientation = {orientation!r} is not allowed; give a unit quaternion (w, x, y, z)"
+                f"RigidContact: orientation = {orientation!r} is not allowed; give a unit quaternion (w, x, "
+                "y, z)"
             )
         rows = [x for shape in shapes for x in shapeRow(number, shape)]
         self.core.set("friction", [*self.friction, friction])
@@ -59,7 +62,8 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
         return list(self.friction)
 
     def setStates(self, positions, orientations, velocities, angularVelocities):
-        """Positions (N, 3) m, orientations (N, 4) as (w, x, y, z), velocities (N, 3) m/s, angular velocities (N, 3) rad/s."""
+        """Positions (N, 3) m, orientations (N, 4) as (w, x, y, z), velocities (N, 3) m/s, angular velocities
+        (N, 3) rad/s."""
         self.core.setStates(
             *(
                 np.ascontiguousarray(a, np.float64)
@@ -91,7 +95,8 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
     )
 
     def takeImpulses(self):
-        """Integrals of forces and torques over the time since the last call, kN s and kN m s: (N, 3), (N, 3); for sub-cycling."""
+        """Integrals of forces and torques over the time since the last call, kN s and kN m s: (N, 3), (N, 3);
+        for sub-cycling."""
         taken = np.reshape(self.core.value("impulses"), (-1, 6))
         self.core.clearImpulses()
         return taken[:, :3], taken[:, 3:]
@@ -99,9 +104,10 @@ their velocities. All arrays have a row per rigid body and three columns, in 2D 
     def contactTable(self):
         """Dict of arrays over the contacts of the last step.
 
-        soil : number of the body in scene.bodies; body : rigid body; id : particle (uGIMP) or vertex (APDI); normal (n, 3), out
-        of the rigid body; slip (n, 3), m, held by the tangential spring; point (n, 3), m, the vertex, or where the
-        particle would be had it moved as it is strained; gap, m; force (n, 3), kN, on the soil.
+        soil : number of the body in scene.bodies; body : rigid body; id : particle (uGIMP) or vertex (APDI);
+        normal (n, 3), out of the rigid body; slip (n, 3), m, held by the tangential spring; point (n, 3), m,
+        the vertex, or where the particle would be had it moved as it is strained; gap, m; force (n, 3), kN,
+        on the soil.
         """
         rows = np.reshape(self.core.value("history"), (-1, 16))
         table = {name: rows[:, k].astype(int) for k, name in enumerate(("soil", "body", "id"))}

@@ -46,8 +46,9 @@ def cellsInside(region, lower, upper, spacing, name):
 def cutCells(region, lower, upper, spacing, name):
     """Lattice cells, of which those that the boundary of the region cuts count with the part inside.
 
-    Arguments, order and errors are those of `latticePoints`. Returns the centroids (N, dim) of the parts inside, their share
-    of a cell (N,), from 64 x 64 or 16 x 16 x 16 samples, and the numbers (N, dim) of the cells. Parts below a hundredth of a cell are left out.
+    Arguments, order and errors are those of `latticePoints`. Returns the centroids (N, dim) of the parts
+    inside, their share of a cell (N,), from 64 x 64 or 16 x 16 x 16 samples, and the numbers (N, dim) of the
+    cells. Parts below a hundredth of a cell are left out.
     """
     spacing = asSpacing(spacing, region.dim, name)
     lower, upper = _asGrid(lower, upper, region, name)
@@ -62,8 +63,9 @@ def cutCells(region, lower, upper, spacing, name):
 def cutOutline(region, lower, upper, spacing, name, numbers, centroids):
     """The outline of a region as facets, each carried by one of the cells that `cutCells` returns.
 
-    The first arguments are those of `cutCells`. numbers, centroids: (N, dim), what it returns. Returns for each facet the row of
-    its cell (K,), where its middle is from the centroid (K, dim), m, and its outward area vector (K, dim), m2 (2D: m).
+    The first arguments are those of `cutCells`. numbers, centroids: (N, dim), what it returns. Returns for
+    each facet the row of its cell (K,), where its middle is from the centroid (K, dim), m, and its outward
+    area vector (K, dim), m2 (2D: m).
     """
     spacing = asSpacing(spacing, region.dim, name)
     lower, upper = _asGrid(lower, upper, region, name)
@@ -79,7 +81,8 @@ def cutOutline(region, lower, upper, spacing, name, numbers, centroids):
 
 
 def _samples(region, lower, spacing, numbers, steps):
-    """Centroids and shares of what is inside of some lattice cells, from samples at `steps` along each edge."""
+    """Centroids and shares of what is inside of some lattice cells, from samples at `steps` along each
+    edge."""
     offsets = np.stack(np.meshgrid(*[steps] * region.dim, indexing="ij"), axis=-1).reshape(-1, region.dim)
     centroids, shares = np.zeros(numbers.shape), np.zeros(len(numbers))
     for chunk in np.array_split(np.arange(len(numbers)), 1 + len(numbers) * len(offsets) // 10**6):

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers a mesh row by row.
 
-The solver takes several domains of a row at a time where each of their corners has the next number in the next domain. Mesh generators
-seldom number like that. A row is entered at one facet of a cell and left at the opposite one; it ends at the boundary, or at a cell
-of another row. The rows beside it come next, so that neighbours are near each other in memory, too.
+The solver takes several domains of a row at a time where each of their corners has the next number in the
+next domain. Mesh generators seldom number like that. A row is entered at one facet of a cell and left at the
+opposite one; it ends at the boundary, or at a cell of another row. The rows beside it come next, so that
+neighbours are near each other in memory, too.
 """
 
 from collections import deque
@@ -17,9 +18,9 @@ from .mesh import CORNERS, Mesh
 class _Cube:
     """The unit cell: its facets, and the rotations that turn it into itself.
 
-    sides: corners of facet 2 k + s, where unit coordinate k is s; those of opposite facets in the same order. rotations: corner r[a] of a
-    cell is corner a of the turned one. turnedSide[r][f]: facet of the cell that is facet f of the turned one. product[q][r]: number of
-    rotation q after r.
+    sides: corners of facet 2 k + s, where unit coordinate k is s; those of opposite facets in the same order.
+    rotations: corner r[a] of a cell is corner a of the turned one. turnedSide[r][f]: facet of the cell that
+    is facet f of the turned one. product[q][r]: number of rotation q after r.
     """
 
     def __init__(self, dim):
@@ -50,14 +51,16 @@ class _Cube:
 def inRows(mesh):
     """The same mesh with cells and vertices numbered row by row: a step takes 0.5 to 0.9 of the time.
 
-    mesh: Mesh. Returns a Mesh; its `cellNumbers` (Nc,) tell which cell of the given one each of its cells is. Corner 0 of a cell may be
-    another one than before, its corners go round as before. The first row goes along the first axis through the lowest cell.
-    scene.add does this with the name of a mesh file; meshes from arrays keep their numbers:
-    scene.add("soil", inRows(meshFromArrays(points, cells, "soil")), material, APDI()). Raises TypeError for anything but a Mesh.
+    mesh: Mesh. Returns a Mesh; its `cellNumbers` (Nc,) tell which cell of the given one each of its cells is.
+    Corner 0 of a cell may be another one than before, its corners go round as before. The first row goes
+    along the first axis through the lowest cell. scene.add does this with the name of a mesh file; meshes
+    from arrays keep their numbers: scene.add("soil", inRows(meshFromArrays(points, cells, "soil")), material,
+    APDI()). Raises TypeError for anything but a Mesh.
     """
     if not isinstance(mesh, Mesh):
         raise TypeError(
-            f"inRows: got a {type(mesh).__name__}; give a Mesh, as meshFromArrays(points, cells, name) and meshFromFile(path, name) return it"
+            f"inRows: got a {type(mesh).__name__}; give a Mesh, as meshFromArrays(points, cells, name) and "
+            "meshFromFile(path, name) return it"
         )
     order, points, cells = _rows(mesh.points, mesh.cells)
     numbers = np.empty(len(points), int)
@@ -70,8 +73,8 @@ def inRows(mesh):
 
 
 def _rows(points, cells):
-    """Cells in the order of rows (Nc,), points in the order in which these meet them (Nv,), and corners (Nc, 4 or 8) of the cells in that
-    order, turned so that rows go from corner 0 to corner 1."""
+    """Cells in the order of rows (Nc,), points in the order in which these meet them (Nv,), and corners (Nc,
+    4 or 8) of the cells in that order, turned so that rows go from corner 0 to corner 1."""
     cube = _Cube(points.shape[1])
     neighbour, turn = (table.tolist() for table in _neighbours(cells, cube))
     low, high = cube.sides[0].tolist(), cube.sides[1].tolist()
@@ -122,7 +125,8 @@ def _rows(points, cells):
 
 
 def _neighbours(cells, cube):
-    """Cell behind each facet (Nc, 2 dim), -1: none, and the rotation that makes its sides parallel to those of the cell."""
+    """Cell behind each facet (Nc, 2 dim), -1: none, and the rotation that makes its sides parallel to those
+    of the cell."""
     facets = np.sort(cells[:, cube.sides].reshape(-1, cube.sides.shape[1]), axis=1)
     order = np.lexsort(facets.T)
     isPair = np.all(facets[order[1:]] == facets[order[:-1]], axis=1)

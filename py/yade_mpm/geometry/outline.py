@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The outline of a region as facets, one in each lattice cell that it cuts: marching squares or cubes without connectivity.
+"""The outline of a region as facets, one in each lattice cell that it cuts: marching squares or cubes without
+connectivity.
 
-What the corners of the cells are decides; the outline crosses an edge between an inner and an outer corner, at a place found by
-bisection. The part of each face of a cell that is inside follows, and by the theorem of Gauss the area vector of the outline in
-the cell: minus the sum over its faces. So the facets of a body close exactly. Corners of the outline within a cell are cut off.
+What the corners of the cells are decides; the outline crosses an edge between an inner and an outer corner,
+at a place found by bisection. The part of each face of a cell that is inside follows, and by the theorem of
+Gauss the area vector of the outline in the cell: minus the sum over its faces. So the facets of a body close
+exactly. Corners of the outline within a cell are cut off.
 """
 
 from itertools import product
@@ -11,7 +13,9 @@ from itertools import product
 import numpy as np
 from scipy.spatial import cKDTree
 
-_INSET = 1e-6  # of the spacing; corners are asked that far inside their cell, so that outlines on the lattice lie between cells
+# of the spacing; corners are asked that far inside their cell, so that outlines on the lattice lie between
+# cells
+_INSET = 1e-6
 _LEAST = 1e-3  # of a face; smaller facets are left out
 _SMALL = 0.2  # of a face; smaller facets are joined to the next
 _ROUNDS = 30  # of bisection
@@ -21,9 +25,10 @@ _BULGE = 0.1  # of the spacing; how far the middle of a facet may be from the ou
 def outlineFacets(region, lower, spacing, numbers):
     """Facets of a region's outline in the cells of a lattice.
 
-    region: Region. lower, spacing: (dim,) corner of the lattice and edges of a cell, m. numbers: (M, dim) int, all cells of a block
-    of the lattice that holds the region, first axis fastest. Returns for each facet the row of its cell in `numbers` (K,), its
-    middle (K, dim), m, and its area vector (K, dim), outward, m2 (2D: m).
+    region: Region. lower, spacing: (dim,) corner of the lattice and edges of a cell, m. numbers: (M, dim)
+    int, all cells of a block of the lattice that holds the region, first axis fastest. Returns for each facet
+    the row of its cell in `numbers` (K,), its middle (K, dim), m, and its area vector (K, dim), outward, m2
+    (2D: m).
     """
     dim, shape = region.dim, np.ptp(numbers, axis=0) + 1
     corners = np.array(list(product((0, 1), repeat=dim)))
@@ -69,7 +74,8 @@ def _cornerPoints(lower, spacing, numbers, corners):
 
 
 def _crossings(region, points, inside, corners):
-    """Where the outline crosses the edges of cells, in units of the cell (M, dim, edges along an axis, dim); nan: nowhere."""
+    """Where the outline crosses the edges of cells, in units of the cell (M, dim, edges along an axis, dim);
+    nan: nowhere."""
     dim = corners.shape[1]
     found = np.full((len(points), dim, 2 ** (dim - 1), dim), np.nan)
     for k in range(dim):
@@ -90,7 +96,8 @@ def _crossings(region, points, inside, corners):
 
 
 def _faces(inside, mixed, crossing, corners):
-    """Area (M, dim, 2) and first moment (M, dim, 2, dim) of the part inside of each face of each cell, in units of the cell."""
+    """Area (M, dim, 2) and first moment (M, dim, 2, dim) of the part inside of each face of each cell, in
+    units of the cell."""
     count, dim = len(inside), corners.shape[1]
     area = np.broadcast_to(np.where(inside.all(axis=1), 1.0, 0.0)[:, None, None], (count, dim, 2)).copy()
     moment = area[..., None] * 0.5 * (1 - np.eye(dim))[:, None]
@@ -161,7 +168,8 @@ def _shifted(values, k, side, shape):
 
 
 def _joined(rows, middles, outwards, small):
-    """Facets, those smaller than `small` joined to the next that faces the same way: their direction is not well known."""
+    """Facets, those smaller than `small` joined to the next that faces the same way: their direction is not
+    well known."""
     size = np.linalg.norm(outwards, axis=1)
     large, few = size >= small, np.flatnonzero(size < small)
     if not large.any():

@@ -54,7 +54,8 @@ class Ball(Primitive):
     def __init__(self, kind, dim, centre, radius):
         if hasattr(centre, "__len__") and len(centre) == 5 - dim:
             raise ValueError(
-                f"{kind}: centre = {centre!r} must have {dim} coordinates; {'in 2D give a disc()' if dim == 3 else 'in 3D give a sphere()'}"
+                f"{kind}: centre = {centre!r} must have {dim} coordinates; "
+                f"{'in 2D give a disc()' if dim == 3 else 'in 3D give a sphere()'}"
             )
         self._centre = vector(kind, "centre", centre, dim)
         self._radius = float(numbers(kind, "radius", radius, shape=()))

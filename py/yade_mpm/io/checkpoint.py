@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Checkpoint files: the description of a scene and its arrays in HDF5.
 
-Layout, format 2: root attributes `format`, `formatVersion`, `package`; dataset `scene`, UTF-8 text of a JSON object with
-everything but arrays; groups `bodies/0`, `bodies/1` ... with `particles/FIELD` (one row per particle, in the order of
-the solver), `domains/FIELD` and `tables/NAME` (how particles and vertices are grouped and connected). Datasets carry
-a checksum.
+Layout, format 2: root attributes `format`, `formatVersion`, `package`; dataset `scene`, UTF-8 text of a JSON
+object with everything but arrays; groups `bodies/0`, `bodies/1` ... with `particles/FIELD` (one row per
+particle, in the order of the solver), `domains/FIELD` and `tables/NAME` (how particles and vertices are
+grouped and connected). Datasets carry a checksum.
 """
 
 import json
@@ -53,8 +53,9 @@ def read(file):
     ----------
     file : str, name of the file.
 
-    Returns the dict that was written, and for each body a dict with the dicts "particles", "domains" and "tables".
-    Raises FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or of another format.
+    Returns the dict that was written, and for each body a dict with the dicts "particles", "domains" and
+    "tables". Raises FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or of
+    another format.
     """
     if not os.path.isfile(file):
         raise FileNotFoundError(f"checkpoint '{file}' does not exist")

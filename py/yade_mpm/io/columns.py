@@ -10,7 +10,8 @@ from ..check import diagnostics
 
 
 class Columns(dict):
-    """Columns that the user adds: name, or tuple of names -> function of the scene, expression as text, or None (nan)."""
+    """Columns that the user adds: name, or tuple of names -> function of the scene, expression as text, or
+    None (nan)."""
 
     def __init__(self, columns):
         super().__init__()
@@ -34,7 +35,8 @@ class Columns(dict):
         super().__setitem__(name, column)
 
     def measure(self, name, scene):
-        """(name, value) of a column now, or of each of several; ValueError, which ends the run, where one is no number or raises something."""
+        """(name, value) of a column now, or of each of several; ValueError, which ends the run, where one is
+        no number or raises something."""
         column = self[name]
         if column is None:
             return [(one, math.nan) for one in namesOf(name)]
@@ -49,7 +51,8 @@ class Columns(dict):
             ]
         except Exception as error:
             raise ValueError(
-                f"History: column '{name}' ({column if isinstance(column, str) else 'a function'}) gives no number: {type(error).__name__}: "
+                f"History: column '{name}' ({column if isinstance(column, str) else 'a function'}) gives no "
+                f"number: {type(error).__name__}: "
                 f"{error}"
             ) from error
 

@@ -11,8 +11,8 @@ import numpy as np
 
 @contextmanager
 def replacing(file):
-    """Name to write a file under, which takes the place of `file` at the end of the `with` block. After an error what was written is
-    removed, and an older file of that name is as it was."""
+    """Name to write a file under, which takes the place of `file` at the end of the `with` block. After an
+    error what was written is removed, and an older file of that name is as it was."""
     part = f"{os.fspath(file)}.{os.getpid()}-{threading.get_ident()}.part"
     try:
         yield part

@@ -35,8 +35,8 @@ _standard = ("stress", "velocity", "displacement", "volumeRatio", "meanStress")
 class Frame:
     """Cells and cell data of some bodies as arrays.
 
-    points (Np, 3) m; topology: connectivity, offsets (N+1), types, and the number of points; data: dict name -> (N,),
-    (N, 3) or (N, 9); units: dict name -> text.
+    points (Np, 3) m; topology: connectivity, offsets (N+1), types, and the number of points; data: dict name
+    -> (N,), (N, 3) or (N, 9); units: dict name -> text.
     """
 
     def __init__(self, numbered, fields=None):
@@ -99,7 +99,8 @@ def _values(body, name):
 
 
 def _three(values):
-    """Vectors and tensors with three components per axis, zero where there were two; tensors as rows of nine."""
+    """Vectors and tensors with three components per axis, zero where there were two; tensors as rows of
+    nine."""
     if values.ndim == 1:
         return values
     if values.shape[1:] not in ((3,), (3, 3)):

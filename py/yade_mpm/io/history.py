@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Time histories: reactions, energies and diagnostics as columns in memory, in CSV, and in the recorder's file."""
+"""Time histories: reactions, energies and diagnostics as columns in memory, in CSV, and in the recorder's
+file."""
 
 import math
 import os
@@ -25,29 +26,33 @@ class History(Callback):
     Parameters
     ----------
     period : scene time between rows, s; or iterPeriod : steps between rows. One of the two is needed.
-    file : name of a CSV file with one column each and the units in the header; default: none. Besides, the columns go
-        to /history (/history/`label` if the engine has a label) of the file of the first Recorder of the scene.
-    columns : dict name -> function of the scene that returns a number, or such an expression as text in which `scene`
-        and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}; or tuple of names -> function that returns a number
-        for each. A checkpoint can keep only text; give functions again after loading (`history.columns["toe"] = ...`), the
-        column is nan until then.
-    average : reactions, moments and forces of contact are means over all steps since the row before instead of values of the last step.
-        Default True: explicit dynamics makes the value of one step noisy.
-    state : rows of the run that is to be continued; given by checkpoints. The files are made to hold just these.
+    file : name of a CSV file with one column each and the units in the header; default: none. Besides, the
+        columns go to /history (/history/`label` if the engine has a label) of the file of the first Recorder
+        of the scene.
+    columns : dict name -> function of the scene that returns a number, or such an expression as text in which
+        `scene` and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}; or tuple of
+        names -> function that returns a number for each. A checkpoint can keep only text; give functions
+        again after loading (`history.columns["toe"] = ...`), the column is nan until then.
+    average : reactions, moments and forces of contact are means over all steps since the row before instead
+        of values of the last step. Default True: explicit dynamics makes the value of one step noisy.
+    state : rows of the run that is to be continued; given by checkpoints. The files are made to hold just
+        these.
 
-    Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces): NAME.fx,
-    NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz (3D: mx, my, mz);
-    with a `Contact` among the engines contact.A-B.fx, contact.A-B.fy (, .fz), the force on group B by group A for each pair of
-    groups, contact.frictionWork and, of the last step, contact.largestPenetration (see `Contact`);
-    mass, momentum.x ..., kineticEnergy, internalWork, externalWork, dampedEnergy, contactEnergy, energyError, workDone,
-    kineticRatio, unbalancedRatio, minJacobian, hourglassAmplitude, distortedCount, invertedCount, convertedCount (see
+    Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces):
+    NAME.fx, NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz
+    (3D: mx, my, mz); with a `Contact` among the engines contact.A-B.fx, contact.A-B.fy (, .fz), the force on
+    group B by group A for each pair of groups, contact.frictionWork and, of the last step,
+    contact.largestPenetration (see `Contact`); mass, momentum.x ..., kineticEnergy, internalWork,
+    externalWork, dampedEnergy, contactEnergy, energyError, workDone, kineticRatio, unbalancedRatio,
+    minJacobian, hourglassAmplitude, distortedCount, invertedCount, convertedCount (see
     `yade_mpm.diagnostics`). A value that does not exist is nan.
 
-    energyError = externalWork - dampedEnergy - contactEnergy - internalWork - (kineticEnergy - kinetic energy at the start).
+    energyError = externalWork - dampedEnergy - contactEnergy - internalWork - (kineticEnergy - kinetic energy
+    at the start).
 
-    Rows are written at the end of a run and every 5 s of wall time. Raises ValueError for arguments that are not
-    allowed, TypeError for a column that is no function, OSError for a file that cannot be written; all before the first
-    step.
+    Rows are written at the end of a run and every 5 s of wall time. Raises ValueError for arguments that are
+    not allowed, TypeError for a column that is no function, OSError for a file that cannot be written; all
+    before the first step.
     """
 
     def __init__(
@@ -88,7 +93,8 @@ class History(Callback):
         """Column as an array (rows,)."""
         if not self._data:
             raise KeyError(
-                "History: it has no rows yet; give it to scene.engines, and run the scene for a period or longer"
+                "History: it has no rows yet; give it to scene.engines, and run the scene for a period or "
+                "longer"
             )
         if name not in self._data:
             raise KeyError(f"there is no column '{name}'; columns: {', '.join(self._data)}")
@@ -102,7 +108,8 @@ class History(Callback):
         ]
 
     def spec(self):
-        """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew, rows included."""
+        """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew, rows
+        included."""
         columns = {
             name: c if isinstance(c, str) else None
             for key, c in self._columns.items()

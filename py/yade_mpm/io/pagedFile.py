@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""HDF5 files that are appended to all or nothing: whenever the process is killed, a reader finds them whole."""
+"""HDF5 files that are appended to all or nothing: whenever the process is killed, a reader finds them
+whole."""
 
 import io
 import os
@@ -15,9 +16,9 @@ PAGE = 4096
 def appendingTo(file):
     """An HDF5 file open for changes that reach the disk at the end, all or nothing.
 
-    What lies behind the old end is written first, where no reader looks. The changed pages of the old part go to
-    `file`.journal, then into the file, and the journal is removed: whenever the process is killed, the file is as it
-    was, or `recover` completes it. Nothing is written if the body of the `with` raises.
+    What lies behind the old end is written first, where no reader looks. The changed pages of the old part go
+    to `file`.journal, then into the file, and the journal is removed: whenever the process is killed, the
+    file is as it was, or `recover` completes it. Nothing is written if the body of the `with` raises.
     """
     recover(file)
     with PagedFile(file) as pages:
@@ -45,7 +46,7 @@ class PagedFile(io.RawIOBase):
 
     def __init__(self, path):
         self.path = os.fspath(path)
-        self._base = open(path, "rb")
+        self._base = open(path, "rb")  # noqa: SIM115 - close() closes it
         self._oldSize = self._size = os.fstat(self._base.fileno()).st_size
         self._pages, self._at = {}, 0
 

@@ -38,7 +38,8 @@ def measured(scene, means, initialEnergy):
     Parameters
     ----------
     scene : Scene
-    means : dict name -> mean of what `timeIntegrals` has, since the last row; values of the last step where missing.
+    means : dict name -> mean of what `timeIntegrals` has, since the last row; values of the last step where
+        missing.
     initialEnergy : float, kJ, kinetic energy at the start.
     """
     row = {}

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Recording of the particles in VTKHDF, which ParaView, the vtk library and h5py open.
 
-Layout: VTKHDF 2.0, UnstructuredGrid with Steps (https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format).
-A frame whose connectivity is that of the frame before shares it ("part" of the format), so that only points and
-cell data grow.
+Layout: VTKHDF 2.0, UnstructuredGrid with Steps
+(https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format). A frame whose connectivity is that of
+the frame before shares it ("part" of the format), so that only points and cell data grow.
 """
 
 import os
@@ -36,26 +36,28 @@ class Recorder(Callback):
 
     Parameters
     ----------
-    file : name of the file, ending in .vtkhdf or .hdf, by which ParaView knows it (with another, such as .h5, it asks for the reader:
-        VTKHDF Reader). A new run overwrites it, but not before the first step; a run continued from a checkpoint cuts off the frames after the
-        checkpoint's time and appends.
+    file : name of the file, ending in .vtkhdf or .hdf, by which ParaView knows it (with another, such as .h5,
+        it asks for the reader: VTKHDF Reader). A new run overwrites it, but not before the first step; a run
+        continued from a checkpoint cuts off the frames after the checkpoint's time and appends.
     period : scene time between frames, s; or iterPeriod : steps between frames. One of the two is needed.
     fields : names of particle fields (`body.fields()`), or "displacement", "volumeRatio", "meanStress",
-        "deviatoricStress" (von Mises). Default: stress, velocity, displacement, volumeRatio, meanStress and all state
-        variables of the materials. `body` (number in the order of the scene) and `id` are always there.
+        "deviatoricStress" (von Mises). Default: stress, velocity, displacement, volumeRatio, meanStress and
+        all state variables of the materials. `body` (number in the order of the scene) and `id` are always
+        there.
     bodies : bodies or their names; default: all. What a body was converted to goes with it.
     compress : gzip level, 0 to 9; default 0, not compressed: fastest.
     run : identity of the run whose file is to be continued; given by checkpoints.
 
-    Cells are the APDI domains (vertices shared) and a box around each uGIMP particle. Vectors have three components,
-    tensors nine, row by row. A state variable is nan in a body whose material has none of that name.
+    Cells are the APDI domains (vertices shared) and a box around each uGIMP particle. Vectors have three
+    components, tensors nine, row by row. A state variable is nan in a body whose material has none of that
+    name.
 
-    Every frame is complete in the file before the run goes on. If the process is killed while it writes, the old
-    file or a journal (`file`.journal) with the rest of the frame is there; `Recorder.recover(file)` and a continued run apply it.
-    No protection against loss of power is attempted.
+    Every frame is complete in the file before the run goes on. If the process is killed while it writes, the
+    old file or a journal (`file`.journal) with the rest of the frame is there; `Recorder.recover(file)` and a
+    continued run apply it. No protection against loss of power is attempted.
 
-    Raises ValueError for arguments that are not allowed or an unknown field or body, OSError for a file that cannot be
-    written, both before the first step.
+    Raises ValueError for arguments that are not allowed or an unknown field or body, OSError for a file that
+    cannot be written, both before the first step.
     """
 
     def __init__(
@@ -68,7 +70,8 @@ class Recorder(Callback):
         self._file, self._compress = os.fspath(file), compress
         if os.path.splitext(self._file)[1].lower() in OTHERS:
             raise ValueError(
-                f"Recorder: file = {self._file!r} would be taken for another format; give a name that ends in .vtkhdf"
+                f"Recorder: file = {self._file!r} would be taken for another format; give a name that ends "
+                "in .vtkhdf"
             )
         self._fields = None if fields is None else [str(f) for f in fields]
         self._bodies = None if bodies is None else [b if isinstance(b, str) else b.name for b in bodies]
@@ -84,7 +87,8 @@ class Recorder(Callback):
     frames = property(lambda self: self._frames, doc="Number of frames in the file.")
 
     def __repr__(self):
-        return f"Recorder({', '.join(f'{k}={v!r}' for k, v in self.spec().items() if v not in (None, '', 0, False))})"
+        known = {k: v for k, v in self.spec().items() if v not in (None, "", 0, False)}
+        return f"Recorder({', '.join(f'{k}={v!r}' for k, v in known.items())})"
 
     def spec(self):
         """Dict of constructor arguments, of plain types, with which a checkpoint makes the recorder anew."""
@@ -141,7 +145,8 @@ class Recorder(Callback):
 
     @staticmethod
     def recover(file):
-        """Completes a file whose writer was killed in the middle of a frame; returns whether that was needed."""
+        """Completes a file whose writer was killed in the middle of a frame; returns whether that was
+        needed."""
         return recover(file)
 
     # --- inside ---
@@ -190,7 +195,8 @@ class Recorder(Callback):
         with appendingTo(self._file) as h5:
             if h5.attrs.get("run") != self._run:
                 raise ValueError(
-                    f"Recorder: '{self._file}' is not the file that this run has written; move it away, or set "
+                    f"Recorder: '{self._file}' is not the file that this run has written; move it away, or "
+                    "set "
                     f"scene.engines to a Recorder with another file"
                 )
             self._frames, self._topology = cutAfter(h5["VTKHDF"], scene.steps)

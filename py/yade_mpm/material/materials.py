@@ -30,7 +30,8 @@ class Material(Attributed):
 
 
 def rebuilt(cls, attributes):
-    """Material with exactly these attributes; of elastic constants in two forms, the one that the other follows from."""
+    """Material with exactly these attributes; of elastic constants in two forms, the one that the other
+    follows from."""
     if not {"lame", "young"} <= set(attributes):
         return cls(**attributes)
     byLame = cls(**{name: v for name, v in attributes.items() if name not in ("young", "poisson")})
@@ -81,7 +82,8 @@ class MaterialPoint:
         return self.gradient(np.ascontiguousarray(vectors * np.expm1(values) @ vectors.T), 1.0)
 
     def gradient(self, L, dt):
-        """Applies the velocity gradient L for dt as the solver does, f = I + dt L, and returns the new stress.
+        """Applies the velocity gradient L for dt as the solver does, f = I + dt L, and returns the new
+        stress.
 
         L : (3, 3), 1/s. dt : s. Returns (3, 3), kPa. Raises ValueError when the step inverts the point.
         """

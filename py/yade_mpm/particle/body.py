@@ -40,7 +40,8 @@ class Body(Guarded):
     )
     distortedCount = property(
         lambda self: self.core.poorDomains(limits.POOR_QUALITY)[0],
-        doc="Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run stops, or converts them.",
+        doc="Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run "
+        "stops, or converts them.",
     )
     bytesPerParticle = property(
         lambda self: self.core.bytes / max(1, self.count), doc="Memory, bytes per particle."
@@ -52,7 +53,8 @@ class Body(Guarded):
         return self.count
 
     def __repr__(self):
-        return f"<Body '{self.name}': {self.count} {type(self.type).__name__} particles of {type(self.material).__name__}>"
+        kind, material = type(self.type).__name__, type(self.material).__name__
+        return f"<Body '{self.name}': {self.count} {kind} particles of {material}>"
 
     def fields(self):
         """List of dicts (name, unit, doc, shape, size) of all particle fields."""
@@ -127,9 +129,11 @@ class Body(Guarded):
 
     @property
     def isDamped(self):
-        """Whether the local damping of the GridSolver acts on the body; default True, may be changed between runs.
+        """Whether the local damping of the GridSolver acts on the body; default True, may be changed between
+        runs.
 
-        A stiff body that moves steadily and vibrates a little is braked by it, with damping times the mean of |m a|."""
+        A stiff body that moves steadily and vibrates a little is braked by it, with damping times the mean of
+        |m a|."""
         return self.core.isDamped
 
     @isDamped.setter
@@ -138,8 +142,8 @@ class Body(Guarded):
 
     @property
     def fbar(self):
-        """Whether the stress update takes one increment of volumetric strain per cell, and makes the mean stress linear in it
-        (against volumetric locking); a flag."""
+        """Whether the stress update takes one increment of volumetric strain per cell, and makes the mean
+        stress linear in it (against volumetric locking); a flag."""
         return self.core.fbar
 
     @fbar.setter
@@ -165,7 +169,8 @@ class Body(Guarded):
         )
 
     def corners(self):
-        """Corner positions of every domain, m (N, 4 or 8, dim): of the mesh, or of the box around each particle."""
+        """Corner positions of every domain, m (N, 4 or 8, dim): of the mesh, or of the box around each
+        particle."""
         if self.cells is not None:
             return self.vertices[self.cells]
         dim = self._scene.dim
@@ -175,9 +180,11 @@ class Body(Guarded):
         return self.position[:, None] + unit * self.halfSize
 
     def outline(self):
-        """The outline of boxes that were cut from a region (`UGIMP(cut=True)`), as its particles carry it now.
+        """The outline of boxes that were cut from a region (`UGIMP(cut=True)`), as its particles carry it
+        now.
 
-        Returns the middles of its facets, m (K, dim), and their outward area vectors, m2 (2D: m) (K, dim); None for other bodies.
+        Returns the middles of its facets, m (K, dim), and their outward area vectors, m2 (2D: m) (K, dim);
+        None for other bodies.
         """
         if "outlineCarrier" not in [f["name"] for f in self.core.fields(True)]:
             return None

@@ -22,4 +22,5 @@ class BodyPart:
             for side, height in (("above", self.lower), ("below", self.upper))
             if height is not None
         ]
-        return f"<part of '{self.body.name}': {' and '.join(limits) or (f'{len(self.ids)} particles' if self.ids is not None else 'all')}>"
+        unlimited = "all" if self.ids is None else f"{len(self.ids)} particles"
+        return f"<part of '{self.body.name}': {' and '.join(limits) or unlimited}>"

@@ -17,8 +17,9 @@ from ..geometry.region import Region
 
 
 class Boxes(NamedTuple):
-    """A lattice of boxes: centres (N, dim) and half size (dim,), m; their shares (N,) of a whole box (None: all are whole), and the
-    facets of its outline: which box carries each (K,), offset from its centre (K, dim), m, and area vector (K, dim), m2 (2D: m)."""
+    """A lattice of boxes: centres (N, dim) and half size (dim,), m; their shares (N,) of a whole box (None:
+    all are whole), and the facets of its outline: which box carries each (K,), offset from its centre (K,
+    dim), m, and area vector (K, dim), m2 (2D: m)."""
 
     positions: np.ndarray
     halfSize: np.ndarray
@@ -29,7 +30,8 @@ class Boxes(NamedTuple):
 
 
 class ParticleType(Attributed):
-    """Base of all particle types. A type that is not meshed is a lattice of boxes, `perCell` per cell and direction."""
+    """Base of all particle types. A type that is not meshed is a lattice of boxes, `perCell` per cell and
+    direction."""
 
     _fixed = None  # all: the domains are built
 
@@ -46,7 +48,8 @@ class ParticleType(Attributed):
         )
         if spacing is None:
             raise ValueError(
-                f"body '{name}': perCell = {self.perCell} has {len(self.perCell)} numbers; give 1 or {scene.dim}"
+                f"body '{name}': perCell = {self.perCell} has {len(self.perCell)} numbers; give 1 or "
+                f"{scene.dim}"
             )
         lattice = (region, scene.lower, scene.upper, spacing, name)
         if not getattr(self, "cut", False):
@@ -67,8 +70,9 @@ class MeshedType(ParticleType):
     size : edge of a domain, m (default: the cell size).
     matched : a uGIMP body; the domains within one cell of it get the spacing of its particles.
 
-    A region is filled with domains along the axes: its slanted and curved edges become stairs. A mesh follows them. Steps take
-    least time where its cells follow each other in rows: mesh files are numbered so, for arrays see `inRows`.
+    A region is filled with domains along the axes: its slanted and curved edges become stairs. A mesh follows
+    them. Steps take least time where its cells follow each other in rows: mesh files are numbered so, for
+    arrays see `inRows`.
     """
 
     def __init__(self, size=None, matched=None, **attributes):

@@ -28,8 +28,8 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group
     group : str; bodies of one group stick together, between groups a `Contact` engine lets them slip; default
         "main".
 
-    Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies that
-    overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
+    Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
+    that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
     """
     scene.refuseWhileRunning("add")
     _checkArguments(scene, name, region, material, type)

@@ -12,6 +12,8 @@ from .run import Run
 class BackgroundRun(Run):
     """A run that goes on while the program does other things; parameters as of `Run`."""
 
+    tellsErrors = True  # the traceback comes with `wait`, which may never be called
+
     def __init__(self, *arguments):
         super().__init__(*arguments)
         self.error = None
@@ -55,10 +57,6 @@ class BackgroundRun(Run):
         if self.error is not None:
             error, self.error = self.error, None
             raise error
-
-    def reasonOf(self, error):
-        """The error as part of a message: its traceback comes with `wait`, which may never be called."""
-        return error
 
     def _terminate(self, number, frame):
         signal.signal(number, self._before or signal.SIG_DFL)

@@ -14,7 +14,8 @@ def makeCore(lower, upper, cell):
     except MemoryError:
         count = np.prod((upper - lower) / cell)
         raise MemoryError(
-            f"Scene: the {count:.3g} cells of the grid do not fit into memory; give a larger cell or a smaller grid"
+            f"Scene: the {count:.3g} cells of the grid do not fit into memory; give a larger cell or a "
+            "smaller grid"
         ) from None
 
 

@@ -33,7 +33,8 @@ class LoopPolicy:
     def beforeSteps(self):
         """Looks at the domains and estimates the critical step where that is due.
 
-        Returns whether the critical step was estimated. Raises RuntimeError where an interface has become too coarse.
+        Returns whether the critical step was estimated. Raises RuntimeError where an interface has become too
+        coarse.
         """
         steps = self._scene.steps
         if steps >= self._checkAt:
@@ -47,7 +48,8 @@ class LoopPolicy:
         return True
 
     def stepsToNext(self):
-        """Steps until something is due, or a callback may have been called, which may want to stop the loop."""
+        """Steps until something is due, or a callback may have been called, which may want to stop the
+        loop."""
         scene = self._scene
         calls = (engine.stepsToCall(scene) for engine in scene.engines)
         return min(self._checkAt - scene.steps, self._estimateAt - scene.steps, *calls)
@@ -94,7 +96,8 @@ class LoopPolicy:
 
 
 def _firstAt(steps, period, stride):
-    """Step at which a loop that begins has something to do: now, if it was due behind the steps taken last."""
+    """Step at which a loop that begins has something to do: now, if it was due behind the steps taken
+    last."""
     latest = steps // period * period
     return latest if latest > max(0, steps - stride) else latest + period
 

@@ -52,7 +52,8 @@ class Progress:
             self.lastLine = wall
             remaining = wall / max(1, done) * left
             print(
-                f"step {self.scene.steps} of {self.scene.steps + left}, {self.text()}, {remaining:.0f} s left",
+                f"step {self.scene.steps} of {self.scene.steps + left}, {self.text()}, {remaining:.0f} s "
+                "left",
                 file=sys.stderr,
             )
 

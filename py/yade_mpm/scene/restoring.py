@@ -28,14 +28,14 @@ def load(file, callbacks=None):
     Parameters
     ----------
     file : name of the file.
-    callbacks : dict label -> function, for every `PyRunner` that calls a function (functions are not stored), or label ->
-        engine for a callback of a class of your own without `spec()`; None instead of either leaves it out. Without a
-        label the name of the function, or of the class, stands for it.
+    callbacks : dict label -> function, for every `PyRunner` that calls a function (functions are not stored),
+        or label -> engine for a callback of a class of your own without `spec()`; None instead of either
+        leaves it out. Without a label the name of the function, or of the class, stands for it.
 
-    `body.mesh` is None where domains were converted before. Materials and particle types that bodies shared are
-    shared again. Raises FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or of a newer
-    format, for a callback that is missing or superfluous, and for a class that this installation does not have.
-    Warns when the state is that of an interrupted step, or of an interrupted `settle`.
+    `body.mesh` is None where domains were converted before. Materials and particle types that bodies shared
+    are shared again. Raises FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or
+    of a newer format, for a callback that is missing or superfluous, and for a class that this installation
+    does not have. Warns when the state is that of an interrupted step, or of an interrupted `settle`.
     """
     file = os.fspath(file)
     spec, arrays = checkpoint.read(file)
@@ -65,7 +65,8 @@ def _build(spec, arrays, callbacks, file):
 def _warn(scene, spec, file):
     if spec["midStep"]:
         warnUser(
-            f"checkpoint '{file}' holds the state of an interrupted step {spec['steps']}: look at it, but do not "
+            f"checkpoint '{file}' holds the state of an interrupted step {spec['steps']}: look at it, but do "
+            "not "
             f"continue from it"
         )
     if spec["settling"] is not None:
@@ -134,7 +135,8 @@ def _fill(body, names, ofDomains, stored, file):
         values = _stored(stored, "domains" if ofDomains else "particles", name, body, file)
         if view.shape != values.shape:
             raise ValueError(
-                f"checkpoint '{file}': {name} of '{body.name}' has the shape {values.shape} instead of {view.shape}"
+                f"checkpoint '{file}': {name} of '{body.name}' has the shape {values.shape} instead of "
+                f"{view.shape}"
             )
         view[...] = values
 
@@ -142,7 +144,8 @@ def _fill(body, names, ofDomains, stored, file):
 def _stored(stored, kind, name, body, file):
     if name not in stored[kind]:
         raise ValueError(
-            f"checkpoint '{file}': {name} of '{body.name}' is missing; it was written by a version of yade_mpm "
+            f"checkpoint '{file}': {name} of '{body.name}' is missing; it was written by a version of "
+            "yade_mpm "
             f"with other fields"
         )
     return stored[kind][name]

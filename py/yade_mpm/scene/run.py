@@ -23,8 +23,11 @@ class Run:
     steps : int, number of steps; or None.
     progress : bool, show progress; None: where the run is long.
     checkpointFile : str, name of the checkpoint; None: see `Rescue`.
-    checkpointPeriod : float, s of wall time between checkpoints; None: only where the run ends before its time.
+    checkpointPeriod : float, s of wall time between checkpoints; None: only where the run ends before its
+        time.
     """
+
+    tellsErrors = False  # in the message about the checkpoint: a traceback tells them
 
     def __init__(self, scene, until, steps, progress, checkpointFile, checkpointPeriod):
         self.scene, self.until = scene, until
@@ -68,7 +71,7 @@ class Run:
                 self.saveInterrupted()
         except BaseException as error:
             self.progress.close()
-            self.rescue.saveFailed(self.reasonOf(error))
+            self.rescue.saveFailed(error if self.tellsErrors else None)
             raise
         finally:
             self.scene.stepper.acting = None
@@ -85,10 +88,6 @@ class Run:
         """Leaves the state in a checkpoint."""
         self.progress.close()
         self.rescue.saveInterrupted()
-
-    def reasonOf(self, error):
-        """The error as part of a message; None where a traceback tells it."""
-        return None
 
     def _takeSteps(self):
         scene, pace = self.scene, Pace(self.scene)

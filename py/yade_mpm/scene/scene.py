@@ -27,13 +27,14 @@ class Scene(Guarded):
 
     Parameters
     ----------
-    lower, upper : corners of the grid, m; two numbers each make a plane-strain scene (per metre of thickness), three
-        a 3D scene. Ghost nodes outside are added by the solver.
+    lower, upper : corners of the grid, m; two numbers each make a plane-strain scene (per metre of
+        thickness), three a 3D scene. Ghost nodes outside are added by the solver.
     cell : cell size, m; one number or one per axis. upper - lower must be a multiple of it.
-    scheme : "MUSL" (default), "USF" or "USL": when the stress is updated in a step (Sulsky et al. 1995; Bardenhagen
-        2002).
-    threads : number of threads; default: one for every 1000 particles, at most OMP_NUM_THREADS, and a single one while
-        a run finds that faster, as it is beside other jobs. The results are the same bits for any number.
+    scheme : "MUSL" (default), "USF" or "USL": when the stress is updated in a step (Sulsky et al. 1995;
+        Bardenhagen 2002).
+    threads : number of threads; default: one for every 1000 particles, at most OMP_NUM_THREADS, and a single
+        one while a run finds that faster, as it is beside other jobs. The results are the same bits for any
+        number.
 
     Raises ValueError for a grid that is not made of whole cells.
 
@@ -42,7 +43,8 @@ class Scene(Guarded):
     lower, upper, cell, dim : of the grid.
     bodies : list of Body, in the order in which they were added.
     allowUnstable : bool, whether dt may exceed the critical step; default False.
-    dtCritical : s, critical step as estimated last; None before. stiffest : body in which its mode moves most.
+    dtCritical : s, critical step as estimated last; None before. stiffest : body in which its mode moves
+        most.
     stepper : `Stepper`, for loops of your own.
     """
 
@@ -107,8 +109,8 @@ class Scene(Guarded):
     def engines(self):
         """The chain of engines; assign a list to change it.
 
-        Default: ParticleToGrid, GridSolver, GridToParticle, DomainUpdater (USF: DomainUpdater before GridSolver).
-        They serve this scene alone; `dead=True` leaves one out.
+        Default: ParticleToGrid, GridSolver, GridToParticle, DomainUpdater (USF: DomainUpdater before
+        GridSolver). They serve this scene alone; `dead=True` leaves one out.
         """
         if self._engines is None:
             self.engines = chain.defaultChain()
@@ -165,7 +167,8 @@ class Scene(Guarded):
         refuseDuringStep(self, "dt")
         if value is not None and not (isNumber(value) and 0 < value < np.inf):
             raise ValueError(
-                f"Scene: dt = {value!r} s is not allowed; give a positive number, or None for an automatic step"
+                f"Scene: dt = {value!r} s is not allowed; give a positive number, or None for an automatic "
+                "step"
             )
         self._dt = None if value is None else float(value)
         self.stepper.noteChange()
@@ -179,8 +182,8 @@ class Scene(Guarded):
     def threads(self):
         """Number of threads in use.
 
-        As given, or one for every 1000 particles but at most OMP_NUM_THREADS (all cores); a run tries a single one now
-        and then, and stays with the faster.
+        As given, or one for every 1000 particles but at most OMP_NUM_THREADS (all cores); a run tries a
+        single one now and then, and stays with the faster.
         """
         byParticles = max(1, self.particleCount // PARTICLES_PER_THREAD)
         return self._threads or min(_core.availableThreads(), byParticles)
@@ -197,20 +200,23 @@ class Scene(Guarded):
         self.stepper.noteChange(mayBeUnstable=False)
 
     def criticalTimeStep(self, tolerance=1e-4, iterations=300):
-        """Largest stable time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid operator.
+        """Largest stable time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid
+        operator.
 
-        Also sets `dtCritical` and `stiffest`. Source: spectral bound of the central-difference scheme; Lanczos
-        iteration.
+        Also sets `dtCritical` and `stiffest`. Source: spectral bound of the central-difference scheme;
+        Lanczos iteration.
 
         Parameters
         ----------
-        tolerance : float, relative change of the eigenvalue over ten iterations at which to stop; default 1e-4.
+        tolerance : float, relative change of the eigenvalue over ten iterations at which to stop; default
+            1e-4.
         iterations : int, most iterations; default 300.
         """
         self.refuseWhileRunning("criticalTimeStep")
         if not (isinstance(iterations, (int, np.integer)) and iterations >= 1 and tolerance > 0):
             raise ValueError(
-                f"criticalTimeStep: tolerance = {tolerance!r}, iterations = {iterations!r} is not allowed; give a "
+                f"criticalTimeStep: tolerance = {tolerance!r}, iterations = {iterations!r} is not allowed; "
+                "give a "
                 f"positive number, and a whole number from 1 on"
             )
         refuseMidStep(self, "criticalTimeStep")
@@ -222,11 +228,13 @@ class Scene(Guarded):
         self.stepper.prepare()
 
     def checkTimeStep(self):
-        """Estimates the critical step; takes 0.8 of it if dt was left out, refuses a dt above it otherwise."""
+        """Estimates the critical step; takes 0.8 of it if dt was left out, refuses a dt above it
+        otherwise."""
         self.stepper.checkTimeStep()
 
     def isMidStep(self):
-        """Whether a callback is at work between two stages of a step, where the state is neither old nor new."""
+        """Whether a callback is at work between two stages of a step, where the state is neither old nor
+        new."""
         return self.stepper.isMidStep()
 
     def save(self, file):
@@ -236,8 +244,8 @@ class Scene(Guarded):
         ----------
         file : str, name of the file.
 
-        Raises OSError when the file cannot be written, RuntimeError in the middle of a step (in a callback between
-        two stages) or while a run is going on in the background.
+        Raises OSError when the file cannot be written, RuntimeError in the middle of a step (in a callback
+        between two stages) or while a run is going on in the background.
         """
         self.refuseWhileRunning("save")
         refuseMidStep(self, "save")

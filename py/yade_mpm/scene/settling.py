@@ -18,15 +18,16 @@ def settle(scene, damping=0.7, tolerance=1e-3, maxSteps=200000, checkEvery=200, 
     checkEvery : int, steps between looks at the out-of-balance force; default 200.
     progress : bool, show progress; default: no.
 
-    Returns the number of steps. Raises ValueError for a prescribed motion that is not at rest, RuntimeError if it
-    takes more than maxSteps.
+    Returns the number of steps. Raises ValueError for a prescribed motion that is not at rest, RuntimeError
+    if it takes more than maxSteps.
     """
     solver = scene.gridSolver("settle")
     motions = solver.constraints(scene)
     for motion in motions:
         if any(motion.velocity):
             raise ValueError(
-                f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to zero, "
+                f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to "
+                "zero, "
                 f"settle, and set it again"
             )
     scene.dampingAfterSettling = solver.damping
@@ -56,10 +57,10 @@ def settle(scene, damping=0.7, tolerance=1e-3, maxSteps=200000, checkEvery=200, 
 def unbalancedForce(scene):
     """Largest out-of-balance force that particles feel over the mean internal force of a node, -.
 
-    Takes one step to see it. The force is that of a cell full of the particle's material, rho h^dim |a|, with the
-    change a of its velocity in the step (local damping takes part in it). What nodes have left that cancels over
-    every particle does not count: hourglass control keeps a distorted mesh from ever losing it under MUSL.
-    Infinite where nothing but inertia acts against a force.
+    Takes one step to see it. The force is that of a cell full of the particle's material, rho h^dim |a|, with
+    the change a of its velocity in the step (local damping takes part in it). What nodes have left that
+    cancels over every particle does not count: hourglass control keeps a distorted mesh from ever losing it
+    under MUSL. Infinite where nothing but inertia acts against a force.
     """
     before = [(body.id.copy(), body.velocity.copy()) for body in scene.bodies]
     scene.step()

@@ -26,8 +26,8 @@ class Stepper:
                 scene.prepare()
             scene.stepper.advance(10)
 
-    or engine by engine, with `act` for each of `scene.engines` and `endStep` behind the last stage. `LoopPolicy` tells
-    such a loop when to look at the domains and to estimate the critical step anew.
+    or engine by engine, with `act` for each of `scene.engines` and `endStep` behind the last stage.
+    `LoopPolicy` tells such a loop when to look at the domains and to estimate the critical step anew.
 
     Attributes
     ----------
@@ -49,11 +49,13 @@ class Stepper:
         """Whether the scene can step as it stands; if not, `prepare` it."""
         return self._isPrepared and self._chain == self._scene.engines and self.isChecked
 
-    isPrepared = property(
-        lambda self: self._isPrepared,
-        doc="Whether nothing was noted since `prepare` that calls for it again; quicker than isReady, which also looks at "
-        "what materials and bodies are like now.",
-    )
+    @property
+    def isPrepared(self):
+        """Whether nothing was noted since `prepare` that calls for it again.
+
+        Quicker than isReady, which also looks at what materials and bodies are like now.
+        """
+        return self._isPrepared
 
     @property
     def isChecked(self):
@@ -72,7 +74,8 @@ class Stepper:
             self._isStable = False
 
     def restore(self, isChecked, estimatedAt):
-        """State of a scene from a checkpoint: whether its time step was checked, and the step of the last estimate."""
+        """State of a scene from a checkpoint: whether its time step was checked, and the step of the last
+        estimate."""
         self._isStable, self._checkedState = isChecked, self._stabilityState()
         self.estimatedAt = estimatedAt
 
@@ -124,7 +127,8 @@ class Stepper:
         self._scene.core.dt = value
 
     def checkTimeStep(self):
-        """Estimates the critical step; takes a share of it if dt was left out, refuses a dt above it otherwise."""
+        """Estimates the critical step; takes a share of it if dt was left out, refuses a dt above it
+        otherwise."""
         scene, given = self._scene, self._scene.givenDt
         scene.core.threads = scene.threads
         isAllowed = given is not None and scene.allowUnstable
@@ -193,7 +197,8 @@ class Stepper:
         self._scene.core.time = time
 
     def isMidStep(self):
-        """Whether a callback is at work between two stages of a step, where the state is neither old nor new."""
+        """Whether a callback is at work between two stages of a step, where the state is neither old nor
+        new."""
         if self.acting is None:
             return False
         engines = self._scene.engines

@@ -20,10 +20,11 @@ _PER_BOX = 4  # strips that a box is seen in
 class Surface:
     """Ground surface, left to right.
 
-    x, y : polyline, m; y is nan where no ground is. explicit : True at vertices of a mesh, False where the surface was inferred from particles.
+    x, y : polyline, m; y is nan where no ground is. explicit : True at vertices of a mesh, False where the
+        surface was inferred from particles.
     hole : interval of x, m, of what goes through the ground; None: nothing does.
-    singleValued : whether x grows along the vertices of every mesh; None where the surface has no mesh. The inferred part has one
-    height at each x by construction: what hangs over in it is not seen.
+    singleValued : whether x grows along the vertices of every mesh; None where the surface has no mesh. The
+    inferred part has one height at each x by construction: what hangs over in it is not seen.
     isolated : number of particles that hang together with the main body of ground no more.
     """
 
@@ -35,23 +36,23 @@ class Surface:
     isolated: int
 
     def isContinuous(self, jump):
-        """Whether no step of `jump` (m) or more, and no place without ground, interrupts the surface from one end to the other, or
-        from both ends to less than `jump` from the hole."""
+        """Whether no step of `jump` (m) or more, and no place without ground, interrupts the surface from one
+        end to the other, or from both ends to less than `jump` from the hole."""
         if self.hole is None:
             return not self._breaks(jump).any()
         return max(self.openBeside(jump)) < jump
 
     def openBeside(self, jump):
-        """Width to the left and to the right of the hole, m, that the surface does not reach: between the hole and the first step of `jump` (m)
-        or more, or place without ground, on the way from either end."""
+        """Width to the left and to the right of the hole, m, that the surface does not reach: between the
+        hole and the first step of `jump` (m) or more, or place without ground, on the way from either end."""
         left, right = self._crater(jump)
         return float(self.hole[0] - left), float(right - self.hole[1])
 
     def areas(self, level, jump):
         """Areas between surface and a level, m2: (heave above, trough below, cavity below).
 
-        The cavity is what is below the level in the places of `openBeside`; the hole counts nowhere. Where no ground is, the surface
-        is interpolated.
+        The cavity is what is below the level in the places of `openBeside`; the hole counts nowhere. Where no
+        ground is, the surface is interpolated.
         """
         left, right = self._crater(jump)
         ends = (np.inf, -np.inf) if self.hole is None else self.hole
@@ -83,7 +84,8 @@ class Surface:
 
 
 def _reach(x, breaks, hole):
-    """Last x before the first break on the way to the hole, at most that of the hole; breaks[i] is that between point i and the next."""
+    """Last x before the first break on the way to the hole, at most that of the hole; breaks[i] is that
+    between point i and the next."""
     if len(x) == 0:  # the hole is at the end of the ground
         return hole
     inner = np.flatnonzero(breaks[: len(x) - 1])
@@ -93,13 +95,14 @@ def _reach(x, breaks, hole):
 def groundSurface(scene, bodies, level, hole=None):
     """Surface of the ground made of some bodies of a 2D scene.
 
-    bodies : those that form the ground. level : height of the initial surface, m. hole : interval (x0, x1), m, of what goes through the
-    ground, for instance a pile; it is left out of continuity and areas.
+    bodies : those that form the ground. level : height of the initial surface, m. hole : interval (x0, x1),
+    m, of what goes through the ground, for instance a pile; it is left out of continuity and areas.
 
-    Two domains hang together where the gap between them, a box round each, is at most half a cell; the ground is the set of
-    domains hanging together that has the most particles, and all others are isolated. Meshed bodies give their own boundary vertices.
-    Boxes give a staircase: the top of the highest one of the ground in strips a quarter of a box wide, where no mesh of the surface is
-    above. Gaps of up to half a cell between them are closed, wider ones give the height further down, or nan where nothing is.
+    Two domains hang together where the gap between them, a box round each, is at most half a cell; the ground
+    is the set of domains hanging together that has the most particles, and all others are isolated. Meshed
+    bodies give their own boundary vertices. Boxes give a staircase: the top of the highest one of the ground
+    in strips a quarter of a box wide, where no mesh of the surface is above. Gaps of up to half a cell
+    between them are closed, wider ones give the height further down, or nan where nothing is.
 
     Raises ValueError for a scene in 3D, and where no body has particles or an edge at the level.
     """
@@ -119,7 +122,8 @@ def groundSurface(scene, bodies, level, hole=None):
             pieces.append((x, y, np.zeros(len(x), bool)))
     if not pieces:
         raise ValueError(
-            f"groundSurface: no mesh has edges that lay at level = {level:g} m, and there are no boxes; give the height of the "
+            f"groundSurface: no mesh has edges that lay at level = {level:g} m, and there are no boxes; give "
+            "the height of the "
             f"initial surface"
         )
     x, y, explicit = (np.concatenate([p[k] for p in pieces]) for k in range(3))
@@ -139,7 +143,8 @@ def groundSurface(scene, bodies, level, hole=None):
 
 
 def _largestPart(bodies, gap):
-    """Dict body -> mask of the particles in the largest set that hangs together over gaps of at most `gap`."""
+    """Dict body -> mask of the particles in the largest set that hangs together over gaps of at most
+    `gap`."""
     corners = [b.corners() for b in bodies]
     lower, upper = (np.concatenate([which(c, axis=1) for c in corners]) for which in (np.min, np.max))
     centre, half = 0.5 * (lower + upper), 0.5 * (upper - lower)
@@ -155,7 +160,8 @@ def _largestPart(bodies, gap):
 
 
 def _boxTops(body, inGround, gap, chains):
-    """Both ends of strips beside the chains, and the top of the highest box of the ground there; nan where none is.
+    """Both ends of strips beside the chains, and the top of the highest box of the ground there; nan where
+    none is.
 
     Gaps of up to `gap` between boxes, and between them and the chains, are closed.
     """
@@ -187,7 +193,8 @@ def _isWithin(x, chain):
 
 
 def _topChains(body, level):
-    """Chains of boundary vertices that lay on the initial surface, each (n, 2) from left to right as meshed."""
+    """Chains of boundary vertices that lay on the initial surface, each (n, 2) from left to right as
+    meshed."""
     start = np.asarray(body.core.view("vertexReference", True))
     facets = _boundary(body)
     top = facets[(np.abs(start[facets][:, :, 1] - level) < 1e-6).all(axis=1)]

@@ -5,7 +5,8 @@
     soil = inYade.attach(scene)   # adds engines before the NewtonIntegrator, chooses O.dt
     O.run(1000, True)
 
-YADE is used through its Python interface only. An engine of ours is a PyRunner whose command is `inYade.act(...)`.
+YADE is used through its Python interface only. An engine of ours is a PyRunner whose command is
+`inYade.act(...)`.
 """
 
 import json
@@ -23,34 +24,38 @@ __all__ = ["Bodies", "Coupling", "act", "attach", "checkpointOf"]
 
 
 def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", plot=False, callbacks=None):
-    """Makes the engines of a scene engines of O.engines, before the NewtonIntegrator (at the end if there is none).
+    """Makes the engines of a scene engines of O.engines, before the NewtonIntegrator (at the end if there is
+    none).
 
     Parameters
     ----------
     scene : `yade_mpm.Scene`. Left out after O.load: the scene from the checkpoint beside the loaded file.
     mpmSteps : MPM steps in one DEM step; default 1 (after O.load: as saved).
     demSteps : DEM steps in one MPM step; default 1 (likewise). One of the two is 1.
-    stages : True: one engine per stage, which YADE times and switches off (`dead`) one by one; False: the whole chain as
-        one engine, which is faster for small scenes. Default: True unless mpmSteps > 1, which needs False.
-    label : of the engine, or the start of the labels of the engines, e.g. "mpm_GridSolver"; default "mpm". Two scenes
-        need two.
-    plot : pass new rows of every `History` of the scene to yade.plot.addData, with `i` and `t`; default False.
+    stages : True: one engine per stage, which YADE times and switches off (`dead`) one by one; False: the
+        whole chain as one engine, which is faster for small scenes. Default: True unless mpmSteps > 1, which
+        needs False.
+    label : of the engine, or the start of the labels of the engines, e.g. "mpm_GridSolver"; default "mpm".
+        Two scenes need two.
+    plot : pass new rows of every `History` of the scene to yade.plot.addData, with `i` and `t`; default
+        False.
     callbacks : as for `yade_mpm.load`, where the checkpoint needs functions; only without `scene`.
 
     Returns the `Coupling`. A scene that was attached under the same label before is replaced.
 
-    O.dt becomes the smaller of what the scene needs and of what the discrete elements need: O.dt if it was set, else
-    0.8 PWaveTimeStep. `maxDt` of a time stepper in O.engines is set likewise.
+    O.dt becomes the smaller of what the scene needs and of what the discrete elements need: O.dt if it was
+    set, else 0.8 PWaveTimeStep. `maxDt` of a time stepper in O.engines is set likewise.
 
-    Raises ImportError without YADE, TypeError and ValueError for arguments that are not allowed, ValueError for a
-    time stepper behind the engines, what `Scene.prepare` raises, and RuntimeError while YADE runs.
+    Raises ImportError without YADE, TypeError and ValueError for arguments that are not allowed, ValueError
+    for a time stepper behind the engines, what `Scene.prepare` raises, and RuntimeError while YADE runs.
     """
     omega = loop.omega()
     if omega.running:
         raise RuntimeError("inYade.attach: YADE is running; O.pause() and O.wait() first")
     if not (isinstance(label, str) and label.isidentifier()):
         raise ValueError(
-            f"inYade.attach: label = {label!r} is not allowed; give letters, digits and underscores, e.g. 'mpm'"
+            f"inYade.attach: label = {label!r} is not allowed; give letters, digits and underscores, e.g. "
+            "'mpm'"
         )
     saved = {}
     if scene is None:
@@ -90,8 +95,8 @@ def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", p
 
 
 def act(label, number=None):
-    """What an engine of ours does: the whole step, or stage `number`. Never raises; an error pauses YADE and is raised
-    after the step."""
+    """What an engine of ours does: the whole step, or stage `number`. Never raises; an error pauses YADE and
+    is raised after the step."""
     coupling = loop.attached.get(label)
     if coupling is not None:
         coupling.act(number)
@@ -120,7 +125,8 @@ def _fromTag(omega, label, callbacks):
     saved = json.loads(omega.tags[tag])
     if saved["iter"] != omega.iter:
         raise ValueError(
-            f"inYade.attach: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE is at "
+            f"inYade.attach: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE "
+            "is at "
             f"{omega.iter}; load a file that O.save wrote with the scene attached, or give the scene"
         )
     file = os.path.join(os.path.dirname(omega.filename or ""), saved["file"])

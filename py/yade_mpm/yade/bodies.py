@@ -25,22 +25,26 @@ class Bodies:
     Parameters
     ----------
     contact : the `RigidContact` in the engines of the scene, before its first run.
-    ids : numbers of bodies in O.bodies, or a single one: Sphere, Box, Facet, Polyhedra (3D; its faces touch, as facets), Wall (with sense 1 or -1), or clumps of
-        these (the clump's own number).
+    ids : numbers of bodies in O.bodies, or a single one: Sphere, Box, Facet, Polyhedra (3D; its faces touch,
+        as facets), Wall (with sense 1 or -1), or clumps of these (the clump's own number).
     friction : coefficient against the soil, -; default 0.
-    thickness : m, of a 2D scene in YADE's third direction; forces per metre are multiplied by it. Default 1, and 1 in 3D.
+    thickness : m, of a 2D scene in YADE's third direction; forces per metre are multiplied by it. Default 1,
+        and 1 in 3D.
     facetThickness : m, of facets, also of polyhedra, against the soil; APDI bodies need one. Default 0.
-    plane : "xy" (default), "xz" or "yz": axes of YADE along x and y of a 2D scene; a positive moment turns x to y. "xy" in 3D.
+    plane : "xy" (default), "xz" or "yz": axes of YADE along x and y of a 2D scene; a positive moment turns x
+        to y. "xy" in 3D.
 
-    O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. After O.load `inYade.attach` makes it
-    anew. Raises ValueError for a body that is not there, is of another shape or stands in a clump, for a wall with sense 0, and for a
-    contact that has other rigid bodies already; TypeError for a contact or numbers that are none. RuntimeError at the beginning of a run where two of
-    them serve one contact, or where the scene does not have it. Warns of a free body that is 30 times as dense as the densest of the scene.
+    O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. After
+    O.load `inYade.attach` makes it anew. Raises ValueError for a body that is not there, is of another shape
+    or stands in a clump, for a wall with sense 0, and for a contact that has other rigid bodies already;
+    TypeError for a contact or numbers that are none. RuntimeError at the beginning of a run where two of them
+    serve one contact, or where the scene does not have it. Warns of a free body that is 30 times as dense as
+    the densest of the scene.
 
         contact = mpm.RigidContact()
-        scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(...), mpm.GridToParticle(), mpm.DomainUpdater()]
-        bodies = inYade.Bodies(contact, O.bodies.append([sphere((0, 1, 0), 0.2)]), friction=0.5)
-        coupling = inYade.attach(scene)
+        scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(...), mpm.GridToParticle(),
+        mpm.DomainUpdater()] bodies = inYade.Bodies(contact, O.bodies.append([sphere((0, 1, 0), 0.2)]),
+        friction=0.5) coupling = inYade.attach(scene)
         coupling.exchanges.append(bodies)
     """
 
@@ -80,7 +84,8 @@ class Bodies:
             and sum(e.contact is self.contact for e in coupling.exchanges if isinstance(e, Bodies)) > 1
         ):
             raise RuntimeError(
-                "inYade.Bodies: two of them serve one RigidContact, and its forces would count twice; take one out of "
+                "inYade.Bodies: two of them serve one RigidContact, and its forces would count twice; take "
+                "one out of "
                 "exchanges (after O.load, inYade.attach() has brought it back)"
             )
         isEvery = (
@@ -102,15 +107,18 @@ class Bodies:
             density = densityOf(self._O, self._O.bodies[number], self.thickness if scene.dim == 2 else None)
             if density > most:
                 print(
-                    f"warning: inYade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the densest of the scene "
-                    f"{most / DENSER:.3g}; YADE's default material has 1000 (kg/m3): give it a material with a density in Mg/m3",
+                    f"warning: inYade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the "
+                    "densest of the scene "
+                    f"{most / DENSER:.3g}; YADE's default material has 1000 (kg/m3): give it a material with "
+                    "a density in Mg/m3",
                     file=sys.stderr,
                 )
                 break
         self._isWeighed = True
 
     def spec(self):
-        """Dict of constructor arguments besides the contact, of plain types, with which `attach` after O.load makes it anew."""
+        """Dict of constructor arguments besides the contact, of plain types, with which `attach` after O.load
+        makes it anew."""
         return {
             "ids": self.ids,
             "thickness": self.thickness,
@@ -133,7 +141,8 @@ class Bodies:
         known = contact.core.value("shapes")
         if len(known) != len(rows) or not np.allclose(known, rows, rtol=0, atol=1e-9):
             raise ValueError(
-                "inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its own"
+                "inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its "
+                "own"
             )
         return False
 
@@ -149,13 +158,14 @@ def _numbers(ids):
 
 
 def checkExchanges(coupling):
-    """At the beginning of a run. RuntimeError for `Bodies` of a contact that the scene does not have; warns once of those that were made for a
-    contact of the scene, but that the coupling does not have."""
+    """At the beginning of a run. RuntimeError for `Bodies` of a contact that the scene does not have; warns
+    once of those that were made for a contact of the scene, but that the coupling does not have."""
     contacts = [e for e in coupling.scene.engines if isinstance(e, RigidContact)]
     for bodies in (e for e in coupling.exchanges if isinstance(e, Bodies)):
         if not any(bodies.contact is c for c in contacts):
             raise RuntimeError(
-                f"inYade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the scene '{coupling.label}'; put it behind "
+                f"inYade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the "
+                f"scene '{coupling.label}'; put it behind "
                 f"ParticleToGrid, and attach the scene again"
             )
         unfelt.discard(bodies.contact)
@@ -163,7 +173,8 @@ def checkExchanges(coupling):
     for contact in [c for c in contacts if c in unfelt]:
         unfelt.discard(contact)
         print(
-            f"warning: the inYade.Bodies of a RigidContact of '{coupling.label}' are not in exchanges: its rigid bodies stand still, and those of YADE feel "
+            f"warning: the inYade.Bodies of a RigidContact of '{coupling.label}' are not in exchanges: its "
+            "rigid bodies stand still, and those of YADE feel "
             f"no soil; coupling.exchanges.append(bodies)",
             file=sys.stderr,
         )

@@ -13,8 +13,10 @@ from ..scene.rescue import Rescue
 from ..scene.saving import save
 from . import loop
 from .bodies import Bodies, checkExchanges
+from .clock import Clock
 from .engineList import EngineList
 from .output import PlotRows, checkpointOf, tagOf, tagRecorders
+from .stages import Stages
 from .timeStep import TimeStep, steppersIn
 
 
@@ -28,15 +30,15 @@ class Coupling:
     engines : its engines in O.engines, in order.
     plot : whether new rows of histories go to yade.plot.
     timeOffset : s, scene.time - O.time; 0 unless one of the two clocks was ahead when the scene was attached.
-    maxDt : s, largest O.dt that the scene wants: its own step (scene.dt, or a share of the critical step: 0.8, USL
-        0.5) times mpmSteps / demSteps.
+    maxDt : s, largest O.dt that the scene wants: its own step (scene.dt, or a share of the critical step:
+        0.8, USL 0.5) times mpmSteps / demSteps.
     criticalDt : s, O.dt above which a step is refused; infinite with scene.allowUnstable.
     runs : number of runs of YADE so far in which it acted.
     error : what ended the run, or None. The scene has to be attached anew then.
     stepsSaved : number of MPM steps that the last checkpoint holds.
-    exchanges : list of objects with read(coupling) and apply(coupling), for coupling with bodies of YADE. `read` is
-        called before the MPM takes its step or steps, when both sides are at the same time; `apply` in every DEM step
-        after that and before the NewtonIntegrator (YADE forgets forces after every step).
+    exchanges : list of objects with read(coupling) and apply(coupling), for coupling with bodies of YADE.
+        `read` is called before the MPM takes its step or steps, when both sides are at the same time; `apply`
+        in every DEM step after that and before the NewtonIntegrator (YADE forgets forces after every step).
     """
 
     def __init__(self, omega, scene, mpmSteps, demSteps, stages, label, plot, saved):
@@ -49,24 +51,20 @@ class Coupling:
         self._list = EngineList(omega, label)
         self._refuseUnfit()
         scene.prepare()
-        self._loop = _LoopOfYade(self, omega)
+        self._loop = loop.LoopOfYade(self, omega)
         scene.handOver(self._loop)
         self._rescue = Rescue(scene, f"{omega.tags['id']}.{label}.h5")
         self._policy = LoopPolicy(scene, loop.warn, stride=mpmSteps)
         self._chain = scene.engines
-        self._isStage = [not isinstance(e, Callback) for e in self._chain]
         self._rows = PlotRows(self._chain, areAllNew=bool(saved))
         tagRecorders(self._chain, omega.tags)
-        self._iter = None  # of the DEM step that has begun last
-        self._cycleEnd = saved.get("cycleEnd", omega.iter)  # iteration at which the MPM acts next
-        self._isMpmStep, self._isOpen = False, False  # acts in this DEM step; is between its stages
-        self._end = saved.get("end", scene.time)  # scene time at the end of the cycle
-        self.timeOffset = saved.get("timeOffset", scene.time - omega.time)
-        self._at = scene.steps, scene.time
+        self._clock = Clock(omega, scene, mpmSteps, demSteps, saved)
+        self._isMpmStep = False  # whether it acts in this DEM step
         self._timeStep = TimeStep(omega, scene, mpmSteps, demSteps, label, saved)
-        if self._cycleEnd <= omega.iter:
+        if self._clock.cycleEnd <= omega.iter:
             self._timeStep.govern()
         self._list.make(self._chain if stages else None)
+        self._stages = Stages(scene, self._list.engines, self._endStep)
         self.stepsSaved = scene.steps
         self.exchanges += [Bodies(self._chain[place], **spec) for place, spec in saved.get("bodies", ())]
 
@@ -79,6 +77,7 @@ class Coupling:
         return f"<{self.label}: {self.scene!r} in YADE, {ratio}>"
 
     engines = property(lambda self: list(self._list.engines), doc="Its engines in O.engines.")
+    timeOffset = property(lambda self: self._clock.timeOffset, doc="scene.time - O.time, s.")
     maxDt = property(lambda self: self._timeStep.maxDt, doc="Largest O.dt that the scene wants, s.")
     criticalDt = property(
         lambda self: self._timeStep.criticalDt, doc="O.dt above which a step is refused, s."
@@ -91,13 +90,15 @@ class Coupling:
     def _refuseUnfit(self):
         if steppersIn(self._list.others[self._list.place :]):
             raise ValueError(
-                "inYade.attach: a time stepper stands behind the place of the MPM engines and would change O.dt "
+                "inYade.attach: a time stepper stands behind the place of the MPM engines and would change "
+                "O.dt "
                 "in the middle of a step; put it before the NewtonIntegrator"
             )
         self.scene.refuseWhileRunning("attach")
         if any(isinstance(e, RigidContact) and not e.frictions() for e in self.scene.engines):
             raise ValueError(
-                "inYade.attach: a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, ids) "
+                "inYade.attach: a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, "
+                "ids) "
                 "before"
             )
 
@@ -117,8 +118,9 @@ class Coupling:
         return self._loopThread == threading.get_ident()
 
     def isUnfinished(self, patience):
-        """Whether a step goes on; `patience`: whether one counts that another engine may have left half done."""
-        isOpen = self._loopThread is not None and self._iter == self._omega.iter
+        """Whether a step goes on; `patience`: whether one counts that another engine may have left half
+        done."""
+        isOpen = self._loopThread is not None and self._clock.isInStep()
         return self._thread is not None or isOpen and patience
 
     def detach(self):
@@ -143,7 +145,8 @@ class Coupling:
 
     # --- the step ---------------------------------------------------------------------------------------
     def act(self, number):
-        """Takes the steps of the scene in this DEM step, or its stage `number`; an error is noted, never raised."""
+        """Takes the steps of the scene in this DEM step, or its stage `number`; an error is noted, never
+        raised."""
         if self.error is not None:
             if not loop.errors:
                 loop.errors.append(
@@ -152,49 +155,42 @@ class Coupling:
             return
         self._thread = self._loopThread = threading.get_ident()
         try:
-            if self._omega.iter != self._iter:
+            if self._clock.isNewStep():
                 self._beginStep()
             if self._isMpmStep:
                 if number is None:
                     self._takeSteps()
                 else:
-                    self._takeStage(number)
+                    self._stages.act(number)
         except BaseException as error:
             self._fail(error)
         self._thread = None
 
     def _beginStep(self):
         """Once in every DEM step, before anything else of ours."""
-        before, self._iter = self._iter, self._omega.iter
-        if self._isOpen:  # the last stage was switched off during the step
-            self._close()
+        self._clock.noteStep()
+        if self._stages.isOpen:  # the last stage was switched off during the step
+            self._stages.close()
         self._forward()
         if loop.signals.isPending():
             loop.pauseAfterStep(self._omega)
-        if self._iter < self._cycleEnd - self.demSteps:
-            self._refuseClock()
-        self._isMpmStep = self._iter >= self._cycleEnd
+        self._clock.refuseStepBack()
+        self._isMpmStep = self._clock.isAtCycleEnd
         if self._isMpmStep:
-            self._beginCycle(before)
+            self._beginCycle()
         else:  # the MPM is ahead
             self._timeStep.keep()
             self._apply()
 
-    def _beginCycle(self, before):
-        """Both sides are at the same time: checks, time step, and the states of bodies. before: the last iteration."""
+    def _beginCycle(self):
+        """Both sides are at the same time: checks, time step, and the states of bodies."""
         self._checkScene()
-        self._checkClock(before)
+        self._clock.meet()
         if self._policy.beforeSteps():
             self._timeStep.setLimits()
             if self.scene.givenDt is None:
                 self._timeStep.govern()
-        dt = self._timeStep.choose()
-        self.scene.stepper.dt = dt * self.demSteps / self.mpmSteps
-        end = self._omega.time
-        for _ in range(self.demSteps):  # as YADE adds up
-            end += dt
-        self._end = end + self.timeOffset
-        self._cycleEnd = self._iter + self.demSteps
+        self._clock.beginCycle(self._timeStep.choose())
         for exchange in self.exchanges:
             exchange.read(self)
 
@@ -204,11 +200,7 @@ class Coupling:
             raise RuntimeError(
                 f"scene.engines of '{self.label}' was changed; call inYade.attach(scene) again"
             )
-        if (scene.steps, scene.time) != self._at:
-            raise RuntimeError(
-                f"the scene '{self.label}' has taken steps outside of YADE (it is at step {scene.steps}, YADE left "
-                f"it at {self._at[0]}); call inYade.attach(scene) again"
-            )
+        self._clock.refuseForeignSteps(self.label)
         scene.handOver(self._loop)
         if self._isFresh or not scene.stepper.isPrepared:
             self._beginOfRun()
@@ -225,54 +217,18 @@ class Coupling:
             self._timeStep.setLimits()
             self._timeStep.govern()
 
-    def _checkClock(self, before):
-        now = self._omega.time + self.timeOffset
-        if now != self.scene.time and before is not None and self._iter == before + 1:
-            self._refuseClock()
-        self.scene.stepper.setTime(now)  # later than it was only when all engines were dead for some steps
-
-    def _refuseClock(self):
-        raise RuntimeError(
-            f"the clocks differ: scene.time = {self.scene.time!r} s, O.time + timeOffset = "
-            f"{self._omega.time + self.timeOffset!r} s. O.time was set back, or O.dt was changed in a step after the "
-            f"MPM engines; mend that, and call inYade.attach(scene) again"
-        )
-
     def _takeSteps(self):
         stepper = self.scene.stepper
         for _ in range(self.mpmSteps):
             stepper.advance(1)
-        stepper.setTime(self._end)  # the sum of MPM steps may differ by rounding
-        self._at = self.scene.steps, self.scene.time
+        stepper.setTime(self._clock.end)  # the sum of MPM steps may differ by rounding
+        self._clock.noteSteps()
         self._apply()
 
-    def _takeStage(self, number):
-        """One engine of the chain. The clock stands still before the last stage that lives, and moves on behind it."""
-        stepper, isStage = self.scene.stepper, self._isStage[number]
-        self._isOpen |= isStage
-        isLast = isStage and self._isLastStage(number)
-        stepper.acting = self._chain[number] if self._isOpen else None
-        try:
-            stepper.act(self._chain[number])
-        finally:
-            if isLast:  # also when it raises: what ends a step at its last stage has made all of it
-                self._close()
-        if self._isOpen:
-            stepper.acting = self._chain[number + 1]
-
-    def _isLastStage(self, number):
-        """Whether no stage behind it lives."""
-        for k in range(number + 1, len(self._chain)):
-            if self._isStage[k] and not (self._list.engines[k].dead or self._chain[k].core.dead):
-                return False
-        return True
-
-    def _close(self):
+    def _endStep(self):
         """The end of a step that was taken stage by stage."""
-        stepper = self.scene.stepper
-        stepper.endStep(self._end)
-        self._isOpen, stepper.acting = False, None
-        self._at = self.scene.steps, self.scene.time
+        self.scene.stepper.endStep(self._clock.end)
+        self._clock.noteSteps()
         self._apply()
 
     def _apply(self):
@@ -284,17 +240,13 @@ class Coupling:
         loop.errors.append(error)
         loop.pauseAfterStep(self._omega)
         self._rescue.saveFailed(error)
-        self._isOpen, self.scene.stepper.acting = False, None
+        self._stages.abandon()
 
     # --- results ----------------------------------------------------------------------------------------
     def _forward(self):
         """New rows of histories to yade.plot."""
         if self.plot:
-            self._rows.forward(self._iterationOf, self.timeOffset)
-
-    def _iterationOf(self, step):
-        """Iteration of YADE that belongs to an MPM step that was taken."""
-        return self._cycleEnd - (self._at[0] - step) * self.demSteps // self.mpmSteps
+            self._rows.forward(self._clock.iterationOf, self.timeOffset)
 
     def flush(self):
         """Writes rows and frames that are not in the files yet; O.run, O.step, O.wait and O.save do it."""
@@ -307,45 +259,15 @@ class Coupling:
         """Writes our checkpoint that goes with a file of O.save, and notes in O.tags what attach() needs."""
         if self.error is not None:
             raise RuntimeError(
-                f"O.save: '{self.label}' was stopped by an error ({self.error}); detach() it to save YADE alone"
+                f"O.save: '{self.label}' was stopped by an error ({self.error}); detach() it to save YADE "
+                "alone"
             )
         name = checkpointOf(file, self.label)
         checkWritable(name)
         self.flush()
         bodies = [(self._chain.index(e.contact), e.spec()) for e in self.exchanges if isinstance(e, Bodies)]
-        noted = dict(
-            file=os.path.basename(name),
-            mpmSteps=self.mpmSteps,
-            demSteps=self.demSteps,
-            stages=self.stages,
-            cycleEnd=self._cycleEnd,
-            end=self._end,
-            timeOffset=self.timeOffset,
-            demDt=self._timeStep.demDt,
-            dt=self._timeStep.dt,
-            iter=self._omega.iter,
-            bodies=bodies,
-        )
+        how = dict(mpmSteps=self.mpmSteps, demSteps=self.demSteps, stages=self.stages, bodies=bodies)
+        noted = {"file": os.path.basename(name), **how, **self._clock.noted(), **self._timeStep.noted()}
         self._omega.tags[tagOf(self.label)] = json.dumps(noted)
         save(self.scene, name)
         self.stepsSaved = self.scene.steps
-
-
-class _LoopOfYade:
-    """What the scene asks of YADE's loop: `scene.pause()` pauses YADE, and changes are refused while it runs."""
-
-    def __init__(self, coupling, omega):
-        self._coupling, self._omega = coupling, omega
-
-    def isAlive(self):
-        return self._omega.running
-
-    def isThisThread(self):
-        return self._coupling.isActing
-
-    def stop(self):
-        loop.pauseAfterStep(self._omega)
-
-    def wait(self):
-        if not self.isThisThread():
-            self._omega.wait()

@@ -54,8 +54,10 @@ class EngineList:
         missing = len(self.engines) - sum(map(self._isOurs, self._omega.engines))
         if missing > 0:
             raise RuntimeError(
-                f"O.engines has lost {missing} of the {len(self.engines)} engines of '{self._label}': it was assigned "
-                f"after inYade.attach(); attach the scene again, behind that, or detach() it to go on without it"
+                f"O.engines has lost {missing} of the {len(self.engines)} engines of '{self._label}': it was "
+                "assigned "
+                f"after inYade.attach(); attach the scene again, behind that, or detach() it to go on "
+                "without it"
             )
 
     def _command(self, number=None):

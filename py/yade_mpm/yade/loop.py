@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """YADE's loop with engines of ours in it: their errors, files that go with YADE's own, Ctrl-C and SIGTERM.
 
-Methods of YADE's `O` are wrapped once. What is attached says by itself how it checks, writes and lets go; see inYade.
+Methods of YADE's `O` are wrapped once. What is attached says by itself how it checks, writes and lets go; see
+inYade.
 """
 
 import atexit
@@ -26,7 +27,8 @@ def omega():
         from yade import O
     except ImportError as error:
         raise ImportError(
-            f"inYade needs YADE ({error}); run the script with the command `yade` (Debian: apt install yade), or "
+            f"inYade needs YADE ({error}); run the script with the command `yade` (Debian: apt install "
+            "yade), or "
             f"put the folder that holds YADE's Python package on sys.path"
         ) from None
     return O
@@ -38,8 +40,8 @@ _originals = {}  # name -> method of Omega
 
 
 def wrapOmega(Omega):
-    """Once: run, step, wait and pause raise our errors, save writes our checkpoints too, load and reset forget what was
-    attached."""
+    """Once: run, step, wait and pause raise our errors, save writes our checkpoints too, load and reset
+    forget what was attached."""
     if _originals:
         return
     for names, wrapper in ((_ENDS_RUN, _endingRun), (("save",), _saving), (_FORGETS, _forgetting)):
@@ -88,10 +90,36 @@ def isInStep():
 
 
 def waitForStep():
-    """After a pause YADE calls itself not running while it still finishes the step; its number moves on at the end."""
+    """After a pause YADE calls itself not running while it still finishes the step; its number moves on at
+    the end."""
     deadline = time.monotonic() + STEP_PATIENCE
     while any(c.isUnfinished(time.monotonic() < deadline) for c in attached.values()):
         time.sleep(0.0005)
+
+
+class LoopOfYade:
+    """What the scene asks of YADE's loop: `scene.pause()` pauses YADE, and changes are refused while it
+    runs."""
+
+    def __init__(self, coupling, omega):
+        self._coupling, self._omega = coupling, omega
+
+    def isAlive(self):
+        """Whether YADE runs."""
+        return self._omega.running
+
+    def isThisThread(self):
+        """Whether the caller is a callback of the scene."""
+        return self._coupling.isActing
+
+    def stop(self):
+        """Pauses YADE behind this step."""
+        pauseAfterStep(self._omega)
+
+    def wait(self):
+        """Waits until YADE stands still."""
+        if not self.isThisThread():
+            self._omega.wait()
 
 
 def _saving(method):
@@ -99,7 +127,8 @@ def _saving(method):
     def wrapped(self, file, *args, **keywords):
         if attached and (self.running or isInStep()):
             raise RuntimeError(
-                "O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() and O.wait() "
+                "O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() and "
+                "O.wait() "
                 "first"
             )
         waitForStep()
@@ -145,8 +174,8 @@ def _flushAll():
 
 
 class _Signals:
-    """Ctrl-C and SIGTERM. O.run(n, True) keeps Python's handlers waiting until it ends, so a pipe tells the engines to
-    pause it; the handler, in the main thread, saves when YADE has stopped."""
+    """Ctrl-C and SIGTERM. O.run(n, True) keeps Python's handlers waiting until it ends, so a pipe tells the
+    engines to pause it; the handler, in the main thread, saves when YADE has stopped."""
 
     def __init__(self):
         self._before, self._pipe, self._looked, self._noted = {}, None, 0.0, None

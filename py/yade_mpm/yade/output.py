@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a scene writes beside YADE: rows in yade.plot, O.tags in the recorders' files, a checkpoint beside O.save."""
+"""What a scene writes beside YADE: rows in yade.plot, O.tags in the recorders' files, a checkpoint beside
+O.save."""
 
 import json
 import os
@@ -20,7 +21,8 @@ def tagOf(label):
 
 def tagRecorders(engines, tags):
     """Writes O.tags as attribute `O.tags` of the files of recorders (JSON)."""
-    text = json.dumps({key: tags[key] for key in tags.keys()})  # noqa: SIM118 - O.tags is no dict, and not iterable
+    names = list(tags.keys())  # O.tags is no dict: it cannot be iterated over
+    text = json.dumps({name: tags[name] for name in names})
     for recorder in engines:
         if isinstance(recorder, Recorder) and recorder.isOpen:
             with recorder.appending() as h5:

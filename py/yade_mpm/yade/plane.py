@@ -13,9 +13,11 @@ PLANES = {
 class Plane:
     """The plane of YADE in which a 2D scene lies.
 
-    name : "xy", "xz" or "yz": the axes of YADE along x and y of the scene. Its normal is +z, -y, +x of YADE: right-handed, so that a
-    positive moment turns from x to y of the scene. The origins coincide. Raises ValueError for another name.
-    axes : numbers of the axes of YADE along x, y and the normal of the scene. frame : (3, 3), axes of the scene in those of YADE, a row each.
+    name : "xy", "xz" or "yz": the axes of YADE along x and y of the scene. Its normal is +z, -y, +x of YADE:
+    right-handed, so that a positive moment turns from x to y of the scene. The origins coincide. Raises
+    ValueError for another name.
+    axes : numbers of the axes of YADE along x, y and the normal of the scene. frame : (3, 3), axes of the
+        scene in those of YADE, a row each.
     """
 
     def __init__(self, name="xy"):

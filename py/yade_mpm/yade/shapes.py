@@ -28,8 +28,8 @@ def shapesOf(omega, body, facetThickness, plane):
 
 
 def frameOf(body):
-    """Orientation (x, y, z, w) of the frame of the shapes against that of the body. A clump has its principal axes, which may be turned
-    out of the plane of a 2D scene; the axes of its first member are not."""
+    """Orientation (x, y, z, w) of the frame of the shapes against that of the body. A clump has its principal
+    axes, which may be turned out of the plane of a 2D scene; the axes of its first member are not."""
     if not body.isClump:
         return 0.0, 0.0, 0.0, 1.0
     return tuple(body.shape.members[min(body.shape.members.keys())][1])
@@ -55,14 +55,18 @@ def _shapesAt(body, centre, turn, facetThickness, plane):
             )
         return [rigid.Wall(tuple(plane.toScene(shape.sense * np.eye(3)[shape.axis])), tuple(centre))]
     raise ValueError(
-        f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall and clumps of them can touch the soil"
+        f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall and clumps of them "
+        "can touch the soil"
     )
 
 
 def density(omega, body, thickness):
-    """Mass over volume, Mg/m3; zero for what is moved by its velocity alone, and for facets. thickness : of a 2D scene; None in 3D."""
+    """Mass over volume, Mg/m3; zero for what is moved by its velocity alone, and for facets. thickness : of a
+    2D scene; None in 3D."""
     shapes = (
-        [omega.bodies[member].shape for member in body.shape.members.keys()] if body.isClump else [body.shape]
+        [omega.bodies[member].shape for member, _ in body.shape.members.items()]
+        if body.isClump
+        else [body.shape]
     )
     if body.state.blockedDOFs == "xyzXYZ" or not all(
         type(shape).__name__ in ("Sphere", "Box") for shape in shapes

@@ -74,7 +74,8 @@ class TimeStep:
             self._omega.dt = self.dt
 
     def choose(self):
-        """O.dt of the cycle that begins, as the user or a time stepper has left it; ValueError if it is too large."""
+        """O.dt of the cycle that begins, as the user or a time stepper has left it; ValueError if it is too
+        large."""
         omega = self._omega
         if self._asked is not None:
             omega.dt, self._asked = self._asked, None
@@ -87,8 +88,10 @@ class TimeStep:
             self.dt = dt
         if not 0 < dt <= self.criticalDt * (1 + 1e-9):
             raise ValueError(
-                f"O.dt = {dt:.3g} s is not allowed: the critical step of '{self._label}' is {self.criticalDt:.3g} s "
-                f"(stiffest: '{self._scene.stiffest}'; {self._mpmSteps} MPM steps in {self._demSteps} DEM steps); "
+                f"O.dt = {dt:.3g} s is not allowed: the critical step of '{self._label}' is "
+                f"{self.criticalDt:.3g} s "
+                f"(stiffest: '{self._scene.stiffest}'; {self._mpmSteps} MPM steps in {self._demSteps} DEM "
+                "steps); "
                 f"lower O.dt, or attach with more mpmSteps"
             )
         return dt
@@ -99,6 +102,10 @@ class TimeStep:
             stepper.maxDt = own
         if self._omega.dt == self.dt and math.isfinite(self.demDt) and self._chooser() is None:
             self._omega.dt = self.demDt
+
+    def noted(self):
+        """Dict of what goes with a file of O.save, of plain types."""
+        return dict(demDt=self.demDt, dt=self.dt)
 
     def _chooser(self):
         """The time stepper that chooses O.dt, or None."""

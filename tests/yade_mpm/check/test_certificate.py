@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The verdict on whether a run is quasi-static, by hand-made histories and by runs.
 
-Hand-made: an elastic bar of stiffness k and mass m, pressed at the rate v: E_kin = m v^2/6, W = k (v t)^2/2; the other ratios are
-given numbers. Runs: a block pressed slowly and suddenly; the sheet pile at 2 m/s.
+Hand-made: an elastic bar of stiffness k and mass m, pressed at the rate v: E_kin = m v^2/6, W = k (v t)^2/2;
+the other ratios are given numbers. Runs: a block pressed slowly and suddenly; the sheet pile at 2 m/s.
 Controls: each ratio just within and just beyond its limit; the same block, fast.
 """
 
@@ -20,7 +20,8 @@ STIFFNESS, MASS = 100.0, 3.0
 
 
 def bar(rate, **changed):
-    """History of the pressed bar until it is shorter by 1 m, with 101 rows; the last is where columns may be changed."""
+    """History of the pressed bar until it is shorter by 1 m, with 101 rows; the last is where columns may be
+    changed."""
     t = np.linspace(0, 1 / rate, 101)
     work = STIFFNESS * (rate * t) ** 2 / 2
     history = {

@@ -37,9 +37,11 @@ def test_momentum_and_kinetic_energy_of_a_uniform_velocity_use_the_inertial_mass
 
 @pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
 def test_energy_balances_within_one_percent_in_an_undamped_elastic_column(kind):
-    """Free oscillation under suddenly applied gravity, somewhat beyond the lowest point (half a period: 0.2 s).
+    """Free oscillation under suddenly applied gravity, somewhat beyond the lowest point (half a period: 0.2
+    s).
 
-    What is left is what the kinetic energy changes in half a step, since velocities belong to the middle of steps.
+    What is left is what the kinetic energy changes in half a step, since velocities belong to the middle of
+    steps.
     """
     scene = column(kind)
     scene.engines = chain()

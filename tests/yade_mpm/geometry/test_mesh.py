@@ -3,8 +3,8 @@ import numpy as np
 import pytest
 from yade_mpm.geometry.lattice import latticePoints
 from yade_mpm.geometry.mesh import boundaryFacets, cellVolumes, cornerJacobians
-from yade_mpm.geometry.meshInput import meshFromArrays, meshFromFile
 from yade_mpm.geometry.meshing import meshRegion, refineNear
+from yade_mpm.geometry.meshInput import meshFromArrays, meshFromFile
 from yade_mpm.geometry.regions import box, sphere
 
 SHAFT = box((14.875, 11), (15.125, 21))

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from yade_mpm.geometry.mesh import Mesh, cellVolumes
-from yade_mpm.geometry.meshInput import meshFromArrays
 from yade_mpm.geometry.meshing import meshRegion, refineNear
+from yade_mpm.geometry.meshInput import meshFromArrays
 
 FACE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 CORNERS = {2: np.array(FACE), 3: np.array([(*xy, z) for z in (0, 1) for xy in FACE])}

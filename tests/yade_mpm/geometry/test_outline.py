@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The outline of boxes that were cut from a region: its facets, and how they go with the particles (doc/contact.md)."""
+"""The outline of boxes that were cut from a region: its facets, and how they go with the particles
+(doc/contact.md)."""
 
 import numpy as np
 import pytest
@@ -78,7 +79,8 @@ def test_a_polygon_has_the_normals_of_its_sides_but_at_its_corners():
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_outline_moves_with_the_deformation_of_its_particles(dim):
-    """x -> F x + c: facets go along, their area vectors by Nanson's formula, in whatever order the particles are."""
+    """x -> F x + c: facets go along, their area vectors by Nanson's formula, in whatever order the particles
+    are."""
     _, body = scene(disc((2.1, 1.9), 0.8) if dim == 2 else sphere((2.1, 1.9, 2), 0.8))
     before, areas = body.outline()
     F, shift = np.eye(3), np.array([0.1, -0.2, 0.3])[:dim]
@@ -94,7 +96,8 @@ def test_the_outline_moves_with_the_deformation_of_its_particles(dim):
 
 
 def pressed(angle, isTurned=True):
-    """A wedge with an underside that slopes by `angle`, turned level, 0.01 above a base: normals and gaps that contact finds."""
+    """A wedge with an underside that slopes by `angle`, turned level, 0.01 above a base: normals and gaps
+    that contact finds."""
     angle = np.radians(angle)
     made = mpm.Scene((0, 0), (4, 3), 0.25, threads=1)
     material = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)

@@ -34,7 +34,8 @@ def inItsOwnFolder(tmp_path, monkeypatch):
 
 
 def hybrid(scheme="MUSL", threads=None):
-    """uGIMP soil beside a matched APDI ring, an elastic pile driven into it, a block that falls through the grid."""
+    """uGIMP soil beside a matched APDI ring, an elastic pile driven into it, a block that falls through the
+    grid."""
     scene = mpm.Scene((0, 0), (4, 6), 0.25, scheme=scheme, threads=threads)
     near = scene.add("near", box((1.25, 0.5), (2.75, 2)), soil(), mpm.UGIMP(perCell=2))
     ring = scene.add(

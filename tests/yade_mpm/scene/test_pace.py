@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A run that may choose its number of threads takes one while other jobs have the processors, and many when they have gone."""
+"""A run that may choose its number of threads takes one while other jobs have the processors, and many when
+they have gone."""
 
 from types import SimpleNamespace
 
@@ -8,7 +9,8 @@ from yade_mpm.scene import pace
 
 
 class Clock:
-    """A scene whose steps take as long as `stepTime` says for a number of threads, seen from a clock of its own."""
+    """A scene whose steps take as long as `stepTime` says for a number of threads, seen from a clock of its
+    own."""
 
     def __init__(self, stepTime, threads=4, given=None):
         self.now, self.stepTime, self.used = 0.0, stepTime, {}

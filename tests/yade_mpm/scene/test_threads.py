@@ -15,7 +15,8 @@ THREADS = (1, 2, 3, 8, 16)
 
 
 def hybrid(scheme="MUSL"):
-    """Two blocks of uGIMP soil that collapse onto a matched mesh with hanging vertices; one of them flies off."""
+    """Two blocks of uGIMP soil that collapse onto a matched mesh with hanging vertices; one of them flies
+    off."""
     scene = mpm.Scene((0, 0), (8, 8), 0.25, scheme=scheme)
     soil = mpm.MohrCoulombDruckerPrager(
         density=1.5, lame=(2e3, 1.5e3), cohesion=1.0, frictionAngle=radians(25)
@@ -38,7 +39,8 @@ def hybrid(scheme="MUSL"):
 
 
 def shaken(scheme="MUSL"):
-    """Blocks of uGIMP soil above an elastic mesh; `take` shakes the box so that they fly across the grid and back."""
+    """Blocks of uGIMP soil above an elastic mesh; `take` shakes the box so that they fly across the grid and
+    back."""
     scene = mpm.Scene((0, 0), (8, 8), 0.25, scheme=scheme)
     rubber = mpm.NeoHookean(density=1.0, lame=(4e3, 2e3))
     soil = mpm.MohrCoulombDruckerPrager(
@@ -206,13 +208,15 @@ def test_threads_go_on_after_an_error(threads):
 
 
 def test_energies_are_the_same_for_any_number_of_threads_that_numpy_has(tmp_path):
-    """Of 40,000 particles: the library that NumPy multiplies with shares the work then, and adds in another order."""
+    """Of 40,000 particles: the library that NumPy multiplies with shares the work then, and adds in another
+    order."""
     text = """import numpy as np, yade_mpm as mpm
 scene = mpm.Scene((0, 0), (100, 100), 1.0)
-body = scene.add("body", mpm.box((0, 0), (100, 100)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.UGIMP(perCell=2))
-body.velocity[...] = np.random.default_rng(1).random((body.count, 2))
+body = scene.add("body", mpm.box((0, 0), (100, 100)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)),
+mpm.UGIMP(perCell=2)) body.velocity[...] = np.random.default_rng(1).random((body.count, 2))
 body.stress[...] = np.random.default_rng(2).random(body.count)[:, None, None] * np.eye(3)
-print(mpm.diagnostics.kineticEnergy(scene), *mpm.diagnostics.momentum(scene), mpm.diagnostics.sectionForce(body, 50, thickness=96))"""
+print(mpm.diagnostics.kineticEnergy(scene), *mpm.diagnostics.momentum(scene),
+mpm.diagnostics.sectionForce(body, 50, thickness=96))"""
     environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
     runs = [
         subprocess.run(

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The ground surface (yade_mpm/surface.py) of small made-up scenes, against heights, areas and numbers found by hand.
+"""The ground surface (yade_mpm/surface.py) of small made-up scenes, against heights, areas and numbers found
+by hand.
 
 Cells of 0.5 m, boxes of 0.25 m; gaps of up to 0.25 m are bridged.
 """
@@ -122,7 +123,8 @@ def test_a_narrow_gap_between_a_mesh_and_boxes_is_closed():
 
 # --- the hole -----------------------------------------------------------------------------------------------
 def withCrater():
-    """A crater of 3 to 7 m, 1 m deep, a step of 0.25 m on its left edge; with a ditch of 0.25 m far from it."""
+    """A crater of 3 to 7 m, 1 m deep, a step of 0.25 m on its left edge; with a ditch of 0.25 m far from
+    it."""
     return scene(soil=(BLOCK - box((3, 1), (7, 2)) - box((2, 1.75), (3, 2)) - box((8, 1.75), (10, 2)), UGIMP))
 
 

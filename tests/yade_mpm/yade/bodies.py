@@ -78,7 +78,8 @@ def momentum(soil):
 
 
 def fly(cycles, **options):
-    """Largest change of the momentum, largest number of contacts, and the momentum that the bodies have given away."""
+    """Largest change of the momentum, largest number of contacts, and the momentum that the bodies have given
+    away."""
     soil, contact, coupling = build(True, **options)
     before, change, contacts = momentum(soil), 0.0, 0
     for _ in range(cycles):
@@ -110,8 +111,9 @@ def rest(**options):
 def shoot(how, isEvery, **options):
     """Bits of soil and bodies after body 0 has hit the soil, states read, and contacts there.
 
-    isEvery: no body is ever left out. how: "far": it comes from 8 m away with 40 m/s, 0.4 cells in a step of 1 ms; "late": it rests
-    there first; "hand": it rests, and is put into the soil between two runs. Body 1 stays 30 m away.
+    isEvery: no body is ever left out. how: "far": it comes from 8 m away with 40 m/s, 0.4 cells in a step of
+    1 ms; "late": it rests there first; "hand": it rests, and is put into the soil between two runs. Body 1
+    stays 30 m away.
     """
     soil, contact, coupling = build(True, **options)
     if isEvery:

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The scene that test_in_yade.py runs by its own loop and inside YADE: an APDI block driven into uGIMP soil."""
+"""The scene that test_in_yade.py runs by its own loop and inside YADE: an APDI block driven into uGIMP
+soil."""
 
 import hashlib
 

@@ -10,8 +10,8 @@ from yade_mpm.yadePlane import Plane
 
 
 def fall(name, as_=None, steps=400, thickness=0.5, isSaved=False):
-    """States of the two bodies, and forces on them, in the axes of the scene. `as_`: plane that `Bodies` is told, if another.
-    isSaved: after three quarters of the way all is saved, and loaded."""
+    """States of the two bodies, and forces on them, in the axes of the scene. `as_`: plane that `Bodies` is
+    told, if another. isSaved: after three quarters of the way all is saved, and loaded."""
     O.reset()
     plane = Plane(name)
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The exchange between bodies of YADE and a RigidContact: nothing is missed, nothing is lost between O.save and O.load."""
+"""The exchange between bodies of YADE and a RigidContact: nothing is missed, nothing is lost between O.save
+and O.load."""
 
 import json
 
@@ -46,7 +47,10 @@ class Forces:
         self.given.append(("T", number, tuple(torque), isPermanent))
 
 
-def exchange(shape, frame=np.eye(3), turn=(1.0, 0, 0, 0)):
+ALONG_AXES = np.eye(3)
+
+
+def exchange(shape, frame=ALONG_AXES, turn=(1.0, 0, 0, 0)):
     contact, forces = mpm.RigidContact(), Forces()
     contact.addBody(shape)
     return contact, forces, _core.BodyExchange(contact.core, [State()], [7], forces, frame.tolist(), [turn])
@@ -171,8 +175,8 @@ say("left out", fails(RuntimeError, lambda: O.run(1, True)))
     )
     assert err.count("warning: the inYade.Bodies of a RigidContact of 'mpm' are not in exchanges") == 1
     assert (
-        "the RigidContact of bodies [0, 1] is not among the engines of the scene 'mpm'; put it behind ParticleToGrid"
-        in said["left out"]
+        "the RigidContact of bodies [0, 1] is not among the engines of the scene 'mpm'; put it behind "
+        "ParticleToGrid" in said["left out"]
     )
     assert (
         "not in exchanges"
@@ -190,8 +194,8 @@ O.run(1, True)
 MISTAKES = """
 from yade import FrictMat, NewtonIntegrator, ForceResetter, utils
 scene = mpm.Scene((0, 0, 0), (1, 1, 2), 0.25)
-scene.add("soil", mpm.box((0, 0, 0), (1, 1, 1)), mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3), mpm.UGIMP(perCell=2))
-contact = mpm.RigidContact()
+scene.add("soil", mpm.box((0, 0, 0), (1, 1, 1)), mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3),
+mpm.UGIMP(perCell=2)) contact = mpm.RigidContact()
 scene.engines = [mpm.ParticleToGrid(), contact, *scene.engines[1:]]
 dense = O.bodies.append(utils.sphere((0.5, 0.5, 1.5), 0.2))  # of YADE's default material
 rock = O.materials.append(FrictMat(density=2.6, young=1e5))
@@ -227,8 +231,8 @@ def test_mistakes_with_bodies_and_engines_of_yade_are_told(tmp_path, body):
         for name in ("body", "text", "share")
     )
     assert (
-        "O.engines has lost 5 of the 5 engines of 'mpm': it was assigned after inYade.attach(); attach the scene again"
-        in said["lost"]
+        "O.engines has lost 5 of the 5 engines of 'mpm': it was assigned after inYade.attach(); attach the "
+        "scene again" in said["lost"]
     )
     assert said["steps"] == 2
     assert err.count(
@@ -266,7 +270,8 @@ def difference(turns):
     # Largest distance between the members of a clump in YADE and the shapes of the contact, after turns.
     O.reset()
     tilted = Quaternion((0, 0, 1), 0.5)
-    number, members = O.bodies.appendClumped([utils.box((0.5, 2, 0), (0.1, 0.8, 0.5), orientation=tilted), utils.box((0.7, 1.2, 0), (0.3, 0.1, 0.5)),
+    number, members = O.bodies.appendClumped([utils.box((0.5, 2, 0), (0.1, 0.8, 0.5), orientation=tilted),
+    utils.box((0.7, 1.2, 0), (0.3, 0.1, 0.5)),
                                               utils.sphere((0.2, 1.1, 0), 0.2)])
     state = O.bodies[number].state
     first = list(state.ori)
@@ -287,7 +292,8 @@ def difference(turns):
         if row[1] == 1:
             w, *axis = row[8:12]
             turned = (now * Quaternion(w, *axis)).toRotationMatrix()
-            largest = max(largest, float(np.abs(np.array(turned) - np.array(at.ori.toRotationMatrix())).max()))
+            largest = max(largest, float(np.abs(np.array(turned) -
+            np.array(at.ori.toRotationMatrix())).max()))
     return largest, first, contact.orientations[0].tolist()
 
 say("plane", difference((0, 0, 0.9)))

@@ -32,10 +32,10 @@ for body in scene.bodies:
     beside = body.position[:, 1] > yade_pile.DEPTH - yade_pile.EMBEDDED - a.penetration + a.thickness
     inside = max(inside, float((a.thickness / 2 - x[beside]).max()))
 say("pile", dict(depth=result["depth"].tolist(), time=result["time"].tolist(), raw=result["raw"].tolist(),
-base=result["base"].tolist(),
-                 vel=list(state.vel), checked=scene.engines[1].checkBalance,
-                 contacts=scene.engines[1].contacts, inside=inside, finite=all(bool(np.isfinite(getattr(b,
-                 f)).all()) for b in scene.bodies for f in ("position", "velocity", "stress")),
+    base=result["base"].tolist(), vel=list(state.vel), checked=scene.engines[1].checkBalance,
+    contacts=scene.engines[1].contacts, inside=inside,
+    finite=all(bool(np.isfinite(getattr(b, f)).all()) for b in scene.bodies
+        for f in ("position", "velocity", "stress")),
                  summary=result["summary"], arguments=vars(a)))
 """
 )
@@ -92,10 +92,11 @@ a = yade_pile.arguments()
 result = yade_pile.run(a, "hammer")
 hammer, pile = O.bodies[3].state, O.bodies[O.bodies[0].clumpId].state
 say("result", dict(depth=result["depth"].tolist(), time=result["time"].tolist(), raw=result["raw"].tolist(),
-summary=result["summary"],
-                   weight=(pile.mass + hammer.mass) * yade_pile.GRAVITY, masses=[pile.mass, hammer.mass],
-                   speed=[pile.vel[1], hammer.vel[1]], clearance=hammer.pos[1] - yade_pile.HAMMER_RADIUS -
-                   O.bodies[1].state.pos[1] - O.bodies[1].shape.extents[1]))
+    summary=result["summary"],
+    weight=(pile.mass + hammer.mass) * yade_pile.GRAVITY, masses=[pile.mass, hammer.mass],
+    speed=[pile.vel[1], hammer.vel[1]],
+    clearance=hammer.pos[1] - yade_pile.HAMMER_RADIUS - O.bodies[1].state.pos[1]
+        - O.bodies[1].shape.extents[1]))
 """
 )
 

@@ -21,8 +21,8 @@ def footings(tmp_path_factory):
         """
 import yade_footing
 for name, options in {"fine": {"cell": 0.3}, "hybrid": {}, "smooth": {"friction": 0.0},
-                      "apdi": {"types": "apdi", "cell": 0.3}, "ugimp": {"types": "ugimp"}, "locked": {"fbar":
-                      False}}.items():
+                      "apdi": {"types": "apdi",
+                          "cell": 0.3}, "ugimp": {"types": "ugimp"}, "locked": {"fbar": False}}.items():
     say(name, yade_footing.run(**{"cell": 0.5, **options})[0])
 """,
         tmp_path_factory.mktemp("footings"),

@@ -23,8 +23,9 @@ SCENE = """
 import signal, sys, time
 import yade_mpm as mpm
 from yade_mpm import box
-signal.signal(signal.SIGINT, signal.default_int_handler)  # which Python leaves out where the tests run in the
-background scene = mpm.Scene((0, 0), (2, 2), 0.25)
+# which Python leaves out where the tests run in the background
+signal.signal(signal.SIGINT, signal.default_int_handler)
+scene = mpm.Scene((0, 0), (2, 2), 0.25)
 scene.add("a", box((0.5, 0), (1.5, 1)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP())
 go = mpm.PyRunner(lambda: print("go", flush=True), iterPeriod=10, label="go")
 scene.engines = [*scene.engines, go]
@@ -103,7 +104,8 @@ TESTS = """
 import os, signal
 def test_that_is_cut_off():
     scene.engines = [*scene.engines[:-1], mpm.PyRunner(lambda: os.kill(os.getpid(), signal.SIGTERM),
-    iterPeriod=5)] scene.run(steps=100)
+        iterPeriod=5)]
+    scene.run(steps=100)
 def test_that_would_be_next():
     print("went on")
 """
@@ -133,8 +135,8 @@ import os
 def end(s):
     if s.steps == killedAt: os.kill(os.getpid(), 9)
 scene["a"].velocity = (0.3, 0.0)
-scene.engines = [*scene.engines[:-1], mpm.Recorder("out.vtkhdf", period=0.2), mpm.History(iterPeriod=7,
-file="out.csv"),
+scene.engines = [*scene.engines[:-1], mpm.Recorder("out.vtkhdf", period=0.2),
+    mpm.History(iterPeriod=7, file="out.csv"),
                  mpm.PyRunner(end, iterPeriod=50, label="end")]
 scene.dt = 1e-3
 mpm.scene.policy.SHARE = 1e6

@@ -213,10 +213,11 @@ def test_energies_are_the_same_for_any_number_of_threads_that_numpy_has(tmp_path
     text = """import numpy as np, yade_mpm as mpm
 scene = mpm.Scene((0, 0), (100, 100), 1.0)
 body = scene.add("body", mpm.box((0, 0), (100, 100)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)),
-mpm.UGIMP(perCell=2)) body.velocity[...] = np.random.default_rng(1).random((body.count, 2))
+    mpm.UGIMP(perCell=2))
+body.velocity[...] = np.random.default_rng(1).random((body.count, 2))
 body.stress[...] = np.random.default_rng(2).random(body.count)[:, None, None] * np.eye(3)
 print(mpm.diagnostics.kineticEnergy(scene), *mpm.diagnostics.momentum(scene),
-mpm.diagnostics.sectionForce(body, 50, thickness=96))"""
+    mpm.diagnostics.sectionForce(body, 50, thickness=96))"""
     environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
     runs = [
         subprocess.run(

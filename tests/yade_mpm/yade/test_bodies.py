@@ -195,7 +195,8 @@ MISTAKES = """
 from yade import FrictMat, NewtonIntegrator, ForceResetter, utils
 scene = mpm.Scene((0, 0, 0), (1, 1, 2), 0.25)
 scene.add("soil", mpm.box((0, 0, 0), (1, 1, 1)), mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3),
-mpm.UGIMP(perCell=2)) contact = mpm.RigidContact()
+    mpm.UGIMP(perCell=2))
+contact = mpm.RigidContact()
 scene.engines = [mpm.ParticleToGrid(), contact, *scene.engines[1:]]
 dense = O.bodies.append(utils.sphere((0.5, 0.5, 1.5), 0.2))  # of YADE's default material
 rock = O.materials.append(FrictMat(density=2.6, young=1e5))
@@ -271,7 +272,7 @@ def difference(turns):
     O.reset()
     tilted = Quaternion((0, 0, 1), 0.5)
     number, members = O.bodies.appendClumped([utils.box((0.5, 2, 0), (0.1, 0.8, 0.5), orientation=tilted),
-    utils.box((0.7, 1.2, 0), (0.3, 0.1, 0.5)),
+        utils.box((0.7, 1.2, 0), (0.3, 0.1, 0.5)),
                                               utils.sphere((0.2, 1.1, 0), 0.2)])
     state = O.bodies[number].state
     first = list(state.ori)
@@ -292,8 +293,8 @@ def difference(turns):
         if row[1] == 1:
             w, *axis = row[8:12]
             turned = (now * Quaternion(w, *axis)).toRotationMatrix()
-            largest = max(largest, float(np.abs(np.array(turned) -
-            np.array(at.ori.toRotationMatrix())).max()))
+            largest = max(largest,
+                float(np.abs(np.array(turned) - np.array(at.ori.toRotationMatrix())).max()))
     return largest, first, contact.orientations[0].tolist()
 
 say("plane", difference((0, 0, 0.9)))

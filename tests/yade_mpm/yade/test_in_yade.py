@@ -29,8 +29,8 @@ for name, stages in (("stages", True), ("chain", False)):
     soil = inYade.attach(scene, stages=stages)
     O.timingEnabled = True
     O.run(400, True)
-    say(name, [bits(scene), scene.time, O.time, [e.label for e in O.engines], [e.execCount for e in
-    soil.engines]])
+    say(name, [bits(scene), scene.time, O.time, [e.label for e in O.engines],
+        [e.execCount for e in soil.engines]])
 O.dt *= 0.999
 own.run(steps=1); O.run(1, True)
 say("other dt", [bits(own), bits(scene)])
@@ -50,8 +50,8 @@ for name, ratio in (("mpm", dict(mpmSteps=3)), ("dem", dict(demSteps=4))):
     dt = O.dt
     O.run(1, True); O.dt = dt / 2
     O.run(7, True)
-    say(name + " changed", [scene.steps, scene.time - O.time, O.dt / dt, (dt + 7 * dt / 2) / (O.time - 400 *
-    dt)])
+    say(name + " changed", [scene.steps, scene.time - O.time, O.dt / dt,
+        (dt + 7 * dt / 2) / (O.time - 400 * dt)])
 """
 
 
@@ -99,14 +99,15 @@ O.bodies.append([sphere((10, 10, 0), .5, fixed=True), sphere((10, 10, .99), .5)]
 def engines(stiff=1.0):
     return [ForceResetter(), InsertionSortCollider([Bo1_Sphere_Aabb()]),
             InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
-            [Law2_ScGeom_FrictPhys_CundallStrack()])]
+                [Law2_ScGeom_FrictPhys_CundallStrack()])]
 stepper = GlobalStiffnessTimeStepper(timeStepUpdateInterval=1)
 O.engines = engines() + [stepper, NewtonIntegrator(gravity=(0, 0, -9.81))]
 O.run(20, True); say("dem alone", O.dt)
 scene = hybrid()
 soil = inYade.attach(scene)
-O.run(20, True); say("with mpm", [O.dt, stepper.maxDt, soil.maxDt, scene.core.dt, O.time + soil.timeOffset ==
-scene.time]) stepper.timeStepUpdateInterval = 1000; O.dt = 0.1
+O.run(20, True)
+say("with mpm", [O.dt, stepper.maxDt, soil.maxDt, scene.core.dt, O.time + soil.timeOffset == scene.time])
+stepper.timeStepUpdateInterval = 1000; O.dt = 0.1
 O.run(1, True); say("by hand", [O.dt, soil.maxDt])
 stepper.timeStepUpdateInterval = 1
 soil.detach()
@@ -115,7 +116,7 @@ stepper.maxDt = 1e-4
 soil = inYade.attach(scene)
 O.run(20, True); say("smaller maxDt", [O.dt, stepper.maxDt, scene.core.dt]); soil.detach()
 say("behind", fails(ValueError, lambda: (setattr(O, "engines", engines() + [NewtonIntegrator(), stepper]),
-inYade.attach(scene))))
+    inYade.attach(scene))))
 
 O.reset()
 O.materials.append(FrictMat(young=1e9, density=2600, poisson=.3, frictionAngle=.5))
@@ -124,8 +125,8 @@ scene = hybrid(); soil = inYade.attach(scene); say("stiff sphere", [O.dt, 0.8 * 
 O.reset(); empty(); O.dt = 1e-5
 scene = hybrid(); soil = inYade.attach(scene); O.run(5, True); say("given", [O.dt, scene.core.dt])
 O.dt = 0.99 * soil.criticalDt; O.run(1, True); say("largest", [scene.core.dt / O.dt, scene.time == O.time])
-O.dt = 1.01 * soil.criticalDt; say("too large", [fails(ValueError, lambda: O.run(5, True)), O.iter,
-scene.steps])
+O.dt = 1.01 * soil.criticalDt
+say("too large", [fails(ValueError, lambda: O.run(5, True)), O.iter, scene.steps])
 
 O.reset(); empty(); scene = hybrid(); soil = inYade.attach(scene)
 O.run(10, True)
@@ -134,17 +135,22 @@ O.run(10, True); say("dead", [scene.steps, scene.time < O.time])
 for e in soil.engines: e.dead = False
 O.run(10, True); say("alive", [scene.steps, scene.time == O.time])
 stress = scene["soil"].stress.copy()
-soil.engines[3].dead = True; O.run(5, True); say("no updater", [scene.steps, scene.time == O.time,
-bool((stress == scene["soil"].stress).all())]) scene.step(); say("stepped", fails(RuntimeError, lambda:
-O.run(5, True))) soil = inYade.attach(scene); O.run(5, True); O.resetTime(); say("set back",
-fails(RuntimeError, lambda: O.run(5, True))) soil = inYade.attach(scene); say("offset", [soil.timeOffset > 0,
-O.run(5, True), O.time + soil.timeOffset == scene.time]) O.engines = O.engines + [PyRunner(command="O.dt *=
-0.9", iterPeriod=1, initRun=True, label="late")] say("dt behind", fails(RuntimeError, lambda: O.run(5, True)))
+soil.engines[3].dead = True; O.run(5, True)
+say("no updater", [scene.steps, scene.time == O.time, bool((stress == scene["soil"].stress).all())])
+scene.step(); say("stepped", fails(RuntimeError, lambda: O.run(5, True)))
+soil = inYade.attach(scene); O.run(5, True); O.resetTime()
+say("set back", fails(RuntimeError, lambda: O.run(5, True)))
+soil = inYade.attach(scene)
+say("offset", [soil.timeOffset > 0, O.run(5, True), O.time + soil.timeOffset == scene.time])
+O.engines = O.engines + [PyRunner(command="O.dt *= 0.9", iterPeriod=1, initRun=True, label="late")]
+say("dt behind", fails(RuntimeError, lambda: O.run(5, True)))
 O.engines = O.engines[:-1]; soil = inYade.attach(scene)
-O.run(); say("running", [fails(RuntimeError, lambda: inYade.attach(scene)), fails(RuntimeError, scene.step),
-fails(RuntimeError, soil.detach)]) O.pause()
+O.run()
+say("running", [fails(RuntimeError, lambda: inYade.attach(scene)), fails(RuntimeError, scene.step),
+    fails(RuntimeError, soil.detach)])
+O.pause()
 for name, arguments in dict(ratio=dict(mpmSteps=2, demSteps=2), zero=dict(demSteps=0),
-half=dict(mpmSteps=1.5), label=dict(label="a b"),
+    half=dict(mpmSteps=1.5), label=dict(label="a b"),
                             several=dict(mpmSteps=2, stages=True), twice=dict(label="other")).items():
     say(name, fails(ValueError, lambda: inYade.attach(scene, **arguments)))
 say("kind", fails(TypeError, lambda: inYade.attach("scene")))
@@ -210,9 +216,10 @@ from yade.utils import sphere
 O.bodies.append(sphere((10, 10, 10), 1.0))
 O.tags["description"] = "a test"
 own = hybrid(); own.run(steps=300)
-scene = hybrid(mpm.Recorder("out.vtkhdf", iterPeriod=50), mpm.History(iterPeriod=20, file="out.csv",
-columns={"head": "scene['block'].position[:, 1].max()"})) O.engines = [VTKRecorder(fileName="dem-",
-iterPeriod=50, recorders=["spheres"], initRun=True), ForceResetter(),
+scene = hybrid(mpm.Recorder("out.vtkhdf", iterPeriod=50),
+    mpm.History(iterPeriod=20, file="out.csv", columns={"head": "scene['block'].position[:, 1].max()"}))
+O.engines = [VTKRecorder(fileName="dem-", iterPeriod=50, recorders=["spheres"], initRun=True),
+    ForceResetter(),
              NewtonIntegrator(gravity=(0, 0, -10))]
 soil = inYade.attach(scene, plot=True)
 O.stopAtIter = 100
@@ -225,19 +232,20 @@ while scene.steps < 130: time.sleep(0.001)
 O.pause(); time.sleep(0.2)  # the step that is going on is done first
 at = O.iter, scene.steps; time.sleep(0.05)
 say("pause", [at, [O.iter, scene.steps], 130 <= at[0] < 300])
-O.run(); say("save running", fails(RuntimeError, lambda: O.save("no.yade.gz"))); O.pause(); time.sleep(0.2)  #
-likewise, or O.iter is still one behind say("steps left", 300 - O.iter)
+# likewise, or O.iter is still one behind
+O.run(); say("save running", fails(RuntimeError, lambda: O.save("no.yade.gz"))); O.pause(); time.sleep(0.2)
+say("steps left", 300 - O.iter)
 O.run(300 - O.iter, True)
 say("same", bits(own) == bits(scene))
 timing.stats()
 with h5py.File("out.vtkhdf") as f:
     say("frames", [f["VTKHDF/Steps/Values"][:].tolist(), json.loads(f.attrs["O.tags"])["description"],
-    json.loads(f.attrs["O.tags"])["id"] == O.tags["id"]])
+        json.loads(f.attrs["O.tags"])["id"] == O.tags["id"]])
 say("dt", O.dt)
 plot.plots = {"t": ("head.fy", "head")}
 plot.saveDataTxt("plot.txt")
 say("plot", [plot.data["i"], plot.data["t"] == plot.data["time"], plot.data["step"],
-bool(np.isfinite(plot.data["head.fy"]).all())])
+    bool(np.isfinite(plot.data["head.fy"]).all())])
 """
 
 
@@ -324,8 +332,8 @@ for name, stages in (("stages", True), ("chain", False)):
     begun = time.time(); message = fails(RuntimeError, lambda: O.run(5, True))
     at = [O.iter, other.steps]
     O.engines = O.engines[:-1]; O.run(5, True)
-    say("of another, " + name, ["division by zero" in message, at, [O.iter, other.steps], other.time ==
-    O.time, time.time() - begun < 5])
+    say("of another, " + name, ["division by zero" in message, at, [O.iter, other.steps],
+        other.time == O.time, time.time() - begun < 5])
 O.reset(); empty(); soil = inYade.attach(scene)
 scene.engines = [*scene.engines[:2], mpm.PyRunner(lambda: 1 / 0, iterPeriod=1), *scene.engines[2:]]
 soil = inYade.attach(scene)
@@ -373,9 +381,9 @@ def test_signals_leave_a_state_to_continue_from(tmp_path, how, number, code):
     if (how, number) == ("run", signal.SIGTERM):
         said, _ = run(
             f"""
-O.load("{file.name}"); soil = inYade.attach(); scene = soil.scene; say("clocks", [O.time == scene.time, O.iter
-== scene.steps]) n = scene.steps; O.run(10, True); own = hybrid(); own.run(steps=n + 10); say("same",
-bits(own) == bits(scene))
+O.load("{file.name}"); soil = inYade.attach(); scene = soil.scene
+say("clocks", [O.time == scene.time, O.iter == scene.steps])
+n = scene.steps; O.run(10, True); own = hybrid(); own.run(steps=n + 10); say("same", bits(own) == bits(scene))
 """,
             tmp_path,
         )

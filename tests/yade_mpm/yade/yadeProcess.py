@@ -16,8 +16,9 @@ needsYade = pytest.mark.skipif(YADE is None, reason="YADE is not installed (Debi
 FOLDERS = [str(Path(__file__).parent), str(Path(__file__).resolve().parents[3] / "scripts")]
 PRELUDE = """
 import json, os, signal, sys, time
-signal.signal(signal.SIGINT, signal.default_int_handler)  # which Python leaves out where the tests run in the
-background sys.path[:0] = {folders!r}
+# which Python leaves out where the tests run in the background
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.path[:0] = {folders!r}
 from hybrid import bits, hybrid
 import yade_mpm as mpm
 from yade_mpm import inYade

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A loop of one's own steps a scene through `scene.stepper`, with the same bits as `scene.run`."""
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box
+from yade_mpm.base import limits
+from yade_mpm.scene.policy import LoopPolicy
+
+
+def falling(scheme="MUSL"):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme)
+    material = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.2)
+    scene.add("block", box((0.5, 0), (1.5, 1)), material, mpm.UGIMP())
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81), fixed="bottom"),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    return scene
+
+
+def bits(scene):
+    return [np.array(getattr(scene["block"], name)).tobytes() for name in ("position", "velocity", "stress")]
+
+
+def throughRun(scene, steps):
+    scene.run(steps=steps, progress=False)
+
+
+def atOnce(scene, steps):
+    scene.prepare()
+    scene.stepper.advance(steps)
+
+
+def oneByOne(scene, steps):
+    for _ in range(steps):
+        scene.step()
+
+
+def engineByEngine(scene, steps):
+    scene.prepare()
+    for _ in range(steps):
+        for engine in scene.engines:
+            scene.stepper.act(engine)
+        scene.stepper.endStep(scene.time + scene.stepper.dt)
+
+
+def withThePolicy(scene, steps):
+    scene.prepare()
+    policy = LoopPolicy(scene, say=print)
+    end = scene.steps + steps
+    while scene.steps < end:
+        policy.beforeSteps()
+        scene.stepper.advance(min(end - scene.steps, policy.stepsToNext()))
+        policy.afterSteps()
+
+
+@pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
+@pytest.mark.parametrize("loop", [atOnce, oneByOne, engineByEngine, withThePolicy])
+def test_every_loop_gives_the_same_bits(loop, scheme):
+    one, other = falling(scheme), falling(scheme)
+    throughRun(one, 30)
+    loop(other, 30)
+    assert bits(one) == bits(other) and (one.steps, one.time) == (other.steps, other.time)
+    other.step()
+    assert bits(one) != bits(other)  # control
+
+
+@pytest.mark.parametrize("loop, isSame", [(withThePolicy, True), (atOnce, False)])
+def test_a_loop_with_the_policy_estimates_the_critical_step_when_a_run_does(loop, isSame, monkeypatch):
+    monkeypatch.setattr(limits, "DT_PERIOD", 10)
+    one, other = falling(), falling()
+    for scene in (one, other):
+        scene.run(steps=5, progress=False)
+        scene["block"].stress[...] = -50.0 * np.eye(3)
+    throughRun(one, 40)
+    loop(other, 40)
+    assert (one.stepper.estimatedAt == other.stepper.estimatedAt == 40) == isSame
+    assert not isSame or bits(one) == bits(other)
+
+
+def test_a_change_is_seen_before_the_next_step():
+    scene = falling()
+    assert not scene.stepper.isReady
+    scene.prepare()
+    assert scene.stepper.isReady and scene.stepper.isPrepared
+    scene["block"].inertiaScale = 4.0
+    assert not scene.stepper.isReady  # the critical step is another one
+    scene.prepare()
+    scene.threads = 1
+    assert not scene.stepper.isPrepared and scene.stepper.isChecked
+    scene.prepare()
+    scene.engines.append(mpm.PyRunner("pass", iterPeriod=1))
+    assert not scene.stepper.isReady
+
+
+def test_another_program_that_has_the_scene_is_asked():
+    scene, asked = falling(), []
+
+    class Loop:
+        def isAlive(self):
+            return True
+
+        def isThisThread(self):
+            return False
+
+        def stop(self):
+            asked.append("stop")
+
+        def wait(self):
+            asked.append("wait")
+
+    scene.handOver(Loop())
+    with pytest.raises(RuntimeError, match="a run is going on in the background"):
+        scene.step()
+    scene.pause()
+    assert asked == ["stop", "wait"] and scene.running
+    scene.handOver(None)
+    scene.step()
+    assert scene.steps == 1 and not scene.running

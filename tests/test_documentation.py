@@ -68,8 +68,8 @@ def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
     for text in re.findall(r"```python\n(.*?)```", (ROOT / "doc" / "recipes.md").read_text(), re.S):
         exec(text, names)
         seen.append({k: names.get(k) for k in ("scene", "history", "error", "ball", "velocity", "front")})
-    assert len(seen) == 6
-    steep, footing, ball, column, going, results = seen
+    assert len(seen) == 7
+    steep, footing, blast, ball, column, going, results = seen
     assert {f.name for f in tmp_path.iterdir()} >= {
         "phi25.csv",
         "phi35.vtkhdf",
@@ -83,6 +83,7 @@ def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
     assert flat > steep["front"]["front"][-1] > 1.0  # the front of 25 degrees lies before that of 35
     load = -footing["history"]["push.fy"]
     assert load[-1] > 2 * load[len(load) // 4] > 0
+    assert blast["scene"]["block"].stress[:, 1, 1].mean() < -40  # half of the time: 50 kPa
     assert abs(column["error"]).max() < 0.01 * 2.0 * 9.81 * 2.5
     assert going["scene"].steps == column["scene"].steps + 100  # the first hundred went into both
     assert len(results["velocity"]) == 200

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include <cmath>
 #include <unordered_map>
 
 namespace mpm {
@@ -19,29 +20,81 @@ template <int Dim> std::vector<int> facetCorners(int facet) {
     return {faces[facet], faces[facet] + 4};
 }
 
-// Outward area vector, m2 (2D: length).
-Vec<2> areaVector(const std::vector<Vec<2>>& X) { return Vec<2>(X[1][1] - X[0][1], X[0][0] - X[1][0]); }
-Vec<3> areaVector(const std::vector<Vec<3>>& X) { return 0.5 * (X[2] - X[0]).cross(X[3] - X[1]); }
+// What a load does to a facet: its share of the integral of a shape function, as an outward area vector (m2; 2D: length)
+// and as an area.
+template <int Dim> struct ShareOfFacet {
+    Vec<Dim> vector = Vec<Dim>::Zero();
+    double area = 0;
+};
+
+// Integrals of the shape functions of an edge: a half each.
+std::vector<ShareOfFacet<2>> sharesOfFacet(const std::vector<Vec<2>>& X) {
+    const Vec<2> whole(X[1][1] - X[0][1], X[0][0] - X[1][0]);
+    return std::vector<ShareOfFacet<2>>(2, {0.5 * whole, 0.5 * whole.norm()});
+}
+
+// Integrals of the shape functions of a bilinear face. 2 x 2 Gauss points are exact for the vector on warped faces, as
+// the internal forces of the hexahedron behind it are, and for the area on flat ones.
+std::vector<ShareOfFacet<3>> sharesOfFacet(const std::vector<Vec<3>>& X) {
+    static const double gauss = 1 / std::sqrt(3.0);
+    static const double unit[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    std::vector<ShareOfFacet<3>> shares(4);
+    for (auto& [u, v] : unit) {
+        Vec<3> alongU = Vec<3>::Zero(), alongV = Vec<3>::Zero();
+        for (int a = 0; a < 4; ++a) {
+            alongU += 0.25 * unit[a][0] * (1 + unit[a][1] * v * gauss) * X[a];
+            alongV += 0.25 * unit[a][1] * (1 + unit[a][0] * u * gauss) * X[a];
+        }
+        const Vec<3> area = alongU.cross(alongV);
+        for (int a = 0; a < 4; ++a) {
+            const double shape = 0.25 * (1 + unit[a][0] * u * gauss) * (1 + unit[a][1] * v * gauss);
+            shares[a].vector += shape * area;
+            shares[a].area += shape * area.norm();
+        }
+    }
+    return shares;
+}
+
+// Row of a table (time, values...) at a time: linear between rows, the first and last value outside.
+std::vector<double> rowAt(const std::vector<double>& table, size_t width, double time) {
+    const size_t rows = table.size() / width;
+    size_t next = 0;
+    while (next < rows && table[next * width] <= time) ++next;
+    const size_t above = std::min(next, rows - 1), below = next > 0 ? next - 1 : 0;
+    const double *first = &table[below * width], *last = &table[above * width];
+    const double share = above > below ? (time - first[0]) / (last[0] - first[0]) : 0;
+    std::vector<double> values;
+    for (size_t k = 1; k < width; ++k) values.push_back((1 - share) * first[k] + share * last[k]);
+    return values;
+}
 
 } // namespace
 
 class BoundaryLoad : public EngineOf<BoundaryLoad> {
   public:
     std::string body;
-    std::vector<double> traction, facets;
+    std::vector<double> traction, tractionTable, pressureTable, facets;
     double pressure = 0, ramp = 0;
 
     std::string className() const override { return "BoundaryLoad"; }
     std::string doc() const override {
         return "Traction (fixed direction) and pressure (follows the surface) on boundary facets of an APDI body.\n\n"
-               "Force of a facet of area A and outward normal n: (traction - pressure n) A, shared equally by its\n"
-               "corners. Stands between ParticleToGrid and GridSolver.";
+               "Force on corner a of a facet: the integral of N_a (traction - pressure n) dA over the facet as it is now, with\n"
+               "the shape function N_a and the outward normal n. 3D: 2 x 2 Gauss points on the bilinear facet, so that a\n"
+               "uniform pressure balances stress = -pressure I in distorted domains, too. Stands between ParticleToGrid and\n"
+               "GridSolver.";
     }
     std::vector<Parameter> attributes() override {
         return {
             {"body", "", "Name of the loaded body.", &body},
             {"traction", "kPa", "Force per current area, one component per axis.", &traction},
             {"pressure", "kPa", "Pressure on the surface, positive when it pushes on the body.", &pressure},
+            {"tractionTable", "s, kPa",
+             "Traction over time instead, rows (time, one component per axis), linear between them and constant outside.",
+             &tractionTable},
+            {"pressureTable", "s, kPa",
+             "Pressure over time instead, rows (time, pressure), linear between them and constant outside.",
+             &pressureTable},
             {"ramp", "s", "Time over which the load grows from zero; 0: at once.", &ramp,
              Range::notNegative()},
             {"facets", "", "Loaded facets as pairs (particle id, number of the facet in its domain).",
@@ -54,7 +107,10 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
     template <int Dim> void act(Scene<Dim>& scene) {
         Body<Dim>& loaded = *scene.body(body);
         auto* nodes = scene.grid.fields[loaded.velocityField].sum.data();
-        const double factor = ramp > 0 ? std::min(1.0, (scene.time + scene.dt) / ramp) : 1.0;
+        const double now = scene.time + scene.dt;
+        const double factor = ramp > 0 ? std::min(1.0, now / ramp) : 1.0;
+        if (!pressureTable.empty()) pressure = rowAt(pressureTable, 2, now)[0];
+        if (!tractionTable.empty()) traction = rowAt(tractionTable, 1 + Dim, now);
         std::unordered_map<int64_t, int> number; // particle of an id, needed only once domains were converted
         if (loaded.converted > 0)
             for (int p = 0; p < loaded.particles.size(); ++p) number[loaded.particles.id.integers()[p]] = p;
@@ -79,6 +135,16 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
         if (traction.empty()) traction.assign(Dim, 0.0);
         require(int(traction.size()) == Dim, "BoundaryLoad: traction has ", traction.size(),
                 " components; give ", Dim);
+        checkTable("pressureTable", pressureTable, 2);
+        checkTable("tractionTable", tractionTable, 1 + Dim);
+    }
+
+    static void checkTable(const char* name, const std::vector<double>& table, size_t width) {
+        require(table.size() % width == 0, "BoundaryLoad: ", name, " has ", table.size(),
+                " numbers; give rows of ", width, ", the time first");
+        for (size_t row = width; row < table.size(); row += width)
+            require(table[row] > table[row - width], "BoundaryLoad: times in ", name, " go from ",
+                    table[row - width], " to ", table[row], " s; give rows in the order of time");
     }
 
     template <int Dim>
@@ -90,14 +156,14 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
             vertices.push_back((*loaded.domains->cornerTable())[corners<Dim> * p + a]);
             X.push_back(vectorAt<Dim>(*loaded.domains->vertexPositions(), vertices.back()));
         }
-        const Vec<Dim> area = areaVector(X);
-        Vec<Dim> force = -pressure * area;
-        for (int k = 0; k < Dim; ++k) force[k] += traction[k] * area.norm();
-        force *= factor / double(vertices.size());
-        for (int v : vertices) {
-            loaded.domains->addVertexForce(v, force, nodes);
+        const auto shares = sharesOfFacet(X);
+        for (size_t a = 0; a < vertices.size(); ++a) {
+            Vec<Dim> force = -pressure * shares[a].vector;
+            for (int k = 0; k < Dim; ++k) force[k] += traction[k] * shares[a].area;
+            force *= factor;
+            loaded.domains->addVertexForce(vertices[a], force, nodes);
             scene.energies.loads +=
-                force.dot(vectorAt<Dim>(*loaded.domains->vertexVelocities(), v)) * scene.dt;
+                force.dot(vectorAt<Dim>(*loaded.domains->vertexVelocities(), vertices[a])) * scene.dt;
         }
     }
 };

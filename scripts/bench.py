@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Times the stages of the step: a block of yielding soil as uGIMP, APDI or both, with build/mpm_bench (C++, no Python).
+"""Times the stages of the step with build/mpm_bench: a block of yielding soil, uGIMP, APDI or both.
 
-One line per case, in ns per particle-step: every stage, the shortest of all single steps, and their sum, which other jobs on the machine disturb little; the
-mean step of the quietest repeat and of the noisiest; bytes per particle, share of the particles that yield meanwhile, and us per step outside of the stages.
-Beside it the sum in the stored baseline and the ratio to it, below 1: faster now. A ratio to a stored figure tells of the machine and
-of the hour as well. The only honest comparison of two builds is --against, which runs them alternately on one machine:
+One line per case, in ns per particle-step: every stage, the shortest of all single steps, and their sum,
+which other jobs on the machine disturb little; the mean step of the quietest repeat and of the noisiest;
+bytes per particle, share of the particles that yield meanwhile, and us per step outside of the stages. Beside
+it the sum in the stored baseline and the ratio to it, below 1: faster now. A ratio to a stored figure tells
+of the machine and of the hour as well. The only honest comparison of two builds is --against, which runs them
+alternately on one machine:
 
     scripts/run bench --quick                                   # a choice of cases, under a minute
     scripts/run bench --dim 2 3 --particles 200000 --threads 1 2
@@ -130,9 +132,8 @@ def casesOf(binary, wanted):
     """Names of the cases that a program has, less the number of steps at their end."""
     names = call(binary, "--benchmark_list_tests=true", f"--benchmark_filter={wanted}").splitlines()
     if not names:
-        sys.exit(
-            f"bench: no case is named like '{wanted}'; on this machine mpm_bench goes up to {os.cpu_count()} threads"
-        )
+        most = f"on this machine mpm_bench goes up to {os.cpu_count()} threads"
+        sys.exit(f"bench: no case is named like '{wanted}'; {most}")
     return [name.split("/iterations")[0] for name in names]
 
 
@@ -181,7 +182,8 @@ def yardstick(binary, repeats):
 
 # ---- the same through Python -------------------------------------------------------------------------
 def throughPython(repeats):
-    """Step of THROUGH_PYTHON in ns per particle-step, the block of pkg/bench/soilBlock.cpp built and run with yade_mpm."""
+    """Step of THROUGH_PYTHON in ns per particle-step, the block of pkg/bench/soilBlock.cpp built and run
+    with yade_mpm."""
     import yade_mpm as mpm
 
     cells, h, steps = 71, 0.25, 300  # a run begins with checks, about 1 ms
@@ -222,7 +224,8 @@ def comparePython(binary, repeats):
     except ImportError:
         return f"{THROUGH_PYTHON} through Scene.run: left out, there is no yade_mpm here"
     program = measure(binary, THROUGH_PYTHON, repeats)[0]["step"]
-    return f"{THROUGH_PYTHON} through Scene.run: mean step {python:.1f} ns per particle-step, mpm_bench {program:.1f}"
+    mean = f"mean step {python:.1f} ns per particle-step, mpm_bench {program:.1f}"
+    return f"{THROUGH_PYTHON} through Scene.run: {mean}"
 
 
 # ---- the table ---------------------------------------------------------------------------------------
@@ -243,8 +246,8 @@ def described(m):
 def headline():
     stages = " ".join(f"{short:>7}" for short in STAGES.values())
     return (
-        f"{'ns per particle-step':36} {stages} {'sum':>7} {'mean':>7} {'(max)':>9} {'bytes':>6} {'yielding':>8} {'us besides':>10} "
-        f"{'baseline':>9} ratio"
+        f"{'ns per particle-step':36} {stages} {'sum':>7} {'mean':>7} {'(max)':>9} {'bytes':>6} "
+        f"{'yielding':>8} {'us besides':>10} {'baseline':>9} ratio"
     )
 
 
@@ -253,8 +256,8 @@ def line(f, before):
     slowest = f"({f['slowest']:.1f})"
     against = f"{before['shortest']:9.1f} {f['shortest'] / before['shortest']:5.2f}" if before else ""
     return (
-        f"{f['case']:36} {stages} {f['shortest']:7.1f} {f['step']:7.1f} {slowest:>9} {f['bytes']:6} {f['yielding']:8.0%} {f['overhead']:10.2f} "
-        f"{against}"
+        f"{f['case']:36} {stages} {f['shortest']:7.1f} {f['step']:7.1f} {slowest:>9} {f['bytes']:6} "
+        f"{f['yielding']:8.0%} {f['overhead']:10.2f} {against}"
     )
 
 
@@ -263,7 +266,8 @@ def load(file):
     baseline = json.loads(Path(file).read_text()) if Path(file).exists() else {"machine": None, "cases": []}
     if not all("shortest" in case for case in baseline["cases"]):
         sys.exit(
-            f"bench: {file} has no shortest steps, it is of an earlier version; save it anew, or leave out --baseline"
+            f"bench: {file} has no shortest steps, it is of an earlier version; save it anew, or leave out "
+            "--baseline"
         )
     return baseline
 
@@ -295,18 +299,16 @@ def table(a, binary):
         print(line(figures, before.get(case)), flush=True)
     if any(f["case"] == THROUGH_PYTHON for f in measured):
         print(comparePython(binary, a.repeats))
-    print(
-        f"yardstick, a bare MLS-MPM kernel with linear elasticity on one thread: {yardstick(binary, a.repeats):.1f} ns per particle-step"
-    )
+    kernel = "yardstick, a bare MLS-MPM kernel with linear elasticity on one thread"
+    print(f"{kernel}: {yardstick(binary, a.repeats):.1f} ns per particle-step")
     if a.save:
         save(a.save, m, measured)
 
 
 def compare(a, binary, other):
     """A B A B: each pair gives a ratio, and the machine had no time to change within one."""
-    print(
-        "shortest step in ns per particle-step, this build / the other, pair by pair; below 1: this build is faster"
-    )
+    meaning = "below 1: this build is faster"
+    print(f"shortest step in ns per particle-step, this build / the other, pair by pair; {meaning}")
     for case in casesOf(binary, pattern(a)):
         pairs = [
             [measure(program, case, 2)[0]["shortest"] for program in (binary, other)]
@@ -327,8 +329,8 @@ def main():
     for program in programs:
         if not program.exists():
             sys.exit(
-                f"bench: there is no {program}; install libbenchmark-dev (Debian) and build again: cmake -S . -B build "
-                f"&& cmake --build build; or name another program"
+                f"bench: there is no {program}; install libbenchmark-dev (Debian) and build again: "
+                f"cmake -S . -B build && cmake --build build; or name another program"
             )
     compare(a, *programs) if a.against else table(a, *programs)
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the numbering of a mesh costs: APDI domains in ns per domain and step, as a mesh is numbered and in rows (`mpm.inRows`).
+"""What the numbering of a mesh costs: APDI domains as a mesh is numbered, and in rows (`mpm.inRows`).
 
     scripts/run bench_mesh                       # a block of 140 x 140 domains, numbered in three ways
     scripts/run bench_mesh slope.msh pile.vtk    # files of quadrilaterals or hexahedra
 
-One thread, MCDP soil that bears no load, cells of twice the mean edge; the shortest of many runs of five steps, stage by stage, and their sum.
+One thread, MCDP soil that bears no load, cells of twice the mean edge; the shortest of many runs of five
+steps, stage by stage, and their sum.
 """
 
 import argparse

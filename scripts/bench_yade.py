@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Times a step inside YADE with bodies that touch the soil: contact, exchange, the rest of the MPM, the way through YADE's loop.
+"""Times a step inside YADE with bodies that touch the soil: contact, exchange, the rest, YADE's loop.
 
-2D, some 20 000 uGIMP particles of yielding soil under 10, 100, 200 and 1000 discs that are pressed slowly into its surface, all of them
-touching. One line per number of discs, microseconds per step, minimum over the repeats:
+2D, some 20 000 uGIMP particles of yielding soil under 10, 100, 200 and 1000 discs that are pressed slowly
+into its surface, all of them touching. One line per number of discs, microseconds per step, minimum over the
+repeats:
 
     far       the same bodies 100 m away: exchange and contact
     exchange  states in and forces out (inYade.Bodies.read and apply)
@@ -14,7 +15,8 @@ touching. One line per number of discs, microseconds per step, minimum over the 
     share     (exchange + contact) / (exchange + contact + mpm)
 
     scripts/run bench_yade
-    scripts/run bench_yade --bodies 200 --chain       # the scene as one engine of YADE instead of one per stage
+    scripts/run bench_yade --bodies 200 --chain       # the scene as one engine of YADE instead of one per
+    stage
 """
 
 import argparse
@@ -42,9 +44,7 @@ def arguments():
         default=[10, 100, 200, 1000],
         help="numbers of discs (default %(default)s)",
     )
-    p.add_argument(
-        "--repeats", type=count, default=40, help="of %d steps each (default %%(default)s)" % STEPS
-    )
+    p.add_argument("--repeats", type=count, default=40, help=f"of {STEPS} steps each (default %(default)s)")
     p.add_argument("--chain", action="store_true", help="the scene as one engine of YADE (stages=False)")
     p.add_argument("--out", metavar="FILE", help="also write the figures there as JSON")
     return p.parse_args()
@@ -69,7 +69,8 @@ class Timed:
 
 
 def build(count, away, stages):
-    """Scene, contact, exchange and coupling of `count` discs side by side on the ground, or `away` m above it."""
+    """Scene, contact, exchange and coupling of `count` discs side by side on the ground, or `away` m above
+    it."""
     O.reset()
     scene = mpm.Scene((0, 0), (WIDE * CELL, (DEEP + 4) * CELL), CELL, threads=1)
     soil = mpm.MohrCoulombDruckerPrager(
@@ -103,7 +104,8 @@ def build(count, away, stages):
 
 
 def stretches(repeats, look):
-    """us per step of `repeats` stretches of a run, and what `look()` gave for each. O.run itself waits in steps of 40 ms."""
+    """us per step of `repeats` stretches of a run, and what `look()` gave for each. O.run itself waits in
+    steps of 40 ms."""
     stamps = []
     builtins.stamp = lambda: stamps.append((time.perf_counter(), look()))
     O.engines = [PyRunner(command="stamp()", iterPeriod=STEPS, initRun=True, updateGlobals=False)] + O.engines
@@ -148,18 +150,14 @@ def measure(count, away, a):
 def main():
     a = arguments()
     figures = []
-    print(
-        f"{'bodies':>6} {'contacts':>8} {'far':>6} {'exchange':>8} {'contact':>8} {'mpm':>8} {'bridge':>7} {'yade':>7} {'share':>6}"
-    )
-    for count in a.bodies:
-        far = measure(count, AWAY, a)
-        f = {"bodies": count, "far": far["exchange"] + far["contact"], **measure(count, 0.0, a)}
+    heads = ["contacts", "far", "exchange", "contact", "mpm", "bridge", "yade", "share"]
+    print(f"{'bodies':>6} " + " ".join(f"{head:>8}" for head in heads))
+    for number in a.bodies:
+        far = measure(number, AWAY, a)
+        f = {"bodies": number, "far": far["exchange"] + far["contact"], **measure(number, 0.0, a)}
         figures.append(f)
-        print(
-            f"{count:6} {f['contacts']:8} {f['far']:6.1f} {f['exchange']:8.1f} {f['contact']:8.1f} {f['mpm']:8.1f} {f['bridge']:7.1f} "
-            f"{f['yade']:7.1f} {f['share']:6.1%}",
-            flush=True,
-        )
+        times = " ".join(f"{f[head]:8.1f}" for head in heads[1:-1])
+        print(f"{number:6} {f['contacts']:8} {times} {f['share']:8.1%}", flush=True)
     print(f"us per step; {figures[0]['particles']} particles, one thread")
     if a.out:
         with open(a.out, "w") as file:

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""An elastic cylinder pressed onto an elastic half-plane, or another cylinder: contact pressure against
-Hertz.
+"""An elastic cylinder pressed onto an elastic half-plane, or another cylinder: pressure against Hertz.
 
 A cylinder of radius R = 20 a is pressed down until it touches the ground along a half-width of about a; or
 one of 2 R onto another of 2 R (--two), which is the same for 1/R = 1/R1 + 1/R2. Plane strain, no friction, no

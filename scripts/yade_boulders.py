@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Boulders fall on soil, inside YADE.
 
-Spheres of YADE, with DEM contacts among each other, fall from 2 m and more on a bed of cohesive-frictional soil (uGIMP, 3D) that they
-touch through RigidContact. There is no damping of motion as such: energy goes into the soil, into friction, and into dashpots where
-two things touch, so that momentum is kept to the last digits. Reported: craters, rest of the boulders, momentum and energy.
+Spheres of YADE, with DEM contacts among each other, fall from 2 m and more on a bed of cohesive-frictional
+soil (uGIMP, 3D) that they touch through RigidContact. There is no damping of motion as such: energy goes into
+the soil, into friction, and into dashpots where two things touch, so that momentum is kept to the last
+digits. Reported: craters, rest of the boulders, momentum and energy.
 
-ParaView: results/yade_boulders/boulders-*.vtu (VTKRecorder) and soil.vtkhdf (our Recorder) have the same times.
-Units: Mg, m, s, kPa.
+ParaView: results/yade_boulders/boulders-*.vtu (VTKRecorder) and soil.vtkhdf (our Recorder) have the same
+times. Units: Mg, m, s, kPa.
 
     scripts/run yade_boulders
     scripts/run yade_boulders --count 10             # larger ones; 1000: smaller ones
@@ -20,8 +21,7 @@ from math import radians
 
 import numpy as np
 import yade_mpm as mpm
-from matplotlib.collections import PolyCollection
-from scipy.ndimage import gaussian_filter, median_filter, zoom
+from scipy.ndimage import median_filter
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
@@ -41,6 +41,7 @@ from yade import (
 )
 from yade_mpm import box, commandLine, diagnostics, files, inYade, plot
 from yade_mpm.commandLine import count, positive
+from yade_mpm.study.landscape import SAND, landscape
 
 GRAVITY, DROP = 9.81, 2.0  # m/s2, m from the bed to the lowest boulder
 SOIL = dict(
@@ -72,9 +73,8 @@ def arguments(given=None):
     a = p.parse(given)
     for name in ("width", "depth"):
         if not commandLine.isWhole(vars(a)[name] / a.cell):
-            p.error(
-                f"--{name} {vars(a)[name]:g} with --cell {a.cell:g} is not allowed; give a whole number of cells"
-            )
+            refused = f"--{name} {vars(a)[name]:g} with --cell {a.cell:g} is not allowed"
+            p.error(f"{refused}; give a whole number of cells")
     a.radius = a.radius or 0.22 * (100 / a.count) ** 0.25
     return a
 
@@ -186,7 +186,8 @@ class Balance:
         self.steps += 1
 
     def row(self):
-        """Time, s; energies, kJ; vertical momentum and what is missing in it, Mg m/s; mean force of the soil on the boulders."""
+        """Time, s; energies, kJ; vertical momentum and what is missing in it, Mg m/s; mean force of the
+        soil on the boulders."""
         v, z = self._vectors("vel"), self._vectors("pos")[:, 2]
         momentum = self.masses @ v[:, 2] + diagnostics.momentum(self.scene)[2]
         self.rows.append(
@@ -229,11 +230,8 @@ def run(a, isRecorded=True):
     while O.time < a.until:
         O.run(max(1, round(FRAME / O.dt)), True)
         row = balance.row()
-        print(
-            f"{O.time:6.2f} s  kinetic energy {row['bouldersKinetic']:8.2f} kJ, force of the soil {row['force']:8.1f} kN, "
-            f"{contact.contacts} contacts",
-            flush=True,
-        )
+        load = f"force of the soil {row['force']:8.1f} kN, {contact.contacts} contacts"
+        print(f"{O.time:6.2f} s  kinetic energy {row['bouldersKinetic']:8.2f} kJ, {load}", flush=True)
     centres = np.array([tuple(O.bodies[i].state.pos) for i in ids])
     radii = np.array([O.bodies[i].shape.radius for i in ids])
     return (
@@ -287,7 +285,8 @@ def summary(a, scene, balance, bodies, centres, radii, seconds):
 
 # --- the ground and the picture ---------------------------------------------------------------------------
 def groundOf(scene, a):
-    """Height of the ground, m, and plastic shear strain at it, in squares of the width of a cell; single particles in the air do not count."""
+    """Height of the ground, m, and plastic shear strain at it, in squares of the width of a cell; single
+    particles in the air do not count."""
     soil = scene["soil"]
     n, x, order = int(round(a.width / a.cell)), soil.position, np.argsort(soil.position[:, 2])
     column = np.ravel_multi_index(np.clip((x[:, :2] / a.cell).astype(int), 0, n - 1).T, (n, n))
@@ -297,185 +296,55 @@ def groundOf(scene, a):
     strain = np.where(top < 0, 0.0, soil.plasticShearStrain[top]).reshape(n, n)
     around = median_filter(height, 3, mode="nearest")
     isLoose = np.abs(height - around) > a.cell
-    return np.where(isLoose, around, height), np.where(
-        isLoose, median_filter(strain, 3, mode="nearest"), strain
-    )
-
-
-class Canvas:
-    """Parallel projection with a depth for every pixel."""
-
-    def __init__(self, azimuth, elevation, centre, width, pixels):
-        ca, sa, ce, se = np.cos(azimuth), np.sin(azimuth), np.cos(elevation), np.sin(elevation)
-        self.axes = np.array(
-            [(-sa, ca, 0), (-ca * se, -sa * se, ce), (ca * ce, sa * ce, se)]
-        )  # right, up, to the eye
-        self.shape, self.scale = pixels, pixels[1] / width
-        self.centre = self.axes @ centre
-        self.depth = np.full(pixels, -np.inf)
-        self.position, self.normal, self.colour = (np.zeros((*pixels, 3)) for _ in range(3))
-
-    def pixelsOf(self, points):
-        """Row and column (int) and depth of points."""
-        right, up, depth = (points @ self.axes.T - self.centre).T
-        return (
-            np.rint(self.shape[0] / 2 - up * self.scale).astype(int),
-            np.rint(self.shape[1] / 2 + right * self.scale).astype(int),
-            depth,
-        )
-
-    def add(self, points, normals, colours):
-        """Points so close that they leave no gap."""
-        i, j, depth = self.pixelsOf(points)
-        order = np.argsort(depth)
-        order = order[
-            (i[order] >= 0) & (i[order] < self.shape[0]) & (j[order] >= 0) & (j[order] < self.shape[1])
-        ]
-        first = np.full(self.shape, -1)
-        first[i[order], j[order]] = order  # the nearest comes last
-        mine = first >= 0
-        mine[mine] = depth[first[mine]] > self.depth[mine]
-        for field, values in (
-            (self.depth, depth),
-            (self.position, points),
-            (self.normal, normals),
-            (self.colour, colours),
-        ):
-            field[mine] = values[first[mine]]
-
-    def addSphere(self, centre, radius, colour):
-        i, j, depth = (v[0] for v in self.pixelsOf(centre[None]))
-        k = int(radius * self.scale) + 2
-        rows, columns = np.mgrid[
-            max(0, i - k) : min(self.shape[0], i + k), max(0, j - k) : min(self.shape[1], j + k)
-        ]
-        local = np.stack([(columns - j) / self.scale, (i - rows) / self.scale], axis=-1) / radius
-        left = 1 - (local**2).sum(axis=-1)
-        out = np.sqrt(np.maximum(left, 0))
-        mine = (left > 0) & (depth + radius * out > self.depth[rows, columns])
-        normal = np.concatenate([local, out[..., None]], axis=-1)[mine] @ self.axes
-        at = rows[mine], columns[mine]
-        self.depth[at], self.normal[at], self.colour[at] = (depth + radius * out)[mine], normal, colour
-        self.position[at] = centre + radius * normal
-
-
-def groundPoints(a, height, strain, limit, pixels):
-    """Points on the top and the two visible sides of the bed, with normals and colours."""
-    fine = int(np.ceil(pixels / len(height)))
-    z, s = (
-        gaussian_filter(zoom(v, fine, order=1, mode="nearest", grid_mode=True), 0.35 * fine, mode="nearest")
-        for v in (height, strain)
-    )
-    n, size = len(z), a.width / len(z)
-    at = (np.arange(n) + 0.5) * size
-    x, y = np.meshgrid(at, at, indexing="ij")
-    slope = np.gradient(z, size)
-    normals = np.stack([-slope[0], -slope[1], np.ones_like(z)], axis=-1)
-    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
-    sand = plot.plt.matplotlib.colors.LinearSegmentedColormap.from_list(
-        "sand", ["#e3d3ae", "#dfa55c", "#c4512d", "#5e1224"]
-    )
-    colours = sand(np.clip(s / limit, 0, 1))[..., :3]
-    parts = [(np.stack([x, y, z], axis=-1), normals, colours)]
-    up = np.linspace(0, 1, int(1.5 * a.depth / size))[:, None]
-    for edge, axis in ((0, 1), (n - 1, 0)):  # front, right
-        top = z[:, 0] if axis else z[n - 1]
-        level = up * top
-        side = np.broadcast_to(at, level.shape)
-        points = np.stack([side, 0 * level, level] if axis else [0 * level + a.width, side, level], axis=-1)
-        normal = (0, -1, 0) if axis else (1, 0, 0)
-        shade = 0.80 + 0.06 * np.sin(40 * level / a.depth)[..., None]
-        parts.append((points, np.broadcast_to(normal, points.shape), shade * np.array((0.80, 0.70, 0.52))))
-    return [np.concatenate([p[k].reshape(-1, 3) for p in parts]) for k in range(3)], sand
+    smooth = median_filter(strain, 3, mode="nearest")
+    return np.where(isLoose, around, height), np.where(isLoose, smooth, strain)
 
 
 def draw(a, scene, centres, radii, file, pixels=1500):
     """The bed with its boulders from above, and a section through its middle."""
     height, strain = groundOf(scene, a)
     limit = max(0.05, float(np.quantile(strain, 0.98)))
-    (points, normals, colours), sand = groundPoints(a, height, strain, limit, pixels)
-    middle = np.array([a.width / 2, a.width / 2, a.depth * 0.6])
-    eye = Canvas(radians(-58), radians(38), middle, 1.1 * a.width + 2 * a.depth, (int(0.7 * pixels), pixels))
-    sun = Canvas(radians(-150), radians(48), middle, 1.9 * a.width, (pixels, pixels))
-    tints = np.random.default_rng(0).uniform(0.42, 0.62, (len(radii), 1)) * np.array((1.0, 0.98, 0.95))
-    for canvas in (eye, sun):
-        canvas.add(points, normals, colours)
-        for centre, radius, tint in zip(centres, radii, tints):
-            canvas.addSphere(centre, radius, tint)
-    i, j, depth = sun.pixelsOf(eye.position.reshape(-1, 3))
-    i, j = (np.clip(v, 0, pixels - 1) for v in (i, j))
-    isLit = (depth > sun.depth[i, j] - 0.02 * a.width / 6 - 2 / sun.scale).reshape(eye.shape)
-    light = np.clip(eye.normal @ sun.axes[2], 0, None) * np.where(isLit, 1, 0.0)
-    image = np.clip(
-        eye.colour * (0.42 + 0.24 * np.clip(eye.normal[..., 2:], 0, None) + 0.62 * light[..., None]), 0, 1
-    )
-    image[np.isinf(eye.depth)] = 1
-
+    image = landscape(a.width, a.depth, height, strain, limit, centres, radii, pixels)
     plt = plot.plt
     figure, (ax, cut) = plt.subplots(2, 1, figsize=(8, 8), height_ratios=(3, 1), layout="constrained")
     ax.imshow(image, interpolation="antialiased")
     ax.set_axis_off()
-    section(cut, a, scene, centres, radii, sand, limit)
-    figure.colorbar(
-        plt.cm.ScalarMappable(plt.Normalize(0, limit), sand),
-        ax=[ax, cut],
-        label="plastic shear strain (-)",
-        extend="max",
-        shrink=0.5,
-    )
+    section(cut, a, scene, centres, radii, limit)
+    scale = plt.cm.ScalarMappable(plt.Normalize(0, limit), SAND)
+    figure.colorbar(scale, ax=[ax, cut], label="plastic shear strain (-)", extend="max", shrink=0.5)
     plot.save(figure, file)
 
 
-def section(ax, a, scene, centres, radii, colours, limit):
+def section(ax, a, scene, centres, radii, limit):
     """Particles within half a cell of the middle plane, and the boulders cut by it."""
     soil, plane = scene["soil"], a.width / 2
     mine = np.abs(soil.position[:, 1] - plane) < 0.5 * a.cell
-    x, z = soil.position[mine][:, [0, 2]].T
+    centre = soil.position[mine][:, None, [0, 2]]
     corners = (
         0.28 * a.cell * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     )  # a little larger than a particle was
-    ax.add_collection(
-        PolyCollection(
-            np.stack([x, z], axis=1)[:, None] + corners,
-            lw=0,
-            facecolors=colours(np.clip(soil.plasticShearStrain[mine] / limit, 0, 1)),
-        )
-    )
-    for centre, radius in zip(centres, radii):
-        if abs(centre[1] - plane) < radius:
-            ax.add_patch(
-                plot.plt.Circle(
-                    (centre[0], centre[2]),
-                    np.sqrt(radius**2 - (centre[1] - plane) ** 2),
-                    fc="0.62",
-                    ec="0.25",
-                    lw=0.7,
-                )
-            )
+    colours = SAND(np.clip(soil.plasticShearStrain[mine] / limit, 0, 1))
+    ax.add_collection(plot.PolyCollection(centre + corners, lw=0, facecolors=colours))
+    for (x, y, z), radius in zip(centres, radii):
+        if abs(y - plane) < radius:
+            cut = np.sqrt(radius**2 - (y - plane) ** 2)
+            ax.add_patch(plot.plt.Circle((x, z), cut, fc="0.62", ec="0.25", lw=0.7))
     ax.axhline(a.depth, color="k", lw=0.6, ls="--")
     ax.set(
-        aspect="equal",
-        xlim=(0, a.width),
-        ylim=(0, a.depth + 3 * a.radius),
-        xlabel="x (m)",
-        ylabel="z (m)",
-        title="section through the middle; dashed: the bed before",
+        aspect="equal", xlim=(0, a.width), ylim=(0, a.depth + 3 * a.radius), xlabel="x (m)", ylabel="z (m)"
     )
+    ax.set_title("section through the middle; dashed: the bed before")
 
 
 def main():
     a = arguments()
     s, scene, centres, radii, rows = run(a)
-    picture = os.path.join(a.out, "yade_boulders.png")
-    draw(a, scene, centres, radii, picture)
+    draw(a, scene, centres, radii, os.path.join(a.out, "yade_boulders.png"))
     files.saveJson(os.path.join(a.out, "summary.json"), {**s, "rows": rows})
-    print(
-        f"{a.count} boulders ({s['weight']:.1f} kN; the soil carries {s['meanForceAtEnd']:.1f} kN) on {s['particles']} particles: "
-        f"{s['moving']} move faster than {AT_REST} m/s; craters down to {s['craterDepth']:.3f} m, {s['craterVolume']:.2f} m3, rims up to "
-        f"{s['rimHeight']:.3f} m; {s['momentumError']:.1e} of {s['momentumExchanged']:.1f} Mg m/s of momentum are missing; "
-        f"{s['steps']} steps in {s['wallSeconds']:.1f} s"
-    )
-    print(f"results in {a.out}/")
+    weights = f"boulders of {s['weight']:.1f} kN, the soil carries {s['meanForceAtEnd']:.1f} kN"
+    craters = f"craters down to {s['craterDepth']:.3f} m, rims up to {s['rimHeight']:.3f} m"
+    missing = f"{s['momentumError']:.1e} of {s['momentumExchanged']:.1f} Mg m/s of momentum are missing"
+    print(f"{a.count} {weights}; {s['moving']} move; {craters}", f"{missing}; results in {a.out}/", sep="\n")
 
 
 if __name__ == "__main__":

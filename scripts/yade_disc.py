@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A disc of YADE slides or rolls down an incline of MPM soil: friction and moments of the exchange against the closed form.
+"""A disc of YADE slides or rolls down an incline of MPM soil: friction against the closed form.
 
-Plane strain. The incline is level in the scene, and gravity is turned by 30 degrees. The disc is a YADE sphere (R = 0.5 m) with the
-mass rho pi R^2 t and the inertia m R^2 / 2 of a disc of the thickness t = 0.25 m; what would leave the plane is blocked. It slides
-with a = g (sin - mu cos) where mu < tan(30)/3 = 0.192, and rolls with a = 2/3 g sin otherwise.
+Plane strain. The incline is level in the scene, and gravity is turned by 30 degrees. The disc is a YADE
+sphere (R = 0.5 m) with the mass rho pi R^2 t and the inertia m R^2 / 2 of a disc of the thickness t = 0.25 m;
+what would leave the plane is blocked. It slides with a = g (sin - mu cos) where mu < tan(30)/3 = 0.192, and
+rolls with a = 2/3 g sin otherwise.
 
-The disc is held along the slope until it has settled, then let go. YADE's own damping is off from then on: it would act on the disc.
+The disc is held along the slope until it has settled, then let go. YADE's own damping is off from then on: it
+would act on the disc.
 
 Units: Mg, m, s, kPa, kN.
 
@@ -108,7 +110,8 @@ def build(types, friction, cell=0.1, planeName="xy"):
 
 
 class Track:
-    """Time, place, velocity and spin times radius of the disc in every tenth cycle, along the slope; goes into `Coupling.exchanges`."""
+    """Time, place, velocity and spin times radius of the disc in every tenth cycle, along the slope; goes
+    into `Coupling.exchanges`."""
 
     def __init__(self, disc, plane):
         self.state, self.plane, self.cycles, self.rows = O.bodies[disc].state, plane, 0, []
@@ -131,7 +134,8 @@ def runUntil(end):
 
 
 def run(types="apdi", friction=0.6, cell=0.1, planeName="xy"):
-    """Lets the disc settle, then go; returns (summary, rows of time, place, velocity, spin times radius since then)."""
+    """Lets the disc settle, then go; returns (summary, rows of time, place, velocity, spin times radius
+    since then)."""
     began = time.monotonic()
     coupling, disc, plane = build(types, friction, cell, planeName)
     runUntil(SETTLING)
@@ -215,11 +219,9 @@ def main():
         for friction in a.friction:
             results.append(run(types, friction, a.cell, a.plane))
             s = results[-1][0]
-            print(
-                f"{types}, mu = {friction:g}: {s['acceleration']:.4f} m/s2 ({s['error']:+.2%} of {s['closedForm']:.4f}), spin over "
-                f"acceleration {s['spinOverAcceleration']:.3f} ({s['closedFormSpin']:.3f}), {s['wallSeconds']:.1f} s",
-                flush=True,
-            )
+            found = f"{s['acceleration']:.4f} m/s2 ({s['error']:+.2%} of {s['closedForm']:.4f})"
+            spin = f"{s['spinOverAcceleration']:.3f} ({s['closedFormSpin']:.3f})"
+            print(f"{types}, mu = {friction:g}: {found}, spin over acceleration {spin}", flush=True)
     draw(results, os.path.join(a.out, "velocity.png"))
     files.saveJson(os.path.join(a.out, "summary.json"), [s for s, _ in results])
     print(f"results in {a.out}/")

@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A rigid box of YADE pressed into cohesive ground (phi = 0): Prandtl's bearing capacity through the contact.
 
-Plane strain, weightless, half of the problem: 15 x 7.5 m of ground with rollers at the sides and a fixed base; the box of half width
-B = 3 m stands over its upper left corner, moves down at 0.04 m/s (all degrees of freedom blocked), and is 0.5 m thick in YADE's third
-direction. G = 0.1 GPa, K = 0.2 GPa, c = 0.1 MPa, F-bar against locking. Exact limit q = (2 + pi) c = 514.16 kPa (Prandtl 1920), rough or
-smooth.
+Plane strain, weightless, half of the problem: 15 x 7.5 m of ground with rollers at the sides and a fixed
+base; the box of half width B = 3 m stands over its upper left corner, moves down at 0.04 m/s (all degrees of
+freedom blocked), and is 0.5 m thick in YADE's third direction. G = 0.1 GPa, K = 0.2 GPa, c = 0.1 MPa, F-bar
+against locking. Exact limit q = (2 + pi) c = 514.16 kPa (Prandtl 1920), rough or smooth.
 
-The points of the soil under the box move with it, and so do the grid nodes of their cells. Beside the edge, which lies on a grid line, the
-velocity falls to zero over one cell: the grid sees a footing of the half width B + h/2. Both are printed: load over B, and over B + h/2.
+The points of the soil under the box move with it, and so do the grid nodes of their cells. Beside the edge,
+which lies on a grid line, the velocity falls to zero over one cell: the grid sees a footing of the half width
+B + h/2. Both are printed: load over B, and over B + h/2.
 
 Units: Mg, m, s, kPa, kN.
 
@@ -110,8 +111,8 @@ def build(types="hybrid", cell=0.3, friction=0.5, rate=0.04, fbar=True):
 
 
 class LoadCurve:
-    """Settlement, m, and force that the ground has put on the box, kN, in every twentieth step; goes into `Coupling.exchanges` behind the
-    bodies."""
+    """Settlement, m, and force that the ground has put on the box, kN, in every twentieth step; goes into
+    `Coupling.exchanges` behind the bodies."""
 
     def __init__(self, footing):
         self.footing, self.steps, self.rows = footing, 0, []
@@ -213,12 +214,10 @@ def main():
         for cell in a.cell:
             s, scene, depth, pressure = run(types, cell, a.friction, a.rate, a.settlement, not a.no_fbar)
             results.append((s, plot.Snapshot(scene, "plasticShearStrain"), depth, pressure))
-            print(
-                f"{types}, cell {cell:g} m: load over B {s['pressure']:.1f} kPa ({s['error']:+.1%} of {PRANDTL:.1f}), over B + h/2 "
-                f"{s['effectiveError']:+.1%}; slope {s['slopeOverElastic']:.2%} of the elastic one; {s['particles']} particles, "
-                f"{s['steps']} steps in {s['wallSeconds']:.1f} s",
-                flush=True,
-            )
+            found = f"{s['pressure']:.1f} kPa ({s['error']:+.1%} of {PRANDTL:.1f})"
+            slope = f"slope {s['slopeOverElastic']:.2%} of the elastic one"
+            slope = f"over B + h/2 {s['effectiveError']:+.1%}; {slope}"
+            print(f"{types}, cell {cell:g} m: load over B {found}, {slope}", flush=True)
     draw(results, os.path.join(a.out, "load_settlement.png"))
     files.saveJson(os.path.join(a.out, "summary.json"), [r[0] for r in results])
     print(f"results in {a.out}/")

@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A rigid sphere of YADE pressed on an elastic layer: Hertz, in three dimensions.
 
-A quarter of the problem: a layer of the thickness T = 3 a and the length L = 9 a with rollers at the two planes of symmetry and at the base,
-free elsewhere. The sphere of YADE stands over the edge between the planes of symmetry, and the layer gives it a quarter of the force. It
-moves down by d = a^2/R with a/R = 0.02, then rests (all its degrees of freedom are blocked).
+A quarter of the problem: a layer of the thickness T = 3 a and the length L = 9 a with rollers at the two
+planes of symmetry and at the base, free elsewhere. The sphere of YADE stands over the edge between the planes
+of symmetry, and the layer gives it a quarter of the force. It moves down by d = a^2/R with a/R = 0.02, then
+rests (all its degrees of freedom are blocked).
 
-The force is compared with Hertz's, F = 4/3 E/(1 - nu^2) sqrt(R) d^1.5, times a factor for the finite thickness (`layerFactor`: 1.32). The
-overlap of the penalty contact, averaged with the forces of the contacts, is taken off d. The grid sees the contact area at a resolution of
-a cell, so cells per contact radius are what counts.
+The force is compared with Hertz's, F = 4/3 E/(1 - nu^2) sqrt(R) d^1.5, times a factor for the finite
+thickness (`layerFactor`: 1.32). The overlap of the penalty contact, averaged with the forces of the contacts,
+is taken off d. The grid sees the contact area at a resolution of a cell, so cells per contact radius are what
+counts.
 
 Units: Mg, m, s, kPa, kN.
 
@@ -51,15 +53,17 @@ def hertz(depth, radius):
 
 
 def layerFactor(chi, points=40):
-    """Force on a frictionless sphere on an elastic layer that slips on a rigid base, over Hertz's; chi = sqrt(R d)/T.
+    """Force on a frictionless sphere on an elastic layer that slips on a rigid base, over Hertz's; chi =
+    sqrt(R d)/T.
 
-    A surface pressure of the wave number k lowers a layer by 1 - M(k T) of what it lowers a half-space, M(u) = 1 - (cosh 2u - 1) /
-    (sinh 2u + 2u). Hence for the function f with F = E/(1 - nu^2) int f dt over the contact -a < t < a, a = T = 1 say,
+    A surface pressure of the wave number k lowers a layer by 1 - M(k T) of what it lowers a half-space, M(u)
+    = 1 - (cosh 2u - 1) / (sinh 2u + 2u). Hence for the function f with F = E/(1 - nu^2) int f dt over the
+    contact -a < t < a, a = T = 1 say,
 
         f(t) - 1/pi int f(s) int_0^inf M(u) cos(u (t - s)/T) du/T ds = d - t^2/R,    f(a) = 0
 
-    (Fredholm, by Gauss quadrature). No Poisson's ratio in it. The series of Dimitriadis et al. 2002 (Biophys. J. 82, 2798) for a layer that
-    is not bonded agrees within 0.6 % for nu = 0.3 and chi < 0.32.
+    (Fredholm, by Gauss quadrature). No Poisson's ratio in it. The series of Dimitriadis et al. 2002 (Biophys.
+    J. 82, 2798) for a layer that is not bonded agrees within 0.6 % for nu = 0.3 and chi < 0.32.
     """
     thickness = 1 / chi
     for _ in range(6):
@@ -121,8 +125,8 @@ def build(types, radius):
 
 
 class LoadCurve:
-    """Approach and mean overlap of the contacts, m, and force on the whole sphere, kN, in every step with contact; goes into
-    `Coupling.exchanges` behind the bodies."""
+    """Approach and mean overlap of the contacts, m, and force on the whole sphere, kN, in every step with
+    contact; goes into `Coupling.exchanges` behind the bodies."""
 
     def __init__(self, sphere, contact):
         self.sphere, self.contact, self.rows = sphere, contact, []
@@ -147,7 +151,8 @@ def runUntil(end):
 
 
 def run(types="apdi", cells=4):
-    """Presses the sphere down and waits; returns (summary, rows of depth (m) and force (kN) while it goes down, radius of the sphere (m))."""
+    """Presses the sphere down and waits; returns (summary, rows of depth (m) and force (kN) while it goes
+    down, radius of the sphere (m))."""
     began = time.monotonic()
     a = cells * CELL
     coupling, contact, sphere = build(types, a)
@@ -227,9 +232,9 @@ def main():
         for cells in a.radius or CASES[types]:
             results.append(run(types, cells))
             s = results[-1][0]
+            found = f"{s['force']:.4f} kN ({s['error']:+.1%} of {s['reference']:.4f})"
             print(
-                f"{types}, a = {cells} cells: {s['force']:.4f} kN ({s['error']:+.1%} of {s['reference']:.4f}; {s['withOverlap']:+.1%} with the "
-                f"overlap in d); {s['particles']} particles, {s['steps']} steps in {s['wallSeconds']:.1f} s",
+                f"{types}, a = {cells} cells: {found}, {s['withOverlap']:+.1%} with the overlap in d",
                 flush=True,
             )
     draw(results, os.path.join(a.out, "hertz.png"))

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A rigid sheet pile of YADE slides into the soil of the sheet pile scene: DEM and MPM in one loop of O.engines.
+"""A rigid sheet pile of YADE slides into the soil of the sheet pile scene: one loop of O.engines.
 
-The pile is one clump of YADE, driven at a constant rate or by a hammer (a sphere that falls on its head); ground, material
-constants and mesh are those of sheet_pile.py, where the pile is elastic and bonded to the soil. Plane strain. Beside --smoke
-the time step is larger, too, and the balance of forces is checked in every step. Without --threads the soil has as many as YADE, one without -j.
+The pile is one clump of YADE, driven at a constant rate or by a hammer (a sphere that falls on its head);
+ground, material constants and mesh are those of sheet_pile.py, where the pile is elastic and bonded to the
+soil. Plane strain. Beside --smoke the time step is larger, too, and the balance of forces is checked in every
+step. Without --threads the soil has as many as YADE, one without -j.
 
 Units: Mg, m, s, kPa, per metre of thickness.
 """
@@ -45,7 +46,7 @@ import sheet_pile  # noqa: E402
 from sheet_pile import DEPTH, EMBEDDED, GRAVITY, K0, PILE_LENGTH, WIDTH  # noqa: E402
 
 RESULTS = os.path.join("results", "yade_pile")
-BATCH = os.path.join(RESULTS, "batch")
+BATCH, MERGED = os.path.join(RESULTS, "batch"), os.path.join(RESULTS, "batch.csv")
 FRICTIONS = (0.0, 0.3, 0.6)
 IGNORED = {"velocity": ("hammer", "drop", "blows", "damping"), "hammer": ("rate", "ramp")}
 HAMMER_RADIUS = 0.5  # m
@@ -59,62 +60,36 @@ CUSHION = {
 
 
 def options():
-    parser = commandLine.Parser("yade_pile", __doc__, smoke={"penetration": 0.6, "blows": 1})
-    parser.add_argument(
-        "--friction",
-        type=notNegative,
-        default=0.3,
-        help="friction coefficient between pile and soil (default 0.3)",
+    p = commandLine.Parser("yade_pile", __doc__, smoke={"penetration": 0.6, "blows": 1})
+    p.add_argument(
+        "--friction", type=notNegative, default=0.3, help="between pile and soil (default %(default)s)"
     )
-    parser.add_argument(
-        "--drive", choices=("velocity", "hammer"), default="velocity", help="what moves the pile"
+    p.add_argument("--drive", choices=("velocity", "hammer"), default="velocity", help="what moves the pile")
+    tip = "a tilted box, a sphere or a box below the shaft"
+    p.add_argument("--tip", choices=("wedge", "round", "flat"), default="wedge", help=tip)
+    p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
+    p.add_argument("--thickness", type=positive, default=0.5, help="of the pile, m (default %(default)s)")
+    p.add_argument("--rate", type=positive, default=0.5, help="penetration rate, m/s (default %(default)s)")
+    p.add_argument(
+        "--ramp", type=notNegative, default=0.5, help="while the rate grows, s (default %(default)s)"
     )
-    parser.add_argument(
-        "--tip",
-        choices=("wedge", "round", "flat"),
-        default="wedge",
-        help="a tilted box, a sphere or a box below the shaft",
+    p.add_argument("--penetration", type=positive, default=4.0, help="how far, m (default %(default)s)")
+    p.add_argument(
+        "--hammer", type=positive, default=10.0, help="mass of the hammer, Mg (default %(default)s)"
     )
-    parser.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default 0.25)")
-    parser.add_argument(
-        "--thickness", type=positive, default=0.5, help="thickness of the pile, m (default 0.5)"
+    p.add_argument("--drop", type=positive, default=2.0, help="height of its fall, m (default %(default)s)")
+    p.add_argument(
+        "--blows", type=count, default=5, help="number of blows, one every 2 s (default %(default)s)"
     )
-    parser.add_argument("--rate", type=positive, default=0.5, help="penetration rate, m/s (default 0.5)")
-    parser.add_argument(
-        "--ramp",
-        type=notNegative,
-        default=0.5,
-        help="time over which the rate grows from zero, s (default 0.5)",
-    )
-    parser.add_argument(
-        "--penetration",
-        type=positive,
-        default=4.0,
-        help="how far the pile is driven, m; sets the depth of the uGIMP zone (default 4)",
-    )
-    parser.add_argument("--hammer", type=positive, default=10.0, help="mass of the hammer, Mg (default 10)")
-    parser.add_argument("--drop", type=positive, default=2.0, help="height of its fall, m (default 2)")
-    parser.add_argument("--blows", type=count, default=5, help="number of blows, one every 2 s (default 5)")
-    parser.add_argument(
-        "--damping",
-        type=below(1),
-        default=0.2,
-        help="YADE's local damping of the hammered pile (default 0.2)",
-    )
-    parser.add_argument(
+    damping = "YADE's local damping of the hammered pile (default %(default)s)"
+    p.add_argument("--damping", type=below(1), default=0.2, help=damping)
+    p.add_argument(
         "--dt", type=positive, help="time step, s (default 1e-3 times the cell in m: stiff contact)"
     )
-    parser.add_argument(
-        "--compare",
-        action="store_true",
-        help="friction 0, 0.3, 0.6 and the bonded elastic pile in one picture",
-    )
-    parser.add_argument(
-        "--merge",
-        action="store_true",
-        help="only collect what yade-batch has run into results/yade_pile/batch.csv",
-    )
-    return parser
+    p.add_argument("--compare", action="store_true", help="friction 0, 0.3, 0.6 and the bonded elastic pile")
+    merge = "only collect what yade-batch has run into results/yade_pile/batch.csv"
+    p.add_argument("--merge", action="store_true", help=merge)
+    return p
 
 
 def arguments():
@@ -189,7 +164,8 @@ def pile(a):
 
 
 class Ramp(PyRunner):
-    """The rate of the pile grows from zero to its value; velocities of the middles of the steps make the depth exact."""
+    """The rate of the pile grows from zero to its value; velocities of the middles of the steps make the
+    depth exact."""
 
     def __init__(self, a, number):
         super().__init__(command="driver.act()", label="driver", iterPeriod=1, initRun=True)
@@ -202,7 +178,8 @@ class Ramp(PyRunner):
 
 
 class Hammer(PyRunner):
-    """A sphere falls on the head of the pile every two seconds; before that the pile sinks under its own weight."""
+    """A sphere falls on the head of the pile every two seconds; before that the pile sinks under its own
+    weight."""
 
     def __init__(self, a, number):
         # YADE counts the start as the first of nDo.
@@ -291,8 +268,8 @@ def run(a, out):
 
     steps = round(drive.until / O.dt)
     print(
-        f"friction {a.friction}, {a.drive}: {scene.particleCount} soil particles, dt = {O.dt:.3g} s (critical {scene.dtCritical:.3g} s), "
-        f"{steps} steps, {scene.threads} threads",
+        f"friction {a.friction}, {a.drive}: {scene.particleCount} soil particles, {scene.threads} threads; "
+        f"{steps} steps of {O.dt:.3g} s (critical {scene.dtCritical:.3g} s)",
         flush=True,
     )
     began = time.monotonic()
@@ -318,7 +295,7 @@ def report(a, out, number, scene, history, gauge, wall):
     state = O.bodies[number].state
     summary = {
         "id": O.tags["id"],
-        "description": O.tags["description"] if "description" in O.tags.keys() else "",
+        "description": O.tags["description"] if "description" in set(O.tags.keys()) else "",
         "arguments": vars(a),
         "steps": scene.steps,
         "dt": scene.dt,
@@ -465,7 +442,7 @@ def print_(summary):
     )
 
 
-def merge(folder=BATCH, file=os.path.join(RESULTS, "batch.csv")):
+def merge(folder=BATCH, file=MERGED):
     """One CSV of all runs of yade-batch: a row each, with what was given and what came out."""
     rows = []
     for name in sorted(glob.glob(os.path.join(folder, "*", "summary.json"))):
@@ -497,7 +474,8 @@ def merge(folder=BATCH, file=os.path.join(RESULTS, "batch.csv")):
 def main():
     a = arguments()
     if a.merge:
-        return merge()
+        merge()
+        return
     if a.compare:
         results = compare(a)
     else:

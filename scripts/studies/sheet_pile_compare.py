@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The sheet pile in the hybrid of APDI and uGIMP beside the same in all uGIMP: particles, wall time,
-resistance, surface.
+"""The sheet pile in the hybrid of APDI and uGIMP beside the same in all uGIMP.
 
 Takes the options of sheet_pile_study; the run with all uGIMP leaves its results in a folder of its own,
 ugimp/. An interrupted comparison goes on with --resume, in whichever of its runs it was.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What scenes and studies share: command lines, runs that can be resumed, curves along a way, summaries.
 
-Run                                         a scene run to its end, its results in a folder, resumed by --resume
+Run                                         a scene run to its end, its results in a folder; --resume
 keep, resumed                               the arguments of a run, kept beside its results
 record                                      what every summary says of a run
 travel, movingAverage, atSteps, scatter     curves over the way of a driven body

@@ -99,8 +99,8 @@ class Parser(argparse.ArgumentParser):
     def _resumeHelp(self):
         changed = ", ".join(f"--{name}" for name in (*self._mayChange, "threads"))
         return (
-            "continue the run that left this checkpoint in the folder of its results, with its arguments; of others "
-            f"only {changed} may be given"
+            "continue the run that left this checkpoint in the folder of its results, with its arguments; "
+            f"of others only {changed} may be given"
         )
 
     def parse(self, words=None):

@@ -58,6 +58,10 @@ def arguments(words=None, parser=None):
         a.thickness = (
             a.thickness or max(1, int(0.25 / a.cell + 1e-9)) * a.cell
         )  # thinner than a cell it were too stiff
+        if not commandLine.isWhole(a.thickness / a.cell):
+            refused = f"--thickness {a.thickness:g} with --cell {a.cell:g} is not allowed"
+            fits = max(1, int(a.thickness / a.cell)) * a.cell
+            parser.error(f"{refused}; give a whole number of cells, e.g. --thickness {fits:g}")
         # Where soil and pile may slip they meet at grid lines: an odd number of cells across needs one more.
         more = a.cell if a.friction is not None and round(a.thickness / a.cell) % 2 else 0.0
         a.width, a.zoneWidth = WIDTH + more, ZONE_WIDTH + more

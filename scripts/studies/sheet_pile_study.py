@@ -89,10 +89,6 @@ def check(parser, a, given):
         parser.error("--on-distortion has no meaning beside --types ugimp: there are no APDI domains")
     if a.tip < 180 and a.friction is None:
         parser.error("--tip needs a pile that is a mesh; give --friction too")
-    if not commandLine.isWhole(a.thickness / a.cell):
-        fits = max(1, int(a.thickness / a.cell)) * a.cell
-        refused = f"--thickness {a.thickness:g} with --cell {a.cell:g} is not allowed"
-        parser.error(f"{refused}; give a whole number of cells, e.g. --thickness {fits:g}")
 
 
 def run(a, again=None):

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The benchmark: what a step costs, stage by stage, without Python. scripts/bench.py makes a table of it; alone:
+// The benchmark: what a step costs, stage by stage, without Python. scripts/bench.py makes a table of it;
+// alone:
 //
 //     GOMP_SPINCOUNT=2000 mpm_bench --benchmark_filter='2D/ugimp/.*/20000/threads:1/' --benchmark_repetitions=8
 //
-// A repetition is a fixed number of steps, part of the name. Minimum and maximum over the repetitions are the figures to
-// look at. Needs nothing but the run-time libraries of the compiler, and libbenchmark beside it if that is a shared one;
-// for a machine of another kind build with -DMPM_NATIVE=OFF.
+// A repetition is a fixed number of steps, part of the name. Minimum and maximum over the repetitions are the
+// figures to look at. Needs nothing but the run-time libraries of the compiler, and libbenchmark beside it if
+// that is a shared one; for a machine of another kind build with -DMPM_NATIVE=OFF.
 #include "bench/soilBlock.hpp"
 #include "bench/yardstick.hpp"
 
@@ -24,7 +25,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr double forever = std::numeric_limits<double>::infinity();
-constexpr long particleSteps = 2000000, leastSteps = 20; // of one repetition
+constexpr long particleSteps = 2000000; // of one repetition, so that each takes about as long,
+constexpr long leastSteps = 20;         // but so many steps at least
 
 struct Case {
     int dim;
@@ -32,8 +34,8 @@ struct Case {
     int particles, threads;
 };
 
-// Notes the shortest of many single steps, stage by stage: what other jobs on the machine do to the mean of a step, they do not do to every step. It
-// is the last engine.
+// Notes the shortest of many single steps, stage by stage: what other jobs on the machine do to the mean of a
+// step, they do not do to every step. It is the last engine.
 class Stopwatch : public EngineOf<Stopwatch> {
   public:
     std::vector<double> shortest; // s, of each stage
@@ -43,17 +45,22 @@ class Stopwatch : public EngineOf<Stopwatch> {
     std::string doc() const override { return "Notes the shortest time that each stage took."; }
     bool isStage() const override { return false; }
 
-    void restart() { shortest.clear(), outside = forever; }
+    void restart() {
+        shortest.clear();
+        outside = forever;
+    }
 
     template <int Dim> void act(Scene<Dim>& scene) {
         double rest = std::chrono::duration<double>(Clock::now() - last_).count();
         const size_t stages = scene.engines.size() - 1;
         const bool isFirst = shortest.empty();
-        shortest.resize(stages, forever), before_.resize(stages);
+        shortest.resize(stages, forever);
+        before_.resize(stages);
         for (size_t e = 0; e < stages; ++e) {
             const double seconds = scene.engines[e]->seconds - before_[e];
             if (!isFirst) shortest[e] = std::min(shortest[e], seconds);
-            before_[e] = scene.engines[e]->seconds, rest -= seconds;
+            before_[e] = scene.engines[e]->seconds;
+            rest -= seconds;
         }
         if (!isFirst) outside = std::min(outside, rest);
         last_ = Clock::now();
@@ -70,7 +77,8 @@ template <int Dim> Scene<Dim>& sceneOf(const Case& c) {
     static std::string made;
     const std::string wanted = message(c.type, c.material, c.particles);
     if (made != wanted) {
-        made.clear(), scene.reset(); // first, or both would take memory
+        made.clear();
+        scene.reset(); // before the next one is made, or both would take memory
         scene = soilBlock<Dim>(c.type, c.material == "mcdp" ? "MohrCoulombDruckerPrager" : "LinearElastic",
                                c.particles);
         scene->engines.push_back(std::make_shared<Stopwatch>());
@@ -106,8 +114,8 @@ template <int Dim> double bytesPerParticle(const Scene<Dim>& scene) {
     return bytes / scene.particleCount();
 }
 
-// In ns per particle-step: the shortest of each stage and their sum, and the mean step; overhead, the time of a step outside of the engines, in us per
-// step.
+// In ns per particle-step: the shortest of each stage and their sum, and the mean step; overhead, the time of
+// a step outside of the engines, in us per step.
 template <int Dim> void measure(benchmark::State& state, const Case& c) {
     Scene<Dim>& scene = sceneOf<Dim>(c);
     scene.advance(3, forever); // memory is touched, threads are there
@@ -133,6 +141,15 @@ template <int Dim> void measure(benchmark::State& state, const Case& c) {
     state.counters["yielding"] = shareThatGrew(strain, plasticStrain(scene));
 }
 
+// Adds the minimum and the maximum over the repetitions.
+benchmark::internal::Benchmark* withExtremes(benchmark::internal::Benchmark* benchmark) {
+    return benchmark
+        ->ComputeStatistics(
+            "min", [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); })
+        ->ComputeStatistics(
+            "max", [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); });
+}
+
 void registerCase(const Case& c) {
     const std::string name =
         message(c.dim, "D/", c.type, "/", c.material, "/", c.particles, "/threads:", c.threads);
@@ -143,13 +160,9 @@ void registerCase(const Case& c) {
             state.SkipWithError(error.what());
         }
     };
-    benchmark::RegisterBenchmark(name.c_str(), run)
+    withExtremes(benchmark::RegisterBenchmark(name.c_str(), run))
         ->Iterations(std::max(leastSteps, particleSteps / c.particles))
-        ->Unit(benchmark::kMicrosecond)
-        ->ComputeStatistics(
-            "min", [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); })
-        ->ComputeStatistics(
-            "max", [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); });
+        ->Unit(benchmark::kMicrosecond);
 }
 
 // The machine's own measure: ns per particle-step of a bare kernel on one thread.
@@ -162,7 +175,8 @@ void registerYardstick() {
             const auto start = Clock::now();
             block.step();
             const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-            shortest = std::min(shortest, seconds), sum += seconds;
+            shortest = std::min(shortest, seconds);
+            sum += seconds;
         }
         state.counters["shortest"] = 1e9 * shortest / block.particles();
         state.counters["step"] = 1e9 * sum / (double(state.iterations()) * block.particles());
@@ -170,12 +184,7 @@ void registerYardstick() {
         if (std::abs(block.momentum() / momentum - 1) > 1e-9)
             state.SkipWithError("the yardstick loses momentum");
     };
-    benchmark::RegisterBenchmark("yardstick", run)
-        ->Iterations(particleSteps / 20000)
-        ->ComputeStatistics(
-            "min", [](const std::vector<double>& v) { return *std::min_element(v.begin(), v.end()); })
-        ->ComputeStatistics(
-            "max", [](const std::vector<double>& v) { return *std::max_element(v.begin(), v.end()); });
+    withExtremes(benchmark::RegisterBenchmark("yardstick", run))->Iterations(particleSteps / 20000);
 }
 
 std::string processor() {

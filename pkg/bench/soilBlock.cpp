@@ -6,10 +6,11 @@ namespace mpm {
 namespace {
 
 constexpr double h = 0.25, spacing = h / 2; // m: cell, particle
-constexpr double K0 = 0.25, gravity = 9.81; // -, m/s2; the active limit of this soil is 0.49
-constexpr double courant = 0.4,
-                 strainPerStep = 2e-7; // dt in h / wave speed (any would be stable); vertical, compression
-constexpr double inertiaScale = 1e9;
+constexpr double K0 = 0.25;      // horizontal over vertical stress; yields, for the active limit is 0.49
+constexpr double gravity = 9.81; // m/s2
+constexpr double courant = 0.4;  // dt over h / wave speed; with inertia scaled any would be stable
+constexpr double strainPerStep = 2e-7; // vertical, compression
+constexpr double inertiaScale = 1e9;   // keeps the given motion, see soilBlock.hpp
 
 std::shared_ptr<Material> soil(const std::string& name) {
     auto material = Registry<Material>::make(name);
@@ -40,10 +41,14 @@ template <int Dim, class F> void forLattice(const Index<Dim>& count, F&& f) {
 constexpr int corner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
                               {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 
-// Boxes, or a mesh of squares (cubes), of the layers [first, last) of a block of n domains in the other directions.
+// Boxes, or a mesh of squares (cubes), of the layers [first, last) of a block of n domains in the other
+// directions.
 template <int Dim> Geometry<Dim> layers(bool isMeshed, int n, int first, int last) {
     Index<Dim> domains, vertices;
-    for (int k = 0; k < Dim; ++k) domains[k] = k == Dim - 1 ? last - first : n, vertices[k] = domains[k] + 1;
+    for (int k = 0; k < Dim; ++k) {
+        domains[k] = k == Dim - 1 ? last - first : n;
+        vertices[k] = domains[k] + 1;
+    }
     Geometry<Dim> g;
     g.halfSize.setConstant(spacing / 2);
     const auto at = [&](const Index<Dim>& index, double shift) {
@@ -102,7 +107,8 @@ std::shared_ptr<Engine> solver(int dim) {
 
 } // namespace
 
-// type: "ugimp", "apdi", or "hybrid" with APDI below and uGIMP above, of equal number. particles: about so many.
+// type: "ugimp", "apdi", or "hybrid" with APDI below and uGIMP above, of equal number. particles: about so
+// many.
 template <int Dim>
 std::unique_ptr<Scene<Dim>> soilBlock(const std::string& type, const std::string& material, int particles) {
     const int cells = std::max(2, int(std::lround(std::pow(particles, 1.0 / Dim) / 2))), n = 2 * cells;

@@ -39,7 +39,10 @@ void Yardstick::step() {
     std::fill(grid_.begin(), grid_.end(), Node{0, 0, 0});
     toNodes();
     for (Node& n : grid_)
-        if (n.m > 0) n.px /= n.m, n.py /= n.m;
+        if (n.m > 0) {
+            n.px /= n.m;
+            n.py /= n.m;
+        }
     fromNodes();
 }
 
@@ -68,11 +71,18 @@ void Yardstick::fromNodes() {
             for (int i = 0; i < 3; ++i) {
                 const double dx = i - at.f[0], dy = j - at.f[1], w = at.w[0][i] * at.w[1][j];
                 const Node& n = grid_[size_t(at.first[1] + j) * nodes_ + at.first[0] + i];
-                v[0] += w * n.px, v[1] += w * n.py;
-                B[0] += w * n.px * dx, B[1] += w * n.px * dy, B[2] += w * n.py * dx, B[3] += w * n.py * dy;
+                v[0] += w * n.px;
+                v[1] += w * n.py;
+                B[0] += w * n.px * dx;
+                B[1] += w * n.px * dy;
+                B[2] += w * n.py * dx;
+                B[3] += w * n.py * dy;
             }
         for (int c = 0; c < 4; ++c) p.C[c] = 4 / h * B[c];
-        for (int k = 0; k < 2; ++k) p.v[k] = v[k], p.x[k] += dt_ * v[k];
+        for (int k = 0; k < 2; ++k) {
+            p.v[k] = v[k];
+            p.x[k] += dt_ * v[k];
+        }
         const double trace = dt_ * lambda * (p.C[0] + p.C[3]);
         p.stress[0] += trace + 2 * dt_ * mu * p.C[0];
         p.stress[1] += trace + 2 * dt_ * mu * p.C[3];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What this machine can do with the least that an MPM step can be: one loop to the nodes, one back, on one thread.
+// What this machine can do with the least that an MPM step can be: one loop to the nodes, one back, on one
+// thread.
 #pragma once
 
 #include <array>
@@ -7,8 +8,9 @@
 
 namespace mpm {
 
-// Moving least squares MPM (Hu et al. 2018): quadratic B-splines over 3 x 3 nodes, affine velocities, linear elastic stress, no
-// strain measure, no order of the particles, no check. Two particles per cell and direction, plane strain.
+// Moving least squares MPM (Hu et al. 2018): quadratic B-splines over 3 x 3 nodes, affine velocities, linear
+// elastic stress, no strain measure, no order of the particles, no check. Two particles per cell and
+// direction, plane strain.
 class Yardstick {
   public:
     explicit Yardstick(int cells);
@@ -25,7 +27,9 @@ class Yardstick {
     struct Node {
         double px, py, m;
     };
-    static constexpr double h = 0.25, lambda = 9.48e3, mu = 6.31e3, density = 1.53;
+    static constexpr double h = 0.25;                     // m, cell
+    static constexpr double lambda = 9.48e3, mu = 6.31e3; // kPa
+    static constexpr double density = 1.53;               // Mg/m3
     int nodes_;
     double dt_, mass_, volume_;
     std::vector<Particle> all_;

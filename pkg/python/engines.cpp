@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Engines, constraints, and the engine that calls back into Python.
-#include "mpm/base/parallel/watched.hpp"
+#include "mpm/base/parallel/relaxed.hpp"
 #include "mpm/scene/Engine.hpp"
 #include "python.hpp"
 
@@ -60,11 +60,11 @@ void exposeEngines() {
                                                                                              bp::no_init)
         .def_readonly("dead", &Engine::dead)
         .add_property(
-            "seconds", +[](Engine& e) { return watched(e.seconds); },
-            +[](Engine& e, double s) { setWatched(e.seconds, s); })
+            "seconds", +[](Engine& e) { return loadRelaxed(e.seconds); },
+            +[](Engine& e, double s) { storeRelaxed(e.seconds, s); })
         .add_property(
-            "calls", +[](Engine& e) { return watched(e.calls); },
-            +[](Engine& e, long n) { setWatched(e.calls, n); });
+            "calls", +[](Engine& e) { return loadRelaxed(e.calls); },
+            +[](Engine& e, long n) { storeRelaxed(e.calls, n); });
     bp::def("makeEngine", &Registry<Engine>::make);
     bp::def("engineNames", +[] { return listOf(Registry<Engine>::names()); });
     bp::def(

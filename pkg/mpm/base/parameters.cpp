@@ -2,6 +2,8 @@
 #include "mpm/base/parameters.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <optional>
 
 namespace mpm {
 
@@ -22,19 +24,17 @@ namespace {
 template <class T> const T* as(const Value& v) { return std::get_if<T>(&v); }
 
 // Numbers convert upwards only: an int is a double, a double is not an int.
-bool number(const Value& v, double& out) {
-    if (auto d = as<double>(v)) return out = *d, true;
-    if (auto i = as<int>(v)) return out = *i, true;
-    return false;
+std::optional<double> number(const Value& v) {
+    if (auto d = as<double>(v)) return *d;
+    if (auto i = as<int>(v)) return *i;
+    return {};
 }
 
 std::string shown(const Value& v) {
     if (auto b = as<bool>(v)) return *b ? "True" : "False";
     if (auto s = as<std::string>(v)) return "'" + *s + "'";
     if (auto a = as<std::vector<double>>(v)) return place(*a);
-    double x = 0;
-    number(v, x);
-    return message(x);
+    return message(number(v).value());
 }
 
 std::string joined(const std::vector<std::string>& words) {
@@ -43,6 +43,7 @@ std::string joined(const std::vector<std::string>& words) {
     return all;
 }
 
+// Assigns a given value to one parameter, if it is allowed.
 struct Assign {
     const std::string who;
     const Parameter& p;
@@ -53,17 +54,17 @@ struct Assign {
                          (p.unit.empty() || p.unit == "-" ? "" : " (" + p.unit + ")"));
     }
     void checkNumber(double x) const {
-        if (p.isAngle && !p.range.contains(x) &&
-            p.range.contains(x * std::acos(-1.0) / 180)) // it is one, in degrees
+        const double degree = std::acos(-1.0) / 180;
+        if (p.isAngle && !p.range.contains(x) && p.range.contains(x * degree))
             throw InputError(
                 message(who, ": ", p.name, " = ", x, " is in radians; did you mean radians(", x, ")?"));
         if (!std::isfinite(x) || !p.range.contains(x)) refuse(p.range.text());
     }
     void operator()(double* target) const {
-        double x = 0;
-        if (!number(given, x)) refuse(p.range.text());
-        checkNumber(x);
-        *target = x;
+        const auto x = number(given);
+        if (!x) refuse(p.range.text());
+        checkNumber(*x);
+        *target = *x;
     }
     void operator()(int* target) const {
         auto i = as<int>(given);
@@ -84,12 +85,11 @@ struct Assign {
         *target = *s;
     }
     void operator()(std::vector<double>* target) const {
-        double x = 0;
         std::vector<double> all;
         if (auto a = as<std::vector<double>>(given))
             all = *a;
-        else if (number(given, x))
-            all = {x};
+        else if (auto x = number(given))
+            all = {*x};
         else
             refuse("a sequence of numbers");
         for (double entry : all) checkNumber(entry);
@@ -97,26 +97,31 @@ struct Assign {
     }
 };
 
-// The allowed name that shares most letters in order with the misspelt one.
-std::string nearest(const std::string& name, const std::vector<std::string>& names) {
-    auto distance = [](const std::string& a, const std::string& b) {
-        std::vector<size_t> row(b.size() + 1);
-        for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
-        for (size_t i = 1; i <= a.size(); ++i) {
-            size_t diagonal = row[0]++;
-            for (size_t j = 1; j <= b.size(); ++j) {
-                const size_t up = row[j];
-                const bool same = std::tolower(a[i - 1]) == std::tolower(b[j - 1]);
-                row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (same ? 0 : 1)});
-                diagonal = up;
-            }
+// Levenshtein distance: letters to change, add or leave out; capitals do not count.
+size_t editDistance(const std::string& a, const std::string& b) {
+    std::vector<size_t> row(b.size() + 1);
+    for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (size_t i = 1; i <= a.size(); ++i) {
+        size_t diagonal = row[0]++;
+        for (size_t j = 1; j <= b.size(); ++j) {
+            const size_t up = row[j];
+            const bool same = std::tolower(a[i - 1]) == std::tolower(b[j - 1]);
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (same ? 0 : 1)});
+            diagonal = up;
         }
-        return row[b.size()];
-    };
+    }
+    return row[b.size()];
+}
+
+// The allowed name that a misspelt one is nearest to; empty if more than half of its letters are wrong.
+std::string nearest(const std::string& name, const std::vector<std::string>& names) {
     std::string best;
     size_t least = name.size() / 2 + 1;
-    for (auto& n : names)
-        if (distance(name, n) < least) least = distance(name, n), best = n;
+    for (auto& candidate : names)
+        if (const size_t distance = editDistance(name, candidate); distance < least) {
+            least = distance;
+            best = candidate;
+        }
     return best;
 }
 

@@ -10,7 +10,7 @@
 
 #include "mpm/base/simd/transpose.hpp"
 #include "mpm/particle/Domains.hpp"
-#include "mpm/particle/Lanes.hpp"
+#include "mpm/base/simd/Lanes.hpp"
 
 namespace mpm {
 

@@ -2,7 +2,7 @@
 // The loop over engines.
 #include "mpm/scene/Scene.hpp"
 
-#include "mpm/base/parallel/watched.hpp"
+#include "mpm/base/parallel/relaxed.hpp"
 #include "mpm/scene/Engine.hpp"
 
 #include <algorithm>
@@ -49,15 +49,15 @@ template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {
     const auto begin = Clock::now();
     for (auto& body : bodies) body->domains->step = step;
     engine.action(*this);
-    setWatched(engine.seconds, engine.seconds + std::chrono::duration<double>(Clock::now() - begin).count());
-    setWatched(engine.calls, engine.calls + 1);
+    storeRelaxed(engine.seconds, engine.seconds + std::chrono::duration<double>(Clock::now() - begin).count());
+    storeRelaxed(engine.calls, engine.calls + 1);
 }
 
 template <int Dim> void Scene<Dim>::endStep(double newTime) {
     for (auto& constraint : constraints) constraint->stepped(dt);
     for (auto& engine : engines)
         if (!engine->dead) engine->stepped(dt);
-    setWatched(time, newTime), setWatched(step, step + 1);
+    storeRelaxed(time, newTime), storeRelaxed(step, step + 1);
 }
 
 template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {

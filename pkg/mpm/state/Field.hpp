@@ -43,12 +43,14 @@ class Field {
     // memory keeps that alive and goes stale, but never dangles.
     void resize(int n) {
         const size_t pitch =
-            (size_t(n) + 7) / 8 * 8 + 8; // the extra 8 keeps planes off each other's cache sets
+            roundedUp(n, planeUnit) + planeUnit; // one more, so that planes use other cache sets
         const std::shared_ptr<void> fresh = zeroes(components_ * pitch * 8);
         const int kept = n < size_ ? n : size_;
         for (int c = 0; c < components_ && kept > 0; ++c)
             std::memcpy(static_cast<double*>(fresh.get()) + c * pitch, plane(c), size_t(kept) * 8);
-        buffer_ = fresh, pitch_ = pitch, size_ = n;
+        buffer_ = fresh;
+        pitch_ = pitch;
+        size_ = n;
     }
 
     // Entry i takes the value of entry order[i]; memory and views stay.
@@ -76,8 +78,10 @@ class Field {
     }
 
   private:
+    static constexpr size_t planeUnit = 8; // numbers of a cache line, and of the longest vector
+
     int size_ = 0, components_ = 1;
-    size_t pitch_ = 0;
+    size_t pitch_ = 0; // numbers from one plane to the next
     std::shared_ptr<void> buffer_;
 };
 

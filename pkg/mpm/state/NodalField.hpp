@@ -15,7 +15,7 @@ namespace mpm {
 // each group of bodies has its own.
 template <int Dim> struct NodalField {
     // What particles give: momentum, mass, weight mass (mass without inertial scaling), and force: in 2D component k is the sum of two lanes,
-    // see particle/Lanes.hpp.
+    // see base/simd/Lanes.hpp.
     using Sum = Pack<8>;
     static constexpr int momentum = 0, mass = Dim, weightMass = Dim == 2 ? 3 : 7;
     static constexpr int lane(int k) { return Dim == 2 ? 2 * k : k; }

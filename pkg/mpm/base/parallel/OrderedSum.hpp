@@ -8,10 +8,12 @@
 
 namespace mpm {
 
-// Sums over chunks of particles: each chunk has its own term, and they are added up in the order of the chunks.
+// A sum over chunks of particles: each chunk has its own term, and the terms are added in the order of the
+// chunks.
 class OrderedSum {
   public:
-    void clear(int n) { terms_.assign(chunksOf(n), 0.0); }
+    void clear(int particles) { terms_.assign(chunksOf(particles), 0.0); }
+    // The term of the chunk that begins with this particle.
     double& of(int begin) { return terms_[begin / chunkSize]; }
     double total() const { return std::accumulate(terms_.begin(), terms_.end(), 0.0); }
 

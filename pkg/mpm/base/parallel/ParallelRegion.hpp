@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Deterministic threading. Work is cut into pieces that do not depend on the number of
-// threads; a piece is done by one thread in a fixed order, and sums are added up in the order of the
-// pieces. Hence the same bits for any number of threads.
+// Deterministic threading. Work is cut into pieces that do not depend on the number of threads, one thread
+// does a piece in a fixed order, and sums are added in the order of the pieces. Hence the same bits for any
+// number of threads.
 #pragma once
 
 #include "mpm/base/parallel/ColouredPieces.hpp"
 #include "mpm/base/parallel/ThreadPool.hpp"
 
-#include <limits>
+#include <mutex>
 
 namespace mpm {
 
-// All threads of one parallel region. Every thread calls the same functions in the same order; each
-// of them ends at a barrier, unless it says otherwise. An exception is kept (that of the lowest piece, so it does not depend on
-// the threads either) and rethrown when the region ends.
+// What the threads of one parallel region do together. Every thread calls the same functions in the same
+// order; each function ends at a barrier unless its name says NoWait. An exception does not end the loop that
+// it comes from: the one of the lowest piece is kept (so it does not depend on the threads either) and
+// rethrown when the region ends.
 class ParallelRegion {
   public:
     // Calls f(i) once for each piece i.
@@ -22,25 +23,28 @@ class ParallelRegion {
         wait();
     }
 
-    // Threads go on before all pieces are done: until wait(), nobody may read what others have written.
+    // Threads go on before all pieces are done: until wait(), no thread may read what others have written.
     template <class F> void forPiecesNoWait(const WorkPartition& partition, F&& f) {
         const int me = omp_get_thread_num(), threads = omp_get_num_threads();
         for (int i = 0; i < partition.count(); ++i)
             if (partition.owner(i, threads) == me) guard(i, [&] { f(i); });
     }
 
-    // Calls f(begin, end) with the stretch of pieces that this thread has.
+    // Calls f(begin, end) on each thread with the range of pieces that it owns, which may be empty.
     template <class F> void forOwnRange(const WorkPartition& partition, F&& f) {
         const int me = omp_get_thread_num(), threads = omp_get_num_threads();
         int begin = 0, end = 0;
-        for (int i = 0; i < partition.count(); ++i)
-            begin += partition.owner(i, threads) < me, end += partition.owner(i, threads) <= me;
+        for (int i = 0; i < partition.count(); ++i) {
+            begin += partition.owner(i, threads) < me;
+            end += partition.owner(i, threads) <= me;
+        }
         guard(begin, [&] { f(begin, end); });
         wait();
     }
 
-    // Calls f(i) once for each piece of `turns`. A piece that has to wait comes after all others of the thread: what it waits for may be the
-    // last that another thread does.
+    // Calls f(i) once for each piece, never before those that it has to wait for. A thread does the pieces
+    // that would have to wait after all its others, since what they wait for may be the last piece of another
+    // thread.
     template <class F> void forColoured(ColouredPieces& pieces, F&& f) {
         const int me = omp_get_thread_num(), threads = omp_get_num_threads();
         const auto& sequence = pieces.sequence_;
@@ -60,7 +64,7 @@ class ParallelRegion {
         wait();
     }
 
-    // Calls f(begin, end) for chunks of [0, n); always the same thread for the same chunk.
+    // Calls f(begin, end) for the chunks of [0, n); the same thread always does the same chunk.
     template <class F> void chunks(int n, F&& f) {
         chunksNoWait(n, f);
         wait();
@@ -73,12 +77,12 @@ class ParallelRegion {
             guard(c, [&] { f(c * chunkSize, std::min(n, (c + 1) * chunkSize)); });
     }
 
-    // Chunks of [0, n), shared out by their weight.
+    // The same, with the chunks divided by their weight.
     template <class F> void chunksNoWait(int n, const WorkPartition& partition, F&& f) {
         forPiecesNoWait(partition, [&](int c) { f(c * chunkSize, std::min(n, (c + 1) * chunkSize)); });
     }
 
-    // Until all threads are here.
+    // Returns when all threads are here.
     void wait() {
         if (const int threads = omp_get_num_threads(); threads > 1)
             barrier_.wait(threads, areTooMany(threads));
@@ -91,8 +95,8 @@ class ParallelRegion {
         wait();
     }
 
-    // Whether a piece has thrown. To be asked where all threads get the same answer: inside once(), or behind a barrier that
-    // nothing which throws can follow.
+    // Whether a piece has thrown. Ask it where all threads get the same answer: inside once(), or behind a
+    // barrier after which nothing throws.
     bool failed() const { return bool(error_); }
 
     void rethrow() {
@@ -105,17 +109,19 @@ class ParallelRegion {
             f();
         } catch (...) {
             std::lock_guard<std::mutex> lock(mutex_);
-            if (!error_ || piece < where_) error_ = std::current_exception(), where_ = piece;
+            if (error_ && piece >= lowest_) return;
+            error_ = std::current_exception();
+            lowest_ = piece;
         }
     }
 
     Barrier barrier_;
     std::mutex mutex_;
     std::exception_ptr error_;
-    int where_ = std::numeric_limits<int>::max();
+    int lowest_ = 0; // piece that threw error_
 };
 
-// body(region) runs on every thread.
+// Runs body(region) on each of so many threads, and throws what one of them has thrown.
 template <class F> void parallel(int threads, F&& body) {
     ParallelRegion region;
     ThreadPool::run(threads, [&] { body(region); });

@@ -7,21 +7,24 @@
 
 namespace mpm {
 
-constexpr int chunkSize =
-    128; // particles per piece where the order of pieces does not matter: few enough for the first cache
+// Particles per chunk where the order of chunks does not matter: few enough for the first-level cache.
+constexpr int chunkSize = 128;
 
 inline int chunksOf(int n) { return (n + chunkSize - 1) / chunkSize; }
 
-// Pieces of work in a row, shared out so that each thread has a stretch of about the same weight: the next loop over the same
-// part of the grid then finds it in the thread's own cache.
+// Divides a row of pieces so that each thread has consecutive ones of about the same total weight: the next
+// loop over the same part of the grid then finds it in the thread's own cache. Who does a piece never changes
+// a result.
 class WorkPartition {
   public:
+    // weight(i): what piece i costs, in any unit.
     template <class Weight> void set(int n, Weight&& weight) {
         middle_.resize(n);
         double sum = 0;
         for (int i = 0; i < n; ++i) {
             const double w = weight(i);
-            middle_[i] = sum + 0.5 * w, sum += w;
+            middle_[i] = sum + 0.5 * w;
+            sum += w;
         }
         for (double& m : middle_) m = sum > 0 ? m / sum : 0;
     }
@@ -29,7 +32,8 @@ class WorkPartition {
     int owner(int piece, int threads) const { return std::min(int(middle_[piece] * threads), threads - 1); }
 
   private:
-    std::vector<double> middle_; // of a piece, in the running sum of the weights over the total
+    std::vector<double>
+        middle_; // of each piece in the running sum of the weights, as a fraction of the total
 };
 
 } // namespace mpm

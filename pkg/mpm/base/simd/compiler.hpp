@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What the solver tells the compiler: every attribute, pragma and inline assembly has its name here.
+// What the solver tells the compiler: attributes, pragmas and inline assembly have their names here.
 #pragma once
 
-// For the small functions inside particle loops, which cost more to call than to run.
+// For the small functions inside loops over particles, which cost more to call than to run.
 #define MPM_INLINE [[gnu::always_inline]] inline
 
-// For short loops over axes, corners or nodes inside loops over particles: unrolled they vanish before the compiler
-// vectorises the loop around them.
+// The same for a lambda, behind its parameters: [&](int p) MPM_INLINE_LAMBDA { ... }. A body that stays a
+// function of its own, as GCC decides for large ones or those with arrays, keeps the loop around it from
+// being vectorised.
+#define MPM_INLINE_LAMBDA __attribute__((always_inline))
+
+// For short loops over axes, corners or nodes inside loops over particles: unrolled, they are gone before the
+// compiler vectorises the loop around them.
 #define MPM_UNROLL _Pragma("GCC unroll 16")
 
 namespace mpm {
 
-// A pointer in a register of its own. GCC otherwise makes base plus index of it in every operand, which processors take apart again.
+// Keeps a pointer in a register of its own. GCC otherwise writes it as base plus index into every instruction
+// that uses it, and processors split such instructions in two.
 template <class T> MPM_INLINE T* inRegister(T* pointer) {
     asm("" : "+r"(pointer));
     return pointer;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Arrays of a megabyte and more on large pages, where the system has them: fewer of their addresses have to be looked up.
+// Arrays of a megabyte and more on large pages, where the system has them: the processor then has fewer page
+// addresses to look up.
 #pragma once
 
 #include <cstddef>
@@ -14,22 +15,25 @@
 
 namespace mpm {
 
-constexpr size_t largePage = size_t(1) << 21;
+constexpr size_t largePage = size_t(1) << 21; // bytes: 2 MiB, on x86-64 and most aarch64 systems
+constexpr size_t cacheLine = 64;              // bytes
 
-// What an array of so many bytes begins at a multiple of: a page that it fills at least by half, or a cache line.
-inline size_t alignmentFor(size_t bytes) { return bytes >= largePage / 2 ? largePage : 64; }
+// An array of so many bytes begins at a multiple of this: a large page if it fills half of one, else a cache
+// line.
+inline size_t alignmentFor(size_t bytes) { return bytes >= largePage / 2 ? largePage : cacheLine; }
 
-// Memory that nobody has touched yet, from a multiple of its alignment up to one. A last page that is not filled by half stays small.
+// Asks for large pages below memory that is aligned so and that nobody has touched yet. A last page that
+// would not be filled by half stays small.
 inline void preferLargePages([[maybe_unused]] void* memory, [[maybe_unused]] size_t bytes) {
 #ifdef __linux__
-    if (alignmentFor(bytes) == largePage) // where it cannot, all works as before
+    if (alignmentFor(bytes) == largePage) // a system that refuses goes on with small pages
         madvise(memory, (bytes + largePage / 2) / largePage * largePage, MADV_HUGEPAGE);
 #endif
 }
 
 inline size_t roundedUp(size_t bytes, size_t unit) { return (bytes + unit - 1) / unit * unit; }
 
-// Zeroes; what is not touched is not resident.
+// Zeros. Pages that nobody touches take no memory.
 inline std::shared_ptr<void> zeroes(size_t bytes) {
     const size_t alignment = alignmentFor(bytes);
     std::shared_ptr<void> memory(std::calloc(roundedUp(bytes, alignment) + alignment, 1), std::free);
@@ -40,7 +44,7 @@ inline std::shared_ptr<void> zeroes(size_t bytes) {
     return {memory, start};
 }
 
-// For a std::vector.
+// Allocator of such arrays for a std::vector.
 template <class T> struct OnLargePages {
     using value_type = T;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// From arrays number by number (planes) to Quads entry by entry (lanes), and back.
+// Between planes (an array for each component) and lanes (a Quad with all components of an entry).
 #pragma once
 
 #include "mpm/base/simd/Pack.hpp"
@@ -10,12 +10,16 @@
 namespace mpm {
 
 #ifdef __AVX__
-// Four times four numbers, rows for columns. Written out, for GCC 12 takes three times as many shuffles.
+// Rows become columns. The shuffles are written out, since GCC 12 would take three times as many.
 MPM_INLINE void transpose(Quad& a, Quad& b, Quad& c, Quad& d) {
-    const Quad ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), AB = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-    const Quad cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), CD = __builtin_shufflevector(c, d, 1, 5, 3, 7);
-    a = __builtin_shufflevector(ab, cd, 0, 1, 4, 5), b = __builtin_shufflevector(AB, CD, 0, 1, 4, 5);
-    c = __builtin_shufflevector(ab, cd, 2, 3, 6, 7), d = __builtin_shufflevector(AB, CD, 2, 3, 6, 7);
+    const Quad abEven = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+    const Quad abOdd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Quad cdEven = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+    const Quad cdOdd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    a = __builtin_shufflevector(abEven, cdEven, 0, 1, 4, 5);
+    b = __builtin_shufflevector(abOdd, cdOdd, 0, 1, 4, 5);
+    c = __builtin_shufflevector(abEven, cdEven, 2, 3, 6, 7);
+    d = __builtin_shufflevector(abOdd, cdOdd, 2, 3, 6, 7);
 }
 #else
 MPM_INLINE void transpose(Quad& a, Quad& b, Quad& c, Quad& d) {
@@ -32,19 +36,24 @@ template <class Vector> MPM_INLINE Vector load(const double* from) {
 }
 template <class Vector> MPM_INLINE void store(double* to, const Vector& v) { std::memcpy(to, &v, sizeof v); }
 
-// out[stride i] = {plane[0][i] ... plane[3][i]}
+// From planes to lanes: out[stride * i] = {plane[0][i], ..., plane[3][i]} for i < count.
 MPM_INLINE void interleave(const std::array<const double*, 4>& plane, int count, Quad* out, int stride = 1) {
     int i = 0;
     for (; i + 4 <= count; i += 4) {
-        Quad a = load<Quad>(plane[0] + i), b = load<Quad>(plane[1] + i), c = load<Quad>(plane[2] + i),
-             d = load<Quad>(plane[3] + i);
+        Quad a = load<Quad>(plane[0] + i);
+        Quad b = load<Quad>(plane[1] + i);
+        Quad c = load<Quad>(plane[2] + i);
+        Quad d = load<Quad>(plane[3] + i);
         transpose(a, b, c, d);
-        out[stride * i] = a, out[stride * (i + 1)] = b, out[stride * (i + 2)] = c, out[stride * (i + 3)] = d;
+        out[stride * i] = a;
+        out[stride * (i + 1)] = b;
+        out[stride * (i + 2)] = c;
+        out[stride * (i + 3)] = d;
     }
     for (; i < count; ++i) out[stride * i] = Quad{plane[0][i], plane[1][i], plane[2][i], plane[3][i]};
 }
 
-// The first n lanes of in[stride i] to plane[...][i].
+// From lanes to planes: plane[k][i] = in[stride * i][k] for i < count and k < n.
 template <size_t n>
 MPM_INLINE void separate(const Quad* in, int stride, int count, const std::array<double*, n>& plane) {
     int i = 0;

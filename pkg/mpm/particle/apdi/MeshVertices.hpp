@@ -4,7 +4,7 @@
 //     value_v = sum_i S_i(X_v) node_i,   node_i += sum_v S_i(X_v) value_v.
 #pragma once
 
-#include "mpm/particle/Lanes.hpp"
+#include "mpm/base/simd/Lanes.hpp"
 #include "mpm/particle/apdi/HangingVertices.hpp"
 #include "mpm/state/BlockOrder.hpp"
 

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What one particle gives to a row of nodes along x, in as few vector operations as the dimension allows: products with a
-// weight phi_i and with its gradient, where phi_i is a product over the axes, S(x) S(y) or S(x) S(y) S(z), and G stands for the
-// derivative of an S.
+// Values and a tensor times weights, for a row of nodes along x, in as few vector operations as the dimension
+// allows.
 //
-//   Row     add() to the sums of each node of the row; when all particles have given, finish(): by the vectors in which they were summed
+// The weight of node i is a product over the axes, phi_i = S(x) S(y) or S(x) S(y) S(z), and G is the
+// derivative of an S. A node's sum takes phi_i times a Quad of values, and the tensor B times the gradient of
+// phi_i. What all nodes of the row have in common (`Across`) is multiplied once, in Row; Row::add() then adds
+// to the sums of a node, and finish(), after the last add(), adds these to the node by the same vectors that
+// they were summed in.
 //
-// In 2D the lanes of one Quad hold the products with d_x phi and d_y phi for both components side by side, so that component k of
-// the force is the sum of two lanes; in 3D there is a Quad for each axis, and a lane for each component.
+// 2D: the lanes of one Quad hold the products with d_x phi and d_y phi for both components side by side, so
+// component k of B grad phi is the sum of two lanes. 3D: there is a Quad for each axis, and a lane for each
+// component.
 #pragma once
 
 #include "mpm/base/simd/Pack.hpp"
@@ -14,7 +18,8 @@
 
 namespace mpm {
 
-// Weights across a row of nodes: S of the other axes, and in [k - 1] the same with the derivative along axis k.
+// Weights across a row of nodes: S of the other axes, and in [k - 1] the same with the derivative along axis
+// k.
 template <int Dim, class Number = double> struct Across {
     Number S, G[Dim - 1];
 };
@@ -24,7 +29,7 @@ template <int Dim> struct Lanes;
 template <> struct Lanes<2> {
     using Set = std::array<Quad, 1>; // { B_xx, B_xy, B_yx, B_yy }: B_ik takes d_k phi
 
-#ifdef __AVX512F__ // value and product side by side in one vector
+#ifdef __AVX512F__ // value and product are the halves of one vector
     using Octo = Widest<8>::Vector;
     typedef int64_t Mask __attribute__((vector_size(64)));
     MPM_INLINE static Octo all(double a) { return Octo{a, a, a, a, a, a, a, a}; }
@@ -39,12 +44,13 @@ template <> struct Lanes<2> {
         }
     };
 #else
-    struct Row { // d_x phi in the even lanes, d_y phi in the odd ones, as a product of weights along the axes
-        Quad value, product;
+    struct Row {
+        Quad value, product; // of product: the even lanes take d_x phi, the odd ones d_y phi
         MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w)
             : value(w.S * value), product(alternating(w.S, w.G[0]) * B[0]) {}
         MPM_INLINE void add(Pack<8>& sum, double S, double G) const {
-            sum.part[0] += S * value, sum.part[1] += alternating(G, S) * product;
+            sum.part[0] += S * value;
+            sum.part[1] += alternating(G, S) * product;
         }
     };
 #endif
@@ -52,18 +58,22 @@ template <> struct Lanes<2> {
 };
 
 template <> struct Lanes<3> {
-    using Set = std::array<Quad, 4>; // { B_1k, B_2k, B_3k, 0 } for each axis k, and what takes phi itself
+    using Set =
+        std::array<Quad, 4>; // { B_1k, B_2k, B_3k, 0 } for each axis k, and a Quad that takes phi itself
 
     struct Row {
-        Quad value, withG, withS; // of B: what takes the derivative along the row, and what does not
+        Quad value, withG, withS; // of B: what takes the derivative along x, and what takes the weight
         MPM_INLINE Row(const Quad& value, const Set& B, const Across<3>& w)
             : value(w.S * value), withG(w.S * B[0]), withS(w.G[0] * B[1] + w.G[1] * B[2] + w.S * B[3]) {}
         MPM_INLINE void add(Pack<8>& sum, double S, double G) const {
-            sum.part[0] += S * value, sum.part[1] += G * withG, sum.part[1] += S * withS;
+            sum.part[0] += S * value;
+            sum.part[1] += G * withG;
+            sum.part[1] += S * withS;
         }
     };
     MPM_INLINE static void finish(const Pack<8>& sum, Pack<8>& node) {
-        node.part[0] += sum.part[0], node.part[1] += sum.part[1];
+        node.part[0] += sum.part[0];
+        node.part[1] += sum.part[1];
     }
 };
 

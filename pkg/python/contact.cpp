@@ -45,7 +45,7 @@ void exposeContact() {
     bp::class_<Contact, std::shared_ptr<Contact>, bp::bases<Engine>, boost::noncopyable>("ContactCore",
                                                                                          bp::no_init)
         .add_property(
-            "table", +[](const Contact& c) { return listOf(c.table); })
+            "table", +[](const Contact& c) { return objectFrom(columnsOf(c.table)); })
         .add_property(
             "forces", +[](const Contact& c) { return listOf(c.forces); })
         .def_readonly("sliding", &Contact::sliding)

@@ -4,8 +4,72 @@
 
 namespace mpm::python {
 
+namespace {
+
+// A column of numbers, of rows of numbers, or of names.
+Column columnFrom(const std::string& name, const bp::object& rows) {
+    Column column{name, ""};
+    std::vector<bp::object> entries;
+    for (long i = 0; i < bp::len(rows); ++i) {
+        const bp::object row = rows[i];
+        if (PyUnicode_Check(row.ptr()) || !PySequence_Check(row.ptr())) {
+            entries.push_back(row);
+            continue;
+        }
+        column.width = int(bp::len(row));
+        for (long k = 0; k < column.width; ++k) entries.push_back(row[k]);
+    }
+    const auto areAll = [&](auto&& check) {
+        return std::all_of(entries.begin(), entries.end(), [&](auto& e) { return check(e.ptr()); });
+    };
+    const auto fill = [&](auto type) {
+        std::vector<decltype(type)> values;
+        for (const bp::object& entry : entries) values.push_back(bp::extract<decltype(type)>(entry));
+        column.values = values;
+    };
+    if (areAll([](PyObject* e) { return PyLong_Check(e); }))
+        fill(int64_t());
+    else if (areAll([](PyObject* e) { return PyUnicode_Check(e); }))
+        fill(std::string());
+    else
+        fill(double());
+    return column;
+}
+
+bp::list rowsOf(const Column& column) {
+    return std::visit(
+        [&](const auto& values) {
+            if (column.width == 1) return listOf(values);
+            bp::list rows;
+            for (size_t i = 0; i < values.size(); i += column.width) {
+                bp::list row;
+                for (int k = 0; k < column.width; ++k) row.append(values[i + k]);
+                rows.append(row);
+            }
+            return rows;
+        },
+        column.values);
+}
+
+} // namespace
+
+// Dict of columns by name; an empty tuple where there are no rows.
+bp::object objectFrom(const Columns& columns) {
+    if (columns.empty() || columns.front().size() == 0) return bp::tuple();
+    bp::dict all;
+    for (const Column& column : columns) all[column.name] = rowsOf(column);
+    return std::move(all);
+}
+
 Value valueFrom(const bp::object& given) {
     PyObject* o = given.ptr();
+    if (PyDict_Check(o)) {
+        Columns columns;
+        const bp::list names = bp::extract<bp::dict>(given)().keys();
+        for (long i = 0; i < bp::len(names); ++i)
+            columns.push_back(columnFrom(bp::extract<std::string>(names[i]), given[names[i]]));
+        return columns;
+    }
     if (PyBool_Check(o)) return o == Py_True;
     if (PyUnicode_Check(o)) return std::string(bp::extract<std::string>(given));
     if (PyFloat_Check(o)) return PyFloat_AsDouble(o);
@@ -38,8 +102,11 @@ bp::object objectFrom(const Value& value) {
     if (auto a = std::get_if<std::vector<double>>(&value)) return bp::tuple(listOf(*a));
     return std::visit(
         [](const auto& v) {
-            if constexpr (std::is_same_v<std::decay_t<decltype(v)>, std::vector<double>>)
+            using T = std::decay_t<decltype(v)>;
+            if constexpr (std::is_same_v<T, std::vector<double>>)
                 return bp::object();
+            else if constexpr (std::is_same_v<T, Columns>)
+                return objectFrom(v);
             else
                 return bp::object(v);
         },

@@ -68,6 +68,7 @@ template <class T> bp::list listOf(const std::vector<T>& values) {
 
 Value valueFrom(const bp::object& given);
 bp::object objectFrom(const Value& value);
+bp::object objectFrom(const Columns& columns);
 
 // Lets other Python threads run while the solver works.
 class Unlocked {

@@ -34,6 +34,7 @@ std::string shown(const Value& v) {
     if (auto b = as<bool>(v)) return *b ? "True" : "False";
     if (auto s = as<std::string>(v)) return "'" + *s + "'";
     if (auto a = as<std::vector<double>>(v)) return place(*a);
+    if (auto columns = as<Columns>(v)) return message("a table of ", columns->size(), " columns");
     return message(number(v).value());
 }
 
@@ -95,6 +96,17 @@ struct Assign {
         for (double entry : all) checkNumber(entry);
         *target = all;
     }
+    void operator()(const std::shared_ptr<Records>& target) const {
+        if (auto columns = as<Columns>(given)) return target->assign(*columns, who + ": " + p.name);
+        const auto numbers = as<std::vector<double>>(given);
+        if (!numbers || !numbers->empty()) refuse("a dict of columns");
+        target->assign({}, who + ": " + p.name);
+    }
+};
+
+struct Current {
+    template <class T> Value operator()(T* target) const { return *target; }
+    Value operator()(const std::shared_ptr<Records>& target) const { return target->columns(); }
 };
 
 // Levenshtein distance: letters to change, add or leave out; capitals do not count.
@@ -141,7 +153,7 @@ void Configurable::set(const std::string& name, const Value& value) {
 
 Value Configurable::value(const std::string& name) {
     for (auto& p : parameters())
-        if (p.name == name) return std::visit([](auto* target) { return Value(*target); }, p.target);
+        if (p.name == name) return std::visit(Current(), p.target);
     throw InputError(className() + " has no attribute '" + name + "'");
 }
 

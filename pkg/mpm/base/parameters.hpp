@@ -2,6 +2,7 @@
 // One checked parameter list per class drives the Python attributes, help(), checkpoints and the manual.
 #pragma once
 
+#include "mpm/base/records.hpp"
 #include "mpm/base/require.hpp"
 
 #include <cmath>
@@ -15,7 +16,7 @@ namespace mpm {
 // "Not given": the class decides in finish() whether that is allowed.
 constexpr double notGiven = std::numeric_limits<double>::quiet_NaN();
 
-using Value = std::variant<bool, int, double, std::string, std::vector<double>>;
+using Value = std::variant<bool, int, double, std::string, std::vector<double>, Columns>;
 
 struct Range {
     double lowest = -std::numeric_limits<double>::infinity();
@@ -33,7 +34,7 @@ struct Range {
 
 struct Parameter {
     std::string name, unit, doc;
-    std::variant<bool*, int*, double*, std::string*, std::vector<double>*> target;
+    std::variant<bool*, int*, double*, std::string*, std::vector<double>*, std::shared_ptr<Records>> target;
     Range range = {};
     std::vector<std::string> choices = {}; // for strings
     bool isAngle = false;                  // a value that looks like degrees is refused with a hint

@@ -13,6 +13,7 @@
 namespace mpm {
 
 template <int Dim> using Vec = Eigen::Matrix<double, Dim, 1>;
+using Vec3 = Vec<3>;
 template <int Dim> using Mat = Eigen::Matrix<double, Dim, Dim>;
 template <int Dim> using Index = std::array<int, Dim>;
 

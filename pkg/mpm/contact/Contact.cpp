@@ -50,16 +50,17 @@ std::vector<Parameter> Contact::attributes() {
          &normals,
          {},
          {"surface", "mass"}},
-        {"pairs", "",
-         "Friction and adhesion of pairs of groups that differ: numbers of the groups, friction, adhesion.",
-         &pairs},
+        {"pairs", "", "Friction and adhesion of pairs of groups that differ; made by pair().",
+         recordsOf(pairs)},
         {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
         {"impulses", "kN s",
          "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses}};
 }
 
 void Contact::finish() {
-    require(pairs.size() % 4 == 0, "Contact: pairs has ", pairs.size(), " entries; use pair()");
+    for (const PairLaw& law : pairs)
+        require(law.friction >= 0 && law.adhesion >= 0, "Contact: friction = ", law.friction,
+                ", adhesion = ", law.adhesion, " of a pair; give zero or positive numbers by pair()");
 }
 
 void Contact::stepped(double dt) {
@@ -74,9 +75,9 @@ template <int Dim> void Contact::check(Scene<Dim>& scene) {
 }
 
 FrictionLaw Contact::lawOf(int a, int b) const {
-    for (size_t i = 0; i < pairs.size(); i += 4)
-        if (std::min(pairs[i], pairs[i + 1]) == a && std::max(pairs[i], pairs[i + 1]) == b)
-            return {pairs[i + 2], pairs[i + 3], slip, separation, impactLoss};
+    for (const PairLaw& law : pairs)
+        if (std::min(law.first, law.second) == a && std::max(law.first, law.second) == b)
+            return {law.friction, law.adhesion, slip, separation, impactLoss};
     return {friction, adhesion, slip, separation, impactLoss};
 }
 
@@ -120,15 +121,13 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const V
     const double rubbed = contact.friction.dot(slip);
     frictionWork += rubbed;
     scene.energies.contact += rubbed;
-    const auto append = [&](const Vec<Dim>& v) {
-        for (int k = 0; k < 3; ++k) table.push_back(k < Dim ? v[k] : 0.0);
+    const auto inSpace = [](const Vec<Dim>& v) {
+        Vec3 all = Vec3::Zero();
+        all.head<Dim>() = v;
+        return all;
     };
-    table.insert(table.end(), {double(contact.field[0]), double(contact.field[1])});
-    append(contact.position);
-    append(contact.normal);
-    table.insert(table.end(), {contact.gap, contact.area});
-    append(contact.impulse / scene.dt);
-    append(slip);
+    table.push_back({contact.field[0], contact.field[1], inSpace(contact.position), inSpace(contact.normal),
+                     contact.gap, contact.area, inSpace(contact.impulse / scene.dt), inSpace(slip)});
     double* force = &forces[3 * pairOf(contact.field[0], contact.field[1])];
     for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[k] / scene.dt;
     if (!contact.hasPoints) largestPenetration = std::max(largestPenetration, -contact.gap);

@@ -12,12 +12,22 @@ class Contact : public EngineOf<Contact> {
     double friction = 0, adhesion = 0, impactLoss = 0, frictionWork = 0;
     bool separation = true, slip = true;
     std::string normals = "surface";
-    std::vector<double> pairs;
+    struct PairLaw { // of two groups, by their numbers
+        int first = 0, second = 0;
+        double friction = 0, adhesion = 0;
+
+        template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
+            visit("first", "", row.first);
+            visit("second", "", row.second);
+            visit("friction", "-", row.friction);
+            visit("adhesion", "kPa", row.adhesion);
+        }
+    };
+    std::vector<PairLaw> pairs;
     std::vector<double> impulses; // time integrals of the forces since the start
 
     // Of the last step.
-    std::vector<double>
-        table; // groups (2), node (3), normal (3), gap, area, force on the second (3), slip rate (3)
+    std::vector<ContactRecord> table;
     std::vector<double> forces;                  // on group b by group a < b, kN, from 3 pairOf(a, b) on
     double largestPenetration = 0, gridLoss = 0; // m; kJ
     int sliding = 0, reduced = 0;

@@ -49,6 +49,27 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
 // A vertex of a mesh at the surface of the other group, between nodes that both move.
 template <int Dim> struct ContactPoint : ContactSite<Dim>, SurroundingNodes<Dim> {};
 
+// What is told of a contact node after a step.
+struct ContactRecord {
+    int first = 0, second = 0;  // numbers of the groups
+    Vec3 node = Vec3::Zero();   // m
+    Vec3 normal = Vec3::Zero(); // from the first to the second
+    double gap = 0, area = 0;   // m; m2 (2D: m)
+    Vec3 force = Vec3::Zero();  // kN, on the second group
+    Vec3 slip = Vec3::Zero();   // m/s, rate of the first against the second
+
+    template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
+        visit("first", "", row.first);
+        visit("second", "", row.second);
+        visit("node", "m", row.node);
+        visit("normal", "-", row.normal);
+        visit("gap", "m", row.gap);
+        visit("area", "m2", row.area);
+        visit("force", "kN", row.force);
+        visit("slip", "m/s", row.slip);
+    }
+};
+
 // Contact nodes and points of one pair of groups: from first to one before end.
 struct ContactPair {
     size_t firstNode, endNode, firstPoint, endPoint;

@@ -122,6 +122,8 @@ def plain(value):
         return value.tolist()
     if isinstance(value, (list, tuple)):
         return [plain(v) for v in value]
+    if isinstance(value, dict):
+        return {name: plain(entries) for name, entries in value.items()}
     return value
 
 

@@ -4,6 +4,7 @@
 import numpy as np
 
 from .engine import generated
+from .records import column, tableOf
 
 
 class Contact(generated["Contact"]):
@@ -48,13 +49,15 @@ class Contact(generated["Contact"]):
         for name in (n for names in self._pairs for n in names):
             if name not in self._groups:
                 raise ValueError(f"Contact: there is no group '{name}'; groups: {', '.join(self._groups)}")
+        numbers = {group: number for number, group in enumerate(self._groups)}
         self.core.set(
             "pairs",
-            [
-                float(x)
-                for (a, b), law in self._pairs.items()
-                for x in (self._groups.index(a), self._groups.index(b), *law)
-            ],
+            tableOf(
+                [
+                    {"first": numbers[a], "second": numbers[b], "friction": friction, "adhesion": adhesion}
+                    for (a, b), (friction, adhesion) in self._pairs.items()
+                ]
+            ),
         )
 
     sliding = property(
@@ -82,17 +85,13 @@ class Contact(generated["Contact"]):
         m (negative: overlap); area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, the rate
         of the first against the second (RigidContact: a length).
         """
-        rows = np.reshape(self.core.table, (-1, 16))
+        table = self.core.table
         names = np.array(self._groups or [""], object)
         return {
-            "first": names[rows[:, 0].astype(int)],
-            "second": names[rows[:, 1].astype(int)],
-            "node": rows[:, 2:5],
-            "normal": rows[:, 5:8],
-            "gap": rows[:, 8],
-            "area": rows[:, 9],
-            "force": rows[:, 10:13],
-            "slip": rows[:, 13:],
+            **{name: names[column(table, name, type=int)] for name in ("first", "second")},
+            **{name: column(table, name, 3) for name in ("node", "normal")},
+            **{name: column(table, name) for name in ("gap", "area")},
+            **{name: column(table, name, 3) for name in ("force", "slip")},
         }
 
     def forces(self):

@@ -9,8 +9,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-_SPHERE, _BOX, _WALL, _CAPSULE, _TRIANGLE = range(5)  # as in pkg/mpm/scene/RigidShape.hpp
-
 
 class Shape:
     """Base of the shapes of rigid bodies."""
@@ -24,8 +22,8 @@ class Sphere(Shape):
     centre: tuple = (0.0, 0.0, 0.0)
 
     def row(self):
-        """The numbers of the shape, as the solver reads them."""
-        return _SPHERE, [*_vector(self, "centre"), _positive(self, "radius")]
+        """Kind and members of the shape, by the names of ShapeRecord (pkg/mpm/contact/rigid/RigidShape.hpp)."""
+        return {"kind": "Sphere", "centre": _vector(self, "centre"), "radius": _positive(self, "radius")}
 
 
 @dataclass
@@ -41,7 +39,7 @@ class Box(Shape):
     orientation: tuple = (1.0, 0.0, 0.0, 0.0)
 
     def row(self):
-        """The numbers of the shape, as the solver reads them."""
+        """Kind and members of the shape, by the names of ShapeRecord (pkg/mpm/contact/rigid/RigidShape.hpp)."""
         half = _vector(self, "halfSize", missing=1.0)
         if not (half > 0).all():
             raise ValueError(
@@ -52,7 +50,7 @@ class Box(Shape):
             raise ValueError(
                 f"Box: orientation = {self.orientation!r} is not allowed; give a unit quaternion (w, x, y, z)"
             )
-        return _BOX, [*_vector(self, "centre"), *half, *turn]
+        return {"kind": "Box", "centre": _vector(self, "centre"), "halfSize": half, "orientation": turn}
 
 
 @dataclass
@@ -64,13 +62,13 @@ class Wall(Shape):
     point: tuple = (0.0, 0.0, 0.0)
 
     def row(self):
-        """The numbers of the shape, as the solver reads them."""
+        """Kind and members of the shape, by the names of ShapeRecord (pkg/mpm/contact/rigid/RigidShape.hpp)."""
         normal = _vector(self, "normal")
         if not np.linalg.norm(normal) > 0:
             raise ValueError(
                 f"Wall: normal = {self.normal!r} has no direction; give a vector that is not zero"
             )
-        return _WALL, [*_vector(self, "point"), *normal / np.linalg.norm(normal)]
+        return {"kind": "Wall", "centre": _vector(self, "point"), "normal": normal / np.linalg.norm(normal)}
 
 
 @dataclass
@@ -84,7 +82,7 @@ class Facet(Shape):
     thickness: float = 0.0
 
     def row(self):
-        """The numbers of the shape, as the solver reads them."""
+        """Kind and members of the shape, by the names of ShapeRecord (pkg/mpm/contact/rigid/RigidShape.hpp)."""
         points = [_point(self, "vertices", v) for v in self.vertices]
         if len(points) not in (2, 3):
             raise ValueError(f"Facet: {len(points)} vertices; give two (segment) or three (triangle)")
@@ -99,15 +97,29 @@ class Facet(Shape):
             raise ValueError(
                 f"Facet: thickness = {self.thickness!r} is not allowed; give zero or a positive number in m"
             )
-        return (_CAPSULE if len(points) == 2 else _TRIANGLE), [*np.concatenate(points), 0.5 * self.thickness]
+        return {
+            "kind": "Capsule" if len(points) == 2 else "Triangle",
+            "vertices": np.concatenate([*points, *[np.zeros(3)] * (3 - len(points))]),
+            "radius": 0.5 * float(self.thickness),
+        }
+
+
+_NONE = {  # of members that a kind of shape does not have
+    "centre": (0.0, 0.0, 0.0),
+    "halfSize": (0.0, 0.0, 0.0),
+    "normal": (0.0, 0.0, 0.0),
+    "vertices": (0.0,) * 9,
+    "orientation": (1.0, 0.0, 0.0, 0.0),
+    "radius": 0.0,
+}
 
 
 def shapeRow(body, shape):
-    """The twelve numbers of a shape of a rigid body."""
+    """The members of a shape of rigid body number `body`: a row of the table that the solver reads."""
     if not isinstance(shape, Shape):
         raise TypeError(f"RigidContact: shape = {shape!r}; give mpm.rigid.Sphere, Box, Wall or Facet")
-    kind, numbers = shape.row()
-    return [float(body), float(kind), *map(float, numbers), *[0.0] * (10 - len(numbers))]
+    row = {"body": int(body), **_NONE, **shape.row()}
+    return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in row.items()}
 
 
 def _vector(shape, name, missing=0.0):

@@ -4,6 +4,7 @@
 import numpy as np
 
 from .engine import generated
+from .records import column, withRows
 from .rigid import shapeRow
 
 
@@ -39,21 +40,22 @@ too."""
         if not shapes:
             raise ValueError("RigidContact: addBody without a shape; give e.g. [mpm.rigid.Sphere(0.1)]")
         number = len(self.friction)
-        state = (
-            _rows("position", [position], 3)
-            + _rows("orientation", [orientation], 4)
-            + _rows("velocity", [velocity], 3)
-            + _rows("angularVelocity", [angularVelocity], 3)
-        )
-        if not abs(np.linalg.norm(state[3:7]) - 1) < 1e-6:
+        state = {
+            "position": _numbers("position", position, 3),
+            "orientation": _numbers("orientation", orientation, 4),
+            "velocity": _numbers("velocity", velocity, 3),
+            "angularVelocity": _numbers("angularVelocity", angularVelocity, 3),
+        }
+        if not abs(np.linalg.norm(state["orientation"]) - 1) < 1e-6:
             raise ValueError(
                 f"RigidContact: orientation = {orientation!r} is not allowed; give a unit quaternion (w, x, "
                 "y, z)"
             )
-        rows = [x for shape in shapes for x in shapeRow(number, shape)]
+        impulse = {"force": [0.0] * 3, "torque": [0.0] * 3}
+        rows = [shapeRow(number, shape) for shape in shapes]
         self.core.set("friction", [*self.friction, friction])
-        for name, more in (("shapes", rows), ("states", state), ("impulses", [0.0] * 6)):
-            self.core.set(name, [*self.core.value(name), *more])
+        for name, more in (("shapes", rows), ("states", [state]), ("impulses", [impulse])):
+            self.core.set(name, withRows(self.core.value(name), more))
         self.core.finish()
         return number
 
@@ -80,11 +82,11 @@ too."""
         doc="Moments on the rigid bodies about their positions, kN m.",
     )
     positions = property(
-        lambda self: self._states()[:, :3], doc="Positions, m; where the bodies are after the last step."
+        lambda self: self._state("position"), doc="Positions, m; where the bodies are after the last step."
     )
-    orientations = property(lambda self: self._states()[:, 3:7], doc="Orientations (w, x, y, z).")
-    velocities = property(lambda self: self._states()[:, 7:10], doc="Velocities, m/s.")
-    angularVelocities = property(lambda self: self._states()[:, 10:], doc="Angular velocities, rad/s.")
+    orientations = property(lambda self: self._state("orientation", 4), doc="Orientations (w, x, y, z).")
+    velocities = property(lambda self: self._state("velocity"), doc="Velocities, m/s.")
+    angularVelocities = property(lambda self: self._state("angularVelocity"), doc="Angular velocities, rad/s.")
     contacts = property(lambda self: self.core.contacts, doc="Number of contacts in the last step.")
     sliding = property(lambda self: self.core.sliding, doc="Number of contacts that slid in the last step.")
     largestPenetration = property(
@@ -97,9 +99,9 @@ too."""
     def takeImpulses(self):
         """Integrals of forces and torques over the time since the last call, kN s and kN m s: (N, 3), (N, 3);
         for sub-cycling."""
-        taken = np.reshape(self.core.value("impulses"), (-1, 6))
+        taken = self.core.value("impulses")
         self.core.clearImpulses()
-        return taken[:, :3], taken[:, 3:]
+        return column(taken, "force", 3), column(taken, "torque", 3)
 
     def contactTable(self):
         """Dict of arrays over the contacts of the last step.
@@ -109,31 +111,28 @@ too."""
         the vertex, or where the particle would be had it moved as it is strained; gap, m; force (n, 3), kN,
         on the soil.
         """
-        rows = np.reshape(self.core.value("history"), (-1, 16))
-        table = {name: rows[:, k].astype(int) for k, name in enumerate(("soil", "body", "id"))}
+        table = self.core.value("history")
         return {
-            **table,
-            "normal": rows[:, 3:6],
-            "slip": rows[:, 6:9],
-            "point": rows[:, 9:12],
-            "gap": rows[:, 12],
-            "force": rows[:, 13:],
+            **{name: column(table, name, type=int) for name in ("soil", "body", "id")},
+            **{name: column(table, name, 3) for name in ("normal", "slip", "point")},
+            "gap": column(table, "gap"),
+            "force": column(table, "force", 3),
         }
 
-    def _states(self):
-        return np.reshape(self.core.value("states"), (-1, 13))
+    def _state(self, name, width=3):
+        return column(self.core.value("states"), name, width)
 
     def __repr__(self):
         return f"<RigidContact of {len(self.friction)} rigid bodies, {self.contacts} contacts>"
 
 
-def _rows(what, values, width):
+def _numbers(what, value, width):
     try:
-        array = np.asarray(values, float)
+        array = np.asarray(value, float)
     except (TypeError, ValueError):
         array = np.zeros(0)
-    if width == 3 and array.shape[-1:] == (2,):
-        array = np.pad(array, ((0, 0), (0, 1)))
-    if array.shape != (len(values), width) or not np.isfinite(array).all():
-        raise ValueError(f"RigidContact: {what} = {values[0]!r} is not allowed; give {width} numbers")
-    return array.ravel().tolist()
+    if width == 3 and array.shape == (2,):
+        array = np.append(array, 0.0)
+    if array.shape != (width,) or not np.isfinite(array).all():
+        raise ValueError(f"RigidContact: {what} = {value!r} is not allowed; give {width} numbers")
+    return array.tolist()

@@ -63,7 +63,7 @@ def test_states_and_forces_of_a_host_without_vectors():
     assert contact.orientations[0] == pytest.approx([0.8, 0, 0, 0.6]) and contact.angularVelocities[
         0
     ].tolist() == [4, 5, 6]
-    contact.core.set("impulses", [2.0, 0, 0, 0, 0, 4.0])
+    contact.core.set("impulses", {"force": [[2.0, 0, 0]], "torque": [[0, 0, 4.0]]})
     between.apply(0, 1e-3, 0.5)
     between.apply(1, 1e-3, 0.5)  # in the next step of the same cycle: the same again
     assert forces.given == 2 * [("F", 7, (4.0, 0, 0), False), ("T", 7, (0, 0, 8.0), False)]
@@ -79,7 +79,7 @@ def test_the_scene_may_lie_in_another_plane():
     assert contact.orientations[0] == pytest.approx([0.8, 0, 0.6, 0]) and contact.angularVelocities[
         0
     ] == pytest.approx([4, 6, -5])
-    contact.core.set("impulses", [0, 2.0, 0, 0, 0, 4.0])
+    contact.core.set("impulses", {"force": [[0, 2.0, 0]], "torque": [[0, 0, 4.0]]})
     between.apply(0, 1e-3, 1.0)
     assert forces.given == [("F", 7, (0, 0, 2.0), False), ("T", 7, (0, -4.0, 0), False)]
 
@@ -285,13 +285,13 @@ def difference(turns):
     w, *axis = contact.orientations[0]
     now = Quaternion(w, *axis)
     largest = 0.0
-    rows = np.reshape(contact.core.value("shapes"), (-1, 12))
-    for row, member in zip(rows, members):
+    shapes = contact.core.value("shapes")
+    for kind, place, turn, member in zip(shapes["kind"], shapes["centre"], shapes["orientation"], members):
         at = O.bodies[member].state
-        centre = Vector3(*contact.positions[0]) + now * Vector3(*row[2:5])
+        centre = Vector3(*contact.positions[0]) + now * Vector3(*place)
         largest = max(largest, (centre - at.pos).norm())
-        if row[1] == 1:
-            w, *axis = row[8:12]
+        if kind == "Box":
+            w, *axis = turn
             turned = (now * Quaternion(w, *axis)).toRotationMatrix()
             largest = max(largest,
                 float(np.abs(np.array(turned) - np.array(at.ori.toRotationMatrix())).max()))
@@ -334,13 +334,13 @@ import numpy as np
 O.bodies.append(bodies.polyhedron((1, 2, 3), (0.1, 0.2, 0.3)))
 contact = mpm.RigidContact()
 inYade.Bodies(contact, [0], facetThickness=0.01)
-rows = np.reshape(contact.core.value("shapes"), (-1, 12))
-corners = rows[:, 2:11].reshape(-1, 3, 3)
+shapes = contact.core.value("shapes")
+corners = np.reshape(shapes["vertices"], (-1, 3, 3))
 area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
 say("sum", area.sum(axis=0).tolist())
 say("area", np.linalg.norm(area, axis=1).sum())
 say("volume", (corners[:, 0] * area).sum() / 3)
-say("half thickness", sorted(set(rows[:, 11])))
+say("half thickness", sorted(set(shapes["radius"])))
 """,
         tmp_path,
     )

@@ -5,7 +5,7 @@
 #pragma once
 
 #include "mpm/base/require.hpp"
-#include "mpm/base/types.hpp"
+#include "mpm/contact/rigid/RigidState.hpp"
 
 #include <Eigen/Geometry>
 
@@ -14,56 +14,63 @@
 
 namespace mpm {
 
-using Vec3 = Vec<3>;
-
-// Where a rigid body is, how it is turned, and how it moves. Turning is about `position`.
-struct RigidState {
-    Vec3 position, velocity, angularVelocity;
-    Eigen::Quaterniond orientation;
-
-    static constexpr int size = 13; // position, orientation (w, x, y, z), velocity, angular velocity
-    explicit RigidState(const double* s)
-        : position(s[0], s[1], s[2]), velocity(s[7], s[8], s[9]), angularVelocity(s[10], s[11], s[12]),
-          orientation(s[3], s[4], s[5], s[6]) {}
-
-    Vec3 velocityAt(const Vec3& x) const { return velocity + angularVelocity.cross(x - position); }
-
-    // The body moves on with its velocities.
-    void advance(double dt, double* s) const {
-        for (int k = 0; k < 3; ++k) s[k] = position[k] + dt * velocity[k];
-        if (angularVelocity.isZero(0)) return;
-        const double angle = angularVelocity.norm() * dt;
-        const Eigen::Quaterniond q =
-            (Eigen::AngleAxisd(angle, angularVelocity.normalized()) * orientation).normalized();
-        s[3] = q.w(), s[4] = q.x(), s[5] = q.y(), s[6] = q.z();
-    }
-};
-
 struct Surface {
     double distance; // m, negative inside
     Vec3 normal;     // outward, at the nearest point of the surface
 };
 
+// What a shape is given by; members that its kind does not have stay zero. In the frame of the body.
+struct ShapeRecord {
+    int body = 0;
+    std::string kind;                 // Sphere, Box, Wall, Capsule or Triangle
+    Vec3 centre = Vec3::Zero();       // m; of a wall a point on its surface
+    Vec3 halfSize = Vec3::Zero();     // m, half edges of a box
+    Vec3 normal = Vec3::Zero();       // outward, of a wall
+    Mat<3> vertices = Mat<3>::Zero(); // m, in columns: ends of a capsule, corners of a triangle
+    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity(); // of a box
+    double radius = 0;                                               // m; of a triangle half its thickness
+
+    template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
+        visit("body", "", row.body);
+        visit("kind", "", row.kind);
+        visit("centre", "m", row.centre);
+        visit("halfSize", "m", row.halfSize);
+        visit("normal", "-", row.normal);
+        visit("vertices", "m", row.vertices);
+        visit("orientation", "-", row.orientation);
+        visit("radius", "m", row.radius);
+    }
+};
+
 class RigidShape {
   public:
     enum Kind { Sphere, Box, Wall, Capsule, Triangle };
-    static constexpr int size = 12; // body, kind, numbers of the kind
 
     int body;
     Kind kind;
 
-    // Sphere: centre, radius. Box: centre, half edges, orientation (w, x, y, z). Wall: point, outward normal.
-    // Capsule: two ends, radius. Triangle: three corners, half thickness.
-    RigidShape(const double* row, int dim) : body(int(row[0])), kind(Kind(int(row[1]))) {
-        const double* given = row + 2;
-        for (int v = 0; v < 3; ++v)
-            for (int k = 0; k < 3; ++k) point_[v][k] = given[3 * v + k];
-        radius_ = kind == Sphere ? given[3] : kind == Capsule ? given[6] : kind == Triangle ? given[9] : 0;
-        if (kind == Box) turn_ = Eigen::Quaterniond(given[6], given[7], given[8], given[9]).normalized();
-        if (kind == Wall) point_[1].normalize();
+    // dim: of the scene; in 2D z is zero.
+    RigidShape(const ShapeRecord& given, int dim)
+        : body(given.body), kind(kindOf(given.kind)), point_{given.centre, Vec3::Zero(), Vec3::Zero()},
+          radius_(given.radius) {
+        if (kind == Capsule || kind == Triangle)
+            for (int v = 0; v < 3; ++v) point_[v] = given.vertices.col(v);
+        if (kind == Box) {
+            point_[1] = given.halfSize;
+            turn_ = given.orientation.normalized();
+        }
+        if (kind == Wall) point_[1] = given.normal.normalized();
         if (dim == 3) return;
         for (Vec3& p : point_) p[2] = 0;
-        if (kind == Box) point_[1][2] = 1e150; // has no end along z
+        if (kind == Box) point_[1][2] = endless;
+    }
+
+    static Kind kindOf(const std::string& name) {
+        static const char* const names[] = {"Sphere", "Box", "Wall", "Capsule", "Triangle"};
+        for (int k = Sphere; k <= Triangle; ++k)
+            if (name == names[k]) return Kind(k);
+        throw InputError("RigidContact: a shape of the kind '" + name +
+                         "' is not known; give Sphere, Box, Wall, Capsule or Triangle");
     }
 
     // Radius of a sphere around the position of the body that holds the shape, and whether all turns of the body look the same.
@@ -124,20 +131,29 @@ class RigidShape {
     // Box in space around the shape.
     void bounds(const RigidState& at, Vec3& lower, Vec3& upper) const {
         const double far = std::numeric_limits<double>::infinity();
-        if (kind == Wall) return lower.setConstant(-far), upper.setConstant(far), void();
+        if (kind == Wall) {
+            lower.setConstant(-far);
+            upper.setConstant(far);
+            return;
+        }
         const Eigen::Matrix3d R = at.orientation.toRotationMatrix();
-        lower.setConstant(far), upper.setConstant(-far);
+        lower.setConstant(far);
+        upper.setConstant(-far);
         for (int v = 0; v < (kind == Triangle ? 3 : kind == Capsule ? 2 : 1); ++v) {
             const Vec3 x = at.position + R * point_[v];
-            lower = lower.cwiseMin(x), upper = upper.cwiseMax(x);
+            lower = lower.cwiseMin(x);
+            upper = upper.cwiseMax(x);
         }
         Vec3 reach = Vec3::Constant(radius_);
         if (kind == Box) reach = (R * turn_.toRotationMatrix()).cwiseAbs() * point_[1];
-        lower -= reach, upper += reach;
+        lower -= reach;
+        upper += reach;
     }
 
   private:
-    Vec3 point_[3];
+    static constexpr double endless = 1e150; // m, of a 2D box along z; its square is still a number
+
+    Vec3 point_[3]; // centre or vertices; of a box its half edges second, of a wall its normal
     Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
     double radius_ = 0;
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The points of a body that a rigid body can touch: the boxes of uGIMP particles, or the boundary vertices of a mesh. And the
-// broad phase: the points are kept in the cells of the grid, and a shape is asked for its distance once per cell.
+// The points of a body that a rigid body can touch: the boxes of uGIMP particles, or the boundary vertices of a mesh. And
+// the broad phase: the points are kept in the cells of the grid, and a shape is asked for its distance once per cell.
 #pragma once
 
 #include "mpm/contact/BoundaryFacets.hpp"
 #include "mpm/contact/rigid/RigidShape.hpp"
 #include "mpm/scene/Scene.hpp"
+#include "mpm/state/Bins.hpp"
 
 namespace mpm {
 
-template <int Dim> class TouchPoints {
+template <int Dim> class BodyPoints {
   public:
     // Least inertial mass of a point over the area it stands for, Mg/m2: what bounds the stiffness of contact.
     double massPerArea() const { return massPerArea_; }
@@ -19,11 +20,13 @@ template <int Dim> class TouchPoints {
         isMeshed_ = body.type->isMeshed();
         const bool isNew =
             body_ != &body || body.particles.size() != particles_ || body.inertiaScale != inertiaScale_;
-        body_ = &body, particles_ = body.particles.size(), inertiaScale_ = body.inertiaScale;
+        body_ = &body;
+        particles_ = body.particles.size();
+        inertiaScale_ = body.inertiaScale;
         half_ = body.domains->halfSize();
         position_ = isMeshed_ ? body.domains->vertexPositions() : &body.particles.position;
         if (isNew) isMeshed_ ? takeVertices() : takeBoxes();
-        if (isMeshed_) shareAreas(*position_);
+        if (isMeshed_) takeAreas(*position_);
         if (isNew || haveDrifted()) fillCells(grid);
     }
 
@@ -58,7 +61,7 @@ template <int Dim> class TouchPoints {
     struct Stretch {
         double factor = 1, rate = 0;
     };
-    static constexpr double mostStretch = 0.05;
+    static constexpr double mostStretch = 0.05; // elastic strain; more is flow
     Stretch stretch(int i, const Vec3& n) const {
         if (isMeshed_) return {};
         Vec3 across = Vec3::Zero(); // F^T n
@@ -76,56 +79,44 @@ template <int Dim> class TouchPoints {
     // Makes a box so large that it holds all points and their extents.
     void widen(const Grid<Dim>& grid, Vec3& lower, Vec3& upper) const {
         if (count() == 0) return;
-        const double far = std::numeric_limits<double>::infinity(), reach = this->reach(grid);
+        const double reach = this->reach(grid);
         for (int k = 0; k < Dim; ++k) {
-            if (lowest_[k] == 0) lower[k] = -far;
-            if (highest_[k] == grid.cells[k] + 1) upper[k] = far;
-            lower[k] = std::min(lower[k], grid.lower[k] + (lowest_[k] - 1) * grid.cell[k] - reach);
-            upper[k] = std::max(upper[k], grid.lower[k] + highest_[k] * grid.cell[k] + reach);
+            lower[k] = std::min(lower[k], cells_.lowerEnd(grid, k) - reach);
+            upper[k] = std::max(upper[k], cells_.upperEnd(grid, k) + reach);
         }
     }
 
     // f(i) for the points that may touch a shape; others, too.
     template <class F>
     void near(const RigidShape& shape, const RigidState& at, const Grid<Dim>& grid, F&& f) const {
-        const double reach = this->reach(grid),
-                     radius = 0.5 * grid.cell.norm() + reach; // of a point, of a bin
+        const double reach = this->reach(grid);               // of a point,
+        const double radius = 0.5 * grid.cell.norm() + reach; // of a cell with its points
         const Eigen::Quaterniond back = at.orientation.conjugate();
         Vec3 lower, upper;
         shape.bounds(at, lower, upper);
+        lower.array() -= reach;
+        upper.array() += reach;
         Index<Dim> first, last;
-        for (int k = 0; k < Dim; ++k) {
-            first[k] = std::max(lowest_[k], binOf(grid, lower[k] - reach, k));
-            last[k] = std::min(highest_[k], binOf(grid, upper[k] + reach, k));
-            if (first[k] > last[k]) return;
-        }
-        bool isSmall = true; // few bins could be left out then
-        for (int k = 0; k < Dim; ++k) isSmall &= last[k] - first[k] < 4;
-        const auto visit = [&](int bin, const Index<Dim>& at3) {
-            if (start_[bin] == start_[bin + 1]) return;
+        if (!cells_.range(grid, lower.head<Dim>(), upper.head<Dim>(), first, last)) return;
+        bool isSmall = true; // few cells could be left out then
+        for (int k = 0; k < Dim; ++k) isSmall &= last[k] - first[k] < cellsAskedAlways;
+        const Bins& bins = cells_.bins();
+        CellBins<Dim>::anyOf(grid, first, last, [&](int bin, const Index<Dim>& cell) {
+            if (bins.begin(bin) == bins.end(bin)) return false;
             Vec3 x = Vec3::Zero();
-            for (int k = 0; k < Dim; ++k) x[k] = grid.lower[k] + (at3[k] - 0.5) * grid.cell[k];
-            if (!isSmall && shape.nearest(back * (x - at.position)).distance > radius) return;
-            for (int j = start_[bin]; j < start_[bin + 1]; ++j) {
+            x.head<Dim>() = CellBins<Dim>::centre(grid, cell);
+            if (!isSmall && shape.nearest(back * (x - at.position)).distance > radius) return false;
+            for (int j = bins.begin(bin); j < bins.end(bin); ++j) {
                 bool isNear = true;
-                for (int k = 0; k < Dim; ++k)
-                    isNear &= inBin_[k][j] >= lower[k] - reach && inBin_[k][j] <= upper[k] + reach;
-                if (isNear) f(point_[j]);
+                for (int k = 0; k < Dim; ++k) isNear &= inBin_[k][j] >= lower[k] && inBin_[k][j] <= upper[k];
+                if (isNear) f(bins.point(j));
             }
-        };
-        Index<Dim> i = first;
-        for (;;) { // all bins of the range, first axis fastest
-            int bin = 0;
-            for (int k = Dim - 1; k >= 0; --k) bin = bin * (grid.cells[k] + 2) + i[k];
-            for (i[0] = first[0]; i[0] <= last[0]; ++i[0]) visit(bin + i[0] - first[0], i);
-            i[0] = first[0];
-            int k = 1;
-            while (k < Dim && ++i[k] > last[k]) i[k] = first[k], ++k;
-            if (k == Dim) return;
-        }
+            return false;
+        });
     }
 
-    static constexpr double mostShift = 0.01; // of a cell, how far from a point contact may look for it
+    // How far from a point contact may look for it, in cells: particles get ahead of the strain by less.
+    static constexpr double mostShift = 0.01;
 
   private:
     const Body<Dim>* body_ = nullptr;
@@ -140,23 +131,21 @@ template <int Dim> class TouchPoints {
     std::vector<int> vertex_, place_; // boundary vertices, and the place of each vertex among them
     std::vector<double> area_, mass_;
 
-    // Points by grid cell (with a layer outside the box), as they stood when the cells were filled.
-    std::vector<int> start_, point_;
+    // Range of cells along each axis up to which they are not asked one by one: the points in them are asked as quickly.
+    static constexpr int cellsAskedAlways = 4;
+    // How far a point may move before the cells are filled anew, in cells.
+    static constexpr double mostDrift = 0.1;
+
+    // As the points stood when the cells were filled.
+    CellBins<Dim> cells_;
     std::vector<double> filledAt_[Dim], inBin_[Dim]; // in the order of the points, and of the bins
-    Index<Dim> lowest_, highest_;                    // occupied bins
 
     double reach(const Grid<Dim>& grid) const { // of a point, m
-        return (1 + mostStretch) * half_.maxCoeff() + mostShift * grid.cell.minCoeff() + skin(grid);
+        return (1 + mostStretch) * half_.maxCoeff() + mostShift * grid.cell.minCoeff() + drift(grid);
     }
-    double half(int k) const {
-        return k < Dim ? half_[k] : half_.maxCoeff();
-    } // out of the plane: for a body beside it
-    static double skin(const Grid<Dim>& grid) { return 0.1 * grid.cell.minCoeff(); }
-    static int binOf(const Grid<Dim>& grid, double x, int k) {
-        const double c = std::floor((x - grid.lower[k]) / grid.cell[k]) + 1;
-        return c > 0 ? int(std::min(c, grid.cells[k] + 1.0)) : 0;
-    }
-
+    // Out of the plane: for a body beside it.
+    double half(int k) const { return k < Dim ? half_[k] : half_.maxCoeff(); }
+    static double drift(const Grid<Dim>& grid) { return mostDrift * grid.cell.minCoeff(); }
     static Vec3 spatial(const Field& field, int i) {
         Vec3 x = Vec3::Zero();
         for (int k = 0; k < Dim; ++k) x[k] = field.plane(k)[i];
@@ -165,7 +154,7 @@ template <int Dim> class TouchPoints {
 
     void takeBoxes() {
         const double least = half_.minCoeff();
-        massPerArea_ = 1e300;
+        massPerArea_ = std::numeric_limits<double>::max();
         for (int p = 0; p < particles_; ++p)
             massPerArea_ =
                 std::min(massPerArea_, mass(p) * 2 * least / body_->particles.initialVolume.plane()[p]);
@@ -173,25 +162,29 @@ template <int Dim> class TouchPoints {
 
     void takeVertices() {
         boundary_.find(*body_->domains);
-        place_.assign(position_->size(), -1), vertex_.clear();
+        place_.assign(position_->size(), -1);
+        vertex_.clear();
         for (auto& facet : boundary_.facets)
             for (int v : facet) place_[v] = 0;
-        for (int v = 0; v < int(place_.size()); ++v)
-            if (place_[v] == 0) place_[v] = int(vertex_.size()), vertex_.push_back(v);
+        for (int v = 0; v < int(place_.size()); ++v) {
+            if (place_[v] < 0) continue;
+            place_[v] = int(vertex_.size());
+            vertex_.push_back(v);
+        }
         mass_.assign(vertex_.size(), 0.0);
         const std::vector<int>& corner = *body_->domains->cornerTable();
         for (size_t a = 0; a < corner.size(); ++a)
             if (const int i = place_[corner[a]]; i >= 0)
                 mass_[i] += inertiaScale_ * body_->particles.mass.plane()[a / corners<Dim>] / corners<Dim>;
         for (Field* field : body_->domains->fields()) // a restart finds the same stiffness
-            if (field->name == "vertexReference") shareAreas(*field);
-        massPerArea_ = 1e300;
+            if (field->name == "vertexReference") takeAreas(*field);
+        massPerArea_ = std::numeric_limits<double>::max();
         for (size_t i = 0; i < vertex_.size(); ++i)
             massPerArea_ = std::min(massPerArea_, mass_[i] / area_[i]);
     }
 
     // Each facet's area in equal parts to its vertices, which are at `position`.
-    void shareAreas(const Field& position) {
+    void takeAreas(const Field& position) {
         area_.assign(vertex_.size(), 0.0);
         for (auto& facet : boundary_.facets) {
             Vec3 X[4];
@@ -203,7 +196,7 @@ template <int Dim> class TouchPoints {
     }
 
     bool haveDrifted() const {
-        const double allowed = skin(body_->domains->grid) / std::sqrt(double(Dim));
+        const double allowed = drift(body_->domains->grid) / std::sqrt(double(Dim));
         for (int k = 0; k < Dim; ++k) {
             const double *x = position_->plane(k), *before = filledAt_[k].data();
             double most = 0;
@@ -219,29 +212,14 @@ template <int Dim> class TouchPoints {
 
     void fillCells(const Grid<Dim>& grid) {
         const int n = count();
-        int bins = 1;
         for (int k = 0; k < Dim; ++k) {
-            bins *= grid.cells[k] + 2, filledAt_[k].resize(n);
-            lowest_[k] = grid.cells[k] + 1, highest_[k] = 0;
+            filledAt_[k].resize(n);
+            for (int i = 0; i < n; ++i) filledAt_[k][i] = position_->plane(k)[index(i)];
         }
-        std::vector<int> bin(n, 0);
-        start_.assign(bins + 1, 0), point_.resize(n);
-        for (int i = 0; i < n; ++i) {
-            const Vec3 x = position(i);
-            for (int k = Dim - 1; k >= 0; --k) {
-                const int c = binOf(grid, x[k], k);
-                filledAt_[k][i] = x[k];
-                bin[i] = bin[i] * (grid.cells[k] + 2) + c;
-                lowest_[k] = std::min(lowest_[k], c), highest_[k] = std::max(highest_[k], c);
-            }
-            ++start_[bin[i] + 1];
-        }
-        for (int b = 0; b < bins; ++b) start_[b + 1] += start_[b];
-        std::vector<int> next(start_.begin(), start_.end() - 1);
-        for (int i = 0; i < n; ++i) point_[next[bin[i]]++] = i;
+        cells_.fill(grid, n, [&](int i, int k) { return filledAt_[k][i]; });
         for (int k = 0; k < Dim; ++k) {
             inBin_[k].resize(n);
-            for (int j = 0; j < n; ++j) inBin_[k][j] = filledAt_[k][point_[j]];
+            for (int j = 0; j < n; ++j) inBin_[k][j] = filledAt_[k][cells_.bins().point(j)];
         }
     }
 };

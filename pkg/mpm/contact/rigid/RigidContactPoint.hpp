@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// A point of a body of the scene that overlaps with a rigid body, and what it carries on to the next step.
+#pragma once
+
+#include "mpm/base/parameters.hpp"
+
+#include <tuple>
+
+namespace mpm {
+
+struct RigidContactPoint {
+    int soil = 0, body = 0;     // numbers of the two bodies
+    int64_t id = 0;             // of the particle or vertex
+    Vec3 normal = Vec3::Zero(); // out of the rigid body
+    Vec3 slip = Vec3::Zero();   // m, tangential displacement that the spring holds
+    Vec3 point = Vec3::Zero();  // m, the vertex, or where the particle would be had it moved as it is strained
+    double gap = 0;             // m, negative
+    Vec3 force = Vec3::Zero();  // kN, on the soil
+
+    template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
+        visit("soil", "", row.soil);
+        visit("body", "", row.body);
+        visit("id", "", row.id);
+        visit("normal", "-", row.normal);
+        visit("slip", "m", row.slip);
+        visit("point", "m", row.point);
+        visit("gap", "m", row.gap);
+        visit("force", "kN", row.force);
+    }
+
+    // Of this step only.
+    int place = -1; // of the point in its body
+    int shape = -1;
+    Vec3 edge = Vec3::Zero(); // point of the shape nearest to the particle, in the frame of the rigid body
+    Vec3 forceBefore = Vec3::Zero();             // force,
+    Vec3 pointBefore = Vec3::Constant(notGiven); // point (not a number: a new contact)
+    double gapBefore = 0;                        // and gap in the step before
+
+    bool isOld() const { return pointBefore.allFinite(); }
+    // Which point of which body touches which rigid body.
+    auto pair() const { return std::tie(soil, id, body); }
+};
+
+} // namespace mpm

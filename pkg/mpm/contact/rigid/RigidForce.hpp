@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// How a force on the surface of a point goes to the nodes. Vertices pass it on with their own hat functions. A box with its
+// centre at x_p has its surface at x_c = x_p + d, d against the normal. It moves with the particle and its velocity
+// gradient, hence a force there goes to the nodes by
+//     f_i = (phi_i + q grad phi_i . d) F_n + (phi_i + grad phi_i . d) F_t
+// Friction acts where the normal leaves the box. q |d| is how far from x_p the gap sees strain: the extent of the ball, as
+// long as strain is small. (With friction at the ball pairs of boxes stuck below the edges of a wedge, and slipped off.) So
+// sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0): force and moment balance to round-off, and both springs see the
+// motion that their force does work on. With a gap that follows x_p alone and F_n at x_c the stiffness matrix is not
+// symmetric, and a bouncing disc gains energy.
+#pragma once
+
+#include "mpm/contact/rigid/RigidContactPoint.hpp"
+#include "mpm/scene/Scene.hpp"
+
+namespace mpm {
+
+// Where the surface of a point is, d from it, and the part q of its strain along d that the gap sees.
+struct Arm {
+    Vec3 d;
+    double q;
+};
+
+template <int Dim> Mat<3> velocityGradientOf(const Body<Dim>& soil, int p) {
+    Mat<3> L = Mat<3>::Zero();
+    for (int i = 0; i < Dim; ++i)
+        for (int j = 0; j < Dim; ++j) L(i, j) = soil.particles.velocityGradient.plane(Dim * i + j)[p];
+    return L;
+}
+
+// How far the place where friction acts has moved since the last step. A particle's own part is taken from its place:
+// under FLIP its velocity is another one.
+template <int Dim>
+Vec3 movedSince(const Body<Dim>& soil, int index, const RigidContactPoint& contact, const Arm& arm, double dt) {
+    const Vec3 moved = contact.point - contact.pointBefore;
+    if (soil.type->isMeshed()) return moved;
+    return moved + dt * (velocityGradientOf(soil, index) * arm.d);
+}
+
+// Adds what nodes get of a normal and a friction force.
+template <int Dim>
+void addForce(const Body<Dim>& soil, int index, const Arm& arm, const Vec3& normal, const Vec3& friction,
+              typename NodalField<Dim>::Sum* nodes) {
+    using NF = NodalField<Dim>;
+    if (soil.type->isMeshed()) {
+        soil.domains->addVertexForce(index, Vec<Dim>((normal + friction).template head<Dim>()), nodes);
+        return;
+    }
+    soil.domains->weights(index, [&](int node, double phi, const Vec<Dim>& gradient) {
+        const double shift = gradient.dot(arm.d.head<Dim>());
+        for (int k = 0; k < Dim; ++k)
+            nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + (phi + arm.q * shift) * normal[k] +
+                                              (phi + shift) * friction[k]);
+    });
+}
+
+// What the nodes get from each rigid body, added up on nodes of its own, against what the body gets.
+template <int Dim> class RigidBalance {
+  public:
+    using NF = NodalField<Dim>;
+
+    RigidBalance(const Scene<Dim>& scene, int bodies) : scene_(scene), nodes_(bodies) {}
+
+    void add(const Body<Dim>& soil, int body, int index, const Arm& arm, const Vec3& normal,
+             const Vec3& friction) {
+        if (nodes_[body].empty()) nodes_[body].assign(scene_.grid.count, NF::Sum::zero());
+        addForce(soil, index, arm, normal, friction, nodes_[body].data());
+    }
+
+    // forces, torques: on the rigid bodies.
+    void check(const std::vector<RigidState>& states, const Field& forces, const Field& torques) const {
+        for (size_t b = 0; b < nodes_.size(); ++b) {
+            Vec3 force = vectorAt<3>(forces, int(b)), torque = vectorAt<3>(torques, int(b));
+            double size = 0, moments = 0;
+            for (int node = 0; node < int(nodes_[b].size()); ++node) {
+                Vec3 f = Vec3::Zero(), x = Vec3::Zero();
+                for (int k = 0; k < Dim; ++k) f[k] = NF::forceOf(nodes_[b][node], k);
+                if (f.isZero(0)) continue;
+                x.head<Dim>() = scene_.grid.nodePosition(node);
+                const Vec3 arm = x - states[b].position;
+                force += f;
+                torque += arm.cross(f);
+                size += f.norm();
+                moments += arm.norm() * f.norm();
+            }
+            if (force.norm() <= roundOff * size && torque.norm() <= roundOff * moments) continue;
+            throw RunError(message("step ", scene_.step, ": RigidContact: rigid body ", b,
+                                   " and the nodes differ by ", force.norm(), " kN of ", size, " and ",
+                                   torque.norm(), " kN m of ", moments, "; this is an error in the solver"));
+        }
+    }
+
+  private:
+    static constexpr double roundOff = 1e-12; // of the sum of the sizes of all forces and moments
+
+    const Scene<Dim>& scene_;
+    std::vector<std::vector<typename NF::Sum>> nodes_;
+};
+
+} // namespace mpm

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Dependencies run one way.
 
-base <- state <- {particle, material} <- scene <- check <- step <- contact <- pkg/python <- py.
+base <- state <- {particle, material} <- scene <- check <- step <- contact <- coupling <- python <- py.
 
 `scene` is what holds bodies together: it knows the contracts of particle types and materials, so it stands
 above them.
@@ -14,7 +14,16 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-ORDER = [{"base"}, {"state"}, {"particle", "material"}, {"scene"}, {"step"}, {"contact", "check"}, {"python"}]
+ORDER = [
+    {"base"},
+    {"state"},
+    {"particle", "material"},
+    {"scene"},
+    {"step"},
+    {"contact", "check"},
+    {"coupling"},
+    {"python"},
+]
 LEVEL = {room: level for level, rooms in enumerate(ORDER) for room in rooms}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 BINDINGS = re.compile(r"Python\.h|boost/python.*|python\.hpp")
@@ -27,10 +36,10 @@ def room(path):
 
 
 def wrongArrows(files):
-    """Includes against the order. files: dict name -> text; names are mpm/ROOM/FILE or python/FILE."""
+    """Includes against the order. files: dict name -> text; names are mpm/ROOM/FILE or ROOM/FILE."""
     wrong = []
     for name, text in files.items():
-        own = "python" if name.startswith("python/") else room(name[len("mpm/") :])
+        own = room(name[len("mpm/") :]) if name.startswith("mpm/") else name.split("/")[0]
         assert own is not None, f"{name} is in no room; give the room a place in ORDER"
         for included in INCLUDE.findall(text):
             if BINDINGS.fullmatch(included):
@@ -38,6 +47,8 @@ def wrongArrows(files):
             elif included.startswith("mpm/"):
                 other = room(included[len("mpm/") :])
                 assert other is not None, f"{name} includes {included}, which is in no room"
+            elif included.startswith("coupling/"):
+                other = "coupling"
             else:
                 continue
             if own != other and LEVEL[other] >= LEVEL[own]:
@@ -46,7 +57,7 @@ def wrongArrows(files):
 
 
 def sources():
-    found = [p for folder in ("mpm", "python") for p in (ROOT / "pkg" / folder).rglob("*.[ch]pp")]
+    found = [p for folder in ("mpm", "coupling", "python") for p in (ROOT / "pkg" / folder).rglob("*.[ch]pp")]
     return {str(p.relative_to(ROOT / "pkg")): p.read_text() for p in found}
 
 
@@ -65,7 +76,7 @@ def test_particle_types_and_materials_do_not_know_each_other():
 
 def test_the_solver_knows_neither_python_nor_its_host():
     for name, text in sources().items():
-        if name.startswith("mpm/"):
+        if name.startswith(("mpm/", "coupling/")):
             assert not re.search(r"#\s*include\s*[<\"](Python\.h|boost/python|core/|lib/|pkg/dem)", text), (
                 name
             )
@@ -178,6 +189,7 @@ def test_no_module_of_the_package_imports_itself_through_others():
         ("mpm/particle/New.cpp", '#include "mpm/scene/Scene.hpp"'),
         ("mpm/material/New.cpp", '#include "mpm/particle/Domains.hpp"'),
         ("mpm/step/New.cpp", "#include <boost/python.hpp>"),
+        ("mpm/contact/New.cpp", '#include "coupling/BodyExchange.hpp"'),
     ],
 )
 def test_control_a_wrong_arrow_is_found(name, line):

@@ -9,8 +9,8 @@ BodyExchange::BodyExchange(std::shared_ptr<RigidContact> contact,
                            std::vector<std::unique_ptr<HostBody>> bodies,
                            const std::vector<Eigen::Quaterniond>& turns, const Mat<3>& frame)
     : contact_(std::move(contact)), frame_(frame) {
-    require(int(bodies.size()) == contact_->bodies() && turns.size() == bodies.size(), "BodyExchange: ",
-            bodies.size(), " bodies and ", turns.size(), " turns for ", contact_->bodies(),
+    require(int(bodies.size()) == contact_->bodies() && turns.size() == bodies.size(),
+            "BodyExchange: ", bodies.size(), " bodies and ", turns.size(), " turns for ", contact_->bodies(),
             " rigid bodies; give one each");
     for (size_t b = 0; b < bodies.size(); ++b) bodies_.push_back({std::move(bodies[b]), turns[b]});
     for (const ShapeRecord& record : contact_->shapes) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Rigid bodies of a host program and a RigidContact: states in and forces out. The host is known by the interface HostBody
-// alone.
+// Rigid bodies of a host program and a RigidContact: states in and forces out. The host is known by the
+// interface HostBody alone.
 #pragma once
 
 #include "mpm/contact/rigid/RigidContact.hpp"
@@ -27,8 +27,9 @@ class HostBody {
 
 class BodyExchange {
   public:
-    // bodies: in the order of the rigid bodies of the contact. turns: of the frame of each body's shapes against that of
-    // its state, in the axes of the scene. frame: a rotation, whose rows are the axes of the scene in the host's.
+    // bodies: in the order of the rigid bodies of the contact. turns: of the frame of each body's shapes
+    // against that of its state, in the axes of the scene. frame: a rotation, whose rows are the axes of the
+    // scene in the host's.
     BodyExchange(std::shared_ptr<RigidContact> contact, std::vector<std::unique_ptr<HostBody>> bodies,
                  const std::vector<Eigen::Quaterniond>& turns, const Mat<3>& frame);
 
@@ -38,10 +39,10 @@ class BodyExchange {
         double dt; // s
     };
 
-    // States to the contact at the beginning of a cycle, which lasts until the next call. cycle: s; steps: of the scene;
-    // all: none is left out.
-    // A body is left out while it cannot touch anything before the next call. How far it may be from where it was seen
-    // last is added up from its velocity in every step, whatever pushes it.
+    // States to the contact at the beginning of a cycle, which lasts until the next call. cycle: s; steps: of
+    // the scene; all: none is left out. A body is left out while it cannot touch anything before the next
+    // call. How far it may be from where it was seen last is added up from its velocity in every step,
+    // whatever pushes it.
     void read(HostStep step, double cycle, int steps, bool all);
 
     // Mean forces of the cycle, which took `duration`, to the host. Once in every step of the host.

@@ -2,6 +2,7 @@
 // Bodies: their arrays as zero-copy views, their making and their restoring.
 #include "mpm/check/BeyondYield.hpp"
 #include "mpm/scene/Scene.hpp"
+#include "mpm/state/facets.hpp"
 #include "python.hpp"
 
 namespace mpm::python {
@@ -127,8 +128,8 @@ template <int Dim> struct Bind {
     static double bytes(B& body) { return double(body.particles.bytes() + body.domains->bytes()); }
     static double minJacobian(B& body) { return body.domains->minJacobian(); }
     static double hourglass(B& body) { return body.domains->hourglass(); }
-    // Momentum of the particles and twice their kinetic energy, without inertial scaling. One after the other: the dot products of NumPy
-    // give other last digits with another number of threads.
+    // Momentum of the particles and twice their kinetic energy, without inertial scaling. One after the
+    // other: the dot products of NumPy give other last digits with another number of threads.
     static bp::tuple motion(B& body) {
         const auto& q = body.particles;
         Vec<Dim> momentum = Vec<Dim>::Zero();
@@ -142,7 +143,8 @@ template <int Dim> struct Bind {
         }
         return bp::make_tuple(listOf(std::vector<double>(momentum.data(), momentum.data() + Dim)), energy);
     }
-    // Height and mean stress of the particles around a vertical line of a 2D scene, see diagnostics.meanStressAlong.
+    // Height and mean stress of the particles around a vertical line of a 2D scene, see
+    // diagnostics.meanStressAlong.
     static bp::list meanStresses(B& body, double x, double reach, double lower, double upper) {
         const Field &position = body.particles.position, &stress = body.particles.stress;
         bp::list all;
@@ -216,9 +218,21 @@ template <int Dim> struct Bind {
     }
 };
 
+// Corners of each facet of a cell, outward.
+template <int Dim> bp::list facetCorners() {
+    bp::list all;
+    for (const auto& corners : FacetCorners<Dim>::of) {
+        bp::list facet;
+        for (int corner : corners) facet.append(corner);
+        all.append(bp::tuple(facet));
+    }
+    return all;
+}
+
 } // namespace
 
 void exposeBodies() {
+    bp::def("facetCorners", +[](int dim) { return dim == 2 ? facetCorners<2>() : facetCorners<3>(); });
     Bind<2>::expose("Body2");
     Bind<3>::expose("Body3");
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Bodies of a Python host (YADE), as the exchange in coupling/ wants them.
 //
-// A state is any Python object with pos, ori, vel and angVel. No header of the host is needed: where it keeps them as
-// vectors of Eigen, Boost.Python's registry, which all modules of a process share, tells where the numbers lie. They are
-// copied as doubles, because the host may align Eigen's types in another way. Everything else is read as a sequence of
-// numbers.
+// A state is any Python object with pos, ori, vel and angVel. No header of the host is needed: where it keeps
+// them as vectors of Eigen, Boost.Python's registry, which all modules of a process share, tells where the
+// numbers lie. They are copied as doubles, because the host may align Eigen's types in another way.
+// Everything else is read as a sequence of numbers.
 #include "coupling/BodyExchange.hpp"
 #include "python.hpp"
 
@@ -32,7 +32,8 @@ bp::object attribute(const bp::object& of, const bp::object& name) {
     return bp::object(bp::handle<>(PyObject_GetAttr(of.ptr(), name.ptr())));
 }
 
-// A vector in the host's own class if it has one, else a list. It is filled anew for every call that takes it.
+// A vector in the host's own class if it has one, else a list. It is filled anew for every call that takes
+// it.
 class HostVector {
   public:
     HostVector() {
@@ -56,7 +57,8 @@ class HostVector {
     double* place_ = nullptr;
 };
 
-// An attribute that holds a vector. YADE hands out references to vel and angVel: their numbers can be read where they lie.
+// An attribute that holds a vector. YADE hands out references to vel and angVel: their numbers can be read
+// where they lie.
 class VectorOf {
   public:
     VectorOf(const bp::object& state, const char* name) : state_(state), name_(interned(name)) {
@@ -86,8 +88,8 @@ Eigen::Quaterniond quaternionFrom(const bp::object& wxyz) {
     return {q[0], q[1], q[2], q[3]};
 }
 
-// What all bodies of a host share: its forces, with addF and addT(id, vector, isPermanent), as functions of the class, so
-// that there is nothing to look up or to bind; and the vector that they are called with.
+// What all bodies of a host share: its forces, with addF and addT(id, vector, isPermanent), as functions of
+// the class, so that there is nothing to look up or to bind; and the vector that they are called with.
 struct HostForces {
     bp::object forces, addF, addT;
     HostVector vector;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Rows of a struct as named columns: how records cross to Python and into checkpoints. A row type says what it consists
-// of in one function, for reading and for writing:
+// Rows of a struct as named columns: how records cross to Python and into checkpoints. A row type says what
+// it consists of in one function, for reading and for writing:
 //     template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
 //         visit("normal", "-", row.normal);
 //     }
@@ -92,7 +92,8 @@ template <class Row> Columns columnsOf(const std::vector<Row>& rows) {
     return columns;
 }
 
-// Throws InputError where a column is missing or has another shape or type. what: e.g. "RigidContact: history".
+// Throws InputError where a column is missing or has another shape or type. what: e.g. "RigidContact:
+// history".
 template <class Row> std::vector<Row> rowsFrom(Columns given, const std::string& what) {
     using namespace records;
     std::vector<Row> rows;
@@ -110,7 +111,10 @@ template <class Row> std::vector<Row> rowsFrom(Columns given, const std::string&
         auto values = std::get_if<std::vector<Entry<T>>>(&found->values);
         const bool isOfThisShape = values && values->size() == width<T>() * rows.size();
         require(isOfThisShape, what, ": column '", name, "' has ", found->size(), " entries; give ",
-                width<T>() * rows.size(), isInteger<T> ? " whole numbers" : isText<T> ? " names" : " numbers");
+                width<T>() * rows.size(),
+                isInteger<T> ? " whole numbers"
+                : isText<T>  ? " names"
+                             : " numbers");
         for (size_t i = 0; i < rows.size(); ++i)
             Row::members(rows[i], [&](const char* other, const char*, auto& to) {
                 if constexpr (std::is_same_v<std::decay_t<decltype(to)>, T>)

@@ -1,51 +1,49 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/check/InterfaceRule.hpp"
 
+#include "mpm/state/Bins.hpp"
+
 namespace mpm {
 
 namespace {
 
-// Particles of bodies with box domains, binned by grid cell.
+// Part of a cell that a box must be nearer than: a mesh that begins one cell away does not meet it.
+constexpr double nearlyOne = 1 - 1e-6;
+// Half size of a box, in cells, at most: how far one reaches beyond the cell that its centre is in.
+constexpr double largestHalf = 0.5;
+
+// Particles of bodies with box domains, by the cells of the grid.
 template <int Dim> struct Boxes {
     const Grid<Dim>& grid;
     struct Entry {
         const Body<Dim>* body;
         int particle;
     };
-    std::vector<std::vector<Entry>> bins;
+    std::vector<Entry> entries;
+    CellBins<Dim> cells;
 
-    explicit Boxes(const Scene<Dim>& scene) : grid(scene.grid), bins(scene.grid.count) {
+    explicit Boxes(const Scene<Dim>& scene) : grid(scene.grid) {
         for (auto& body : scene.bodies) {
             if (body->type->isMeshed()) continue;
-            for (int p = 0; p < body->particles.size(); ++p)
-                bins[bin(vectorAt<Dim>(body->particles.position, p))].push_back({body.get(), p});
+            for (int p = 0; p < body->particles.size(); ++p) entries.push_back({body.get(), p});
         }
-    }
-    int bin(const Vec<Dim>& x) const {
-        int number = 0;
-        for (int k = 0; k < Dim; ++k) number += indexAlong(x[k], k) * grid.strides[k];
-        return number;
-    }
-    int indexAlong(double x, int k) const {
-        return std::min(grid.nodes[k] - 1, std::max(0, int(std::floor(grid.inCells(x, k)))));
+        cells.fill(grid, int(entries.size()), [&](int i, int k) {
+            return entries[i].body->particles.position.plane(k)[entries[i].particle];
+        });
     }
     // The first box closer than `reach` to the region [lower, upper].
     const Entry* near(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& reach) const {
-        Index<Dim> first, last, at;
-        for (int k = 0; k < Dim; ++k) { // a box reaches at most half a cell beyond its bin
-            first[k] = indexAlong(lower[k] - reach[k] - 0.5 * grid.cell[k], k);
-            last[k] = indexAlong(upper[k] + reach[k] + 0.5 * grid.cell[k], k);
-        }
-        at = first;
-        while (true) {
-            int number = 0;
-            for (int k = 0; k < Dim; ++k) number += at[k] * grid.strides[k];
-            for (const Entry& entry : bins[number])
-                if (close(entry, lower, upper, reach)) return &entry;
-            int k = 0;
-            while (k < Dim && ++at[k] > last[k]) at[k] = first[k], ++k;
-            if (k == Dim) return nullptr;
-        }
+        const Vec<Dim> margin = reach + largestHalf * grid.cell;
+        Index<Dim> first, last;
+        if (!cells.range(grid, lower - margin, upper + margin, first, last)) return nullptr;
+        const Entry* found = nullptr;
+        CellBins<Dim>::anyOf(grid, first, last, [&](int bin, const Index<Dim>&) {
+            for (int j = cells.bins().begin(bin); j < cells.bins().end(bin) && !found; ++j)
+                if (const Entry& entry = entries[cells.bins().point(j)]; close(entry, lower, upper, reach))
+                    found = &entry;
+            return found != nullptr;
+        });
+        return found;
     }
     static bool close(const Entry& entry, const Vec<Dim>& lower, const Vec<Dim>& upper,
                       const Vec<Dim>& reach) {
@@ -76,7 +74,7 @@ template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double
                     vectorAt<Dim>(*body->domains->vertexPositions(), corner[corners<Dim> * p + a]);
                 lower = lower.cwiseMin(X), upper = upper.cwiseMax(X);
             }
-            const Vec<Dim> reach = (1 - 1e-6) * scene.grid.cell;
+            const Vec<Dim> reach = nearlyOne * scene.grid.cell;
             if (auto* entry = boxes->near(lower, upper, reach)) {
                 fault = {true,
                          body->name,

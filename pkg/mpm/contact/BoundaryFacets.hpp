@@ -37,7 +37,8 @@ template <int Dim> class BoundaryFacets {
     }
 
   private:
-    // The vertices of a facet between fine and coarse domains are, or hang on, exactly the corners of one coarse facet.
+    // The vertices of a facet between fine and coarse domains are, or hang on, exactly the corners of one
+    // coarse facet.
     struct Hanging {
         static constexpr int mastersOfSlave = 4; // in the table of the domains, filled up with -1
         std::map<int, std::vector<int>> masters;

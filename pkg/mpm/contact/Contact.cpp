@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Where two groups of bodies, a and b, have mass on one node, they exchange an impulse (Bardenhagen et al. 2000), by the
-// rule in FrictionLaw.hpp, with the normal from a to b. A node that a constraint holds counts as infinitely heavy. Vertices
-// of meshes between the nodes (contact points) exchange impulses by the same rule, with velocities and masses that follow
-// from their hat functions.
+// Where two groups of bodies, a and b, have mass on one node, they exchange an impulse (Bardenhagen et al.
+// 2000), by the rule in FrictionLaw.hpp, with the normal from a to b. A node that a constraint holds counts
+// as infinitely heavy. Vertices of meshes between the nodes (contact points) exchange impulses by the same
+// rule, with velocities and masses that follow from their hat functions.
 //
-// The velocities at the start of the step, p/m, need not agree either. The nodes are made to; the particles take
-// `impactLoss` of that part. Groups that neither slip nor separate take nothing of it, as with one velocity field for all,
-// where the mean of all momentum stands for each: they move as one body to the last digits.
-// One thread does it all, so that the bits are the same for any number.
+// The velocities at the start of the step, p/m, need not agree either. The nodes are made to; the particles
+// take `impactLoss` of that part. Groups that neither slip nor separate take nothing of it, as with one
+// velocity field for all, where the mean of all momentum stands for each: they move as one body to the last
+// digits. One thread does it all, so that the bits are the same for any number.
 #include "mpm/contact/Contact.hpp"
 
 namespace mpm {
@@ -25,9 +25,12 @@ template <int Dim> Vec<Dim> inverseMass(const NodalField<Dim>& field, int node) 
 } // namespace
 
 std::string Contact::doc() const {
-    return "Frictional contact between groups of bodies, each of which moves with a velocity field of its own.\n\n"
-           "On nodes that two groups move: no approach beyond the gap, no attraction, Coulomb friction. Without this engine\n"
-           "all bodies stick together. Stands between GridSolver and GridToParticle. Sources: Bardenhagen et al. 2000, 2001;\n"
+    return "Frictional contact between groups of bodies, each of which moves with a velocity "
+           "field of its own.\n\n"
+           "On nodes that two groups move: no approach beyond the gap, no attraction, Coulomb "
+           "friction. Without this engine\n"
+           "all bodies stick together. Stands between GridSolver and GridToParticle. Sources: "
+           "Bardenhagen et al. 2000, 2001;\n"
            "doc/contact.md.";
 }
 
@@ -40,8 +43,10 @@ std::vector<Parameter> Contact::attributes() {
          "Whether groups may come apart; False: what shares a node stays together, gap or not.", &separation},
         {"slip", "", "Whether groups in contact may slip; False: whatever the friction, they do not.", &slip},
         {"impactLoss", "-",
-         "Share of the velocity with which nodes of two groups meet that their particles lose. 0: elastic impacts\n"
-         "keep their energy. 1: they stop a layer of one cell; for soil that flows round a structure, where noise\n"
+         "Share of the velocity with which nodes of two groups meet that their particles lose. "
+         "0: elastic impacts\n"
+         "keep their energy. 1: they stop a layer of one cell; for soil that flows round a "
+         "structure, where noise\n"
          "would push the groups apart otherwise.",
          &impactLoss, Range::between(0, 1)},
         {"normals",
@@ -88,8 +93,8 @@ template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) 
     return state;
 }
 
-// Motion of one group on a node, with what follows from it: work of gravity, and the reaction of what holds the node.
-// answer: its inverse masses, with the sign of the impulse on it.
+// Motion of one group on a node, with what follows from it: work of gravity, and the reaction of what holds
+// the node. answer: its inverse masses, with the sign of the impulse on it.
 template <int Dim>
 void Contact::change(Scene<Dim>& scene, const ContactNode<Dim>& contact, int side, const Vec<Dim>& answer,
                      const Impulses<Dim>& J) {
@@ -114,8 +119,8 @@ void Contact::change(Scene<Dim>& scene, const ContactNode<Dim>& contact, int sid
     scene.energies.gravity += field.sum[contact.node][NF::weightMass] * gained * scene.dt;
 }
 
-// slip: with the velocity that strains the groups. Nodes that a body hardly feels may have quite another one in the
-// solution.
+// slip: with the velocity that strains the groups. Nodes that a body hardly feels may have quite another one
+// in the solution.
 template <int Dim>
 void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const Vec<Dim>& slip) {
     const double rubbed = contact.friction.dot(slip);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The impulses of a pair of groups on all its contact nodes and points, which follow each other: projected Gauss-Seidel.
+// The impulses of a pair of groups on all its contact nodes and points, which follow each other: projected
+// Gauss-Seidel.
 #pragma once
 
 #include "mpm/contact/ContactSearch.hpp"
@@ -7,8 +8,8 @@
 
 namespace mpm {
 
-// Two groups on a node: inverse masses per component, velocities at the start and of the solution, what they have
-// exchanged. A group answers an impulse by its inverse mass; zero where a constraint holds it.
+// Two groups on a node: inverse masses per component, velocities at the start and of the solution, what they
+// have exchanged. A group answers an impulse by its inverse mass; zero where a constraint holds it.
 template <int Dim> struct NodeMotion {
     Vec<Dim> inverseMass[2], start[2], v[2];
     Impulses<Dim> J;
@@ -48,9 +49,10 @@ template <int Dim> class ContactImpulses {
         }
     }
 
-    // Energy, kJ, that a pair takes from the motion of the nodes: J . w - J . mobility J / 2, w from before the exchange.
-    // Frictionless rounds never give any, finished ones neither. Adhesion and friction that come and go between rounds
-    // might: then `isReduced`, and the part of all impulses is left that takes most.
+    // Energy, kJ, that a pair takes from the motion of the nodes: J . w - J . mobility J / 2, w from before
+    // the exchange. Frictionless rounds never give any, finished ones neither. Adhesion and friction that
+    // come and go between rounds might: then `isReduced`, and the part of all impulses is left that takes
+    // most.
     double limitEnergy(ContactSearch<Dim>& search, const ContactPair& pair, bool& isReduced) {
         double stopped = 0, answered = 0;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
@@ -71,13 +73,14 @@ template <int Dim> class ContactImpulses {
     }
 
   private:
-    // With 30 rounds contact between meshes costs twice as much, and gives back 0.01 instead of 0.1 % of the energy.
+    // With 30 rounds contact between meshes costs twice as much, and gives back 0.01 instead of 0.1 % of the
+    // energy.
     static constexpr int mostRounds = 10;
     // Change of an impulse over its size below which a site is done.
     static constexpr double convergence = 1e-3;
 
-    // The impulse at a site between nodes with weights S, anew, in view of what the others exchange. Returns whether it
-    // has changed much.
+    // The impulse at a site between nodes with weights S, anew, in view of what the others exchange. Returns
+    // whether it has changed much.
     bool update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const int* at, const double* S,
                 int count) {
         Vec<Dim> mobility = Vec<Dim>::Zero(), start = mobility, w = mobility;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Where two groups of bodies are in contact: on nodes that both move, and at vertices of meshes between such nodes.
+// Where two groups of bodies are in contact: on nodes that both move, and at vertices of meshes between such
+// nodes.
 #pragma once
 
 #include "mpm/contact/NearbyNodes.hpp"
@@ -12,8 +13,8 @@ template <int Dim> Vec<Dim> unit(const Vec<Dim>& v, double least) {
     return size > least && size > 0 ? Vec<Dim>(v / size) : Vec<Dim>(Vec<Dim>::Zero());
 }
 
-// On the second group, kN s: all that the nodes take, and the part of it that only makes the velocities of the start
-// agree.
+// On the second group, kN s: all that the nodes take, and the part of it that only makes the velocities of
+// the start agree.
 template <int Dim> struct Impulses {
     Vec<Dim> all = Vec<Dim>::Zero(), agreeing = Vec<Dim>::Zero();
     bool sticks = false;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Where groups of bodies are in contact, found once per step, and how their surfaces lie there: normal, gap, area.
+// Where groups of bodies are in contact, found once per step, and how their surfaces lie there: normal, gap,
+// area.
 #pragma once
 
 #include "mpm/contact/PairSearch.hpp"

@@ -19,7 +19,8 @@ template <int Dim> class ExplicitSurface {
         double size, extent;        // m2, the size of that vector, and the area of the part
         SurroundingNodes<Dim> around;
 
-        // What a surface has left of its area when its directions are added up: 1 for a plane, less at an edge.
+        // What a surface has left of its area when its directions are added up: 1 for a plane, less at an
+        // edge.
         bool isFlatter(double flatness) const { return size > flatness * extent; }
         Vec<Dim> normal() const { return outward / size; }
     };
@@ -96,7 +97,8 @@ template <int Dim> class ExplicitSurface {
         }
     }
 
-    // And equal parts of each at its corners: a facet is taken to be a square as seen along the axis that it faces most.
+    // And equal parts of each at its corners: a facet is taken to be a square as seen along the axis that it
+    // faces most.
     void findFacets(const Body<Dim>& body, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby) {
         const Outline<Dim>& outline = *body.domains->outline();
         near.clear();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The impulse that two groups exchange where they are in contact. With the relative velocity w = (v_a - v_b) . n and the
-// mobility 1/m_a + 1/m_b,
+// The impulse that two groups exchange where they are in contact. With the relative velocity w = (v_a - v_b)
+// . n and the mobility 1/m_a + 1/m_b,
 //     J_n = [w - max(g, 0)/dt] / (1/m_a + 1/m_b) where that is positive,   |J_t| <= mu J_n + adhesion A dt:
 // surfaces may close a gap but not cross, and do not pull.
 #pragma once
@@ -18,8 +18,8 @@ struct FrictionLaw {
     bool separation;   // false: surfaces hold together, gap or not
     double impactLoss; // -, part of the velocity with which groups meet that particles lose
 
-    // The impulses on the second group. mobility: of both groups together, per component; zero where they are held.
-    // start, w: relative velocities at the start and of the solution.
+    // The impulses on the second group. mobility: of both groups together, per component; zero where they are
+    // held. start, w: relative velocities at the start and of the solution.
     template <int Dim>
     Impulses<Dim> impulses(const ContactSite<Dim>& site, double dt, const Vec<Dim>& mobility,
                            const Vec<Dim>& start, const Vec<Dim>& w) const;
@@ -30,9 +30,9 @@ struct FrictionLaw {
                     double dt) const;
 };
 
-// What stops an approach faster than the gap allows in a step, as an impulse on the second group. Where impacts are
-// lost, surfaces that pressed on each other in this step do not part either in the velocities that are made anew: the
-// pressure would give energy.
+// What stops an approach faster than the gap allows in a step, as an impulse on the second group. Where
+// impacts are lost, surfaces that pressed on each other in this step do not part either in the velocities
+// that are made anew: the pressure would give energy.
 template <int Dim>
 double FrictionLaw::stopping(const ContactSite<Dim>& site, const Vec<Dim>& mobility, const Vec<Dim>& w,
                              double dt) const {

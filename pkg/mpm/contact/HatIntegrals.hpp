@@ -9,7 +9,8 @@ namespace mpm {
 
 using FourBoxes = Eigen::Array<double, 4, 1>; // a number for each
 
-// Along one axis, in cells from the node: integrals over each box of the hat function N(y) = 1 - |y|, and of N', y N and (y N)'.
+// Along one axis, in cells from the node: integrals over each box of the hat function N(y) = 1 - |y|, and of
+// N', y N and (y N)'.
 struct HatIntegrals {
     FourBoxes N, slope, first, slopeOfFirst;
 

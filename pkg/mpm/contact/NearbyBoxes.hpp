@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The boxes of one group of bodies near the nodes on which it is in contact with another, by their nearest node, and
-// their surface as a node sees it.
+// The boxes of one group of bodies near the nodes on which it is in contact with another, by their nearest
+// node, and their surface as a node sees it.
 #pragma once
 
 #include "mpm/contact/ExplicitSurface.hpp"
@@ -24,8 +24,8 @@ template <int Dim> class NearbyBoxes {
         sort();
     }
 
-    // Adds to a surface: int over it of phi n = int grad phi dV,  of phi d n^T = int (d grad phi^T + phi I) dV; for each box products of
-    // integrals along the axes.
+    // Adds to a surface: int over it of phi n = int grad phi dV,  of phi d n^T = int (d grad phi^T + phi I)
+    // dV; for each box products of integrals along the axes.
     void addTo(NodalSurface<Dim>& surface, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby, int node,
                const Vec<Dim>& x) const {
         FourBoxes outward[Dim], moment[Dim][Dim];
@@ -71,9 +71,10 @@ template <int Dim> class NearbyBoxes {
         }
     }
 
-    // How far the centres near a node at x reach along n that have crossed a plane there; -farAway: there are none. Only
-    // those within half a cell of size h behind the plane count: what is deeper belongs to the other side. And only those
-    // within sqrt(1/2) h of the normal through the node: the plane is that of the vertex nearest to this normal.
+    // How far the centres near a node at x reach along n that have crossed a plane there; -farAway: there are
+    // none. Only those within half a cell of size h behind the plane count: what is deeper belongs to the
+    // other side. And only those within sqrt(1/2) h of the normal through the node: the plane is that of the
+    // vertex nearest to this normal.
     double crossed(const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby, int node, const Vec<Dim>& x,
                    const Vec<Dim>& n, double plane, double h) const {
         const double deepest = 0.5 * h;
@@ -112,8 +113,8 @@ template <int Dim> class NearbyBoxes {
     std::vector<double> centre_[Dim], half_[Dim]; // m; cells
     std::vector<double> density_;                 // volume, m3, over that of the box in cells
 
-    // Looks at those of blocks that may have some: the lowest nodes of boxes are at most `wander` nodes away from their
-    // block.
+    // Looks at those of blocks that may have some: the lowest nodes of boxes are at most `wander` nodes away
+    // from their block.
     void findOf(const Body<Dim>& body, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby) {
         const auto isFar = [&](int block) {
             const Index<Dim> begin = grid.blockBegin(block);

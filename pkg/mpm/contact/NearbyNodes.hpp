@@ -9,8 +9,8 @@
 
 namespace mpm {
 
-// The nodes of the cell round a point: their numbers among the contact nodes, -1 where it is none, and their hat
-// functions.
+// The nodes of the cell round a point: their numbers among the contact nodes, -1 where it is none, and their
+// hat functions.
 template <int Dim> struct SurroundingNodes {
     static constexpr int size = 1 << Dim;
     int contact[size];

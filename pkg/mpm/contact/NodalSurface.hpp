@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The surface of a group as one node sees it, weighted with the node's hat function phi; n points out, d runs from the
-// node.
+// The surface of a group as one node sees it, weighted with the node's hat function phi; n points out, d runs
+// from the node.
 #pragma once
 
 #include "mpm/base/types.hpp"

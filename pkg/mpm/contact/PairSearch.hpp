@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The pair of groups that is searched for contact, and the steps of that search: each is one file and fills in some
-// members of the contact nodes. Side 0 is the first group, side 1 the second; normals point from 0 to 1.
+// The pair of groups that is searched for contact, and the steps of that search: each is one file and fills
+// in some members of the contact nodes. Side 0 is the first group, side 1 the second; normals point from 0 to
+// 1.
 #pragma once
 
 #include "mpm/contact/ContactNode.hpp"
@@ -8,8 +9,8 @@
 
 namespace mpm {
 
-// Flatness below which a surface has an edge. Flatness is what a surface has left of its area when its directions are
-// added up: 1 for a plane, 0.71 at a right edge.
+// Flatness below which a surface has an edge. Flatness is what a surface has left of its area when its
+// directions are added up: 1 for a plane, 0.71 at a right edge.
 constexpr double edgeFlatness = 0.9;
 
 template <int Dim> struct PairSearch {
@@ -38,8 +39,8 @@ template <int Dim> struct PairSearch {
         const int number = nearby.contact(node);
         return number < 0 ? nullptr : &(*nodes)[number];
     }
-    // f(body, surface) for those bodies of a group that have an explicit one, not for bodies that take what these
-    // convert.
+    // f(body, surface) for those bodies of a group that have an explicit one, not for bodies that take what
+    // these convert.
     template <class F> void forSurfaces(int side, F&& f) {
         for (size_t b = 0; b < scene->bodies.size(); ++b)
             if (Body<Dim>& body = *scene->bodies[b];

@@ -1,29 +1,31 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The gap between the surfaces at each contact node, and the area on which they meet. With A = n . int phi n dA, a group
-// reaches n . int phi d n^T dA n / A along n; a mesh as far as the tangent plane at its nearest vertex.
+// The gap between the surfaces at each contact node, and the area on which they meet. With A = n . int phi n
+// dA, a group reaches n . int phi d n^T dA n / A along n; a mesh as far as the tangent plane at its nearest
+// vertex.
 #include "mpm/contact/PairSearch.hpp"
 
 namespace mpm {
 
 namespace {
 
-// Cosine between the normals of a vertex and of the node above which the surface there faces the other group at all, and
-// above which its tangent plane crosses the normal of the node near enough to be taken; else the vertex itself counts.
+// Cosine between the normals of a vertex and of the node above which the surface there faces the other group
+// at all, and above which its tangent plane crosses the normal of the node near enough to be taken; else the
+// vertex itself counts.
 constexpr double leastFacing = 0.5;
 constexpr double planeFacing = 0.9;
-// Surface of a group along the normal over the area in contact above which it tells how far the group reaches: below,
-// moment over area is noise.
+// Surface of a group along the normal over the area in contact above which it tells how far the group
+// reaches: below, moment over area is noise.
 constexpr double leastOwnArea = 0.05;
 // Gap between boxes, in cells, below which they do not cross but face away from each other.
 constexpr double deepestGap = -0.5;
-// Area over that of a face of the cell below which a node hardly feels a surface, and takes normal and gap of its
-// neighbours.
+// Area over that of a face of the cell below which a node hardly feels a surface, and takes normal and gap of
+// its neighbours.
 constexpr double leastArea = 0.05;
 // Size of a mean of unit normals below which it has no direction.
 constexpr double leastMeanNormal = 0.1;
 
-// Where the tangent plane of the nearest vertex crosses the normal through a node, for groups that are meshes; vertices
-// at edges have no such plane, and count by themselves.
+// Where the tangent plane of the nearest vertex crosses the normal through a node, for groups that are
+// meshes; vertices at edges have no such plane, and count by themselves.
 template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
     if (!pair.isExplicit[side]) return;
     const Grid<Dim>& grid = pair.grid();
@@ -46,7 +48,8 @@ template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
     });
 }
 
-// Boxes against a mesh: where the centre of one has crossed its face, the gap is closed, whatever the others do.
+// Boxes against a mesh: where the centre of one has crossed its face, the gap is closed, whatever the others
+// do.
 template <int Dim> void findIntruders(PairSearch<Dim>& pair, int side) {
     if (pair.isExplicit[side] || !pair.isExplicit[1 - side]) return;
     const double sign = side == 0 ? 1 : -1;

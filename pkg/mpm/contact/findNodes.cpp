@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The nodes on which two groups are in contact, and the surfaces as these nodes see them: int phi n dA and
-// int phi d n^T dA, d from the node. Both are sums over the facets of a mesh, or, by the theorem of Gauss, over boxes.
+// int phi d n^T dA, d from the node. Both are sums over the facets of a mesh, or, by the theorem of Gauss,
+// over boxes.
 #include "mpm/contact/PairSearch.hpp"
 
 namespace mpm {

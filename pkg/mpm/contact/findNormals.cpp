@@ -6,15 +6,18 @@ namespace mpm {
 
 namespace {
 
-// Flatness over that of the flatter surface from which on both count: planes differ by round-off and by how their
-// vertices lie round a node, and their mean is wanted.
+// Flatness over that of the flatter surface from which on both count: planes differ by round-off and by how
+// their vertices lie round a node, and their mean is wanted.
 constexpr double equallyFlat = 0.99;
-// Size of a sum of unit vectors below which it has no direction: two normals that cancel leave round-off, 1e-16.
+// Size of a sum of unit vectors below which it has no direction: two normals that cancel leave round-off,
+// 1e-16.
 constexpr double leastSum = 1e-6;
-// Part of a normal that is left where constraints hold both groups along the others; with less it has no direction.
+// Part of a normal that is left where constraints hold both groups along the others; with less it has no
+// direction.
 constexpr double leastFree = 0.1;
 
-// Boxes have faces along the axes: of two groups of them those count that look at each other, the smaller of both.
+// Boxes have faces along the axes: of two groups of them those count that look at each other, the smaller of
+// both.
 template <int Dim> Vec<Dim> normalOfBoxes(const Vec<Dim> outward[2]) {
     Vec<Dim> sum = Vec<Dim>::Zero();
     for (int k = 0; k < Dim; ++k)
@@ -23,7 +26,8 @@ template <int Dim> Vec<Dim> normalOfBoxes(const Vec<Dim> outward[2]) {
     return unit<Dim>(sum, 0.0);
 }
 
-// At an edge of one group the flatter surface of the other counts. Of equals the mesh counts, else their mean.
+// At an edge of one group the flatter surface of the other counts. Of equals the mesh counts, else their
+// mean.
 template <int Dim> void setNormal(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
     const Vec<Dim> outward[2] = {contact.surface[0].outward,
                                  -contact.surface[1].outward}; // along the normal, both
@@ -77,8 +81,8 @@ template <int Dim> void setNormalByMass(const PairSearch<Dim>& pair, ContactNode
     contact.normal = unit<Dim>(unit<Dim>(slope[1], 0.0) - unit<Dim>(slope[0], 0.0), leastSum);
 }
 
-// At an edge of a mesh against boxes the facets count as far as they move towards these: the tip of a pile pushes what
-// lies below it down, not aside.
+// At an edge of a mesh against boxes the facets count as far as they move towards these: the tip of a pile
+// pushes what lies below it down, not aside.
 template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
     bool isAny = false;
     pair.forNodes([&](const ContactNode<Dim>& contact) { isAny |= contact.edgeOf == side; });
@@ -105,8 +109,8 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
     }
 }
 
-// Where a constraint holds both groups along an axis they do not push each other along it: at a plane of symmetry an
-// outline has facets on that plane, and the normal would tilt.
+// Where a constraint holds both groups along an axis they do not push each other along it: at a plane of
+// symmetry an outline has facets on that plane, and the normal would tilt.
 template <int Dim> void straighten(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
     Vec<Dim> free = contact.normal;
     for (int k = 0; k < Dim; ++k)

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Contact points: where surfaces are curved they overlap between nodes that keep their gap. So the vertices of meshes
-// keep their distance, too.
+// Contact points: where surfaces are curved they overlap between nodes that keep their gap. So the vertices
+// of meshes keep their distance, too.
 #include "mpm/contact/PairSearch.hpp"
 
 namespace mpm {
 
 namespace {
 
-// Overlap that is let pass, in cells: planes then leave all to the nodes, and a rolling disc is no polygon of its
-// vertices.
+// Overlap that is let pass, in cells: planes then leave all to the nodes, and a rolling disc is no polygon of
+// its vertices.
 constexpr double toleratedOverlap = 0.01;
-// Distance of a vertex from the other surface, in cells, up to which it is a contact point: what is deeper has crossed
-// and is not pushed back.
+// Distance of a vertex from the other surface, in cells, up to which it is a contact point: what is deeper
+// has crossed and is not pushed back.
 constexpr double furthest = 0.5;
-// Area of boxes that faces a vertex, over that of a face of the cell, above which they are seen well enough: about half
-// of what a node sees of a plane.
+// Area of boxes that faces a vertex, over that of a face of the cell, above which they are seen well enough:
+// about half of what a node sees of a plane.
 constexpr double leastFacingArea = 0.4;
 
 // Vertices at the surface of a mesh that are near and at no edge, by their nearest node.
@@ -39,8 +39,8 @@ template <int Dim> struct SmoothVertices {
     const Vertex& at(int place) const { return *all[bins.point(place)]; }
 };
 
-// Distance of a vertex from boxes, along its normal: from where the nodes round it see them, if that is a plane.
-// farAway: it is not.
+// Distance of a vertex from boxes, along its normal: from where the nodes round it see them, if that is a
+// plane. farAway: it is not.
 template <int Dim>
 double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own, int side) {
     const Vec<Dim> n = own.normal();
@@ -60,8 +60,8 @@ double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Di
     return isPlane ? distance / facing : farAway;
 }
 
-// Distance of a vertex from another mesh: from the tangent plane at its nearest vertex, to which the normal is turned
-// half-way. farAway: there is none that faces it.
+// Distance of a vertex from another mesh: from the tangent plane at its nearest vertex, to which the normal
+// is turned half-way. farAway: there is none that faces it.
 template <int Dim>
 double distanceOfMesh(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own,
                       const SmoothVertices<Dim>& others, Vec<Dim>& normal) {

@@ -78,7 +78,8 @@ template <int Dim> class CellBins {
         return true;
     }
 
-    // f(bin, cell) for all cells of a range, first axis fastest, until one returns true. Returns whether one did.
+    // f(bin, cell) for all cells of a range, first axis fastest, until one returns true. Returns whether one
+    // did.
     template <class F>
     static bool anyOf(const Grid<Dim>& grid, const Index<Dim>& first, const Index<Dim>& last, F&& f) {
         Index<Dim> cell = first;

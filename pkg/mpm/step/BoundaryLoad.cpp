@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Tractions and pressures on the boundary edges (faces) of APDI domains, mapped through their vertices.
 #include "mpm/scene/Engine.hpp"
+#include "mpm/state/facets.hpp"
 
 #include <Eigen/Geometry>
 
@@ -10,15 +11,6 @@
 namespace mpm {
 
 namespace {
-
-// Corners of a facet, outward, numbered as in py/yade_mpm/mesh.py: edges of a quadrilateral, faces of a
-// hexahedron.
-template <int Dim> std::vector<int> facetCorners(int facet) {
-    static const int faces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                    {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-    if (Dim == 2) return {facet, (facet + 1) % 4};
-    return {faces[facet], faces[facet] + 4};
-}
 
 // What a load does to a facet: its share of the integral of a shape function, as an outward area vector (m2; 2D: length)
 // and as an area.
@@ -152,7 +144,7 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
               typename NodalField<Dim>::Sum* nodes) {
         std::vector<int> vertices;
         std::vector<Vec<Dim>> X;
-        for (int a : facetCorners<Dim>(facet)) {
+        for (int a : FacetCorners<Dim>::of[facet]) {
             vertices.push_back((*loaded.domains->cornerTable())[corners<Dim> * p + a]);
             X.push_back(vectorAt<Dim>(*loaded.domains->vertexPositions(), vertices.back()));
         }

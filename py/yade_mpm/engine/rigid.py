@@ -22,7 +22,7 @@ class Sphere(Shape):
     centre: tuple = (0.0, 0.0, 0.0)
 
     def row(self):
-        """Kind and members of the shape, by the names of ShapeRecord (pkg/mpm/contact/rigid/RigidShape.hpp)."""
+        """Kind and members of the shape, by the names of the solver's ShapeRecord."""
         return {"kind": "Sphere", "centre": _vector(self, "centre"), "radius": _positive(self, "radius")}
 
 
@@ -39,7 +39,7 @@ class Box(Shape):
     orientation: tuple = (1.0, 0.0, 0.0, 0.0)
 
     def row(self):
-        """Kind and members of the shape, by the names of ShapeRecord (pkg/mpm/contact/rigid/RigidShape.hpp)."""
+        """Kind and members of the shape, by the names of the solver's ShapeRecord."""
         half = _vector(self, "halfSize", missing=1.0)
         if not (half > 0).all():
             raise ValueError(
@@ -62,7 +62,7 @@ class Wall(Shape):
     point: tuple = (0.0, 0.0, 0.0)
 
     def row(self):
-        """Kind and members of the shape, by the names of ShapeRecord (pkg/mpm/contact/rigid/RigidShape.hpp)."""
+        """Kind and members of the shape, by the names of the solver's ShapeRecord."""
         normal = _vector(self, "normal")
         if not np.linalg.norm(normal) > 0:
             raise ValueError(
@@ -82,7 +82,7 @@ class Facet(Shape):
     thickness: float = 0.0
 
     def row(self):
-        """Kind and members of the shape, by the names of ShapeRecord (pkg/mpm/contact/rigid/RigidShape.hpp)."""
+        """Kind and members of the shape, by the names of the solver's ShapeRecord."""
         points = [_point(self, "vertices", v) for v in self.vertices]
         if len(points) not in (2, 3):
             raise ValueError(f"Facet: {len(points)} vertices; give two (segment) or three (triangle)")

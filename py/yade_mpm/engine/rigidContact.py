@@ -86,7 +86,9 @@ too."""
     )
     orientations = property(lambda self: self._state("orientation", 4), doc="Orientations (w, x, y, z).")
     velocities = property(lambda self: self._state("velocity"), doc="Velocities, m/s.")
-    angularVelocities = property(lambda self: self._state("angularVelocity"), doc="Angular velocities, rad/s.")
+    angularVelocities = property(
+        lambda self: self._state("angularVelocity"), doc="Angular velocities, rad/s."
+    )
     contacts = property(lambda self: self.core.contacts, doc="Number of contacts in the last step.")
     sliding = property(lambda self: self.core.sliding, doc="Number of contacts that slid in the last step.")
     largestPenetration = property(

@@ -10,12 +10,11 @@ from itertools import product
 
 import numpy as np
 
+from .. import _core
+
 _QUAD = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
 CORNERS = {2: _QUAD, 3: np.array([(*xy, z) for z in (0, 1) for xy in _QUAD])}
-FACETS = {
-    2: [(0, 1), (1, 2), (2, 3), (3, 0)],  # outward
-    3: [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)],
-}
+FACETS = {dim: _core.facetCorners(dim) for dim in (2, 3)}  # corners of each facet, outward
 MAX_MASTERS = 4
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from .. import __version__
 from .files import checkWritable, replacing
 
-FORMAT, VERSION = "yade-mpm checkpoint", 3
+FORMAT, VERSION = "yade-mpm checkpoint", 2
 
 
 def write(file, description, bodies):

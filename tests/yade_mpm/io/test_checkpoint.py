@@ -384,7 +384,7 @@ def test_files_that_are_no_checkpoint_are_refused(tmp_path):
         h5.attrs["formatVersion"], h5.attrs["package"] = 7, "9.9"
     with pytest.raises(
         ValueError,
-        match="has format 7, written by yade_mpm 9.9; .* reads format 3; continue it with that version",
+        match="has format 7, written by yade_mpm 9.9; .* reads format 2; continue it with that version",
     ):
         mpm.load(file)
 

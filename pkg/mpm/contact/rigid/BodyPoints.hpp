@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The points of a body that a rigid body can touch: the boxes of uGIMP particles, or the boundary vertices of a mesh. And
-// the broad phase: the points are kept in the cells of the grid, and a shape is asked for its distance once per cell.
+// The points of a body that a rigid body can touch: the boxes of uGIMP particles, or the boundary vertices of
+// a mesh. And the broad phase: the points are kept in the cells of the grid, and a shape is asked for its
+// distance once per cell.
 #pragma once
 
 #include "mpm/contact/BoundaryFacets.hpp"
@@ -12,7 +13,8 @@ namespace mpm {
 
 template <int Dim> class BodyPoints {
   public:
-    // Least inertial mass of a point over the area it stands for, Mg/m2: what bounds the stiffness of contact.
+    // Least inertial mass of a point over the area it stands for, Mg/m2: what bounds the stiffness of
+    // contact.
     double massPerArea() const { return massPerArea_; }
 
     // Once per step.
@@ -39,8 +41,9 @@ template <int Dim> class BodyPoints {
     }
     Vec3 position(int i) const { return spatial(*position_, index(i)); }
 
-    // Along n from the centre to the surface of the ellipsoid inscribed in a box, m; a vertex has no extent. A body that touches a
-    // flat row of boxes overlaps with none of their ellipsoids, but with the corners of those beside the place.
+    // Along n from the centre to the surface of the ellipsoid inscribed in a box, m; a vertex has no extent.
+    // A body that touches a flat row of boxes overlaps with none of their ellipsoids, but with the corners of
+    // those beside the place.
     double halfAlong(const Vec3& n) const {
         if (isMeshed_) return 0;
         double sum = 0;
@@ -48,7 +51,8 @@ template <int Dim> class BodyPoints {
         return 1 / std::sqrt(sum);
     }
 
-    // Along n from the centre to the surface of the box itself, m: half the edge along an axis, more on a diagonal.
+    // Along n from the centre to the surface of the box itself, m: half the edge along an axis, more on a
+    // diagonal.
     double exitAlong(const Vec3& n) const {
         if (isMeshed_) return 0;
         double s = std::numeric_limits<double>::infinity();
@@ -56,8 +60,8 @@ template <int Dim> class BodyPoints {
         return s;
     }
 
-    // Stretch of point i along n, |F^T n|, limited to 1 -+ mostStretch: boxes keep their size where the soil flows. And the
-    // derivative of the limited stretch.
+    // Stretch of point i along n, |F^T n|, limited to 1 -+ mostStretch: boxes keep their size where the soil
+    // flows. And the derivative of the limited stretch.
     struct Stretch {
         double factor = 1, rate = 0;
     };
@@ -71,7 +75,8 @@ template <int Dim> class BodyPoints {
         return {1 + mostStretch * t, 1 - t * t};
     }
 
-    // Area that point i stands for under a normal n: of a vertex its share of the facets, of a box volume over extent.
+    // Area that point i stands for under a normal n: of a vertex its share of the facets, of a box volume
+    // over extent.
     double area(int i, const Vec3& n) const {
         return isMeshed_ ? area_[i] : body_->particles.initialVolume.plane()[i] / (2 * halfAlong(n));
     }
@@ -131,7 +136,8 @@ template <int Dim> class BodyPoints {
     std::vector<int> vertex_, place_; // boundary vertices, and the place of each vertex among them
     std::vector<double> area_, mass_;
 
-    // Range of cells along each axis up to which they are not asked one by one: the points in them are asked as quickly.
+    // Range of cells along each axis up to which they are not asked one by one: the points in them are asked
+    // as quickly.
     static constexpr int cellsAskedAlways = 4;
     // How far a point may move before the cells are filled anew, in cells.
     static constexpr double mostDrift = 0.1;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Rigid bodies touch the scene by a penalty: a point (uGIMP box, boundary vertex of a mesh) that stands for the area A and
-// overlaps by -g gets
+// Rigid bodies touch the scene by a penalty: a point (uGIMP box, boundary vertex of a mesh) that stands for
+// the area A and overlaps by -g gets
 //     F = A [(-kappa g) n - kappa_t s],   |kappa_t s| <= mu (-kappa g)
-// with the slip s of the history (Cundall & Strack 1979). One thread does all of it, in the order of the points' numbers: the
-// same bits for any number of threads, and after a restart.
-// RigidForce.hpp tells how it goes to the nodes, findRigidContacts.cpp which points overlap.
+// with the slip s of the history (Cundall & Strack 1979). One thread does all of it, in the order of the
+// points' numbers: the same bits for any number of threads, and after a restart. RigidForce.hpp tells how it
+// goes to the nodes, findRigidContacts.cpp which points overlap.
 #include "mpm/contact/rigid/RigidContact.hpp"
 
 #include "mpm/contact/rigid/RigidForce.hpp"
@@ -13,111 +13,11 @@ namespace mpm {
 
 namespace {
 
-constexpr double unitNorm = 1e-6; // how far the norm of an orientation may be from 1: input of seven digits
-constexpr double inPlane =
-    1e-9; // largest part of an orientation out of the plane of a 2D scene: round-off of a host
+// Largest part of an orientation out of the plane of a 2D scene: round-off of a host.
+constexpr double inPlane = 1e-9;
 constexpr double anyMass = 1e300; // Mg/m2, no point has that much
 
 } // namespace
-
-std::string RigidContact::doc() const {
-    return "Frictional contact of rigid bodies with all bodies of the scene: penalty, Coulomb friction with history.\n\n"
-           "Force of a point with area A, gap g < 0 and slip s: A (-kappa g n - kappa_t s), friction at most mu times the\n"
-           "normal part, no attraction. Points are uGIMP boxes and boundary vertices of APDI domains. Stands between\n"
-           "ParticleToGrid (USF: DomainUpdater) and GridSolver. Sources: Cundall & Strack 1979; doc/rigid-contact.md.";
-}
-
-std::vector<Parameter> RigidContact::attributes() {
-    return {
-        {"friction", "-", "Friction coefficient of each rigid body; 0: exactly none.", &friction,
-         Range::notNegative()},
-        {"stiffness", "kPa/m",
-         "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.", &stiffness,
-         Range::positive()},
-        {"stiffnessFactor",
-         "-",
-         "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
-         "4 [1 - (dt/dtCritical)^2] over the larger of 1 + 2 l/h and shearRatio (1 + 2 Dim l/h), l the half size of a "
-         "box, h the cell (vertices: over 1).",
-         &stiffnessFactor,
-         {0, 1, true, false}},
-        {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},
-        {"normalDamping", "-", "Viscous damping of the normal motion over the critical one of a point.",
-         &normalDamping, Range::between(0, 1)},
-        {"checkBalance", "",
-         "Compare force and moment of every rigid body with the sum over the nodes in every step.",
-         &checkBalance},
-        {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
-        {"shapes", "", "Shapes of the rigid bodies, a row each; made by addBody.", recordsOf(shapes)},
-        {"states", "", "Position, orientation, velocity and angular velocity, a row per rigid body.",
-         recordsOf(states)},
-        {"history", "", "Contacts of the last step, a row each.", recordsOf(history)},
-        {"sizes", "", "Particles of each body of the scene in the last step.", recordsOf(sizes)},
-        {"impulses", "", "Integrals of force and torque over time, a row per rigid body.",
-         recordsOf(impulses)}};
-}
-
-// Sizes follow the number of bodies, which is that of the friction coefficients.
-void RigidContact::finish() {
-    require(int(states.size()) == bodies() && int(impulses.size()) == bodies(), "RigidContact: friction has ",
-            bodies(), " entries for ", states.size(), " rigid bodies; give one per body");
-    if (forces.size() != bodies()) {
-        forces.resize(bodies());
-        torques.resize(bodies());
-    }
-    shape_.clear();
-    for (const ShapeRecord& shape : shapes) {
-        require(shape.body >= 0 && shape.body < bodies(), "RigidContact: there is no rigid body ", shape.body,
-                " for a shape; use addBody");
-        shape_.emplace_back(shape, 3);
-    }
-}
-
-void RigidContact::setStates(const std::vector<double>& positions, const std::vector<double>& orientations,
-                             const std::vector<double>& velocities,
-                             const std::vector<double>& angularVelocities) {
-    const auto checkSize = [&](const char* name, const std::vector<double>& given, int width) {
-        require(int(given.size()) == width * bodies(), "RigidContact: ", name, " has ", given.size(),
-                " numbers; give (", bodies(), ", ", width, "), a row for each rigid body");
-    };
-    checkSize("positions", positions, 3);
-    checkSize("orientations", orientations, 4);
-    checkSize("velocities", velocities, 3);
-    checkSize("angularVelocities", angularVelocities, 3);
-    std::vector<RigidState> given(bodies());
-    for (int b = 0; b < bodies(); ++b) {
-        const double* q = &orientations[4 * b];
-        given[b].position = Vec3::Map(&positions[3 * b]);
-        given[b].orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]);
-        given[b].velocity = Vec3::Map(&velocities[3 * b]);
-        given[b].angularVelocity = Vec3::Map(&angularVelocities[3 * b]);
-        checkState(b, given[b]);
-    }
-    for (int b = 0; b < bodies(); ++b) setState(b, given[b]);
-}
-
-void RigidContact::setState(int body, const RigidState& state) {
-    checkState(body, state);
-    const Eigen::Quaterniond& q = state.orientation;
-    double wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
-    Eigen::Map<Eigen::Vector4d>(wxyz).normalize();
-    states[body] = state;
-    states[body].orientation = Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-}
-
-void RigidContact::checkState(int body, const RigidState& state) const {
-    const auto checkFinite = [&](const char* name, const auto& given) {
-        require(given.allFinite(), "RigidContact: the ", name, " of rigid body ", body,
-                " is not finite; give numbers");
-    };
-    checkFinite("position", state.position);
-    checkFinite("orientation", state.orientation.coeffs());
-    checkFinite("velocity", state.velocity);
-    checkFinite("angular velocity", state.angularVelocity);
-    const double norm = state.orientation.norm();
-    require(std::abs(norm - 1) < unitNorm, "RigidContact: the orientation of rigid body ", body,
-            " has the norm ", norm, "; give a unit quaternion (w, x, y, z)");
-}
 
 template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
     require(bodies() > 0, "RigidContact: there is no rigid body; add one with addBody(shapes=[...])");
@@ -139,8 +39,9 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
     }
 }
 
-// kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points alone, for any number
-// of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times 1 + 2 l/h; of friction kappa_t A/m (1 + 2 Dim l/h).
+// kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points
+// alone, for any number of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times 1 + 2 l/h;
+// of friction kappa_t A/m (1 + 2 Dim l/h).
 template <int Dim>
 double RigidContact::chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const {
     double least = anyMass;

@@ -10,7 +10,8 @@
 
 namespace mpm {
 
-// Box around all points that a rigid body could touch, as they stood in the last step. None moves by more than a cell in a step.
+// Box around all points that a rigid body could touch, as they stood in the last step. None moves by more
+// than a cell in a step.
 struct Reach {
     Vec3 lower, upper;
     double cell; // m, longest edge

@@ -13,9 +13,10 @@ struct RigidContactPoint {
     int64_t id = 0;             // of the particle or vertex
     Vec3 normal = Vec3::Zero(); // out of the rigid body
     Vec3 slip = Vec3::Zero();   // m, tangential displacement that the spring holds
-    Vec3 point = Vec3::Zero();  // m, the vertex, or where the particle would be had it moved as it is strained
-    double gap = 0;             // m, negative
-    Vec3 force = Vec3::Zero();  // kN, on the soil
+    // M, the vertex, or where the particle would be had it moved as it is strained
+    Vec3 point = Vec3::Zero();
+    double gap = 0;            // m, negative
+    Vec3 force = Vec3::Zero(); // kN, on the soil
 
     template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
         visit("soil", "", row.soil);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// How a force on the surface of a point goes to the nodes. Vertices pass it on with their own hat functions. A box with its
-// centre at x_p has its surface at x_c = x_p + d, d against the normal. It moves with the particle and its velocity
-// gradient, hence a force there goes to the nodes by
+// How a force on the surface of a point goes to the nodes. Vertices pass it on with their own hat functions.
+// A box with its centre at x_p has its surface at x_c = x_p + d, d against the normal. It moves with the
+// particle and its velocity gradient, hence a force there goes to the nodes by
 //     f_i = (phi_i + q grad phi_i . d) F_n + (phi_i + grad phi_i . d) F_t
-// Friction acts where the normal leaves the box. q |d| is how far from x_p the gap sees strain: the extent of the ball, as
-// long as strain is small. (With friction at the ball pairs of boxes stuck below the edges of a wedge, and slipped off.) So
-// sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0): force and moment balance to round-off, and both springs see the
-// motion that their force does work on. With a gap that follows x_p alone and F_n at x_c the stiffness matrix is not
-// symmetric, and a bouncing disc gains energy.
+// Friction acts where the normal leaves the box. q |d| is how far from x_p the gap sees strain: the extent of
+// the ball, as long as strain is small. (With friction at the ball pairs of boxes stuck below the edges of a
+// wedge, and slipped off.) So sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0): force and moment balance
+// to round-off, and both springs see the motion that their force does work on. With a gap that follows x_p
+// alone and F_n at x_c the stiffness matrix is not symmetric, and a bouncing disc gains energy.
 #pragma once
 
 #include "mpm/contact/rigid/RigidContactPoint.hpp"
@@ -28,10 +28,11 @@ template <int Dim> Mat<3> velocityGradientOf(const Body<Dim>& soil, int p) {
     return L;
 }
 
-// How far the place where friction acts has moved since the last step. A particle's own part is taken from its place:
-// under FLIP its velocity is another one.
+// How far the place where friction acts has moved since the last step. A particle's own part is taken from
+// its place: under FLIP its velocity is another one.
 template <int Dim>
-Vec3 movedSince(const Body<Dim>& soil, int index, const RigidContactPoint& contact, const Arm& arm, double dt) {
+Vec3 movedSince(const Body<Dim>& soil, int index, const RigidContactPoint& contact, const Arm& arm,
+                double dt) {
     const Vec3 moved = contact.point - contact.pointBefore;
     if (soil.type->isMeshed()) return moved;
     return moved + dt * (velocityGradientOf(soil, index) * arm.d);

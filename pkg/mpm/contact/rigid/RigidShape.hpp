@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Shapes of rigid bodies as signed distances: distance(x) < 0 inside, and its gradient, the outward normal. All that contact
-// needs of a shape is this function in the frame of its body, and a box around it in space. Distances of box and triangle:
-// Ericson 2005, Real-Time Collision Detection, ch. 5. In 2D z = 0 everywhere: a sphere is a disc, a capsule a segment.
+// Shapes of rigid bodies as signed distances: distance(x) < 0 inside, and its gradient, the outward normal.
+// All that contact needs of a shape is this function in the frame of its body, and a box around it in space.
+// Distances of box and triangle: Ericson 2005, Real-Time Collision Detection, ch. 5. In 2D z = 0 everywhere:
+// a sphere is a disc, a capsule a segment.
 #pragma once
 
 #include "mpm/base/require.hpp"
@@ -73,7 +74,8 @@ class RigidShape {
                          "' is not known; give Sphere, Box, Wall, Capsule or Triangle");
     }
 
-    // Radius of a sphere around the position of the body that holds the shape, and whether all turns of the body look the same.
+    // Radius of a sphere around the position of the body that holds the shape, and whether all turns of the
+    // body look the same.
     double extent() const {
         const double far =
             std::max(point_[0].norm(),
@@ -109,8 +111,9 @@ class RigidShape {
         }
     }
 
-    // f(surface) for the directions in which a box of some extent can be clear of the shape: that of the nearest point, and the
-    // flat sides. A box beside an edge is clear along a side although its corner, seen along the diagonal, is not.
+    // f(surface) for the directions in which a box of some extent can be clear of the shape: that of the
+    // nearest point, and the flat sides. A box beside an edge is clear along a side although its corner, seen
+    // along the diagonal, is not.
     template <class F> void directions(const Vec3& x, F&& f) const {
         const Surface nearest = this->nearest(x);
         f(nearest);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Where a rigid body is, how it is turned and how it moves, and what has pushed it. Turning is about `position`.
+// Where a rigid body is, how it is turned and how it moves, and what has pushed it. Turning is about
+// `position`.
 #pragma once
 
 #include "mpm/base/types.hpp"

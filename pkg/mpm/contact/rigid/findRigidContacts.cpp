@@ -18,9 +18,9 @@ Vec3 turned(const Vec3& v, const Vec3& from, const Vec3& to) {
     return c > opposite ? Vec3(v - to.dot(v) / (1 + c) * (from + to)) : Vec3(v - to.dot(v) * to);
 }
 
-// From a particle to where it would be had it moved with the velocity that strains it. That one is mapped back from the
-// particles (MUSL, USF), the one that moves them is not; under FLIP what lies between them adds up to
-// dt (v_p - sum phi_i v_i).
+// From a particle to where it would be had it moved with the velocity that strains it. That one is mapped
+// back from the particles (MUSL, USF), the one that moves them is not; under FLIP what lies between them adds
+// up to dt (v_p - sum phi_i v_i).
 template <int Dim> Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>& soil, int p) {
     using NF = NodalField<Dim>;
     Vec3 straining = Vec3::Zero(), own = Vec3::Zero();
@@ -43,10 +43,9 @@ template <int Dim> Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>
 } // namespace
 
 template <int Dim>
-std::vector<RigidContactPoint> findNearContacts(const Scene<Dim>& scene,
-                                                const std::vector<BodyPoints<Dim>>& points,
-                                                const std::vector<RigidShape>& shapes,
-                                                const std::vector<RigidState>& states) {
+std::vector<RigidContactPoint>
+findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
+                 const std::vector<RigidShape>& shapes, const std::vector<RigidState>& states) {
     const double near = BodyPoints<Dim>::mostShift * scene.grid.cell.minCoeff();
     std::vector<RigidContactPoint> contacts;
     for (const RigidShape& shape : shapes) {

@@ -4,9 +4,7 @@
 import math
 from collections.abc import MutableMapping
 
-import numpy as np
-
-from ..check import diagnostics
+from .expression import Expression
 
 
 class Columns(dict):
@@ -15,7 +13,7 @@ class Columns(dict):
 
     def __init__(self, columns):
         super().__init__()
-        self._code = {}
+        self._expressions = {}
         for name, column in dict(columns).items():
             self[name] = column
 
@@ -31,7 +29,7 @@ class Columns(dict):
         if any(mark in str(one) for one in namesOf(name) for mark in ',"\n'):
             raise ValueError(f"History: the name of column {name!r} may hold no comma, quote or line end")
         if isText:
-            self._code[name] = compile(column, f"<column {name}>", "eval")
+            self._expressions[name] = Expression(column, f"History: column '{name}'")
         super().__setitem__(name, column)
 
     def measure(self, name, scene):
@@ -41,8 +39,7 @@ class Columns(dict):
         if column is None:
             return [(one, math.nan) for one in namesOf(name)]
         try:
-            known = {"scene": scene, "diagnostics": diagnostics, "np": np}
-            found = eval(self._code[name], known) if isinstance(column, str) else column(scene)
+            found = self._expressions[name](scene) if isinstance(column, str) else column(scene)
             return [
                 (one, float(value))
                 for one, value in zip(

@@ -1,12 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Checkpoint files: the description of a scene and its arrays in HDF5.
+"""Checkpoint files: the description of a scene and its arrays in HDF5, sealed by a checksum.
 
-Layout, format 2: root attributes `format`, `formatVersion`, `package`; dataset `scene`, UTF-8 text of a JSON
-object with everything but arrays; groups `bodies/0`, `bodies/1` ... with `particles/FIELD` (one row per
-particle, in the order of the solver), `domains/FIELD` and `tables/NAME` (how particles and vertices are
-grouped and connected). Datasets carry a checksum.
+Layout, format 3. The first 512 bytes are text: what the file is, and the SHA-256 sum of everything behind
+them, in which HDF5 begins (its "user block"; h5py and other readers skip it). Root attributes `format`,
+`formatVersion`, `package`; dataset `scene`, UTF-8 text of a JSON object with everything but arrays; groups
+`bodies/0`, `bodies/1` ... with `particles/FIELD` (one row per particle, in the order of the solver),
+`domains/FIELD` and `tables/NAME` (how particles and vertices are grouped and connected). Datasets are
+plain: no filters, no links to other files. Names of other files are relative to the folder of the
+checkpoint.
+
+Format 2, still read, has no such text; its datasets carry a checksum each, and its names of files are
+relative to the working folder of the run.
 """
 
+import hashlib
+import io
 import json
 import os
 
@@ -14,13 +22,19 @@ import h5py
 import numpy as np
 
 from .. import __version__
-from .files import checkWritable, replacing
+from .files import checkWritable, writeWhole
 
-FORMAT, VERSION = "yade-mpm checkpoint", 2
+FORMAT, VERSION, OLDEST = "yade-mpm checkpoint", 3, 2
+SEAL = 512  # bytes; the smallest user block of HDF5
+PIECE = 1 << 20  # bytes read at once
+MOST_BODIES = 100_000
+FLETCHER32 = h5py.h5z.FILTER_FLETCHER32
 
 
 def write(file, description, bodies):
     """Writes a checkpoint; an older file of that name stays until the new one is complete on the disk.
+
+    The image of the file is made in memory, for HDF5 does not survive a disk that becomes full.
 
     Parameters
     ----------
@@ -33,17 +47,35 @@ def write(file, description, bodies):
     file = os.fspath(file)
     checkWritable(file)
     text = json.dumps(description)
+    image = io.BytesIO()
+    with h5py.File(image, "w", userblock_size=SEAL) as h5:
+        _writeAll(h5, text, bodies)
+    content = image.getbuffer()[SEAL:]
     try:
-        with replacing(file) as part:
-            with h5py.File(part, "w") as h5:
-                _writeAll(h5, text, bodies)
-            _syncToDisk(part)
-        _syncToDisk(os.path.dirname(os.path.abspath(file)))
-    except (
-        OSError,
-        RuntimeError,
-    ) as error:  # RuntimeError: h5py, when a full disk fails the closing of a file
-        raise OSError(f"checkpoint '{file}' could not be written: {error}") from error
+        writeWhole(file, sealOf(content), content)
+    except OSError as error:
+        raise OSError(
+            error.errno,
+            f"checkpoint '{file}' could not be written: {error.strerror or error}; an older file of that "
+            "name is as "
+            f"it was",
+        ) from error
+
+
+def sealOf(content):
+    """The first bytes of a checkpoint, from all that follow."""
+    return _sealText(hashlib.sha256(content))
+
+
+def _sealText(total):
+    return f"yade-mpm checkpoint; sha256 {total.hexdigest()}\n".encode().ljust(SEAL, b"\0")
+
+
+def seal(file):
+    """Makes a checkpoint whose content was changed by hand valid again."""
+    with open(file, "rb") as f:
+        content = f.read()[SEAL:]
+    writeWhole(file, sealOf(content), content)
 
 
 def read(file):
@@ -53,9 +85,9 @@ def read(file):
     ----------
     file : str, name of the file.
 
-    Returns the dict that was written, and for each body a dict with the dicts "particles", "domains" and
-    "tables". Raises FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or of
-    another format.
+    Returns the dict that was written, with "formatVersion", and for each body a dict with the dicts
+    "particles", "domains" and "tables". Takes no more memory than the file has bytes. Raises
+    FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or of another format.
     """
     if not os.path.isfile(file):
         raise FileNotFoundError(f"checkpoint '{file}' does not exist")
@@ -63,56 +95,107 @@ def read(file):
         raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
     try:
         with h5py.File(file, "r") as h5:
-            spec = _readSpec(h5, file)
-            return spec, [_readArrays(h5[f"bodies/{k}"]) for k in range(len(spec["bodies"]))]
-    except (OSError, KeyError, RuntimeError, json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"checkpoint '{file}' is damaged: {error}; use an older one") from error
+            version = _versionOf(h5, file)
+            if version > 2 and not _isSealed(file):
+                raise ValueError(
+                    f"checkpoint '{file}' is damaged: it is not what was written (its checksum differs); "
+                    "use an older one"
+                )
+            reader = _Reader(h5, file, version)
+            spec = json.loads(bytes(reader.array(h5, "scene", np.dtype(np.uint8), 1)).decode())
+            count = len(spec["bodies"])
+            if count > MOST_BODIES or count != len(h5.get("bodies", ())):
+                raise KeyError(f"{count} bodies are described, {len(h5.get('bodies', ()))} are there")
+            return {**spec, "formatVersion": version}, [reader.body(f"bodies/{k}") for k in range(count)]
+    except ValueError as error:
+        if str(error).startswith(("checkpoint", f"'{file}'")):
+            raise
+        raise _damaged(file, error) from error
+    except (OSError, KeyError, TypeError, AttributeError, RuntimeError, MemoryError, OverflowError) as
+    error:
+        raise _damaged(file, error) from error
+
+
+def _damaged(file, error):
+    return ValueError(f"checkpoint '{file}' is damaged: {type(error).__name__}: {error}; use an older one")
+
+
+def _isSealed(file):
+    total = hashlib.sha256()
+    with open(file, "rb") as f:
+        stated = f.read(SEAL)
+        while piece := f.read(PIECE):
+            total.update(piece)
+    return stated == _sealText(total)
+
+
+def _versionOf(h5, file):
+    if h5.attrs.get("format") != FORMAT:
+        raise ValueError(f"'{file}' is an HDF5 file, but no checkpoint of yade_mpm")
+    version = int(h5.attrs.get("formatVersion", 0))
+    if not OLDEST <= version <= VERSION:
+        raise ValueError(
+            f"checkpoint '{file}' has format {version}, written by yade_mpm {h5.attrs.get('package')}; "
+            f"yade_mpm {__version__} reads formats {OLDEST} and {VERSION}; continue it with that version"
+        )
+    return version
+
+
+class _Reader:
+    """Arrays of an open checkpoint, whose kind and size are checked before memory is taken for them."""
+
+    KINDS = {"particles": None, "domains": None, "tables": np.dtype(np.int32)}
+
+    def __init__(self, h5, file, version):
+        self._h5, self._left = h5, os.path.getsize(file)
+        self._filters = {FLETCHER32} if version == 2 else set()
+
+    def body(self, path):
+        """Dict of dicts of the arrays of a body."""
+        group = self._h5[path]
+        return {
+            kind: {name: self.array(group[kind], name, dtype) for name in group[kind]}
+            if kind in group
+            else {}
+            for kind, dtype in self.KINDS.items()
+        }
+
+    def array(self, group, name, dtype=None, ndim=None):
+        """An array by its name."""
+        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+            raise ValueError(f"{name} is a link to elsewhere")
+        data = group[name]
+        if not isinstance(data, h5py.Dataset):
+            raise ValueError(f"{name} is no array")
+        if data.dtype not in ([dtype] if dtype else [np.dtype(np.float64), np.dtype(np.int64)]):
+            raise ValueError(f"{name} has numbers of the kind {data.dtype}")
+        if data.ndim not in ([ndim] if ndim else [1, 2, 3]):
+            raise ValueError(f"{name} has {data.ndim} dimensions")
+        plist = data.id.get_create_plist()
+        filters = {plist.get_filter(k)[0] for k in range(plist.get_nfilters())}
+        if filters - self._filters or plist.get_external_count() or data.is_virtual:
+            raise ValueError(f"{name} is compressed, or elsewhere")
+        self._left -= data.nbytes
+        if self._left < 0 or data.id.get_storage_size() < data.nbytes:
+            raise ValueError(f"{name} with the shape {data.shape} is larger than the file")
+        return data[...]
 
 
 def _writeAll(h5, text, bodies):
     h5.attrs.update(format=FORMAT, formatVersion=VERSION, package=__version__)
-    _write(h5, "scene", np.frombuffer(text.encode(), np.uint8))
+    h5.create_dataset("scene", data=np.frombuffer(text.encode(), np.uint8))
     for k, body in enumerate(bodies):
         group = h5.create_group(f"bodies/{k}")
         for name in storedFields(body):
-            _write(group, f"particles/{name}", np.asarray(body.core.view(name, False)))
+            group.create_dataset(f"particles/{name}", data=np.asarray(body.core.view(name, False)))
         for field in body.core.fields(True):
-            _write(group, f"domains/{field['name']}", np.asarray(body.core.view(field["name"], True)))
+            name = field["name"]
+            group.create_dataset(f"domains/{name}", data=np.asarray(body.core.view(name, True)))
         for name, table in body.core.tables().items():
-            _write(group, f"tables/{name}", np.array(table, np.int32))
-
-
-def _write(group, name, array):
-    group.create_dataset(name, data=array, fletcher32=array.size > 0 or None)
+            group.create_dataset(f"tables/{name}", data=np.array(table, np.int32))
 
 
 def storedFields(body):
     """All but the body force that nobody has asked for: to ask is to switch it on."""
-    return [f["name"] for f in body.core.fields(False) if f["name"] != "bodyForce" or body.core.hasBodyForce]
-
-
-def _syncToDisk(path):
-    number = os.open(path, os.O_RDONLY)
-    try:
-        os.fsync(number)
-    finally:
-        os.close(number)
-
-
-def _readSpec(h5, file):
-    if h5.attrs.get("format") != FORMAT:
-        raise ValueError(f"'{file}' is an HDF5 file, but no checkpoint of yade_mpm")
-    version = int(h5.attrs.get("formatVersion", 0))
-    if version != VERSION:
-        raise ValueError(
-            f"checkpoint '{file}' has format {version}, written by yade_mpm {h5.attrs.get('package')}; "
-            f"yade_mpm {__version__} reads format {VERSION}; continue it with that version"
-        )
-    return json.loads(bytes(h5["scene"][...]).decode())
-
-
-def _readArrays(group):
-    return {
-        kind: {name: data[...] for name, data in group.get(kind, {}).items()}
-        for kind in ("particles", "domains", "tables")
-    }
+    return [f["name"] for f in body.core.fields(False) if f["name"] != "bodyForce" or
+    body.core.hasBodyForce]

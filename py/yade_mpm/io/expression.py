@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Expressions as text, for what a file may bring: they look at a scene, compute, and can do nothing else.
 
-The text is parsed by `ast` and walked here, never compiled: what is not named below does not exist. Arrays of a
-scene are given out read-only.
+The text is parsed by `ast` and walked here, never compiled: what is not named below does not exist. Arrays
+of a scene are given out read-only.
 """
 
 import ast
@@ -19,7 +19,8 @@ from ..engine.rigidContact import RigidContact
 from ..particle.body import Body, BodyPart
 
 MOST_NODES = (
-    100_000  # parts of an expression looked at in one evaluation: a thousand bodies, a hundred parts for each
+    100_000  # parts of an expression looked at in one evaluation: a thousand bodies, a hundred parts for
+    each
 )
 MOST_TEXT = 10_000  # characters
 MOST_BITS = 4096  # of a whole number; 10**10**10 would take minutes and all memory
@@ -34,14 +35,14 @@ NUMPY = set(
     "median min minimum mod multiply nanmax nanmean nanmedian nanmin nanquantile nansum negative "
     "percentile power prod ptp quantile rad2deg radians rint round searchsorted sign sin sinh sort sqrt "
     "square squeeze stack std subtract sum take tan tanh trace trapz transpose true_divide trunc unique "
-    "var vstack where add linalg.norm linalg.det linalg.eigvalsh flatnonzero float64 int64 bool_".split()
+    "var vstack where add linalg.norm linalg.det linalg.eigvalsh flatnonzero float64 int64 bool_".split()  # noqa: SIM905
 )
 CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan, "e": math.e, "newaxis": None}
 
 ARRAY_ATTRIBUTES = {"T", "shape", "size", "ndim", "real"}
 ARRAY_METHODS = set(
     "all any argmax argmin argsort clip copy cumprod cumsum diagonal dot flatten item max mean min prod "
-    "ptp ravel reshape round squeeze std sum swapaxes take tolist trace transpose var".split()
+    "ptp ravel reshape round squeeze std sum swapaxes take tolist trace transpose var".split()  # noqa: SIM905
 )
 METHODS = {  # of what a scene is made of; none of them changes anything
     Body: {"corners", "outline", "fields"},
@@ -56,7 +57,7 @@ KINDS = (
 )  # whose values may be looked at; Attributed: engines, materials, types
 SCENE_ATTRIBUTES = set(
     "time steps dt dtCritical stiffest dim lower upper cell bodies engines constraints particleCount "
-    "threads scheme".split()
+    "threads scheme".split()  # noqa: SIM905
 )
 SCENE_METHODS = {"nodePositions", "faceNodes"}
 
@@ -99,9 +100,9 @@ class Expression:
 
     text : of the expression. who : of the error, e.g. "History: column 'toe'".
 
-    Names that begin with an underscore, assignments, imports, lambdas, calls of anything but the functions of
-    `yade_mpm.diagnostics`, plain functions of NumPy and methods that only look, do not exist: ValueError, which
-    tells what is allowed. SyntaxError for text that is no expression.
+    Names that begin with an underscore, assignments, imports, lambdas, calls of anything but the functions
+    of `yade_mpm.diagnostics`, plain functions of NumPy and methods that only look, do not exist:
+    ValueError, which tells what is allowed. SyntaxError for text that is no expression.
     """
 
     def __init__(self, text, who):
@@ -121,8 +122,10 @@ class Expression:
     def _refuse(self, reason):
         shown = self.text if len(self.text) <= 200 else self.text[:200] + " ..."
         raise ValueError(
-            f"{self._who} = {shown!r} is not allowed: {reason}; as text a column takes fields of the scene and "
-            f"its bodies, diagnostics.NAME(scene), arithmetic, comparisons, indexing and functions of NumPy such "
+            f"{self._who} = {shown!r} is not allowed: {reason}; as text a column takes fields of the scene "
+            "and "
+            "its bodies, diagnostics.NAME(scene), arithmetic, comparisons, indexing and functions of "
+            "NumPy such "
             f"as np.quantile; for anything else give a function"
         )
 

@@ -1,25 +1,129 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Files are written whole or not at all: what was there before stays until the new one is complete."""
 
+import contextlib
+import errno
+import glob
 import json
 import os
-import threading
+import re
+import secrets
+import socket
 from contextlib import contextmanager
 
 import numpy as np
 
+HOST = re.sub(r"[^A-Za-z0-9]", "", socket.gethostname()) or "host"
+NO_RESERVE = {errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS, errno.ENODEV}  # file systems that cannot
+
 
 @contextmanager
 def replacing(file):
-    """Name to write a file under, which takes the place of `file` at the end of the `with` block. After an
-    error what was written is removed, and an older file of that name is as it was."""
-    part = f"{os.fspath(file)}.{os.getpid()}-{threading.get_ident()}.part"
+    """Name to write a file under, which takes the place of `file` at the end of the `with` block.
+
+    After an error what was written is removed, and an older file of that name is as it was. OSError names
+    the file.
+    """
+    part = temporaryBeside(file)
     try:
-        yield part
-        os.replace(part, file)
+        with naming(file):
+            yield part
+            os.replace(part, file)
     finally:
-        if os.path.exists(part):
+        with contextlib.suppress(FileNotFoundError):
             os.remove(part)
+
+
+def temporaryBeside(file):
+    """Makes an empty file beside another one, with a name that nobody can foresee, and returns the name.
+
+    What killed processes of this machine left of the same file is removed.
+    """
+    file = os.fspath(file)
+    _removeLeftBehind(file)
+    part = f"{file}.{HOST}-{os.getpid()}-{secrets.token_hex(8)}.part"
+    with naming(file):  # exclusively: a link that somebody puts there is not followed
+        os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_NOFOLLOW, 0o666))
+    return part
+
+
+def writeWhole(file, *pieces):
+    """Writes bytes as a file that is complete on the disk, or not there, when this returns.
+
+    Parameters
+    ----------
+    file : str, name of the file; an older one stays until the new one is complete.
+    pieces : bytes, one behind the other.
+
+    Raises OSError, which names the file.
+    """
+    with replacing(file) as part:
+        fillWhole(part, *pieces)
+    syncToDisk(os.path.dirname(os.path.abspath(file)))
+
+
+def fillWhole(file, *pieces):
+    """Writes bytes into a file that is there and empty: takes room first, waits for the disk at the end."""
+    number = os.open(file, os.O_WRONLY | os.O_NOFOLLOW)
+    try:
+        reserve(number, 0, sum(len(piece) for piece in pieces))
+        for piece in pieces:
+            rest = memoryview(piece).cast("B")
+            while len(rest):
+                rest = rest[os.write(number, rest) :]
+        os.fsync(number)
+    finally:
+        os.close(number)
+
+
+def reserve(number, at, count):
+    """Takes room on the disk for bytes of an open file from a place on; OSError where there is none."""
+    if count <= 0 or not hasattr(os, "posix_fallocate"):
+        return
+    try:
+        os.posix_fallocate(number, at, count)
+    except OSError as error:
+        if error.errno not in NO_RESERVE:
+            raise
+
+
+@contextmanager
+def naming(file):
+    """Errors of the system in the `with` block name a file, and not a temporary one, or none."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None or error.filename == os.fspath(file):
+            raise
+        raise type(error)(error.errno, error.strerror, os.fspath(file)) from error
+
+
+def syncToDisk(path):
+    """Waits until a file, or the names in a folder, are on the disk."""
+    number = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)
+
+
+def _removeLeftBehind(file):
+    """Removes what processes of this machine that are no more left of a file that they wrote."""
+    for part in glob.glob(f"{glob.escape(file)}.{HOST}-*.part"):
+        found = re.fullmatch(r"(\d+)-[0-9a-f]{16}\.part", part[len(file) + len(HOST) + 2 :])
+        if found and not _isAlive(int(found[1])):
+            with contextlib.suppress(OSError):
+                os.remove(part)
+
+
+def _isAlive(process):
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except PermissionError:
+        return True
+    return True
 
 
 def saveJson(file, value):

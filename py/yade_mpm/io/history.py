@@ -27,14 +27,14 @@ class History(Callback):
     ----------
     period : scene time between rows, s; or iterPeriod : steps between rows. One of the two is needed.
     file : name of a CSV file with one column each and the units in the header; default: none. Besides, the
-        columns go to /history (/history/`label` if the engine has a label) of the file of the first Recorder
-        of the scene.
-    columns : dict name -> function of the scene that returns a number, or such an expression as text in which
-        `scene` and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}; or tuple of
-        names -> function that returns a number for each. Text is no Python: it takes fields, `diagnostics`,
-        arithmetic, comparisons, indexing and plain functions of NumPy (`np`), so that a checkpoint can bring
-        it without harm. A checkpoint can keep only text; give functions again after loading
-        (`history.columns["toe"] = ...`), the column is nan until then.
+        columns go to /history (/history/`label` if the engine has a label) of the file of the first
+        Recorder of the scene.
+    columns : dict name -> function of the scene that returns a number, or such an expression as text in
+        which `scene` and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}; or
+        tuple of names -> function that returns a number for each. Text is no Python: it takes fields,
+        `diagnostics`, arithmetic, comparisons, indexing and plain functions of NumPy (`np`), so that a
+        checkpoint can bring it without harm. A checkpoint can keep only text; give functions again after
+        loading (`history.columns["toe"] = ...`), the column is nan until then.
     average : reactions, moments and forces of contact are means over all steps since the row before instead
         of values of the last step. Default True: explicit dynamics makes the value of one step noisy.
     state : rows of the run that is to be continued; given by checkpoints. The files are made to hold just
@@ -42,19 +42,19 @@ class History(Callback):
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces):
     NAME.fx, NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz
-    (3D: mx, my, mz); with a `Contact` among the engines contact.A-B.fx, contact.A-B.fy (, .fz), the force on
-    group B by group A for each pair of groups, contact.frictionWork and, of the last step,
+    (3D: mx, my, mz); with a `Contact` among the engines contact.A-B.fx, contact.A-B.fy (, .fz), the force
+    on group B by group A for each pair of groups, contact.frictionWork and, of the last step,
     contact.largestPenetration (see `Contact`); mass, momentum.x ..., kineticEnergy, internalWork,
     externalWork, dampedEnergy, contactEnergy, energyError, workDone, kineticRatio, unbalancedRatio,
     minJacobian, hourglassAmplitude, distortedCount, invertedCount, convertedCount (see
     `yade_mpm.diagnostics`). A value that does not exist is nan.
 
-    energyError = externalWork - dampedEnergy - contactEnergy - internalWork - (kineticEnergy - kinetic energy
-    at the start).
+    energyError = externalWork - dampedEnergy - contactEnergy - internalWork - (kineticEnergy - kinetic
+    energy at the start).
 
-    Rows are written at the end of a run and every 5 s of wall time. Raises ValueError for arguments that are
-    not allowed, TypeError for a column that is no function, OSError for a file that cannot be written; all
-    before the first step.
+    Rows are written at the end of a run and every 5 s of wall time. Raises ValueError for arguments that
+    are not allowed, TypeError for a column that is no function, OSError for a file that cannot be written;
+    all before the first step.
     """
 
     def __init__(
@@ -135,8 +135,10 @@ class History(Callback):
         )
 
     def _restore(self, state):
-        self._data = {name: list(column) for name, column in state["data"].items()}
+        self._data = {str(name): [_asNumber(v) for v in column] for name, column in state["data"].items()}
         self._count = max((len(column) for column in self._data.values()), default=0)
+        if any(len(column) < self._count or "\n" in name for name, column in self._data.items()):
+            raise ValueError("History: the rows of a checkpoint are not complete")
         self._units, self._before, self._initialEnergy = (
             dict(state["units"]),
             dict(state["before"]),
@@ -237,3 +239,9 @@ class History(Callback):
                 known = self._inRecorder if name in group else 0
                 extend(group, name, np.array(column[known:]), known, unit=self._units[name])
         self._inRecorder = self._count
+
+
+def _asNumber(value):
+    if not isinstance(value, (int, float)):
+        raise TypeError(f"History: {value!r} in a row of a checkpoint is no number")
+    return value

@@ -5,12 +5,13 @@ import os
 
 import numpy as np
 
-from ..base.warn import warnUser
+from ..base.warn import PACKAGE, warnUser
 from ..engine.callback import Callback, PyRunner
 from ..engine.engines import classes as engineClasses
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive, Hold
 from ..geometry.mesh import Mesh
+from ..geometry.numbers import isNumber
 from ..geometry.regions import regionFromSpec
 from ..io import checkpoint
 from ..io.checkpoint import storedFields
@@ -19,47 +20,101 @@ from ..material.materials import rebuilt
 from ..particle.part import BodyPart
 from ..particle.types import classes as particleClasses
 from .adding import newBody
+from .permissions import Permissions
 from .scene import Scene
+from .tableChecks import checkTables
+
+MOST_SHOWN = 500  # characters of an error from inside
+FAR = 1e300  # steps and seconds: further than any run comes
 
 
-def load(file, callbacks=None):
+def load(file, callbacks=None, trust=False, files=None):
     """Scene from a checkpoint; `run` continues it with the same bits as if it had never stopped.
+
+    A checkpoint is data: what it brings does not run, and writes nothing outside of its own folder, unless
+    you say so.
 
     Parameters
     ----------
     file : name of the file.
-    callbacks : dict label -> function, for every `PyRunner` that calls a function (functions are not stored),
-        or label -> engine for a callback of a class of your own without `spec()`; None instead of either
-        leaves it out. Without a label the name of the function, or of the class, stands for it.
+    trust : bool, let texts of the file run (`PyRunner` with a string), and let its recorders and histories
+        write anywhere; default False. Say True for files of your own only: it is like running a script.
+    files : dict name -> name, for recorders and histories: where to write instead of a place that the
+        checkpoint names; None instead of a name leaves the file out. Places in the folder of the checkpoint
+        need none.
+    callbacks : dict label -> function, for every `PyRunner` that calls a function (functions are not
+        stored), or label -> engine for a callback of a class of your own without `spec()`; None instead of
+        either leaves it out. Without a label the name of the function, or of the class, stands for it.
 
     `body.mesh` is None where domains were converted before. Materials and particle types that bodies shared
     are shared again. Raises FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or
-    of a newer format, for a callback that is missing or superfluous, and for a class that this installation
-    does not have. Warns when the state is that of an interrupted step, or of an interrupted `settle`.
+    of a newer format, for a callback that is missing or superfluous, for a class that this installation
+    does not have, and for text that would run or a place outside of the folder (the error shows them).
+    Numbers of the tables that the solver goes by are checked; SECURITY.md tells what is promised. Warns
+    when the state is that of an interrupted step, or of an interrupted `settle`.
     """
     file = os.fspath(file)
     spec, arrays = checkpoint.read(file)
-    return _build(spec, arrays, dict(callbacks or {}), file)
+    callbacks = dict(callbacks or {})
+    if not isinstance(trust, bool):
+        raise TypeError(f"load: trust = {trust!r} is not allowed; give True or False")
+    permissions = Permissions(file, spec["formatVersion"], trust, callbacks, files or {})
+    try:
+        return _build(spec, arrays, callbacks, permissions, file)
+    except (
+        KeyError,
+        IndexError,
+        TypeError,
+        AttributeError,
+        OverflowError,
+        RecursionError,
+        ValueError,
+    ) as error:
+        if not _isOfFile(error) or f"'{file}'" in str(error):
+            raise
+        raise ValueError(
+            f"checkpoint '{file}' does not describe a scene: {type(error).__name__}: "
+            f"{str(error)[:MOST_SHOWN]}; it was "
+            f"made by hand, or by another version"
+        ) from error
 
 
-def _build(spec, arrays, callbacks, file):
+def _isOfFile(error):
+    """Whether an error was made here, and not by a class of the user."""
+    trace = error.__traceback__
+    while trace.tb_next is not None:
+        trace = trace.tb_next
+    return trace.tb_frame.f_code.co_filename.startswith(PACKAGE) and not str(error).startswith("load: ")
+
+
+def _build(spec, arrays, callbacks, permissions, file):
     scene = Scene(spec["lower"], spec["upper"], spec["cell"], scheme=spec["scheme"], threads=spec["threads"])
+    permissions.checkTexts(spec["engines"] or [])
     _buildBodies(scene, spec, arrays, file)
     if spec["engines"] is not None:
-        engines = [_buildEngine(e, scene, callbacks, file) for e in spec["engines"]]
+        engines = [_buildEngine(e, scene, callbacks, permissions, file) for e in spec["engines"]]
         scene.engines = [e for e in engines if e is not None]
     if callbacks:
         raise ValueError(
             f"load: checkpoint '{file}' has no callback {', '.join(map(repr, callbacks))}; check the labels"
         )
+    permissions.finish()
     for name in ("allowUnstable", "dtCritical", "stiffest"):
         setattr(scene, name, spec[name])
     scene.dt = spec["dt"]
+    _checkClock(spec)
     scene.core.dt, scene.core.time, scene.core.step = spec["currentDt"], spec["time"], spec["steps"]
     scene.core.energies = spec["energies"]
     scene.stepper.restore(spec["checked"], spec["estimatedAt"])
     _warn(scene, spec, file)
     return scene
+
+
+def _checkClock(spec):
+    """Refuses numbers that no scene has."""
+    for name in ("currentDt", "time", "steps"):
+        if not (isNumber(spec[name]) and 0 <= spec[name] < FAR):
+            raise TypeError(f"{name} = {spec[name]!r}")
 
 
 def _warn(scene, spec, file):
@@ -113,7 +168,7 @@ def _buildBody(scene, entry, stored, material, kind, file):
     )
     body.isDamped = entry.get("isDamped", True)
     core = body.core
-    core.resize(entry["count"])
+    core.resize(_checked(body, entry, stored, file))
     for field in core.fields(True):
         core.resizeDomainField(field["name"], len(_stored(stored, "domains", field["name"], body, file)))
     if entry["hasBodyForce"]:
@@ -129,10 +184,32 @@ def _buildBody(scene, entry, stored, material, kind, file):
         body.mesh = _meshOf(body, stored)
 
 
+def _checked(body, entry, stored, file):
+    """Number of particles of a body, of whose tables all numbers fit."""
+    count = entry["count"]
+    try:
+        if len(_stored(stored, "particles", "mass", body, file)) != count:
+            raise ValueError(
+                f"{count} particles are described, and {len(stored['particles']['mass'])} are there"
+            )
+        checkTables(body, count, stored)
+    except (ValueError, KeyError) as error:
+        if str(error).startswith("checkpoint"):
+            raise
+        raise ValueError(
+            f"checkpoint '{file}' is damaged: '{body.name}': {error}; use an older one"
+        ) from error
+    return count
+
+
 def _fill(body, names, ofDomains, stored, file):
     for name in names:
         view = np.asarray(body.core.view(name, ofDomains))
         values = _stored(stored, "domains" if ofDomains else "particles", name, body, file)
+        if view.dtype != values.dtype:
+            raise ValueError(
+                f"checkpoint '{file}': {name} of '{body.name}' holds {values.dtype} instead of {view.dtype}"
+            )
         if view.shape != values.shape:
             raise ValueError(
                 f"checkpoint '{file}': {name} of '{body.name}' has the shape {values.shape} instead of "
@@ -172,10 +249,17 @@ def _classOf(classes, spec, file):
     return classes[spec["class"]]
 
 
-def _buildEngine(spec, scene, callbacks, file):
+def _buildEngine(spec, scene, callbacks, permissions, file):
     if spec["class"] == "GridSolver":
         return _buildSolver(spec, scene)
+    if permissions.isText(spec) and (label := permissions.instead(spec)) is not None:
+        return _givenCallback({**spec, "callback": label}, callbacks, file)
     if "spec" in spec:
+        if spec["class"] in ("Recorder", "History") and spec["spec"]["file"] is not None:
+            place = permissions.place(spec["spec"]["file"])
+            if place is None and spec["class"] == "Recorder":
+                return None
+            spec = {**spec, "spec": {**spec["spec"], "file": place}}
         return _buildCallback(_classOf({**engineClasses, **_callbackClasses()}, spec, file), spec)
     if "callback" in spec:
         return _givenCallback(spec, callbacks, file)

@@ -2,12 +2,14 @@
 """A scene as a checkpoint; restoring.py is the way back."""
 
 import json
+import os
 
 import numpy as np
 
 from ..engine.callback import Callback
 from ..engine.gridSolver import GridSolver
 from ..io import checkpoint
+from .permissions import relativeTo
 
 _CONSTRAINT_STATE = (
     "work",
@@ -33,7 +35,11 @@ def save(scene, file, midStep=False):
 
     Raises OSError when the file cannot be written.
     """
-    checkpoint.write(file, {**describe(scene), "midStep": bool(midStep)}, scene.bodies)
+    description = {**describe(scene), "midStep": bool(midStep)}
+    for engine in description["engines"] or ():
+        if engine["class"] in ("Recorder", "History") and engine.get("spec", {}).get("file") is not None:
+            engine["spec"]["file"] = relativeTo(os.path.dirname(os.fspath(file)), engine["spec"]["file"])
+    checkpoint.write(file, description, scene.bodies)
 
 
 def describe(scene):

@@ -130,4 +130,4 @@ def _fromTag(omega, label, callbacks):
             f"{omega.iter}; load a file that O.save wrote with the scene attached, or give the scene"
         )
     file = os.path.join(os.path.dirname(omega.filename or ""), saved["file"])
-    return load(file, callbacks), saved
+    return load(file, callbacks, trust=True), saved  # like the commands that YADE's own file brings

@@ -345,7 +345,7 @@ def test_leaving_the_program_in_a_callback_saves_too():
     )
     run.communicate(timeout=30)
     assert run.returncode == 7
-    assert mpm.load("yade_mpm.checkpoint.failed.h5", callbacks={"go": None}).steps == 4
+    assert mpm.load("yade_mpm.checkpoint.failed.h5", callbacks={"go": None}, trust=True).steps == 4
 
 
 def test_errors_of_a_script_give_an_exit_code():
@@ -392,7 +392,7 @@ def test_wait_raises_what_went_wrong_in_the_background(capsys):
         scene.wait()
     scene.wait()  # once
     assert scene.steps == 3 and "the run failed at step 3" in capsys.readouterr().err
-    assert mpm.load("yade_mpm.checkpoint.failed.h5").steps == 3
+    assert mpm.load("yade_mpm.checkpoint.failed.h5", trust=True).steps == 3
 
 
 @pytest.mark.parametrize("period", [dict(iterPeriod=7), dict(virtPeriod=0.05)])

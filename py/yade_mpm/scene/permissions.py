@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a checkpoint may ask for beyond numbers, text that runs and files to write: nothing without the "
+"caller."""
+
+import os
+
+from ..engine.callback import PyRunner
+
+SHOWN = 2000  # characters of text that an error shows
+
+
+class Permissions:
+    """What the caller of `load` allows a file.
+
+    Parameters
+    ----------
+    file : str, name of the checkpoint.
+    version : int, its format: up to 2 names of files are relative to the working folder, then to that of
+        the checkpoint.
+    trust : bool, whether its texts may run and its files may be anywhere.
+    callbacks : dict label -> function or engine, instead of what the file says; what is used is taken out.
+    files : dict name, as the file has it -> name to use instead, or None for none.
+    """
+
+    def __init__(self, file, version, trust, callbacks, files):
+        self._file, self._version, self._trust = file, version, trust
+        self._callbacks, self._files = callbacks, dict(files)
+
+    def checkTexts(self, engines):
+        """Refuses text that would run, all at once. engines : their descriptions."""
+        texts = [
+            f"{e['attributes'].get('label') or 'PyRunner'}: {e['spec']['command']}"
+            for e in engines
+            if self.isText(e) and not self._trust and self.instead(e) is None
+        ]
+        if not texts:
+            return
+        shown = "\n    ".join(_printable(line) for line in "\n".join(texts).splitlines())
+        shown = shown if len(shown) <= SHOWN else shown[:SHOWN] + f" ... ({len(shown)} characters)"
+        raise ValueError(
+            f"checkpoint '{self._file}' brings Python that a run would execute:\n    {shown}\nread it; to "
+            "let it run give "
+            "load(file, trust=True), to put something in its place load(file, "
+            f"callbacks={{label: function}}), label: "
+            f"None to leave it out"
+        )
+
+    def isText(self, spec):
+        """Whether an engine would execute a text of the file."""
+        return spec["class"] in _runners() and isinstance(spec.get("spec", {}).get("command"), str)
+
+    def instead(self, spec):
+        """Label under which the caller gave something in the place of a text; None if nothing was given."""
+        label = spec["attributes"].get("label") or "PyRunner"
+        return label if label in self._callbacks else None
+
+    def place(self, name):
+        """Where a file that the checkpoint names is; ValueError if that is outside of its folder without "
+        "leave."""
+        if name in self._files:
+            given = self._files.pop(name)
+            return None if given is None else os.fspath(given)
+        folder = os.path.dirname(self._file)
+        found = name if self._version <= 2 else os.path.normpath(os.path.join(folder, name))
+        if self._trust or _isInside(found, folder):
+            return found
+        raise ValueError(
+            f"checkpoint '{self._file}' would write to '{name}', which is not in its folder; give load(file, "
+            f"files={{{name!r}: 'a place of your choice'}}), None to write no such file, or load(file, "
+            "trust=True) if the "
+            f"checkpoint is your own"
+        )
+
+    def finish(self):
+        """Refuses files that the caller gave and the checkpoint does not know."""
+        if self._files:
+            raise ValueError(
+                f"load: checkpoint '{self._file}' names no file {', '.join(map(repr, self._files))}; check "
+                "the names"
+            )
+
+
+def _runners():
+    """Names of PyRunner and of all classes derived from it."""
+    found, rest = set(), [PyRunner]
+    while rest:
+        one = rest.pop()
+        found.add(one.__name__)
+        rest.extend(one.__subclasses__())
+    return found
+
+
+def _printable(line):
+    """A line without characters that would make a terminal do something."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in line)
+
+
+def relativeTo(folder, name):
+    """Name of a file as a checkpoint in that folder keeps it."""
+    return os.path.relpath(os.path.abspath(name), os.path.abspath(folder or "."))
+
+
+def _isInside(name, folder):
+    """Whether a file is in a folder or below it, links followed."""
+    root, found = os.path.realpath(folder or "."), os.path.realpath(name)
+    return os.path.commonpath([root, found]) == root and found != root

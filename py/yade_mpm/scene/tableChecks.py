@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Tables of numbers that the solver goes by without looking again: checked when they come from a file."""
+
+import numpy as np
+
+from ..geometry.mesh import MAX_MASTERS
+
+
+def checkTables(body, count, stored):
+    """Refuses tables of a body whose numbers do not fit it.
+
+    Parameters
+    ----------
+    body : Body, as yet without particles.
+    count : int, number of its particles.
+    stored : dict of the dicts "particles", "domains" and "tables" of arrays, as a checkpoint has them.
+
+    Raises ValueError, which names the table.
+    """
+    tables, domains = stored["tables"], stored["domains"]
+    for name, table in tables.items():
+        _require(table.ndim == 1, f"{name} has {table.ndim} dimensions")
+    points = len(domains["vertexPosition"]) if "vertexPosition" in domains else count
+    _checkGroups(tables.get("blockStart"), tables.get("blockOrder"), points)
+    if "corners" in tables:
+        corners = 2 ** body.core.fields(False)[1]["shape"][0]
+        _require(tables["corners"].size == corners * count, f"corners has {tables['corners'].size} numbers")
+        _checkRange("corners", tables["corners"], 0, points)
+        checkHanging(points, tables["slaves"], tables["masters"], domains.get("masterWeight"))
+    if "runsWhenSorted" in tables:
+        _require(tables["runsWhenSorted"].shape == (1,), "runsWhenSorted is not one number")
+        _checkRange("runsWhenSorted", tables["runsWhenSorted"], 0, max(1, points) + 1)
+    _checkNumbers(count, stored)
+
+
+def checkHanging(points, slaves, masters, weights):
+    """Refuses hanging vertices that are not in order, or whose masters do not stand by themselves."""
+    masters = (
+        np.reshape(masters, (-1, MAX_MASTERS)) if np.size(masters) % MAX_MASTERS == 0 else np.zeros((0, 1))
+    )
+    _require(len(masters) == len(slaves), f"{len(slaves)} slaves have masters for {len(masters)}")
+    _require(np.shape(weights) == (len(slaves), MAX_MASTERS), f"weights have the shape {np.shape(weights)}")
+    _checkRange("slaves", slaves, 0, points)
+    _checkRange("masters", masters, -1, points)
+    _require((np.diff(slaves) > 0).all(), "slaves are not in order, or twice there")
+    _require((masters[:, 0] >= 0).all() if len(masters) else True, "a slave has no master")
+    _require(not np.isin(masters, slaves).any(), "a master is a slave itself")
+    _require(np.isfinite(weights).all() and not np.any(np.asarray(weights)[masters < 0]), "weights are wrong")
+
+
+def _checkGroups(start, order, points):
+    """Points by blocks of the grid: where each block begins, and the numbers of the points in this order."""
+    if start is None:
+        return
+    if len(start):
+        isRising = start[0] == 0 and start[-1] == points and (np.diff(start) >= 0).all()
+        _require(isRising, f"blockStart does not rise from 0 to {points}")
+    if len(order):
+        isWhole = len(order) == points and np.array_equal(np.sort(order), np.arange(points))
+        _require(isWhole, f"blockOrder is no order of {points} points")
+
+
+def _checkNumbers(count, stored):
+    """Numbers of particles, in the order of which the outline of cut boxes is found."""
+    ids = stored["particles"].get("id")
+    _require(ids is not None and ids.dtype.kind == "i" and (ids >= 0).all(), "id has numbers below zero")
+    carriers = stored["domains"].get("outlineCarrier")
+    if carriers is not None and len(carriers):
+        _require(np.array_equal(np.sort(ids), np.arange(count)), f"id is no order of {count} particles")
+        _checkRange("outlineCarrier", carriers, 0, count)
+    half = stored["domains"].get("halfSize")
+    _require(half is None or ((half > 0) & np.isfinite(half)).all(), "halfSize is not positive")
+
+
+def _checkRange(name, values, first, end):
+    wrong = np.asarray(values)[(np.asarray(values) < first) | (np.asarray(values) >= end)]
+    _require(wrong.size == 0, f"{name} has {wrong[:1].tolist()}, and from {first} to {end - 1} is allowed")
+
+
+def _require(isRight, complaint):
+    if not isRight:
+        raise ValueError(complaint)

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A checkpoint is data: it runs nothing, writes nowhere else, and damage of any kind is told, not "
+"computed with."""
+
+import gzip
+import json
+import os
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box
+from yade_mpm.io import checkpoint
+
+
+def makeScene(*engines):
+    """Boxes, one body of them cut, beside a mesh with hanging vertices."""
+    scene = mpm.Scene((0, 0), (2, 2), 0.5)
+    elastic = mpm.LinearElastic(density=1.0, lame=(100.0, 50.0))
+    near = scene.add("boxes", box((0, 0), (1, 0.5)), elastic, mpm.UGIMP(perCell=4))
+    scene.add("mesh", box((1, 0), (2, 1)), elastic, mpm.APDI(size=0.5, matched=near))
+    scene.add("cut", mpm.disc((0.5, 1.5), 0.3), elastic, mpm.UGIMP(perCell=4, cut=True))
+    solver = mpm.GridSolver(gravity=(0, -1), fixed="bottom")
+    scene.engines = [*(mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()), *engines]
+    scene.run(steps=10, progress=False)
+    return scene
+
+
+def describedAnew(file, change):
+    """Changes the description in a checkpoint by hand."""
+    with h5py.File(file, "r+") as h5:
+        spec = json.loads(bytes(h5["scene"][...]))
+        change(spec)
+        del h5["scene"]
+        h5["scene"] = np.frombuffer(json.dumps(spec).encode(), np.uint8)
+    checkpoint.seal(file)
+
+
+# --- text -------------------------------------------------------------------------------------------------
+def test_text_runs_only_if_the_caller_says_so_and_is_shown(tmp_path):
+    text = f"open({str(tmp_path / 'ran')!r}, 'w').close()"
+    makeScene(mpm.PyRunner("pass", iterPeriod=1, label="harmless")).save("a.h5")
+    describedAnew("a.h5", lambda spec: spec["engines"][4]["spec"].update(command=text))
+    with pytest.raises(ValueError, match=r"(?s)a run would execute:\n    harmless: open\(.*trust=True"):
+        mpm.load("a.h5")
+    mpm.load("a.h5", callbacks={"harmless": None}).run(steps=2)
+    calls = []
+    mpm.load("a.h5", callbacks={"harmless": calls.append}).run(steps=2)
+    assert not os.path.exists("ran") and len(calls) == 2
+    mpm.load("a.h5", trust=True).run(steps=2)
+    assert os.path.exists("ran")
+    with pytest.raises(TypeError, match="trust = 1 is not allowed; give True or False"):
+        mpm.load("a.h5", trust=1)
+
+
+@pytest.mark.parametrize("trust", [False, True])
+def test_a_column_that_a_file_brings_is_an_expression_and_no_python(trust):
+    makeScene(mpm.History(iterPeriod=1, columns={"a": "scene.time"})).save("a.h5")
+    text = "__import__('os').mkdir('ran')"
+    describedAnew("a.h5", lambda spec: spec["engines"][4]["spec"]["columns"].update(a=text))
+    with pytest.raises(ValueError, match="column 'a' = .* is not allowed: the name '__import__'"):
+        mpm.load("a.h5", trust=trust)
+    assert not os.path.exists("ran")
+
+
+# --- places -----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("kind", [mpm.Recorder, mpm.History])
+@pytest.mark.parametrize("place", ["../elsewhere", "absolute", "link/elsewhere", "run/../../elsewhere"])
+def test_a_file_of_a_checkpoint_stays_in_its_folder(tmp_path, kind, place):
+    folder, other = tmp_path / "a", tmp_path / "b"
+    folder.mkdir(), other.mkdir()
+    (folder / "link").symlink_to(other)
+    name = str(other / "elsewhere") if place == "absolute" else place
+    makeScene(kind(file=folder / "out.h5", iterPeriod=5)).save(folder / "a.h5")
+    describedAnew(folder / "a.h5", lambda spec: spec["engines"][4]["spec"].update(file=name))
+    with pytest.raises(
+        ValueError, match=f"would write to '{name}', which is not in its folder; give load\\(file, files="
+    ):
+        mpm.load(folder / "a.h5")
+    scene = mpm.load(folder / "a.h5", files={name: tmp_path / "mine.h5"})
+    scene.run(steps=10, progress=False)
+    assert (tmp_path / "mine.h5").exists()
+    left = [e for e in mpm.load(folder / "a.h5", files={name: None}).engines if isinstance(e, kind)]
+    assert left == [] if kind is mpm.Recorder else left[0].file is None
+    found = mpm.load(folder / "a.h5", trust=True).engines[4].file
+    assert os.path.realpath(found) == os.path.realpath(folder / name)
+    with pytest.raises(ValueError, match="names no file 'nothing'; check the names"):
+        mpm.load(folder / "a.h5", files={name: None, "nothing": "x"})
+
+
+def test_results_and_checkpoint_move_together(tmp_path):
+    os.mkdir("first")
+    scene = makeScene(
+        mpm.Recorder("first/out.vtkhdf", iterPeriod=5), mpm.History(iterPeriod=5, file="first/out.csv")
+    )
+    scene.save("first/a.h5")
+    shutil.move("first", "second")
+    mpm.load("second/a.h5").run(steps=10, progress=False)
+    assert not os.path.exists("first") and len((tmp_path / "second/out.csv").read_text().splitlines()) == 5
+
+
+def test_a_checkpoint_of_format_2_is_still_read(tmp_path):
+    """Written by the published version, which said that 20 steps later these are the sums."""
+    with gzip.open(Path(__file__).parent / "checkpoint_format_2.h5.gz") as f:
+        (tmp_path / "a.h5").write_bytes(f.read())
+    with pytest.raises(ValueError, match=r"PyRunner: scene\['boxes'\].velocity\[0, 0\] \+= 1e-6"):
+        mpm.load("a.h5")
+    scene = mpm.load("a.h5", trust=True)
+    scene.run(steps=20, progress=False)
+    assert scene["boxes"].stress.sum() == pytest.approx(-52.35865333197525, rel=1e-12)
+    assert scene["mesh"].position.sum() == pytest.approx(7.976413312016354, rel=1e-12)
+    assert list(scene.engines[4]["step"]) == [5, 10, 15, 20, 25, 30, 35, 40]
+
+
+# --- damage -----------------------------------------------------------------------------------------------
+def test_every_flipped_bit_and_every_missing_end_is_noticed(tmp_path):
+    makeScene().save("a.h5")
+    whole = (tmp_path / "a.h5").read_bytes()
+    random = np.random.default_rng(1)
+    places = [*range(0, 600, 31), *random.integers(0, len(whole), 150)]
+    for place in places:
+        damaged = bytearray(whole)
+        damaged[place] ^= 1 << int(random.integers(8))
+        (tmp_path / "b.h5").write_bytes(damaged)
+        with pytest.raises(ValueError, match="'b.h5'"):
+            mpm.load("b.h5")
+    for end in random.integers(0, len(whole), 20):
+        (tmp_path / "b.h5").write_bytes(whole[:end])
+        with pytest.raises(ValueError, match="'b.h5'"):
+            mpm.load("b.h5")
+
+
+def damagedArray(name, change):
+    """Changes an array of a checkpoint by hand, and makes the file valid again."""
+    with h5py.File("a.h5", "r+") as h5:
+        values = change(h5[name][...])
+        del h5[name]
+        h5[name] = values
+    checkpoint.seal("a.h5")
+
+
+def put(place, value):
+    def change(values):
+        values[place] = value
+        return values
+
+    return change
+
+
+WRONG = {
+    "bodies/0/tables/blockStart": [put(1, 10**9), put(1, -5), put(-1, 3), lambda v: v[::-1]],
+    "bodies/0/tables/blockOrder": [lambda v: np.array([10**9], np.int32)],
+    "bodies/0/tables/runsWhenSorted": [put(0, -(2**31)), lambda v: v[:0]],
+    "bodies/0/domains/halfSize": [put(0, -1.0), put(0, np.nan)],
+    "bodies/0/particles/id": [put(0, -1), lambda v: v.astype(float)],
+    "bodies/0/particles/mass": [lambda v: v[:-1], lambda v: v[:, None], lambda v: v.astype("f4")],
+    "bodies/0/particles/position": [lambda v: v[:, :1], lambda v: v.astype(int)],
+    "bodies/1/tables/corners": [put(0, 2**30), put(3, -1), lambda v: v[:-1], lambda v: v.astype("i8")],
+    "bodies/1/tables/slaves": [put(0, 2**30), put(0, -1), lambda v: v[::-1], lambda v: v[:-1]],
+    "bodies/1/tables/masters": [put(0, 2**30), put(0, -1), lambda v: v[:-4], lambda v: v[:-1]],
+    "bodies/1/tables/blockOrder": [put(0, 10**9), put(0, -1), put(slice(None), 0), lambda v: v[:-1]],
+    "bodies/1/domains/masterWeight": [put((0, 0), np.inf), lambda v: v[:-1]],
+    "bodies/1/domains/vertexPosition": [lambda v: v[:-1], lambda v: v[:0]],
+    "bodies/2/domains/outlineCarrier": [put(0, 2**40), put(0, -1)],
+    "bodies/2/particles/id": [put(0, 2**40)],
+}
+
+
+@pytest.mark.parametrize("name, change", [(n, c) for n, changes in WRONG.items() for c in changes])
+def test_tables_that_the_solver_would_go_astray_by_are_refused(name, change):
+    makeScene().save("a.h5")
+    damagedArray(name, change)
+    with pytest.raises(ValueError, match="checkpoint 'a.h5'"):
+        mpm.load("a.h5")
+
+
+def test_an_array_larger_than_the_file_is_refused_before_memory_is_taken(tmp_path):
+    makeScene().save("a.h5")
+    for options in ({"compression": "gzip"}, {"chunks": (2**20,)}, {}):
+        with h5py.File("a.h5", "r+") as h5:
+            del h5["bodies/0/particles/mass"]
+            h5.create_dataset("bodies/0/particles/mass", (2**32,), float, **options)  # 32 GB of nothing
+        checkpoint.seal("a.h5")
+        with pytest.raises(
+            ValueError, match="mass (is compressed|with the shape .* is larger than the file)"
+        ):
+            mpm.load("a.h5")
+
+
+def test_an_array_in_another_file_is_refused(tmp_path):
+    makeScene().save("a.h5")
+    with h5py.File("b.h5", "w") as h5:
+        h5["mass"] = np.ones(16)
+    with h5py.File("a.h5", "r+") as h5:
+        del h5["bodies/0/particles/mass"]
+        h5["bodies/0/particles/mass"] = h5py.ExternalLink("b.h5", "/mass")
+    checkpoint.seal("a.h5")
+    with pytest.raises(ValueError, match="mass is a link to elsewhere"):
+        mpm.load("a.h5")
+
+
+def everyPlace(value, path=()):
+    """Paths to all that a description holds."""
+    yield path
+    children = (
+        value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    )
+    for key, child in children:
+        yield from everyPlace(child, (*path, key))
+
+
+def test_a_description_with_anything_in_any_place_is_refused_or_loads(tmp_path):
+    """Nothing but ValueError, whatever stands where."""
+    makeScene(mpm.History(iterPeriod=5)).save("a.h5")
+    with h5py.File("a.h5", "r") as h5:
+        text = bytes(h5["scene"][...])
+    content = (tmp_path / "a.h5").read_bytes()
+    random = np.random.default_rng(2)
+    odd = [None, -1, 1e300, "", "x" * 300, [], {}, [[]], True, 2**70, {"kind": "box"}, [1, 2, 3]]
+    places = list(everyPlace(json.loads(text)))
+    refused = 0
+    for k in random.permutation(len(places))[:80]:
+        (tmp_path / "b.h5").write_bytes(content)
+
+        def change(spec, path=places[k]):
+            for key in path[:-1]:
+                spec = spec[key]
+            if path:
+                spec[path[-1]] = odd[random.integers(len(odd))]
+
+        describedAnew("b.h5", change)
+        try:
+            mpm.load("b.h5")
+        except ValueError as error:
+            refused += 1
+            assert "'b.h5'" in str(error) and len(str(error)) < 3000, (places[k], error)
+        except MemoryError:
+            refused += 1
+    assert refused > 25

@@ -28,6 +28,7 @@ FORMAT, VERSION, OLDEST = "yade-mpm checkpoint", 3, 2
 SEAL = 512  # bytes; the smallest user block of HDF5
 PIECE = 1 << 20  # bytes read at once
 MOST_BODIES = 100_000
+READING = (OSError, KeyError, TypeError, AttributeError, RuntimeError, MemoryError, OverflowError)
 FLETCHER32 = h5py.h5z.FILTER_FLETCHER32
 
 
@@ -111,8 +112,7 @@ def read(file):
         if str(error).startswith(("checkpoint", f"'{file}'")):
             raise
         raise _damaged(file, error) from error
-    except (OSError, KeyError, TypeError, AttributeError, RuntimeError, MemoryError, OverflowError) as
-    error:
+    except READING as error:
         raise _damaged(file, error) from error
 
 
@@ -197,5 +197,4 @@ def _writeAll(h5, text, bodies):
 
 def storedFields(body):
     """All but the body force that nobody has asked for: to ask is to switch it on."""
-    return [f["name"] for f in body.core.fields(False) if f["name"] != "bodyForce" or
-    body.core.hasBodyForce]
+    return [f["name"] for f in body.core.fields(False) if f["name"] != "bodyForce" or body.core.hasBodyForce]

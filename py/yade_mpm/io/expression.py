@@ -18,16 +18,19 @@ from ..engine.prescribed import Prescribed
 from ..engine.rigidContact import RigidContact
 from ..particle.body import Body, BodyPart
 
-MOST_NODES = (
-    100_000  # parts of an expression looked at in one evaluation: a thousand bodies, a hundred parts for
-    each
-)
+
+def _words(text):
+    return frozenset(text.split())
+
+
+# Parts of an expression looked at in one evaluation: a thousand bodies, a hundred parts for each.
+MOST_NODES = 100_000
 MOST_TEXT = 10_000  # characters
 MOST_BITS = 4096  # of a whole number; 10**10**10 would take minutes and all memory
 
 FUNCTIONS = {f.__name__: f for f in (abs, all, any, bool, float, int, len, max, min, round, sum)}
 
-NUMPY = set(
+NUMPY = _words(
     "abs absolute all allclose any arccos arcsin arctan arctan2 argmax argmin argsort array asarray "
     "average ceil clip concatenate cos cosh count_nonzero cross cumprod cumsum deg2rad degrees diff "
     "divide dot einsum exp expm1 fabs floor fmax fmin hstack hypot inner interp isfinite isinf isnan "
@@ -35,14 +38,15 @@ NUMPY = set(
     "median min minimum mod multiply nanmax nanmean nanmedian nanmin nanquantile nansum negative "
     "percentile power prod ptp quantile rad2deg radians rint round searchsorted sign sin sinh sort sqrt "
     "square squeeze stack std subtract sum take tan tanh trace trapz transpose true_divide trunc unique "
-    "var vstack where add linalg.norm linalg.det linalg.eigvalsh flatnonzero float64 int64 bool_".split()  # noqa: SIM905
+    "var vstack where add linalg.norm linalg.det linalg.eigvalsh flatnonzero float64 int64 "
+    "bool_"
 )
 CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan, "e": math.e, "newaxis": None}
 
 ARRAY_ATTRIBUTES = {"T", "shape", "size", "ndim", "real"}
-ARRAY_METHODS = set(
+ARRAY_METHODS = _words(
     "all any argmax argmin argsort clip copy cumprod cumsum diagonal dot flatten item max mean min prod "
-    "ptp ravel reshape round squeeze std sum swapaxes take tolist trace transpose var".split()  # noqa: SIM905
+    "ptp ravel reshape round squeeze std sum swapaxes take tolist trace transpose var"
 )
 METHODS = {  # of what a scene is made of; none of them changes anything
     Body: {"corners", "outline", "fields"},
@@ -55,9 +59,9 @@ KINDS = (
     Attributed,
     Prescribed,
 )  # whose values may be looked at; Attributed: engines, materials, types
-SCENE_ATTRIBUTES = set(
+SCENE_ATTRIBUTES = _words(
     "time steps dt dtCritical stiffest dim lower upper cell bodies engines constraints particleCount "
-    "threads scheme".split()  # noqa: SIM905
+    "threads scheme"
 )
 SCENE_METHODS = {"nodePositions", "faceNodes"}
 
@@ -123,10 +127,8 @@ class Expression:
         shown = self.text if len(self.text) <= 200 else self.text[:200] + " ..."
         raise ValueError(
             f"{self._who} = {shown!r} is not allowed: {reason}; as text a column takes fields of the scene "
-            "and "
-            "its bodies, diagnostics.NAME(scene), arithmetic, comparisons, indexing and functions of "
-            "NumPy such "
-            f"as np.quantile; for anything else give a function"
+            f"and its bodies, diagnostics.NAME(scene), arithmetic, comparisons, indexing and functions of "
+            f"NumPy such as np.quantile; for anything else give a function"
         )
 
     def _check(self):

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a checkpoint may ask for beyond numbers, text that runs and files to write: nothing without the "
-"caller."""
+"""What a checkpoint may ask for beyond numbers, text that runs and files to write: nothing by itself."""
 
 import os
 
@@ -39,10 +38,8 @@ class Permissions:
         shown = shown if len(shown) <= SHOWN else shown[:SHOWN] + f" ... ({len(shown)} characters)"
         raise ValueError(
             f"checkpoint '{self._file}' brings Python that a run would execute:\n    {shown}\nread it; to "
-            "let it run give "
-            "load(file, trust=True), to put something in its place load(file, "
-            f"callbacks={{label: function}}), label: "
-            f"None to leave it out"
+            f"let it run give load(file, trust=True), to put something in its place load(file, "
+            f"callbacks={{label: function}}), label: None to leave it out"
         )
 
     def isText(self, spec):
@@ -55,8 +52,7 @@ class Permissions:
         return label if label in self._callbacks else None
 
     def place(self, name):
-        """Where a file that the checkpoint names is; ValueError if that is outside of its folder without "
-        "leave."""
+        """Where a file that the checkpoint names is; ValueError if that is outside of its folder."""
         if name in self._files:
             given = self._files.pop(name)
             return None if given is None else os.fspath(given)
@@ -67,8 +63,7 @@ class Permissions:
         raise ValueError(
             f"checkpoint '{self._file}' would write to '{name}', which is not in its folder; give load(file, "
             f"files={{{name!r}: 'a place of your choice'}}), None to write no such file, or load(file, "
-            "trust=True) if the "
-            f"checkpoint is your own"
+            f"trust=True) if the checkpoint is your own"
         )
 
     def finish(self):

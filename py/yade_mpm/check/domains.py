@@ -72,6 +72,11 @@ def checkFields(body):
 
 
 def _checkField(body, name, values):
+    if name == "stress" and body.scene.dim == 2 and values[:, 2, :2].any():
+        raise ValueError(
+            f"body '{body.name}': stress has shear out of the plane, which plane strain does not have; "
+            f"set its components xz and yz to zero, or make a 3D scene"
+        )
     isFinite = np.isfinite(values)
     if not isFinite.all():
         number = np.argwhere(~isFinite)[0][0]

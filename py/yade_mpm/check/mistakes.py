@@ -4,8 +4,9 @@ the model cannot bear."""
 
 import numpy as np
 
+from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.contact import Contact
-from ..engine.prescribed import Drive
+from ..engine.prescribed import FACES, Drive
 from ..engine.rigidContact import RigidContact
 from ..material.materials import MaterialPoint
 
@@ -26,7 +27,9 @@ def likelyMistakes(scene, gravity):
     for body in scene.bodies:
         yield from _units(body, gravity)
         yield from _beyondYield(body)
-        if body.count and body.material.lameConstants[1] > STIFFER * softest:
+        isStructure = body.count and body.material.lameConstants[1] > STIFFER * softest
+        isAlone = body.count == scene.particleCount
+        if isStructure or (isAlone and _isBent(scene, body, gravity)):
             yield from _bending(body)
     if scene.geostaticGravity is not None and not np.isclose(
         scene.geostaticGravity, -gravity[-1] if gravity else 0
@@ -166,6 +169,27 @@ def _bearableK0(material, vertical, up):
             good, bad = (middle, bad) if bears(middle) else (good, middle)
         ends.append(far if bears(far) else good)
     return ends
+
+
+def _isBent(scene, body, gravity):
+    """Whether something acts on a body along its thinnest axis, and no face of the grid carries it there."""
+    corners = body.corners().reshape(-1, scene.dim)
+    lower, upper = corners.min(axis=0), corners.max(axis=0)
+    axis = int((upper - lower).argmin())
+    solver = scene.gridSolver("prepare")
+    for face in {*solver.roller, *solver.fixed}:
+        across, side = FACES[scene.dim][face]
+        gap = lower[axis] - scene.lower[axis] if side == 0 else scene.upper[axis] - upper[axis]
+        if across == axis and gap < scene.cell[axis]:
+            return False
+    tractions = [np.reshape(e.traction, (-1,)) for e in scene.engines if isinstance(e, BoundaryLoad)]
+    motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
+    return bool(
+        (gravity and gravity[axis])
+        or np.ptp(body.velocity[:, axis]) > 0
+        or any(len(t) and t[axis] for t in tractions)
+        or any(motions)
+    )
 
 
 def _bending(body):

@@ -52,7 +52,7 @@ class MaterialPoint:
     Parameters
     ----------
     material : the material.
-    stress : (3, 3) initial Cauchy stress, kPa, tension positive; default zero.
+    stress : (3, 3) initial Cauchy stress, kPa, tension positive, symmetric; default zero.
 
     It runs the same code as the particles of a scene.
     """
@@ -63,9 +63,10 @@ class MaterialPoint:
                 f"MaterialPoint: material = {material!r}; give a material, e.g. mpm.LinearElastic(...)"
             )
         self.material = material
-        self._point = _core.MaterialPoint(
-            material.core, _tensor("stress", np.zeros((3, 3)) if stress is None else stress)
-        )
+        stress = _tensor("stress", np.zeros((3, 3)) if stress is None else stress)
+        if not np.allclose(stress, stress.T):
+            raise ValueError("MaterialPoint: stress must be symmetric; give the same shear on both sides")
+        self._point = _core.MaterialPoint(material.core, stress)
 
     def strain(self, increment):
         """Applies a logarithmic strain increment without rotation and returns the new stress.

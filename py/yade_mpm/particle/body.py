@@ -15,8 +15,8 @@ class Body(Guarded):
     Every field is an attribute: position (N, dim), velocity (N, dim), stress (N, 3, 3), deformationGradient
     (N, 3, 3), mass, volume, initialVolume, id (N,), velocityGradient, bodyForce, reference, and the state
     variables of the material; `fields()` lists them with unit and meaning. They are views: writing to
-    them changes the particles. uGIMP particles are re-sorted now and then as they move, which reorders
-    all fields alike; `id` tells who is who.
+    them changes the particles. uGIMP particles are sorted when they are made and now and then as they move,
+    which reorders all fields alike: `id` tells who is who, and `byId("stress")` gives a copy in its order.
     """
 
     def __init__(self, scene, core, type_, material, region=None, mesh=None):
@@ -84,6 +84,19 @@ class Body(Guarded):
     def __dir__(self):
         return [*super().__dir__(), *self._fields]
 
+    def byId(self, name):
+        """A copy of a field in the order of `id`, which stays as particles are sorted.
+
+        name : of a field, or "displacement". The fields themselves stand in the order of the solver, where
+        neighbours lie together, from step 0 on. Ids count from 0: boxes of a region row by row, first axis
+        fastest, domains of a mesh as its cells; pieces of cut particles follow.
+        """
+        if name != "displacement" and name not in self._fields:
+            raise ValueError(
+                f"body '{self.name}' has no field '{name}'; fields: {', '.join(sorted(self._fields))}"
+            )
+        return getattr(self, name)[np.argsort(self.id, kind="stable")]
+
     @property
     def displacement(self):
         """Position less the reference position, m (N, dim)."""
@@ -96,12 +109,19 @@ class Body(Guarded):
     def setStress(self, stress):
         """Gives the particles a Cauchy stress, and the material the state that belongs to it.
 
-        stress : (N, 3, 3) or broadcastable, kPa, tension positive, symmetric. Raises ValueError for a wrong
-        shape, a value that is not finite, or a material whose stress follows from its deformation alone.
+        stress : (N, 3, 3) or broadcastable, kPa, tension positive, symmetric; in 2D without shear
+        out of the plane. Raises ValueError for a wrong shape, a value that is not finite, or a material whose
+        stress follows from its deformation alone.
         """
         stress = _finite(self, "stress", stress, (self.count, 3, 3))
         if not np.allclose(stress, stress.swapaxes(1, 2)):
             raise ValueError(f"body '{self.name}': stress must be symmetric")
+        if self.scene.dim == 2 and np.any(stress[:, 2, :2]):
+            raise ValueError(
+                f"body '{self.name}': stress has shear out of the plane, up to "
+                f"{np.abs(stress[:, 2, :2]).max():.3g} kPa, which plane strain does not have; give "
+                f"xz = yz = 0, or make a 3D scene"
+            )
         self.core.setStress(np.ascontiguousarray(stress, float))
 
     @property
@@ -157,8 +177,16 @@ class Body(Guarded):
 
     @property
     def vertices(self):
-        """Positions of the vertices of meshed domains, m (Nv, dim); a view."""
+        """Positions of the vertices of meshed domains, m (Nv, dim); a view: `body.vertices += x` moves them.
+
+        Particles stay where they are: to move a body before its first step, move `body.position` and
+        `body.reference` as well; or add it where it belongs.
+        """
         return np.asarray(self.core.view("vertexPosition", True))
+
+    @vertices.setter
+    def vertices(self, value):
+        self.vertices[...] = _finite(self, "vertices", value, self.vertices.shape)
 
     @property
     def cells(self):

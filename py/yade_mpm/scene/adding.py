@@ -11,6 +11,20 @@ from ..particle.body import Body
 from ..particle.types import Boxes, ParticleType, classes
 
 
+class Bodies(tuple):
+    """The bodies of a scene, which stay: checkpoints and contact know them by number."""
+
+    __slots__ = ()
+
+    def __getattr__(self, name):
+        if name in ("append", "clear", "extend", "insert", "pop", "remove"):
+            raise AttributeError(
+                f"Scene: bodies has no {name}(); bodies come by scene.add(...) and stay: build the scene "
+                f"without it"
+            )
+        raise AttributeError(f"Scene: bodies has no attribute '{name}'; it is a tuple of Body")
+
+
 def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group="main"):
     """Adds a body and returns it.
 
@@ -55,7 +69,7 @@ def newBody(scene, name, material, type, region, inertiaScale, fbar, group):
     """A body without particles, at the end of scene.bodies."""
     core = scene.core.addBody(name, material.core, type.core)
     body = Body(scene, core, type, material, region)
-    scene.bodies.append(body)
+    scene._bodies.append(body)
     scene.stepper.noteChange()
     try:
         body.inertiaScale, body.fbar, body.group = inertiaScale, fbar, group
@@ -110,7 +124,7 @@ def _checkInside(scene, name, geometry):
 
 def _drop(scene, body):
     """Takes back the body added last; whoever still has it finds it empty, not dangling."""
-    scene.bodies.pop()
+    scene._bodies.pop()
     scene.core.dropBody()
     body.__dict__.update(core=None, _fields=())
 

@@ -1,23 +1,46 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The initial stress of level ground, a method of a scene."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..particle.body import Body
 
 
+@dataclass
+class Layer:
+    """What initialStress made of a body: a layer of a unit weight, kN/m3, and K0."""
+
+    weight: float
+    K0: float
+    lower: np.ndarray  # corners of the box round it, m; it ends at the surface
+    upper: np.ndarray
+
+    def overburden(self, points, height):
+        """Pressure on points (N, dim), kPa; zero where it is not above them, or reaches below `height`."""
+        tolerance = 1e-6 * (self.upper - self.lower)
+        isUnder = self.lower[-1] > height - tolerance[-1]
+        isWithin = (points > self.lower - tolerance)[:, :-1] & (points < self.upper + tolerance)[:, :-1]
+        return np.where(isUnder & isWithin.all(axis=1), self.weight * (self.upper[-1] - self.lower[-1]), 0.0)
+
+
 def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None):
-    """Geostatic stress below a level surface: sigma_v = -gamma z, sigma_h = -K0 gamma z, z the depth.
+    """Geostatic stress below a level surface: sigma_v = -q - gamma z, sigma_h = K0 sigma_v, z the depth.
+
+    Ground of several layers takes one call for each: `bodies` are those of the layer, `surface` its top. q is
+    the weight of the layers above, whether their call comes before or after; of bodies that stand beside each
+    other only what lies straight above counts.
 
     Parameters
     ----------
-    surface : float, m, height of the ground surface (last axis).
+    surface : float, m, height of the ground surface, or of the top of a layer (last axis).
     K0 : float, earth pressure coefficient at rest.
     gravity : float, m/s2; default 9.81.
     bodies : list of Body; default: all that do not rise above the surface.
     unitWeight : float, kN/m3, gamma; default: density of each body times gravity.
 
-    Raises ValueError when nothing lies below the surface or layers of different weight need `unitWeight`.
+    Raises ValueError when nothing lies below the surface or layers of different weight need a call each.
     """
     for name, value in dict(surface=surface, K0=K0, gravity=gravity, unitWeight=unitWeight).items():
         _checkNumber(name, value)
@@ -29,19 +52,46 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
     ground = bodies or [b for b in scene.bodies if b.count and b.position[:, -1].max() < surface]
     if not ground:
         raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")
-    scene.geostaticGravity = float(gravity) if unitWeight is None else None
     weights = {b.material.density * gravity for b in ground} if unitWeight is None else {unitWeight}
     if len(weights) > 1:
         raise ValueError(
-            f"initialStress: the bodies weigh {sorted(weights)} kN/m3; give unitWeight, or set body.stress"
+            f"initialStress: the bodies weigh {sorted(weights)} kN/m3; call it for each layer, with "
+            f"bodies=[...] and the top of the layer as surface, or give unitWeight, or set body.stress"
         )
+    scene.geostaticGravity = float(gravity) if unitWeight is None else None
     weight = weights.pop()
+    layers = scene.geostaticLayers
+    ground = [body for body in ground if body.count]
+    replaced = {body.name: layers.pop(body.name) for body in ground if body.name in layers}
+    made = {body.name: _layerOf(body, weight, K0, surface) for body in ground}
     for body in ground:
         vertical = -weight * (surface - body.position[:, -1])
-        stress = np.zeros((body.count, 3, 3))
-        for k in range(3):
-            stress[:, k, k] = vertical * (1.0 if k == scene.dim - 1 else K0)
-        body.setStress(stress)
+        for layer in layers.values():
+            vertical = vertical - layer.overburden(body.position, surface)
+        body.setStress(_stress(vertical, K0, scene.dim))
+    for name, layer in layers.items():  # made before, and now under something
+        body, height = scene[name], layer.upper[-1]
+        added = np.zeros(body.count)
+        for sign, some in ((-1, made), (1, replaced)):
+            for above in some.values():
+                added += sign * above.overburden(body.position, height)
+        if added.any():
+            body.setStress(body.stress + _stress(added, layer.K0, scene.dim))
+    layers.update(made)
+
+
+def _stress(vertical, K0, dim):
+    stress = np.zeros((len(vertical), 3, 3))
+    for k in range(3):
+        stress[:, k, k] = vertical * (1.0 if k == dim - 1 else K0)
+    return stress
+
+
+def _layerOf(body, weight, K0, surface):
+    corners = body.corners().reshape(-1, body.scene.dim)
+    lower, upper = corners.min(axis=0), corners.max(axis=0)
+    upper[-1] = surface
+    return Layer(weight, K0, lower, upper)
 
 
 def _checkNumber(name, value):

@@ -9,7 +9,7 @@ from ..engine import chain
 from ..engine.engine import Engine
 from ..engine.gridSolver import GridSolver
 from ..geometry.numbers import isNumber
-from .adding import add
+from .adding import Bodies, add
 from .geostatic import initialStress
 from .grid import cellSize, corner, makeCore
 from .nodes import faceNodes, nodePositions, nodesInside
@@ -41,7 +41,7 @@ class Scene(Guarded):
     Attributes
     ----------
     lower, upper, cell, dim : of the grid.
-    bodies : list of Body, in the order in which they were added.
+    bodies : tuple of Body, in the order in which they were added; none can be taken out.
     allowUnstable : bool, whether dt may exceed the critical step; default False.
     dtCritical : s, critical step as estimated last; None before. stiffest : body in which its mode moves
         most.
@@ -67,17 +67,18 @@ class Scene(Guarded):
             dim=dim,
             cell=cell,
             core=makeCore(lower, upper, cell),
-            bodies=[],
             allowUnstable=False,
             dtCritical=None,  # s, as estimated last
             dtIterations=None,
             stiffest=None,  # body in which the fastest mode moves most
             stepper=Stepper(self),
             geostaticGravity=None,  # m/s2 that the initial stress balances
+            geostaticLayers={},  # name of a body -> Layer that initialStress made of it
             dampingAfterSettling=None,  # while settle() is at work
             loadsAndDrives=[],  # that were made for its bodies, whether given to it or not
             warnedOf=set(),  # faults of the domains that runs have told
         )
+        self._bodies = []
         self._dt, self._threads, self._engines, self._loop = None, None, None, None
         self.scheme = scheme
         self.threads = threads
@@ -94,6 +95,11 @@ class Scene(Guarded):
             if body.name == name:
                 return body
         raise KeyError(f"there is no body named '{name}'; bodies: {', '.join(b.name for b in self.bodies)}")
+
+    @property
+    def bodies(self):
+        """Tuple of all bodies, in the order in which they were added; `add` makes one more."""
+        return Bodies(self._bodies)
 
     particleCount = property(
         lambda self: sum(b.count for b in self.bodies), doc="Number of particles of all bodies."

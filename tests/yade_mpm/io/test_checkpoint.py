@@ -313,7 +313,7 @@ def test_elastic_constants_come_back_to_the_last_bit(tmp_path, attributes):
 
 def test_a_scene_without_bodies_can_be_saved(tmp_path):
     mpm.Scene((0, 0), (1, 1), 0.5).save(tmp_path / "a.h5")
-    assert mpm.load(tmp_path / "a.h5").bodies == []
+    assert mpm.load(tmp_path / "a.h5").bodies == ()
 
 
 def smallScene():

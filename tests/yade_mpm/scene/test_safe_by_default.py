@@ -1,0 +1,152 @@
+"""What a user might do without knowing: it works, or is refused before anything has changed."""
+
+import warnings
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box
+
+ELASTIC = dict(density=2.0, young=1e4, poisson=0.3)
+
+
+def block(kind=None, dim=2, **options):
+    scene = mpm.Scene((0,) * dim, (4,) * dim, 0.5, threads=1)
+    kind = mpm.UGIMP(perCell=2) if kind is None else kind
+    body = scene.add("block", box((1,) * dim, (3,) * dim), mpm.LinearElastic(**ELASTIC), kind, **options)
+    return scene, body
+
+
+# --- bodies ---------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("method", ["remove", "pop", "clear", "append"])
+def test_bodies_cannot_be_taken_out_behind_the_solvers_back(method):
+    scene, body = block()
+    with pytest.raises(AttributeError, match=f"bodies has no {method}.*build the scene without it"):
+        getattr(scene.bodies, method)(body)
+    assert scene.bodies == (body,) and scene.bodies[0] is body and scene.particleCount == 64
+
+
+def test_vertices_can_be_moved_in_one_line():
+    scene, body = block(mpm.APDI(size=0.5))
+    before = body.vertices.copy()
+    body.vertices += (0.25, 0.0)
+    assert np.array_equal(body.vertices, before + (0.25, 0.0))
+    body.vertices = before
+    assert np.array_equal(body.vertices, before)
+    with pytest.raises(ValueError, match="vertices holds a value that is not finite"):
+        body.vertices = before * np.nan
+    assert np.array_equal(body.vertices, before)
+
+
+# --- stress ---------------------------------------------------------------------------------------------
+def test_shear_out_of_the_plane_is_refused_in_plane_strain():
+    """The return to the yield surface does not see it: it would never yield."""
+    stress = np.zeros((3, 3))
+    stress[1, 2] = stress[2, 1] = 7.0
+    scene, body = block()
+    with pytest.raises(ValueError, match="'block': stress has shear out of the plane, up to 7 kPa"):
+        body.setStress(stress)
+    assert not body.stress.any()
+    body.stress[...] = stress
+    with pytest.raises(ValueError, match="'block': stress has shear out of the plane"):
+        scene.prepare()
+    block(dim=3)[1].setStress(stress)
+
+
+def test_a_material_point_refuses_a_stress_that_is_not_symmetric():
+    material = mpm.LinearElastic(**ELASTIC)
+    with pytest.raises(ValueError, match="MaterialPoint: stress must be symmetric"):
+        mpm.MaterialPoint(material, [[0, 1, 0], [0, 0, 0], [0, 0, 0]])
+    mpm.MaterialPoint(material, [[0, 1, 0], [1, 0, 0], [0, 0, 0]])
+
+
+def layered(order, beside=False):
+    """Two layers of 2 m of 18 and 20 kN/m3, each with a call of its own; beside them, one of 10 kN/m3."""
+    scene = mpm.Scene((0, 0), (8, 5), 0.5, threads=1)
+    materials = [mpm.LinearElastic(density=d / 9.81, young=1e4, poisson=0.3) for d in (18, 20, 10)]
+    upper = scene.add("upper", box((0, 2), (4, 4)), materials[0], mpm.UGIMP(perCell=2))
+    lower = scene.add("lower", box((0, 0), (4, 2)), materials[1], mpm.UGIMP(perCell=2))
+    calls = {"upper": dict(surface=4, bodies=[upper]), "lower": dict(surface=2, bodies=[lower])}
+    if beside:
+        other = scene.add("beside", box((4, 2), (6, 3)), materials[2], mpm.APDI(size=0.5))
+        calls["beside"] = dict(surface=3, bodies=[other])
+    for name in order:
+        scene.initialStress(K0=0.5, **calls[name])
+    return upper, lower
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        ("upper", "lower"),
+        ("lower", "upper"),
+        ("upper", "lower", "upper"),
+        ("lower", "upper", "lower"),
+        ("beside", "upper", "lower"),
+        ("lower", "upper", "beside"),
+    ],
+)
+def test_layer_by_layer_the_overburden_stays(order):
+    upper, lower = layered(order, beside="beside" in order)
+    assert upper.stress[:, 1, 1] == pytest.approx(-18 * (4 - upper.position[:, 1]), rel=1e-12)
+    vertical = -(18 * 2 + 20 * (2 - lower.position[:, 1]))
+    assert lower.stress[:, 1, 1] == pytest.approx(vertical, rel=1e-12)
+    assert lower.stress[:, 0, 0] == pytest.approx(0.5 * vertical, rel=1e-12)
+
+
+# --- beams ----------------------------------------------------------------------------------------------
+def warned(scene):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scene.prepare()
+    return [str(w.message) for w in caught if "bending stiffness" in str(w.message)]
+
+
+def beam(height=0.5, perCell=1, **solver):
+    scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
+    scene.add("beam", box((0, 2), (4, 2 + height)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP(perCell=perCell))
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(**solver),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    return scene
+
+
+def test_a_beam_alone_of_one_particle_across_is_warned_of_where_something_bends_it():
+    (text,) = warned(beam(gravity=(0, -9.81), fixed="left"))
+    assert text.startswith("body 'beam' is one particle wide: its bending stiffness is wrong")
+    assert warned(beam(gravity=(0, -9.81), fixed="left", height=1.0)) == []
+    assert warned(beam(gravity=(-9.81, 0), fixed="left")) == []  # a bar
+    pushed = beam(fixed="left")
+    pushed["beam"].velocity[:, 1] = pushed["beam"].position[:, 0]
+    assert len(warned(pushed)) == 1
+
+
+def test_a_column_of_one_particle_between_rollers_is_no_beam():
+    scene = mpm.Scene((0, 0), (0.5, 6), 0.5, threads=1)
+    scene.add("column", box((0, 0), (0.5, 4)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP(perCell=1))
+    scene["column"].velocity[:, 0] = 1e-3 * scene["column"].position[:, 1]
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom"),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    assert warned(scene) == []
+
+
+# --- order of fields ------------------------------------------------------------------------------------
+def test_byId_gives_fields_in_the_order_of_id_however_particles_are_sorted():
+    scene, body = block()
+    first = body.byId("position").copy()
+    assert np.array_equal(body.byId("id"), np.arange(body.count))
+    rows = np.round((first - 1.125) / 0.25).astype(int)
+    assert np.array_equal(np.lexsort(rows.T), np.arange(body.count))  # row by row, x first
+    body.velocity = (3.0, 2.0)
+    scene.run(until=0.25, progress=False)
+    assert np.array_equal(body.byId("reference"), first)
+    assert np.ptp(body.byId("displacement"), axis=0).max() < 1e-9
+    with pytest.raises(ValueError, match="body 'block' has no field 'speed'; fields: bodyForce"):
+        body.byId("speed")

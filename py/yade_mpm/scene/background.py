@@ -5,8 +5,12 @@ import atexit
 import os
 import signal
 import threading
+import time
 
-from .run import Run
+from .run import ENDING, Run, catchSignals
+
+LOOK = 1.0  # s between looks whether a run in the background is over, besides being told
+PATIENCE = 2  # times that Ctrl-C is pressed before a run that does not end is given up
 
 
 class BackgroundRun(Run):
@@ -18,12 +22,15 @@ class BackgroundRun(Run):
         super().__init__(*arguments)
         self.error = None
         self._thread = threading.Thread(target=self._work, name="yade_mpm run", daemon=True)
-        self._before = None  # handler of SIGTERM
+        self._process = os.getpid()  # a child made by fork has no such thread
+        # Not Thread.join: one that Ctrl-C interrupts takes the thread for finished (bpo-45274), while it steps on.
+        self._isOver, self._over = False, threading.Event()
+        self._before = {}  # signal -> handler
 
     def start(self):
-        """Begins. SIGTERM and the end of the program leave its state in a checkpoint too."""
+        """Begins. Signals and the end of the program leave its state in a checkpoint too."""
         if threading.current_thread() is threading.main_thread():
-            self._before = signal.signal(signal.SIGTERM, self._terminate)
+            self._before = catchSignals(self._terminate, self.saveSoon, ENDING)
         atexit.register(self._leave)
         self._thread.start()
 
@@ -33,46 +40,62 @@ class BackgroundRun(Run):
         except BaseException as error:  # raised again by wait()
             self.error = error
         atexit.unregister(self._leave)
+        self._isOver = True  # first: the handler of a signal looks at nothing else
+        self._over.set()
 
     def isAlive(self):
         """Whether it goes on."""
-        return self._thread.is_alive()
+        return not self._isOver and self._process == os.getpid()
 
     def isThisThread(self):
         """Whether the caller is a callback of it."""
         return threading.current_thread() is self._thread
 
     def wait(self):
-        """Waits for the end and raises what went wrong; Ctrl-C ends the run and leaves a checkpoint."""
+        """Waits for the end and raises what went wrong; Ctrl-C ends the run and leaves a checkpoint.
+
+        Ctrl-C again and again raises KeyboardInterrupt at once: for a callback that hangs.
+        """
         if self.isThisThread():
             return
-        try:
-            self._thread.join()
-        except KeyboardInterrupt:
-            self._cutOff()
-            raise
-        isMain = threading.current_thread() is threading.main_thread()
-        if isMain and signal.getsignal(signal.SIGTERM) == self._terminate:
-            signal.signal(signal.SIGTERM, self._before or signal.SIG_DFL)
+        presses = 0
+        while self.isAlive():
+            try:
+                self._over.wait(LOOK)
+            except KeyboardInterrupt:
+                presses += 1
+                self.interrupt(signal.SIGINT)
+                if presses > PATIENCE:
+                    raise
+        self._releaseSignals()
         if self.error is not None:
             error, self.error = self.error, None
             raise error
+        if presses:
+            raise KeyboardInterrupt
+
+    def _releaseSignals(self):
+        if threading.current_thread() is not threading.main_thread():
+            return
+        for number, handler in self._before.items():
+            if signal.getsignal(number) in (self._terminate, self.saveSoon):
+                signal.signal(number, handler or signal.SIG_DFL)
+        self._before = {}
 
     def _terminate(self, number, frame):
-        signal.signal(number, self._before or signal.SIG_DFL)
         if not self.isAlive():
+            signal.signal(number, self._before.get(number) or signal.SIG_DFL)
             os.kill(os.getpid(), number)  # not ours any more
             return
-        self._cutOff()
+        self._cutOff(number)
         raise SystemExit(128 + number)
 
     def _leave(self):
         if self.isAlive():
-            self._cutOff()
+            self._cutOff(signal.SIGTERM)
 
-    def _cutOff(self):
-        """Ends it behind the slice it is in, and saves."""
-        self.stop()
-        self._thread.join()
-        if self.error is None:
-            self.saveInterrupted()
+    def _cutOff(self, number):
+        """Ends it behind the slice it is in, which saves. Takes no lock: signal handlers call it."""
+        self.interrupt(number)
+        while self.isAlive():
+            time.sleep(0.005)

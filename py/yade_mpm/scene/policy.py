@@ -61,8 +61,8 @@ class LoopPolicy:
             return
         try:
             self._save()
-        except OSError as error:
-            self._say(f"warning: step {self._scene.steps}: {error}")
+        except (OSError, MemoryError) as error:
+            self._say(f"warning: step {self._scene.steps}: {error}; the run goes on")
         now = time.monotonic()
         self._saveAt = now + max(self._savePeriod, (now - began) / SHARE)
 

@@ -10,6 +10,7 @@ from .policy import LoopPolicy
 from .progress import Progress
 from .rescue import Rescue
 
+ENDING = (signal.SIGTERM, signal.SIGHUP)
 SLICE = 0.1  # s of wall time between looks at signals and the progress bar
 
 
@@ -35,8 +36,9 @@ class Run:
         self.progress = Progress(scene, progress, self.stepsLeft)
         self.rescue = Rescue(scene, checkpointFile)
         self.checkpointPeriod = checkpointPeriod
-        self.signal = None
-        self._stop = threading.Event()
+        self.signal = None  # number of the one that ends the run
+        # Plain flags: a lock, or an Event, could be held by the very code that a signal handler interrupts.
+        self._isStopped = self._isSaveWanted = False
 
     def isAlive(self):
         """Whether it goes on in the background."""
@@ -48,7 +50,15 @@ class Run:
 
     def stop(self):
         """Ends it behind the present slice."""
-        self._stop.set()
+        self._isStopped = True
+
+    def interrupt(self, number=signal.SIGTERM):
+        """Ends it behind the present slice, its state saved, as a signal does."""
+        self.signal = number
+
+    def saveSoon(self, number=None, frame=None):
+        """Saves the state behind the present slice, and goes on."""
+        self._isSaveWanted = True
 
     def wait(self):
         """Waits for the end of a run in the background."""
@@ -62,7 +72,8 @@ class Run:
     def loop(self):
         """Takes the steps.
 
-        KeyboardInterrupt and SystemExit(143) after signals, or what went wrong: the state is saved then.
+        KeyboardInterrupt, SystemExit(143) and (129) after SIGINT, SIGTERM and SIGHUP, or what went wrong: the
+        state is saved then. SIGUSR1 saves it and the run goes on.
         """
         handlers = self._catchSignals()
         try:
@@ -79,10 +90,10 @@ class Run:
             for number, handler in handlers.items():
                 signal.signal(number, handler or signal.SIG_DFL)
             self.rescue.flush()
-        if self.signal == signal.SIGTERM:
-            raise SystemExit(128 + signal.SIGTERM)
-        if self.signal is not None:
+        if self.signal == signal.SIGINT:
             raise KeyboardInterrupt
+        if self.signal is not None:
+            raise SystemExit(128 + self.signal)
 
     def saveInterrupted(self):
         """Leaves the state in a checkpoint."""
@@ -92,26 +103,55 @@ class Run:
     def _takeSteps(self):
         scene, pace = self.scene, Pace(self.scene)
         policy = LoopPolicy(scene, self.progress.say, self._saveMeanwhile, self.checkpointPeriod)
-        while self.stepsLeft() > 0 and self.signal is None and not self._stop.is_set():
+        while self.stepsLeft() > 0 and self.signal is None and not self._isStopped:
             policy.beforeSteps()
             pace.look()
             scene.stepper.advance(min(self.stepsLeft(), policy.stepsToNext()), SLICE)
             self.progress.update()
             policy.afterSteps()
+            if self._isSaveWanted:
+                self._isSaveWanted = False
+                self._saveNow()
         scene.core.threads = scene.threads
         policy.lookAtDomains(math.inf)
 
     def _saveMeanwhile(self):
         """For what leaves no time to save: power that fails, a killed process."""
-        self.rescue.flush()
-        self.rescue.save()
+        try:
+            self.rescue.flush()
+        finally:  # results that cannot be written are no reason to lose the state, too
+            self.rescue.save()
+
+    def _saveNow(self):
+        """A checkpoint that somebody asked for, and a message; where it cannot be written, a warning."""
+        step = self.scene.steps
+        try:
+            self.rescue.flush()
+            self.progress.say(f"step {step}: the state is in {self.rescue.save()}; the run goes on")
+        except Exception as error:
+            self.progress.say(f"warning: step {step}: {error}; the run goes on")
 
     def _catchSignals(self):
         """Signals only leave a note: a callback that writes a file is never cut off."""
         if threading.current_thread() is not threading.main_thread():
             return {}
+        return catchSignals(
+            lambda number, frame: self.interrupt(number), self.saveSoon, (signal.SIGINT, *ENDING)
+        )
 
-        def note(number, frame):
-            self.signal = number
 
-        return {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
+def catchSignals(end, save, ending):
+    """Handlers of the signals that concern a run; returns those before. What the user catches is left alone.
+
+    Parameters
+    ----------
+    end : function (number, frame), called by signals that end a run.
+    save : function (number, frame), called by SIGUSR1, which batch systems send before they kill.
+    ending : numbers of the signals that end a run; SIGHUP stays ignored where it is, as under nohup.
+    """
+    handlers = dict.fromkeys(ending, end)
+    if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:
+        handlers.pop(signal.SIGHUP, None)
+    if signal.getsignal(signal.SIGUSR1) == signal.SIG_DFL:
+        handlers[signal.SIGUSR1] = save
+    return {number: signal.signal(number, handler) for number, handler in handlers.items()}

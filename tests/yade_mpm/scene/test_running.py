@@ -100,6 +100,120 @@ def test_signals_leave_a_checkpoint_and_an_exit_code(script, number, codes):
     scene.run(steps=5)
 
 
+def bitsOf(file):
+    """Arrays and clock of a checkpoint."""
+    with h5py.File(file, "r") as h5:
+        bits = {}
+        h5.visititems(
+            lambda name, data: bits.update({name: data[...].tobytes()}) if hasattr(data, "dtype") else None
+        )
+    return {name: values for name, values in bits.items() if name != "scene"}
+
+
+SETTLED = """
+import signal, sys, threading, time
+import yade_mpm as mpm
+from yade_mpm import box
+signal.signal(signal.SIGINT, signal.default_int_handler)
+scene = mpm.Scene((0, 0), (8, 4), 0.125)
+elastic = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
+body = scene.add("a", box((0, 0), (8, 2)), elastic, mpm.UGIMP(perCell=2))
+body.velocity = (1.0, -1.0)
+scene.threads = 1
+solver = mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom")
+scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+"""
+
+
+@pytest.mark.parametrize("recorder", [False, True])
+@pytest.mark.parametrize("delay", [0.3, 0.35, 0.41])
+def test_ctrl_c_in_wait_leaves_the_state_of_a_whole_step(delay, recorder):
+    """It was saved while the solver stepped, for an interrupted join() took the thread for finished."""
+    output = (
+        "scene.engines = [*scene.engines, mpm.Recorder('out.vtkhdf', iterPeriod=3)]\n" if recorder else ""
+    )
+    script = (
+        SETTLED + output + "scene.run(steps=10**9, background=True)\nprint('go', flush=True)\nscene.wait()"
+    )
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
+    pipes = dict(stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+    run = subprocess.Popen([sys.executable, "-c", script], **pipes)
+    assert run.stdout.readline() == "go\n"
+    time.sleep(delay)
+    run.send_signal(signal.SIGINT)
+    _, message = run.communicate(timeout=60)
+    assert run.returncode in (130, -signal.SIGINT) and "interrupted at step" in message, message
+    file = "out.checkpoint.h5" if recorder else "yade_mpm.checkpoint.h5"
+    loaded = mpm.load(file)
+    assert loaded.steps > 0
+    again = SETTLED + f"scene.run(steps={loaded.steps}, progress=False)\nscene.save('whole.h5')"
+    subprocess.run([sys.executable, "-c", again], check=True, timeout=100, env=environment)
+    bits, whole = bitsOf(file), bitsOf("whole.h5")
+    assert [name for name in whole if bits[name] != whole[name]] == []
+
+
+def test_ctrl_c_again_and_again_ends_a_run_whose_callback_hangs():
+    script = (
+        "go.dead = True\n"
+        "hang = mpm.PyRunner(lambda: (print('in', flush=True), time.sleep(1000)), iterPeriod=5)\n"
+        "scene.engines = [*scene.engines, hang]\nscene.run(steps=10**9, background=True)\nscene.wait()"
+    )
+    run = process(script)
+    assert run.stdout.readline() == "in\n", run.stderr.read()
+    for _ in range(40):
+        time.sleep(0.3)
+        if run.poll() is not None:
+            break
+        run.send_signal(signal.SIGINT)
+    else:
+        run.kill()
+    assert run.wait(10) not in (0, -signal.SIGKILL)
+
+
+@pytest.mark.parametrize("background", [False, True])
+def test_sighup_saves_and_ends(background):
+    run = process(f"scene.run(steps=10**9, background={background})\nscene.wait()")
+    assert run.stdout.readline() == "go\n"
+    run.send_signal(signal.SIGHUP)
+    _, message = run.communicate(timeout=30)
+    assert run.returncode == 128 + signal.SIGHUP, message
+    assert "the state is in yade_mpm.checkpoint.h5" in message
+    assert mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None}).steps >= 10
+
+
+@pytest.mark.parametrize("background", [False, True])
+def test_sigusr1_saves_and_the_run_goes_on(background):
+    run = process(f"scene.run(steps=10**9, background={background})\nscene.wait()")
+    assert run.stdout.readline() == "go\n"
+    run.send_signal(signal.SIGUSR1)
+    for _ in range(100):
+        time.sleep(0.1)
+        if os.path.exists("yade_mpm.checkpoint.h5"):
+            break
+    saved = mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None}).steps
+    time.sleep(0.3)
+    assert run.poll() is None
+    run.send_signal(signal.SIGTERM)
+    _, message = run.communicate(timeout=30)
+    assert run.returncode == 143 and "the state is in yade_mpm.checkpoint.h5; the run goes on" in message
+    assert mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None}).steps > saved > 0
+
+
+def test_what_the_user_catches_is_left_to_it_and_nohup_holds():
+    run = process(
+        "signal.signal(signal.SIGUSR1, lambda *_: print('mine', flush=True))\n"
+        "signal.signal(signal.SIGHUP, signal.SIG_IGN)\ngo.iterPeriod = 10**9\nprint('go', flush=True)\n"
+        "scene.run(steps=10**9)"
+    )
+    assert run.stdout.readline() == "go\n"
+    time.sleep(0.5)
+    run.send_signal(signal.SIGHUP)
+    run.send_signal(signal.SIGUSR1)
+    assert run.stdout.readline() == "mine\n" and run.poll() is None
+    assert not os.path.exists("yade_mpm.checkpoint.h5")
+    run.kill()
+
+
 TESTS = """
 import os, signal
 def test_that_is_cut_off():

@@ -66,14 +66,33 @@ def fillWhole(file, *pieces):
     """Writes bytes into a file that is there and empty: takes room first, waits for the disk at the end."""
     number = os.open(file, os.O_WRONLY | os.O_NOFOLLOW)
     try:
-        reserve(number, 0, sum(len(piece) for piece in pieces))
-        for piece in pieces:
-            rest = memoryview(piece).cast("B")
-            while len(rest):
-                rest = rest[os.write(number, rest) :]
+        _fill(number, 0, pieces)
         os.fsync(number)
     finally:
         os.close(number)
+
+
+def _fill(number, at, pieces):
+    reserve(number, at, sum(len(piece) for piece in pieces))
+    for piece in pieces:
+        rest = memoryview(piece).cast("B")
+        while len(rest):
+            rest = rest[os.write(number, rest) :]
+
+
+def appendWhole(file, content):
+    """Writes bytes at the end of a file: all of them, or none, and then OSError, which names the file."""
+    with naming(file):
+        number = os.open(file, os.O_WRONLY)
+        size = os.fstat(number).st_size
+        try:
+            os.lseek(number, size, os.SEEK_SET)
+            _fill(number, size, [content])
+        except OSError:
+            os.ftruncate(number, size)
+            raise
+        finally:
+            os.close(number)
 
 
 def reserve(number, at, count):

@@ -54,6 +54,11 @@ class Frame:
         self.topology = (_joined(connectivity, np.int64), offsets, _joined(types, np.uint8), first)
         self.data, self.units = _cellData(numbered, fields)
 
+    def bytes(self):
+        """Memory that it takes."""
+        arrays = [self.points, *self.topology[:3], *self.data.values()]
+        return sum(array.nbytes for array in arrays)
+
     def sameTopology(self, other):
         """Whether a topology is this frame's."""
         return all(np.array_equal(a, b) for a, b in zip(self.topology, other))

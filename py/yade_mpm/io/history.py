@@ -4,6 +4,7 @@ file."""
 
 import math
 import os
+import sys
 import time
 
 import numpy as np
@@ -13,7 +14,7 @@ from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
 from . import quantities
 from .columns import Columns, namesOf
-from .files import checkWritable, replacing
+from .files import appendWhole, checkWritable, replacing
 from .recorder import Recorder
 from .vtkhdf import extend
 
@@ -72,6 +73,7 @@ class History(Callback):
         self._header, self._inFile = None, 0  # of the CSV file as it is
         self._recorder, self._inRecorder = None, 0
         self._flushed = time.monotonic()
+        self._isTold = False  # that rows have no room
         if state is not None:
             self._restore(state)
 
@@ -165,7 +167,18 @@ class History(Callback):
     def act(self, scene):
         self._row(scene)
         if time.monotonic() - self._flushed > FLUSH:
+            self._flushOrTell(scene)
+
+    def _flushOrTell(self, scene):
+        """Writes the rows; those for which there is no room stay in memory, and a warning says so once."""
+        try:
             self.flush()
+            self._isTold = False
+        except OSError as error:
+            if not self._isTold:
+                told = f"warning: step {scene.steps}: History: {error}; rows are kept until there is room"
+                print(f"{told}, the run goes on", file=sys.stderr)
+            self._isTold = True
 
     def stepsToCall(self, scene):
         """No call ever stops the run: it need not look after each."""
@@ -216,8 +229,7 @@ class History(Callback):
             return
         header = ",".join(f"{name} [{unit}]" if unit else name for name, unit in self._units.items())
         if header == self._header:
-            with open(self._file, "a", encoding="utf-8") as f:
-                f.write(self._lines(self._inFile))
+            appendWhole(self._file, self._lines(self._inFile).encode())
         else:
             with replacing(self._file) as part, open(part, "w", encoding="utf-8") as f:
                 f.write(header + "\n" + self._lines(0))

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 import h5py
 import numpy as np
 
+from .files import replacing, reserve
+
 PAGE = 4096
 
 
@@ -107,11 +109,17 @@ class PagedFile(io.RawIOBase):
         numbers = np.array(sorted(self._pages), np.int64)
         isOld = numbers * PAGE < self._oldSize
         old, new = numbers[isOld], numbers[~isOld]
-        _overwrite(self.path, new, self._content(new))
         journal = journalOf(self.path)
-        with open(journal + ".part", "wb") as f:
-            f.write(np.array([len(old), self._size], np.int64).tobytes() + old.tobytes() + self._content(old))
-        os.replace(journal + ".part", journal)
+        try:
+            with open(self.path, "r+b") as f:
+                reserve(f.fileno(), self._oldSize, self._size - self._oldSize)
+            _overwrite(self.path, new, self._content(new))
+            with replacing(journal) as part, open(part, "wb") as f:
+                head = np.array([len(old), self._size], np.int64).tobytes()
+                f.write(head + old.tobytes() + self._content(old))
+        except OSError:
+            os.truncate(self.path, self._oldSize)
+            raise
         _overwrite(self.path, old, self._content(old), self._size)
         removeIfThere(journal)
 

@@ -6,7 +6,9 @@ Layout: VTKHDF 2.0, UnstructuredGrid with Steps
 the frame before shares it ("part" of the format), so that only points and cell data grow.
 """
 
+import io
 import os
+import sys
 import uuid
 from contextlib import contextmanager
 
@@ -14,7 +16,7 @@ import h5py
 
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
-from .files import checkWritable
+from .files import checkWritable, fillWhole, naming, temporaryBeside
 from .frame import DERIVED, Frame
 from .pagedFile import appendingTo, journalOf, recover, removeIfThere
 from .vtkhdf import appendFrame, createLayout, cutAfter
@@ -29,6 +31,8 @@ OTHERS = (
     ".xdmf",
     ".csv",
 )  # names of formats that this is not
+
+MOST_WAITING = 1 << 30  # bytes of frames that are kept where the disk is full
 
 
 class Recorder(Callback):
@@ -54,7 +58,9 @@ class Recorder(Callback):
 
     Every frame is complete in the file before the run goes on. If the process is killed while it writes, the
     old file or a journal (`file`.journal) with the rest of the frame is there; `Recorder.recover(file)` and a
-    continued run apply it. No protection against loss of power is attempted.
+    continued run apply it. No protection against loss of power is attempted. Where the disk is full, the file
+    stays whole, and frames are kept in memory until there is room, with a warning; OSError at the end of the run,
+    or above 1 GB of them.
 
     Raises ValueError for arguments that are not allowed or an unknown field or body, OSError for a file that
     cannot be written, both before the first step.
@@ -78,6 +84,7 @@ class Recorder(Callback):
         self._continued, self._run = run is not None, run or uuid.uuid4().hex
         self._path = None  # of the file as it is now: a temporary name until the first step is taken
         self._frames, self._lastStep, self._topology = 0, None, None
+        self._waiting = []  # frames for which there was no room
 
     file = property(lambda self: self._file, doc="Name of the file.")
     fields = property(lambda self: self._fields, doc="Recorded fields; None: the default.")
@@ -121,26 +128,34 @@ class Recorder(Callback):
     def act(self, scene):
         if self._path is None:  # was dead when the run began
             self.bind(scene)
-        if scene.steps == self._lastStep:
+        if scene.steps == (self._waiting[-1].step if self._waiting else self._lastStep):
             return
-        self._publish()
-        with self.appending() as h5:
-            frame = self._append(h5, scene)
-        self._noteFrame(frame, scene)
+        self._waiting.append(self._frameOf(scene))
+        try:
+            self._writeWaiting()
+        except OSError as error:
+            self._keep(error)
+        except BaseException:
+            self._waiting.pop()
+            raise
 
     def stepsToCall(self, scene):
         """No call ever stops the run: it need not look after each."""
         return NO_CALL
 
     def flush(self):
-        """Gives the file its name, if no frame has done so yet."""
+        """Gives the file its name, if no frame has done so yet; writes frames for which there was no room.
+
+        Raises OSError where there is none yet.
+        """
         if self._path is not None and self._scene.steps > self._lastStep:
             self._publish()
+        self._writeWaiting()
 
     @contextmanager
     def appending(self):
         """The open file, as h5py.File; what is written appears in it at the end, all or nothing."""
-        with appendingTo(self._path) as h5:
+        with naming(self._file), appendingTo(self._path) as h5:
             yield h5
 
     @staticmethod
@@ -170,20 +185,30 @@ class Recorder(Callback):
         return [(k, body) for k, body in enumerate(scene.bodies) if body.name in wanted]
 
     def _begin(self, scene):
-        partial = self._file + ".part"
         checkWritable(self._file, "Recorder")
+        image, frame = io.BytesIO(), self._frameOf(scene)  # HDF5 does not survive a disk that becomes full
+        with h5py.File(image, "w") as h5:
+            createLayout(h5, self._run)
+            self._frames, self._topology = 0, None
+            self._append(h5, frame)
         try:
-            with h5py.File(partial, "w") as h5:
-                createLayout(h5, self._run)
-                self._frames, self._topology = 0, None
-                frame = self._append(h5, scene)
+            partial = temporaryBeside(self._file)
+            try:
+                fillWhole(partial, image.getbuffer())
+            except OSError:
+                os.remove(partial)
+                raise
         except OSError as error:
             raise OSError(
-                f"Recorder: '{self._file}' cannot be written ({error}); give a file in a folder that exists "
-                f"and may be written to"
+                error.errno,
+                f"Recorder: '{self._file}' cannot be written ({error.strerror}); give a file in a folder "
+                "that "
+                f"exists, may be written to and has room",
             ) from None
+        if self._path is not None and self._path != self._file:
+            removeIfThere(self._path)
         self._path = partial
-        self._noteFrame(frame, scene)
+        self._noteFrame(frame)
 
     def _publish(self):
         if self._path != self._file:
@@ -203,15 +228,39 @@ class Recorder(Callback):
             self._lastStep = int(h5["VTKHDF/Steps/step"][-1]) if self._frames else None
         self._path = self._file
 
-    def _append(self, h5, scene):
+    def _frameOf(self, scene):
         frame = Frame(self._recorded(scene), self._fields)
-        root = h5["VTKHDF"]
-        root["CellData"].attrs["bodies"] = [b.name for b in scene.bodies]
-        isSame = self._topology is not None and frame.sameTopology(self._topology)
-        appendFrame(root, frame, scene, isSame, self._compress)
+        frame.time, frame.step, frame.bodies = scene.time, scene.steps, [b.name for b in scene.bodies]
         return frame
 
-    def _noteFrame(self, frame, scene):
+    def _writeWaiting(self):
+        """Writes the frames that are not in the file yet, from the oldest on."""
+        while self._waiting:
+            self._publish()
+            frame = self._waiting[0]
+            with self.appending() as h5:
+                self._append(h5, frame)
+            self._noteFrame(frame)
+            self._waiting.pop(0)
+
+    def _keep(self, error):
+        """Says that a frame waits for room; OSError if more of them wait than memory should hold."""
+        count = len(self._waiting)
+        frames = "a frame" if count == 1 else f"{count} frames"
+        told = f"Recorder '{self._file}': {error.strerror or error}; {frames} kept in memory"
+        if sum(frame.bytes() for frame in self._waiting) > MOST_WAITING:
+            raise OSError(error.errno, f"{told}, which are too many; make room") from error
+        print(
+            f"warning: step {self._scene.steps}: {told} until there is room, the run goes on", file=sys.stderr
+        )
+
+    def _append(self, h5, frame):
+        root = h5["VTKHDF"]
+        root["CellData"].attrs["bodies"] = frame.bodies
+        isSame = self._topology is not None and frame.sameTopology(self._topology)
+        appendFrame(root, frame, frame.time, frame.step, isSame, self._compress)
+
+    def _noteFrame(self, frame):
         self._topology = frame.topology
         self._frames += 1
-        self._lastStep = scene.steps
+        self._lastStep = frame.step

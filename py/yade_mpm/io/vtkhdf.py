@@ -17,7 +17,7 @@ def createLayout(h5, run):
     steps.create_group("CellDataOffsets")
 
 
-def appendFrame(root, frame, scene, isSame, compress):
+def appendFrame(root, frame, time, step, isSame, compress):
     steps, cells = root["Steps"], root["CellData"]  # to open a group takes a tenth of a millisecond
     k = int(steps.attrs["NSteps"])
     if not isSame:
@@ -32,13 +32,7 @@ def appendFrame(root, frame, scene, isSame, compress):
         extend(cells, name, values, firstCell, compress, frame.units[name])
     for name in set(cells) - set(frame.data):  # of a body that is gone
         cells[name].resize(firstCell + len(frame.data["body"]), axis=0)
-    perStep = {
-        "Values": scene.time,
-        "step": scene.steps,
-        "NumberOfParts": 1,
-        "PointOffsets": first,
-        **topology,
-    }
+    perStep = {"Values": time, "step": step, "NumberOfParts": 1, "PointOffsets": first, **topology}
     for name, value in perStep.items():
         extend(steps, name, [value], k, unit="s" if name == "Values" else "-")
     _noteOffset(steps["CellDataOffsets"], frame.data, firstCell, k)

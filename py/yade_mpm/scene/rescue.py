@@ -26,6 +26,14 @@ class Rescue:
         for engine in self._scene.engines:
             engine.flush()
 
+    def flushAnyway(self):
+        """The same of each, after an error: a file that cannot be written makes a message."""
+        for engine in self._scene.engines:
+            try:
+                engine.flush()
+            except Exception as error:
+                print(f"{type(engine).__name__}: {error}", file=sys.stderr)
+
     def save(self, suffix="", midStep=False):
         """Writes the checkpoint and returns its name.
 

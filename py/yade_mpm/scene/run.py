@@ -80,16 +80,17 @@ class Run:
             self._takeSteps()
             if self.signal is not None:
                 self.saveInterrupted()
+            self.rescue.flush()
         except BaseException as error:
             self.progress.close()
             self.rescue.saveFailed(error if self.tellsErrors else None)
+            self.rescue.flushAnyway()
             raise
         finally:
             self.scene.stepper.acting = None
             self.progress.close()
             for number, handler in handlers.items():
                 signal.signal(number, handler or signal.SIG_DFL)
-            self.rescue.flush()
         if self.signal == signal.SIGINT:
             raise KeyboardInterrupt
         if self.signal is not None:

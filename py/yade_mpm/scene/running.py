@@ -25,16 +25,16 @@ def run(
     until : float, s, scene time to reach; or steps : int, number of steps. One of the two.
     background : bool, return at once; `pause()` stops, `wait()` waits and raises what went wrong.
     progress : bool, show progress; default: yes for a run of more than 2 s.
-    checkpointFile : str, where Ctrl-C, SIGTERM and errors leave the state; default: beside the recorder's
-        file, or yade_mpm.checkpoint.h5.
+    checkpointFile : str, where Ctrl-C, SIGTERM, SIGHUP and errors leave the state; default: beside the
+        recorder's file, or yade_mpm.checkpoint.h5.
     checkpointPeriod : float, s of wall time after which the state is saved there anyway, for power that fails
         or a killed process; default 600; None: not. Saving takes at most a hundredth of the run.
 
     Before the first step the scene is checked: ValueError for a time step above the critical one (unless
     `allowUnstable`), an interface that is too coarse, or constraints that hold nothing. During the run
     RuntimeError for particles outside the grid, distorted domains and an interface that has become too
-    coarse, after the state was saved. KeyboardInterrupt and SystemExit(143) after Ctrl-C and SIGTERM,
-    likewise.
+    coarse, after the state was saved. KeyboardInterrupt and SystemExit after Ctrl-C and SIGTERM or SIGHUP,
+    likewise. SIGUSR1, which batch systems send before their limit, saves the state, and the run goes on.
     """
     _checkRun(scene, until, steps, checkpointFile, checkpointPeriod)
     scene.prepare()

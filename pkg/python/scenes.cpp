@@ -197,10 +197,12 @@ template <int Dim> struct Bind {
         bp::class_<S, std::shared_ptr<S>, boost::noncopyable>(name, bp::no_init)
             .def("__init__", bp::make_constructor(make))
             .add_property(
-                "time", +[](S& s) { return loadRelaxed(s.time); }, +[](S& s, double t) { storeRelaxed(s.time, t); })
+                "time", +[](S& s) { return loadRelaxed(s.time); },
+                +[](S& s, double t) { storeRelaxed(s.time, t); })
             .def_readwrite("dt", &S::dt)
             .add_property(
-                "step", +[](S& s) { return loadRelaxed(s.step); }, +[](S& s, long n) { storeRelaxed(s.step, n); })
+                "step", +[](S& s) { return loadRelaxed(s.step); },
+                +[](S& s, long n) { storeRelaxed(s.step, n); })
             .def_readwrite("threads", &S::threads)
             .add_property("scheme", scheme, setScheme)
             .add_property("energies", energies, setEnergies)

@@ -8,9 +8,9 @@
 //   L_p = sum_i v_i (x) grad phi_ip                                                  setGradients()
 #pragma once
 
+#include "mpm/base/simd/Lanes.hpp"
 #include "mpm/base/simd/transpose.hpp"
 #include "mpm/particle/Domains.hpp"
-#include "mpm/base/simd/Lanes.hpp"
 
 namespace mpm {
 

@@ -49,7 +49,8 @@ template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {
     const auto begin = Clock::now();
     for (auto& body : bodies) body->domains->step = step;
     engine.action(*this);
-    storeRelaxed(engine.seconds, engine.seconds + std::chrono::duration<double>(Clock::now() - begin).count());
+    storeRelaxed(engine.seconds,
+                 engine.seconds + std::chrono::duration<double>(Clock::now() - begin).count());
     storeRelaxed(engine.calls, engine.calls + 1);
 }
 

@@ -3,6 +3,7 @@
 
 import math
 import signal
+import sys
 import threading
 
 from .pace import Pace
@@ -12,6 +13,7 @@ from .rescue import Rescue
 
 ENDING = (signal.SIGTERM, signal.SIGHUP)
 SLICE = 0.1  # s of wall time between looks at signals and the progress bar
+LAST = 10  # steps that are shortened together to end at a given time: none alone, for a reaction is m dv/dt
 
 
 class Run:
@@ -67,7 +69,26 @@ class Run:
         """Steps to the end at the present time step."""
         if self.last is not None:
             return self.last - self.scene.steps
-        return max(0, math.ceil((self.until - self.scene.time) / self.scene.stepper.dt - 1e-6))
+        return max(0, math.ceil((self.until - self.scene.time) / self.scene.stepper.dt - self._roundOff()))
+
+    def _roundOff(self):
+        """What a time that was summed up may be wrong by, in steps: half a unit of its last digit in each of them."""
+        steps = self.scene.time / self.scene.stepper.dt
+        return max(1e-6, sys.float_info.epsilon * steps**2)
+
+    def _advance(self, steps):
+        """Takes some of the steps that are left; the last ones by the time that is left, so that the run ends on it."""
+        stepper, left = self.scene.stepper, self.stepsLeft()
+        if self.until is None:
+            stepper.advance(steps, SLICE)
+            return
+        fit = (self.until - self.scene.time) / left
+        if left > LAST:
+            stepper.advance(min(steps, left - LAST), SLICE)
+        elif fit < stepper.dt * (1 - self._roundOff() / left):
+            stepper.advanceShort(fit)
+        else:
+            stepper.advance(steps, SLICE)
 
     def loop(self):
         """Takes the steps.
@@ -107,7 +128,7 @@ class Run:
         while self.stepsLeft() > 0 and self.signal is None and not self._isStopped:
             policy.beforeSteps()
             pace.look()
-            scene.stepper.advance(min(self.stepsLeft(), policy.stepsToNext()), SLICE)
+            self._advance(min(self.stepsLeft(), policy.stepsToNext()))
             self.progress.update()
             policy.afterSteps()
             if self._isSaveWanted:

@@ -53,7 +53,7 @@ def describe(scene):
         "threads": scene.givenThreads,
         "allowUnstable": bool(scene.allowUnstable),
         "dt": scene.givenDt,
-        "currentDt": scene.core.dt,
+        "currentDt": scene.stepper.fullDt,
         "dtCritical": scene.dtCritical,
         "stiffest": scene.stiffest,
         "checked": scene.stepper.isChecked,

@@ -40,6 +40,7 @@ class Stepper:
         self._scene = scene
         self._chain = None  # engines that the core has
         self._isPrepared, self._isStable = False, False
+        self._fullDt = None  # in a step that is shorter
         self._checkedState = None  # what the critical step was checked for
         self.constraints, self.estimatedAt, self.acting = [], -1, None
 
@@ -126,6 +127,10 @@ class Stepper:
     def dt(self, value):
         self._scene.core.dt = value
 
+    fullDt = property(
+        lambda self: self._fullDt or self.dt, doc="Length of the steps, s; of those at the end of a run, too."
+    )
+
     def checkTimeStep(self):
         """Estimates the critical step; takes a share of it if dt was left out, refuses a dt above it
         otherwise."""
@@ -183,6 +188,14 @@ class Stepper:
         seconds : float, s of wall time after which to return behind a step; default: no limit.
         """
         self._scene.core.advance(steps, seconds)
+
+    def advanceShort(self, dt):
+        """Takes one step that is shorter than the others, s."""
+        self._fullDt, self.dt = self.dt, dt
+        try:
+            self.advance(1)
+        finally:
+            self.dt, self._fullDt = self._fullDt, None
 
     def act(self, engine):
         """Lets one engine of the chain act; the clock stands still until `endStep`."""

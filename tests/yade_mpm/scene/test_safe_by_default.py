@@ -150,3 +150,51 @@ def test_byId_gives_fields_in_the_order_of_id_however_particles_are_sorted():
     assert np.ptp(body.byId("displacement"), axis=0).max() < 1e-9
     with pytest.raises(ValueError, match="body 'block' has no field 'speed'; fields: bodyForce"):
         body.byId("speed")
+
+
+# --- the end of a run -----------------------------------------------------------------------------------
+def moving(dt=None):
+    scene, body = block()
+    scene.dt = dt
+    body.velocity = (0.1, 0.2)
+    return scene, body
+
+
+@pytest.mark.parametrize("until", [0.1, 0.1234567, 1e-5])
+@pytest.mark.parametrize("dt", [None, 1.1e-3])
+def test_a_run_ends_on_its_time_by_shorter_steps_at_the_end(until, dt):
+    scene, body = moving(dt)
+    used = []
+    scene.engines.append(mpm.PyRunner(lambda: used.append(scene.core.dt), iterPeriod=1))
+    scene.run(until=until, progress=False)
+    assert scene.time == pytest.approx(until, rel=1e-12)
+    full = scene.dt
+    assert used[:-10] == [full] * len(used[:-10]) and max(used) <= full
+    if len(used) > 10:
+        assert min(used) > 0.89 * full  # none of them is so short that a reaction jumps
+    assert body.byId("displacement")[:, 0] == pytest.approx(0.1 * until, rel=1e-9)
+
+
+def test_a_run_to_whole_steps_keeps_its_bits():
+    byTime, bySteps = moving(1e-3)[0], moving(1e-3)[0]
+    for steps in (7, 100, 1893):
+        byTime.run(until=byTime.time + steps * 1e-3, progress=False)
+        bySteps.run(steps=steps, progress=False)
+    assert byTime.time == bySteps.time and byTime.steps == bySteps.steps == 2000
+    assert np.array_equal(byTime["block"].position, bySteps["block"].position)
+
+
+def test_a_checkpoint_among_the_short_steps_goes_on_with_the_same_bits(tmp_path):
+    scene, _ = moving(1e-3)
+    scene.engines.append(mpm.PyRunner("scene.steps == 35 and scene.save('short.h5')", iterPeriod=1))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path)
+        scene.run(until=0.0374, progress=False)
+        again = mpm.load("short.h5")
+    assert again.core.dt == 1e-3 and scene.steps == 38
+    again.run(until=0.0374, progress=False)
+    assert again.time == scene.time
+    assert np.array_equal(again["block"].position, scene["block"].position)
+    for each in scene, again:
+        each.run(steps=3, progress=False)
+    assert again.time == scene.time == pytest.approx(0.0404, rel=1e-12)

@@ -67,6 +67,14 @@ def test_no_include_runs_against_the_order():
     assert wrongArrows(files) == []
 
 
+def test_no_file_of_the_solver_includes_itself_through_others():
+    """What the rooms cannot see: an engine's interface stands below the scene that holds engines."""
+    files = {name: set(INCLUDE.findall(text)) for name, text in sources().items()}
+    assert "mpm/scene/Engine.hpp" in files["mpm/scene/Scene.hpp"] and circle(files) == set()
+    files["mpm/scene/Engine.hpp"].add("mpm/scene/Scene.hpp")
+    assert circle(files) >= {"mpm/scene/Engine.hpp", "mpm/scene/Scene.hpp"}  # control
+
+
 def test_particle_types_and_materials_do_not_know_each_other():
     for name, text in sources().items():
         for own, other in (("particle", "material"), ("material", "particle")):

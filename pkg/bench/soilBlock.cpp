@@ -130,7 +130,7 @@ std::unique_ptr<Scene<Dim>> soilBlock(const std::string& type, const std::string
     for (int k = 0; k < Dim; ++k) scene->constraints.push_back(roller(scene->grid, k));
     const auto engine = Registry<Engine>::make;
     scene->engines = {engine("ParticleToGrid"), solver(Dim), engine("GridToParticle"),
-                      engine("DomainUpdater")};
+                      engine("VelocityRemap"), engine("DomainUpdater")};
     scene->prepare();
     return scene;
 }

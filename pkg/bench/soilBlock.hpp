@@ -10,7 +10,7 @@
 // what re-sorting costs a scene that flows is not in the figures.
 #pragma once
 
-#include "mpm/scene/Engine.hpp"
+#include "mpm/scene/Scene.hpp"
 
 namespace mpm {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Bodies: their arrays as zero-copy views, their making and their restoring.
 #include "mpm/check/BeyondYield.hpp"
+#include "mpm/check/balances.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/state/facets.hpp"
 #include "python.hpp"
@@ -38,7 +39,9 @@ template <int Dim> struct Bind {
         Geometry<Dim> g;
         g.positions = points<Dim>(positions);
         g.halfSize = points<Dim>(halfSize).at(0);
-        g.carriers = numbers<int>(carriers), g.offsets = points<Dim>(offsets), g.areas = points<Dim>(areas);
+        g.carriers = numbers<int>(carriers);
+        g.offsets = points<Dim>(offsets);
+        g.areas = points<Dim>(areas);
         body.build(g);
     }
     static void buildMesh(B& body, const bp::object& vertices, const bp::object& cells,
@@ -46,7 +49,8 @@ template <int Dim> struct Bind {
         Geometry<Dim> g;
         g.points = points<Dim>(vertices);
         g.cells = numbers<int>(cells);
-        g.slaves = numbers<int>(slaves), g.masters = numbers<int>(masters),
+        g.slaves = numbers<int>(slaves);
+        g.masters = numbers<int>(masters);
         g.weights = numbers<double>(weights);
         body.build(g);
     }
@@ -79,7 +83,10 @@ template <int Dim> struct Bind {
     static void resizeDomainField(B& body, const std::string& name, int n) {
         fieldOf(body, name, true).resize(n);
     }
-    static void restored(B& body) { body.domains->restored(), body.massesChanged(); }
+    static void restored(B& body) {
+        body.domains->restored();
+        body.massesChanged();
+    }
 
     static bool splitStretched(B& body) {
         const bool any = body.domains->splitStretched();
@@ -128,51 +135,40 @@ template <int Dim> struct Bind {
     static double bytes(B& body) { return double(body.particles.bytes() + body.domains->bytes()); }
     static double minJacobian(B& body) { return body.domains->minJacobian(); }
     static double hourglass(B& body) { return body.domains->hourglass(); }
-    // Momentum of the particles and twice their kinetic energy, without inertial scaling. One after the
-    // other: the dot products of NumPy give other last digits with another number of threads.
-    static bp::tuple motion(B& body) {
-        const auto& q = body.particles;
-        Vec<Dim> momentum = Vec<Dim>::Zero();
-        double energy = 0;
-        for (int p = 0; p < q.size(); ++p) {
-            const double m = q.mass.plane()[p];
-            for (int k = 0; k < Dim; ++k) {
-                const double v = q.velocity.plane(k)[p];
-                momentum[k] += m * v, energy += m * v * v;
-            }
-        }
-        return bp::make_tuple(listOf(std::vector<double>(momentum.data(), momentum.data() + Dim)), energy);
+    static bp::dict motion(B& body) {
+        const BodyMotion<Dim> found = motionOf(body);
+        bp::dict d;
+        d["momentum"] = listOf(std::vector<double>(found.momentum.data(), found.momentum.data() + Dim));
+        d["kineticEnergy"] = found.kineticEnergy;
+        return d;
     }
-    // Height and mean stress of the particles around a vertical line of a 2D scene, see
-    // diagnostics.meanStressAlong.
-    static bp::list meanStresses(B& body, double x, double reach, double lower, double upper) {
-        const Field &position = body.particles.position, &stress = body.particles.stress;
-        bp::list all;
-        for (int p = 0; p < body.particles.size(); ++p) {
-            const double y = position.plane(1)[p];
-            if (!(std::abs(position.plane(0)[p] - x) <= reach && y >= lower && y <= upper)) continue;
-            all.append(bp::make_tuple(y, (stress.plane(0)[p] + stress.plane(4)[p] + stress.plane(8)[p]) / 3));
+    static bp::dict meanStresses(B& body, double x, double reach, double lower, double upper) {
+        bp::list height, stress;
+        for (const MeanStress& at : meanStressesAlong(body, x, reach, lower, upper)) {
+            height.append(at.height);
+            stress.append(at.stress);
         }
-        return all;
+        bp::dict d;
+        d["height"] = height;
+        d["meanStress"] = stress;
+        return d;
     }
-    // Number of particles with det F <= 0.
-    static int inverted(B& body) {
-        int count = 0;
-        for (int p = 0; p < body.particles.size(); ++p) {
-            Mat<3> F;
-            for (int c = 0; c < 9; ++c) F(c / 3, c % 3) = body.particles.deformationGradient.plane(c)[p];
-            count += F.determinant() <= 0;
-        }
-        return count;
-    }
-    // Number of domains whose quality is at most `limit`, and the worst of all.
-    static bp::tuple poorDomains(B& body, double limit) {
+    // Domains whose quality is at most `limit`, and the worst of all.
+    static bp::dict poorDomains(B& body, double limit) {
         const QualityReport found = body.domains->qualityReport(limit);
-        return bp::make_tuple(found.count, found.worst.particle, found.worst.quality);
+        bp::dict d;
+        d["count"] = found.count;
+        d["worst"] = found.worst.particle;
+        d["quality"] = found.worst.quality;
+        return d;
     }
-    static bp::tuple yielding(B& body, double tolerance) {
+    static bp::dict yielding(B& body, double tolerance) {
         const BeyondYield found = beyondYield(body, tolerance);
-        return bp::make_tuple(found.count, found.worst, found.change);
+        bp::dict d;
+        d["count"] = found.count;
+        d["worst"] = found.worst;
+        d["change"] = found.change;
+        return d;
     }
     static int count(B& body) { return body.particles.size(); }
     static std::shared_ptr<Material> material(B& body) { return body.material; }
@@ -198,7 +194,7 @@ template <int Dim> struct Bind {
             .add_property("hourglass", hourglass)
             .def("motion", motion)
             .def("meanStresses", meanStresses)
-            .add_property("inverted", inverted)
+            .add_property("inverted", invertedParticles<Dim>)
             .def("poorDomains", poorDomains)
             .def("beyondYield", yielding)
             .def("buildLattice", buildLattice)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Engines, constraints, and the engine that calls back into Python.
 #include "mpm/base/parallel/relaxed.hpp"
-#include "mpm/scene/Engine.hpp"
+#include "mpm/scene/Scene.hpp"
 #include "python.hpp"
 
 namespace mpm::python {

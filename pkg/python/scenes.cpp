@@ -2,8 +2,7 @@
 #include "mpm/base/parallel/relaxed.hpp"
 #include "mpm/check/CriticalTimeStep.hpp"
 #include "mpm/check/InterfaceRule.hpp"
-#include "mpm/scene/Engine.hpp"
-#include "mpm/step/nodes.hpp"
+#include "mpm/check/balances.hpp"
 #include "python.hpp"
 
 namespace mpm::python {
@@ -40,11 +39,6 @@ template <int Dim> struct Bind {
     static void convertTo(S& scene, const std::string& from, const std::string& to) {
         scene.body(from)->convertsTo = scene.body(to);
     }
-    // Elastic constants may have been changed since the last run; hourglass control has a copy.
-    static void prepare(S& scene) {
-        for (auto& body : scene.bodies) body->domains->lame = body->material->lame();
-        scene.prepare();
-    }
     static void setEngines(S& scene, const bp::object& list) {
         scene.engines.clear();
         for (long i = 0; i < bp::len(list); ++i)
@@ -55,14 +49,30 @@ template <int Dim> struct Bind {
         for (long i = 0; i < bp::len(list); ++i)
             scene.constraints.push_back(bp::extract<std::shared_ptr<Constraint>>(list[i])());
     }
-    static std::string scheme(const S& scene) {
-        return scene.scheme == Scheme::MUSL ? "MUSL" : scene.scheme == Scheme::USF ? "USF" : "USL";
-    }
+    static std::string scheme(const S& scene) { return scene.scheme->name; }
     static void setScheme(S& scene, const std::string& name) {
-        require(name == "MUSL" || name == "USF" || name == "USL", "Scene: scheme = '", name,
-                "' is not allowed; give one of 'MUSL', 'USF', 'USL'");
-        scene.scheme = name == "MUSL" ? Scheme::MUSL : name == "USF" ? Scheme::USF : Scheme::USL;
+        const auto known = Registry<Scheme>::names();
+        std::string allowed;
+        for (const auto& other : known) allowed += (allowed.empty() ? "'" : ", '") + other + "'";
+        require(std::find(known.begin(), known.end(), name) != known.end(), "Scene: scheme = '", name,
+                "' is not allowed; give one of ", allowed);
+        scene.scheme = Registry<Scheme>::make(name);
     }
+    // The places in the order of the stages, and who may stand there.
+    static bp::list stageOrder(const S& scene) {
+        bp::list all;
+        for (const Scheme::Place& place : scene.scheme->order()) {
+            bp::dict d;
+            d["engines"] = listOf(place.engines);
+            d["isNeeded"] = place.isNeeded;
+            d["takesMany"] = place.takesMany;
+            d["isInserted"] = place.isInserted;
+            d["isPlaced"] = place.isPlaced;
+            all.append(d);
+        }
+        return all;
+    }
+    static double stepSafety(const S& scene) { return scene.scheme->stepSafety; }
     static long advance(S& scene, long steps, double seconds) {
         Unlocked others;
         return scene.advance(steps, seconds);
@@ -71,44 +81,33 @@ template <int Dim> struct Bind {
         Unlocked others;
         scene.actAlone(*engine);
     }
-    // The velocity gradients and vertex velocities of the last step, which the estimate uses as its scratch
-    // space, given back at the end. The particles must be in the order that the estimate puts them in.
-    class RatesKept {
-      public:
-        explicit RatesKept(S& scene) {
-            parallel(scene.threads, [&](ParallelRegion& region) { locateParticles(region, scene); });
-            for (auto& body : scene.bodies) {
-                keep(body->particles.velocityGradient);
-                if (Field* velocities = body->domains->vertexVelocities()) keep(*velocities);
-            }
-        }
-        ~RatesKept() {
-            for (auto& [field, values] : kept_) std::copy(values.begin(), values.end(), field->plane());
-        }
-
-      private:
-        std::vector<std::pair<Field*, std::vector<double>>> kept_;
-        void keep(Field& f) {
-            kept_.emplace_back(&f, std::vector<double>(f.plane(), f.plane() + f.bytes() / 8));
-        }
-    };
-    static bp::tuple critical(S& scene, double tolerance, int most) {
+    static bp::dict critical(S& scene, double tolerance, int most) {
         CriticalStep c;
         {
             Unlocked others;
-            const RatesKept rates(scene);
             c = criticalTimeStep(scene, tolerance, most);
         }
-        return bp::make_tuple(c.dt, c.iterations, c.stiffest);
+        bp::dict d;
+        d["dt"] = c.dt;
+        d["iterations"] = c.iterations;
+        d["stiffest"] = c.stiffest;
+        return d;
     }
     static bp::object interfaceFault(const S& scene, double limit) {
         const InterfaceFault f = checkInterface(scene, limit);
-        return f.found ? bp::object(bp::make_tuple(f.meshed, f.boxes, f.where, f.edge, f.initialEdge))
-                       : bp::object();
+        if (!f.found) return bp::object();
+        bp::dict d;
+        d["meshed"] = f.meshed;
+        d["boxes"] = f.boxes;
+        d["where"] = f.where;
+        d["edge"] = f.edge;
+        d["initialEdge"] = f.initialEdge;
+        return d;
     }
     static bp::dict energies(const S& scene) {
         bp::dict d;
-        d["gravity"] = scene.energies.gravity, d["loads"] = scene.energies.loads,
+        d["gravity"] = scene.energies.gravity;
+        d["loads"] = scene.energies.loads;
         d["damping"] = scene.energies.damping;
         d["contact"] = scene.energies.contact;
         return d;
@@ -119,73 +118,48 @@ template <int Dim> struct Bind {
         scene.energies.damping = bp::extract<double>(d["damping"]);
         scene.energies.contact = bp::extract<double>(d.get("contact", 0.0));
     }
-    // Sums of the last ParticleToGrid, for checks: mass, momentum and force over all nodes.
-    static bp::tuple nodalTotals(const S& scene) {
-        std::array<double, 1 + 2 * Dim> total{};
-        for (const auto& field : scene.grid.fields)
-            for (int slab = 0; slab < scene.grid.slabs(); ++slab)
-                scene.grid.forNodes(field, slab, [&](int node) {
-                    total[0] += field.sum[node][NodalField<Dim>::mass];
-                    for (int k = 0; k < Dim; ++k) {
-                        total[1 + k] += field.sum[node][NodalField<Dim>::momentum + k];
-                        total[1 + Dim + k] += NodalField<Dim>::forceOf(field.sum[node], k);
-                    }
-                });
-        return tupleOf(total);
+    static bp::dict totals(const S& scene) {
+        const NodalTotals<Dim> total = nodalTotals(scene);
+        bp::dict d;
+        d["mass"] = total.mass;
+        d["momentum"] = tupleOf(total.momentum);
+        d["force"] = tupleOf(total.force);
+        return d;
     }
-    // Kinetic energy of all nodes as the solution or contact left them, for checks.
-    static double nodalEnergy(const S& scene) {
-        double energy = 0;
-        for (const auto& field : scene.grid.fields)
-            for (int slab = 0; slab < scene.grid.slabs(); ++slab)
-                scene.grid.forNodes(field, slab, [&](int node) {
-                    for (int k = 0; k < Dim; ++k)
-                        energy +=
-                            0.5 * field.sum[node][NodalField<Dim>::mass] * std::pow(field.motion[node][k], 2);
-                });
-        return energy;
+    static bp::dict balance(const S& scene) {
+        const Balance found = balanceOf(scene);
+        bp::dict d;
+        d["inertia"] = found.inertia;
+        d["nodes"] = found.nodes;
+        d["stressed"] = found.stressed;
+        return d;
     }
-    // Of the last step: sum of |m a| over the nodes, their number, and sum of V |sigma| over the particles.
-    static bp::tuple balance(const S& scene) {
+    // What the nodes that particles touch were given by the last ParticleToGrid, and what the solution made
+    // of it: lists by name, an entry for each node.
+    static bp::dict nodalValues(const S& scene) {
         using NF = NodalField<Dim>;
-        double inertia = 0, stressed = 0;
-        int nodes = 0;
-        for (const auto& field : scene.grid.fields)
-            for (int slab = 0; slab < scene.grid.slabs(); ++slab)
-                scene.grid.forNodes(field, slab, [&](int node) {
-                    double a2 = 0;
-                    for (int k = 0; k < Dim; ++k)
-                        a2 += field.motion[node][Dim + k] * field.motion[node][Dim + k];
-                    inertia += field.sum[node][NF::mass] * std::sqrt(a2);
-                    nodes += field.sum[node][NF::mass] > 0;
-                });
-        for (const auto& body : scene.bodies) {
-            const auto& q = body->particles;
-            for (int p = 0; p < q.size(); ++p) {
-                double square = 0;
-                for (int i = 0; i < Dim; ++i)
-                    for (int j = 0; j < Dim; ++j)
-                        square += std::pow(q.stress.plane(3 * std::min(i, j) + std::max(i, j))[p], 2);
-                stressed += q.volume.plane()[p] * std::sqrt(square);
-            }
-        }
-        return bp::make_tuple(inertia, nodes, stressed);
-    }
-    // The momentum that enters the solution of a node, and what the solution made of it.
-    static bp::list nodalValues(const S& scene) {
-        bp::list all;
-        for (const auto& field : scene.grid.fields)
-            for (int slab = 0; slab < scene.grid.slabs(); ++slab)
-                scene.grid.forNodes(field, slab, [&](int node) {
-                    bp::list row;
-                    row.append(node);
-                    row.append(field.sum[node][NodalField<Dim>::mass]);
-                    for (int k = 0; k < Dim; ++k) row.append(field.sum[node][NodalField<Dim>::momentum + k]);
-                    for (int k = 0; k < Dim; ++k) row.append(NodalField<Dim>::forceOf(field.sum[node], k));
-                    for (int k = 0; k < 2 * Dim; ++k) row.append(field.motion[node][k]);
-                    all.append(row);
-                });
-        return all;
+        bp::list node, mass, momentum, force, velocity, acceleration;
+        const auto component = [](const auto& values, int first) {
+            bp::list all;
+            for (int k = 0; k < Dim; ++k) all.append(values[first + k]);
+            return all;
+        };
+        forTouchedNodes(scene, [&](const NF& field, int i) {
+            node.append(i);
+            mass.append(field.sum[i][NF::mass]);
+            momentum.append(component(field.sum[i], NF::momentum));
+            force.append(component(NF::forceOf(field.sum[i]), 0));
+            velocity.append(component(field.motion[i], NF::velocity));
+            acceleration.append(component(field.motion[i], NF::acceleration));
+        });
+        bp::dict d;
+        d["node"] = node;
+        d["mass"] = mass;
+        d["momentum"] = momentum;
+        d["force"] = force;
+        d["velocity"] = velocity;
+        d["acceleration"] = acceleration;
+        return d;
     }
     static int nodeCount(const S& s) { return s.grid.count; }
     static bp::tuple nodes(const S& s) { return tupleOf(s.grid.nodes); }
@@ -205,6 +179,8 @@ template <int Dim> struct Bind {
                 +[](S& s, long n) { storeRelaxed(s.step, n); })
             .def_readwrite("threads", &S::threads)
             .add_property("scheme", scheme, setScheme)
+            .add_property("stageOrder", stageOrder)
+            .add_property("stepSafety", stepSafety)
             .add_property("energies", energies, setEnergies)
             .add_property("lower", lower)
             .add_property("upper", upper)
@@ -216,15 +192,15 @@ template <int Dim> struct Bind {
             .def("convertTo", convertTo)
             .def("setEngines", setEngines)
             .def("setConstraints", setConstraints)
-            .def("prepare", prepare)
+            .def("prepare", &S::prepare)
             .def("advance", advance)
             .def("actAlone", actAlone)
             .def("endStep", &S::endStep)
             .def("criticalTimeStep", critical)
             .def("interfaceFault", interfaceFault)
             .def("balance", balance)
-            .def("nodalTotals", nodalTotals)
-            .def("nodalEnergy", nodalEnergy)
+            .def("nodalTotals", totals)
+            .def("nodalEnergy", nodalEnergy<Dim>)
             .def("nodalValues", nodalValues);
     }
 };

@@ -11,6 +11,7 @@ LinearElastic, NeoHookean, MohrCoulombDruckerPrager, Material    materials
 MaterialPoint                  one point of a material, strained by hand
 UGIMP, APDI, BSpline, ParticleType                               particle types
 ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of every step, in this order
+VelocityRemap                                                    added behind GridToParticle by the scene
 BoundaryLoad, Contact, RigidContact                              engines that may be added
 Drive, Hold                    prescribed motions, given to the GridSolver
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks

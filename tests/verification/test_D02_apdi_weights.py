@@ -242,8 +242,8 @@ def test_hourglass_forces_are_those_of_the_corner_patterns(dim):
     scene.run(steps=1, progress=False)
     nodes = scene.nodePositions()
     found = np.zeros((len(nodes), dim))
-    for row in scene.core.nodalValues():
-        found[row[0]] = row[2 + dim : 2 + 2 * dim]
+    values = scene.core.nodalValues()
+    found[values["node"]] = values["force"]
     expected = sum(hats(x, nodes, 0.25) @ hourglassForces(x, x0, 0.3) for x, x0 in zip(X, X0))
     assert np.abs(expected).max() > 1e-3  # control
     assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max()

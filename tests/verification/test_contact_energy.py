@@ -227,7 +227,8 @@ class Particles(Watch):
 
     def before(self):
         super().before()
-        mass, *momentum = np.array(self.scene.core.nodalValues()).T[1:4]
+        values = self.scene.core.nodalValues()
+        mass, momentum = np.array(values["mass"]), np.transpose(values["momentum"])
         self.start = 0.5 * (np.square(momentum).sum(axis=0)[mass > 0] / mass[mass > 0]).sum()
 
     def after(self):

@@ -1024,7 +1024,8 @@ def test_engines_put_into_the_list_itself_take_part_and_are_checked():
     assert len(seen) == 1
     scene.engines.append(mpm.GridSolver())
     refused(
-        "ParticleToGrid, GridSolver, GridToParticle, DomainUpdater, GridSolver do not make a step", scene.step
+        "GridSolver, GridToParticle, VelocityRemap, DomainUpdater, GridSolver do not make a step",
+        scene.step,
     )
     refused("do not make a step", lambda: scene.run(steps=1))
 

@@ -41,7 +41,8 @@ template <int Dim> struct PointsAtRest {
     }
 };
 
-// Particles of which the update changes the state and, by more than `tolerance` of its largest component, the stress.
+// Particles of which the update changes the state and, by more than `tolerance` of its largest component, the
+// stress.
 template <int Dim> BeyondYield beyondYield(const Body<Dim>& body, double tolerance) {
     BeyondYield found;
     const Particles<Dim>& particles = body.particles;

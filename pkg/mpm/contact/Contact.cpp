@@ -10,6 +10,8 @@
 // digits. One thread does it all, so that the bits are the same for any number.
 #include "mpm/contact/Contact.hpp"
 
+#include "mpm/step/GridSolver.hpp"
+
 namespace mpm {
 
 namespace {
@@ -96,8 +98,8 @@ template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) 
 // Motion of one group on a node, with what follows from it: work of gravity, and the reaction of what holds
 // the node. answer: its inverse masses, with the sign of the impulse on it.
 template <int Dim>
-void Contact::change(Scene<Dim>& scene, const ContactNode<Dim>& contact, int side, const Vec<Dim>& answer,
-                     const Impulses<Dim>& J) {
+void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNode<Dim>& contact, int side,
+                     const Vec<Dim>& answer, const Impulses<Dim>& J) {
     using NF = NodalField<Dim>;
     NF& field = scene.grid.fields[contact.field[side]];
     auto& motion = field.motion[contact.node];
@@ -106,10 +108,10 @@ void Contact::change(Scene<Dim>& scene, const ContactNode<Dim>& contact, int sid
     double gained = 0;
     for (int k = 0; k < Dim; ++k) {
         const double change = answer[k] * J.all[k];
-        gained += scene.gravity[k] * change;
+        gained += gravity[k] * change;
         motion.set(Dim + k, motion[Dim + k] + answer[k] * contact.impulse[k] / scene.dt);
         motion.set(k, motion[k] + change);
-        if (scene.scheme != Scheme::MUSL) field.velocity[contact.node].set(k, motion[k]);
+        if (!scene.scheme->remapsSolution()) field.setVelocity(contact.node, k, motion[k]);
         const int holder = field.holder[contact.node][k];
         if (holder < 0) continue;
         Constraint& constraint = *scene.constraints[holder];
@@ -169,6 +171,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     largestPenetration = gridLoss = 0;
     sliding = reduced = 0;
     forces.assign(3 * pairOf(0, int(scene.groups.size())), 0.0);
+    const Vec<Dim> gravity = gravityOf(scene);
     State<Dim>& state = found(scene);
     ContactSearch<Dim>& search = state.search;
     auto& nodes = state.impulses.nodes;
@@ -190,24 +193,26 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         gridLoss += state.impulses.limitEnergy(search, pair, isReduced);
         reduced += isReduced;
         addFriction<Dim>(search, pair, loss());
-        for (size_t i = pair.firstNode; i < pair.endNode; ++i) exchange(scene, search.nodes[i], nodes[i]);
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            exchange(scene, gravity, search.nodes[i], nodes[i]);
     }
 }
 
 // Gives the groups on a node what they have exchanged.
 template <int Dim>
-void Contact::exchange(Scene<Dim>& scene, ContactNode<Dim>& contact, const NodeMotion<Dim>& node) {
+void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<Dim>& contact,
+                       const NodeMotion<Dim>& node) {
     if (node.J.all.isZero(0)) return;
     const double loss = this->loss();
     contact.impulse = node.J.all - (1 - loss) * node.J.agreeing;
     contact.acts = true;
     for (int side = 0; side < 2; ++side)
-        change<Dim>(scene, contact, side, (side == 0 ? -1 : 1) * node.inverseMass[side], node.J);
+        change<Dim>(scene, gravity, contact, side, (side == 0 ? -1 : 1) * node.inverseMass[side], node.J);
     const Vec<Dim> met = loss * node.J.agreeing;
     const Vec<Dim> mobility = node.mobility();
     const Vec<Dim> startBefore = node.start[0] - node.start[1] + mobility.cwiseProduct(node.J.agreeing);
     scene.energies.contact += met.dot(startBefore - 0.5 * mobility.cwiseProduct(met));
-    if (scene.scheme != Scheme::MUSL) record<Dim>(scene, contact, node.v[0] - node.v[1]);
+    if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node.v[0] - node.v[1]);
 }
 
 // The same for velocities that have been made anew from the momentum of the particles.
@@ -224,7 +229,7 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
             for (int side = 0; side < 2; ++side) {
                 const NF& field = scene.grid.fields[search.nodes[i].field[side]];
                 nodes[i].inverseMass[side] = inverseMass(field, node);
-                for (int k = 0; k < Dim; ++k) nodes[i].v[side][k] = field.velocity[node][k];
+                for (int k = 0; k < Dim; ++k) nodes[i].v[side][k] = field.velocityOf(node, k);
                 nodes[i].start[side] = nodes[i].v[side];
             }
         }
@@ -235,8 +240,8 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
             const ContactNode<Dim>& contact = search.nodes[i];
             for (int side = 0; side < 2; ++side)
                 for (int k = 0; k < Dim; ++k)
-                    scene.grid.fields[contact.field[side]].velocity[contact.node].set(k, nodes[i].v[side][k]);
-            if (scene.scheme == Scheme::MUSL && contact.acts)
+                    scene.grid.fields[contact.field[side]].setVelocity(contact.node, k, nodes[i].v[side][k]);
+            if (scene.scheme->remapsSolution() && contact.acts)
                 record<Dim>(scene, contact, nodes[i].v[0] - nodes[i].v[1]);
         }
     }

@@ -3,11 +3,11 @@
 #pragma once
 
 #include "mpm/contact/ContactImpulses.hpp"
-#include "mpm/scene/Engine.hpp"
+#include "mpm/scene/Scene.hpp"
 
 namespace mpm {
 
-class Contact : public EngineOf<Contact> {
+class Contact : public EngineOf<Contact>, public VelocityCoupling {
   public:
     double friction = 0, adhesion = 0, impactLoss = 0, frictionWork = 0;
     bool separation = true, slip = true;
@@ -39,8 +39,8 @@ class Contact : public EngineOf<Contact> {
     bool separatesGroups() const override { return true; }
     void prepare(Scene<2>& scene) override { check(scene); }
     void prepare(Scene<3>& scene) override { check(scene); }
-    void remapped(Scene<2>& scene) override { tie(scene); }
-    void remapped(Scene<3>& scene) override { tie(scene); }
+    void couple(Scene<2>& scene) override { tie(scene); }
+    void couple(Scene<3>& scene) override { tie(scene); }
 
     void stepped(double dt) override;
 
@@ -61,10 +61,11 @@ class Contact : public EngineOf<Contact> {
     template <int Dim> void tie(Scene<Dim>& scene);
     template <int Dim> void addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss);
     template <int Dim>
-    static void change(Scene<Dim>& scene, const ContactNode<Dim>& contact, int side, const Vec<Dim>& answer,
-                       const Impulses<Dim>& J);
+    static void change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNode<Dim>& contact, int side,
+                       const Vec<Dim>& answer, const Impulses<Dim>& J);
     template <int Dim>
-    void exchange(Scene<Dim>& scene, ContactNode<Dim>& contact, const NodeMotion<Dim>& node);
+    void exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<Dim>& contact,
+                  const NodeMotion<Dim>& node);
     template <int Dim> void record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const Vec<Dim>& slip);
     FrictionLaw lawOf(int a, int b) const;
     // What particles lose of the velocities with which groups meet; nothing where these move as one body.

@@ -7,6 +7,9 @@
 #include "mpm/base/registry.hpp"
 #include "mpm/base/types.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,17 +47,33 @@ class Material : public Configurable {
     virtual void update(const MaterialPoints<2>& points) const = 0;
     virtual void update(const MaterialPoints<3>& points) const = 0;
 
-    // Lame constants {lambda, mu} of the elastic response, kPa: critical time step and hourglass control.
+    // Lame constants {lambda, mu} of the elastic response, kPa, of particles at rest without stress.
     virtual std::array<double, 2> lame() const = 0;
+    // The same for each of a run of particles as they stand; a law whose stiffness follows the stress
+    // overrides it.
+    virtual void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const {
+        constantStiffness(points.count, lambda, mu);
+    }
+    virtual void stiffness(const MaterialPoints<3>& points, double* lambda, double* mu) const {
+        constantStiffness(points.count, lambda, mu);
+    }
 
     // Sets the state variables (one value each) that belong to a given Cauchy stress at F = I. Models
     // whose stress follows from F alone throw InputError for a stress that is not zero.
     virtual void stateFromStress(const double stress[9], double* state) const = 0;
 
     double waveSpeed() const { return std::sqrt((lame()[0] + 2 * lame()[1]) / density); }
+
+  private:
+    void constantStiffness(int count, double* lambda, double* mu) const {
+        const std::array<double, 2> constants = lame();
+        std::fill_n(lambda, count, constants[0]);
+        std::fill_n(mu, count, constants[1]);
+    }
 };
 
-// Forwards both dimensions to one template text: template <int Dim> void stress(const MaterialPoints<Dim>&) const.
+// Forwards both dimensions to one template text: template <int Dim> void stress(const MaterialPoints<Dim>&)
+// const.
 template <class Derived> class MaterialOf : public Material {
   public:
     void update(const MaterialPoints<2>& points) const override {

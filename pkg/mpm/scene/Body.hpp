@@ -57,6 +57,24 @@ template <int Dim> class Body {
             largestInertialMass = std::max(largestInertialMass, inertiaScale * particles.mass.plane()[p]);
     }
 
+    // Particles [begin, end) as their material sees them. state: room for a pointer to each state variable.
+    MaterialPoints<Dim> points(int begin, int end, double dt, double** state) {
+        MaterialPoints<Dim> points{};
+        points.count = end - begin;
+        points.dt = dt;
+        points.volume = particles.volume.plane() + begin;
+        points.initialVolume = particles.initialVolume.plane() + begin;
+        for (int c = 0; c < Dim * Dim; ++c)
+            points.velocityGradient[c] = particles.velocityGradient.plane(c) + begin;
+        for (int c = 0; c < 9; ++c) {
+            points.deformationGradient[c] = particles.deformationGradient.plane(c) + begin;
+            points.stress[c] = particles.stress.plane(c) + begin;
+        }
+        for (size_t k = 0; k < particles.state.size(); ++k) state[k] = particles.state[k].plane() + begin;
+        points.state = state;
+        return points;
+    }
+
     // Gives particle p a Cauchy stress, and the material's state that belongs to it.
     void setStress(int p, const double stress[9]) {
         std::vector<double> state(particles.state.size() + 1);

@@ -11,7 +11,8 @@
 
 namespace mpm {
 
-// Adds the force that holds one component of a node at x, and its moment about `centre`, to those of a constraint.
+// Adds the force that holds one component of a node at x, and its moment about `centre`, to those of a
+// constraint.
 template <int Dim>
 void addReaction(const Vec<Dim>& x, const double* centre, int axis, double held, double* force,
                  double* moment) {
@@ -43,7 +44,8 @@ class Constraint {
     double work = 0;                // kJ since the start
     int heldNodes = 0;
 
-    // Time integrals of reaction and moment since the start, kN s and kN m s: their difference between two times makes a mean.
+    // Time integrals of reaction and moment since the start, kN s and kN m s: their difference between two
+    // times makes a mean.
     double impulse[3] = {0, 0, 0}, angularImpulse[3] = {0, 0, 0};
     void stepped(double dt) {
         for (int k = 0; k < 3; ++k) impulse[k] += dt * reaction[k], angularImpulse[k] += dt * moment[k];

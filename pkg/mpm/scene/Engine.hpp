@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The contract of an engine: one stage of the step. An engine is one file: it derives from
 // EngineOf<Class>, lists its attributes, acts on a scene of either dimension, and registers.
+// A scene holds engines and is known here by its name only; the file of an engine includes Scene.hpp.
 #pragma once
 
 #include "mpm/base/parameters.hpp"
 #include "mpm/base/registry.hpp"
-#include "mpm/scene/Scene.hpp"
 
 namespace mpm {
+
+template <int Dim> class Scene;
 
 class Engine : public Configurable {
   public:
@@ -23,9 +25,6 @@ class Engine : public Configurable {
 
     // Whether each group of bodies needs a velocity field of its own.
     virtual bool separatesGroups() const { return false; }
-    // The velocity fields have been made anew from the momentum of the particles (MUSL, USF). One thread.
-    virtual void remapped(Scene<2>&) {}
-    virtual void remapped(Scene<3>&) {}
     // A step is complete; what is of the last step may be summed up.
     virtual void stepped(double /*dt*/) {}
 
@@ -48,6 +47,15 @@ template <class Derived> class EngineOf : public Engine {
   public:
     void action(Scene<2>& scene) override { static_cast<Derived*>(this)->template act<2>(scene); }
     void action(Scene<3>& scene) override { static_cast<Derived*>(this)->template act<3>(scene); }
+};
+
+// What an engine may be besides: it couples the velocity fields of groups of bodies, and VelocityRemap asks
+// for that once it has made these velocities anew.
+class VelocityCoupling {
+  public:
+    virtual ~VelocityCoupling() = default;
+    virtual void couple(Scene<2>& scene) = 0;
+    virtual void couple(Scene<3>& scene) = 0;
 };
 
 } // namespace mpm

@@ -3,7 +3,6 @@
 #include "mpm/scene/Scene.hpp"
 
 #include "mpm/base/parallel/relaxed.hpp"
-#include "mpm/scene/Engine.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -25,7 +24,10 @@ template <int Dim> void Scene<Dim>::prepare() {
                     if (!std::isnan(constraint.velocity[k])) field.holder[node][k] = short(c);
     }
     for (auto& body : bodies) body->domains->lame = body->material->lame(); // may have been changed since
-    for (auto& engine : engines) engine->finish(), engine->prepare(*this);
+    for (auto& engine : engines) {
+        engine->finish();
+        engine->prepare(*this);
+    }
     require(!engines.empty(), "Scene: there are no engines; leave scene.engines alone for the default chain");
 }
 
@@ -58,7 +60,8 @@ template <int Dim> void Scene<Dim>::endStep(double newTime) {
     for (auto& constraint : constraints) constraint->stepped(dt);
     for (auto& engine : engines)
         if (!engine->dead) engine->stepped(dt);
-    storeRelaxed(time, newTime), storeRelaxed(step, step + 1);
+    storeRelaxed(time, newTime);
+    storeRelaxed(step, step + 1);
 }
 
 template <int Dim> long Scene<Dim>::advance(long steps, double seconds) {

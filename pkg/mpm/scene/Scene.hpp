@@ -4,17 +4,12 @@
 
 #include "mpm/scene/Body.hpp"
 #include "mpm/scene/Constraint.hpp"
+#include "mpm/scene/Engine.hpp"
+#include "mpm/scene/Scheme.hpp"
 
 #include <array>
 
 namespace mpm {
-
-class Engine;
-
-// When the stress is updated in a step: before the forces (USF), at its end with the velocity of the
-// solution (USL), or at its end with the velocity re-mapped from the particles (MUSL, the default).
-// Sulsky et al. 1995; Bardenhagen 2002.
-enum class Scheme { MUSL, USF, USL };
 
 struct Energies {
     double gravity = 0; // work of gravity and body forces, kJ
@@ -33,12 +28,10 @@ template <int Dim> class Scene {
     std::vector<std::unique_ptr<Body<Dim>>> bodies;
     std::vector<std::shared_ptr<Constraint>> constraints;
     std::vector<std::shared_ptr<Engine>> engines;
-    Scheme scheme = Scheme::MUSL;
+    std::shared_ptr<const Scheme> scheme = Registry<Scheme>::make("MUSL");
     double time = 0, dt = 0;
     long step = 0;
     int threads = 1;
-    double damping = 0;                  // local non-viscous damping, see GridSolver and GridToParticle
-    Vec<Dim> gravity = Vec<Dim>::Zero(); // m/s2, as GridSolver applied it last
     Energies energies;
     bool sorted = false; // whether particles were sorted, while they are located
 
@@ -54,14 +47,31 @@ template <int Dim> class Scene {
         throw InputError("there is no body named '" + name + "'");
     }
 
+    // The engine of a class or with an interface: the first that lives, or nullptr.
+    template <class Wanted> Wanted* find() const {
+        for (auto& engine : engines)
+            if (auto* found = dynamic_cast<Wanted*>(engine.get()); found && !engine->dead) return found;
+        return nullptr;
+    }
+    // Whether the next living engine behind this one is of that class.
+    template <class Wanted> bool isFollowedBy(const Engine& engine) const {
+        bool isBehind = false;
+        for (auto& other : engines) {
+            if (isBehind && !other->dead) return dynamic_cast<const Wanted*>(other.get()) != nullptr;
+            isBehind |= other.get() == &engine;
+        }
+        return false;
+    }
+
     int particleCount() const {
         int n = 0;
         for (auto& b : bodies) n += b->particles.size();
         return n;
     }
 
-    // A node with less mass than this takes no part. Towards the end of its support the weight of uGIMP falls with the
-    // square of the overlap, its gradient linearly: a node left out at 1e-12 would still count 1e-6 in a gradient.
+    // A node with less mass than this takes no part. Towards the end of its support the weight of uGIMP falls
+    // with the square of the overlap, its gradient linearly: a node left out at 1e-12 would still count 1e-6
+    // in a gradient.
     double leastMass() const {
         double largest = 0;
         for (auto& b : bodies) largest = std::max(largest, b->largestInertialMass);
@@ -75,7 +85,8 @@ template <int Dim> class Scene {
     void separateGroups();
     // Takes up to `steps` steps, and no new one after `seconds` of wall time; returns how many it took.
     long advance(long steps, double seconds);
-    // One engine, for a host that calls them one by one and then ends the step itself; the clock stands still.
+    // One engine, for a host that calls them one by one and then ends the step itself; the clock stands
+    // still.
     void actAlone(Engine& engine);
     void endStep(double newTime);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The background grid: a box of equal cells with ghost nodes around it. Nodes are numbered with the first
-// axis fastest; a slab is the set of nodes with the same number along the last axis. A block is four rows of nodes wide along each axis but the
-// first, along which it is as long as the grid.
+// axis fastest; a slab is the set of nodes with the same number along the last axis. A block is four rows of
+// nodes wide along each axis but the first, along which it is as long as the grid.
 #pragma once
 
 #include "mpm/base/require.hpp"
@@ -56,8 +56,9 @@ template <int Dim> class Grid {
     }
 
     int slabs() const { return nodes[Dim - 1]; }
-    // Blocks are numbered tile by tile. A tile is two of them wide along each axis but the first and has one of each colour, so that threads with a few
-    // tiles each begin with the first colour, go on with the next, and hardly wait for each other.
+    // Blocks are numbered tile by tile. A tile is two of them wide along each axis but the first and has one
+    // of each colour, so that threads with a few tiles each begin with the first colour, go on with the next,
+    // and hardly wait for each other.
     int blocks() const {
         int product = 1;
         for (int k = 1; k < Dim; ++k) product *= 2 * tilesAlong(k);

@@ -3,71 +3,102 @@
 #pragma once
 
 #include "mpm/base/parallel/WorkPartition.hpp"
+#include "mpm/base/require.hpp"
 #include "mpm/base/simd/Pack.hpp"
 #include "mpm/base/simd/largePages.hpp"
 #include "mpm/base/types.hpp"
 
+#include <cassert>
 #include <vector>
 
 namespace mpm {
 
-// Nodal data of one velocity field. Bodies that share a velocity field stick together; where there is a Contact,
-// each group of bodies has its own.
+// Nodal data of one velocity field. Bodies that share a velocity field stick together; where there is a
+// Contact, each group of bodies has its own.
 template <int Dim> struct NodalField {
-    // What particles give: momentum, mass, weight mass (mass without inertial scaling), and force: in 2D component k is the sum of two lanes,
-    // see base/simd/Lanes.hpp.
+    // What the particles give: momentum, mass, weight mass (mass without inertial scaling), and force. In 2D
+    // component k of the force is the sum of two lanes (base/simd/Lanes.hpp): forceOf() reads it, addForce()
+    // adds to it.
     using Sum = Pack<8>;
     static constexpr int momentum = 0, mass = Dim, weightMass = Dim == 2 ? 3 : 7;
     static constexpr int lane(int k) { return Dim == 2 ? 2 * k : k; }
     static constexpr int force(int k) { return 4 + lane(k); }
-    static double forceOf(const Sum& sum, int k) {
-        return Dim == 2 ? sum[force(k)] + sum[force(k) + 1] : sum[force(k)];
+    static Vec<Dim> forceOf(const Sum& sum) {
+        Vec<Dim> f;
+        for (int k = 0; k < Dim; ++k) f[k] = Dim == 2 ? sum[force(k)] + sum[force(k) + 1] : sum[force(k)];
+        return f;
     }
+    static void addForce(Sum& sum, int k, double f) { sum.set(force(k), sum[force(k)] + f); }
 
-    // Velocity, acceleration: what particles take.
+    // Velocity and acceleration of the solution, which the particles take: component k in lane k, and in lane
+    // Dim + k.
     using Motion = Pack<Dim == 2 ? 4 : 8>;
+    static constexpr int velocity = 0, acceleration = Dim;
 
-    // The velocity that enters the velocity gradient. Where it is summed up from particles (MUSL, USF): their momentum, and behind it 1/mass.
-    using Velocity = Pack<4>;
-    MPM_INLINE static Velocity noMomentum(double overMass) {
-        Velocity v;
-        v.part[0] = Dim == 2 ? Quad{0, 0, overMass, 0} : Quad{0, 0, 0, overMass};
-        return v;
-    }
-
-    // Vectors with component k in lane(k), in 2D also in the next.
-    MPM_INLINE static Quad momentumIn(const Sum& sum) {
+    // Vectors for the equation of motion, with component k in lane(k), in 2D also in the next.
+    MPM_INLINE static Quad momentumLanes(const Sum& sum) {
         const Quad p = sum.part[0];
         return Dim == 2 ? Quad{p[0], p[0], p[1], p[1]} : Quad{p[0], p[1], p[2], 0};
     }
-    MPM_INLINE static Quad forceIn(const Sum& sum) {
+    MPM_INLINE static Quad forceLanes(const Sum& sum) {
         const Quad f = sum.part[1];
         return Dim == 2 ? f + Quad{f[1], f[0], f[3], f[2]} : Quad{f[0], f[1], f[2], 0};
     }
-    MPM_INLINE static void
-    setComponent(Quad& vector, int k,
-                 double value) { // not lane by lane: the vector would be read before it is in memory
+    // Not lane by lane: the vector would be read before it is in memory.
+    MPM_INLINE static void setComponent(Quad& vector, int k, double value) {
         const auto in = [&](int l) { return (Dim == 2 ? l / 2 : l) == k ? value : vector[l]; };
         vector = Quad{in(0), in(1), in(2), in(3)};
     }
     MPM_INLINE static void setMotion(Motion& motion, const Quad& v, const Quad& a) {
-        if constexpr (Dim == 2)
+        if constexpr (Dim == 2) {
             motion.part[0] = evenLanes(v, a);
-        else
-            motion.part[0] = Quad{v[0], v[1], v[2], a[0]}, motion.part[1] = Quad{a[1], a[2], 0, 0};
-    }
-    MPM_INLINE static Velocity velocityOf(const Quad& v) {
-        Velocity velocity;
-        velocity.part[0] = Dim == 2 ? evenLanes(v, Quad{}) : v;
-        return velocity;
+        } else {
+            motion.part[0] = Quad{v[0], v[1], v[2], a[0]};
+            motion.part[1] = Quad{a[1], a[2], 0, 0};
+        }
     }
 
     std::vector<Sum, OnLargePages<Sum>> sum;
     std::vector<Motion, OnLargePages<Motion>> motion;
-    std::vector<Velocity, OnLargePages<Velocity>> velocity;
+
+    // The velocity that strains the particles and moves the vertices. Where it is mapped back from the
+    // particles (MUSL, USF) the same memory holds their momentum before, and 1/mass beside it: one line of
+    // the cache for all three, and each under its own name. The engine that has filled it says in `straining`
+    // what it holds.
+    using Velocity = Pack<4>;
+    using Momentum = Pack<4>;
+    enum class Straining { nothing, noMomentum, momentum, velocity };
+    Straining straining = Straining::nothing;
+
+    MPM_INLINE void clearMomentum(int node, double overMass) {
+        straining_[node].part[0] = Dim == 2 ? Quad{0, 0, overMass, 0} : Quad{0, 0, 0, overMass};
+    }
+    // For the particles to add to.
+    Momentum* momenta() {
+        assert(straining == Straining::noMomentum);
+        return straining_.data();
+    }
+    // Returns whether the node has mass.
+    MPM_INLINE bool momentumToVelocity(int node) {
+        const double overMass = straining_[node][Dim];
+        straining_[node] = overMass * straining_[node];
+        return overMass > 0;
+    }
+    MPM_INLINE void setVelocity(int node, const Quad& lanes) {
+        straining_[node].part[0] = Dim == 2 ? evenLanes(lanes, Quad{}) : lanes;
+    }
+    void setVelocity(int node, int k, double v) { straining_[node].set(k, v); }
+    double velocityOf(int node, int k) const { return straining_[node][k]; }
+    const Velocity* velocities() const {
+        require(straining == Straining::velocity,
+                "the nodes hold no velocity that strains the particles: VelocityRemap (MUSL, USF) or "
+                "GridSolver "
+                "(USL) is left out; set dead=False, or leave DomainUpdater out, too");
+        return straining_.data();
+    }
 
     // Which constraint holds each component of a node, -1: none. Fixed sets of nodes are entered by
-    // Scene::prepare(), driven ones anew in every step by ParticleToGrid (see engine/Driving.hpp).
+    // Scene::prepare(), driven ones anew in every step by ParticleToGrid (see step/Driving.hpp).
     using Holders = std::array<short, Dim>;
     std::vector<Holders> holder;
     static Holders free() {
@@ -89,15 +120,17 @@ template <int Dim> struct NodalField {
     WorkPartition partition; // of the slabs, by the number of their touched nodes
 
     void setSize(int nodes, int slabs) {
-        sum.assign(nodes, Sum::zero()), motion.assign(nodes, Motion::zero()),
-            velocity.assign(nodes, Velocity::zero());
+        sum.assign(nodes, Sum::zero());
+        motion.assign(nodes, Motion::zero());
+        straining_.assign(nodes, Velocity::zero());
         holder.assign(nodes, free());
         extents.resize(slabs);
         forgetExtents();
     }
     void forgetExtents() {
         Extent none;
-        none.first.fill(1 << 30), none.last.fill(-(1 << 30));
+        none.first.fill(1 << 30);
+        none.last.fill(-(1 << 30));
         std::fill(extents.begin(), extents.end(), none);
     }
     void partitionNodes() {
@@ -108,6 +141,9 @@ template <int Dim> struct NodalField {
             return n;
         });
     }
+
+  private:
+    std::vector<Velocity, OnLargePages<Velocity>> straining_;
 };
 
 } // namespace mpm

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Tractions and pressures on the boundary edges (faces) of APDI domains, mapped through their vertices.
-#include "mpm/scene/Engine.hpp"
+#include "mpm/scene/Scene.hpp"
 #include "mpm/state/facets.hpp"
 
 #include <Eigen/Geometry>
@@ -25,8 +25,8 @@ std::vector<ShareOfFacet<2>> sharesOfFacet(const std::vector<Vec<2>>& X) {
     return std::vector<ShareOfFacet<2>>(2, {0.5 * whole, 0.5 * whole.norm()});
 }
 
-// Integrals of the shape functions of a bilinear face. 2 x 2 Gauss points are exact for the vector on warped faces, as
-// the internal forces of the hexahedron behind it are, and for the area on flat ones.
+// Integrals of the shape functions of a bilinear face. 2 x 2 Gauss points are exact for the vector on warped
+// faces, as the internal forces of the hexahedron behind it are, and for the area on flat ones.
 std::vector<ShareOfFacet<3>> sharesOfFacet(const std::vector<Vec<3>>& X) {
     static const double gauss = 1 / std::sqrt(3.0);
     static const double unit[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
@@ -70,10 +70,14 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
 
     std::string className() const override { return "BoundaryLoad"; }
     std::string doc() const override {
-        return "Traction (fixed direction) and pressure (follows the surface) on boundary facets of an APDI body.\n\n"
-               "Force on corner a of a facet: the integral of N_a (traction - pressure n) dA over the facet as it is now, with\n"
-               "the shape function N_a and the outward normal n. 3D: 2 x 2 Gauss points on the bilinear facet, so that a\n"
-               "uniform pressure balances stress = -pressure I in distorted domains, too. Stands between ParticleToGrid and\n"
+        return "Traction (fixed direction) and pressure (follows the surface) on boundary facets of "
+               "an APDI body.\n\n"
+               "Force on corner a of a facet: the integral of N_a (traction - pressure n) dA over "
+               "the facet as it is now, with\n"
+               "the shape function N_a and the outward normal n. 3D: 2 x 2 Gauss points on the "
+               "bilinear facet, so that a\n"
+               "uniform pressure balances stress = -pressure I in distorted domains, too. Stands "
+               "between ParticleToGrid and\n"
                "GridSolver.";
     }
     std::vector<Parameter> attributes() override {
@@ -82,7 +86,8 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
             {"traction", "kPa", "Force per current area, one component per axis.", &traction},
             {"pressure", "kPa", "Pressure on the surface, positive when it pushes on the body.", &pressure},
             {"tractionTable", "s, kPa",
-             "Traction over time instead, rows (time, one component per axis), linear between them and constant outside.",
+             "Traction over time instead, rows (time, one component per axis), linear between them "
+             "and constant outside.",
              &tractionTable},
             {"pressureTable", "s, kPa",
              "Pressure over time instead, rows (time, pressure), linear between them and constant outside.",

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// F-bar: one increment of volumetric strain per cell of the grid and body, and one mean stress that is linear in it. tr L of a
-// particle is replaced by its volume-weighted mean over the particles whose centres are in the same cell (de Souza Neto et al.
-// 1996; for MPM Coombs et al. 2018), and after the stress update the mean stress by that of the cell and the slopes towards its
-// neighbours. Without the latter the operator is not symmetric: mean stresses of yielding particles with friction part within a
-// cell, and nothing brings them back. Without slopes the mean stress would be a staircase of cells.
+// F-bar: one increment of volumetric strain per cell of the grid and body, and one mean stress that is linear
+// in it. tr L of a particle is replaced by its volume-weighted mean over the particles whose centres are in
+// the same cell (de Souza Neto et al. 1996; for MPM Coombs et al. 2018), and after the stress update the mean
+// stress by that of the cell and the slopes towards its neighbours. Without the latter the operator is not
+// symmetric: mean stresses of yielding particles with friction part within a cell, and nothing brings them
+// back. Without slopes the mean stress would be a staircase of cells.
 #pragma once
 
 #include "mpm/base/parallel/ParallelRegion.hpp"
@@ -16,10 +17,16 @@ class CellAverage {
     // Before anything else; called by all threads.
     template <int Dim> void start(ParallelRegion& region, int particles, const Grid<Dim>& grid) {
         region.once([&] {
-            for (int k = 0; k < Dim; ++k) strides_[k] = grid.strides[k], edges_[k] = grid.cell[k];
-            slabSize_ = grid.strides[Dim - 1], slabs_ = grid.slabs();
-            cell_.resize(particles), value_.resize(particles), cells_.resize(grid.count),
-                slabsOf_.resize(chunksOf(particles));
+            for (int k = 0; k < Dim; ++k) {
+                strides_[k] = grid.strides[k];
+                edges_[k] = grid.cell[k];
+            }
+            slabSize_ = grid.strides[Dim - 1];
+            slabs_ = grid.slabs();
+            cell_.resize(particles);
+            value_.resize(particles);
+            cells_.resize(grid.count);
+            slabsOf_.resize(chunksOf(particles));
         });
     }
 
@@ -29,9 +36,8 @@ class CellAverage {
         std::fill(cell_.begin() + begin, cell_.begin() + end, 0);
         for (int k = 0; k < Dim; ++k) {
             const double *x = particles.position.plane(k), last = grid.nodes[k] - 2.0;
-            for (
-                int p = begin; p < end;
-                ++p) { // a particle that just left the grid, or has no place (nan), is found out by the next step
+            // A particle that just left the grid, or has no place (nan), is found out by the next step.
+            for (int p = begin; p < end; ++p) {
                 const double c = std::min(std::max(1.0, grid.inCells(x[p], k)), last);
                 cell_[p] += int(c) * grid.strides[k];
             }
@@ -40,10 +46,12 @@ class CellAverage {
         slabsOf_[begin / chunkSize] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
     }
 
-    // Of each particle: the value to be averaged, and after toMeans() or toLinear() what changes it to the average.
+    // Of each particle: the value to be averaged, and after toMeans() or toLinear() what changes it to the
+    // average.
     double* values() { return value_.data(); }
 
-    // Sums of the values in each cell, in the order of the particles, by the thread that has this stretch of the grid; called by all threads.
+    // Sums of the values in each cell, in the order of the particles, by the thread that has this stretch of
+    // the grid; called by all threads.
     template <bool withCentres, int Dim> void sum(ParallelRegion& region, const Particles<Dim>& particles) {
         region.once([&] {
             ++round_;
@@ -61,7 +69,8 @@ class CellAverage {
                         if (cell_[p] < first || cell_[p] >= end) continue;
                         Cell& cell = cells_[cell_[p]];
                         const bool isEmpty = cell.round != round_;
-                        cell.round = round_, cell.particles = isEmpty ? 1 : cell.particles + 1;
+                        cell.round = round_;
+                        cell.particles = isEmpty ? 1 : cell.particles + 1;
                         cell.volume = (isEmpty ? 0 : cell.volume) + volume[p];
                         cell.sum = (isEmpty ? 0 : cell.sum) + volume[p] * value_[p];
                         for (int k = 0; k < Dim && withCentres; ++k)
@@ -121,9 +130,9 @@ class CellAverage {
         return linear;
     }
 
-    // The mean of the slopes to both neighbours, and at most twice the smaller one: along an axis no value in an evenly filled cell is
-    // beyond those of the neighbours (the monotonised central difference of van Leer 1977). Zero at an extremum and where a neighbour
-    // is empty.
+    // The mean of the slopes to both neighbours, and at most twice the smaller one: along an axis no value in
+    // an evenly filled cell is beyond those of the neighbours (the monotonised central difference of van Leer
+    // 1977). Zero at an extremum and where a neighbour is empty.
     double slope(const Cell& before, const Cell& cell, const Cell& after, int axis) const {
         if (before.round != round_ || after.round != round_) return 0;
         const auto between = [&](const Cell& a, const Cell& b) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Step 1 and 2: where the particles are, and their mass, momentum and forces on the nodes.
-#include "mpm/scene/Engine.hpp"
+#include "mpm/scene/Scene.hpp"
 #include "mpm/step/Driving.hpp"
 #include "mpm/step/nodes.hpp"
 
@@ -11,8 +11,10 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
     std::string className() const override { return "ParticleToGrid"; }
     std::string doc() const override {
         return "Finds the particles in the grid and sums their mass, momentum and forces on the nodes.\n\n"
-               "m_i = sum phi m_p,  p_i = sum phi m_p v_p,  f_i = - sum V_p sigma_p grad phi + sum phi m_p b_p.\n"
-               "Before that, uGIMP particles that are too long are cut in two (UGIMP: splitAt). Raises RuntimeError when a particle or vertex is outside the grid.";
+               "m_i = sum phi m_p,  p_i = sum phi m_p v_p,  f_i = - sum V_p sigma_p grad phi + sum "
+               "phi m_p b_p.\n"
+               "Before that, uGIMP particles that are too long are cut in two (UGIMP: splitAt). "
+               "Raises RuntimeError when a particle or vertex is outside the grid.";
     }
 
     template <int Dim> void act(Scene<Dim>& scene) {
@@ -21,8 +23,9 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
         parallel(scene.threads, [&](ParallelRegion& region) {
             locateParticles(region, scene);
             if (region.failed()) return;
-            sumOnNodes(region, scene, scene.scheme != Scheme::USF);
+            sumOnNodes(region, scene, !scene.scheme->stressFirst);
         });
+        for (auto& field : scene.grid.fields) field.straining = NodalField<Dim>::Straining::nothing;
         holdDrivenNodes(scene, drivenMass_);
     }
 

@@ -32,7 +32,7 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
 
 // Sums of mass, momentum and force on the nodes, from the particles where locate() found them.
 // Hourglass control is a force here. Under MUSL and USF it also enters the velocity that moves the vertices
-// (velocityFromParticles): that is a sum over particles, which cannot hold a pattern of single domains, so
+// (VelocityRemap): that is a sum over particles, which cannot hold a pattern of single domains, so
 // the force alone would never undo one.
 template <int Dim> void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, bool withForce) {
     for (auto& field : scene.grid.fields)
@@ -41,30 +41,6 @@ template <int Dim> void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, bo
     for (auto& body : scene.bodies)
         body->domains->addSum(region, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale,
                               withForce);
-}
-
-// Before the particles add their momentum to it.
-template <int Dim> void clearVelocity(ParallelRegion& region, Scene<Dim>& scene) {
-    const double least = scene.leastMass();
-    for (auto& field : scene.grid.fields)
-        forActiveNodes(region, scene, field, [&](int node) {
-            const double m = field.sum[node][NodalField<Dim>::mass];
-            field.velocity[node] = NodalField<Dim>::noMomentum(m > least ? 1 / m : 0);
-        });
-}
-
-// From the momentum of the particles to the velocity that enters the velocity gradient (MUSL, USF), with what is
-// prescribed at the given time.
-template <int Dim> void velocityFromMomentum(ParallelRegion& region, Scene<Dim>& scene, double time) {
-    for (auto& field : scene.grid.fields)
-        forActiveNodes(region, scene, field, [&](int node) {
-            auto& v = field.velocity[node];
-            const double overMass = v[Dim];
-            v = overMass * v;
-            if (overMass > 0 && field.isHeld(node))
-                for (int k = 0; k < Dim; ++k)
-                    if (const int c = field.holder[node][k]; c >= 0) v.set(k, scene.prescribed(c, k, time));
-        });
 }
 
 } // namespace mpm

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Limits that the scene and the run share."""
 
-# Share of the critical step when dt is left out. USL loses stability below the linear limit of its operator.
-DT_SAFETY = {"MUSL": 0.8, "USF": 0.8, "USL": 0.5}
 DT_PERIOD = 5000  # steps between estimates of the critical step
 CHECK_PERIOD = 1000  # steps between looks at the interface and at the quality of domains
 # Smallest corner of an APDI domain over its area from which on down the run warns; at 0.05 it stops, or

@@ -18,13 +18,14 @@ def mass(scene):
 def momentum(scene):
     """Momentum, sum s m v, Mg m/s (dim,), with the inertial mass (s: inertiaScale of the body)."""
     return sum(
-        (body.inertiaScale * np.array(body.core.motion()[0]) for body in scene.bodies), np.zeros(scene.dim)
+        (body.inertiaScale * np.array(body.core.motion()["momentum"]) for body in scene.bodies),
+        np.zeros(scene.dim),
     )
 
 
 def kineticEnergy(scene):
     """Kinetic energy, sum 1/2 s m v.v, kJ, with the inertial mass (s: inertiaScale of the body)."""
-    return float(sum(0.5 * body.inertiaScale * body.core.motion()[1] for body in scene.bodies))
+    return float(sum(body.inertiaScale * body.core.motion()["kineticEnergy"] for body in scene.bodies))
 
 
 def internalWork(scene):
@@ -155,7 +156,8 @@ def meanStressAlong(bodies, x, width, lower, upper):
     present positions, m. lower, upper : the stretch of heights, m. Returns y (m) and tr(sigma)/3 (kPa,
         tension positive), (N,).
     """
-    pairs = (pair for body in bodies for pair in body.core.meanStresses(x, width / 2, lower, upper))
+    rows = [body.core.meanStresses(x, width / 2, lower, upper) for body in bodies]
+    pairs = (pair for found in rows for pair in zip(found["height"], found["meanStress"]))
     y, mean = np.reshape(sorted(pairs, key=itemgetter(0)), (-1, 2)).T
     return y, mean
 
@@ -186,10 +188,10 @@ def unbalancedRatio(scene):
     before the first step, infinite where nothing but inertia acts. Values of single steps scatter; take the
     mean over a time.
     """
-    inertia, nodes, stressed = scene.core.balance()
-    if not nodes:
+    balance = scene.core.balance()
+    if not balance["nodes"]:
         return float("nan")
-    scale = stressed / float(np.min(scene.cell))
+    inertia, scale = balance["inertia"], balance["stressed"] / float(np.min(scene.cell))
     return inertia / scale if scale > 0 else float("inf" if inertia > 0 else "nan")
 
 

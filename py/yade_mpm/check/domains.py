@@ -20,7 +20,8 @@ def checkInterface(scene, limit):
     fault = scene.core.interfaceFault(min(limit, limits.INTERFACE_WARN))
     if fault is None:
         return None
-    meshed, boxes, where, edge, initial = fault
+    meshed, boxes, where = fault["meshed"], fault["boxes"], fault["where"]
+    edge, initial = fault["edge"], fault["initialEdge"]
     cell = min(scene.cell)
     place = f"interface of '{meshed}' and '{boxes}' near {where}: an edge"
     if initial > limits.INTERFACE_BUILD * cell:
@@ -44,10 +45,10 @@ def checkInterface(scene, limit):
 def distortion(scene):
     """Which APDI domain is distorted most, if any is much, as text; or None."""
     poor = [
-        (quality, body, particle, count)
+        (found["quality"], body, found["worst"], found["count"])
         for body in scene.bodies
-        for count, particle, quality in [body.core.poorDomains(limits.POOR_QUALITY)]
-        if count
+        for found in [body.core.poorDomains(limits.POOR_QUALITY)]
+        if found["count"]
     ]
     if not poor:
         return None

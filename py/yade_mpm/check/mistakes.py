@@ -128,7 +128,8 @@ def _units(body, gravity):
 
 def _beyondYield(body):
     """A stress that the material cannot bear: the first step changes it without any strain."""
-    count, worst, change = body.core.beyondYield(ROUNDOFF)
+    found = body.core.beyondYield(ROUNDOFF)
+    count, worst, change = found["count"], found["worst"], found["change"]
     if not count:
         return
     up = body.scene.dim - 1

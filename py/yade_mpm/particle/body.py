@@ -39,7 +39,7 @@ class Body(Guarded):
         lambda self: self.core.hourglass, doc="Largest hourglass amplitude of the domains over their edge, -."
     )
     distortedCount = property(
-        lambda self: self.core.poorDomains(limits.POOR_QUALITY)[0],
+        lambda self: self.core.poorDomains(limits.POOR_QUALITY)["count"],
         doc="Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run "
         "stops, or converts them.",
     )

@@ -80,6 +80,7 @@ class Scene(Guarded):
         )
         self._bodies = []
         self._dt, self._threads, self._engines, self._loop = None, None, None, None
+        self._added = {}  # engines that the scheme asked for, by class
         self.scheme = scheme
         self.threads = threads
 
@@ -116,7 +117,8 @@ class Scene(Guarded):
         """The chain of engines; assign a list to change it.
 
         Default: ParticleToGrid, GridSolver, GridToParticle, DomainUpdater (USF: DomainUpdater before
-        GridSolver). They serve this scene alone; `dead=True` leaves one out.
+        GridSolver). The scene adds VelocityRemap behind GridToParticle (USF: before DomainUpdater; USL: not).
+        They serve this scene alone; `dead=True` leaves one out.
         """
         if self._engines is None:
             self.engines = chain.defaultChain()
@@ -129,14 +131,19 @@ class Scene(Guarded):
         for engine in engines:
             if not isinstance(engine, Engine):
                 raise TypeError(f"Scene: {engine!r} is not an engine; give a list of engines")
-        engines = chain.ordered(engines, self.scheme)
-        chain.checkOrder(engines, self.scheme)
+        self.putInOrder(engines)
         self._engines = engines
         self.stepper.noteChange()
 
     hasEngines = property(
         lambda self: self._engines is not None, doc="Whether engines were given, or made as a default."
     )
+
+    def putInOrder(self, engines):
+        """Adds what the scheme asks for to a chain, in the list itself; ValueError for stages in no order."""
+        order = self.core.stageOrder
+        chain.complete(engines, order, self._added)
+        chain.checkOrder(engines, order, self.scheme)
 
     def gridSolver(self, who):
         """The GridSolver among the engines; ValueError, in the name of `who`, if there is none."""

@@ -71,8 +71,7 @@ def unbalancedForce(scene):
         change = np.linalg.norm(body.velocity[now] - velocity[old], axis=1) / scene.dt
         felt = body.inertiaScale * (body.mass / body.volume)[now] * change
         largest = max(largest, felt.max(initial=0.0) * np.prod(scene.cell))
-    d = scene.dim
-    internal = np.linalg.norm(np.array(scene.core.nodalValues())[:, 2 + d : 2 + 2 * d], axis=1)
+    internal = np.linalg.norm(np.array(scene.core.nodalValues()["force"]), axis=1)
     if not internal.any():
         return np.inf if largest > 0 else 0.0
     return float(largest / internal[internal > 0].mean())

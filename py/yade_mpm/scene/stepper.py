@@ -101,8 +101,8 @@ class Stepper:
 
     def _prepareChain(self):
         scene, engines = self._scene, self._scene.engines
-        chain.checkOrder(engines, scene.scheme)  # the list itself may have been changed since it was given
-        chain.checkComplete(engines, scene.scheme)
+        scene.putInOrder(engines)  # the list itself may have been changed since it was given
+        chain.checkComplete(engines, scene.core.stageOrder, scene.scheme)
         self.constraints = [c for e in engines if isinstance(e, GridSolver) for c in e.constraints(scene)]
         for part in [*engines, *self.constraints]:
             belongTo(scene, part)
@@ -165,12 +165,14 @@ class Stepper:
         self._prepareChain()
         scene = self._scene
         found = scene.core.criticalTimeStep(tolerance, iterations)
-        scene.dtCritical, scene.dtIterations, scene.stiffest = found
+        scene.dtCritical = found["dt"]
+        scene.dtIterations = found["iterations"]
+        scene.stiffest = found["stiffest"]
         return scene.dtCritical
 
     def safeDt(self):
         """The share of the critical step that is taken where nobody has given dt, s."""
-        return limits.DT_SAFETY[self._scene.scheme] * self._scene.dtCritical
+        return self._scene.core.stepSafety * self._scene.dtCritical
 
     def _stabilityState(self):
         """What the critical step depends on and may be changed between runs."""

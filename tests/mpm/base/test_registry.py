@@ -14,6 +14,7 @@ ENGINES = [
     "GridToParticle",
     "ParticleToGrid",
     "RigidContact",
+    "VelocityRemap",
 ]
 
 

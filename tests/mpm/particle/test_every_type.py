@@ -110,12 +110,14 @@ def test_nodes_get_what_the_weights_say(name, dim):
     scene.dt, scene.allowUnstable = 1e-9, True
     scene.run(steps=1, progress=False)
     found = np.zeros_like(expected)
-    for row in scene.core.nodalValues():
-        found[row[0]] = row[1 : 2 + 2 * dim]
+    values = scene.core.nodalValues()
+    found[values["node"]] = np.column_stack([values["mass"], values["momentum"], values["force"]])
     scale = np.abs(expected).max(axis=0)
     assert np.abs(found - expected).max() <= 1e-13 * scale.max()
-    assert scene.core.nodalTotals() == pytest.approx(expected.sum(axis=0), rel=1e-12)
-    assert scene.core.nodalTotals()[0] == pytest.approx(body.mass.sum(), rel=1e-14)
+    totals = scene.core.nodalTotals()
+    listed = [totals["mass"], *totals["momentum"], *totals["force"]]
+    assert listed == pytest.approx(expected.sum(axis=0), rel=1e-12)
+    assert totals["mass"] == pytest.approx(body.mass.sum(), rel=1e-14)
 
 
 @everyType

@@ -34,7 +34,7 @@ def lockedPair(shear=SHEAR):
 
 def nodalDrag(scene):
     """What damping of the nodal forces would have been: 0.5 sum |f_y|, kN/m."""
-    return 0.5 * np.abs(np.array(scene.core.nodalValues())[:, 5]).sum()
+    return 0.5 * np.abs(np.array(scene.core.nodalValues()["force"])[:, 1]).sum()
 
 
 def test_forces_that_no_particle_feels_do_not_drag():

@@ -328,7 +328,7 @@ def test_one_function_may_give_several_columns_and_is_called_once_a_row():
     assert history.spec()["columns"] == {"first": "scene.time", "toe": None, "at": None, "last": "1"}
     other = mpm.History(**json.loads(json.dumps(history.spec())))
     other.columns.update({("toe", "at"): both})
-    scene.engines = [*scene.engines[:4], other]
+    scene.engines = [*scene.engines[:5], other]
     scene.run(steps=20, progress=False)
     assert (
         other.names == history.names
@@ -391,7 +391,7 @@ def test_a_history_loaded_from_a_checkpoint_continues_bitwise_in_memory_and_file
     assert len(first) == 4
 
     scene = mpm.load(tmp_path / "state.h5", callbacks={"save": None})
-    second = scene.engines[5]
+    second = scene.engines[6]
     assert list(second["step"]) == [20, 40]
     scene.run(steps=70, progress=False)
     assertSameColumns(second, whole)
@@ -402,10 +402,10 @@ def test_a_history_loaded_from_a_checkpoint_continues_bitwise_in_memory_and_file
             assert np.array_equal(h5["history"][name], other["history"][name], equal_nan=True), name
 
     scene = mpm.load(tmp_path / "state.h5", callbacks={"save": None})
-    spec = scene.engines[5].spec()
+    spec = scene.engines[6].spec()
     spec["state"]["before"] = {}  # the control: of the steps since the checkpoint alone, the mean differs
     forgetful = mpm.History(**spec)
-    scene.engines = [*scene.engines[:4], forgetful]
+    scene.engines = [*scene.engines[:5], forgetful]
     scene.run(steps=70, progress=False)
     assert (
         forgetful["drive.fy"][2] != whole["drive.fy"][2] and forgetful["drive.fy"][3] == whole["drive.fy"][3]

@@ -268,7 +268,7 @@ def test_a_restored_recorder_cuts_its_file_and_continues_to_the_same_content(tmp
     runAndWatch(makeScene(), whole, steps=40)
     scene = makeScene()
     runAndWatch(scene, cut, steps=30)  # 30 steps are in the file,
-    spec = scene.engines[4].spec()
+    spec = scene.engines[5].spec()
     scene = makeScene()
     scene.engines = chain()
     scene.run(steps=resumedAt, progress=False)  # the state is older
@@ -282,7 +282,7 @@ def test_a_restored_recorder_cuts_its_file_and_continues_to_the_same_content(tmp
 def test_a_restored_recorder_without_its_file_begins_a_new_one(tmp_path):
     scene, file = makeScene(), tmp_path / "a.h5"
     runAndWatch(scene, file, steps=20)
-    spec = scene.engines[4].spec()
+    spec = scene.engines[5].spec()
     os.remove(file)
     scene.engines = chain(mpm.Recorder(**spec))
     scene.run(steps=15, progress=False)

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "mpm/contact/rigid/findRigidContacts.hpp"
-#include "mpm/scene/Engine.hpp"
+#include "mpm/scene/Scene.hpp"
 
 #include <optional>
 

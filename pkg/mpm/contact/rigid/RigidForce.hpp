@@ -75,7 +75,7 @@ template <int Dim> class RigidBalance {
             double size = 0, moments = 0;
             for (int node = 0; node < int(nodes_[b].size()); ++node) {
                 Vec3 f = Vec3::Zero(), x = Vec3::Zero();
-                for (int k = 0; k < Dim; ++k) f[k] = NF::forceOf(nodes_[b][node], k);
+                f.head<Dim>() = NF::forceOf(nodes_[b][node]);
                 if (f.isZero(0)) continue;
                 x.head<Dim>() = scene_.grid.nodePosition(node);
                 const Vec3 arm = x - states[b].position;

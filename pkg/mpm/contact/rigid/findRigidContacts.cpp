@@ -24,7 +24,7 @@ Vec3 turned(const Vec3& v, const Vec3& from, const Vec3& to) {
 template <int Dim> Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>& soil, int p) {
     using NF = NodalField<Dim>;
     Vec3 straining = Vec3::Zero(), own = Vec3::Zero();
-    if (soil.type->isMeshed() || scene.scheme == Scheme::USL) return own;
+    if (soil.type->isMeshed() || !scene.scheme->remaps) return own;
     const auto& field = scene.grid.fields[soil.velocityField];
     const double least = scene.leastMass();
     soil.domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {

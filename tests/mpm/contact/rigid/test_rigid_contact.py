@@ -101,10 +101,10 @@ def test_a_sphere_and_a_block_exchange_momentum_exactly(kind, dim, isDeaf):
 def test_force_and_moment_on_the_nodes_are_those_on_the_body(kind, dim):
     """From the nodal forces before and after the engine. Control: the moment about another point."""
     scene, contact, block, sphere = thrown(kind, dim)
-    rows, place = {}, {}
+    values, place = {}, {}
 
     def look(name):
-        rows[name] = np.array(scene.core.nodalValues())
+        values[name] = scene.core.nodalValues()
         place[name] = contact.positions[0].copy()
 
     inner = scene.engines
@@ -116,9 +116,9 @@ def test_force_and_moment_on_the_nodes_are_those_on_the_body(kind, dim):
         *inner[2:],
     ]
     scene.run(steps=15, progress=False)
-    nodes = rows["before"][:, 0].astype(int)
+    nodes = values["before"]["node"]
     force, arm = np.zeros((len(nodes), 3)), np.zeros((len(nodes), 3))
-    force[:, :dim] = (rows["after"] - rows["before"])[:, 2 + dim : 2 + 2 * dim]
+    force[:, :dim] = np.array(values["after"]["force"]) - values["before"]["force"]
     arm[:, :dim] = scene.nodePositions()[nodes] - place["before"][:dim]
     size = np.linalg.norm(force, axis=1).sum()
     reach = (np.linalg.norm(arm, axis=1) * np.linalg.norm(force, axis=1)).sum()

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "mpm/check/ElasticOperator.hpp"
+
+#include "mpm/step/Driving.hpp"
+#include "mpm/step/nodes.hpp"
+
+namespace mpm {
+
+// The stand-ins are in place as long as this lives.
+template <int Dim> class ElasticOperator<Dim>::Exchanged {
+  public:
+    explicit Exchanged(ElasticOperator& of) : of_(of) { swap(); }
+    ~Exchanged() { swap(); }
+    Exchanged(const Exchanged&) = delete;
+
+  private:
+    ElasticOperator& of_;
+    void swap() {
+        for (auto* all : {&of_.gradient_, &of_.vertices_})
+            for (StandIn& standIn : *all) std::swap(*standIn.field, standIn.own);
+    }
+};
+
+template <int Dim> ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene) : scene_(scene) {
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        locateParticles(region, scene);
+        if (!region.failed()) sumOnNodes(region, scene, false);
+    });
+    std::vector<double> scratch;
+    holdDrivenNodes(scene, scratch);
+    findDofs();
+    for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
+        velocity_.emplace_back(scene.grid.count, NF::Velocity::zero());
+        force_.emplace_back(scene.grid.count, NF::Sum::zero());
+    }
+    for (auto& body : scene.bodies) {
+        stress_.emplace_back("elasticStress", "kPa", "", std::vector<int>{3, 3});
+        stress_.back().resize(body->particles.size());
+        gradient_.emplace_back(body->particles.velocityGradient);
+        if (Field* vertices = body->domains->vertexVelocities()) vertices_.emplace_back(*vertices);
+    }
+}
+
+template <int Dim> void ElasticOperator<Dim>::findDofs() {
+    const double least = scene_.leastMass();
+    for (auto& field : scene_.grid.fields)
+        for (int slab = 0; slab < scene_.grid.slabs(); ++slab)
+            scene_.grid.forNodes(field, slab, [&](int node) {
+                const double m = field.sum[node][NF::mass];
+                for (int k = 0; k < Dim; ++k)
+                    if (m > least && field.holder[node][k] < 0) {
+                        dofs_.push_back({int(&field - scene_.grid.fields.data()), node, k});
+                        mass_.push_back(m);
+                    }
+            });
+}
+
+template <int Dim> void ElasticOperator<Dim>::apply(const std::vector<double>& x, std::vector<double>& y) {
+    const Exchanged exchanged(*this);
+    take(x);
+    parallel(scene_.threads, [&](ParallelRegion& region) { strain(region); });
+    parallel(scene_.threads, [&](ParallelRegion& region) {
+        for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+            const double* planes[9];
+            for (int c = 0; c < 9; ++c) planes[c] = stress_[b].plane(c);
+            auto& body = *scene_.bodies[b];
+            body.domains->addForce(region, force_[body.velocityField].data(), planes);
+        }
+    });
+    y.resize(size());
+    for (int i = 0; i < size(); ++i) {
+        const Dof& dof = dofs_[i];
+        y[i] = -NF::forceOf(force_[dof.field][dof.node])[dof.axis] / mass_[i];
+    }
+}
+
+template <int Dim> void ElasticOperator<Dim>::take(const std::vector<double>& x) {
+    for (size_t f = 0; f < force_.size(); ++f)
+        for (int slab = 0; slab < scene_.grid.slabs(); ++slab)
+            scene_.grid.forNodes(scene_.grid.fields[f], slab, [&](int node) {
+                velocity_[f][node] = NF::Velocity::zero();
+                force_[f][node] = NF::Sum::zero();
+            });
+    for (int i = 0; i < size(); ++i) velocity_[dofs_[i].field][dofs_[i].node].set(dofs_[i].axis, x[i]);
+}
+
+template <int Dim> void ElasticOperator<Dim>::strain(ParallelRegion& region) {
+    for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+        auto& body = *scene_.bodies[b];
+        const auto* nodes = velocity_[body.velocityField].data();
+        body.domains->takeVelocity(region, nodes);
+        region.chunks(body.particles.size(), [&](int begin, int end) {
+            body.domains->takeGradient(begin, end, nodes, 0);
+            elasticStress(body, stress_[b], begin, end);
+        });
+    }
+}
+
+template <int Dim>
+void ElasticOperator<Dim>::elasticStress(Body<Dim>& body, Field& stress, int begin, int end) {
+    double lambda[chunkSize], mu[chunkSize];
+    std::vector<double*> state(body.particles.state.size());
+    body.material->stiffness(body.points(begin, end, 0, state.data()), lambda, mu);
+    const Field& L = body.particles.velocityGradient;
+    for (int p = begin; p < end; ++p) {
+        const double shear = mu[p - begin];
+        double trace = 0;
+        for (int k = 0; k < Dim; ++k) trace += L.plane((Dim + 1) * k)[p];
+        for (int i = 0; i < Dim; ++i)
+            for (int j = i; j < Dim; ++j)
+                stress.plane(3 * i + j)[p] = (i == j ? lambda[p - begin] * trace : 0) +
+                                             shear * (L.plane(Dim * i + j)[p] + L.plane(Dim * j + i)[p]);
+    }
+}
+
+template <int Dim> std::string ElasticOperator<Dim>::stiffest() const {
+    double most = -1;
+    std::string name;
+    for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+        const auto& particles = scene_.bodies[b]->particles;
+        const Field& L = gradient_[b].own;
+        double power = 0;
+        for (int p = 0; p < particles.size(); ++p)
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j)
+                    power += particles.volume.plane()[p] *
+                             stress_[b].plane(3 * std::min(i, j) + std::max(i, j))[p] *
+                             L.plane(Dim * i + j)[p];
+        if (power > most) {
+            most = power;
+            name = scene_.bodies[b]->name;
+        }
+    }
+    return name;
+}
+
+template class ElasticOperator<2>;
+template class ElasticOperator<3>;
+
+} // namespace mpm

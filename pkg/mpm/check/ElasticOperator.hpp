@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The elastic stiffness of a scene as it stands, as an operator on nodal velocities: K v is one gather of the
+// velocity gradient, the elastic law, and one scatter of the force; K is never formed. Anti-locking is left
+// out (its operator is not symmetric), hourglass stiffness is in. What it writes is its own: fields that
+// particles and vertices keep from the last step stay.
+#pragma once
+
+#include "mpm/scene/Scene.hpp"
+
+namespace mpm {
+
+template <int Dim> class ElasticOperator {
+  public:
+    // Finds the particles in the grid and sums their mass; the nodes hold no sums of a step afterwards.
+    explicit ElasticOperator(Scene<Dim>& scene);
+
+    // Free components of nodes that have mass, and the mass of each, Mg.
+    int size() const { return int(dofs_.size()); }
+    const std::vector<double>& mass() const { return mass_; }
+
+    // y = M^-1 K x, x a velocity (m/s) and y in m/s2 per s.
+    void apply(const std::vector<double>& x, std::vector<double>& y);
+
+    // Body with the largest elastic power in the motion applied last.
+    std::string stiffest() const;
+
+  private:
+    using NF = NodalField<Dim>;
+    struct Dof {
+        int field, node, axis;
+    };
+    // Memory that stands in for a field of the scene while the operator is applied.
+    struct StandIn {
+        Field* field;
+        Field own;
+        StandIn(Field& field) : field(&field), own(field) { own.resize(field.size()); }
+    };
+    class Exchanged;
+
+    Scene<Dim>& scene_;
+    std::vector<Dof> dofs_;
+    std::vector<double> mass_;
+    std::vector<std::vector<typename NF::Velocity>> velocity_; // of the nodes of each velocity field
+    std::vector<std::vector<typename NF::Sum>> force_;
+    std::vector<Field> stress_;     // of each body
+    std::vector<StandIn> gradient_; // of its velocity,
+    std::vector<StandIn> vertices_; // and the velocity of its vertices, where it has some
+
+    void findDofs();
+    void take(const std::vector<double>& x);
+    void strain(ParallelRegion& region);
+    static void elasticStress(Body<Dim>& body, Field& stress, int begin, int end);
+};
+
+} // namespace mpm

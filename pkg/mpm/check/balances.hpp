@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Sums over nodes and particles as the last step left them, for checks and certificates. One after the other
+// on one thread: the same last digits for any number of threads.
+#pragma once
+
+#include "mpm/scene/Scene.hpp"
+
+#include <Eigen/LU>
+
+#include <cmath>
+
+namespace mpm {
+
+// f(field, node) for all nodes that particles touch.
+template <int Dim, class F> void forTouchedNodes(const Scene<Dim>& scene, F&& f) {
+    for (const auto& field : scene.grid.fields)
+        for (int slab = 0; slab < scene.grid.slabs(); ++slab)
+            scene.grid.forNodes(field, slab, [&](int node) { f(field, node); });
+}
+
+// Of the last ParticleToGrid.
+template <int Dim> struct NodalTotals {
+    double mass = 0;                                                // Mg
+    Vec<Dim> momentum = Vec<Dim>::Zero(), force = Vec<Dim>::Zero(); // kN s, kN
+};
+template <int Dim> NodalTotals<Dim> nodalTotals(const Scene<Dim>& scene) {
+    using NF = NodalField<Dim>;
+    NodalTotals<Dim> total;
+    forTouchedNodes(scene, [&](const NF& field, int node) {
+        const auto& sum = field.sum[node];
+        total.mass += sum[NF::mass];
+        for (int k = 0; k < Dim; ++k) total.momentum[k] += sum[NF::momentum + k];
+        total.force += NF::forceOf(sum);
+    });
+    return total;
+}
+
+// Kinetic energy of all nodes as the solution or contact left them, kJ.
+template <int Dim> double nodalEnergy(const Scene<Dim>& scene) {
+    using NF = NodalField<Dim>;
+    double energy = 0;
+    forTouchedNodes(scene, [&](const NF& field, int node) {
+        for (int k = 0; k < Dim; ++k)
+            energy += 0.5 * field.sum[node][NF::mass] * std::pow(field.motion[node][NF::velocity + k], 2);
+    });
+    return energy;
+}
+
+// How far the last step was from rest: inertia against stress.
+struct Balance {
+    double inertia = 0;  // sum of |m a| over the nodes, kN
+    int nodes = 0;       // that have mass
+    double stressed = 0; // sum of V |sigma| over the particles, kJ
+};
+template <int Dim> Balance balanceOf(const Scene<Dim>& scene) {
+    using NF = NodalField<Dim>;
+    Balance balance;
+    forTouchedNodes(scene, [&](const NF& field, int node) {
+        double square = 0;
+        for (int k = 0; k < Dim; ++k) {
+            const double a = field.motion[node][NF::acceleration + k];
+            square += a * a;
+        }
+        balance.inertia += field.sum[node][NF::mass] * std::sqrt(square);
+        balance.nodes += field.sum[node][NF::mass] > 0;
+    });
+    for (const auto& body : scene.bodies) {
+        const auto& q = body->particles;
+        for (int p = 0; p < q.size(); ++p) {
+            double square = 0;
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j)
+                    square += std::pow(q.stress.plane(3 * std::min(i, j) + std::max(i, j))[p], 2);
+            balance.stressed += q.volume.plane()[p] * std::sqrt(square);
+        }
+    }
+    return balance;
+}
+
+// Of the particles of a body, without inertial scaling.
+template <int Dim> struct BodyMotion {
+    Vec<Dim> momentum = Vec<Dim>::Zero(); // kN s
+    double kineticEnergy = 0;             // kJ
+};
+template <int Dim> BodyMotion<Dim> motionOf(const Body<Dim>& body) {
+    const auto& q = body.particles;
+    BodyMotion<Dim> motion;
+    double twice = 0;
+    for (int p = 0; p < q.size(); ++p) {
+        const double m = q.mass.plane()[p];
+        for (int k = 0; k < Dim; ++k) {
+            const double v = q.velocity.plane(k)[p];
+            motion.momentum[k] += m * v;
+            twice += m * v * v;
+        }
+    }
+    motion.kineticEnergy = 0.5 * twice;
+    return motion;
+}
+
+// Height and mean stress of a particle.
+struct MeanStress {
+    double height, stress; // m, kPa
+};
+// Of the particles of a 2D body within `reach` of the vertical line at x, between two heights.
+template <int Dim>
+std::vector<MeanStress> meanStressesAlong(const Body<Dim>& body, double x, double reach, double lower,
+                                          double upper) {
+    const Field &position = body.particles.position, &stress = body.particles.stress;
+    std::vector<MeanStress> all;
+    for (int p = 0; p < body.particles.size(); ++p) {
+        const double y = position.plane(1)[p];
+        if (!(std::abs(position.plane(0)[p] - x) <= reach && y >= lower && y <= upper)) continue;
+        all.push_back({y, (stress.plane(0)[p] + stress.plane(4)[p] + stress.plane(8)[p]) / 3});
+    }
+    return all;
+}
+
+// Number of particles with det F <= 0.
+template <int Dim> int invertedParticles(const Body<Dim>& body) {
+    int count = 0;
+    for (int p = 0; p < body.particles.size(); ++p) {
+        Mat<3> F;
+        for (int c = 0; c < 9; ++c) F(c / 3, c % 3) = body.particles.deformationGradient.plane(c)[p];
+        count += F.determinant() <= 0;
+    }
+    return count;
+}
+
+} // namespace mpm

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "mpm/scene/Scheme.hpp"
+
+namespace mpm {
+
+std::vector<Scheme::Place> Scheme::order() const {
+    std::vector<Place> all{{{"ParticleToGrid"}}};
+    const auto add = [&](Place place) { all.push_back(std::move(place)); };
+    const auto addStress = [&] {
+        if (remaps) add({{"VelocityRemap"}, true, false, true});
+        add({{"DomainUpdater"}, true, false, false, stressFirst});
+    };
+    if (stressFirst) addStress();
+    add({{"BoundaryLoad", "RigidContact"}, false, true});
+    add({{"GridSolver"}});
+    add({{"Contact"}, false});
+    add({{"GridToParticle"}});
+    if (!stressFirst) addStress();
+    return all;
+}
+
+namespace {
+
+bool offer(const Scheme& scheme) {
+    return Registry<Scheme>::add(scheme.name, [=] { return std::make_shared<Scheme>(scheme); });
+}
+
+// USL loses stability below the linear limit of its operator.
+const bool offered =
+    offer({"MUSL", "Stress at the end of the step, with the velocity that the moved particles map back.",
+           false, true, 1, 0.8}) &&
+    offer({"USF", "Stress at the start of the step, with the velocity that the particles map.", true, true, 1,
+           0.8}) &&
+    offer({"USL", "Stress at the end of the step, with the velocity of the solution.", false, false, 1, 0.5});
+
+} // namespace
+
+} // namespace mpm

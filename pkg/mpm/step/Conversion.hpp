@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Domains that are too distorted to go on with: they end the run, or become uGIMP particles.
+#pragma once
+
+#include "mpm/scene/Scene.hpp"
+
+#include <Eigen/LU>
+
+namespace mpm {
+
+// Replaces domains by uGIMP particles of the same mass, momentum, volume and stress.
+template <int Dim> void convert(Body<Dim>& to, Body<Dim>& from, const std::vector<Distorted>& all) {
+    std::vector<Piece<Dim>> pieces;
+    std::vector<int> gone;
+    for (const Distorted& d : all) {
+        const auto parts = from.domains->split(d.particle, to.domains->halfSize());
+        pieces.insert(pieces.end(), parts.begin(), parts.end());
+        gone.push_back(d.particle);
+    }
+    auto &target = to.particles, &source = from.particles;
+    const int first = target.size();
+    target.resize(first + int(pieces.size()));
+    if (source.hasBodyForce) target.needBodyForce();
+    if (target.hasBodyForce) source.needBodyForce();
+    const auto targets = target.fields(), sources = source.fields();
+    int64_t next = 0;
+    for (int p = 0; p < first; ++p) next = std::max(next, target.id.integers()[p] + 1);
+    for (size_t i = 0; i < pieces.size(); ++i) {
+        const int p = first + int(i), parent = pieces[i].parent;
+        for (size_t f = 0; f < targets.size(); ++f)
+            for (int c = 0; targets[f]->size() > 0 && c < targets[f]->components(); ++c)
+                targets[f]->plane(c)[p] = sources[f]->plane(c)[parent];
+        target.id.integers()[p] = next++;
+        for (Field* extensive : {&target.mass, &target.volume, &target.initialVolume})
+            extensive->plane()[p] *= pieces[i].fraction;
+        // The polygon area differs from J V0 by O(dt); uGIMP's volume is J V0 and must not jump.
+        double F[9];
+        for (int c = 0; c < 9; ++c) F[c] = target.deformationGradient.plane(c)[p];
+        const double J = Eigen::Map<const Mat<3>>(F).determinant();
+        if (J > 0) target.initialVolume.plane()[p] = target.volume.plane()[p] / J;
+        for (int k = 0; k < Dim; ++k) {
+            const double shift = pieces[i].position[k] - target.position.plane(k)[p];
+            target.position.plane(k)[p] += shift;
+            target.reference.plane(k)[p] += shift;
+        }
+    }
+    from.domains->remove(gone);
+    from.converted += int(gone.size());
+    to.domains->grown();
+    to.massesChanged();
+    from.massesChanged();
+}
+// After a stress update; throws RunError where the particle type does not convert.
+template <int Dim> void resolveDistortion(const Scene<Dim>& scene, Body<Dim>& body) {
+    const std::vector<Distorted> all = body.domains->distorted();
+    if (all.empty()) return;
+    const auto domain = [&](int p) {
+        return message("step ", scene.step, ": domain of particle ", body.particles.id.integers()[p], " in '",
+                       body.name, "' at ", place(vectorAt<Dim>(body.particles.position, p)));
+    };
+    if (!body.type->converts())
+        throw RunError(message(
+            domain(all.front().particle), all.front().quality <= 0 ? " is inverted" : " is nearly inverted",
+            " (smallest corner ", 100 * all.front().quality, " % of its area); use UGIMP there, or ",
+            body.type->className(), "(onDistortion=\"convert\")"));
+    for (const Distorted& d : all) {
+        const double V = body.particles.volume.plane()[d.particle],
+                     V0 = body.particles.initialVolume.plane()[d.particle];
+        if (!(V > 0))
+            throw RunError(message(domain(d.particle), " turned inside out within one step (", V, " of ", V0,
+                                   Dim == 2 ? " m2" : " m3",
+                                   "): its stress has no meaning and it cannot be converted; lower "
+                                   "dt, or use UGIMP there"));
+    }
+    convert(*body.convertsTo, body, all);
+}
+
+} // namespace mpm

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "mpm/step/VelocityRemap.hpp"
+
+#include "mpm/step/nodes.hpp"
+
+namespace mpm {
+
+namespace {
+
+// Before the particles add their momentum.
+template <int Dim>
+void clearMomentum(ParallelRegion& region, const Scene<Dim>& scene, NodalField<Dim>& field) {
+    const double least = scene.leastMass();
+    forActiveNodes(region, scene, field, [&](int node) {
+        const double m = field.sum[node][NodalField<Dim>::mass];
+        field.clearMomentum(node, m > least ? 1 / m : 0);
+    });
+}
+
+// With what is prescribed at the given time.
+template <int Dim>
+void momentumToVelocity(ParallelRegion& region, const Scene<Dim>& scene, NodalField<Dim>& field,
+                        double time) {
+    forActiveNodes(region, scene, field, [&](int node) {
+        const bool isMoved = field.momentumToVelocity(node);
+        if (!isMoved || !field.isHeld(node)) return;
+        for (int k = 0; k < Dim; ++k)
+            if (const int c = field.holder[node][k]; c >= 0)
+                field.setVelocity(node, k, scene.prescribed(c, k, time));
+    });
+}
+
+} // namespace
+
+std::string VelocityRemap::doc() const {
+    return "Maps the momentum of the particles back to the nodes: the velocity that strains them "
+           "(MUSL, USF).\n\n"
+           "v_i <- sum phi m_p v_p / m_i with the weights of the step's start (Sulsky et al. 1995), "
+           "then what is\n"
+           "prescribed and what Contact asks for. The scene puts it behind GridToParticle (USF: behind\n"
+           "ParticleToGrid); give it only where something shall stand between the two. Behind "
+           "GridToParticle itself the\n"
+           "particles have given their momentum while they were moved.";
+}
+
+template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
+    using Straining = typename NodalField<Dim>::Straining;
+    auto& fields = scene.grid.fields;
+    const double time = scene.scheme->stressFirst ? scene.time : scene.time + scene.dt;
+    const bool isGiven = fields.front().straining == Straining::momentum;                // by GridToParticle
+    const bool isCleared = isGiven || fields.front().straining == Straining::noMomentum; // by GridSolver
+    for (auto& field : fields)
+        if (!isCleared) field.straining = Straining::noMomentum;
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        for (auto& field : fields)
+            if (!isCleared) clearMomentum(region, scene, field);
+        for (auto& body : scene.bodies)
+            if (!isGiven)
+                body->domains->move(region, nullptr, fields[body->velocityField].momenta(),
+                                    {scene.dt, 1, 0, body->inertiaScale});
+        for (auto& field : fields) momentumToVelocity(region, scene, field, time);
+    });
+    for (auto& field : fields) field.straining = Straining::velocity;
+    for (auto& engine : scene.engines)
+        if (auto* coupling = dynamic_cast<VelocityCoupling*>(engine.get()); coupling && !engine->dead)
+            coupling->couple(scene);
+}
+
+MPM_REGISTER(Engine, VelocityRemap);
+
+} // namespace mpm

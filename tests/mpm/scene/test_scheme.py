@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A scheme owns the order of the stages and the share of the critical step that a scene takes by itself."""
+
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box
+
+ORDER = {
+    "MUSL": "ParticleToGrid BoundaryLoad GridSolver Contact GridToParticle VelocityRemap DomainUpdater",
+    "USF": "ParticleToGrid VelocityRemap DomainUpdater BoundaryLoad GridSolver Contact GridToParticle",
+    "USL": "ParticleToGrid BoundaryLoad GridSolver Contact GridToParticle DomainUpdater",
+}
+
+
+@pytest.mark.parametrize("scheme", ORDER)
+def test_a_scheme_tells_the_order_of_the_stages(scheme):
+    places = mpm.Scene((0, 0), (1, 1), 0.5, scheme=scheme).core.stageOrder
+    assert [place["engines"][0] for place in places] == ORDER[scheme].split()
+    assert [p["engines"][0] for p in places if not p["isNeeded"]] == ["BoundaryLoad", "Contact"]
+    assert [p["engines"] for p in places if p["takesMany"]] == [["BoundaryLoad", "RigidContact"]]
+
+
+@pytest.mark.parametrize("scheme, share", [("MUSL", 0.8), ("USF", 0.8), ("USL", 0.5)])
+def test_the_step_by_itself_is_a_share_of_the_critical_one(scheme, share):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme, threads=1)
+    scene.add(
+        "block", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.UGIMP()
+    )
+    scene.prepare()
+    assert scene.dt == share * scene.dtCritical > 0

@@ -167,6 +167,8 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     largestPenetration = std::max(largestPenetration, -c.gap);
 }
 
+template void RigidContact::check<2>(Scene<2>&);
+template void RigidContact::check<3>(Scene<3>&);
 template void RigidContact::act<2>(Scene<2>&);
 template void RigidContact::act<3>(Scene<3>&);
 template std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<2>&);

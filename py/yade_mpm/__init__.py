@@ -19,8 +19,8 @@ quasiStatic, rateSensitivity, Certificate                        is the run slow
 diagnostics, rigid             modules: energies and other numbers of a scene; shapes for RigidContact
 
 Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface),
-`yade_mpm.inYade`, `yade_mpm.commandLine` (of scenes: numbers for argparse, how a scene ends), `yade_mpm.study`
-(of scenes: runs, curves).
+`yade_mpm.inYade`, `yade_mpm.commandLine` (of scenes: numbers for argparse, how a scene ends),
+`yade_mpm.study` (of scenes: runs, curves).
 """
 
 import os as _os

@@ -29,10 +29,17 @@ too."""
     ):
         """Adds a rigid body and returns its number.
 
+        Parameters
+        ----------
         shapes : `rigid.Sphere`, `Box`, `Wall` or `Facet`, or a list of them (a clump), in the frame of the
             body.
-        friction : coefficient, -. position : m; orientation : unit quaternion (w, x, y, z); velocity : m/s;
-        angularVelocity : rad/s.
+        friction : float, coefficient, -; default 0.
+        position : (2,) or (3,), m; default the origin.
+        orientation : (4,), unit quaternion (w, x, y, z); default not turned.
+        velocity : (2,) or (3,), m/s; default zero.
+        angularVelocity : (3,), rad/s; default zero.
+
+        Raises RuntimeError after the first run, ValueError for a value that is not allowed.
         """
         if self._isBound:
             raise RuntimeError("RigidContact: addBody after the first run; add all rigid bodies before it")
@@ -64,8 +71,15 @@ too."""
         return list(self.friction)
 
     def setStates(self, positions, orientations, velocities, angularVelocities):
-        """Positions (N, 3) m, orientations (N, 4) as (w, x, y, z), velocities (N, 3) m/s, angular velocities
-        (N, 3) rad/s."""
+        """Puts the rigid bodies where they are now.
+
+        Parameters
+        ----------
+        positions : (N, 3), m.
+        orientations : (N, 4), unit quaternions (w, x, y, z).
+        velocities : (N, 3), m/s.
+        angularVelocities : (N, 3), rad/s.
+        """
         self.core.setStates(
             *(
                 np.ascontiguousarray(a, np.float64)

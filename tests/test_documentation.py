@@ -118,6 +118,7 @@ def test_whole_files_of_cpp_compile(page, text, tmp_path):
     file = tmp_path / "Example.cpp"
     file.write_text(text)
     flags = ["-std=c++17", "-fopenmp", "-march=native", "-Wall", "-Wextra", "-Wno-psabi", "-Werror"]
+    flags.append(f'-DMPM_VERSION="{yade_mpm.__version__}"')
     include = [f"-I{ROOT / 'pkg'}", "-isystem", eigen]
     command = [told["CMAKE_CXX_COMPILER"], "-fsyntax-only", *flags, *include, file]
     done = subprocess.run(command, capture_output=True, text=True)

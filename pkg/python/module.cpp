@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The Python module _core. Users import the package yade_mpm, which gives these classes their faces.
+#include "mpm/base/plugin.hpp"
 #include "python.hpp"
 
 #include <omp.h>
@@ -14,6 +15,7 @@ BOOST_PYTHON_MODULE(_core) {
     bp::class_<ArrayView>("ArrayView", bp::no_init)
         .add_property("__array_interface__", &ArrayView::interface);
     bp::def("availableThreads", omp_get_max_threads);
+    bp::def("loadPlugin", &mpm::loadPlugin);
     bp::scope().attr("compiler") = "gcc " __VERSION__;
     bp::scope().attr("flags") = MPM_FLAGS;
     exposeParameters();

@@ -4,6 +4,7 @@
 Units: Mg, m, s, kPa (2D: per metre of thickness); tension positive; angles in radians.
 
 Scene, load                    a scene (`help(mpm.Scene)` is the place to start); one from a checkpoint
+loadPlugin                     classes that were built outside of this package
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
 Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes a file's name, too
@@ -64,6 +65,7 @@ from .particle import types as _particles
 from .particle.body import Body
 from .particle.part import BodyPart
 from .particle.types import ParticleType
+from .scene.plugins import loadPlugin
 from .scene.restoring import load
 from .scene.scene import Scene
 

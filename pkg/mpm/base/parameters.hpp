@@ -18,7 +18,7 @@ constexpr double notGiven = std::numeric_limits<double>::quiet_NaN();
 
 using Value = std::variant<bool, int, double, std::string, std::vector<double>, Columns>;
 
-struct Range {
+struct MPM_PUBLIC Range {
     double lowest = -std::numeric_limits<double>::infinity();
     double highest = std::numeric_limits<double>::infinity();
     bool openBelow = false, openAbove = false;
@@ -32,7 +32,7 @@ struct Range {
     std::string text() const;
 };
 
-struct Parameter {
+struct MPM_PUBLIC Parameter {
     std::string name, unit, doc;
     std::variant<bool*, int*, double*, std::string*, std::vector<double>*, std::shared_ptr<Records>> target;
     Range range = {};
@@ -41,7 +41,7 @@ struct Parameter {
 };
 
 // A class whose attributes are its parameter list.
-class Configurable {
+class MPM_PUBLIC Configurable {
   public:
     virtual ~Configurable() = default;
     virtual std::string className() const = 0;

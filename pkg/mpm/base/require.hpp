@@ -2,6 +2,8 @@
 // Errors at the boundary: who, what was given, what is allowed, what to do.
 #pragma once
 
+#include "mpm/base/public.hpp"
+
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -9,12 +11,12 @@
 namespace mpm {
 
 // A wrong input: Python sees a ValueError.
-struct InputError : std::invalid_argument {
+struct MPM_PUBLIC InputError : std::invalid_argument {
     using std::invalid_argument::invalid_argument;
 };
 
 // A state that cannot be continued: Python sees a RuntimeError.
-struct RunError : std::runtime_error {
+struct MPM_PUBLIC RunError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 

@@ -38,7 +38,7 @@ struct StateVariable {
     double initial = 0;
 };
 
-class Material : public Configurable {
+class MPM_PUBLIC Material : public Configurable {
   public:
     double density = notGiven; // Mg/m3, of the initial configuration
 
@@ -85,7 +85,7 @@ template <class Derived> class MaterialOf : public Material {
 };
 
 // Isotropic elastic constants, given as lame = (lambda, mu) or as young and poisson; the others follow.
-class Elasticity {
+class MPM_PUBLIC Elasticity {
   public:
     std::vector<double> lame;                    // kPa
     double young = notGiven, poisson = notGiven; // kPa, -

@@ -56,7 +56,7 @@ struct Move {
     double dt, flip, damping, inertiaScale;
 };
 
-template <int Dim> class Domains {
+template <int Dim> class MPM_PUBLIC Domains {
   public:
     using NF = NodalField<Dim>;
 
@@ -148,7 +148,7 @@ template <int Dim> class Domains {
     std::vector<double> damped_; // energy taken by damping, per piece of work
 };
 
-class ParticleType : public Configurable {
+class MPM_PUBLIC ParticleType : public Configurable {
   public:
     // Whether bodies are meshed (shared vertices) or a lattice of boxes.
     virtual bool isMeshed() const = 0;

@@ -11,7 +11,7 @@ namespace mpm {
 
 template <int Dim> class Scene;
 
-class Engine : public Configurable {
+class MPM_PUBLIC Engine : public Configurable {
   public:
     std::string label;
     bool dead = false;

@@ -115,16 +115,16 @@ class MeshedType(ParticleType):
         )
 
 
-classes = {}
-for _name, _class in makeClasses(_core.particleTypeNames(), _core.makeParticleType, ParticleType).items():
-    if _core.makeParticleType(_name).isMeshed:
-        _class = type(
-            _name,
-            (MeshedType,),
-            {
-                **{k: v for k, v in vars(_class).items() if not k.startswith("__weak")},
-                "__doc__": _class.__doc__ + "\n\n" + cleandoc(MeshedType.__doc__).split("\n\n", 1)[1],
-            },
-        )
-    classes[_name] = _class
+def makeTypes(names):
+    """Dict name -> class for registered particle types."""
+    types = makeClasses(names, _core.makeParticleType, ParticleType)
+    for name, plain in types.items():
+        if _core.makeParticleType(name).isMeshed:
+            attributes = {k: v for k, v in vars(plain).items() if not k.startswith("__weak")}
+            attributes["__doc__"] += "\n\n" + cleandoc(MeshedType.__doc__).split("\n\n", 1)[1]
+            types[name] = type(name, (MeshedType,), attributes)
+    return types
+
+
+classes = makeTypes(_core.particleTypeNames())
 globals().update(classes)

@@ -127,7 +127,8 @@ def orders(scene):
         ("hybrid", "USF", 40),
         ("solid", "USL", 30),
         ("solid", "MUSL", 60),
-        ("shaken", "MUSL", 10000),
+        ("shaken", "MUSL", 1000),
+        pytest.param("shaken", "MUSL", 10000, marks=pytest.mark.slow),
     ],
 )
 def test_threads_do_not_change_a_bit(tmp_path, name, scheme, steps):

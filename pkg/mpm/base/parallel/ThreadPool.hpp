@@ -3,6 +3,7 @@
 #pragma once
 
 #include "mpm/base/parallel/Barrier.hpp"
+#include "mpm/base/public.hpp"
 
 #include <exception>
 #include <functional>
@@ -17,7 +18,7 @@ inline bool areTooMany(int threads) {
 
 // Threads that wait for many calls of parallel(): entering one takes 0.5 us with them, and 1.8 us as an
 // OpenMP region.
-class ThreadPool {
+class MPM_PUBLIC ThreadPool {
   public:
     // Calls f() on this thread while the others of a new pool stand by for run(). Inside of another during()
     // of this thread, and for one thread, f() is all that happens.

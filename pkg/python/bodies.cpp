@@ -89,7 +89,8 @@ template <int Dim> struct Bind {
     }
 
     static bool splitStretched(B& body) {
-        const bool any = body.domains->splitStretched();
+        auto* boxes = body.domains->boxes();
+        const bool any = boxes && boxes->splitStretched();
         if (any) body.massesChanged();
         return any;
     }
@@ -101,14 +102,16 @@ template <int Dim> struct Bind {
         for (int p = 0; p < body.particles.size(); ++p) body.setStress(p, &given[9 * p]);
     }
     static bp::object cornerTable(B& body) {
-        const auto* table = body.domains->cornerTable();
-        if (!table) return {};
-        return bp::object(bp::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(table->data()),
-                                                                 table->size() * sizeof(int))));
+        const auto* mesh = body.domains->mesh();
+        if (!mesh) return {};
+        const std::vector<int>& table = mesh->cornerTable();
+        return bp::object(bp::handle<>(PyBytes_FromStringAndSize(reinterpret_cast<const char*>(table.data()),
+                                                                 table.size() * sizeof(int))));
     }
     static bp::tuple halfSize(B& body) {
         bp::list l;
-        for (int k = 0; k < Dim; ++k) l.append(body.domains->halfSize()[k]);
+        const auto* boxes = body.domains->boxes();
+        for (int k = 0; k < Dim; ++k) l.append(boxes ? boxes->halfSize()[k] : 0.0);
         return bp::tuple(l);
     }
     // Weights of a particle by the plain definition: (node position, phi, gradient) each.
@@ -133,8 +136,14 @@ template <int Dim> struct Bind {
         body.massesChanged();
     }
     static double bytes(B& body) { return double(body.particles.bytes() + body.domains->bytes()); }
-    static double minJacobian(B& body) { return body.domains->minJacobian(); }
-    static double hourglass(B& body) { return body.domains->hourglass(); }
+    static double minJacobian(B& body) {
+        const auto* distortion = body.domains->distortion();
+        return distortion ? distortion->minJacobian() : std::numeric_limits<double>::quiet_NaN();
+    }
+    static double hourglass(B& body) {
+        const auto* distortion = body.domains->distortion();
+        return distortion ? distortion->hourglass() : 0;
+    }
     static bp::dict motion(B& body) {
         const BodyMotion<Dim> found = motionOf(body);
         bp::dict d;
@@ -155,7 +164,8 @@ template <int Dim> struct Bind {
     }
     // Domains whose quality is at most `limit`, and the worst of all.
     static bp::dict poorDomains(B& body, double limit) {
-        const QualityReport found = body.domains->qualityReport(limit);
+        const auto* distortion = body.domains->distortion();
+        const QualityReport found = distortion ? distortion->qualityReport(limit) : QualityReport();
         bp::dict d;
         d["count"] = found.count;
         d["worst"] = found.worst.particle;

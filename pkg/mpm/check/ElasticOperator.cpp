@@ -37,7 +37,7 @@ template <int Dim> ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene) : sc
         stress_.emplace_back("elasticStress", "kPa", "", std::vector<int>{3, 3});
         stress_.back().resize(body->particles.size());
         gradient_.emplace_back(body->particles.velocityGradient);
-        if (Field* vertices = body->domains->vertexVelocities()) vertices_.emplace_back(*vertices);
+        if (auto* mesh = body->domains->mesh()) vertices_.emplace_back(mesh->vertexVelocities());
     }
 }
 
@@ -88,7 +88,7 @@ template <int Dim> void ElasticOperator<Dim>::strain(ParallelRegion& region) {
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
         auto& body = *scene_.bodies[b];
         const auto* nodes = velocity_[body.velocityField].data();
-        body.domains->takeVelocity(region, nodes);
+        if (auto* mesh = body.domains->mesh()) mesh->takeVelocity(region, nodes);
         region.chunks(body.particles.size(), [&](int begin, int end) {
             body.domains->takeGradient(begin, end, nodes, 0);
             elasticStress(body, stress_[b], begin, end);

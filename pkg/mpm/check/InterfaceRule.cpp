@@ -48,7 +48,7 @@ template <int Dim> struct Boxes {
     static bool close(const Entry& entry, const Vec<Dim>& lower, const Vec<Dim>& upper,
                       const Vec<Dim>& reach) {
         const Vec<Dim> x = vectorAt<Dim>(entry.body->particles.position, entry.particle);
-        const Vec<Dim> half = entry.body->domains->halfSize();
+        const Vec<Dim> half = entry.body->domains->boxes()->halfSize();
         for (int k = 0; k < Dim; ++k)
             if (!(x[k] + half[k] > lower[k] - reach[k] && x[k] - half[k] < upper[k] + reach[k])) return false;
         return true;
@@ -62,26 +62,22 @@ template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double
     double allowed = limit * scene.grid.cell.minCoeff();
     std::unique_ptr<Boxes<Dim>> boxes;
     for (auto& body : scene.bodies) {
-        if (!body->type->isMeshed()) continue;
-        const auto& corner = *body->domains->cornerTable();
+        auto* mesh = body->domains->mesh();
+        if (!mesh) continue;
+        const auto& corner = mesh->cornerTable();
         for (int p = 0; p < body->particles.size(); ++p) {
-            const double edge = body->domains->longestEdge(p);
+            const double edge = mesh->longestEdge(p);
             if (edge <= allowed) continue;
             if (!boxes) boxes = std::make_unique<Boxes<Dim>>(scene);
             Vec<Dim> lower = Vec<Dim>::Constant(1e300), upper = -lower;
             for (int a = 0; a < corners<Dim>; ++a) {
-                const Vec<Dim> X =
-                    vectorAt<Dim>(*body->domains->vertexPositions(), corner[corners<Dim> * p + a]);
+                const Vec<Dim> X = vectorAt<Dim>(mesh->vertexPositions(), corner[corners<Dim> * p + a]);
                 lower = lower.cwiseMin(X), upper = upper.cwiseMax(X);
             }
             const Vec<Dim> reach = nearlyOne * scene.grid.cell;
             if (auto* entry = boxes->near(lower, upper, reach)) {
-                fault = {true,
-                         body->name,
-                         entry->body->name,
-                         place(Vec<Dim>(0.5 * (lower + upper))),
-                         edge,
-                         body->domains->initialEdge(p)};
+                fault = {true, body->name,          entry->body->name, place(Vec<Dim>(0.5 * (lower + upper))),
+                         edge, mesh->initialEdge(p)};
                 allowed = edge;
             }
         }

@@ -19,7 +19,7 @@ template <int Dim> class BoundaryFacets {
 
     void find(Domains<Dim>& domains) {
         std::map<Facet, std::pair<Facet, int>> count; // by sorted vertices
-        const std::vector<int>& corner = *domains.cornerTable();
+        const std::vector<int>& corner = domains.mesh()->cornerTable();
         for (size_t first = 0; first < corner.size(); first += corners<Dim>)
             for (int f = 0; f < facetsOfCell<Dim>; ++f) {
                 Facet facet;

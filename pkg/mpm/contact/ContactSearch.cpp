@@ -23,7 +23,8 @@ template <int Dim> void ContactSearch<Dim>::look(const Scene<Dim>& scene) {
     for (auto& body : scene.bodies) {
         if (!ExplicitSurface<Dim>::isOf(*body) && body->particles.size() > 0)
             isExplicit_[body->velocityField] = false;
-        if (body->domains->outline()) hasOutline_[body->velocityField] = true;
+        if (auto* boxes = body->domains->boxes(); boxes && boxes->outline())
+            hasOutline_[body->velocityField] = true;
     }
 }
 

@@ -10,7 +10,9 @@ namespace mpm {
 
 template <int Dim> class ExplicitSurface {
   public:
-    static bool isOf(const Body<Dim>& body) { return body.type->isMeshed() || body.domains->outline(); }
+    static bool isOf(const Body<Dim>& body) {
+        return body.type->isMeshed() || body.domains->boxes()->outline();
+    }
 
     // At the boundary of a mesh; or the middle of a facet of an outline, or one of its corners.
     struct Vertex {
@@ -40,7 +42,7 @@ template <int Dim> class ExplicitSurface {
         for (auto& facet : facets_.facets)
             for (int v : facet)
                 if (place_[v] >= 0)
-                    f(near[place_[v]], areaOf(*body.domains->vertexPositions(), facet) / facets_.size);
+                    f(near[place_[v]], areaOf(body.domains->mesh()->vertexPositions(), facet) / facets_.size);
     }
 
   private:
@@ -60,7 +62,7 @@ template <int Dim> class ExplicitSurface {
     void findBoundary(Body<Dim>& body) {
         particles_ = body.particles.size();
         facets_.find(*body.domains);
-        const int count = body.domains->vertexPositions()->size();
+        const int count = body.domains->mesh()->vertexPositions().size();
         firstAt_.assign(count + 1, 0);
         facetsAt_.resize(facets_.facets.size() * facets_.size);
         for (auto& facet : facets_.facets)
@@ -79,7 +81,7 @@ template <int Dim> class ExplicitSurface {
     // With their part of the boundary: each facet as equal parts at its vertices.
     void findVertices(Body<Dim>& body, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby) {
         if (particles_ != body.particles.size()) findBoundary(body); // the first time, or after a conversion
-        const Field& X = *body.domains->vertexPositions();
+        const Field& X = body.domains->mesh()->vertexPositions();
         std::fill(place_.begin(), place_.end(), -1);
         near.clear();
         for (int v : vertices_) {
@@ -100,7 +102,7 @@ template <int Dim> class ExplicitSurface {
     // And equal parts of each at its corners: a facet is taken to be a square as seen along the axis that it
     // faces most.
     void findFacets(const Body<Dim>& body, const Grid<Dim>& grid, const NearbyNodes<Dim>& nearby) {
-        const Outline<Dim>& outline = *body.domains->outline();
+        const Outline<Dim>& outline = *body.domains->boxes()->outline();
         near.clear();
         corners_.clear();
         const auto add = [&](std::vector<Vertex>& to, const Vec<Dim>& x, const Vec<Dim>& outward) {

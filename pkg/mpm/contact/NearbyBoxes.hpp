@@ -126,7 +126,7 @@ template <int Dim> class NearbyBoxes {
         };
         const Field& position = body.particles.position;
         const double* V = body.particles.volume.plane();
-        const Vec<Dim> half = body.domains->halfSize().cwiseQuotient(grid.cell);
+        const Vec<Dim> half = body.domains->boxes()->halfSize().cwiseQuotient(grid.cell);
         const double size = (2 * half).prod();
         const BlockOrder<Dim>& order = body.domains->order;
         for (int block = 0; block < order.blocks(); ++block) {

@@ -23,7 +23,7 @@ template <int nodes> struct AxisWeights {
     double S[nodes], G[nodes];
 };
 
-template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim> {
+template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim> {
     static_assert(Kernel::support >= 2, "a kernel needs two nodes per axis or more for its derivatives");
     static_assert(Kernel::support <= BlockOrder<Dim>::largestSupport,
                   "the kernel reaches more nodes per axis than threads keep apart, see BlockOrder");
@@ -113,11 +113,11 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim> {
         stencil(p, each);
     }
 
-    void grown() override { group(); }
     size_t bytes() const override { return sizeof(int) * cell_.size() + local_.bytes(); }
 
+    EqualBoxes<Dim>* boxes() override { return this; }
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
-    double longestEdge(int) const override { return 2 * halfSize().maxCoeff(); }
+    void grown() override { group(); }
 
   protected:
     static constexpr int support = Kernel::support;

@@ -150,17 +150,17 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
         std::vector<int> vertices;
         std::vector<Vec<Dim>> X;
         for (int a : FacetCorners<Dim>::of[facet]) {
-            vertices.push_back((*loaded.domains->cornerTable())[corners<Dim> * p + a]);
-            X.push_back(vectorAt<Dim>(*loaded.domains->vertexPositions(), vertices.back()));
+            vertices.push_back(loaded.domains->mesh()->cornerTable()[corners<Dim> * p + a]);
+            X.push_back(vectorAt<Dim>(loaded.domains->mesh()->vertexPositions(), vertices.back()));
         }
         const auto shares = sharesOfFacet(X);
         for (size_t a = 0; a < vertices.size(); ++a) {
             Vec<Dim> force = -pressure * shares[a].vector;
             for (int k = 0; k < Dim; ++k) force[k] += traction[k] * shares[a].area;
             force *= factor;
-            loaded.domains->addVertexForce(vertices[a], force, nodes);
+            loaded.domains->mesh()->addVertexForce(vertices[a], force, nodes);
             scene.energies.loads +=
-                force.dot(vectorAt<Dim>(*loaded.domains->vertexVelocities(), vertices[a])) * scene.dt;
+                force.dot(vectorAt<Dim>(loaded.domains->mesh()->vertexVelocities(), vertices[a])) * scene.dt;
         }
     }
 };

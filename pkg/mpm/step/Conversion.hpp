@@ -13,7 +13,7 @@ template <int Dim> void convert(Body<Dim>& to, Body<Dim>& from, const std::vecto
     std::vector<Piece<Dim>> pieces;
     std::vector<int> gone;
     for (const Distorted& d : all) {
-        const auto parts = from.domains->split(d.particle, to.domains->halfSize());
+        const auto parts = from.domains->distortion()->split(d.particle, to.domains->boxes()->halfSize());
         pieces.insert(pieces.end(), parts.begin(), parts.end());
         gone.push_back(d.particle);
     }
@@ -44,15 +44,17 @@ template <int Dim> void convert(Body<Dim>& to, Body<Dim>& from, const std::vecto
             target.reference.plane(k)[p] += shift;
         }
     }
-    from.domains->remove(gone);
+    from.domains->distortion()->remove(gone);
     from.converted += int(gone.size());
-    to.domains->grown();
+    to.domains->boxes()->grown();
     to.massesChanged();
     from.massesChanged();
 }
 // After a stress update; throws RunError where the particle type does not convert.
 template <int Dim> void resolveDistortion(const Scene<Dim>& scene, Body<Dim>& body) {
-    const std::vector<Distorted> all = body.domains->distorted();
+    const auto* distortion = body.domains->distortion();
+    if (!distortion) return;
+    const std::vector<Distorted> all = distortion->distorted();
     if (all.empty()) return;
     const auto domain = [&](int p) {
         return message("step ", scene.step, ": domain of particle ", body.particles.id.integers()[p], " in '",

@@ -44,21 +44,23 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             if (partitions_[b].count() != chunksOf(n))
                 partitions_[b].set(chunksOf(n), [&](int c) {
                     const int begin = c * chunkSize, end = std::min(n, begin + chunkSize);
-                    return end - begin +
-                           scene.bodies[b]->domains->workOf(begin, end); // gradients are half of it
+                    const auto* mesh = scene.bodies[b]->domains->mesh(); // gradients are half of it
+                    return end - begin + (mesh ? mesh->workOf(begin, end) : end - begin);
                 });
         }
         for (const auto& field : scene.grid.fields) field.velocities(); // may throw, and not in the region
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
-                body->domains->takeVelocity(region, scene.grid.fields[body->velocityField].velocities());
+                if (auto* mesh = body->domains->mesh())
+                    mesh->takeVelocity(region, scene.grid.fields[body->velocityField].velocities());
             for (size_t b = 0; b < scene.bodies.size(); ++b)
                 update(region, scene, *scene.bodies[b], partitions_[b], work_[b]);
             region.wait();
             if (scene.scheme->stressFirst)
                 sumOnNodes(region, scene, true);
             else
-                for (auto& body : scene.bodies) body->domains->advance(region, scene.dt);
+                for (auto& body : scene.bodies)
+                    if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
             scene.bodies[b]->internalWork += work_[b].total();

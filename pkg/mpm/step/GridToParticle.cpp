@@ -37,7 +37,8 @@ class GridToParticle : public EngineOf<GridToParticle> {
                                     how);
             }
             if (scene.scheme->stressFirst)
-                for (auto& body : scene.bodies) body->domains->advance(region, scene.dt);
+                for (auto& body : scene.bodies)
+                    if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
         });
         for (auto& field : fields)
             if (givesMomentum) field.straining = Straining::momentum;

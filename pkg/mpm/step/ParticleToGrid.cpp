@@ -19,7 +19,7 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
 
     template <int Dim> void act(Scene<Dim>& scene) {
         for (auto& body : scene.bodies)
-            if (body->domains->splitStretched()) body->massesChanged();
+            if (auto* boxes = body->domains->boxes(); boxes && boxes->splitStretched()) body->massesChanged();
         parallel(scene.threads, [&](ParallelRegion& region) {
             locateParticles(region, scene);
             if (region.failed()) return;

@@ -25,8 +25,8 @@ template <int Dim> class BodyPoints {
         body_ = &body;
         particles_ = body.particles.size();
         inertiaScale_ = body.inertiaScale;
-        half_ = body.domains->halfSize();
-        position_ = isMeshed_ ? body.domains->vertexPositions() : &body.particles.position;
+        half_ = isMeshed_ ? Vec<Dim>(Vec<Dim>::Zero()) : body.domains->boxes()->halfSize();
+        position_ = isMeshed_ ? &body.domains->mesh()->vertexPositions() : &body.particles.position;
         if (isNew) isMeshed_ ? takeVertices() : takeBoxes();
         if (isMeshed_) takeAreas(*position_);
         if (isNew || haveDrifted()) fillCells(grid);
@@ -178,7 +178,7 @@ template <int Dim> class BodyPoints {
             vertex_.push_back(v);
         }
         mass_.assign(vertex_.size(), 0.0);
-        const std::vector<int>& corner = *body_->domains->cornerTable();
+        const std::vector<int>& corner = body_->domains->mesh()->cornerTable();
         for (size_t a = 0; a < corner.size(); ++a)
             if (const int i = place_[corner[a]]; i >= 0)
                 mass_[i] += inertiaScale_ * body_->particles.mass.plane()[a / corners<Dim>] / corners<Dim>;

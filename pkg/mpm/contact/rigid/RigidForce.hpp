@@ -44,7 +44,8 @@ void addForce(const Body<Dim>& soil, int index, const Arm& arm, const Vec3& norm
               typename NodalField<Dim>::Sum* nodes) {
     using NF = NodalField<Dim>;
     if (soil.type->isMeshed()) {
-        soil.domains->addVertexForce(index, Vec<Dim>((normal + friction).template head<Dim>()), nodes);
+        soil.domains->mesh()->addVertexForce(index, Vec<Dim>((normal + friction).template head<Dim>()),
+                                             nodes);
         return;
     }
     soil.domains->weights(index, [&](int node, double phi, const Vec<Dim>& gradient) {

@@ -22,7 +22,7 @@ constexpr double worstGrowth =
     1.15; // longest edge over that at the start beyond which a domain is converted, where that is asked for
 } // namespace
 
-template <int Dim> class MeshDomains : public Transfers<Dim> {
+template <int Dim> class MeshDomains : public Transfers<Dim>, public Mesh<Dim>, public Distortion<Dim> {
   public:
     using Base = Transfers<Dim>;
     using Base::particles, Base::grid, Base::order, Base::damped_;
@@ -209,9 +209,12 @@ template <int Dim> class MeshDomains : public Transfers<Dim> {
     void advance(ParallelRegion& region, double dt) override { vertices_.advance(region, dt); }
 
     // --- besides the step ---------------------------------------------------------------------------
-    const std::vector<int>* cornerTable() const override { return &corner_; }
-    Field* vertexPositions() override { return &vertices_.position; }
-    Field* vertexVelocities() override { return &vertices_.velocity; }
+    Mesh<Dim>* mesh() override { return this; }
+    Distortion<Dim>* distortion() override { return this; }
+
+    const std::vector<int>& cornerTable() const override { return corner_; }
+    Field& vertexPositions() override { return vertices_.position; }
+    Field& vertexVelocities() override { return vertices_.velocity; }
 
     void addVertexForce(int v, const Vec<Dim>& force, typename NF::Sum* nodes) const override {
         vertices_.hanging.through(v, [&](int vertex, double share) {

@@ -41,7 +41,7 @@ template <int size, int lanes> struct alignas(64) BoxWeights {
     }
 };
 
-template <int Dim> class BoxDomains : public Transfers<Dim> {
+template <int Dim> class BoxDomains : public Transfers<Dim>, public EqualBoxes<Dim> {
   public:
     using Base = Transfers<Dim>;
     using Base::particles, Base::grid, Base::order, Base::damped_;
@@ -205,9 +205,9 @@ template <int Dim> class BoxDomains : public Transfers<Dim> {
         return sizeof(int) * (cell_.size() + stretchEnd_.size()) + local_.bytes();
     }
 
+    EqualBoxes<Dim>* boxes() override { return this; }
     const Outline<Dim>* outline() const override { return outline_.size() > 0 ? &outline_ : nullptr; }
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
-    double longestEdge(int) const override { return 2 * halfSize().maxCoeff(); }
 
     void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
         const Weights w(*this, p, 1);

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Optional interface of Domains: the corners of domains are vertices, shared with their neighbours, that move with the nodes.
+#pragma once
+
+#include "mpm/base/parallel/ParallelRegion.hpp"
+#include "mpm/state/Field.hpp"
+#include "mpm/state/NodalField.hpp"
+
+namespace mpm {
+
+template <int Dim> class Mesh {
+  public:
+    using NF = NodalField<Dim>;
+
+    // --- the step: before takeGradient(), and last --------------------------------------------------
+    virtual void takeVelocity(ParallelRegion& region, const typename NF::Velocity* nodes) = 0;
+    virtual void advance(ParallelRegion& region, double dt) = 0;
+    // What takeGradient() costs for particles [begin, end), in units of one box.
+    virtual double workOf(int begin, int end) const = 0;
+
+    // --- besides the step ---------------------------------------------------------------------------
+    virtual const std::vector<int>& cornerTable() const = 0; // of every domain (VTK order)
+    virtual Field& vertexPositions() = 0;
+    virtual Field& vertexVelocities() = 0;
+    // Node += share of a force on one vertex.
+    virtual void addVertexForce(int vertex, const Vec<Dim>& force, typename NF::Sum* nodes) const = 0;
+    // Longest edge of domain p, m, and what it was when the displacement was zero.
+    virtual double longestEdge(int p) const = 0;
+    virtual double initialEdge(int p) const = 0;
+
+  protected:
+    ~Mesh() = default;
+};
+
+} // namespace mpm

@@ -7,7 +7,8 @@ namespace mpm {
 struct QuadraticBSpline {
     static constexpr const char* name = "BSpline";
     static constexpr const char* doc =
-        "Points with quadratic B-splines, a smooth kernel: no noise when particles cross from cell to cell.\n\n"
+        "Points with quadratic B-splines, a smooth kernel: no noise when particles cross from cell to "
+        "cell.\n\n"
         "S = 3/4 - c^2 within half a cell of a node, (3/2 - |c|)^2 / 2 out to one and a half. Splines are\n"
         "not treated at boundaries: a held node acts as far as its spline reaches. The plain example of\n"
         "doc/adding-a-particle-type.md: a step takes two to three times as long as with UGIMP.\n"

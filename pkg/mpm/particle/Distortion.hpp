@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Optional interface of Domains: they take the shape of the deformed body, and may become too distorted to go on with.
+// Optional interface of Domains: they take the shape of the deformed body, and may become too distorted to go
+// on with.
 #pragma once
 
 #include "mpm/base/types.hpp"
@@ -31,7 +32,8 @@ template <int Dim> class Distortion {
   public:
     // Found in the last takeGradient(), by number.
     virtual std::vector<Distorted> distorted() const = 0;
-    // Parts of a domain with edges about as long as those of a box, and domains taken out of the mesh (numbers in order).
+    // Parts of a domain with edges about as long as those of a box, and domains taken out of the mesh
+    // (numbers in order).
     virtual std::vector<Piece<Dim>> split(int particle, const Vec<Dim>& halfSize) const = 0;
     virtual void remove(const std::vector<int>& particles) = 0;
 

@@ -21,7 +21,8 @@
 
 namespace mpm {
 
-// How particles follow the nodes; flip = 1: FLIP, 0: PIC. Local damping acts on the acceleration of the particles.
+// How particles follow the nodes; flip = 1: FLIP, 0: PIC. Local damping acts on the acceleration of the
+// particles.
 struct Move {
     double dt, flip, damping, inertiaScale;
 };
@@ -43,11 +44,11 @@ template <int Dim> class MPM_PUBLIC Domains {
     }
 
     // --- the step, in this order --------------------------------------------------------------------
-    // Cell and local position of everything that transfers, and whether it is inside the grid; once per step. The
-    // threads do not wait for each other at the end.
+    // Cell and local position of everything that transfers, and whether it is inside the grid; once per step.
+    // The threads do not wait for each other at the end.
     virtual void locate(ParallelRegion& region) = 0;
-    // What part of the grid is touched, then; returns true when particles have been sorted and must be located again.
-    // One thread.
+    // What part of the grid is touched, then; returns true when particles have been sorted and must be
+    // located again. One thread.
     virtual bool resort() = 0;
     // Node += phi * {momentum, mass, body force} - V sigma grad phi + forces of hourglass control.
     virtual void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
@@ -59,12 +60,13 @@ template <int Dim> class MPM_PUBLIC Domains {
                       typename NF::Velocity* momentum, const Move& how) = 0;
     // The velocity gradient of particles [begin, end); dt = 0: nothing else.
     virtual void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double dt) = 0;
-    // Volume of particles [begin, end) from F after the step; of meshed domains takeGradient() has found it already.
+    // Volume of particles [begin, end) from F after the step; of meshed domains takeGradient() has found it
+    // already.
     virtual void volumes(int /*begin*/, int /*end*/) {}
 
     // --- besides the step ---------------------------------------------------------------------------
-    // Force of node += -V tensor grad phi + internal stiffness of the domain against unit-time motion: the elastic
-    // operator of the critical time step. `tensor`: planes 3*i + j.
+    // Force of node += -V tensor grad phi + internal stiffness of the domain against unit-time motion: the
+    // elastic operator of the critical time step. `tensor`: planes 3*i + j.
     virtual void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) = 0;
     // nodal[node] += phi * mass of the given particles; nodes that were at zero are appended to `touched`.
     // One thread.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Optional interface of Domains: particles on a lattice, each of which stands for a box; all boxes have one size.
+// Optional interface of Domains: particles on a lattice, each of which stands for a box; all boxes have one
+// size.
 #pragma once
 
 #include "mpm/particle/Outline.hpp"

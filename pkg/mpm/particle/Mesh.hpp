@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Optional interface of Domains: the corners of domains are vertices, shared with their neighbours, that move with the nodes.
+// Optional interface of Domains: the corners of domains are vertices, shared with their neighbours, that move
+// with the nodes.
 #pragma once
 
 #include "mpm/base/parallel/ParallelRegion.hpp"

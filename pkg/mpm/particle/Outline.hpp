@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The surface of a body of boxes, where it is known: facets, each carried by a particle. A facet with the offset xi from its particle
-// and the area vector A0 at first is at x_p + F xi, with the area vector J F^-T A0 (Nanson).
+// The surface of a body of boxes, where it is known: facets, each carried by a particle. A facet with the
+// offset xi from its particle and the area vector A0 at first is at x_p + F xi, with the area vector J F^-T
+// A0 (Nanson).
 #pragma once
 
 #include "mpm/state/Particles.hpp"
@@ -27,7 +28,10 @@ template <int Dim> class Outline {
         for (Field* field : fields()) field->resize(int(carriers.size()));
         for (int i = 0; i < size(); ++i) {
             carrier.integers()[i] = carriers[i];
-            for (int k = 0; k < Dim; ++k) offset.plane(k)[i] = offsets[i][k], area.plane(k)[i] = areas[i][k];
+            for (int k = 0; k < Dim; ++k) {
+                offset.plane(k)[i] = offsets[i][k];
+                area.plane(k)[i] = areas[i][k];
+            }
         }
     }
 

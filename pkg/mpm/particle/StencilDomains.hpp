@@ -3,14 +3,16 @@
 //
 //   phi_ip = prod_k S(x_k),   d_k phi_ip the same with the derivative G of S along axis k.
 //
-// All transfers go through stencil(); they are written to be read, and fast types are tested against them. A Kernel has
+// All transfers go through stencil(); they are written to be read, and fast types are tested against them. A
+// Kernel has
 //
 //   static constexpr const char *name, *doc;      as users see the type
 //   static constexpr int support;                 nodes per axis, 2 or 3
 //   static AxisWeights<support> along(double c, double l);
 //
-// where c is the position of the point from the middle of its nodes, in cells and in [-1/2, 1/2), and l half the edge of its
-// share of the lattice, in cells. BSpline.cpp is an example; doc/adding-a-particle-type.md goes on from here.
+// where c is the position of the point from the middle of its nodes, in cells and in [-1/2, 1/2), and l half
+// the edge of its share of the lattice, in cells. BSpline.cpp is an example; doc/adding-a-particle-type.md
+// goes on from here.
 #pragma once
 
 #include "mpm/particle/LatticeType.hpp"
@@ -54,13 +56,15 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     // --- the step -----------------------------------------------------------------------------------
     void locate(ParallelRegion& region) override {
         region.forPiecesNoWait(order.coloured.partition, [&](int block) {
-            if (find(order.start[block], order.start[block + 1]) || !order.isKnown(block))
-                order.inspect(block, grid, cell_);
+            const int begin = order.start[block], end = order.start[block + 1];
+            if (!find(begin, end) && order.isKnown(block)) return;
+            order.inspect(block, grid, cell_);
+            cellsChanged(begin, end);
         });
     }
 
     bool resort() override {
-        isSorted_ = !isSorted_ && order.broken(grid);
+        isSorted_ = !isSorted_ && (order.broken(grid) || isScattered());
         if (isSorted_) group();
         damped_.assign(order.blocks(), 0.0);
         return isSorted_;
@@ -158,9 +162,16 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
         find(0, particles.size());
         order.group(grid, cell_);
         particles.permute(order.order);
+        permuted(order.order);
         order.order.clear();
         order.prepare(grid, support);
     }
+
+    // For types that keep more: after the particles of a block have moved to other cells; after all were
+    // sorted; and whether neighbours in memory are so far apart that sorting pays.
+    virtual void cellsChanged(int /*begin*/, int /*end*/) {}
+    virtual void permuted(const std::vector<int>& /*numbers*/) {}
+    virtual bool isScattered() const { return false; }
 
     std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...
     Field local_{"local", "-", "Position from that node, in cells.", {Dim}}; // ... and
@@ -213,14 +224,14 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
                 tension(i, j) = -particles.volume.plane()[p] * tensor[3 * std::min(i, j) + std::max(i, j)][p];
         stencil(p, [&](int node, double, const Vec<Dim>& gradient) {
             const Vec<Dim> force = tension * gradient;
-            for (int k = 0; k < Dim; ++k) add(nodes[node], NF::force(k), force[k]);
+            for (int k = 0; k < Dim; ++k) NF::addForce(nodes[node], k, force[k]);
         });
     }
 
     void addBodyForce(typename NF::Sum* nodes, int p) const {
         const Vec<Dim> force = particles.mass.plane()[p] * vectorAt<Dim>(particles.bodyForce, p);
         stencil(p, [&](int node, double phi, const Vec<Dim>&) {
-            for (int k = 0; k < Dim; ++k) add(nodes[node], NF::force(k), phi * force[k]);
+            for (int k = 0; k < Dim; ++k) NF::addForce(nodes[node], k, phi * force[k]);
         });
     }
 

@@ -14,8 +14,8 @@ namespace mpm {
 
 template <int Dim> class BlockOrder {
   public:
-    // Nodes per axis that a point may reach. Points of a block stay within `wander` nodes of it, and the next block of its
-    // colour begins two blocks further: with more, two threads would add to one node.
+    // Nodes per axis that a point may reach. Points of a block stay within `wander` nodes of it, and the next
+    // block of its colour begins two blocks further: with more, two threads would add to one node.
     static constexpr int largestSupport = Grid<Dim>::blockWidth - 2 * Grid<Dim>::wander + 1;
 
     std::vector<int> start; // first point of each block, and one past the last
@@ -44,7 +44,7 @@ template <int Dim> class BlockOrder {
         for (size_t b = 1; b < start.size(); ++b) start[b] += start[b - 1];
     }
 
-    // Before the first look at a new grouping. `support`: nodes per direction. One thread.
+    // Before the first step with a new grouping. `support`: nodes per direction. One thread.
     bool isReady() const { return isReady_; }
     void prepare(const Grid<Dim>& grid, int support) {
         require(support >= 1 && support <= largestSupport, "a particle type whose points reach ", support,
@@ -57,18 +57,20 @@ template <int Dim> class BlockOrder {
         coloured.partition.set(blocks(), [&](int b) { return start[b + 1] - start[b]; });
         touched_.assign(blocks(), {});
         runs_.assign(blocks(), 0);
-        support_ = support, isReady_ = true;
+        support_ = support;
+        isReady_ = true;
     }
 
-    // Notes what part of the grid the points of block b touch, and how many stretches of equal cells they make. Needed
-    // only when a cell has changed since.
+    // Notes what part of the grid the points of block b touch, and how many runs of equal cells they make.
+    // Needed only when a cell has changed since.
     void inspect(int b, const Grid<Dim>& grid, const std::vector<int>& cell) {
         Touched t;
         int runs = 0, last = -1;
         for (int i = start[b]; i < start[b + 1]; ++i) {
             const int here = cell[at(i)];
             if (here == last) continue;
-            ++runs, last = here;
+            ++runs;
+            last = here;
             const Index<Dim> index = grid.indices(here);
             for (int k = 0; k < Dim; ++k) {
                 t.first[k] = std::min(t.first[k], index[k]);
@@ -76,7 +78,8 @@ template <int Dim> class BlockOrder {
             }
         }
         t.isKnown = true;
-        touched_[b] = t, runs_[b] = runs;
+        touched_[b] = t;
+        runs_[b] = runs;
     }
     bool isKnown(int b) const { return touched_[b].isKnown; }
 
@@ -112,7 +115,7 @@ template <int Dim> class BlockOrder {
         return false;
     }
 
-    // Number of stretches of equal cells; grows as neighbours in memory drift apart.
+    // Number of runs of equal cells; grows as neighbours in memory drift apart.
     int runs() const { return std::accumulate(runs_.begin(), runs_.end(), 0); }
 
     void markExtents(NodalField<Dim>& field) const {
@@ -133,7 +136,7 @@ template <int Dim> class BlockOrder {
         bool isKnown = false;
         Touched() { first.fill(1 << 30), last.fill(-(1 << 30)); }
     };
-    bool isReady_ = false; // whether turns and the following are those of this grouping
+    bool isReady_ = false; // whether what follows is that of this grouping
     std::vector<Touched> touched_;
     std::vector<int> runs_;
     int support_ = 0;

@@ -57,7 +57,9 @@ template <int Dim> class Particles {
     }
 
     void needBodyForce() {
-        if (!hasBodyForce) hasBodyForce = true, bodyForce.resize(size());
+        if (hasBodyForce) return;
+        hasBodyForce = true;
+        bodyForce.resize(size());
     }
 
     void permute(const std::vector<int>& order) {

@@ -46,8 +46,7 @@ template <int Dim> CornerNumbers<Dim> numbersOf(const Corners<Dim>& X) {
 // The shape of a quadrilateral in closed form, in plain numbers so that loops over domains vectorise.
 struct QuadrilateralShape {
     double w[4], g[4][2], volume, overVolume;
-    double
-        smallestCorner; // 4 det J at a corner: the area of a parallelogram, not above zero where concave or inverted
+    double smallestCorner; // 4 det J at a corner: the area of a parallelogram, <= 0 where concave or inverted
     std::array<double, 2> skew; // what follows is w; both zero for a parallelogram
     double pattern[1][2];       // coefficient of xi eta in the position: the hourglass pattern of the corners
 
@@ -63,15 +62,20 @@ struct QuadrilateralShape {
         const double b = (x[2] - x[3]) * (y[0] - y[1]) - (x[0] - x[1]) * (y[2] - y[3]);
         overVolume = 1 / V;
         const double half = 0.5 * overVolume, scale = half / 12;
-        volume = V, skew = {a * scale, b * scale};
+        volume = V;
+        skew = {a * scale, b * scale};
         smallestCorner = V - 0.5 * (std::abs(a) + std::abs(b)); // 4 det J = V -+ b xi / 2 -+ a eta / 2
         const auto fromSkew = weights(skew);
         MPM_UNROLL
         for (int c = 0; c < 4; ++c) w[c] = fromSkew[c];
-        g[0][0] = half * (y[1] - y[3]), g[0][1] = half * (x[3] - x[1]);
-        g[1][0] = half * (y[2] - y[0]), g[1][1] = half * (x[0] - x[2]);
-        g[2][0] = -g[0][0], g[2][1] = -g[0][1];
-        g[3][0] = -g[1][0], g[3][1] = -g[1][1];
+        g[0][0] = half * (y[1] - y[3]);
+        g[0][1] = half * (x[3] - x[1]);
+        g[1][0] = half * (y[2] - y[0]);
+        g[1][1] = half * (x[0] - x[2]);
+        g[2][0] = -g[0][0];
+        g[2][1] = -g[0][1];
+        g[3][0] = -g[1][0];
+        g[3][1] = -g[1][1];
         MPM_UNROLL
         for (int k = 0; k < 2; ++k) pattern[0][k] = 0.25 * (X[k][0] - X[k][1] + X[k][2] - X[k][3]);
     }
@@ -81,12 +85,15 @@ struct QuadrilateralShape {
 struct Triple {
     double x, y, z;
 
-    // Copied number by number: copied as a whole it stays in memory, and GCC 12 does not vectorise the loop around.
+    // Copied number by number: copied as a whole it stays in memory, and GCC 12 does not vectorise the loop
+    // around.
     Triple() = default;
     MPM_INLINE Triple(double x, double y, double z) : x(x), y(y), z(z) {}
     MPM_INLINE Triple(const Triple& other) : x(other.x), y(other.y), z(other.z) {}
     MPM_INLINE Triple& operator=(const Triple& other) {
-        x = other.x, y = other.y, z = other.z;
+        x = other.x;
+        y = other.y;
+        z = other.z;
         return *this;
     }
 };
@@ -100,7 +107,8 @@ MPM_INLINE Triple cross(const Triple& a, const Triple& b) {
 
 // A trilinear function on a hexahedron by its coefficients,
 //     f = mean + a_0 xi + a_1 eta + a_2 zeta + h_0 xi eta + h_1 eta zeta + h_2 zeta xi + h_3 xi eta zeta,
-// from its values at the corners and back, by halves: first between the bottom and the top face, then on the faces.
+// from its values at the corners and back, by halves: first between the bottom and the top face, then on the
+// faces.
 template <class T> struct Trilinear {
     T mean, a[3], h[4];
 
@@ -129,15 +137,16 @@ template <class T> struct Trilinear {
     }
 };
 
-// The shape of a hexahedron in closed form. With the coefficients a, h of its position X as a trilinear function, indices
-// counted modulo 3 but for h_3, and
+// The shape of a hexahedron in closed form. With the coefficients a, h of its position X as a trilinear
+// function, indices counted modulo 3 but for h_3, and
 //     A_k = a_k+1 x a_k+2,   H_k = h_k x h_k+2,   B_k = h_k+2 x a_k + a_k+1 x h_k+1,
 // those terms of det J = [X,xi  X,eta  X,zeta] that are even in xi, in eta and in zeta leave
 //     V / 8 = a_0 . A_0 + 1/3 sum_k a_k . H_k.
 // V g_a = dV/dX_a over the corners is the trilinear function with the coefficients 1/8 dV/d(a_k, h_k):
 //     A_k + H_k/3  of xi_k,   B_k/3  of the term of h_k.
-// (The B matrix of Flanagan & Belytschko 1981, who write it out in coordinates of the corners.) And V w_a = int N_a det J
-// is the one with the coefficients 1/8 int (1, xi ... xi eta zeta) det J, for which the other terms of det J leave
+// (The B matrix of Flanagan & Belytschko 1981, who write it out in coordinates of the corners.) And V w_a =
+// int N_a det J is the one with the coefficients 1/8 int (1, xi ... xi eta zeta) det J, for which the other
+// terms of det J leave
 //     V/8  of 1,   -2/27 h_0 . H_2  of xi eta zeta,
 //     1/3 (h_k+2 . A_k+2 + h_k . A_k+1 + h_3 . B_k+1 / 3)        of xi_k,
 //     1/9 (h_3 . (A_k+2 - H_k+2 / 3) - a_k . H_k+1 - a_k+1 . H_k)   of the term of h_k.
@@ -162,7 +171,8 @@ struct HexahedronShape {
         MPM_UNROLL
         for (int k = 0; k < 3; ++k) {
             const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-            A[k] = cross(a[k1], a[k2]), H[k] = cross(h[k], h[k2]),
+            A[k] = cross(a[k1], a[k2]);
+            H[k] = cross(h[k], h[k2]);
             B[k] = cross(h[k2], a[k]) + cross(a[k1], h[k1]);
             sum += dot(a[k], H[k]);
         }
@@ -174,7 +184,8 @@ struct HexahedronShape {
         MPM_UNROLL
         for (int k = 0; k < 3; ++k) {
             const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
-            gradient.a[k] = overV * (A[k] + (1.0 / 3) * H[k]), gradient.h[k] = (overV / 3) * B[k];
+            gradient.a[k] = overV * (A[k] + (1.0 / 3) * H[k]);
+            gradient.h[k] = (overV / 3) * B[k];
             skew[k] = overV / 3 * (dot(h[k2], A[k2]) + dot(h[k], A[k1]) + dot(h[3], B[k1]) / 3);
             skew[3 + k] =
                 overV / 9 * (dot(h[3], A[k2] - (1.0 / 3) * H[k2]) - dot(a[k], H[k1]) - dot(a[k1], H[k]));
@@ -182,14 +193,20 @@ struct HexahedronShape {
         skew[6] = overV * (-2.0 / 27) * dot(h[0], H[2]);
 
         MPM_UNROLL
-        for (int m = 0; m < 4; ++m) pattern[m][0] = h[m].x, pattern[m][1] = h[m].y, pattern[m][2] = h[m].z;
+        for (int m = 0; m < 4; ++m) {
+            pattern[m][0] = h[m].x;
+            pattern[m][1] = h[m].y;
+            pattern[m][2] = h[m].z;
+        }
 
         const auto gradients = gradient.atCorners();
         const auto fromSkew = weights(skew);
         MPM_UNROLL
         for (int c = 0; c < 8; ++c) {
             w[c] = fromSkew[c];
-            g[c][0] = gradients[c].x, g[c][1] = gradients[c].y, g[c][2] = gradients[c].z;
+            g[c][0] = gradients[c].x;
+            g[c][1] = gradients[c].y;
+            g[c][2] = gradients[c].z;
         }
     }
 };
@@ -211,13 +228,16 @@ template <int Dim> struct Shape {
         }
     }
 
-    // Gauss quadrature with two points per direction: exact in 2D and 3D, and the oracle of the tests (D2 has it in NumPy).
-    // Kiriyama & Higo 2016; Takegawa et al., Eq. (1).
+    // Gauss quadrature with two points per direction: exact in 2D and 3D, and the oracle of the tests (D2 has
+    // it in NumPy). Kiriyama & Higo 2016; Takegawa et al., Eq. (1).
     static Shape quadrature(const Corners<Dim>& X) {
         constexpr int NC = corners<Dim>;
         Shape s;
         s.volume = 0;
-        for (int a = 0; a < NC; ++a) s.w[a] = 0, s.g[a].setZero();
+        for (int a = 0; a < NC; ++a) {
+            s.w[a] = 0;
+            s.g[a].setZero();
+        }
         for (int q = 0; q < NC; ++q) {
             Vec<Dim> xi;
             for (int k = 0; k < Dim; ++k) xi[k] = cornerSign(q, k) / std::sqrt(3.0);
@@ -233,7 +253,10 @@ template <int Dim> struct Shape {
                 s.g[a] += grad.col(a);
             }
         }
-        for (int a = 0; a < NC; ++a) s.w[a] /= s.volume, s.g[a] /= s.volume;
+        for (int a = 0; a < NC; ++a) {
+            s.w[a] /= s.volume;
+            s.g[a] /= s.volume;
+        }
         return s;
     }
 
@@ -253,14 +276,14 @@ template <int Dim> struct Shape {
     }
 };
 
-// Smallest corner volume (2^Dim det J at a corner, the determinant of its edges): equals the volume for a parallelogram, is
-// zero or negative for a concave or inverted domain.
+// Smallest corner volume (2^Dim det J at a corner, the determinant of its edges): equals the volume for a
+// parallelogram, is zero or negative for a concave or inverted domain.
 MPM_INLINE double smallestCorner(const QuadrilateralShape& shape, const CornerNumbers<2>&) {
     return shape.smallestCorner;
 }
 
 MPM_INLINE double smallestCorner(const HexahedronShape&, const CornerNumbers<3>& X) {
-    const auto at = [&](int a) __attribute__((always_inline)) { return Triple{X[0][a], X[1][a], X[2][a]}; };
+    const auto at = [&](int a) MPM_INLINE_LAMBDA { return Triple{X[0][a], X[1][a], X[2][a]}; };
     double least = 1e300;
     MPM_UNROLL
     for (int a = 0; a < 8; ++a) {
@@ -291,9 +314,8 @@ template <int Dim> using HourglassAmplitude = Eigen::Matrix<double, Dim, hourgla
 
 template <int Dim> MPM_INLINE HourglassAmplitude<Dim> hourglassPattern(const Corners<Dim>& X) {
     HourglassAmplitude<Dim> h = HourglassAmplitude<Dim>::Zero();
-    for (int m = 0; m < hourglassModes<Dim>; ++m)
-#pragma GCC unroll 8
-        for (int a = 0; a < corners<Dim>; ++a) h.col(m) += hourglassSign(Dim, m, a) / corners<Dim> * X.col(a);
+    for (int m = 0; m < hourglassModes<Dim>; ++m) MPM_UNROLL
+    for (int a = 0; a < corners<Dim>; ++a) h.col(m) += hourglassSign(Dim, m, a) / corners<Dim> * X.col(a);
     return h;
 }
 

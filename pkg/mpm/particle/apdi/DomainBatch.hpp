@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Batches of APDI domains: what their corners hold, and their shapes, number by number across the batch, so that the loops
-// over it vectorise. Arrays of a batch begin at a cache line: no vector of eight lies across two.
+// Batches of APDI domains: what their corners hold, and their shapes, number by number across the batch, so
+// that the loops over it vectorise. Arrays of a batch begin at a cache line: no vector of eight lies across
+// two.
 #pragma once
 
 #include "mpm/base/simd/forEachSimd.hpp"
@@ -9,8 +10,8 @@
 
 namespace mpm {
 
-// Consecutive domains. In a straight row every corner has the next number in the next domain, as along a row of a regular
-// mesh: what its corners hold lies side by side in memory.
+// Consecutive domains. In a straight row every corner has the next number in the next domain, as along a row
+// of a regular mesh: what its corners hold lies side by side in memory.
 template <int Dim> struct Batch {
     static constexpr int NC = corners<Dim>;
     static constexpr int most = Dim == 2 ? 96 : 32, leastStraight = 8;
@@ -19,9 +20,9 @@ template <int Dim> struct Batch {
     bool isStraight;
     const int* corner; // NC per domain
 
-    // From domain `first` on, before `end`: in a straight row a part of what is left of it (all parts are about as long, for a
-    // short batch takes hardly less time), else to the next row that is not short. rowEnd: for every domain the end of its
-    // straight row.
+    // From domain `first` on, before `end`: in a straight row a part of what is left of it (all parts are
+    // about as long, for a short batch takes hardly less time), else to the next row that is not short.
+    // rowEnd: for every domain the end of its straight row.
     Batch(int first, int end, const std::vector<int>& corners, const std::vector<int>& rowEnd)
         : first(first), corner(corners.data() + NC * first) {
         count = std::min(rowEnd[first], end) - first;
@@ -56,7 +57,7 @@ template <int Dim> struct Batch {
             if (isStraight) {
                 std::array<double*, n> at = plane;
                 for (double*& x : at) x += corner[a];
-                forEachSimd(count, [&](int p) __attribute__((always_inline)) {
+                forEachSimd(count, [&](int p) MPM_INLINE_LAMBDA {
                     MPM_UNROLL
                     for (size_t k = 0; k < n; ++k) at[k][p] += value(a, int(k), p);
                 });
@@ -71,8 +72,8 @@ template <int Dim> struct Batch {
     }
 };
 
-// What n planes hold at the corners of a batch: x[a][k][p] for corner a, plane k, domain p. Where the batch is straight that
-// is the planes themselves, else a copy.
+// What n planes hold at the corners of a batch: x[a][k][p] for corner a, plane k, domain p. Where the batch
+// is straight that is the planes themselves, else a copy.
 template <int Dim, int n> class AtCorners {
   public:
     static constexpr int NC = corners<Dim>;
@@ -122,16 +123,14 @@ template <int Dim> struct alignas(64) BatchWeights {
     BatchWeights(const Batch<Dim>& batch, const Field& skewField) {
         const double* skew[skews];
         for (int m = 0; m < skews; ++m) skew[m] = skewField.plane(m) + batch.first;
-        auto one =
-            [&](int p)
-                __attribute__((always_inline)) { // its arrays would stop the loop below from vectorising
-                    Skew amount;
-                    MPM_UNROLL
-                    for (int m = 0; m < skews; ++m) amount[m] = skew[m][p];
-                    const auto all = ClosedShape<Dim>::weights(amount);
-                    MPM_UNROLL
-                    for (int a = 0; a < NC; ++a) w[a][p] = all[a];
-                };
+        auto one = [&](int p) MPM_INLINE_LAMBDA {
+            Skew amount;
+            MPM_UNROLL
+            for (int m = 0; m < skews; ++m) amount[m] = skew[m][p];
+            const auto all = ClosedShape<Dim>::weights(amount);
+            MPM_UNROLL
+            for (int a = 0; a < NC; ++a) w[a][p] = all[a];
+        };
         forEachSimd(batch.count, one);
     }
 };
@@ -146,7 +145,7 @@ template <int Dim> struct alignas(64) BatchShapes {
         const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(positions));
         double* skew[skews];
         for (int m = 0; m < skews; ++m) skew[m] = skewField.plane(m) + batch.first;
-        auto one = [&](int p) __attribute__((always_inline)) {
+        auto one = [&](int p) MPM_INLINE_LAMBDA {
             const ClosedShape<Dim> shape(X.at(p));
             volume[p] = shape.volume;
             MPM_UNROLL

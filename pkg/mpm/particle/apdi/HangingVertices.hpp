@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Vertices of fine domains in the middle of an edge (3D: or face) of a coarse one: slaves, that go with weighted means of their
-// masters, and hand them what they get.
+// Vertices of fine domains in the middle of an edge (3D: or face) of a coarse one: slaves, that go with
+// weighted means of their masters, and hand them what they get.
 #pragma once
 
 #include "mpm/base/parallel/ParallelRegion.hpp"
@@ -21,7 +21,8 @@ class HangingVertices {
 
     void set(const std::vector<int>& theSlaves, const std::vector<int>& theMasters,
              const std::vector<double>& weights) {
-        slaves = theSlaves, masters = theMasters;
+        slaves = theSlaves;
+        masters = theMasters;
         weight.resize(count());
         for (int s = 0; s < count(); ++s)
             for (int m = 0; m < most; ++m) weight.plane(m)[s] = weights[most * s + m];
@@ -55,22 +56,22 @@ class HangingVertices {
 
     // The transpose: masters among vertices [begin, end) add what their slaves hold.
     template <size_t n> void collect(int begin, int end, const std::array<double*, n>& plane) const {
-        for (size_t i = firstShare_[begin / chunkSize]; i < partitions_.size() && partitions_[i].master < end;
-             ++i)
-            if (const Share& share = partitions_[i]; share.master >= begin)
+        for (size_t i = firstShare_[begin / chunkSize]; i < shares_.size() && shares_[i].master < end; ++i)
+            if (const Share& share = shares_[i]; share.master >= begin)
                 for (double* x : plane) x[share.master] += share.weight * x[share.slave];
     }
 
     // After slaves, masters or weights were set. vertices: their number.
     void restored(int vertices) {
-        partitions_.clear();
+        shares_.clear();
         for (int s = 0; s < count(); ++s)
-            eachMaster(s, [&](int master, double w) { partitions_.push_back({master, slaves[s], w}); });
-        std::stable_sort(partitions_.begin(), partitions_.end(),
+            eachMaster(s, [&](int master, double w) { shares_.push_back({master, slaves[s], w}); });
+        std::stable_sort(shares_.begin(), shares_.end(),
                          [](const Share& a, const Share& b) { return a.master < b.master; });
-        firstSlave_.assign(chunksOf(vertices) + 1, 0), firstShare_ = firstSlave_;
+        firstSlave_.assign(chunksOf(vertices) + 1, 0);
+        firstShare_ = firstSlave_;
         for (int v : slaves) ++firstSlave_[v / chunkSize + 1];
-        for (const Share& share : partitions_) ++firstShare_[share.master / chunkSize + 1];
+        for (const Share& share : shares_) ++firstShare_[share.master / chunkSize + 1];
         std::partial_sum(firstSlave_.begin(), firstSlave_.end(), firstSlave_.begin());
         std::partial_sum(firstShare_.begin(), firstShare_.end(), firstShare_.begin());
     }
@@ -80,11 +81,13 @@ class HangingVertices {
         std::vector<int> kept, keptMasters, numbers;
         for (int s = 0; s < count(); ++s) {
             if (!keep(s)) continue;
-            kept.push_back(slaves[s]), numbers.push_back(s);
+            kept.push_back(slaves[s]);
+            numbers.push_back(s);
             keptMasters.insert(keptMasters.end(), masters.begin() + most * s,
                                masters.begin() + most * s + most);
         }
-        slaves = kept, masters = keptMasters;
+        slaves = kept;
+        masters = keptMasters;
         weight.select(numbers);
     }
 
@@ -99,7 +102,7 @@ class HangingVertices {
         int master, slave;
         double weight;
     };
-    std::vector<Share> partitions_;            // by master
+    std::vector<Share> shares_;                // by master
     std::vector<int> firstSlave_, firstShare_; // in or behind each chunk of vertices
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The vertices of a mesh in the grid: the cell that each is in, and the transfers between vertices and nodes with the hat
-// functions S_i,
+// The vertices of a mesh in the grid: the cell that each is in, and the transfers between vertices and nodes
+// with the hat functions S_i,
 //     value_v = sum_i S_i(X_v) node_i,   node_i += sum_v S_i(X_v) value_v.
 #pragma once
 
@@ -40,14 +40,19 @@ template <int Dim> class MeshVertices {
         order_.forget();
         hanging.restored(size());
         hasLeft_.assign(chunksOf(size()), 1);
-        cell_.resize(size()), local_.resize(size());
+        cell_.resize(size());
+        local_.resize(size());
     }
 
     // --- the step -----------------------------------------------------------------------------------
-    // find(begin, end, x, cell, local) looks up cells and positions in them; returns whether a cell is another one than before.
+    // find(begin, end, x, cell, local) looks up cells and positions in them; returns whether a cell is
+    // another one than before.
     template <class Find> void locate(int begin, int end, Find&& find) {
         double *x[Dim], *local[Dim];
-        for (int k = 0; k < Dim; ++k) x[k] = position.plane(k), local[k] = local_.plane(k);
+        for (int k = 0; k < Dim; ++k) {
+            x[k] = position.plane(k);
+            local[k] = local_.plane(k);
+        }
         hanging.within(
             begin, end,
             [&](int s, int slave) { // round-off would let it creep off the line between its masters
@@ -58,7 +63,8 @@ template <int Dim> class MeshVertices {
             leaves = false;
             for (int v = begin; v < end; ++v) leaves |= !order_.covers(block_[v], grid_, cell_[v]);
         }
-        hasLeft_[begin / chunkSize] |= leaves; // until resort(): there are looks between the steps
+        hasLeft_[begin / chunkSize] |=
+            leaves; // until resort(): between the steps, locate() may be called alone
     }
 
     void group() { order_.group(grid_, cell_, false); }
@@ -73,7 +79,8 @@ template <int Dim> class MeshVertices {
             group();
         }
         order_.prepare(grid_, 2);
-        block_.resize(size()), rowEnd_.resize(size());
+        block_.resize(size());
+        rowEnd_.resize(size());
         for (int b = 0; b < order_.blocks(); ++b) {
             order_.inspect(b, grid_, cell_);
             for (int i = order_.start[b + 1] - 1; i >= order_.start[b]; --i) {
@@ -85,25 +92,27 @@ template <int Dim> class MeshVertices {
         }
     }
 
-    // unpack(values, count, plane) puts what vertices take into planes, a few at a time: they do not leave the registers.
+    // unpack(values, count, plane) puts what vertices take into planes, a few at a time: they do not leave
+    // the registers.
     template <class Node, size_t n, class Unpack>
     void gather(ParallelRegion& region, const Node* nodes, const std::array<double*, n>& plane,
                 Unpack&& unpack) const {
         region.chunks(size(), [&](int begin, int end) {
             const Hats hat(*this, begin, end - begin);
-            const auto put = [&](const Node* taken, int v, int count) __attribute__((always_inline)) {
+            const auto put = [&](const Node* taken, int v, int count) MPM_INLINE_LAMBDA {
                 std::array<double*, n> to = plane;
                 for (double*& x : to) x += v;
                 unpack(taken, count, to);
             };
-            const auto take = [&](int i) __attribute__((always_inline)) {
+            const auto take = [&](int i) MPM_INLINE_LAMBDA {
                 const Node* node = inRegister(nodes + hat.cell[begin + i]);
                 Node sum = hat.S[0][i] * node[0];
                 sum.add(hat.S[1][i], node[1]);
                 MPM_UNROLL
                 for (int k = 2; k < NC; k += 2) {
                     const Node* row = inRegister(node + hat.offset[k]);
-                    sum.add(hat.S[k][i], row[0]), sum.add(hat.S[k + 1][i], row[1]);
+                    sum.add(hat.S[k][i], row[0]);
+                    sum.add(hat.S[k + 1][i], row[1]);
                 }
                 return sum;
             };
@@ -127,9 +136,9 @@ template <int Dim> class MeshVertices {
         });
     }
 
-    // give(first, count, values) fills in what vertices with consecutive numbers give, from what they hold in the planes; what hanging ones
-    // hold is added to that of their masters. The sums of a cell stay in registers, and towards the next one along the first axis only
-    // nodes that are left behind are written.
+    // give(first, count, values) fills in what vertices with consecutive numbers give, from what they hold in
+    // the planes; what hanging ones hold is added to that of their masters. The sums of a cell stay in
+    // registers, and towards the next one along the first axis only nodes that are left behind are written.
     template <class Node, size_t held, class Give>
     void scatter(ParallelRegion& region, Node* nodes, const std::array<double*, held>& plane,
                  Give&& give) const {
@@ -153,12 +162,18 @@ template <int Dim> class MeshVertices {
                     const int here = hat.cell[first + i];
                     if (here == cell + 1) {
                         MPM_UNROLL
-                        for (int n = 0; n < NC; n += 2)
-                            at[hat.offset[n]] += sum[n], sum[n] = sum[n + 1], sum[n + 1] = Node::zero();
+                        for (int n = 0; n < NC; n += 2) {
+                            at[hat.offset[n]] += sum[n];
+                            sum[n] = sum[n + 1];
+                            sum[n + 1] = Node::zero();
+                        }
                         ++at;
                     } else if (here != cell) {
                         MPM_UNROLL
-                        for (int n = 0; n < NC; ++n) at[hat.offset[n]] += sum[n], sum[n] = Node::zero();
+                        for (int n = 0; n < NC; ++n) {
+                            at[hat.offset[n]] += sum[n];
+                            sum[n] = Node::zero();
+                        }
                         at += here - cell;
                     }
                     cell = here;
@@ -219,13 +234,11 @@ template <int Dim> class MeshVertices {
         alignas(64) double S[NC][chunkSize];
 
         Hats(const MeshVertices& m, int first, int count) : Hat(m) {
-            const auto set =
-                [&](int i)
-                    __attribute__((always_inline)) { // its array would stop the loop below from vectorising
-                        const auto one = Hat::weights(first + i);
-                        MPM_UNROLL
-                        for (int n = 0; n < NC; ++n) S[n][i] = one[n];
-                    };
+            const auto set = [&](int i) MPM_INLINE_LAMBDA {
+                const auto one = Hat::weights(first + i);
+                MPM_UNROLL
+                for (int n = 0; n < NC; ++n) S[n][i] = one[n];
+            };
 #pragma omp simd
             for (int i = 0; i < count; ++i) set(i);
         }
@@ -237,7 +250,8 @@ template <int Dim> class MeshVertices {
     std::vector<int> block_;  // of the order, that each vertex belongs to
     std::vector<int> rowEnd_; // where in the order the numbers no longer follow each other
     std::vector<char>
-        hasLeft_; // chunks in which a vertex has left what its block is known to touch, since the last resort()
+        // chunks in which a vertex has left what its block is known to touch, since the last resort()
+        hasLeft_;
     Field local_{"vertexLocal", "-", "Position of a vertex in its cell, in cells.", {Dim}};
 };
 

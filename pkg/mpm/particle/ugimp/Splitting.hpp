@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Box particles that have become too long for their box are cut in two, so that a stretched body stays whole.
 //
-// The domain of a particle is its box, mapped by D = F S. The share S is one when the body is made; the longest stretch of D is
-// |D m| = s with D m = s n. A cut across n halves the domain along it: D <- (I - n n^T/2) D, that is S <- S (I - m m^T/2).
-// The halves stand at x +- d, d = s l n/2 with the half length l of the box along m, so that the second moment of the mass stays.
-// Velocity, F, stress and state are those of the particle that was cut: mass, volume, centre of mass, momentum, angular momentum,
-// kinetic and elastic energy stay. (With v +- L d the halves would be on the linear velocity field, at the price of a kinetic
-// energy m |L d|^2/2 from nowhere; results were the same.) The halves have boxes as large as before. A limit of 2 makes a half
-// as long as its box; boxes that overlap do less harm than gaps between them: 1.3 keeps a body whole that falls apart at 2 (doc/numerical-fracture.md).
+// The domain of a particle is its box, mapped by D = F S. The share S is one when the body is made; the
+// longest stretch of D is |D m| = s with D m = s n. A cut across n halves the domain along it: D <- (I - n
+// n^T/2) D, that is S <- S (I - m m^T/2). The halves stand at x +- d, d = s l n/2 with the half length l of
+// the box along m, so that the second moment of the mass stays. Velocity, F, stress and state are those of
+// the particle that was cut: mass, volume, centre of mass, momentum, angular momentum, kinetic and elastic
+// energy stay. (With v +- L d the halves would be on the linear velocity field, at the price of a kinetic
+// energy m |L d|^2/2 from nowhere; results were the same.) The halves have boxes as large as before. A limit
+// of 2 makes a half as long as its box; boxes that overlap do less harm than gaps between them: 1.3 keeps a
+// body whole that falls apart at 2 (doc/numerical-fracture.md).
 #pragma once
 
 #include "mpm/base/parallel/ParallelRegion.hpp"
@@ -50,7 +52,8 @@ template <int Dim> class Splitting {
         forget();
     }
 
-    // Cuts what is too long; the new halves come last. Facets of the outline go with the half that is nearer. Returns whether there were any.
+    // Cuts what is too long; the new halves come last. Facets of the outline go with the half that is nearer.
+    // Returns whether there were any.
     bool cut(Particles<Dim>& particles, const Vec<Dim>& halfSize, Outline<Dim>& outline) {
         const std::vector<Cut> cuts = find(particles, halfSize);
         if (cuts.empty()) return false;

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Forces against the hourglass patterns of the vertices, which the averaged gradient of a domain does not
+// see: the stiffness form of Flanagan & Belytschko 1981,
+//     f_a = -k h gamma_a,   gamma_a = G_a / 2^Dim - g_a . (pattern of X),
+//     k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2,
+// so that it does no work in a linear field. With coefficient 1 a square is as stiff against the pattern as
+// the exactly integrated bilinear element. What is resisted is the pattern of the domain less that of the
+// undeformed one, deformed.
+#pragma once
+
+#include "mpm/particle/apdi/DomainMesh.hpp"
+#include "mpm/state/Particles.hpp"
+
+namespace mpm {
+
+template <int Dim> class HourglassControl {
+  public:
+    using Shapes = BatchShapes<Dim>;
+    static constexpr int NC = corners<Dim>, modes = Shapes::modes;
+    using Forces = double[modes][Dim][Batch<Dim>::most]; // of a batch, times gamma
+
+    explicit HourglassControl(double coefficient) : coefficient_(coefficient) {}
+
+    Field reference{"hourglassReference", "m", "Hourglass pattern of the undeformed domain.", {modes, Dim}};
+
+    // Of domain p, undeformed with the corners X; what is round-off is zero, for parallelograms have no
+    // pattern.
+    void setReference(int p, const Corners<Dim>& X) {
+        const HourglassAmplitude<Dim> h = hourglassPattern<Dim>(X);
+        const double roundOff = 4 * std::numeric_limits<double>::epsilon() * X.cwiseAbs().maxCoeff();
+        for (int i = 0; i < h.size(); ++i)
+            if (std::abs(h.data()[i]) > roundOff) reference.plane(i)[p] = h.data()[i];
+    }
+
+    void restored() {
+        isPatterned_ = false;
+        for (int i = 0; i < reference.components(); ++i)
+            isPatterned_ |= std::any_of(reference.plane(i), reference.plane(i) + reference.size(),
+                                        [](double h) { return h != 0; });
+    }
+    bool isPatterned() const { return isPatterned_; } // any undeformed domain
+
+    void setStiffness(const std::array<double, 2>& lame) {
+        modulus_ = coefficient_ * (2.0 / 3.0) * (lame[0] + 3 * lame[1]);
+    }
+
+    // What the deformation makes of the patterns of the undeformed domains.
+    struct DeformedPattern {
+        const double *F[Dim][Dim], *pattern[modes][Dim];
+
+        DeformedPattern(const HourglassControl& control, const Particles<Dim>& particles) {
+            for (int i = 0; i < Dim; ++i) {
+                for (int j = 0; j < Dim; ++j) F[i][j] = particles.deformationGradient.plane(3 * i + j);
+                for (int m = 0; m < modes; ++m) pattern[m][i] = control.reference.plane(Dim * m + i);
+            }
+        }
+        MPM_INLINE void takeFrom(double (*h)[Dim], int p) const {
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m) MPM_UNROLL
+            for (int i = 0; i < Dim; ++i) {
+                double sum = 0;
+                MPM_UNROLL
+                for (int j = 0; j < Dim; ++j) sum += F[i][j][p] * pattern[m][j][p];
+                h[m][i] -= sum;
+            }
+        }
+    };
+
+    // What a linear field does not show of pattern m at corner a.
+    MPM_INLINE static double gamma(const Shapes& d, int m, int a, int p) {
+        double sum = hourglassSign(Dim, m, a) / NC;
+        MPM_UNROLL
+        for (int j = 0; j < Dim; ++j) sum -= d.g[a][j][p] * d.pattern[m][j][p];
+        return sum;
+    }
+
+    // The forces of a batch. h, per mode and axis, is what they resist: the pattern of a domain, which
+    // resisted(p, h) may change.
+    template <class Resisted>
+    void resist(const Batch<Dim>& batch, const Shapes& d, Forces& forces, Resisted&& resisted) const {
+        auto one = [&](int p) MPM_INLINE_LAMBDA {
+            double h[modes][Dim], sum = 0;
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m) MPM_UNROLL
+            for (int k = 0; k < Dim; ++k) h[m][k] = d.pattern[m][k][p];
+            resisted(p, h);
+            MPM_UNROLL
+            for (int a = 0; a < NC; ++a) MPM_UNROLL
+            for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
+            const double stiffness = modulus_ * d.volume[p] * sum;
+            MPM_UNROLL
+            for (int m = 0; m < modes; ++m) MPM_UNROLL
+            for (int k = 0; k < Dim; ++k) forces[m][k][p] = -stiffness * h[m][k];
+        };
+        forEachSimd(batch.count, one);
+    }
+
+    // Largest hourglass amplitude over the mean edge of its domain.
+    double largestAmplitude(const DomainMesh<Dim>& mesh, const Particles<Dim>& particles) const {
+        double largest = 0; // its 2 Dim-th power: no root in the loop
+        const DeformedPattern deformed(*this, particles);
+        for (int p = 0; p < particles.size(); ++p) {
+            HourglassAmplitude<Dim> h = hourglassPattern<Dim>(mesh.cornersOf(p));
+            deformed.takeFrom(reinterpret_cast<double(*)[Dim]>(h.data()), p);
+            const double square = h.colwise().squaredNorm().maxCoeff();
+            const double volume = particles.volume.plane()[p];
+            largest = std::max(largest, (Dim == 2 ? 1 : square) * square * square / (volume * volume));
+        }
+        return std::pow(largest, 0.5 / Dim);
+    }
+
+  private:
+    const double coefficient_;
+    double modulus_ = 0; // kPa
+    bool isPatterned_ = true;
+};
+
+} // namespace mpm

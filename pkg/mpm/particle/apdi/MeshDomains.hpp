@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The domains of an APDI body: how they are made, moved with their vertices, loaded, looked at and taken out
+// of the mesh.
+#pragma once
+
+#include "mpm/particle/apdi/MeshTransfers.hpp"
+#include "mpm/particle/apdi/removeDomains.hpp"
+#include "mpm/particle/apdi/splitDomain.hpp"
+
+namespace mpm {
+
+template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Dim>, public Distortion<Dim> {
+  public:
+    using Base = MeshTransfers<Dim>;
+    using Base::particles, Base::NC, Base::Base;
+    using typename Base::NF;
+
+    // --- making -------------------------------------------------------------------------------------
+    void build(const Geometry<Dim>& geometry) override {
+        mesh_.vertices.create(geometry.points);
+        mesh_.corner = geometry.cells;
+        mesh_.vertices.hanging.set(geometry.slaves, geometry.masters, geometry.weights);
+
+        const int domains = mesh_.domains();
+        std::vector<Vec<Dim>> centres(domains, Vec<Dim>::Zero());
+        std::vector<double> volumes(domains);
+        hourglass_.reference.resize(domains);
+        for (int p = 0; p < domains; ++p) {
+            const Corners<Dim> X = mesh_.cornersOf(p);
+            const ClosedShape<Dim> shape(numbersOf<Dim>(X));
+            require(shape.volume > 0 && smallestCorner(shape, numbersOf<Dim>(X)) > 0, "APDI in '",
+                    Base::bodyName, "': domain ", p, " near ", place(Vec<Dim>(X.col(0))),
+                    " is inverted or concave; mend the mesh");
+            for (int a = 0; a < NC; ++a) centres[p] += shape.w[a] * X.col(a);
+            volumes[p] = shape.volume;
+            hourglass_.setReference(p, X);
+        }
+        Base::create(centres, volumes);
+        Base::restored();
+    }
+
+    std::vector<Field*> fields() override {
+        auto& vertices = mesh_.vertices;
+        return {&vertices.position, &vertices.reference, &vertices.velocity, &hourglass_.reference,
+                &vertices.hanging.weight};
+    }
+    std::vector<std::pair<std::string, std::vector<int>*>> tables() override {
+        auto all = Base::tables();
+        all.insert(all.end(), {{"corners", &mesh_.corner},
+                               {"slaves", &mesh_.vertices.hanging.slaves},
+                               {"masters", &mesh_.vertices.hanging.masters}});
+        return all;
+    }
+    size_t bytes() const override {
+        return sizeof(int) * (mesh_.corner.size() + mesh_.rowEnd.size()) + mesh_.vertices.bytes() +
+               Base::carried_.bytes() + Base::skew_.bytes() + hourglass_.reference.bytes();
+    }
+
+    Mesh<Dim>* mesh() override { return this; }
+    Distortion<Dim>* distortion() override { return this; }
+
+    // --- mesh: vertices move with the velocity field that enters the velocity gradient --------------
+    void takeVelocity(ParallelRegion& region, const typename NF::Velocity* nodes) override {
+        std::array<double*, Dim> velocity;
+        for (int k = 0; k < Dim; ++k) velocity[k] = mesh_.vertices.velocity.plane(k);
+        mesh_.vertices.gather(
+            region, nodes, velocity,
+            [](const typename NF::Velocity* in, int count, const std::array<double*, Dim>& out) {
+                NodeLanes<Dim>::unpackVelocity(in, count, out);
+            });
+    }
+    void advance(ParallelRegion& region, double dt) override { mesh_.vertices.advance(region, dt); }
+    double workOf(int begin, int end) const override { return mesh_.workOf(begin, end); }
+
+    const std::vector<int>& cornerTable() const override { return mesh_.corner; }
+    Field& vertexPositions() override { return mesh_.vertices.position; }
+    Field& vertexVelocities() override { return mesh_.vertices.velocity; }
+
+    void addVertexForce(int v, const Vec<Dim>& force, typename NF::Sum* nodes) const override {
+        Base::forNodes(v, [&](int node, double part, double S) {
+            for (int k = 0; k < Dim; ++k)
+                nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + part * S * force[k]);
+        });
+    }
+    double longestEdge(int p) const override {
+        return std::sqrt(mesh_.longestSquare(p, mesh_.vertices.position));
+    }
+    double initialEdge(int p) const override {
+        return std::sqrt(mesh_.longestSquare(p, mesh_.vertices.reference));
+    }
+
+    // --- distortion ---------------------------------------------------------------------------------
+    std::vector<Distorted> distorted() const override { return Base::distorted_.all(); }
+    std::vector<Piece<Dim>> split(int p, const Vec<Dim>& halfSize) const override {
+        return splitDomain<Dim>(p, mesh_.cornersOf(p), vectorAt<Dim>(particles.position, p), halfSize);
+    }
+    void remove(const std::vector<int>& gone) override {
+        const std::vector<int> kept = removeDomains(mesh_, gone);
+        hourglass_.reference.select(kept);
+        for (Field* field : particles.fields()) field->select(kept);
+        Base::restored();
+        Base::regroup();
+        Base::distorted_.clear();
+    }
+    QualityReport qualityReport(double limit) const override { return reportQuality(mesh_, limit); }
+    double minJacobian() const override { return smallestJacobian(mesh_, particles.initialVolume); }
+    double hourglass() const override { return hourglass_.largestAmplitude(mesh_, particles); }
+
+  private:
+    using Base::mesh_, Base::hourglass_;
+};
+
+} // namespace mpm

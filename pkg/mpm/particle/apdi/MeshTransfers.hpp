@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The transfers of APDI, in two stages: particle <-> vertex <-> grid. Domains are treated in batches.
+#pragma once
+
+#include "mpm/particle/Transfers.hpp"
+#include "mpm/particle/apdi/CarriedByVertices.hpp"
+#include "mpm/particle/apdi/DomainPieces.hpp"
+#include "mpm/particle/apdi/DomainQuality.hpp"
+
+#include <atomic>
+
+namespace mpm {
+
+template <int Dim> class MeshTransfers : public Transfers<Dim> {
+  public:
+    using Base = Transfers<Dim>;
+    using Base::particles, Base::grid, Base::order, Base::damped_;
+    using typename Base::NF, typename Base::Planes;
+    static constexpr int NC = corners<Dim>;
+
+    MeshTransfers(Particles<Dim>& particles, const Grid<Dim>& grid, double hourglass, bool converts)
+        : Base(particles, grid), mesh_(grid, order), hourglass_(hourglass), converts_(converts) {}
+
+    // What follows from the connectivity.
+    void restored() override {
+        mesh_.restored();
+        carried_.resize(mesh_.vertices.size());
+        skew_.resize(particles.size());
+        hourglass_.restored();
+        pieces_.cut(mesh_);
+        if (!order.isOf(grid)) regroup();
+    }
+
+    // --- the step -----------------------------------------------------------------------------------
+    void locate(ParallelRegion& region) override {
+        region.chunksNoWait(mesh_.vertices.size(), [&](int begin, int end) {
+            find(begin, end);
+            carried_.clear(begin, end);
+        });
+    }
+
+    bool resort() override {
+        hourglass_.setStiffness(Base::lame);
+        distorted_.clear();
+        damped_.assign(pieces_.count(), 0.0);
+        isCleared_ = true;
+        mesh_.vertices.resort();
+        return false;
+    }
+
+    // Domains -> vertices -> nodes.
+    void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
+                bool withForce) override {
+        const Planes q(particles);
+        const auto stress = Base::stressPlanes();
+        const bool hasBodyForce = particles.hasBodyForce && withForce;
+        const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
+        if (!isCleared_) carried_.clear(region);
+        pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
+            const Shapes d(batch, mesh_.vertices.position, skew_);
+            GivenByDomains<Dim> given;
+            q.momenta(batch.first, batch.count, inertiaScale, given.momentum);
+            if (withForce)
+                q.tension(batch.first, batch.count, stress.data(), given.tension);
+            else
+                std::memset(given.tension, 0, sizeof given.tension);
+            if (hourglass_.isPatterned())
+                hourglass_.resist(batch, d, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
+                    deformed.takeFrom(h, batch.first + p);
+                });
+            else
+                hourglass_.resist(batch, d, given.control, [](int, double(*)[Dim]) MPM_INLINE_LAMBDA {});
+            batch.addToCorners(carried_.template planes<Carried::all>(0),
+                               [&](int a, int k, int p)
+                                   MPM_INLINE_LAMBDA { return given.toCorner(d, a, k, p); });
+            if (hasBodyForce) {
+                q.bodyForces(batch.first, batch.count, given.bodyForce);
+                batch.addToCorners(carried_.template planes<Dim>(Carried::force),
+                                   [&](int a, int k, int p)
+                                       MPM_INLINE_LAMBDA { return d.w[a][p] * given.bodyForce[k][p]; });
+            }
+        });
+        carried_.toNodes(region, mesh_.vertices, nodes, withForce, 1 / inertiaScale);
+    }
+
+    // Nodes -> vertices -> domains, and back with what the domains have then. The forces of hourglass control
+    // wait on the vertices since addSum().
+    void move(ParallelRegion& region, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
+              const Move& how) override {
+        const Planes q(particles);
+        isCleared_ = false;
+        if (momentum) carried_.startMomentum(region, mesh_.vertices, how.dt);
+        nodes ? carried_.takeMotion(region, mesh_.vertices, nodes) : region.wait();
+        pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int piece) {
+            const BatchWeights<Dim> d(batch, skew_);
+            if (nodes) {
+                const AtCorners<Dim, 2 * Dim> at(batch, carried_.template planes<2 * Dim>(Carried::motion));
+                damped_[piece] += q.move(batch.first, batch.count, how, [&](int k, int p) MPM_INLINE_LAMBDA {
+                    double sum = 0;
+                    MPM_UNROLL
+                    for (int a = 0; a < NC; ++a) sum += d.w[a][p] * at.x[a][k][p];
+                    return sum;
+                });
+            }
+            if (momentum) {
+                double given[Dim + 1][Batch<Dim>::most];
+                q.momenta(batch.first, batch.count, how.inertiaScale, given);
+                batch.addToCorners(carried_.template planes<Dim>(Carried::control),
+                                   [&](int a, int k, int p)
+                                       MPM_INLINE_LAMBDA { return d.w[a][p] * given[k][p]; });
+            }
+        });
+        if (momentum) carried_.momentumToNodes(region, mesh_.vertices, momentum);
+    }
+
+    // With the gradient comes the volume after the step: the polygon area (polyhedron volume) itself; J V0
+    // differs from it by O(dt). The shapes are made anew: that takes less time than to fetch them from
+    // memory.
+    void takeGradient(int begin, int end, const typename NF::Velocity*, double dt) override {
+        mesh_.forBatches(begin, end, [&](const Batch<Dim>& batch) {
+            dt > 0 ? gradients<true>(batch, dt) : gradients<false>(batch, 0);
+        });
+    }
+
+    // --- besides the step ---------------------------------------------------------------------------
+    // With the forces of hourglass control as a stiffness: those of the motion that the velocity of the
+    // vertices holds, over unit time.
+    void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) override {
+        const Planes q(particles);
+        carried_.clear(region);
+        pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
+            const Shapes d(batch, mesh_.vertices.position, skew_);
+            GivenByDomains<Dim> given;
+            q.tension(batch.first, batch.count, tensor, given.tension);
+            const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(mesh_.vertices.velocity));
+            hourglass_.resist(batch, d, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
+                for (int m = 0; m < Shapes::modes; ++m)
+                    for (int k = 0; k < Dim; ++k) {
+                        h[m][k] = 0;
+                        for (int a = 0; a < NC; ++a)
+                            h[m][k] += HourglassControl<Dim>::gamma(d, m, a, p) * V.x[a][k][p];
+                    }
+            });
+            batch.addToCorners(carried_.template planes<2 * Dim>(Carried::force),
+                               [&](int a, int k, int p)
+                                   MPM_INLINE_LAMBDA { return given.toCorner(d, a, Carried::force + k, p); });
+        });
+        carried_.toNodes(region, mesh_.vertices, nodes, true, 1);
+    }
+
+    // By way of the vertices, like all transfers.
+    void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
+        const double* mass = particles.mass.plane();
+        std::vector<double> atVertex(mesh_.vertices.size(), 0.0);
+        std::vector<int> with;
+        for (int p : which) {
+            const ClosedShape<Dim> shape(mesh_.cornerNumbersOf(p));
+            for (int a = 0; a < NC; ++a)
+                Base::addMassTo(mesh_.corner[NC * p + a], shape.w[a] * mass[p], atVertex.data(), with);
+        }
+        for (int v : with)
+            forNodes(v, [&](int node, double part, double S) {
+                Base::addMassTo(node, part * atVertex[v] * S, nodal, touched);
+            });
+    }
+
+    void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
+        const Shape<Dim> shape(mesh_.cornerNumbersOf(p));
+        for (int a = 0; a < NC; ++a)
+            forNodes(mesh_.corner[NC * p + a], [&](int node, double part, double S) {
+                each(node, part * shape.w[a] * S, Vec<Dim>(part * S * shape.g[a]));
+            });
+    }
+
+  protected:
+    using Shapes = BatchShapes<Dim>;
+    using Carried = CarriedByVertices<Dim>;
+
+    // f(node, part, S) for the nodes of vertex v, or of its masters where it hangs, which take their parts of
+    // it.
+    template <class F> void forNodes(int v, F&& f) const {
+        const typename MeshVertices<Dim>::Hat hat(mesh_.vertices);
+        mesh_.vertices.hanging.through(
+            v, [&](int vertex, double part) { hat(vertex, [&](int node, double S) { f(node, part, S); }); });
+    }
+
+    void find(int begin, int end) {
+        mesh_.vertices.locate(begin, end,
+                              [&](int from, int to, double* const x[], int* cell, double* const local[]) {
+                                  return Base::support(from, to, x, 0.0, cell, local, "vertex", nullptr);
+                              });
+    }
+
+    void regroup() {
+        const int count = mesh_.vertices.size();
+        for (int begin = 0; begin < count; begin += chunkSize)
+            find(begin, std::min(count, begin + chunkSize));
+        mesh_.vertices.group();
+    }
+
+    DomainMesh<Dim> mesh_;
+    HourglassControl<Dim> hourglass_;
+    CarriedByVertices<Dim> carried_;
+    Field skew_{
+        "skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
+    DomainPieces<Dim> pieces_;
+    DistortedList distorted_; // found in the last takeGradient()
+
+  private:
+    const bool converts_;
+    std::atomic<bool> isCleared_{false}; // whether the vertices hold nothing, since locate()
+
+    // moves: and the volume after the step. Not asked in the loop: its stores would be masked ones, which are
+    // slow.
+    template <bool moves> void gradients(const Batch<Dim>& batch, double dt) {
+        double *volume = particles.volume.plane(), *L[Dim * Dim];
+        for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
+        const int first = batch.first, count = batch.count;
+        const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(mesh_.vertices.position)),
+            V(batch, vectorPlanes<Dim>(mesh_.vertices.velocity));
+        double quality[Batch<Dim>::most];
+        auto one = [&](int p) MPM_INLINE_LAMBDA {
+            const ClosedShape<Dim> shape(X.at(p));
+            MPM_UNROLL
+            for (int i = 0; i < Dim; ++i) MPM_UNROLL
+            for (int j = 0; j < Dim; ++j) {
+                double sum = 0;
+                MPM_UNROLL
+                for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
+                L[Dim * i + j][first + p] = sum;
+            }
+            if constexpr (!moves) return;
+            const auto before = X.at(p), velocity = V.at(p);
+            CornerNumbers<Dim> x;
+            MPM_UNROLL
+            for (int k = 0; k < Dim; ++k) MPM_UNROLL
+            for (int a = 0; a < NC; ++a) x[k][a] = before[k][a] + dt * velocity[k][a];
+            const ClosedShape<Dim> after(x);
+            volume[first + p] = after.volume;
+            quality[p] = qualityOf<Dim>(after, smallestCorner(after, x));
+        };
+        forEachSimd(count, one);
+        if constexpr (moves) noteDistorted(first, count, quality);
+    }
+
+    void noteDistorted(int first, int count, const double* quality) {
+        int bad = converts_;
+#pragma omp simd reduction(| : bad)
+        for (int p = 0; p < count; ++p) bad |= !(quality[p] > worstQuality);
+        for (int p = 0; p < count && bad; ++p)
+            if (!(quality[p] > worstQuality) || (converts_ && isStretched(mesh_, first + p)))
+                distorted_.note({first + p, quality[p]});
+    }
+};
+
+} // namespace mpm

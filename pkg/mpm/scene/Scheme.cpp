@@ -22,7 +22,8 @@ std::vector<Scheme::Place> Scheme::order() const {
 namespace {
 
 bool offer(const Scheme& scheme) {
-    return Registry<Scheme>::add(scheme.name, [=] { return std::make_shared<Scheme>(scheme); });
+    return Registry<Scheme>::add(scheme.name, [=] { return std::make_shared<Scheme>(scheme); }, MPM_BUILD,
+                                 sizeof(Scheme));
 }
 
 // USL loses stability below the linear limit of its operator.

@@ -6,6 +6,7 @@ import os
 import numpy as np
 
 from .mesh import Mesh, cellVolumes, cornerJacobians
+from .meshChecks import checkIndices, checkMesh
 from .numbers import formatPoint
 
 _MIRROR = {2: [0, 3, 2, 1], 3: [0, 3, 2, 1, 4, 7, 6, 5]}
@@ -21,13 +22,7 @@ def meshFromArrays(points, cells, name):
     an index out of range, a repeated vertex, or a cell that is inverted, concave or collapsed.
     """
     points, cells = _asArrays(points, cells, name)
-    outside = np.any((cells < 0) | (cells >= len(points)), axis=1)
-    if np.any(outside):
-        k = np.flatnonzero(outside)[0]
-        raise ValueError(
-            f"'{name}': cell {k} names vertices {cells[k].tolist()}, but the points are "
-            f"numbered 0 to {len(points) - 1}; count from zero"
-        )
+    checkIndices(name, points, cells)
     ordered = np.sort(cells, axis=1)
     _refuseCells(
         np.any(ordered[:, 1:] == ordered[:, :-1], axis=1),
@@ -45,7 +40,7 @@ def meshFromArrays(points, cells, name):
     jacobians = cornerJacobians(points, cells)
     isBad = jacobians.min(axis=1) <= 1e-10 * np.abs(jacobians).max(axis=1)
     _refuseCells(isBad, points, cells, name, "is concave or collapsed; every corner must be convex")
-    return Mesh(points, cells)
+    return checkMesh(name, Mesh(points, cells))
 
 
 def meshFromFile(path, name):

@@ -45,6 +45,11 @@ def vector(who, what, value, dim=None):
     return array
 
 
+def isCount(value):
+    """Whether a value is a whole number from 1 on."""
+    return isinstance(value, (int, np.integer)) and not isinstance(value, bool) and value >= 1
+
+
 def isNumber(value):
     """Whether a value is a real number; a flag is none."""
     return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)

@@ -10,6 +10,7 @@ from .. import _core
 from ..base.attributes import Attributed, makeClasses
 from ..geometry.lattice import asSpacing, cutCells, cutOutline, latticePoints
 from ..geometry.mesh import Mesh
+from ..geometry.meshChecks import checkMesh
 from ..geometry.meshing import meshRegion, refineNear
 from ..geometry.meshInput import meshFromArrays, meshFromFile
 from ..geometry.meshRows import inRows
@@ -85,7 +86,7 @@ class MeshedType(ParticleType):
     def geometry(self, region, scene, name):
         """Mesh of a region, of (points, cells), or of a mesh file, which is numbered anew in rows."""
         if isinstance(region, Mesh):
-            return region
+            return checkMesh(name, region)
         if isinstance(region, (str, bytes)) or hasattr(region, "__fspath__"):
             return inRows(meshFromFile(region, name))
         if isinstance(region, tuple) and len(region) == 2:

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..geometry.mesh import MAX_MASTERS
+from ..geometry.meshChecks import checkHanging, checkRange
 
 
 def checkTables(body, count, stored):
@@ -25,27 +25,12 @@ def checkTables(body, count, stored):
     if "corners" in tables:
         corners = 2 ** body.core.fields(False)[1]["shape"][0]
         _require(tables["corners"].size == corners * count, f"corners has {tables['corners'].size} numbers")
-        _checkRange("corners", tables["corners"], 0, points)
+        checkRange("corners", tables["corners"], 0, points)
         checkHanging(points, tables["slaves"], tables["masters"], domains.get("masterWeight"))
     if "runsWhenSorted" in tables:
         _require(tables["runsWhenSorted"].shape == (1,), "runsWhenSorted is not one number")
-        _checkRange("runsWhenSorted", tables["runsWhenSorted"], 0, max(1, points) + 1)
+        checkRange("runsWhenSorted", tables["runsWhenSorted"], 0, max(1, points) + 1)
     _checkNumbers(count, stored)
-
-
-def checkHanging(points, slaves, masters, weights):
-    """Refuses hanging vertices that are not in order, or whose masters do not stand by themselves."""
-    masters = (
-        np.reshape(masters, (-1, MAX_MASTERS)) if np.size(masters) % MAX_MASTERS == 0 else np.zeros((0, 1))
-    )
-    _require(len(masters) == len(slaves), f"{len(slaves)} slaves have masters for {len(masters)}")
-    _require(np.shape(weights) == (len(slaves), MAX_MASTERS), f"weights have the shape {np.shape(weights)}")
-    _checkRange("slaves", slaves, 0, points)
-    _checkRange("masters", masters, -1, points)
-    _require((np.diff(slaves) > 0).all(), "slaves are not in order, or twice there")
-    _require((masters[:, 0] >= 0).all() if len(masters) else True, "a slave has no master")
-    _require(not np.isin(masters, slaves).any(), "a master is a slave itself")
-    _require(np.isfinite(weights).all() and not np.any(np.asarray(weights)[masters < 0]), "weights are wrong")
 
 
 def _checkGroups(start, order, points):
@@ -67,14 +52,9 @@ def _checkNumbers(count, stored):
     carriers = stored["domains"].get("outlineCarrier")
     if carriers is not None and len(carriers):
         _require(np.array_equal(np.sort(ids), np.arange(count)), f"id is no order of {count} particles")
-        _checkRange("outlineCarrier", carriers, 0, count)
+        checkRange("outlineCarrier", carriers, 0, count)
     half = stored["domains"].get("halfSize")
     _require(half is None or ((half > 0) & np.isfinite(half)).all(), "halfSize is not positive")
-
-
-def _checkRange(name, values, first, end):
-    wrong = np.asarray(values)[(np.asarray(values) < first) | (np.asarray(values) >= end)]
-    _require(wrong.size == 0, f"{name} has {wrong[:1].tolist()}, and from {first} to {end - 1} is allowed")
 
 
 def _require(isRight, complaint):

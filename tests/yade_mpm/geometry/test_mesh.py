@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 import numpy as np
 import pytest
+import yade_mpm as mpm
 from yade_mpm.geometry.lattice import latticePoints
 from yade_mpm.geometry.mesh import boundaryFacets, cellVolumes, cornerJacobians
 from yade_mpm.geometry.meshing import meshRegion, refineNear
@@ -289,3 +290,72 @@ def test_default_scene_surface_has_no_facet_between_coarse_and_fine():
     coarse, fine = defaultMesh()
     ring = 2 * 26 + 8 + 2  # coarse facets of the ring on the zone and on the ground surface
     assert len(boundaryFacets(fine)[0]) == len(boundaryFacets(coarse)[0]) + ring
+
+
+# --- what the solver could not take -------------------------------------------------------------------------
+SQUARES = np.array([(0, 0), (1, 0), (2, 0), (0, 1), (1, 1), (2, 1)], float) * 0.5
+TWO = np.array([(0, 1, 4, 3), (1, 2, 5, 4)])
+
+
+def added(mesh):
+    dim = np.shape(mesh.points if isinstance(mesh, mpm.Mesh) else mesh[0])[1]
+    dim = min(dim, 3)
+    scene = mpm.Scene((0,) * dim, (2,) * dim, 0.5)
+    return scene.add("m", mesh, mpm.LinearElastic(density=1.0, lame=(1.0, 1.0)), mpm.APDI())
+
+
+def hanging(**changes):
+    """Two fine cells above a coarse one: vertex 6 hangs on the edge of it; changed by hand."""
+    points = np.array([(0, 0), (1, 0), (1, 0.5), (0, 0.5), (0, 1), (1, 1), (0.5, 0.5), (0.5, 1)])
+    cells = np.array([(0, 1, 2, 3), (3, 6, 7, 4), (6, 2, 5, 7)])
+    parts = dict(points=points, cells=cells, slaves=np.array([6]), masters=np.array([(3, 2, -1, -1)]))
+    return mpm.Mesh(**{**parts, "masterWeights": np.array([(0.5, 0.5, 0, 0)]), **changes})
+
+
+def test_meshes_that_are_right_are_taken():
+    assert added((SQUARES, TWO)).count == 2 and added(hanging()).count == 3
+
+
+@pytest.mark.parametrize(
+    "mesh, told",
+    [
+        (hanging(cells=np.array([(0, 1, 2, 2**30)])), "cell 0 names vertices .*count from zero"),
+        (hanging(cells=np.array([(0, 1, 2, -1)])), "cell 0 names vertices"),
+        (hanging(cells=np.zeros((0, 4), int)), "cells has the shape"),
+        (hanging(cells=np.zeros((3, 8), int)), "cells has the shape"),
+        (hanging(cells=np.array([(0, 1, 2, 3.5)])), "cells has the type float64; give vertex numbers"),
+        (hanging(masters=np.zeros((0, 4), int)), "masters has 0 numbers, 4 for each of 1 slaves"),
+        (hanging(masters=np.array([(-1, -1, -1, -1)])), "a slave has no master"),
+        (hanging(masters=np.array([(3, 2**30, -1, -1)])), "masters has .1073741824."),
+        (hanging(masters=np.array([(3, 6, -1, -1)])), "a master is a slave itself"),
+        (hanging(slaves=np.array([99])), "slaves has .99., and from 0 to 7 is allowed"),
+        (hanging(masterWeights=np.array([(0.5, np.nan, 0, 0)])), "masterWeights"),
+        (hanging(masterWeights=np.array([(0.5, 0.6, 0, 0)])), "do not sum up to 1"),
+        (hanging(masterWeights=np.array([(0.4, 0.6, 0, 0)])), "slave 6 at .* m away from the weighted mean"),
+        (hanging(points=np.full((8, 2), np.nan)), "point .0. is not finite"),
+        (hanging(points=np.zeros((8, 4))), "points has the shape"),
+        ((SQUARES, np.array([TWO[0], TWO[0]])), "cell . at .* lies on another one"),
+        ((SQUARES, np.array([TWO[0], np.roll(TWO[0], 1)])), "lies on another one"),
+        ((np.concatenate([SQUARES, SQUARES]), np.concatenate([TWO, TWO + 6])), "lies on another one"),
+        ((np.concatenate([SQUARES, SQUARES + 0.2]), np.concatenate([TWO, TWO + 6])), "lies on another one"),
+        ((np.concatenate([SQUARES, SQUARES * 0.3]), np.concatenate([TWO, TWO + 6])), "lies on another one"),
+        ((np.concatenate([SQUARES, [(0.4, 0.9)]]), np.array([*TWO, (0, 1, 4, 6)])), "lies on another one"),
+    ],
+)
+def test_a_mesh_that_would_lead_the_solver_astray_is_refused(mesh, told):
+    """Indices of 2^30 and slaves without masters were segmentation faults, cells twice there twice the mass."""
+    with pytest.raises(ValueError, match=f"'m': .*{told}"):
+        added(mesh)
+
+
+def test_cells_on_each_other_are_found_in_3d_and_meshes_of_regions_have_none():
+    corners = np.array([(*xy, z) for z in (0, 1) for xy in ((0, 0), (1, 0), (1, 1), (0, 1))], float)
+    cell = np.arange(8)[None]
+    assert added((corners, cell)).count == 1
+    for shift in ((0, 0, 0), (0.5, 0, 0), (0, 0, 0.9)):
+        twice = np.concatenate([corners, corners + shift])
+        with pytest.raises(ValueError, match="lies on another one"):
+            added((twice, np.concatenate([cell, cell + 8])))
+    assert (
+        added((np.concatenate([corners, corners + (1, 0, 0)]), np.concatenate([cell, cell + 8]))).count == 2
+    )

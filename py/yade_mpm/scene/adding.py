@@ -9,6 +9,7 @@ from ..geometry.region import Region
 from ..material.materials import Material
 from ..particle.body import Body
 from ..particle.types import Boxes, ParticleType, classes
+from .running import refuseDuringStep
 
 
 class Bodies(tuple):
@@ -45,14 +46,19 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group
     Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
     """
-    scene.refuseWhileRunning("add")
+    refuseDuringStep(scene, "add")
     _checkArguments(scene, name, region, material, type)
+    with scene.holder.held("add"):
+        return _added(scene, name, region, material, type, (inertiaScale, fbar, group))
+
+
+def _added(scene, name, region, material, type, options):
     geometry = type.geometry(region, scene, name)
     if not isinstance(geometry, tuple) and geometry.dim != scene.dim:
         raise ValueError(f"body '{name}': the mesh is {geometry.dim}D, the scene {scene.dim}D")
     _checkInside(scene, name, geometry)
     region = region if isinstance(region, Region) else None
-    body = newBody(scene, name, material, type, region, inertiaScale, fbar, group)
+    body = newBody(scene, name, material, type, region, *options)
     try:
         build(body, geometry)
         for other in scene.bodies[:-1]:

@@ -36,7 +36,8 @@ class BackgroundRun(Run):
 
     def _work(self):
         try:
-            self.loop()
+            with self.scene.holder.held("run"):
+                self.loop()
         except BaseException as error:  # raised again by wait()
             self.error = error
         atexit.unregister(self._leave)

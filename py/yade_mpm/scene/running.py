@@ -37,14 +37,15 @@ def run(
     coarse, after the state was saved. KeyboardInterrupt and SystemExit after Ctrl-C and SIGTERM or SIGHUP,
     likewise. SIGUSR1, which batch systems send before their limit, saves the state, and the run goes on.
     """
-    _checkRun(scene, until, steps, checkpointFile, checkpointPeriod)
-    scene.prepare()
-    kind = BackgroundRun if background else Run
-    run = scene._loop = kind(scene, until, steps, progress, checkpointFile, checkpointPeriod)
+    with scene.holder.held("run"):
+        _checkRun(scene, until, steps, checkpointFile, checkpointPeriod)
+        scene.prepare()
+        kind = BackgroundRun if background else Run
+        run = scene._loop = kind(scene, until, steps, progress, checkpointFile, checkpointPeriod)
+        if not background:
+            run.loop()
     if background:
         run.start()
-    else:
-        run.loop()
 
 
 def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
@@ -72,12 +73,13 @@ def step(scene):
     scene.refuseWhileRunning("step")
     if scene.stepper.acting is not None:
         raise RuntimeError("step: a step is going on; a callback cannot step the scene")
-    if not scene.stepper.isReady:
-        scene.prepare()
-    try:
-        scene.stepper.advance(1)
-    finally:
-        scene.stepper.acting = None
+    with scene.holder.held("step"):
+        if not scene.stepper.isReady:
+            scene.prepare()
+        try:
+            scene.stepper.advance(1)
+        finally:
+            scene.stepper.acting = None
 
 
 def handOver(scene, loop):
@@ -106,9 +108,10 @@ def wait(scene):
 
 
 def refuseWhileRunning(scene, what):
-    """Raises RuntimeError, in the name of `what`, where a run is going on in the background."""
+    """Raises RuntimeError, in the name of `what`, where a run is going on in another thread."""
     if scene.running and not scene._loop.isThisThread():
         raise RuntimeError(f"{what}: a run is going on in the background; pause() it first")
+    scene.holder.refuseOthers(what)
 
 
 def refuseDuringStep(scene, what):

@@ -12,6 +12,7 @@ from ..geometry.numbers import isNumber
 from .adding import Bodies, add
 from .geostatic import initialStress
 from .grid import cellSize, corner, makeCore
+from .holder import Holder
 from .nodes import faceNodes, nodePositions, nodesInside
 from .running import handOver, pause, refuseDuringStep, refuseMidStep, refuseWhileRunning, run, step, wait
 from .saving import save
@@ -72,6 +73,7 @@ class Scene(Guarded):
             dtIterations=None,
             stiffest=None,  # body in which the fastest mode moves most
             stepper=Stepper(self),
+            holder=Holder(),
             geostaticGravity=None,  # m/s2 that the initial stress balances
             geostaticLayers={},  # name of a body -> Layer that initialStress made of it
             dampingAfterSettling=None,  # while settle() is at work
@@ -233,7 +235,8 @@ class Scene(Guarded):
                 f"positive number, and a whole number from 1 on"
             )
         refuseMidStep(self, "criticalTimeStep")
-        return self.stepper.estimateCriticalStep(tolerance, iterations)
+        with self.holder.held("criticalTimeStep"):
+            return self.stepper.estimateCriticalStep(tolerance, iterations)
 
     # --- running --------------------------------------------------------------------------------------
     def prepare(self):
@@ -262,7 +265,8 @@ class Scene(Guarded):
         """
         self.refuseWhileRunning("save")
         refuseMidStep(self, "save")
-        save(self, file)
+        with self.holder.held("save"):
+            save(self, file)
 
     # --- loops ----------------------------------------------------------------------------------------
     loop = property(lambda self: self._loop, doc="The loop that has the scene, or had it last; or None.")

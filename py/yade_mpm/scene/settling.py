@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from ..geometry.numbers import isCount, isNumber
+
 
 def settle(scene, damping=0.7, tolerance=1e-3, maxSteps=200000, checkEvery=200, progress=None):
     """Lets gravity settle with heavy damping, then stops all motion and counts displacement from there.
@@ -21,6 +23,7 @@ def settle(scene, damping=0.7, tolerance=1e-3, maxSteps=200000, checkEvery=200, 
     Returns the number of steps. Raises ValueError for a prescribed motion that is not at rest, RuntimeError
     if it takes more than maxSteps.
     """
+    _checkSettling(damping, tolerance, maxSteps, checkEvery)
     solver = scene.gridSolver("settle")
     motions = solver.constraints(scene)
     for motion in motions:
@@ -75,3 +78,14 @@ def unbalancedForce(scene):
     if not internal.any():
         return np.inf if largest > 0 else 0.0
     return float(largest / internal[internal > 0].mean())
+
+
+def _checkSettling(damping, tolerance, maxSteps, checkEvery):
+    for name, value, isAllowed, allowed in (
+        ("damping", damping, isNumber(damping) and 0 <= damping <= 1, "a number from 0 to 1"),
+        ("tolerance", tolerance, isNumber(tolerance) and tolerance > 0, "a positive number"),
+        ("maxSteps", maxSteps, isCount(maxSteps), "a whole number from 1 on"),
+        ("checkEvery", checkEvery, isCount(checkEvery), "a whole number from 1 on"),
+    ):
+        if not isAllowed:
+            raise ValueError(f"settle: {name} = {value!r} is not allowed; give {allowed}")

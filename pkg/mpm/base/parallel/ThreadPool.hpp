@@ -8,6 +8,7 @@
 #include <exception>
 #include <functional>
 #include <omp.h>
+#include <pthread.h>
 
 namespace mpm {
 
@@ -23,7 +24,7 @@ class MPM_PUBLIC ThreadPool {
     // Calls f() on this thread while the others of a new pool stand by for run(). Inside of another during()
     // of this thread, and for one thread, f() is all that happens.
     template <class F> static void during(int threads, F&& f) {
-        if (threads == 1 || ofThisThread_) return f();
+        if (threads == 1 || ofThisThread_ || isAlone_) return f();
         ThreadPool pool(threads);
         std::exception_ptr error;
 #pragma omp parallel num_threads(threads)
@@ -45,8 +46,19 @@ class MPM_PUBLIC ThreadPool {
     // Calls f() on each of so many threads: those of this thread's pool if it has as many, or new ones.
     static void run(int threads, const std::function<void()>& f) {
         if (ofThisThread_ && ofThisThread_->threads_ == threads) return ofThisThread_->onAll(&f);
-#pragma omp parallel num_threads(threads) if (threads > 1)
+#pragma omp parallel num_threads(threads) if (threads > 1 && !isAlone_)
         f();
+    }
+
+    // To be called once. A process made by fork has none of the other threads, and GCC's OpenMP would wait for them
+    // for ever: they end before the fork, and begin anew on both sides. Inside of a parallel region they cannot end, and
+    // the child takes one thread from then on; the results are the same bits.
+    static void surviveForks() {
+        pthread_atfork([] { isForkedInside_ = omp_pause_resource_all(omp_pause_soft) != 0; }, nullptr,
+                       [] {
+                           ofThisThread_ = nullptr;
+                           isAlone_ |= isForkedInside_;
+                       });
     }
 
   private:
@@ -70,6 +82,8 @@ class MPM_PUBLIC ThreadPool {
     void wait() { barrier_.wait(omp_get_num_threads(), areTooMany(threads_)); }
 
     inline static thread_local ThreadPool* ofThisThread_ = nullptr;
+    inline static thread_local bool isForkedInside_ = false; // of the fork that this thread makes
+    inline static bool isAlone_ = false;                     // the other threads were lost in a fork
     const int threads_;
     const std::function<void()>* task_ = nullptr; // what all threads are to call; nullptr ends the pool
     Barrier barrier_;

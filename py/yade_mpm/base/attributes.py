@@ -46,6 +46,11 @@ class Attributed:
             self._assign(name, value)
         self.core.finish()
 
+    def __reduce__(self):
+        """Copies and pickles are refused: they would go on sharing values and results with the first one."""
+        kind = type(self).__name__
+        raise TypeError(f"{kind}: it cannot be copied; make another one, e.g. {kind}(**one.attributes())")
+
     def __setattr__(self, name, value):
         if name.startswith("_") or isinstance(getattr(type(self), name, None), property):
             object.__setattr__(self, name, value)

@@ -105,6 +105,10 @@ class MeshedType(ParticleType):
             raise TypeError(
                 f"body '{name}': matched = {near!r}; give a body of uGIMP particles that was added before"
             )
+        if near.scene is not scene:
+            raise ValueError(
+                f"body '{name}': matched = {near!r} is in another scene; give a body of this one"
+            )
         ratio = size / (2 * near.halfSize)
         if not np.allclose(ratio, round(ratio[0])) or round(ratio[0]) < 1:
             raise ValueError(

@@ -23,7 +23,7 @@ class BackgroundRun(Run):
         self.error = None
         self._thread = threading.Thread(target=self._work, name="yade_mpm run", daemon=True)
         self._process = os.getpid()  # a child made by fork has no such thread
-        # Not Thread.join: interrupted by Ctrl-C it takes the thread for finished (bpo-45274), while it steps on.
+        # Not Thread.join: interrupted by Ctrl-C it takes a thread that steps on for finished (bpo-45274).
         self._isOver, self._over = False, threading.Event()
         self._before = {}  # signal -> handler
 

@@ -22,7 +22,7 @@ def makeCore(lower, upper, cell):
 def cellSize(cell, dim):
     """Cell size per axis, m (dim,), from one number or one per axis."""
     try:
-        return np.broadcast_to(np.asarray(cell, float), (dim,)).copy()
+        return np.broadcast_to(_numbers(cell), (dim,)).copy()
     except (TypeError, ValueError):
         raise ValueError(f"Scene: cell = {cell!r} is not allowed; give one number, or {dim}, m") from None
 
@@ -30,7 +30,7 @@ def cellSize(cell, dim):
 def corner(what, values):
     """A corner of the grid as an array, m (2,) or (3,); `what` names it in errors."""
     try:
-        array = np.asarray(values, float)
+        array = _numbers(values)
     except (TypeError, ValueError):
         array = np.zeros(0)
     if array.shape not in ((2,), (3,)) or not np.isfinite(array).all():
@@ -38,3 +38,11 @@ def corner(what, values):
             f"Scene: {what} = {values!r} is not allowed; give two (plane strain) or three numbers, m"
         )
     return array
+
+
+def _numbers(values):
+    """Values as an array of floats; text and dates, which NumPy would turn into numbers, are none."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "iuf":
+        raise TypeError("not made of numbers")
+    return array.astype(float)

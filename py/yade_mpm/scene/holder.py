@@ -43,8 +43,8 @@ class Holder:
         if self._process != os.getpid():
             raise RuntimeError(
                 f"{what}: thread '{holder.name}' was at work with the scene ({doing}) when this process "
-                f"was forked, and its state is torn here; pause() before the fork, load a checkpoint, or start "
-                f"processes by 'spawn'"
+                f"was forked, and its state is torn here; pause() before the fork, load a checkpoint, or "
+                f"start processes by 'spawn'"
             )
         raise RuntimeError(
             f"{what}: thread '{holder.name}' is at work with the scene ({doing}); wait for it, or make a "

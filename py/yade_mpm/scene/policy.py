@@ -5,7 +5,7 @@ import math
 import time
 
 from ..base import limits
-from ..check.domains import checkInterface, distortion
+from ..check.domains import checkFields, checkInterface, distortion
 
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
 
@@ -40,6 +40,7 @@ class LoopPolicy:
         if steps >= self._checkAt:
             self._checkAt = _nextAt(steps, limits.CHECK_PERIOD)
             self.lookAtDomains(limits.INTERFACE_RUN)
+            self.lookAtFields()
         if steps < self._estimateAt:
             return False
         self._estimateAt = _nextAt(steps, limits.DT_PERIOD)
@@ -65,6 +66,14 @@ class LoopPolicy:
             self._say(f"warning: step {self._scene.steps}: {error}; the run goes on")
         now = time.monotonic()
         self._saveAt = now + max(self._savePeriod, (now - began) / SHARE)
+
+    def lookAtFields(self):
+        """Ends the run by RuntimeError where a field holds what no matter has, as a callback may leave it."""
+        for body in self._scene.bodies:
+            try:
+                checkFields(body)
+            except ValueError as error:
+                raise RuntimeError(f"step {self._scene.steps}: {error}") from error
 
     def lookAtDomains(self, longest):
         """Warns, once each, of long edges beside uGIMP and of distorted domains.

@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 
+from ..engine.callback import PyRunner
 from .pace import Pace
 from .policy import LoopPolicy
 from .progress import Progress
@@ -136,6 +137,8 @@ class Run:
                 self._saveNow()
         scene.core.threads = scene.threads
         policy.lookAtDomains(math.inf)
+        if any(isinstance(e, PyRunner) and not e.dead for e in scene.engines):  # which may write to fields
+            policy.lookAtFields()
 
     def _saveMeanwhile(self):
         """For what leaves no time to save: power that fails, a killed process."""

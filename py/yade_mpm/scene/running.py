@@ -7,6 +7,7 @@ from ..geometry.numbers import isNumber
 from ..io.files import checkWritable
 from .background import BackgroundRun
 from .run import Run
+from .saving import refuseResults
 
 
 def run(
@@ -37,6 +38,7 @@ def run(
     coarse, after the state was saved. KeyboardInterrupt and SystemExit after Ctrl-C and SIGTERM or SIGHUP,
     likewise. SIGUSR1, which batch systems send before their limit, saves the state, and the run goes on.
     """
+    scene.refuseWhileRunning("run")
     with scene.holder.held("run"):
         _checkRun(scene, until, steps, checkpointFile, checkpointPeriod)
         scene.prepare()
@@ -62,6 +64,7 @@ def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
         raise ValueError(f"run: until = {until:g} s is not after the scene's time {scene.time:g} s")
     if checkpointFile is not None:
         checkWritable(checkpointFile)
+        refuseResults(scene, checkpointFile)
     if checkpointPeriod is not None and not (isNumber(checkpointPeriod) and checkpointPeriod >= 0):
         raise ValueError(
             f"run: checkpointPeriod = {checkpointPeriod!r} is not allowed; give a wall time in s, or None"

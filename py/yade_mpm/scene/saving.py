@@ -35,11 +35,23 @@ def save(scene, file, midStep=False):
 
     Raises OSError when the file cannot be written.
     """
+    refuseResults(scene, file)
     description = {**describe(scene), "midStep": bool(midStep)}
     for engine in description["engines"] or ():
         if engine["class"] in ("Recorder", "History") and engine.get("spec", {}).get("file") is not None:
             engine["spec"]["file"] = relativeTo(os.path.dirname(os.fspath(file)), engine["spec"]["file"])
     checkpoint.write(file, description, scene.bodies)
+
+
+def refuseResults(scene, file):
+    """Refuses a checkpoint in the place of a file of results. file : str, name of the checkpoint."""
+    for engine in scene.engines if scene.hasEngines else ():
+        other = getattr(engine, "file", None)
+        if isinstance(other, str) and os.path.realpath(other) == os.path.realpath(file):
+            raise ValueError(
+                f"checkpoint '{file}' is the file of the {type(engine).__name__}, whose results it would "
+                f"replace; give another file"
+            )
 
 
 def describe(scene):

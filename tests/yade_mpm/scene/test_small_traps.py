@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What was taken without a word and led astray."""
+
+import copy
+import datetime
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box
+
+ELASTIC = dict(density=1.0, lame=(1e3, 1e3))
+
+
+def makeScene(*engines):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25)
+    scene.add("soft", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP())
+    scene.engines = [*scene.engines, *engines]
+    return scene
+
+
+@pytest.mark.parametrize("kind", [mpm.Recorder, mpm.History])
+def test_a_checkpoint_does_not_replace_results(tmp_path, kind):
+    scene = makeScene(kind(file="out.h5", iterPeriod=1))
+    told = f"'.*out.h5' is the file of the {kind.__name__}, whose results it would replace; give another file"
+    with pytest.raises(ValueError, match=told):
+        scene.run(steps=2, checkpointFile=tmp_path / "out.h5")
+    scene.run(steps=2, progress=False)
+    before = (tmp_path / "out.h5").read_bytes()
+    with pytest.raises(ValueError, match=told):
+        scene.save("./out.h5")
+    assert (tmp_path / "out.h5").read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "cell", ["0.5", datetime.date(2020, 1, 1), np.datetime64("2020-01-01"), True, None, 1j]
+)
+def test_text_and_dates_are_no_numbers(cell):
+    with pytest.raises(ValueError, match="Scene: cell = .* is not allowed; give one number"):
+        mpm.Scene((0, 0), (1, 1), cell)
+    with pytest.raises(ValueError, match="Scene: lower = .* is not allowed"):
+        mpm.Scene((cell, cell), (1, 1), 0.5)
+
+
+@pytest.mark.parametrize("make", [mpm.GridSolver, mpm.UGIMP, mpm.APDI, mpm.Contact])
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy])
+def test_what_would_share_its_core_is_not_copied(make, copied):
+    with pytest.raises(
+        TypeError, match=r"it cannot be copied; make another one, e.g. \w+\(\*\*one.attributes\(\)\)"
+    ):
+        copied(make())
+
+
+def test_a_body_of_another_scene_matches_nothing():
+    other, scene = makeScene(), makeScene()
+    with pytest.raises(ValueError, match="'m': matched = .* is in another scene; give a body of this one"):
+        scene.add("m", box((0, 0), (1, 0.25)), mpm.LinearElastic(**ELASTIC), mpm.APDI(matched=other["soft"]))
+
+
+@pytest.mark.parametrize("name, value", [("volume", -1.0), ("mass", -1e300), ("velocity", np.nan)])
+def test_nonsense_that_a_callback_writes_ends_the_run(name, value):
+    def write(scene):
+        getattr(scene["soft"], name)[0] = value
+
+    scene = makeScene(mpm.PyRunner(write, iterPeriod=3))
+    with pytest.raises(
+        (RuntimeError, ValueError), match="step 3: .*(not positive|not finite|outside the grid)"
+    ):
+        scene.run(steps=3, progress=False)

@@ -59,8 +59,8 @@ class Recorder(Callback):
     Every frame is complete in the file before the run goes on. If the process is killed while it writes, the
     old file or a journal (`file`.journal) with the rest of the frame is there; `Recorder.recover(file)` and a
     continued run apply it. No protection against loss of power is attempted. Where the disk is full, the file
-    stays whole, and frames are kept in memory until there is room, with a warning; OSError at the end of the run,
-    or above 1 GB of them.
+    stays whole, and frames are kept in memory until there is room, with a warning; OSError at the end of the
+    run, or above 1 GB of them.
 
     Raises ValueError for arguments that are not allowed or an unknown field or body, OSError for a file that
     cannot be written, both before the first step.

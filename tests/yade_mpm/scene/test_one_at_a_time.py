@@ -6,7 +6,6 @@ import os
 import subprocess
 import sys
 import threading
-import time
 
 import numpy as np
 import pytest
@@ -89,7 +88,8 @@ from yade_mpm import box
 
 def makeScene(*engines):
     scene = mpm.Scene((0, 0), (4, 2), 0.25, threads=2)
-    scene.add("soft", box((0.5, 0.5), (3.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP())
+    elastic = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
+    scene.add("soft", box((0.5, 0.5), (3.5, 1.5)), elastic, mpm.UGIMP())
     scene.engines = [*scene.engines, *engines]
     return scene
 

@@ -25,6 +25,10 @@ from .. import __version__
 from .files import checkWritable, writeWhole
 
 FORMAT, VERSION, OLDEST = "yade-mpm checkpoint", 3, 2
+NOT_AS_WRITTEN = (
+    "checkpoint '{}' is damaged: it is not what was written (its checksum differs); use an older one"
+)
+MAGIC = b"yade-mpm checkpoint; sha256 "
 SEAL = 512  # bytes; the smallest user block of HDF5
 PIECE = 1 << 20  # bytes read at once
 MOST_BODIES = 100_000
@@ -69,7 +73,7 @@ def sealOf(content):
 
 
 def _sealText(total):
-    return f"yade-mpm checkpoint; sha256 {total.hexdigest()}\n".encode().ljust(SEAL, b"\0")
+    return (MAGIC + total.hexdigest().encode() + b"\n").ljust(SEAL, b"\0")
 
 
 def seal(file):
@@ -94,14 +98,13 @@ def read(file):
         raise FileNotFoundError(f"checkpoint '{file}' does not exist")
     if not h5py.is_hdf5(file):
         raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
+    if _saysItIsSealed(file) and not _isSealed(file):  # first: HDF5 itself may go astray in a damaged file
+        raise ValueError(NOT_AS_WRITTEN.format(file))
     try:
         with h5py.File(file, "r") as h5:
             version = _versionOf(h5, file)
             if version > 2 and not _isSealed(file):
-                raise ValueError(
-                    f"checkpoint '{file}' is damaged: it is not what was written (its checksum differs); "
-                    "use an older one"
-                )
+                raise ValueError(NOT_AS_WRITTEN.format(file))
             reader = _Reader(h5, file, version)
             spec = json.loads(bytes(reader.array(h5, "scene", np.dtype(np.uint8), 1)).decode())
             count = len(spec["bodies"])
@@ -118,6 +121,11 @@ def read(file):
 
 def _damaged(file, error):
     return ValueError(f"checkpoint '{file}' is damaged: {type(error).__name__}: {error}; use an older one")
+
+
+def _saysItIsSealed(file):
+    with open(file, "rb") as f:
+        return f.read(len(MAGIC)) == MAGIC
 
 
 def _isSealed(file):

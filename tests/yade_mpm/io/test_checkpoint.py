@@ -384,6 +384,7 @@ def test_files_that_are_no_checkpoint_are_refused(tmp_path):
     smallScene().save(file)
     with h5py.File(file, "r+") as h5:
         h5.attrs["formatVersion"], h5.attrs["package"] = 7, "9.9"
+    checkpoint.seal(file)
     with pytest.raises(
         ValueError, match="has format 7, written by yade_mpm 9.9; .* reads formats 2 and 3; continue it with"
     ):

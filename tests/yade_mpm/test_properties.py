@@ -172,6 +172,7 @@ def test_bytes_of_a_checkpoint_that_are_changed_are_noticed(data):
     assert loads(bytes(content)) is None
 
 
+@pytest.mark.skipif(BUDGET <= 10, reason="on demand: HDF5 itself may crash (SECURITY.md)")
 @examples(strategies.data())
 def test_a_checkpoint_made_by_hand_with_a_valid_sum_does_no_harm(data):
     """Bytes of the HDF5 file are changed, the sum is made anew: what the reader takes the solver can bear."""

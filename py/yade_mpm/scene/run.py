@@ -73,12 +73,12 @@ class Run:
         return max(0, math.ceil((self.until - self.scene.time) / self.scene.stepper.dt - self._roundOff()))
 
     def _roundOff(self):
-        """What a time that was summed up may be wrong by, in steps: half a unit of its last digit in each of them."""
+        """What a time that was summed up may be wrong by, in steps: its last digit, in each of them."""
         steps = self.scene.time / self.scene.stepper.dt
         return max(1e-6, sys.float_info.epsilon * steps**2)
 
     def _advance(self, steps):
-        """Takes some of the steps that are left; the last ones by the time that is left, so that the run ends on it."""
+        """Takes some of the steps that are left; the last ones are such that the run ends on its time."""
         stepper, left = self.scene.stepper, self.stepsLeft()
         if self.until is None:
             stepper.advance(steps, SLICE)

@@ -1,51 +1,72 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bringing a scene to rest under gravity: methods of a scene."""
 
+import sys
+import time
+from dataclasses import dataclass
+
 import numpy as np
 
+from ..base.warn import warnUser
 from ..geometry.numbers import isCount, isNumber
 
+TELL_EVERY = 30.0  # s of wall time between lines about how far it has come
+STUCK = 50  # looks without a smaller out-of-balance force after which it may be there to stay
+STEADY = 5  # looks whose median tells how many changes are still to come
+NO_DRIFT = 2  # times the change between two looks is that over many, where stresses only waver
+MOST_NOISE = 0.01  # share of the stress; what wavers more is not at rest
 
-def settle(scene, damping=0.7, tolerance=1e-3, maxSteps=200000, checkEvery=200, progress=None):
+
+def settle(
+    scene,
+    damping=0.7,
+    tolerance=1e-3,
+    maxSteps=200000,
+    checkEvery=200,
+    progress=None,
+    maxTime=3600.0,
+    stressTolerance=0.01,
+):
     """Lets gravity settle with heavy damping, then stops all motion and counts displacement from there.
 
-    Ends when the largest out-of-balance force that particles feel (`unbalancedForce`) falls below `tolerance`
-    times the mean internal force. Ramps of prescribed motions count from there.
+    Ends when the largest out-of-balance force that particles feel (`unbalancedForce`) is below `tolerance`
+    times the mean internal force, and the share of the stress that is still to change below
+    `stressTolerance`: slow motion such as bending shows in it, while its forces are small from the start.
+    The share is n ||d sigma|| / ||sigma|| with the change d between two looks and n = |a . M d u| / |d a .
+    M d u|, the number of such changes that the accelerations a still make, the median of the last looks.
+    Where the force does not fall any more, as in distorted meshes, it ends with a warning. Ramps of
+    prescribed motions count from there.
 
     Parameters
     ----------
     damping : float, local damping meanwhile, -; default 0.7.
     tolerance : float, -; default 1e-3.
     maxSteps : int, default 200000.
-    checkEvery : int, steps between looks at the out-of-balance force; default 200.
-    progress : bool, show progress; default: no.
+    checkEvery : int, steps between two looks; default 200.
+    progress : bool, show progress; default: a line every half a minute.
+    maxTime : float, s of wall time; None: no limit; default 3600.
+    stressTolerance : float, share of the stress that may be still to come, -; default 0.01.
 
     Returns the number of steps. Raises ValueError for a prescribed motion that is not at rest, RuntimeError
-    if it takes more than maxSteps.
+    if it takes more than maxSteps or maxTime.
     """
-    _checkSettling(damping, tolerance, maxSteps, checkEvery)
+    _checkSettling(damping, tolerance, maxSteps, checkEvery, maxTime, stressTolerance)
     solver = scene.gridSolver("settle")
     motions = solver.constraints(scene)
     for motion in motions:
         if any(motion.velocity):
             raise ValueError(
                 f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to "
-                "zero, "
-                f"settle, and set it again"
+                f"zero, settle, and set it again"
             )
+    if not (maxTime is None or (isinstance(maxTime, (int, float)) and maxTime > 0)):
+        raise ValueError(f"settle: maxTime = {maxTime!r} s is not allowed; give a positive number, or None")
     scene.dampingAfterSettling = solver.damping
     solver.damping = damping
-    taken, ratio = 0, np.inf
     try:
-        while ratio > tolerance:
-            if taken >= maxSteps:
-                raise RuntimeError(
-                    f"settle: still out of balance by {ratio:.2g} of the mean force after {taken} steps; "
-                    f"raise tolerance, or maxSteps, or check that the bodies are supported"
-                )
-            scene.run(steps=checkEvery, progress=False if progress is None else progress)
-            taken += checkEvery
-            ratio = scene.unbalancedForce()
+        taken = _comeToRest(
+            scene, damping, tolerance, maxSteps, checkEvery, progress, maxTime, stressTolerance
+        )
     finally:
         solver.damping = scene.dampingAfterSettling
         scene.dampingAfterSettling = None
@@ -57,34 +78,138 @@ def settle(scene, damping=0.7, tolerance=1e-3, maxSteps=200000, checkEvery=200, 
     return taken
 
 
+def _comeToRest(scene, damping, tolerance, maxSteps, checkEvery, progress, maxTime, stressTolerance):
+    """Runs until nothing changes any more; returns the number of steps."""
+    began = told = time.monotonic()
+    taken, force, toCome, look, counts = 0, np.inf, np.inf, None, []
+    least, since, anchor, changes = (
+        np.inf,
+        0,
+        None,
+        [],
+    )  # smallest force, looks since then, what it was like then
+    while force > tolerance or toCome > stressTolerance:
+        now = time.monotonic()
+        state = (
+            f"still out of balance by {force:.2g} of the mean force, {_percent(toCome)} of the stress to come"
+        )
+        if taken >= maxSteps or (maxTime is not None and now - began > maxTime):
+            limit = f"{taken} steps" if taken >= maxSteps else f"{maxTime:g} s"
+            raise RuntimeError(
+                f"settle: {state} after {limit}; raise tolerance ({tolerance:g}, stressTolerance "
+                f"{stressTolerance:g}), or maxSteps, or maxTime, or check that the bodies are supported"
+            )
+        if now - told > TELL_EVERY and progress is not False:
+            told = now
+            print(f"settle: {taken} steps, {state}", file=sys.stderr)
+        scene.run(steps=checkEvery, progress=False if progress is None else progress)
+        taken += checkEvery
+        before, (force, look) = look, _look(scene, damping)
+        count, change = (np.inf, np.inf) if before is None else _toCome(before, look)
+        if np.isfinite(count):
+            counts = [*counts[1 - STEADY :], count]
+            toCome = float(np.median(counts)) * change
+        since, changes = since + 1, [*changes[1 - STUCK :], change]
+        if force < 0.9 * least:
+            least, since, anchor = force, 0, look
+        if since > 0 and since % STUCK == 0 and _isNoise(_toCome(anchor, look)[1], changes, stressTolerance):
+            warnUser(
+                f"settle: ends out of balance by {force:.2g} of the mean force, with {_percent(toCome)} of "
+                f"the stress still to change (tolerance {tolerance:g}): neither falls any more, stresses "
+                f"waver by {_percent(max(changes))}, and {since * checkEvery} steps changed them by no more"
+            )
+            break
+    return taken
+
+
+def _isNoise(long, short, tolerance):
+    """Whether a long time changed the stress no more than short ones do: it wavers without going anywhere."""
+    return long <= max(tolerance, NO_DRIFT * np.median(short)) and long <= MOST_NOISE
+
+
+@dataclass
+class _Look:
+    """What the particles of a body are like, in the order of their ids."""
+
+    id: np.ndarray
+    position: np.ndarray
+    force: np.ndarray  # inertial mass times acceleration, without local damping
+    stress: np.ndarray
+    volume: np.ndarray
+
+
 def unbalancedForce(scene):
     """Largest out-of-balance force that particles feel over the mean internal force of a node, -.
 
-    Takes one step to see it. The force is that of a cell full of the particle's material, rho h^dim |a|, with
-    the change a of its velocity in the step (local damping takes part in it). What nodes have left that
-    cancels over every particle does not count: hourglass control keeps a distorted mesh from ever losing it
-    under MUSL. Infinite where nothing but inertia acts against a force.
+    Takes one step to see it. The force is that of a cell full of the particle's material, rho h^dim |a|,
+    with the change a of its velocity in the step (local damping takes part in it). What nodes have left
+    that cancels over every particle does not count: hourglass control keeps a distorted mesh from ever
+    losing it under MUSL. Infinite where nothing but inertia acts against a force.
     """
+    return _look(scene, 0.0)[0]
+
+
+def _look(scene, damping):
+    """The out-of-balance force, and a _Look at every body; takes a step."""
     before = [(body.id.copy(), body.velocity.copy()) for body in scene.bodies]
     scene.step()
-    largest = 0.0
+    largest, looks = 0.0, {}
     for body, (ids, velocity) in zip(scene.bodies, before):
         # By their ids: the step may have sorted particles, or cut some.
-        _, old, now = np.intersect1d(ids, body.id, assume_unique=True, return_indices=True)
-        change = np.linalg.norm(body.velocity[now] - velocity[old], axis=1) / scene.dt
-        felt = body.inertiaScale * (body.mass / body.volume)[now] * change
+        found, old, now = np.intersect1d(ids, body.id, assume_unique=True, return_indices=True)
+        change = (body.velocity[now] - velocity[old]) / scene.dt
+        felt = body.inertiaScale * (body.mass / body.volume)[now] * np.linalg.norm(change, axis=1)
         largest = max(largest, felt.max(initial=0.0) * np.prod(scene.cell))
+        # Damping took or gave a part of the acceleration: it acts against the velocity.
+        middle = velocity[old] + 0.5 * scene.dt * change
+        free = change / (1 - damping * np.sign(change * middle))
+        force = body.inertiaScale * body.mass[now, None] * free
+        looks[body.name] = _Look(found, body.position[now], force, body.stress[now], body.volume[now])
     internal = np.linalg.norm(np.array(scene.core.nodalValues()["force"]), axis=1)
     if not internal.any():
-        return np.inf if largest > 0 else 0.0
-    return float(largest / internal[internal > 0].mean())
+        return (np.inf if largest > 0 else 0.0), looks
+    return float(largest / internal[internal > 0].mean()), looks
 
 
-def _checkSettling(damping, tolerance, maxSteps, checkEvery):
+def _toCome(before, after):
+    """How many such changes are still to come, by the secant (infinite while it grows); what share of the
+    stress this one was."""
+    forward = stiffness = changed = borne = 0.0
+    for name in before.keys() & after.keys():
+        a, b = before[name], after[name]
+        _, i, j = np.intersect1d(a.id, b.id, assume_unique=True, return_indices=True)
+        moved = b.position[j] - a.position[i]
+        forward += (b.force[j] * moved).sum()
+        stiffness += ((a.force[i] - b.force[j]) * moved).sum()
+        changed += (b.volume[j, None, None] * (b.stress[j] - a.stress[i]) ** 2).sum()
+        borne += (b.volume[:, None, None] * b.stress**2).sum()
+    if changed == 0:
+        return 1.0, 0.0
+    change = float(np.sqrt(changed / borne)) if borne > 0 else np.inf
+    return (float(abs(forward) / stiffness) if stiffness > 0 else np.inf), change
+
+
+def _percent(share):
+    return "an unknown share" if not np.isfinite(share) else f"{100 * share:.2g} %"
+
+
+def _checkSettling(damping, tolerance, maxSteps, checkEvery, maxTime, stressTolerance):
     for name, value, isAllowed, allowed in (
         ("damping", damping, isNumber(damping) and 0 <= damping <= 1, "a number from 0 to 1"),
         ("tolerance", tolerance, isNumber(tolerance) and tolerance > 0, "a positive number"),
         ("maxSteps", maxSteps, isCount(maxSteps), "a whole number from 1 on"),
+        (
+            "maxTime",
+            maxTime,
+            maxTime is None or isNumber(maxTime) and maxTime > 0,
+            "a positive number or None",
+        ),
+        (
+            "stressTolerance",
+            stressTolerance,
+            isNumber(stressTolerance) and stressTolerance > 0,
+            "a positive number",
+        ),
         ("checkEvery", checkEvery, isCount(checkEvery), "a whole number from 1 on"),
     ):
         if not isAllowed:

@@ -198,3 +198,52 @@ def test_a_checkpoint_among_the_short_steps_goes_on_with_the_same_bits(tmp_path)
     for each in scene, again:
         each.run(steps=3, progress=False)
     assert again.time == scene.time == pytest.approx(0.0404, rel=1e-12)
+
+
+# --- coming to rest -------------------------------------------------------------------------------------
+def cantilever():
+    """Of 8 to 1, under its weight: it bends for many times as long as a wave needs to cross it."""
+    scene = mpm.Scene((0, 0), (6, 4), 0.25, threads=1)
+    steel = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.0)
+    body = scene.add("beam", box((0, 2), (4, 2.5)), steel, mpm.APDI(size=0.125))
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -1.0), fixed="left"),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    return scene, body
+
+
+def test_settle_waits_for_what_bends_slowly():
+    """The force alone, below the same tolerance, ended 2.5 % off."""
+    tips = []
+    for damping in (0.7, None):
+        scene, body = cantilever()
+        start = body.byId("position")
+        if damping is None:
+            scene.settle(tolerance=0.01)
+        else:
+            scene.gridSolver("test").damping = damping
+            scene.run(steps=20000, progress=False)
+        tips.append((body.byId("position") - start)[:, 1].min())
+    assert tips[1] == pytest.approx(tips[0], rel=0.01)
+
+
+def test_settle_ends_where_the_force_does_not_fall_any_more():
+    scene, _ = cantilever()
+    with pytest.warns(UserWarning, match="settle: ends out of balance by .* neither falls any more"):
+        steps = scene.settle(tolerance=1e-9, checkEvery=50)
+    assert steps < 50000
+
+
+def test_settle_has_a_limit_of_time_and_says_what_is_left():
+    scene, _ = cantilever()
+    message = (
+        r"settle: still out of balance by .* of the stress to come after 0.01 s; raise tolerance \(0.001, "
+    )
+    with pytest.raises(RuntimeError, match=message + r"stressTolerance 0.01\), or maxSteps, or maxTime"):
+        scene.settle(maxTime=0.01)
+    assert scene.gridSolver("test").damping == 0.0
+    with pytest.raises(ValueError, match="settle: maxTime = 0 s is not allowed"):
+        scene.settle(maxTime=0)

@@ -101,3 +101,8 @@ def test_error_falls_with_the_square_of_the_cell_at_large_shear():
 
 def test_control_a_body_force_five_per_cent_off_misses_the_reference():
     assert error(16, A=1.0, force=0.95) > 1.25 * 1.23e-2
+
+
+def test_usf_is_first_order_in_time_and_says_so_where_it_inverts_domains():
+    with pytest.raises(RuntimeError, match="inverted .* or half the time step, or MUSL: USF is first order"):
+        error(16, A=1.0, scheme="USF")

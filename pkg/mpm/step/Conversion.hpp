@@ -64,7 +64,10 @@ template <int Dim> void resolveDistortion(const Scene<Dim>& scene, Body<Dim>& bo
         throw RunError(message(
             domain(all.front().particle), all.front().quality <= 0 ? " is inverted" : " is nearly inverted",
             " (smallest corner ", 100 * all.front().quality, " % of its area); use UGIMP there, or ",
-            body.type->className(), "(onDistortion=\"convert\")"));
+            body.type->className(), "(onDistortion=\"convert\")",
+            scene.scheme->stressFirst
+                ? message(", or half the time step, or MUSL: ", scene.scheme->name, " is first order in time")
+                : ""));
     for (const Distorted& d : all) {
         const double V = body.particles.volume.plane()[d.particle],
                      V0 = body.particles.initialVolume.plane()[d.particle];

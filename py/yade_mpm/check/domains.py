@@ -61,6 +61,7 @@ def distortion(scene):
         "% "
         f"{'it becomes uGIMP' if converts else 'the run stops'}; use UGIMP there"
         + ("" if converts else ', or APDI(onDistortion="convert")')
+        + (", or half the time step, or MUSL: USF is first order in time" if scene.scheme == "USF" else "")
     )
 
 

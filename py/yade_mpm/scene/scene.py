@@ -174,7 +174,7 @@ class Scene(Guarded):
     # --- time step and threads ------------------------------------------------------------------------
     @property
     def dt(self):
-        """Time step, s. Left out: 0.8 of the critical step, estimated anew every 5000 steps."""
+        """Time step, s. Left out: 0.8 (USL: 0.5) of the critical step, estimated anew every 5000 steps."""
         return self._dt if self._dt is not None else (self.core.dt or None)
 
     @dt.setter

@@ -10,11 +10,14 @@ START_UP = (
     0.1  # share of the time at the beginning that does not count: little work is done, and the load sets in
 )
 
+MOVING = 0.05  # of the mean work of a tenth of the time: where less is done no load is moved
+
 LIMITS = {
-    "kineticRatio": 0.05,  # Getting Started with Abaqus, 13.4: 0.05 to 0.1 of the internal energy for most of the process
+    "kineticRatio": 0.05,  # Getting Started with Abaqus, 13.4: 0.05 to 0.1 of the internal energy mostly
     "unbalancedRatio": 0.05,  # measured, see doc/quasi-static.md; YADE asks 0.01 or less of its own at rest
     "energyError": 0.02,  # Abaqus: total energy within 1 percent; Radioss: 1 or 2 percent are acceptable
-    "dampedRatio": 0.05,  # our choice; artificial energies in the examples of Abaqus: 0.02 no problem, 0.15 substantial
+    "dampedRatio": 0.05,  # our choice; artificial energies in Abaqus: 0.02 no problem, 0.15 substantial
+    "dampedShare": 0.1,  # our choice: twice that of the whole run, for a tenth of it
     "rateSensitivity": 0.05,  # what an engineer would not see in a resistance
 }
 _meaning = {
@@ -22,6 +25,7 @@ _meaning = {
     "unbalancedRatio": "the mean out-of-balance force of the nodes is {} of the mean force on a node",
     "energyError": "the energy balance is open by {} of the work done",
     "dampedRatio": "damping took {} of the work done",
+    "dampedShare": "damping carried up to {} of the load",
     "rateSensitivity": "another rate changes the result by {}",
 }
 
@@ -34,6 +38,8 @@ class Certificate:
     unbalancedRatio : mean of `diagnostics.unbalancedRatio`, -.
     energyError : largest |energy error| over the work done, -.
     dampedRatio : energy taken by local damping over the work done, at the end, -.
+    dampedShare : largest share of the work that damping took in any tenth of the rows: of the load that moves
+        something, the part that damping carries then, -; nan where no tenth does 5 % of the mean work.
     rateSensitivity : relative change of the result at another rate, -; None: not looked at.
     after : rows of the history from this time on count, s.
     limits : dict name -> largest allowed value.
@@ -45,6 +51,7 @@ class Certificate:
     unbalancedRatio: float
     energyError: float
     dampedRatio: float
+    dampedShare: float
     rateSensitivity: float | None
     after: float
     limits: dict = field(default_factory=lambda: dict(LIMITS))
@@ -89,19 +96,20 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
 
     Parameters
     ----------
-    history : `History` of the run, or a mapping of its columns time (s), kineticEnergy, dampedEnergy, energyError, workDone
-        (kJ) and unbalancedRatio (-).
+    history : `History` of the run, or a mapping of its columns time (s), kineticEnergy, dampedEnergy,
+        energyError, workDone (kJ) and unbalancedRatio (-).
     after : rows from this time on count, s; default: the last nine tenths of the time that the rows span.
-    rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another rate, -; default: not
-        judged.
-    limits : dict of limits that replace some of the default ones: kineticRatio 0.05, unbalancedRatio 0.05, energyError 0.02,
-        dampedRatio 0.05, rateSensitivity 0.05.
+    rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another
+        rate, -; default: not judged.
+    limits : dict of limits that replace some of the default ones: kineticRatio 0.05, unbalancedRatio 0.05,
+        energyError 0.02, dampedRatio 0.05, dampedShare 0.1, rateSensitivity 0.05.
 
-    Energies are compared with `diagnostics.workDone`. A ratio that is nan counts as not known, and refuses the verdict. The
-    sources of the limits are in doc/quasi-static.md. Energies of a whole model say little about a small part of it, and
-    nothing about a history that is too coarse to see a peak.
+    Energies are compared with `diagnostics.workDone`. A ratio that is nan counts as not known, and refuses
+    the verdict. The sources of the limits are in doc/quasi-static.md. Energies of a whole model say little
+    about a small part of it, and nothing about a history that is too coarse to see a peak.
 
-    Raises ValueError for a history without rows after `after`, an unknown or non-positive limit, or a negative rateSensitivity.
+    Raises ValueError for a history without rows after `after`, an unknown or non-positive limit, or a
+    negative rateSensitivity.
     """
     t = np.asarray(history["time"], dtype=float)
     if not len(t):
@@ -117,7 +125,8 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         )
     if rateSensitivity is not None and not rateSensitivity >= 0:
         raise ValueError(
-            f"quasiStatic: rateSensitivity = {rateSensitivity!r} is not allowed; give zero or a positive number"
+            f"quasiStatic: rateSensitivity = {rateSensitivity!r} is not allowed; give zero or a positive "
+            f"number"
         )
     kinetic, damped, error, work, unbalanced = (
         np.asarray(history[name], dtype=float)[rows]
@@ -128,6 +137,7 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         unbalancedRatio=float(unbalanced.mean()),
         energyError=_largest(np.abs(error), work),
         dampedRatio=_largest(damped[-1:], work[-1:]),
+        dampedShare=_carried(damped, work),
         rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
         after=float(after),
         limits=_limits(limits or {}),
@@ -135,12 +145,13 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
 
 
 def rateSensitivity(x, result, xOther, resultOther):
-    """Relative change of a result at another rate, mean |difference| over mean |result|, where both runs reach, -.
+    """Relative change of a result at another rate, mean |difference| over mean |result|, where both reach, -.
 
-    x, result : e.g. penetration (m, increasing) and resistance (kN) of the run, (N,); xOther, resultOther : of the other one.
+    x, result : e.g. penetration (m, increasing) and resistance (kN) of the run, (N,);
+        xOther, resultOther : of the other one.
 
-    Take twice the rate for the other run. If the result depends on the rate by a power of one or more, R(2v) - R(v) is at
-    least R(v) - R(0), what the rate of the run itself does; and that run takes half the time.
+    Take twice the rate for the other run. If the result depends on the rate by a power of one or more,
+    R(2v) - R(v) is at least R(v) - R(0), what the rate of the run itself does; and that run takes half the time.
 
     Raises ValueError if the two have fewer than two points of the run in common.
     """
@@ -159,6 +170,14 @@ def _largest(part, work):
     if not (work > 0).all():
         return math.nan
     return float((part / work).max())
+
+
+def _carried(damped, work):
+    """Largest damped energy over the work of a tenth of the rows; nan where nothing moves in any."""
+    ends = np.unique(np.linspace(0, len(work) - 1, 11).round().astype(int))
+    took, done = np.diff(damped[ends]), np.diff(work[ends])
+    moves = done > MOVING * (work[-1] - work[0]) / max(1, len(done))
+    return float((took[moves] / done[moves]).max()) if moves.any() else math.nan
 
 
 def _limits(given):

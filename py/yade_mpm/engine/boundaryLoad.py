@@ -22,8 +22,8 @@ class BoundaryLoad(generated["BoundaryLoad"]):
 body : the loaded APDI body.
 where : region; facets whose centre is inside are loaded (default: all boundary facets).
 loadsBonded : load facets that stand on another body, too, which they are bonded to (a body of the same group,
-    or of any where there is no `Contact`); default False: a warning says how many were left out when the scene
-    is first prepared, and `leftOut` which.
+    or of any where there is no `Contact`); default False: a warning says how many were left out when the
+    scene is first prepared, and `leftOut` which.
 
 A load that changes with time is a table, which checkpoints keep: for a function f of the time, give
 pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the last step. `ramp` multiplies it.
@@ -157,7 +157,7 @@ def _checkArguments(body, where, loadsBonded, attributes):
 
 
 def _rows(name, value):
-    """Rows of a table; ValueError for anything else. Facets may come as one list: older checkpoints have that."""
+    """Rows of a table; ValueError for anything else. Facets may come as one list, as in older checkpoints."""
     try:
         rows = np.asarray(value, float)
     except (TypeError, ValueError):

@@ -75,6 +75,19 @@ def test_each_ratio_is_judged_by_its_limit(name, column, words):
         assert [words in reason for reason in found.reasons] == [True] * (factor > 1)
 
 
+def test_what_damping_carries_for_a_while_is_seen():
+    """0.9 % of the work in all, and a fifth of the load while the bar goes from 0.6 to 0.7 m."""
+    held = bar(0.1)
+    work = held["workDone"]
+    held["dampedEnergy"] = 0.2 * (np.clip(work, work[60], work[64]) - work[60])
+    found = mpm.quasiStatic(held)
+    assert found.dampedRatio == pytest.approx(0.2 * (work[64] - work[60]) / work[-1], rel=1e-12)
+    assert found.dampedRatio < 0.05 and 0.08 < found.dampedShare < 0.2
+    held["dampedEnergy"] = 0.2 * (np.clip(work, work[60], work[80]) - work[60])
+    told = str(mpm.quasiStatic(held, limits={"dampedRatio": 0.1}))
+    assert told == "NOT quasi-static: damping carried up to 20 % of the load (limit 10 %)"
+
+
 def test_a_peak_after_the_start_is_seen():
     peak = bar(0.1)
     peak["kineticEnergy"][60] += 0.06 * peak["workDone"][60]

@@ -14,8 +14,8 @@ the edge of the footing is taken as the middle of that cell; cells of 6 m / (an 
 Where in that cell the edge really is differs between particle types, and half a cell is 3.7 % of the width;
 footing_study finds it.
 
-Local damping opposes steady plastic flow, too, and carries a part of the load, which `mpm.quasiStatic` shows as
-dampedShare: with 0.7 it was 2 to 3 % for APDI at phi = 20 and 0.02 to 0.04 m/s, and the load higher by as
+Local damping opposes steady plastic flow, too, and carries a part of the load, which `mpm.quasiStatic`
+shows as dampedShare: with 0.7 it was 2 to 3 % for APDI at phi = 20 and 0.02 to 0.04 m/s, and the load higher by as
 much. With 0.3 the load is that with 0.1 within 0.5 % in all cases at 0.02 m/s (doc/quasi-static.md).
 
 Units: Mg, m, s, kPa, per metre of thickness.

@@ -151,7 +151,8 @@ def rateSensitivity(x, result, xOther, resultOther):
         xOther, resultOther : of the other one.
 
     Take twice the rate for the other run. If the result depends on the rate by a power of one or more,
-    R(2v) - R(v) is at least R(v) - R(0), what the rate of the run itself does; and that run takes half the time.
+    R(2v) - R(v) is at least R(v) - R(0), what the rate of the run itself does; and that run takes half the
+    time.
 
     Raises ValueError if the two have fewer than two points of the run in common.
     """

@@ -59,8 +59,6 @@ def settle(
                 f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to "
                 f"zero, settle, and set it again"
             )
-    if not (maxTime is None or (isinstance(maxTime, (int, float)) and maxTime > 0)):
-        raise ValueError(f"settle: maxTime = {maxTime!r} s is not allowed; give a positive number, or None")
     scene.dampingAfterSettling = solver.damping
     solver.damping = damping
     try:

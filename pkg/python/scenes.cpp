@@ -72,7 +72,6 @@ template <int Dim> struct Bind {
         }
         return all;
     }
-    static double stepSafety(const S& scene) { return scene.scheme->stepSafety; }
     static long advance(S& scene, long steps, double seconds) {
         Unlocked others;
         return scene.advance(steps, seconds);
@@ -89,6 +88,8 @@ template <int Dim> struct Bind {
         }
         bp::dict d;
         d["dt"] = c.dt;
+        d["ofGrid"] = c.ofGrid;
+        d["longestStable"] = c.longestStable;
         d["iterations"] = c.iterations;
         d["stiffest"] = c.stiffest;
         return d;
@@ -180,7 +181,6 @@ template <int Dim> struct Bind {
             .def_readwrite("threads", &S::threads)
             .add_property("scheme", scheme, setScheme)
             .add_property("stageOrder", stageOrder)
-            .add_property("stepSafety", stepSafety)
             .add_property("energies", energies, setEnergies)
             .add_property("lower", lower)
             .add_property("upper", upper)

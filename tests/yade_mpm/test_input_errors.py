@@ -1024,8 +1024,7 @@ def test_engines_put_into_the_list_itself_take_part_and_are_checked():
     assert len(seen) == 1
     scene.engines.append(mpm.GridSolver())
     refused(
-        "GridSolver, GridToParticle, VelocityRemap, DomainUpdater, GridSolver do not make a step",
-        scene.step,
+        "GridSolver, GridToParticle, VelocityRemap, DomainUpdater, GridSolver do not make a step", scene.step
     )
     refused("do not make a step", lambda: scene.run(steps=1))
 
@@ -1090,11 +1089,11 @@ def changed(change, **options):
     ("run: until = inf is not allowed", lambda: oneBody().run(until=inf)),
     ("run: until = 'noon' is not allowed; give a time in s", lambda: oneBody().run(until="noon")),
     (
-        "dt = 1 s exceeds the critical step ... (stiffest: 'block'); lower dt, raise inertiaScale, or "
+        "dt = 1 s exceeds the longest stable step ... (stiffest: 'block'); lower dt, raise inertiaScale, or "
         "coarsen the grid",
         lambda: changed(lambda s: setattr(s, "dt", 1.0)).run(steps=1),
     ),
-    ("dt = 1 s exceeds the critical step", lambda: changed(lambda s: setattr(s, "dt", 1.0)).step()),
+    ("dt = 1 s exceeds the longest stable step", lambda: changed(lambda s: setattr(s, "dt", 1.0)).step()),
     (
         "no critical time step can be found (every node is held); give scene.dt",
         lambda: changed(
@@ -1218,11 +1217,11 @@ def test_the_time_step_is_checked_again_after_every_change_that_matters():
     scene.dt = automatic
     scene.run(steps=1)
     scene["block"].inertiaScale = 1.0
-    refused("exceeds the critical step", lambda: scene.run(steps=1))
+    refused("exceeds the longest stable step", lambda: scene.run(steps=1))
     scene.allowUnstable = True
     scene.run(steps=1)
     scene.allowUnstable = False
-    refused("exceeds the critical step", lambda: scene.run(steps=1))
+    refused("exceeds the longest stable step", lambda: scene.run(steps=1))
     scene.dt = None
     scene.run(steps=1)
     assert scene.dt == pytest.approx(automatic / 10, rel=0.05)

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// dt_crit = 2/omega_max, omega_max^2 the largest eigenvalue of M^-1 K of the assembled grid problem.
-// The eigenvalue is found by the Lanczos iteration in the inner product of M: the same operator as power
-// iteration, but some forty applications reach what power iteration needs several hundred for.
+// Two steps come out of here. 2/omega_max of M^-1 K, the grid problem, is what accuracy asks for. The longest
+// stable step is 2 over the root of the largest eigenvalue of the scheme's own operator (Scheme::StepLaw): a mode
+// of the linear one-step map becomes unstable where it changes its sign from step to step.
+// Eigenvalues are found by Lanczos iteration in an inner product in which the operator is symmetric: some
+// forty applications reach what power iteration needs several hundred for.
 #include "mpm/check/CriticalTimeStep.hpp"
 
 #include "mpm/check/ElasticOperator.hpp"
+#include "mpm/step/GridSolver.hpp"
+#include "mpm/step/GridToParticle.hpp"
 
 #include <Eigen/Eigenvalues>
 
@@ -39,37 +43,124 @@ double largestEigenvalue(const std::vector<double>& diagonal, const std::vector<
     return solver.eigenvalues().maxCoeff();
 }
 
-} // namespace
+struct Largest {
+    double value = 0;
+    int iterations = 0;
+};
 
-template <int Dim> CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance, int most) {
-    ElasticOperator<Dim> K(scene);
-    CriticalStep result;
-    if (K.size() == 0) return result;
-    const auto& m = K.mass();
-    std::vector<double> v = scattered(K.size()), previous(K.size(), 0.0), u, alpha, beta;
-    double norm = std::sqrt(dot(v, v, m)), largest = 0, tenAgo = 0;
+// Largest eigenvalue of an operator that is symmetric where M weights.
+template <class Operator>
+Largest largestEigenvalue(const std::vector<double>& m, Operator&& apply, double tolerance, int most) {
+    const int n = int(m.size());
+    std::vector<double> v = scattered(n), previous(n, 0.0), u, alpha, beta;
+    double norm = std::sqrt(dot(v, v, m)), tenAgo = 0;
+    Largest largest;
     for (double& x : v) x /= norm;
-    for (int j = 0; j < std::min(most, K.size()); ++j) {
-        K.apply(v, u);
+    for (int j = 0; j < std::min(most, n); ++j) {
+        apply(v, u);
         if (j > 0)
             for (size_t i = 0; i < u.size(); ++i) u[i] -= beta.back() * previous[i];
         alpha.push_back(dot(u, v, m));
         for (size_t i = 0; i < u.size(); ++i) u[i] -= alpha.back() * v[i];
         norm = std::sqrt(dot(u, u, m));
         beta.push_back(norm);
-        result.iterations = j + 1;
-        const bool exhausted = !(norm > 1e-12 * std::abs(alpha.front()));
-        if (j % 10 == 9 || exhausted) {
-            tenAgo = largest;
-            largest = largestEigenvalue(alpha, beta);
-            if (exhausted || largest - tenAgo < tolerance * largest) break;
+        largest.iterations = j + 1;
+        const bool isExhausted = !(norm > 1e-12 * std::abs(alpha.front()));
+        if (j % 10 == 9 || isExhausted) {
+            tenAgo = largest.value;
+            largest.value = largestEigenvalue(alpha, beta);
+            if (isExhausted || largest.value - tenAgo < tolerance * largest.value) break;
         }
         previous = v;
         for (size_t i = 0; i < u.size(); ++i) v[i] = u[i] / norm;
     }
-    if (largest == 0) largest = largestEigenvalue(alpha, beta);
-    if (largest > 0) result.dt = scene.scheme->stabilityLimit * 2 / std::sqrt(largest);
+    if (largest.value == 0) largest.value = largestEigenvalue(alpha, beta);
+    return largest;
+}
+
+// Relative size of a vector that is nothing but round-off: the norm is the root of a sum that may cancel.
+constexpr double roundOff = 1e-6;
+
+// Largest eigenvalue of G K, symmetric where K weights; `stiffness` and `mobility` apply M^-1 K and G M.
+template <class Stiffness, class Mobility>
+Largest largestOfProduct(const std::vector<double>& mass, Stiffness&& stiffness, Mobility&& mobility,
+                         double tolerance, int most) {
+    const int n = int(mass.size());
+    std::vector<double> v, previous(n, 0.0), Kv, u, Ku, alpha, beta;
+    const auto scale = [](std::vector<double>& x, double factor) {
+        for (double& value : x) value *= factor;
+    };
+    const auto subtract = [](std::vector<double>& x, double factor, const std::vector<double>& y) {
+        for (size_t i = 0; i < x.size(); ++i) x[i] -= factor * y[i];
+    };
+    // Motion without strain has no length here and would grow unseen: what the operator returns has none of it.
+    const std::vector<double> start = scattered(n);
+    stiffness(start, Kv);
+    mobility(Kv, v);
+    stiffness(v, Kv);
+    double norm = std::sqrt(std::max(0.0, dot(v, Kv, mass)));
+    Largest largest;
+    if (!(norm > 0)) return largest;
+    scale(v, 1 / norm);
+    scale(Kv, 1 / norm);
+    for (int j = 0; j < std::min(most, n); ++j) {
+        mobility(Kv, u);
+        if (j > 0) subtract(u, beta.back(), previous);
+        alpha.push_back(dot(u, Kv, mass));
+        subtract(u, alpha.back(), v);
+        stiffness(u, Ku);
+        norm = std::sqrt(std::max(0.0, dot(u, Ku, mass)));
+        beta.push_back(norm);
+        largest.iterations = j + 1;
+        const bool isExhausted = !(norm > roundOff * std::abs(alpha.front()));
+        if (j % 5 == 4 || isExhausted) {
+            const double fiveAgo = largest.value;
+            largest.value = largestEigenvalue(alpha, beta);
+            if (isExhausted || largest.value - fiveAgo < tolerance * largest.value) return largest;
+        }
+        previous = v;
+        v = u;
+        Kv = Ku;
+        scale(v, 1 / norm);
+        scale(Kv, 1 / norm);
+    }
+    largest.value = largestEigenvalue(alpha, beta);
+    return largest;
+}
+
+template <int Dim>
+double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double tolerance, int most) {
+    const auto law = scene.scheme->stepLaw;
+    const auto stiffness = [&](auto& x, auto& y) { K.apply(x, y); };
+    const auto mobility = [&](auto& x, auto& y) {
+        K.passThroughParticles(x, y);
+        for (size_t i = 0; i < y.size(); ++i) y[i] = law.direct * x[i] + law.mapped * y[i];
+    };
+    double square = largestOfProduct(K.mass(), stiffness, mobility, tolerance, most).value;
+    if (law.control > 0 && K.hasControl()) {
+        const auto control = [&](auto& x, auto& y) { K.applyControl(x, y); };
+        constexpr double enough = 0.01; // it is a small part of the sum
+        square += law.control * largestEigenvalue(K.mass(), control, enough, most).value;
+    }
+    // A mode that loses momentum but not force (flip < 1); a force that local damping strengthens while it slows.
+    square *= 2 / (1 + flipOf(scene)) * (1 + dampingOf(scene));
+    return 2 / std::sqrt(square);
+}
+
+} // namespace
+
+template <int Dim> CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance, int most) {
+    ElasticOperator<Dim> K(scene);
+    CriticalStep result;
+    if (K.size() == 0) return result;
+    const auto stiffness = [&](auto& x, auto& y) { K.apply(x, y); };
+    const Largest grid = largestEigenvalue(K.mass(), stiffness, tolerance, most);
+    result.iterations = grid.iterations;
     result.stiffest = K.stiffest();
+    if (!(grid.value > 0)) return result;
+    result.ofGrid = 2 / std::sqrt(grid.value);
+    result.longestStable = longestStable(scene, K, tolerance, most);
+    result.dt = std::min(result.ofGrid, result.longestStable);
     return result;
 }
 

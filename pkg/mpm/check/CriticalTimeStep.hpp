@@ -6,13 +6,14 @@
 namespace mpm {
 
 struct CriticalStep {
-    double dt = 0; // s, the scheme's stabilityLimit times 2 / omega_max
+    double dt = 0;     // s, the smaller one of 2/omega_max of the grid problem and the longest stable step
+    double ofGrid = 0; // s, 2/omega_max
+    double longestStable = 0; // s, of the scheme, with flip and local damping
     int iterations = 0;
     std::string stiffest; // body in which the fastest mode moves most
 };
 
-// Largest stable time step of the scene as it stands: 2/omega_max of M^-1 K, K the elastic stiffness of the
-// assembled grid problem (ElasticOperator.hpp).
+// Of the scene as it stands, linear elastic: doc/time-step.md.
 template <int Dim> CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance = 1e-4, int most = 300);
 
 } // namespace mpm

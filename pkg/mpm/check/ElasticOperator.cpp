@@ -4,6 +4,8 @@
 #include "mpm/step/Driving.hpp"
 #include "mpm/step/nodes.hpp"
 
+#include <algorithm>
+
 namespace mpm {
 
 // The stand-ins are in place as long as this lives.
@@ -32,11 +34,13 @@ template <int Dim> ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene) : sc
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
         velocity_.emplace_back(scene.grid.count, NF::Velocity::zero());
         force_.emplace_back(scene.grid.count, NF::Sum::zero());
+        motion_.emplace_back(scene.grid.count, NF::Motion::zero());
     }
     for (auto& body : scene.bodies) {
         stress_.emplace_back("elasticStress", "kPa", "", std::vector<int>{3, 3});
         stress_.back().resize(body->particles.size());
         gradient_.emplace_back(body->particles.velocityGradient);
+        vertices_.emplace_back(body->particles.velocity);
         if (auto* mesh = body->domains->mesh()) vertices_.emplace_back(mesh->vertexVelocities());
     }
 }
@@ -59,14 +63,61 @@ template <int Dim> void ElasticOperator<Dim>::apply(const std::vector<double>& x
     const Exchanged exchanged(*this);
     take(x);
     parallel(scene_.threads, [&](ParallelRegion& region) { strain(region); });
+    parallel(scene_.threads, [&](ParallelRegion& region) { sumForces(region, false); });
+    readForces(y);
+}
+
+template <int Dim>
+void ElasticOperator<Dim>::applyControl(const std::vector<double>& x, std::vector<double>& y) {
+    const Exchanged exchanged(*this);
+    take(x);
+    for (Field& stress : stress_) std::fill(stress.plane(), stress.plane() + stress.bytes() / 8, 0.0);
     parallel(scene_.threads, [&](ParallelRegion& region) {
-        for (size_t b = 0; b < scene_.bodies.size(); ++b) {
-            const double* planes[9];
-            for (int c = 0; c < 9; ++c) planes[c] = stress_[b].plane(c);
-            auto& body = *scene_.bodies[b];
-            body.domains->addForce(region, force_[body.velocityField].data(), planes);
-        }
+        for (auto& body : scene_.bodies)
+            if (auto* mesh = body->domains->mesh())
+                mesh->takeVelocity(region, velocity_[body->velocityField].data());
     });
+    parallel(scene_.threads, [&](ParallelRegion& region) { sumForces(region, true); });
+    readForces(y);
+}
+
+template <int Dim> bool ElasticOperator<Dim>::hasControl() const {
+    return std::any_of(scene_.bodies.begin(), scene_.bodies.end(),
+                       [](auto& body) { return body->domains->mesh() != nullptr; });
+}
+
+template <int Dim>
+void ElasticOperator<Dim>::passThroughParticles(const std::vector<double>& x, std::vector<double>& y) {
+    const Exchanged exchanged(*this);
+    for (size_t f = 0; f < motion_.size(); ++f)
+        for (int slab = 0; slab < scene_.grid.slabs(); ++slab)
+            scene_.grid.forNodes(scene_.grid.fields[f], slab, [&](int node) {
+                motion_[f][node] = NF::Motion::zero();
+                velocity_[f][node] = NF::Velocity::zero();
+            });
+    for (int i = 0; i < size(); ++i) motion_[dofs_[i].field][dofs_[i].node].set(dofs_[i].axis, x[i]);
+    // Particles that take all of the velocity (PIC), and no time in which anything else could happen.
+    parallel(scene_.threads, [&](ParallelRegion& region) {
+        for (auto& body : scene_.bodies)
+            body->domains->move(region, motion_[body->velocityField].data(),
+                                velocity_[body->velocityField].data(), {0, 0, 0, body->inertiaScale});
+    });
+    y.resize(size());
+    for (int i = 0; i < size(); ++i)
+        y[i] = velocity_[dofs_[i].field][dofs_[i].node][dofs_[i].axis] / mass_[i];
+}
+
+template <int Dim> void ElasticOperator<Dim>::sumForces(ParallelRegion& region, bool controlAlone) {
+    for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+        auto& body = *scene_.bodies[b];
+        if (controlAlone && !body.domains->mesh()) continue; // boxes have none
+        const double* planes[9];
+        for (int c = 0; c < 9; ++c) planes[c] = stress_[b].plane(c);
+        body.domains->addForce(region, force_[body.velocityField].data(), planes);
+    }
+}
+
+template <int Dim> void ElasticOperator<Dim>::readForces(std::vector<double>& y) const {
     y.resize(size());
     for (int i = 0; i < size(); ++i) {
         const Dof& dof = dofs_[i];

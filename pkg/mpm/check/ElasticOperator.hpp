@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The elastic stiffness of a scene as it stands, as an operator on nodal velocities: K v is one gather of the
-// velocity gradient, the elastic law, and one scatter of the force; K is never formed. Anti-locking is left
-// out (its operator is not symmetric), hourglass stiffness is in. What it writes is its own: fields that
-// particles and vertices keep from the last step stay.
+// The elastic stiffness of a scene as it stands, as an operator on nodal velocities: K v is one gather of the velocity gradient,
+// the elastic law, and one scatter of the force; K is never formed. Anti-locking is left out (its operator is not symmetric),
+// hourglass stiffness is in. What it writes is its own: fields that particles and vertices keep from the last step stay.
 #pragma once
 
 #include "mpm/scene/Scene.hpp"
@@ -20,6 +19,13 @@ template <int Dim> class ElasticOperator {
 
     // y = M^-1 K x, x a velocity (m/s) and y in m/s2 per s.
     void apply(const std::vector<double>& x, std::vector<double>& y);
+    // The same with the stiffness K_h of hourglass control alone.
+    void applyControl(const std::vector<double>& x, std::vector<double>& y);
+    bool hasControl() const;
+
+    // y = M^-1 C x: what is left of a nodal velocity that the particles take and give back; C is the
+    // consistent mass.
+    void passThroughParticles(const std::vector<double>& x, std::vector<double>& y);
 
     // Body with the largest elastic power in the motion applied last.
     std::string stiffest() const;
@@ -42,12 +48,15 @@ template <int Dim> class ElasticOperator {
     std::vector<double> mass_;
     std::vector<std::vector<typename NF::Velocity>> velocity_; // of the nodes of each velocity field
     std::vector<std::vector<typename NF::Sum>> force_;
+    std::vector<std::vector<typename NF::Motion>> motion_;
     std::vector<Field> stress_;     // of each body
     std::vector<StandIn> gradient_; // of its velocity,
-    std::vector<StandIn> vertices_; // and the velocity of its vertices, where it has some
+    std::vector<StandIn> vertices_; // of its particles, and of its vertices where it has some
 
     void findDofs();
     void take(const std::vector<double>& x);
+    void sumForces(ParallelRegion& region, bool controlAlone);
+    void readForces(std::vector<double>& y) const;
     void strain(ParallelRegion& region);
     static void elasticStress(Body<Dim>& body, Field& stress, int begin, int end);
 };

@@ -22,17 +22,19 @@ std::vector<Scheme::Place> Scheme::order() const {
 namespace {
 
 bool offer(const Scheme& scheme) {
-    return Registry<Scheme>::add(scheme.name, [=] { return std::make_shared<Scheme>(scheme); }, MPM_BUILD,
-                                 sizeof(Scheme));
+    return Registry<Scheme>::add(
+        scheme.name, [=] { return std::make_shared<Scheme>(scheme); }, MPM_BUILD, sizeof(Scheme));
 }
 
-// USL loses stability below the linear limit of its operator.
+const Scheme::StepLaw ofMappedVelocity{0, 1, 2}, ofSolvedVelocity{2, -1, 0};
+
 const bool offered =
     offer({"MUSL", "Stress at the end of the step, with the velocity that the moved particles map back.",
-           false, true, 1, 0.8}) &&
-    offer({"USF", "Stress at the start of the step, with the velocity that the particles map.", true, true, 1,
-           0.8}) &&
-    offer({"USL", "Stress at the end of the step, with the velocity of the solution.", false, false, 1, 0.5});
+           false, true, ofMappedVelocity}) &&
+    offer({"USF", "Stress at the start of the step, with the velocity that the particles map.", true, true,
+           ofMappedVelocity}) &&
+    offer({"USL", "Stress at the end of the step, with the velocity of the solution.", false, false,
+           ofSolvedVelocity});
 
 } // namespace
 

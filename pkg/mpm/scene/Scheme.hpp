@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A scheme says when in a step the stress is updated, and with which velocity. It owns the order of the
-// stages and the length of a step. Sulsky et al. 1995; Bardenhagen 2002.
+// stages and the law of the longest stable step. Sulsky et al. 1995; Bardenhagen 2002.
 #pragma once
 
 #include "mpm/base/registry.hpp"
@@ -13,11 +13,15 @@ class Scheme {
     bool stressFirst; // the stress is updated before the forces are summed, not at the end of the step
     bool remaps;      // the velocity that strains is mapped back from the particles, not that of the solution
 
-    double stabilityLimit = 1; // longest stable step over 2/omega_max of the linear operator
-    double stepSafety; // the step that a scene takes where dt is left out, over the longest stable one
+    // The longest stable step is 2 over the root of the largest eigenvalue of M^-1 (direct K + mapped C M^-1 K)
+    // plus that of control M^-1 K_h: K stiffness, K_h that of hourglass control, M lumped and C consistent mass
+    // (doc/time-step.md).
+    struct StepLaw {
+        double direct, mapped, control;
+    };
+    StepLaw stepLaw;
 
-    // Whether the velocity that strains is made behind the solution: until then the nodes collect momentum
-    // for it.
+    // Whether the velocity that strains is made behind the solution: until then the nodes collect momentum for it.
     bool remapsSolution() const { return remaps && !stressFirst; }
 
     // A place in the order of the stages, and who stands there.

@@ -60,7 +60,7 @@ KINDS = (
     Prescribed,
 )  # whose values may be looked at; Attributed: engines, materials, types
 SCENE_ATTRIBUTES = _words(
-    "time steps dt dtCritical stiffest dim lower upper cell bodies engines constraints particleCount "
+    "time steps dt dtCritical dtStable stiffest dim lower upper cell bodies engines constraints particleCount "
     "threads scheme"
 )
 SCENE_METHODS = {"nodePositions", "faceNodes"}

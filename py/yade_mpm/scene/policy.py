@@ -28,6 +28,7 @@ class LoopPolicy:
         self._scene, self._say, self._save, self._savePeriod = scene, say, save, savePeriod
         self._checkAt = _firstAt(scene.steps, limits.CHECK_PERIOD, stride)
         self._estimateAt = _firstAt(scene.steps, limits.DT_PERIOD, stride)
+        self._lookAt = _firstAt(scene.steps, limits.DT_LOOK, stride)
         self._saveAt = math.inf if savePeriod is None else time.monotonic() + savePeriod
 
     def beforeSteps(self):
@@ -41,6 +42,11 @@ class LoopPolicy:
             self._checkAt = _nextAt(steps, limits.CHECK_PERIOD)
             self.lookAtDomains(limits.INTERFACE_RUN)
             self.lookAtFields()
+        if steps >= self._lookAt:
+            self._lookAt = _nextAt(steps, limits.DT_LOOK)
+            isChanged = self._followGrowth()
+            if steps < self._estimateAt:
+                return isChanged
         if steps < self._estimateAt:
             return False
         self._estimateAt = _nextAt(steps, limits.DT_PERIOD)
@@ -53,7 +59,8 @@ class LoopPolicy:
         loop."""
         scene = self._scene
         calls = (engine.stepsToCall(scene) for engine in scene.engines)
-        return min(self._checkAt - scene.steps, self._estimateAt - scene.steps, *calls)
+        due = min(self._checkAt, self._estimateAt, self._lookAt)
+        return min(due - scene.steps, *calls)
 
     def afterSteps(self):
         """Writes a checkpoint where that is due; a file that cannot be written makes a warning."""
@@ -89,18 +96,31 @@ class LoopPolicy:
                 scene.warnedOf.add(what)
                 self._say(f"warning: step {scene.steps}: {fault}")
 
+    def _followGrowth(self):
+        """Estimates where particles have grown since the last time; before that is due, a step that was left
+        out becomes shorter. Returns whether either was done."""
+        stepper = self._scene.stepper
+        growth = stepper.stiffening()
+        if growth < limits.DT_GROWTH or not self._scene.dtCritical:
+            return False
+        if self._scene.steps >= stepper.estimatedAt + limits.DT_LEAST_PERIOD:
+            self._estimate()
+        elif self._scene.givenDt is None:
+            stepper.dt = stepper.safeDt() / math.sqrt(growth)
+        return True
+
     def _estimate(self):
         scene, stepper = self._scene, self._scene.stepper
         critical = stepper.estimateCriticalStep()
-        stepper.estimatedAt = scene.steps
+        stepper.noteEstimate()
         if not critical > 0:
             return  # every node is held: nothing to go by
         if scene.givenDt is None:
             stepper.dt = stepper.safeDt()
-        elif scene.givenDt > critical and not scene.allowUnstable:
+        elif scene.givenDt > scene.dtStable and not scene.allowUnstable:
             self._say(
-                f"warning: step {scene.steps}: dt = {scene.givenDt:.3g} s now exceeds the critical step "
-                f"{critical:.3g} s (stiffest: '{scene.stiffest}')"
+                f"warning: step {scene.steps}: dt = {scene.givenDt:.3g} s now exceeds the longest stable "
+                f"step {scene.dtStable:.3g} s (stiffest: '{scene.stiffest}')"
             )
 
 

@@ -101,11 +101,12 @@ def _build(spec, arrays, callbacks, permissions, file):
     permissions.finish()
     for name in ("allowUnstable", "dtCritical", "stiffest"):
         setattr(scene, name, spec[name])
+    scene.dtStable = spec.get("dtStable", spec["dtCritical"])
     scene.dt = spec["dt"]
     _checkClock(spec)
     scene.core.dt, scene.core.time, scene.core.step = spec["currentDt"], spec["time"], spec["steps"]
     scene.core.energies = spec["energies"]
-    scene.stepper.restore(spec["checked"], spec["estimatedAt"])
+    scene.stepper.restore(spec["checked"], spec["estimatedAt"], spec.get("estimatedVolumes", {}))
     _warn(scene, spec, file)
     return scene
 

@@ -43,9 +43,10 @@ class Scene(Guarded):
     ----------
     lower, upper, cell, dim : of the grid.
     bodies : tuple of Body, in the order in which they were added; none can be taken out.
-    allowUnstable : bool, whether dt may exceed the critical step; default False.
-    dtCritical : s, critical step as estimated last; None before. stiffest : body in which its mode moves
-        most.
+    allowUnstable : bool, whether dt may exceed the longest stable step; default False.
+    dtCritical : s, 2/omega_max of the grid, or the longest stable step if that is shorter (USL), as estimated
+        last; None before. stiffest : body in which its mode moves most.
+    dtStable : s, longest stable step of the scheme, with flip and damping, as estimated last; None before.
     stepper : `Stepper`, for loops of your own.
     """
 
@@ -70,6 +71,7 @@ class Scene(Guarded):
             core=makeCore(lower, upper, cell),
             allowUnstable=False,
             dtCritical=None,  # s, as estimated last
+            dtStable=None,
             dtIterations=None,
             stiffest=None,  # body in which the fastest mode moves most
             stepper=Stepper(self),
@@ -215,11 +217,11 @@ class Scene(Guarded):
         self.stepper.noteChange(mayBeUnstable=False)
 
     def criticalTimeStep(self, tolerance=1e-4, iterations=300):
-        """Largest stable time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid
-        operator.
+        """Critical time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid
+        operator, or the longest stable step of the scheme if that is shorter (doc/time-step.md).
 
-        Also sets `dtCritical` and `stiffest`. Source: spectral bound of the central-difference scheme;
-        Lanczos iteration.
+        Also sets `dtCritical`, `dtStable` and `stiffest`. Source: spectral bound of the central-difference
+        scheme and of the one-step map; Lanczos iteration.
 
         Parameters
         ----------

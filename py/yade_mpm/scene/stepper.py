@@ -14,6 +14,11 @@ from ..engine.gridSolver import GridSolver
 
 UNLIMITED = 1e9  # s of wall time: no limit
 
+BLENDS = {
+    "GridSolver": "damping",
+    "GridToParticle": "flip",
+}  # of engines, that the longest stable step depends on
+
 
 class Stepper:
     """Makes a scene ready to step, and takes its steps; `scene.stepper`.
@@ -33,6 +38,7 @@ class Stepper:
     ----------
     constraints : list of prescribed motions that are in force, those of faces included.
     estimatedAt : int, step at which the critical step was estimated last; -1: never.
+    estimatedVolumes : dict, largest volume of a particle over its initial one at that time, by body.
     acting : Engine, callback that is at work or has failed at it; None between them.
     """
 
@@ -42,7 +48,8 @@ class Stepper:
         self._isPrepared, self._isStable = False, False
         self._fullDt = None  # in a step that is shorter
         self._checkedState = None  # what the critical step was checked for
-        self.constraints, self.estimatedAt, self.acting = [], -1, None
+        self.constraints, self.acting = [], None
+        self.estimatedAt, self.estimatedVolumes = -1, {}
 
     # --- readiness ------------------------------------------------------------------------------------
     @property
@@ -74,11 +81,10 @@ class Stepper:
         if mayBeUnstable:
             self._isStable = False
 
-    def restore(self, isChecked, estimatedAt):
-        """State of a scene from a checkpoint: whether its time step was checked, and the step of the last
-        estimate."""
+    def restore(self, isChecked, estimatedAt, estimatedVolumes):
+        """State of a scene from a checkpoint: whether its time step was checked, and the last estimate."""
         self._isStable, self._checkedState = isChecked, self._stabilityState()
-        self.estimatedAt = estimatedAt
+        self.estimatedAt, self.estimatedVolumes = estimatedAt, estimatedVolumes
 
     def prepare(self):
         """Checks the scene and gives the chain to the solver; see `Scene.run` for what is refused."""
@@ -144,15 +150,19 @@ class Stepper:
                     "Scene: no critical time step can be found (every node is held); give scene.dt"
                 )
             self.dt = self.safeDt()
-        elif not isAllowed and given > critical > 0:
+        elif not isAllowed and critical > 0 and given > scene.dtStable:
             raise ValueError(
-                f"dt = {given:.3g} s exceeds the critical step {critical:.3g} s of this scene (stiffest: "
+                f"dt = {given:.3g} s exceeds the longest stable step {scene.dtStable:.3g} s of this scene (stiffest: "
                 f"'{scene.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid"
             )
         else:
             self.dt = given
-        self.estimatedAt = scene.steps
+        self.noteEstimate()
         self._isStable, self._checkedState = True, self._stabilityState()
+
+    def noteEstimate(self):
+        """The step follows the estimate just made; growth counts from here."""
+        self.estimatedAt, self.estimatedVolumes = self._scene.steps, largestVolumes(self._scene)
 
     def estimateCriticalStep(self, tolerance=1e-4, iterations=300):
         """Critical step of the scene as it stands, s; sets scene.dtCritical and scene.stiffest.
@@ -165,20 +175,30 @@ class Stepper:
         self._prepareChain()
         scene = self._scene
         found = scene.core.criticalTimeStep(tolerance, iterations)
-        scene.dtCritical = found["dt"]
+        scene.dtCritical, scene.dtStable = found["dt"], found["longestStable"]
         scene.dtIterations = found["iterations"]
         scene.stiffest = found["stiffest"]
         return scene.dtCritical
 
+    def stiffening(self):
+        """Bound on what the square of the fastest frequency has grown by since the last estimate.
+
+        The stiffness of a particle grows with its volume while its mass stays, and so does at most that of
+        the whole: the largest ratio over the bodies of the largest V/V0 now and then, 1 at least.
+        """
+        now, then = largestVolumes(self._scene), self.estimatedVolumes
+        return max([1.0, *(now[name] / then.get(name, now[name]) for name in now)])
+
     def safeDt(self):
         """The share of the critical step that is taken where nobody has given dt, s."""
-        return self._scene.core.stepSafety * self._scene.dtCritical
+        return limits.DT_SAFETY * self._scene.dtCritical
 
     def _stabilityState(self):
         """What the critical step depends on and may be changed between runs."""
         scene = self._scene
         bodies = [(tuple(b.material.lameConstants), b.inertiaScale) for b in scene.bodies]
-        return scene.givenDt, scene.allowUnstable, bodies
+        blends = [getattr(e, BLENDS[type(e).__name__]) for e in scene.engines if type(e).__name__ in BLENDS]
+        return scene.givenDt, scene.allowUnstable, bodies, blends
 
     # --- steps ----------------------------------------------------------------------------------------
     def advance(self, steps, seconds=UNLIMITED):
@@ -222,3 +242,8 @@ class Stepper:
         done = [e for e in stages if e in before]
         changes = [e for e in done if type(e).__name__ != "ParticleToGrid"]
         return bool(changes) and len(done) < len(stages)
+
+
+def largestVolumes(scene):
+    """The largest volume of a particle over its initial one, by the name of the body."""
+    return {b.name: float(np.max(b.volume / b.initialVolume, initial=0)) or 1.0 for b in scene.bodies}

@@ -49,7 +49,7 @@ class TimeStep:
             own = scene.stepper.safeDt() if critical > 0 else scene.stepper.dt
         self.maxDt = own * self._mpmSteps / self._demSteps
         isBounded = critical > 0 and not scene.allowUnstable
-        self.criticalDt = critical * self._mpmSteps / self._demSteps if isBounded else math.inf
+        self.criticalDt = scene.dtStable * self._mpmSteps / self._demSteps if isBounded else math.inf
 
     def govern(self):
         """Sets O.dt, and maxDt of time steppers, from the limits of both sides."""

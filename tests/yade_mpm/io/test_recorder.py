@@ -327,7 +327,7 @@ def test_an_old_file_stays_until_the_first_step_is_taken(tmp_path):
     scene = makeScene()
     scene.engines = chain(mpm.Recorder(file, iterPeriod=5))
     scene.dt = 1.0
-    with pytest.raises(ValueError, match="exceeds the critical step"):
+    with pytest.raises(ValueError, match="exceeds the longest stable step"):
         scene.run(steps=5, progress=False)
     assert contentOf(file).keys() == kept.keys() and contentOf(file)["NSteps"] == kept["NSteps"] == 2
     scene.dt = 1e-3

@@ -14,7 +14,13 @@ class Scene:
     def __init__(self, steps=0, estimatedAt=-1, callEvery=None):
         self.steps, self.givenDt, self.estimates, self.looks = steps, 1e-3, [], []
         self.allowUnstable, self.warnedOf, self.stiffest = False, set(), None
-        self.stepper = SimpleNamespace(estimatedAt=estimatedAt, estimateCriticalStep=self.estimate)
+        self.dtCritical, self.dtStable, self.bodies = 1.0, 1.0, []
+        self.stepper = SimpleNamespace(
+            estimatedAt=estimatedAt,
+            estimateCriticalStep=self.estimate,
+            noteEstimate=self.noteEstimate,
+            stiffening=lambda: 1.0,
+        )
         period = callEvery or 1 << 30
         self.engines = [SimpleNamespace(stepsToCall=lambda scene: period - scene.steps % period)]
 
@@ -22,11 +28,15 @@ class Scene:
         self.estimates.append(self.steps)
         return 1.0
 
+    def noteEstimate(self):
+        self.stepper.estimatedAt = self.steps
+
 
 @pytest.fixture(autouse=True)
 def looksAreCounted(monkeypatch):
     monkeypatch.setattr(limits, "CHECK_PERIOD", 10)
     monkeypatch.setattr(limits, "DT_PERIOD", 25)
+    monkeypatch.setattr(limits, "DT_LOOK", 1 << 40)
     monkeypatch.setattr(policy, "checkInterface", lambda scene, longest: scene.looks.append(scene.steps))
     monkeypatch.setattr(policy, "distortion", lambda scene: None)
 

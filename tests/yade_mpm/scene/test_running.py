@@ -736,9 +736,9 @@ def test_material_constants_may_be_changed_between_runs():
         s.run(steps=5)
     assert np.array_equal(scene["mesh"].vertices, loaded["mesh"].vertices)
     scene["mesh"].material.lame = (1e9, 1e9)
-    with pytest.raises(ValueError, match="exceeds the critical step"):
+    with pytest.raises(ValueError, match="exceeds the longest stable step"):
         scene.run(steps=1)
-    with pytest.raises(ValueError, match="exceeds the critical step"):
+    with pytest.raises(ValueError, match="exceeds the longest stable step"):
         scene.step()
 
 

@@ -381,7 +381,7 @@ def test_a_grid_that_does_not_fit_into_memory_is_refused_with_its_size(monkeypat
 
 def lateScheme():
     scene = emptyScene()
-    assert len(scene.engines) == 4
+    assert len(scene.engines) == 5
     scene.scheme = "USF"
 
 
@@ -657,7 +657,7 @@ def test_what_would_come_too_late_is_refused_in_a_callback():
 
 
 @pytest.mark.parametrize(
-    "place, name", ((0, "ParticleToGrid"), (1, "GridSolver"), (4, "History"), (5, "Hold"))
+    "place, name", ((0, "ParticleToGrid"), (1, "GridSolver"), (5, "History"), (6, "Hold"))
 )
 def test_an_engine_serves_one_scene_alone(place, name):
     parts = [oneBody().engines + [mpm.History(iterPeriod=1), mpm.Hold("left", (0, 0))] for k in range(2)]

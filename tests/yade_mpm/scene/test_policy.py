@@ -105,4 +105,4 @@ def test_a_checkpoint_that_cannot_be_written_is_a_warning():
         raise OSError("no space left")
 
     policy.LoopPolicy(Scene(steps=7), said.append, save, savePeriod=0.0).afterSteps()
-    assert said == ["warning: step 7: no space left"]
+    assert said == ["warning: step 7: no space left; the run goes on"]

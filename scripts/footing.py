@@ -15,7 +15,8 @@ Where in that cell the edge really is differs between particle types, and half a
 footing_study finds it.
 
 Local damping opposes steady plastic flow, too, and carries a part of the load, which `mpm.quasiStatic`
-shows as dampedShare: with 0.7 it was 2 to 3 % for APDI at phi = 20 and 0.02 to 0.04 m/s, and the load higher by as
+shows as dampedShare: with 0.7 it was 2 to 3 % for APDI at phi = 20 and 0.02 to 0.04 m/s, and the load
+higher by as
 much. With 0.5 it carries at most 1.6 % at 0.02 m/s, with 0.3 APDI at phi = 20 has no plateau for vibration.
 
 Units: Mg, m, s, kPa, per metre of thickness.

@@ -9,7 +9,8 @@ def pytest_addoption(parser):
 
 
 def pytest_runtest_makereport(item, call):
-    """SIGTERM ends the session. A run of a scene turns it into SystemExit, which pytest would take for a test that failed, and go on."""
+    """SIGTERM ends the session. A run of a scene turns it into SystemExit, which pytest would take for a
+    test that failed, and go on."""
     if (
         call.excinfo
         and call.excinfo.errisinstance(SystemExit)

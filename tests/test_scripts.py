@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""scripts/run in a checkout of its own, with a set-up that does nothing; and the package where it is not built."""
+"""scripts/run in a checkout of its own, with a set-up that does nothing; and the package where it is not
+built."""
 
 import ast
 import os
@@ -13,7 +14,8 @@ import pytest
 import yade_mpm as mpm
 
 RUN = Path(__file__).parents[1] / "scripts" / "run"
-WHERE = '"""Tells where it runs."""\nimport os, sys\nprint(sys.argv[1:], os.getcwd(), os.environ["PYTHONPATH"].split(":")[0])\n'
+WHERE = '"""Tells where it runs."""\nimport os, sys\n'
+WHERE += 'print(sys.argv[1:], os.getcwd(), os.environ["PYTHONPATH"].split(":")[0])\n'
 
 onDebian = pytest.mark.skipif(
     not os.access("/usr/bin/python3", os.X_OK), reason="scripts/run is for Debian's Python"
@@ -100,7 +102,8 @@ import yade_mpm as mpm
 from yade_mpm import commandLine
 def main():
     scene = mpm.Scene((0, 0), (1, 1), 0.25)
-    scene.add("block", mpm.box((0.25, 0.25), (0.5, 0.5)), mpm.LinearElastic(density=1, lame=(100, 100)), mpm.UGIMP(perCell=2))
+    rubber = mpm.LinearElastic(density=1, lame=(100, 100))
+    scene.add("block", mpm.box((0.25, 0.25), (0.5, 0.5)), rubber, mpm.UGIMP(perCell=2))
     {what}
 commandLine.run(main)
 """)

@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Reference of the stretching bar (D26): total-Lagrangian finite elements with numpy, independent of the solver.
+"""Reference of the stretching bar (D26): total-Lagrangian finite elements with numpy, independent of the
+solver.
 
-A block of 1 x 1 m, plane strain, hangs from its top, which is held in both directions, and gravity of 1000 m/s2 is switched on
-suddenly. Bilinear quadrilaterals with 2 x 2 Gauss points, lumped mass, central differences, no damping; compressible neo-Hookean
+A block of 1 x 1 m, plane strain, hangs from its top, which is held in both directions, and gravity of 1000
+m/s2 is switched on
+suddenly. Bilinear quadrilaterals with 2 x 2 Gauss points, lumped mass, central differences, no damping;
+compressible neo-Hookean
 material with the first Piola-Kirchhoff stress P = mu (F - F^-T) + lambda ln(J) F^-T. Units: Mg, m, s, kPa.
 
-    python3 stretching_bar_reference.py     # writes stretching_bar_reference.csv: time, centre of mass and lower end, energy error
+    python3 stretching_bar_reference.py     # writes stretching_bar_reference.csv: time, centre of mass and
+    lower end, energy error
 """
 
 import sys
@@ -21,7 +25,8 @@ TABLE = Path(__file__).with_suffix(".csv")
 
 
 def mesh(n):
-    """Nodes (N, 2) of n x n square elements, row by row from the lower end at y = 0, and corners (n*n, 4), counter-clockwise."""
+    """Nodes (N, 2) of n x n square elements, row by row from the lower end at y = 0, and corners (n*n, 4),
+    counter-clockwise."""
     x = np.stack(np.meshgrid(*2 * [np.linspace(0, 1, n + 1)]), axis=-1).reshape(-1, 2)
     first = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
     return x, first[:, None] + np.array([0, 1, n + 2, n + 1])

@@ -2,7 +2,8 @@
 """D1: values and identities of the uGIMP weights.
 
 Set-up: one uGIMP particle that is moved about in the grid; its weights by `body.weights`.
-Reference: phi = 1/(2l) int hat(x) dx over the box [x - l, x + l]; the table for h = 1, l = 0.25; partition of unity and
+Reference: phi = 1/(2l) int hat(x) dx over the box [x - l, x + l]; the table for h = 1, l = 0.25; partition
+of unity and
 linear completeness for random position and half size.
 Source: Bardenhagen & Kober 2004, Comput. Model. Eng. Sci. 5(6), 477-496.
 Tolerance: 1e-14 (1e-13 for gradients with 1/h = 8).
@@ -42,7 +43,8 @@ def weightsAt(body, x):
 
 
 def along(body, axis, r):
-    """S and G at distance r from a node along an axis: summed over the other axes, whose weights add up to one."""
+    """S and G at distance r from a node along an axis: summed over the other axes, whose weights add up to
+    one."""
     x = np.full(body.position.shape[1], 4.3)
     x[axis] = 4 + r
     nodes, phi, gradient = weightsAt(body, x)

@@ -2,16 +2,21 @@
 """D2: weights of APDI domains.
 
 Set-up: random convex quadrilaterals and random hexahedra as user meshes; weights by `body.weights`.
-Reference: 2 x 2 (x 2) Gauss quadrature of N_a and grad N_a, written here in NumPy, times the hat function at the corners;
+Reference: 2 x 2 (x 2) Gauss quadrature of N_a and grad N_a, written here in NumPy, times the hat function
+at the corners;
 the identities sum phi = 1, sum grad phi = 0, sum x_i phi = centroid, sum x_i (x) grad phi = I.
 Source: Kiriyama & Higo 2016; Takegawa, Higo, Uchiyama, Kiriyama, Michino, Eq. (1).
 Tolerance: 1e-13, gradients relative to 1/edge. Triangles are not offered: a mesh of them is refused.
 
-The program has the shapes in closed form. For hexahedra they are also compared with the quadrature corner by corner
-(1e-14), and through a step, which makes them for many domains at a time: velocity gradient sum v_a (x) g_a, volume
-after the step, the smallest corner (2^Dim det J there), below 5 % of the volume of which a domain is given up, and the
+The program has the shapes in closed form. For hexahedra they are also compared with the quadrature corner
+by corner
+(1e-14), and through a step, which makes them for many domains at a time: velocity gradient sum v_a (x) g_a,
+volume
+after the step, the smallest corner (2^Dim det J there), below 5 % of the volume of which a domain is given
+up, and the
 hourglass forces, which are made of g and the patterns of the corners (Flanagan & Belytschko 1981).
-Controls: a quadrature with one point, which the hexahedra are distorted enough to tell apart; corners in another order.
+Controls: a quadrature with one point, which the hexahedra are distorted enough to tell apart; corners in
+another order.
 """
 
 from itertools import product

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D3: free fall and Galilean drift of a block of every particle type, and of a hybrid body, in 2D and 3D.
 
-Set-up: a block of 1 m (3D: 1 x 0.5 x 1 m) crosses more than ten cells of 0.25 m, either at constant velocity or in
+Set-up: a block of 1 m (3D: 1 x 0.5 x 1 m) crosses more than ten cells of 0.25 m, either at constant
+velocity or in
 free fall with gravity along every axis, under MUSL, USF and USL.
-Reference: symplectic Euler from rest, x_n = x_0 + g dt^2 n (n + 1)/2, and x_n = x_0 + v n dt: exact for every scheme
+Reference: symplectic Euler from rest, x_n = x_0 + g dt^2 n (n + 1)/2, and x_n = x_0 + v n dt: exact for
+every scheme
 whose weights are a partition of unity. Stress 0, momentum change per step dt sum(m) g.
-Tolerances: positions 1e-11 m (a travel of 3 m), stress 1e-9 kPa at E = 1000 kPa, momentum 1e-12 of the body's,
+Tolerances: positions 1e-11 m (a travel of 3 m), stress 1e-9 kPa at E = 1000 kPa, momentum 1e-12 of the
+body's,
 edges of APDI domains 1e-10 h.
-Control: local damping (the fall), and an initial velocity that shears by 1e-6 1/s (the drift), must be noticed.
+Control: local damping (the fall), and an initial velocity that shears by 1e-6 1/s (the drift), must be
+noticed.
 """
 
 import numpy as np
@@ -32,7 +36,8 @@ def particleType(name):
 
 
 def blockScene(kind, dim, scheme, gravity=None, damping=0.0):
-    """A block in the corner that the travel starts from; the hybrid one is half uGIMP, half APDI, one above the other."""
+    """A block in the corner that the travel starts from; the hybrid one is half uGIMP, half APDI, one above
+    the other."""
     corner = np.array([0.5, 4.5] if dim == 2 else [0.5, 0.5, 4.5])
     size = np.array([1.0, 1.0] if dim == 2 else [1.0, 0.5, 1.0])
     scene = mpm.Scene(lower=(0,) * dim, upper=(6,) * dim, cell=H, scheme=scheme)

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D4: a column compacts under its own weight (large strain).
 
-Set-up: l0 = 50 m, E = 1000 kPa, nu = 0, rho0 = 0.08 Mg/m3, one cell wide between rollers; gravity grows to g = 10 m/s2
+Set-up: l0 = 50 m, E = 1000 kPa, nu = 0, rho0 = 0.08 Mg/m3, one cell wide between rollers; gravity grows to
+g = 10 m/s2
 over 20 s (11 natural periods) and stays for 10 s, local damping 0.7. Two particles per cell.
-Reference: sigma_yy(Y) = -rho0 g (l0 - Y), Y the initial height; base 40 kPa. Exact for any material, because the
+Reference: sigma_yy(Y) = -rho0 g (l0 - Y), Y the initial height; base 40 kPa. Exact for any material,
+because the
 width does not change. Source: Coombs & Augarde 2020, Adv. Eng. Softw. 139, 102748 (AMPLE).
-Tolerances: relative L1 error of the particle stresses 2 % at 64 cells, rate of convergence 0.9 between every two grids.
-Control: with the gravity at once and hardly any damping the error is far above the tolerance; a rate of the order of
+Tolerances: relative L1 error of the particle stresses 2 % at 64 cells, rate of convergence 0.9 between
+every two grids.
+Control: with the gravity at once and hardly any damping the error is far above the tolerance; a rate of the
+order of
 zero, as that of the linear material point method, would fail the bound on the rate.
 """
 

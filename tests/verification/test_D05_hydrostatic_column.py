@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D5: stress at the bottom of a column at rest, on three grids.
 
-Set-up: column 0.2 x 0.1 m (the finer grids: four cells wide, which is the same between rollers), rho = 1.8 Mg/m3,
+Set-up: column 0.2 x 0.1 m (the finer grids: four cells wide, which is the same between rollers), rho = 1.8
+Mg/m3,
 E = 1000 kPa, nu = 0, g = 9.81 m/s2, 25 particles per cell, settled with local damping 0.7.
-Reference: the mean stress of the lowest row of cells is the weight above their centres, rho g (0.1 - h/2): 1.67751,
-1.72166, 1.74373 kPa for h = 10, 5, 2.5 mm. Source: the hydrostatic column of CB-Geo MPM, which publishes 1.6802,
-1.7246, 1.7468 kPa and compares them with the stress at the very bottom, 1.7658 kPa; the difference is the half cell.
+Reference: the mean stress of the lowest row of cells is the weight above their centres, rho g (0.1 - h/2):
+1.67751,
+1.72166, 1.74373 kPa for h = 10, 5, 2.5 mm. Source: the hydrostatic column of CB-Geo MPM, which publishes
+1.6802,
+1.7246, 1.7468 kPa and compares them with the stress at the very bottom, 1.7658 kPa; the difference is the
+half cell.
 Tolerance: 0.2 %.
-Control: the published values, 0.16 to 0.18 % off, pass, and the value at the very bottom (1.3 to 5.3 %) does not; a
+Control: the published values, 0.16 to 0.18 % off, pass, and the value at the very bottom (1.3 to 5.3 %)
+does not; a
 column that hangs on a wall by friction (fixed sides) fails.
 """
 

@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D7: axial vibration of a bar, fixed at one end.
 
-Set-up: L = 25 m in 13 cells, E = 100 kPa, nu = 0, rho = 1 Mg/m3, v0 = 0.1 sin(pi x/2L), FLIP, no damping, half the
+Set-up: L = 25 m in 13 cells, E = 100 kPa, nu = 0, rho = 1 Mg/m3, v0 = 0.1 sin(pi x/2L), FLIP, no damping,
+half the
 critical step, ten periods.
-Reference: omega = pi/(2L) sqrt(E/rho) = 0.628319 rad/s, velocity of the centre of mass 0.0636620 cos(omega t) m/s.
+Reference: omega = pi/(2L) sqrt(E/rho) = 0.628319 rad/s, velocity of the centre of mass 0.0636620 cos(omega
+t) m/s.
 Source: the vibrating continuum bar of Sulsky, Chen & Schreyer 1994 in the form of CB-Geo MPM.
-Tolerances: frequency 1 %, energy drift 1 % in ten periods, the velocity of the first period 2 % of its amplitude.
+Tolerances: frequency 1 %, energy drift 1 % in ten periods, the velocity of the first period 2 % of its
+amplitude.
 
-The velocities of leap-frog lie half a step before the stress, so that their plain sum of energies swings by omega dt/2
-within a period. The energy here is centred: the strain energy with the mean kinetic energy of the two steps around it.
-Control: 1 % PIC per step, and local damping of 0.002, lose more than the tolerance; 5 % more stiffness misses the
+The velocities of leap-frog lie half a step before the stress, so that their plain sum of energies swings by
+omega dt/2
+within a period. The energy here is centred: the strain energy with the mean kinetic energy of the two steps
+around it.
+Control: 1 % PIC per step, and local damping of 0.002, lose more than the tolerance; 5 % more stiffness
+misses the
 frequency.
 """
 

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D8: an elastic wave in a laterally held bar.
 
-Set-up: L = 20 m in 80 cells, M = 22100 kPa, rho = 1.53 Mg/m3, rollers on both sides, half the critical step. The left
+Set-up: L = 20 m in 80 cells, M = 22100 kPa, rho = 1.53 Mg/m3, rollers on both sides, half the critical
+step. The left
 end is moved at v = 0.01 m/s. A bar may be cut in the middle into uGIMP and APDI of the same material.
-Reference: sigma = -rho c v = -183.9 v kPa, c = sqrt(M/rho) = 120.19 m/s; a free end doubles the velocity; an interface
+Reference: sigma = -rho c v = -183.9 v kPa, c = sqrt(M/rho) = 120.19 m/s; a free end doubles the velocity;
+an interface
 without change of impedance reflects nothing, one with the impedance ratio r reflects (r - 1)/(r + 1).
 Tolerances: plateau 2 %, arrival one cell, free end 2 %, reflection at the APDI/uGIMP interface 2 %.
 
-Arrival: behind a sudden step the front is an Airy function, whose value at x = c t is one third of the plateau; of a
+Arrival: behind a sudden step the front is an Airy function, whose value at x = c t is one third of the
+plateau; of a
 step that grows over twenty cells one half of the plateau arrives on time.
-Control: a tenth more stiffness is noticed by plateau and arrival; twice the impedance reflects 1/3 (2 % does not pass); a
+Control: a tenth more stiffness is noticed by plateau and arrival; twice the impedance reflects 1/3 (2 %
+does not pass); a
 held end stops the wave.
 """
 
@@ -114,7 +118,8 @@ def test_control_a_tenth_more_stiffness_is_noticed():
 
 
 def reflected(kinds, left, right, width=2.0):
-    """Amplitude of what a pulse v exp(-(x - 5)^2/width^2) leaves running back from the middle, over v (signed).
+    """Amplitude of what a pulse v exp(-(x - 5)^2/width^2) leaves running back from the middle, over v
+    (signed).
 
     Taken from the wave that runs to the left, (v + sigma/(rho c))/2, v being that of the middle of the step.
     """

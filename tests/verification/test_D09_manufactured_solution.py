@@ -3,11 +3,13 @@
 
 Set-up: unit square between rollers, neo-Hookean, E = 1e7, nu = 0.3, rho = 1000, c = sqrt(E/rho) = 100,
     u_x = A sin(2 pi X) sin(c pi t),  u_y = A sin(2 pi Y) sin(c pi t + pi),  t in [0, 0.02],
-driven by the body force that makes it exact; USL with leap-frog start, FLIP 1, 2 x 2 particles per cell, time step
+driven by the body force that makes it exact; USL with leap-frog start, FLIP 1, 2 x 2 particles per cell,
+time step
 0.2 h/c_p. The error is the largest over time of the volume-RMS position error.
 Reference: errors of independent trial codes, N = 8, 16, 32, 64 cells (the tables below).
 Source: Wallstedt & Guilkey 2008, J. Comput. Phys. 227(22), 9628-9642.
-Tolerance: 25 % of each error; order over the two finest grids >= 1.8 (APDI) and >= 1.1 (uGIMP, A = 0.02). MUSL within
+Tolerance: 25 % of each error; order over the two finest grids >= 1.8 (APDI) and >= 1.1 (uGIMP, A = 0.02).
+MUSL within
 26 % of USL at N = 8 and 5 % at N = 64. The reference codes have no hourglass control, so it is off here.
 """
 
@@ -123,7 +125,8 @@ def test_musl_keeps_second_order_on_64_cells():
 @pytest.mark.parametrize("N, within", [(8, 0.26), pytest.param(64, 0.05, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("type_", ["UGIMP", "APDI"])
 def test_musl_errs_like_usl(type_, N, within):
-    """At A = 0.02. With uGIMP, A = 0.05 and N = 64 MUSL and USF, which damp less, end at 2.5 and 3.4 times the error of
+    """At A = 0.02. With uGIMP, A = 0.05 and N = 64 MUSL and USF, which damp less, end at 2.5 and 3.4 times
+    the error of
     USL; an independent NumPy code gives the same 13 digits."""
     musl, usl = (Solution(type_, 0.02, N, scheme=scheme).error for scheme in ("MUSL", "USL"))
     assert musl == pytest.approx(usl, rel=within)

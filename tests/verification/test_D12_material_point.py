@@ -1,16 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D12 objective rates, and D10 Mohr-Coulomb strengths, on single points through the public MaterialPoint.
 
-D12 set-up: elastic simple shear to gamma = 1 and 2 at constant volume; a stressed point turned by 360 degrees in 1000
-steps. Reference, in units of mu: logarithmic law tau_12 = 4 asinh(gamma/2)/sqrt(4 + gamma^2): 0.86082 and 1.24645; rate
-of Jaumann (the elastic law of the soil) sigma_12 = sin(gamma): 0.84147 and 0.90930, sigma_11 = 1 - cos(gamma).
+D12 set-up: elastic simple shear to gamma = 1 and 2 at constant volume; a stressed point turned by 360
+degrees in 1000
+steps. Reference, in units of mu: logarithmic law tau_12 = 4 asinh(gamma/2)/sqrt(4 + gamma^2): 0.86082 and
+1.24645; rate
+of Jaumann (the elastic law of the soil) sigma_12 = sin(gamma): 0.84147 and 0.90930, sigma_11 = 1 -
+cos(gamma).
 Tolerances: shear 1e-5; drift in the rotation 1e-4 (Hughes-Winget) and 1e-12 (logarithmic), relative.
 
-D10 set-up: c = 8.5 kPa, phi = 30 degrees, psi = 10 degrees; triaxial tests at constant lateral stress. Reference: K_p = 3,
-axial strengths 59.4449, 179.4449, 329.4449 kPa at 10, 50, 100 kPa; uniaxial compression 29.4449, tension 9.8150,
-isotropic apex 14.7224 kPa; dilatancy in triaxial compression, beta = 0.057594: sin(psi_tc) = 3 sqrt3 beta/(2 + sqrt3
+D10 set-up: c = 8.5 kPa, phi = 30 degrees, psi = 10 degrees; triaxial tests at constant lateral stress.
+Reference: K_p = 3,
+axial strengths 59.4449, 179.4449, 329.4449 kPa at 10, 50, 100 kPa; uniaxial compression 29.4449, tension
+9.8150,
+isotropic apex 14.7224 kPa; dilatancy in triaxial compression, beta = 0.057594: sin(psi_tc) = 3 sqrt3
+beta/(2 + sqrt3
 beta), 8.194 degrees. Tolerance: 1e-6 relative (of the closed form; the printed figures are rounded).
-Controls: the two laws exclude one another at gamma = 1; a law without rotation would miss sin(gamma); the dilatancy of
+Controls: the two laws exclude one another at gamma = 1; a law without rotation would miss sin(gamma); the
+dilatancy of
 another cone fit, and 1e-5 more cohesion, must be noticed.
 """
 
@@ -42,7 +49,8 @@ def strong():
     return soil(cohesion=1e9)
 
 
-# --- D12 -----------------------------------------------------------------------------------------------------
+# --- D12
+# -----------------------------------------------------------------------------------------------------
 def simpleShear(material, gamma, steps=2000):
     """Cauchy stress over mu after a simple shear at constant volume."""
     point = mpm.MaterialPoint(material)
@@ -108,9 +116,11 @@ def test_control_a_stretch_of_a_millionth_per_step_is_noticed():
     assert abs(point.stress - INITIAL).max() > 1e-4 * abs(INITIAL).max()
 
 
-# --- D10 -----------------------------------------------------------------------------------------------------
+# --- D10
+# -----------------------------------------------------------------------------------------------------
 def triaxial(lateral, direction, material=None, steps=200, size=1e-4):
-    """Axial stress and last increments (axial, volumetric) of a test at constant lateral stress, kPa, tension positive.
+    """Axial stress and last increments (axial, volumetric) of a test at constant lateral stress, kPa,
+    tension positive.
 
     The lateral increment is found by secants on copies of the point.
     """

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D15: cantilever under sudden gravity (scripts/cantilever.py).
 
-Set-up: 4 x 1 m, plane strain, E = 1e7 Pa, nu = 0.3, rho = 1050 kg/m3, g = 10 m/s2, neo-Hookean, clamped at x = 0; APDI,
+Set-up: 4 x 1 m, plane strain, E = 1e7 Pa, nu = 0.3, rho = 1050 kg/m3, g = 10 m/s2, neo-Hookean, clamped at
+x = 0; APDI,
 two domains per cell and direction, h = 1/8 (1/16 in the slow test).
-Reference: tip at mid-height and centre of mass at t = 0.25 ... 1.5 s of a total-Lagrangian finite element solution
+Reference: tip at mid-height and centre of mass at t = 0.25 ... 1.5 s of a total-Lagrangian finite element
+solution
 (64 x 16 bilinear quadrilaterals).
-Source: our finite element solution; Sadeghirad, Brannon & Burghardt 2011, Int. J. Numer. Meth. Eng. 86(12), use the same
+Source: our finite element solution; Sadeghirad, Brannon & Burghardt 2011, Int. J. Numer. Meth. Eng. 86(12),
+use the same
 4 x 1 family.
 Tolerance: 1.5 % of the largest deflection, 0.766 m.
 """
@@ -47,7 +50,8 @@ def test_stress_update_first_gives_the_same_deflections(cantilever):
 
 
 def test_energy_of_the_swing_is_kept(cantilever):
-    """Gravity's work is what the beam holds as kinetic and elastic energy, within 2 % of its largest value."""
+    """Gravity's work is what the beam holds as kinetic and elastic energy, within 2 % of its largest
+    value."""
     scene, _ = cantilever.run(until=0.25, progress=False, cell=0.125)
     beam = scene["beam"]
     kinetic = 0.5 * (beam.mass * (beam.velocity**2).sum(axis=1)).sum()
@@ -58,7 +62,8 @@ def test_energy_of_the_swing_is_kept(cantilever):
 
 
 def elasticEnergy(body):
-    """Strain energy of compressible neo-Hookean elasticity, lambda/2 ln(J)^2 - mu ln J + mu/2 (tr F^T F - 3)."""
+    """Strain energy of compressible neo-Hookean elasticity, lambda/2 ln(J)^2 - mu ln J + mu/2 (tr F^T F -
+    3)."""
     a, mu = body.material.lame
     F = body.deformationGradient
     J = np.linalg.det(F)

@@ -1,15 +1,22 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D16: collision of two elastic disks.
 
-Set-up: unit square, disks of radius 0.2 at (0.2, 0.2) and (0.8, 0.8), E = 1000, nu = 0.3, rho = 1000, neo-Hookean,
-velocities (0.1, 0.1) and (-0.1, -0.1); 40 x 40 cells, 2 x 2 particles per cell, half the critical time step, FLIP 1.
-The disks are separate bodies that share one velocity field: they meet through the grid, without contact law. At the end the same with
-contact: a group each, staircases of boxes or domains and meshes that follow the circle; surfaces touch at 1.586 s.
-Reference: kinetic energy 2.513 at the start, momentum zero, contact at t ~ 1.5 s (the disks themselves touch at 1.586 s,
+Set-up: unit square, disks of radius 0.2 at (0.2, 0.2) and (0.8, 0.8), E = 1000, nu = 0.3, rho = 1000,
+neo-Hookean,
+velocities (0.1, 0.1) and (-0.1, -0.1); 40 x 40 cells, 2 x 2 particles per cell, half the critical time
+step, FLIP 1.
+The disks are separate bodies that share one velocity field: they meet through the grid, without contact
+law. At the end the same with
+contact: a group each, staircases of boxes or domains and meshes that follow the circle; surfaces touch at
+1.586 s.
+Reference: kinetic energy 2.513 at the start, momentum zero, contact at t ~ 1.5 s (the disks themselves
+touch at 1.586 s,
 their nodes some two cells earlier), total energy kept through the rebound.
 Source: Sulsky, Chen & Schreyer 1994, Comput. Methods Appl. Mech. Eng. 118, 179-196.
-Tolerance with contact: total energy 3 % (measured -2.5 to +1.9 %, staircases -2.3 to +2.7 %; USF at a quarter of the critical step, as at
-half of it it gains 6 %), first exchange within two steps of the touch (staircases: 0.05 s), overlap of meshes 0.015 h.
+Tolerance with contact: total energy 3 % (measured -2.5 to +1.9 %, staircases -2.3 to +2.7 %; USF at a
+quarter of the critical step, as at
+half of it it gains 6 %), first exchange within two steps of the touch (staircases: 0.05 s), overlap of
+meshes 0.015 h.
 Tolerance: 1 % (initial energy: disks of square particles), momentum 1e-12, contact 0.1 s, total energy 3 %.
 """
 
@@ -68,7 +75,8 @@ def squircle(c, n=32):
 
 
 def elasticEnergy(body):
-    """Strain energy of compressible neo-Hookean elasticity, lambda/2 ln(J)^2 - mu ln J + mu/2 (tr F^T F - 3)."""
+    """Strain energy of compressible neo-Hookean elasticity, lambda/2 ln(J)^2 - mu ln J + mu/2 (tr F^T F -
+    3)."""
     a, mu = body.material.lame
     F = body.deformationGradient
     J = np.linalg.det(F)
@@ -186,7 +194,8 @@ def overlap(one, other):
     ],
 )
 def test_disks_hardly_overlap(type_, scheme, step, allowed):
-    """Strained by 20 %; nodes alone would let meshes by 0.14 of a cell. 2 % are asked, 1 % is let pass. Facets of boxes do not quite move
+    """Strained by 20 %; nodes alone would let meshes by 0.14 of a cell. 2 % are asked, 1 % is let pass.
+    Facets of boxes do not quite move
     with the hat functions, as vertices of a mesh do: 0.020 and, under USF, 0.025 of a cell.
     """
     deepest, told = 0.0, 0.0

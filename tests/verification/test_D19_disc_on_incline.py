@@ -1,14 +1,20 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D19: a disc that rolls or slides down an incline, with frictional contact.
 
-Set-up: elastic disc of radius 0.5 m on a base 5 x 0.3 m, g = 10 m/s2, E = 1e5 kPa, rho = 2 Mg/m3; once it lies still under
+Set-up: elastic disc of radius 0.5 m on a base 5 x 0.3 m, g = 10 m/s2, E = 1e5 kPa, rho = 2 Mg/m3; once it
+lies still under
 gravity across the base, gravity is turned by the slope. 0.4 s, the first tenth left out.
-Reference: rigid cylinder. It rolls, a = 2/3 g sin(slope), where tan(slope) <= 3 mu, and else slides, a = g (sin(slope) - mu cos(slope)).
-Source: Bardenhagen, Brackbill & Sulsky 2000, Comput. Methods Appl. Mech. Eng. 187, 529-541; Bardenhagen et al. 2001, CMES 2, 509-522.
+Reference: rigid cylinder. It rolls, a = 2/3 g sin(slope), where tan(slope) <= 3 mu, and else slides, a = g
+(sin(slope) - mu cos(slope)).
+Source: Bardenhagen, Brackbill & Sulsky 2000, Comput. Methods Appl. Mech. Eng. 187, 529-541; Bardenhagen et
+al. 2001, CMES 2, 509-522.
 A ball in 3D rolls with 5/7 g sin(slope) where tan(slope) <= 3.5 mu.
-Tolerance: 5 %, overlap 0.02 h. Pairs are base and disc; u: uGIMP, a: APDI. A uGIMP disc is cut from the lattice and carries its outline. Of whole
-boxes it is a staircase: on an APDI base it rolls 5.8 % too slowly at R = 10 h, and slides 8 % too slowly at R = 5 h.
-What holds the base ends two cells below its surface: held nodes hold both groups, and one cell below the surface they brake the disc.
+Tolerance: 5 %, overlap 0.02 h. Pairs are base and disc; u: uGIMP, a: APDI. A uGIMP disc is cut from the
+lattice and carries its outline. Of whole
+boxes it is a staircase: on an APDI base it rolls 5.8 % too slowly at R = 10 h, and slides 8 % too slowly at
+R = 5 h.
+What holds the base ends two cells below its surface: held nodes hold both groups, and one cell below the
+surface they brake the disc.
 """
 
 from math import cos, radians, sin, tan
@@ -26,7 +32,8 @@ slow = pytest.mark.slow
 def squircle(centre, edge):
     """A square grid of quadrilaterals bent into a disc. Returns (points, cells).
 
-    Its four corner domains are nearly triangles; they lie at 45 degrees, away from the base. Pressed on it they are noisy.
+    Its four corner domains are nearly triangles; they lie at 45 degrees, away from the base. Pressed on it
+    they are noisy.
     """
     n = 2 * round(R / edge)
     x, y = np.meshgrid(*2 * [np.linspace(-1, 1, n + 1)], indexing="ij")
@@ -47,7 +54,8 @@ def overlap(scene):
 
 
 def descend(pair, slope, friction, h, normals="surface", cut=True, until=0.5):
-    """Acceleration along the slope over the rigid one, the scene, and the overlap over h. cut: whether a disc of boxes is cut by its circle."""
+    """Acceleration along the slope over the rigid one, the scene, and the overlap over h. cut: whether a
+    disc of boxes is cut by its circle."""
     slope, centre = radians(slope), (R + 0.2, 0.3 + R)
     scene = mpm.Scene((0, 0), (5, 2), h, threads=1)
     rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
@@ -101,7 +109,8 @@ def test_a_disc_of_ten_cells_rolls_or_slides(pair, error, slope):
 
 
 def test_a_disc_of_boxes_stays_round_over_a_full_turn():
-    """Its facets turn with the particles: normals within 5 degrees of the exact ones, middles within 2 % of the radius."""
+    """Its facets turn with the particles: normals within 5 degrees of the exact ones, middles within 2 % of
+    the radius."""
     disc = descend("uu", *ROLLING, h=0.1, until=1.5)[1]["disc"]
     F = disc.deformationGradient.mean(axis=0)
     assert (
@@ -160,6 +169,7 @@ def test_control_whole_boxes_are_no_disc():
 
 
 def test_control_friction_decides_between_rolling_and_sliding():
-    """At mu = 0.15 a disc slides down 30 degrees, 11 % faster than it would roll; without friction at 60 degrees 40 % faster."""
+    """At mu = 0.15 a disc slides down 30 degrees, 11 % faster than it would roll; without friction at 60
+    degrees 40 % faster."""
     assert descend("aa", 30, 0.15, h=0.1)[0] == pytest.approx(1, abs=0.05)
     assert descend("aa", 60, 0.0, h=0.1)[0] == pytest.approx(1, abs=0.05)

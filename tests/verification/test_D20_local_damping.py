@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D20: local damping of one free node, and of a soil column.
 
-One free node: a block within one cell, its bottom nodes held, vibrates with its top nodes. Reference: the amplitude
-falls by (1 - a)/(1 + a) per cycle, 0.904762 for a = 0.05 and 0.176471 for 0.7; tolerance 1e-3. Source: Cundall's local
+One free node: a block within one cell, its bottom nodes held, vibrates with its top nodes. Reference: the
+amplitude
+falls by (1 - a)/(1 + a) per cycle, 0.904762 for a = 0.05 and 0.176471 for 0.7; tolerance 1e-3. Source:
+Cundall's local
 non-viscous damping; the ratio follows from a friction force a |f| that changes sign with the velocity.
 
 Column: H = 10 m, M = 22100 kPa, rho = 1.53 Mg/m3 (c = 120.19 m/s), g = 9.81 m/s2, a = 0.05. Reference: period
-T1 = 4 H/c = 0.3328 s, static settlement of the top rho g H^2/(2 M) = 0.03396 m; a motion in the first mode decays to
-1 % in 46 cycles (15.3 s). Tolerances: period 1 %, settlement 1 % (finite strain takes 0.7 % off: with logarithmic
+T1 = 4 H/c = 0.3328 s, static settlement of the top rho g H^2/(2 M) = 0.03396 m; a motion in the first mode
+decays to
+1 % in 46 cycles (15.3 s). Tolerances: period 1 %, settlement 1 % (finite strain takes 0.7 % off: with
+logarithmic
 strain and Cauchy stress it is 0.03373 m), ratio per cycle 1e-3.
 Control: an undamped node keeps its amplitude; the column with a = 0.04 misses the decay by far.
 """

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D21: a column of uGIMP and APDI settles under gravity as one of uGIMP alone.
 
-Set-up: the 10 m elastic column of D20 (E = 16408.4 kPa, nu = 0.3002, rho = 1.53 Mg/m3), two cells of 0.5 m wide,
-particles and domains of h/2: uGIMP below APDI, APDI below uGIMP, APDI to the left of uGIMP. Settled with local damping.
+Set-up: the 10 m elastic column of D20 (E = 16408.4 kPa, nu = 0.3002, rho = 1.53 Mg/m3), two cells of 0.5 m
+wide,
+particles and domains of h/2: uGIMP below APDI, APDI below uGIMP, APDI to the left of uGIMP. Settled with
+local damping.
 Reference: the all-uGIMP column; independent codes differed by 0.7 % of rho g H at most (rms 0.53 %).
-Tolerances: vertical stress within 0.7 % of rho g H at every particle, rms 0.53 %; grid mass equals particle mass to
+Tolerances: vertical stress within 0.7 % of rho g H at every particle, rms 0.53 %; grid mass equals particle
+mass to
 1e-14; momentum changes by the applied impulse to 1e-12.
-Control: APDI edges of 2h at the interface, which a scene refuses and which are smuggled in here, are off by more than a
+Control: APDI edges of 2h at the interface, which a scene refuses and which are smuggled in here, are off by
+more than a
 tenth of rho g H (measured elsewhere: 89 %).
 """
 

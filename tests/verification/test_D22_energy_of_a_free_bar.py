@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D22: energy of a free elastic bar over 20 periods, under the three schemes.
 
-Set-up: L = 25 m in 6 cells, E = 100 kPa, nu = 0, rho = 1 Mg/m3, both ends free, v0 = 0.1 cos(pi x/L), FLIP, no
+Set-up: L = 25 m in 6 cells, E = 100 kPa, nu = 0, rho = 1 Mg/m3, both ends free, v0 = 0.1 cos(pi x/L), FLIP,
+no
 damping, half the critical step. Coarse on purpose: the loss of USL falls with the number of cells per wave.
-Reference: the total energy stays; measured in independent codes: MUSL +0.8 to +6 %, USF -0.7 to -4.5 %, USL -56 to
+Reference: the total energy stays; measured in independent codes: MUSL +0.8 to +6 %, USF -0.7 to -4.5 %, USL
+-56 to
 -81 %. Source: Bardenhagen 2002, J. Comput. Phys. 180, 383-403, for the loss under USL.
-Tolerances: MUSL within 6 %, USF within 5 % at every step; USL loses more than one half (a property of the scheme).
+Tolerances: MUSL within 6 %, USF within 5 % at every step; USL loses more than one half (a property of the
+scheme).
 
 Energy is centred in time: the strain energy with the mean kinetic energy of the half steps around it.
 Control: 1 % PIC per step breaks the bound of MUSL, and the bound of MUSL and USF excludes USL.

@@ -2,8 +2,10 @@
 """D23: an APDI mesh must be as fine as the grid where it meets uGIMP particles.
 
 Set-up: a block of uGIMP beside a block of APDI of edge 2h, h, h/2, side by side, on top, and apart.
-Reference: an edge longer than h within one cell of a uGIMP particle is refused, with both bodies, the place and the edge;
-edges up to h run. Measured by trial codes: a column with edge 2h errs by 24-89 % in stress, with edge h by 0.5 %.
+Reference: an edge longer than h within one cell of a uGIMP particle is refused, with both bodies, the place
+and the edge;
+edges up to h run. Measured by trial codes: a column with edge 2h errs by 24-89 % in stress, with edge h by
+0.5 %.
 Tolerance: exact; and for edge h the stress of a loaded column within 0.7 % of the all-uGIMP one.
 """
 
@@ -64,7 +66,8 @@ def test_coarse_domains_are_allowed_a_cell_away():
 
 
 def test_the_rule_stays_checked_while_the_interface_moves(tmp_path, monkeypatch):
-    """Coarse domains start two cells away and particles drift towards them; the rule is looked at every 1000 steps."""
+    """Coarse domains start two cells away and particles drift towards them; the rule is looked at every
+    1000 steps."""
     monkeypatch.chdir(tmp_path)  # the state of the failed run goes to a file
     scene = hybrid(2 * H, gap=1.0)
     scene["boxes"].velocity[:, 0] = 0.2
@@ -72,13 +75,15 @@ def test_the_rule_stays_checked_while_the_interface_moves(tmp_path, monkeypatch)
     scene.run(steps=2400, progress=False)
     with pytest.raises(
         RuntimeError,
-        match="step 3000: interface of 'meshed' and 'boxes' near .* an edge of 1.* m is longer .*; refine 'meshed'",
+        match="step 3000: interface of 'meshed' and 'boxes' near .* an edge of 1.* m is longer .*; "
+        "refine 'meshed'",
     ):
         scene.run(steps=1000, progress=False)
 
 
 def stretched(by):
-    """The column of domains next to the particles, an edge h wide at the start, is `by` wider after the first step."""
+    """The column of domains next to the particles, an edge h wide at the start, is `by` wider after the
+    first step."""
     scene = hybrid(H)
     scene.dt = 1e-6
     scene.run(steps=1, progress=False)
@@ -90,8 +95,8 @@ def stretched(by):
 def test_domains_that_stretch_at_the_interface_are_told_from_a_coarse_mesh(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     expected = (
-        r"interface of 'meshed' and 'boxes' near \(2.55, 0.25\): an edge has stretched from 0.5 to 1.1 m, 2.2 cells, .*; "
-        r'use UGIMP there, or APDI\(onDistortion="convert"\)'
+        r"interface of 'meshed' and 'boxes' near \(2.55, 0.25\): an edge has stretched from 0.5 to 1.1 m, "
+        r'2.2 cells, .*; use UGIMP there, or APDI\(onDistortion="convert"\)'
     )
     with pytest.raises(RuntimeError, match="step 1: " + expected):
         stretched(0.6).run(steps=1, progress=False)
@@ -125,7 +130,8 @@ def test_each_look_searches_once(monkeypatch):
 
 
 def columnStress(edge):
-    """Vertical stress at the foot of a 4 m column under its weight, mean of the lowest rows, uGIMP below APDI or all uGIMP."""
+    """Vertical stress at the foot of a 4 m column under its weight, mean of the lowest rows, uGIMP below
+    APDI or all uGIMP."""
     scene = mpm.Scene(lower=(0, 0), upper=(1, 6), cell=H, threads=1)
     low = scene.add("boxes", box((0, 0), (1, 2)), mpm.LinearElastic(**SOIL), mpm.UGIMP(perCell=2))
     upperType = mpm.UGIMP(perCell=2) if edge is None else mpm.APDI(size=edge)

@@ -1,17 +1,23 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D24: hourglass patterns of APDI domains whose edges are as long as a cell.
 
-Set-up: a block of 4 x 4 domains, edge = h = 1 m, E = 16408.4 kPa, nu = 0.3002, rho = 1.53 Mg/m3, 7.5 s at dt = 2e-3 s.
-(i) Constant acceleration of 1 m/s2 along both axes, control on: the block crosses 28 cells. (ii) A constant nodal
-acceleration a = 1 m/s2 in the pattern (+, -, +, -). The particles do not feel it, so it never becomes momentum; what it
+Set-up: a block of 4 x 4 domains, edge = h = 1 m, E = 16408.4 kPa, nu = 0.3002, rho = 1.53 Mg/m3, 7.5 s at
+dt = 2e-3 s.
+(i) Constant acceleration of 1 m/s2 along both axes, control on: the block crosses 28 cells. (ii) A constant
+nodal
+acceleration a = 1 m/s2 in the pattern (+, -, +, -). The particles do not feel it, so it never becomes
+momentum; what it
 does to the vertices under USL is a velocity a dt in every step, which is given to them here.
-Reference: without control a dt t = 1.5e-2 m, for there is no resistance; with control less than 1 % of the edge.
+Reference: without control a dt t = 1.5e-2 m, for there is no resistance; with control less than 1 % of the
+edge.
 Source: drift measured in an independent code; control after Flanagan & Belytschko 1981.
 Tolerances: drift 1e-6 of a dt t; amplitude 1 % of the edge.
 Control: case (ii) with the coefficient 0 breaks the bound of 1 %.
 
-Under MUSL and USF the velocity that moves the vertices is a sum over particles and cannot hold the pattern: it does not grow there, and
-nodal forces alone could not take away one that exists. An impulse in that velocity does; case (ii) holds for these schemes, too.
+Under MUSL and USF the velocity that moves the vertices is a sum over particles and cannot hold the pattern:
+it does not grow there, and
+nodal forces alone could not take away one that exists. An impulse in that velocity does; case (ii) holds
+for these schemes, too.
 """
 
 import numpy as np
@@ -43,7 +49,8 @@ def pattern(body):
 
 
 def amplitudeUnderForcing(hourglass, scheme, velocity=(0.0, 0.0)):
-    """Hourglass amplitude over the edge after the vertices were pushed by a dt in the pattern, in every step."""
+    """Hourglass amplitude over the edge after the vertices were pushed by a dt in the pattern, in every
+    step."""
     scene, body = block(hourglass, scheme)
     sign = pattern(body)
     body.velocity[...] = velocity

@@ -3,10 +3,13 @@
 
 Set-up and reference:
 - elastic block, uGIMP 2 x 2 per cell: dt_crit c/h between 0.85 and 1.0, c the speed of dilatational waves;
-- thin steel piles, soil on both sides over their whole length: eigenvalue solves of trial codes (table below), which
+- thin steel piles, soil on both sides over their whole length: eigenvalue solves of trial codes (table
+  below), which
   move by some 15-30 % with the place of the pile between two node lines; here one face lies on a node line;
-- dense eigenvalue solve of K and M assembled here from the plain weights, for both particle types and a mixed scene;
-- a run at 0.9 dt_crit (MUSL) stays bounded for 1e5 steps; a step above dt_crit is refused before the first step.
+- dense eigenvalue solve of K and M assembled here from the plain weights, for both particle types and a
+  mixed scene;
+- a run at 0.9 dt_crit (MUSL) stays bounded for 1e5 steps; a step above dt_crit is refused before the first
+  step.
 Source: spectral bound of the central-difference scheme; pile and soil of Takegawa et al.
 Tolerance: 20 % (table), 1 % (dense solve).
 """
@@ -51,7 +54,8 @@ def soilBlock(type_, cells=4, cell=0.25, **solver):
 
 
 def pileScene(h, thickness, inertiaScale=1.0, width=6, height=10):
-    """A pile with soil on both sides from two cells above the base up to the ground surface, left face on a node line."""
+    """A pile with soil on both sides from two cells above the base up to the ground surface, left face on a
+    node line."""
     columns = max(2, round(h / thickness))
     scene = mpm.Scene(lower=(0, 0), upper=(width * h, (height + 2) * h), cell=h, threads=1)
     left = width // 2 * h
@@ -86,7 +90,8 @@ def hourglassVectors(body, particle):
 
 
 def denseCriticalStep(scene, fixedComponents=(), withHourglass=True):
-    """2/omega_max with K = sum V B^T D B + hourglass stiffness and M = sum phi m, over the free nodes with mass."""
+    """2/omega_max with K = sum V B^T D B + hourglass stiffness and M = sum phi m, over the free nodes with
+    mass."""
     positions = scene.nodePositions()
     number = {tuple(x.round(6)): i for i, x in enumerate(positions)}
     n = len(positions)
@@ -178,7 +183,8 @@ def test_step_of_a_hybrid_scene_is_that_of_a_dense_eigenvalue_solve():
 
 
 def test_hourglass_stiffness_is_in_the_operator():
-    """It lowers the step of these domains by 0.4 % only, so it is told apart at the accuracy of the iteration, 1e-4."""
+    """It lowers the step of these domains by 0.4 % only, so it is told apart at the accuracy of the
+    iteration, 1e-4."""
     scene = soilBlock(mpm.APDI(size=0.25, hourglass=1))
     assert stepOfGrid(scene) == pytest.approx(denseCriticalStep(scene), rel=1e-4)
     assert stepOfGrid(scene) < 0.999 * denseCriticalStep(scene, withHourglass=False)
@@ -191,9 +197,11 @@ def test_control_the_dense_solve_tells_a_little_more_stiffness():
 
 
 def shaken(type_, factor, steps, scheme="MUSL"):
-    """Largest kinetic energy in pieces of 1000 steps over that at the start, of a free block of random velocities.
+    """Largest kinetic energy in pieces of 1000 steps over that at the start, of a free block of random
+    velocities.
 
-    Once uGIMP boxes overhang a grid line by any amount the critical step is 18 % shorter than of the aligned block, so
+    Once uGIMP boxes overhang a grid line by any amount the critical step is 18 % shorter than of the
+    aligned block, so
     the run warns; MUSL bears it.
     """
     scene = mpm.Scene(lower=(0, 0), upper=(1.5, 1.5), cell=0.25, threads=1, scheme=scheme)

@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""D25, each scheme: the longest stable step is that of the one-step map, not 2/omega_max of the grid (doc/time-step.md).
+"""D25, each scheme: the longest stable step is that of the one-step map, not 2/omega_max of the grid
+(doc/time-step.md).
 
-Set-up: a free elastic block of 2 x 2 cells with random velocities of 1e-6 m/s, aligned with the grid and 0.1 and 50 mm beside it.
-Reference: eigenvalues of M^-1 (A K + 2 K_h) for MUSL and USF, of M^-1 (2 - A) K for USL, from dense matrices that
+Set-up: a free elastic block of 2 x 2 cells with random velocities of 1e-6 m/s, aligned with the grid and
+0.1 and 50 mm beside it.
+Reference: eigenvalues of M^-1 (A K + 2 K_h) for MUSL and USF, of M^-1 (2 - A) K for USL, from dense
+matrices that
 are put together here from the plain weights; A = C M^-1, C the consistent mass.
-Tolerance: 1 % (dense solve); with hourglass control of meshes under MUSL and USF the estimate adds two largest
-eigenvalues, and is up to 6 % short with the default control, 26 % with full control, never long. Runs: at 0.95 of
-the dense step the energy stays bounded over 4000 steps, at 1.05 it grows tenfold or the run ends (control; not
+Tolerance: 1 % (dense solve); with hourglass control of meshes under MUSL and USF the estimate adds two
+largest
+eigenvalues, and is up to 6 % short with the default control, 26 % with full control, never long. Runs: at
+0.95 of
+the dense step the energy stays bounded over 4000 steps, at 1.05 it grows tenfold or the run ends (control;
+not
 under USL with APDI, whose few domains lose what grows).
 """
 

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D26: numerical fracture of a bar that stretches under its own weight (scripts/stretching_bar.py).
 
-Set-up: block of 1 x 1 m hung from its top, plane strain, neo-Hookean, E = 1000 kPa, nu = 0.3, rho = 1.05 Mg/m3, g = 1000 m/s2
+Set-up: block of 1 x 1 m hung from its top, plane strain, neo-Hookean, E = 1000 kPa, nu = 0.3, rho = 1.05
+Mg/m3, g = 1000 m/s2
 switched on suddenly; h = 1/8 m (1/16 in the slow tests), up to 0.09 s, when the bar is longest (2.6 m).
-Reference: centre of mass against time of total-Lagrangian finite elements (stretching_bar_reference.py, 64 x 64 elements).
-Source: our finite element solution; the case is after Sadeghirad, Brannon & Burghardt 2011, Int. J. Numer. Meth. Eng. 86(12).
-Tolerance: 3 % of the largest fall of the centre of mass (1.07 m). Boxes farther apart than 2 + 1/perCell cells share no node.
+Reference: centre of mass against time of total-Lagrangian finite elements (stretching_bar_reference.py, 64
+x 64 elements).
+Source: our finite element solution; the case is after Sadeghirad, Brannon & Burghardt 2011, Int. J. Numer.
+Meth. Eng. 86(12).
+Tolerance: 3 % of the largest fall of the centre of mass (1.07 m). Boxes farther apart than 2 + 1/perCell
+cells share no node.
 """
 
 import importlib.util

@@ -1,14 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """GV: generalized vortex, a manufactured solution with large rotation and shear.
 
-Set-up: ring 0.75 <= R <= 1.25, neo-Hookean, E = 1000, nu = 0.3, rho = 1000; every circle turns rigidly by the angle
+Set-up: ring 0.75 <= R <= 1.25, neo-Hookean, E = 1000, nu = 0.3, rho = 1000; every circle turns rigidly by
+the angle
     alpha = A h(R) sin(pi t),  h = 1 - 32 (R - 1)^2 + 256 (R - 1)^4,  t in [0, 1],
-driven by the body force that makes it exact. APDI on a polar mesh, N cells of the grid and 2 N domains over the width of
-the ring, time step 0.2 h/c_p, MUSL with leap-frog start. The error is the largest over time of the volume-RMS position
+driven by the body force that makes it exact. APDI on a polar mesh, N cells of the grid and 2 N domains over
+the width of
+the ring, time step 0.2 h/c_p, MUSL with leap-frog start. The error is the largest over time of the
+volume-RMS position
 error.
 Reference: 1.23e-2 for A = 1, N = 16 (a trial code), second order in h.
 Source: Kamojjala, Brannon, Sadeghirad & Guilkey 2015, Engineering with Computers 31, 193-213.
-Tolerance: 25 % of the error, order >= 1.8. With A = 1 and N <= 8 the straight edges of the exact domains themselves nearly
+Tolerance: 25 % of the error, order >= 1.8. With A = 1 and N <= 8 the straight edges of the exact domains
+themselves nearly
 invert, which the program stops at; the order is taken with A = 1/2 and, slow, with A = 1, N = 32.
 """
 

@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Contact never adds energy: what it takes from the motion of the nodes, measured at every step (doc/contact.md, Energy).
+"""Contact never adds energy: what it takes from the motion of the nodes, measured at every step
+(doc/contact.md, Energy).
 
-Set-up: discs that collide head-on (D16) and off-centre; a block thrown along a base, 2D and 3D; a disc that rolls down an incline; the sheet pile
+Set-up: discs that collide head-on (D16) and off-centre; a block thrown along a base, 2D and 3D; a disc that
+rolls down an incline; the sheet pile
 with friction; discs thrown together with random velocities. Every law, scheme and particle type.
-Measure: kinetic energy of all nodes before Contact minus that after it, plus the work of driven nodes against its forces.
+Measure: kinetic energy of all nodes before Contact minus that after it, plus the work of driven nodes
+against its forces.
 Tolerance: 1e-13 of the kinetic energy, never below zero; `Contact.gridLoss` is the same number.
-Where impacts are lost the particles gain no more than the nodes, so contact gives them no energy either: 1e-13.
-Where the energy that USF gains comes from: a disc that vibrates alone gains it too, in proportion to the step.
+Where impacts are lost the particles gain no more than the nodes, so contact gives them no energy either:
+1e-13.
+Where the energy that USF gains comes from: a disc that vibrates alone gains it too, in proportion to the
+step.
 """
 
 import importlib.util
@@ -39,7 +44,8 @@ FREE = dict(friction=0.0)
 
 
 class Watch:
-    """Notes at every step what contact takes: as measured on the nodes, as told, and the energy of the nodes before."""
+    """Notes at every step what contact takes: as measured on the nodes, as told, and the energy of the
+    nodes before."""
 
     def __init__(self, scene):
         self.scene, self.measured, self.told, self.energy, self.reduced = scene, [], [], [], 0
@@ -62,7 +68,8 @@ class Watch:
         self.reduced += self.contact.reduced
 
     def check(self, most, settles):
-        """most: what contact took at least, of the largest energy (control); settles: whether no impulses had to be cut."""
+        """most: what contact took at least, of the largest energy (control); settles: whether no impulses
+        had to be cut."""
         measured, told, scale = np.array(self.measured), np.array(self.told), max(self.energy)
         assert measured.min() >= -1e-13 * scale
         assert np.abs(measured - told).max() <= 1e-13 * scale
@@ -124,7 +131,8 @@ LAWS = [
 @pytest.mark.parametrize("law", LAWS, ids=str)
 @pytest.mark.parametrize("kind, scheme", [("uGIMP", "MUSL"), ("cut", "MUSL"), ("APDI", "USF")])
 def test_of_discs_that_glance(kind, scheme, law):
-    """Without slip the rounds between nodes and touches do not settle in one step of the staircases, and would give 0.26 % of the energy."""
+    """Without slip the rounds between nodes and touches do not settle in one step of the staircases, and
+    would give 0.26 % of the energy."""
     scene = discs(kind, scheme, law, off=0.06, step=0.25 if scheme == "USF" else 0.5)
     watched(scene, settles=law != STICKS, until=3.2)
     assert mpm.diagnostics.momentum(scene) == pytest.approx(0, abs=1e-12)
@@ -179,7 +187,8 @@ def test_of_the_sheet_pile():
 @pytest.mark.parametrize("isHeld", [False, True], ids=["free", "held"])
 @pytest.mark.parametrize("law", [dict(friction=3.0), dict(friction=0.3, adhesion=50.0), STICKS], ids=str)
 def test_of_random_discs(law, isHeld):
-    """Meshes with a radius of 1.2 cells at random places, near each other, whose particles have random velocities; half of one is held.
+    """Meshes with a radius of 1.2 cells at random places, near each other, whose particles have random
+    velocities; half of one is held.
 
     Free discs that stick need their impulses cut in one step of these.
     """
@@ -218,7 +227,8 @@ def test_of_random_discs(law, isHeld):
 
 # --- what particles get of it ---------------------------------------------------------------------------
 class Particles(Watch):
-    """Besides: at every step, what the particles gain beyond the gain of the nodes, from their momentum to the end of contact."""
+    """Besides: at every step, what the particles gain beyond the gain of the nodes, from their momentum to
+    the end of contact."""
 
     def __init__(self, scene):
         super().__init__(scene)
@@ -243,7 +253,8 @@ class Particles(Watch):
 @SCHEMES
 @pytest.mark.parametrize("kind", TYPES)
 def test_particles_gain_no_more_than_the_nodes_where_impacts_are_lost(kind, scheme):
-    """FLIP takes from the nodes at most what they have. Where impacts are kept the particles do not take all (control)."""
+    """FLIP takes from the nodes at most what they have. Where impacts are kept the particles do not take
+    all (control)."""
 
     def most(loss):
         scene = discs(kind, scheme, dict(friction=0.3, impactLoss=loss))
@@ -257,7 +268,8 @@ def test_particles_gain_no_more_than_the_nodes_where_impacts_are_lost(kind, sche
 
 # --- what the integrator adds ---------------------------------------------------------------------------
 def gainOfAFreeDisc(step):
-    """Largest gain of total energy, centred in time, of a disc that vibrates alone with the energy of each of D16, under USF."""
+    """Largest gain of total energy, centred in time, of a disc that vibrates alone with the energy of each
+    of D16, under USF."""
     scene = mpm.Scene((0, 0), (1, 1), 1 / 40, scheme="USF", threads=1)
     body = scene.add(
         "disc", disc((0.5, 0.5), 0.2), mpm.NeoHookean(density=1000, young=1000, poisson=0.3), TYPES["APDI"]

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Hertz contact of an elastic cylinder and an elastic half-plane, and of two cylinders, plane strain (scripts/hertz.py).
+"""Hertz contact of an elastic cylinder and an elastic half-plane, and of two cylinders, plane strain
+(scripts/hertz.py).
 
-Set-up and closed form are in the docstring of the script; radius 20 half-widths, a half-width of 5.3 cells (--slow: 8.6).
-Tolerance: half-width and peak pressure, by the second moment of the nodal forces, 5 %; pressure at the axis 8 %, rms of the whole curve 4 % of the
-peak (12 and 5 % where boxes meet an explicit surface along a grid line); overlap 0.02 h. uGIMP boxes of the cylinder stand in columns that follow the
+Set-up and closed form are in the docstring of the script; radius 20 half-widths, a half-width of 5.3 cells
+(--slow: 8.6).
+Tolerance: half-width and peak pressure, by the second moment of the nodal forces, 5 %; pressure at the axis
+8 %, rms of the whole curve 4 % of the
+peak (12 and 5 % where boxes meet an explicit surface along a grid line); overlap 0.02 h. uGIMP boxes of the
+cylinder stand in columns that follow the
 curve; cut ones carry their outline.
-Control: a cylinder cut from the lattice, whose underside is a staircase with treads wider than the contact, gives another half-width.
+Control: a cylinder cut from the lattice, whose underside is a staircase with treads wider than the contact,
+gives another half-width.
 """
 
 import importlib.util

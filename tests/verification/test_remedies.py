@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What slip and the limit of dilatancy change in the sheet pile (scripts/studies/remedies.py), on a coarse grid.
+"""What slip and the limit of dilatancy change in the sheet pile (scripts/studies/remedies.py), on a coarse
+grid.
 
-With friction the soil beside the embedded metre stays where it is (no collar) and closes behind the tip; without dilatancy the
+With friction the soil beside the embedded metre stays where it is (no collar) and closes behind the tip;
+without dilatancy the
 surface hardly heaves; both lower the resistance. Control: the published model, which shows all of it.
 """
 

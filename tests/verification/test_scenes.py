@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""D11, D13, D14, D17, D18: scenes of soil and rock mechanics (scripts/wall.py, strip_load.py, plate_with_hole.py, footing.py,
+"""D11, D13, D14, D17, D18: scenes of soil and rock mechanics (scripts/wall.py, strip_load.py,
+plate_with_hole.py, footing.py,
 column_collapse.py).
 
-Each has a coarse version that takes seconds, with the tolerance that such a grid reaches, and the full one (--slow) with the
+Each has a coarse version that takes seconds, with the tolerance that such a grid reaches, and the full one
+(--slow) with the
 tolerance of good codes. Set-ups are in the docstrings of the scripts. References:
-D11 Rankine 1857 with Bell's cohesion, H = 5 m: thrust 13.46 kN/m active, 23.09 without its tension, 710.07 passive; 8 %.
-D13 strip load on an elastic half-plane, (alpha + sin alpha)/pi; 3 % down to 2 b, 6 % below (the base is at 40 b).
+D11 Rankine 1857 with Bell's cohesion, H = 5 m: thrust 13.46 kN/m active, 23.09 without its tension, 710.07
+passive; 8 %.
+D13 strip load on an elastic half-plane, (alpha + sin alpha)/pi; 3 % down to 2 b, 6 % below (the base is at
+40 b).
 D14 hole in a strip, a/W = 0.2 (Howland 1930): 3.14 and -1.11; 3 %.
 D17 Prandtl 1920: (2 + pi) c, and c Nc for phi = psi = 20 degrees; 3 % with F-bar, 5 to 15 % too much without.
-D18 collapse of a column of bars (the set-up of Bui et al. 2008): run-out of uGIMP, hybrid and two cell sizes within 5 %.
+D18 collapse of a column of bars (the set-up of Bui et al. 2008): run-out of uGIMP, hybrid and two cell
+sizes within 5 %.
 Controls: another friction angle, a base close below, another hole, no F-bar.
 """
 
@@ -208,8 +213,10 @@ def test_footing_fails_at_the_load_of_prandtl(options, tolerance):
 
 @slow
 def test_footing_of_ugimp_on_clay_loses_its_edge_beyond_half_a_cell():
-    """The plain reading takes half a cell beyond the last node for the edge: 3.2 % below the limit load after 0.12 m of settlement. By two
-    widths the limit is met, and the load is that of a footing which ends at its last node (at half of that settlement 0.12 of a cell
+    """The plain reading takes half a cell beyond the last node for the edge: 3.2 % below the limit load
+    after 0.12 m of settlement. By two
+    widths the limit is met, and the load is that of a footing which ends at its last node (at half of that
+    settlement 0.12 of a cell
     beyond)."""
     footing, study = scene("footing"), scene("footing_study")
     a = study.arguments(["--fbar", "--types", "ugimp", "--settlement", "0.12"])
@@ -230,7 +237,8 @@ def byWidths(*options):
 @pytest.mark.parametrize("phi", ["0", "20"])
 @pytest.mark.parametrize("kind, reach", [("ugimp", 0.17), ("apdi", 0.47), ("hybrid", 0.16)])
 def test_the_load_grows_with_the_width_of_the_footing_as_prandtl_says(kind, reach, phi):
-    """The width at the edge is left out: within 3 % on cells of 2/3 m, where the plain reading misses by up to 6.5 %."""
+    """The width at the edge is left out: within 3 % on cells of 2/3 m, where the plain reading misses by up
+    to 6.5 %."""
     error, overhang = byWidths("--fbar", "--types", kind, "--phi", phi)
     assert abs(error) < 0.03
     assert overhang == pytest.approx(
@@ -239,7 +247,8 @@ def test_the_load_grows_with_the_width_of_the_footing_as_prandtl_says(kind, reac
 
 
 def test_control_without_fbar_the_locked_edge_reaches_beyond_a_cell():
-    """Locking shows as overhang, not in the growth of the load: it sits at the edge, where the ground is sheared most."""
+    """Locking shows as overhang, not in the growth of the load: it sits at the edge, where the ground is
+    sheared most."""
     assert byWidths("--types", "ugimp")[1] > 1.0
 
 

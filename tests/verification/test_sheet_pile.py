@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What the headline scene (scripts/sheet_pile.py) and its studies promise: particles, resistance, balance, symmetry, surface, and its summary.json.
+"""What the headline scene (scripts/sheet_pile.py) and its studies promise: particles, resistance, balance,
+symmetry, surface, and its summary.json.
 
-Hybrid and all uGIMP on the coarse grid (cell and pile of 0.5 m), 1 m in 3125 steps at 1 m/s, through the functions of `--compare`;
+Hybrid and all uGIMP on the coarse grid (cell and pile of 0.5 m), 1 m in 3125 steps at 1 m/s, through the
+functions of `--compare`;
 and the number of particles of the default scene, without a run. Bounds are measured values with a margin.
 """
 

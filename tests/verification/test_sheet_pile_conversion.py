@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The sheet pile pressed into soil of APDI alone, whose stretched domains become uGIMP particles (scripts/studies/sheet_pile_study.py).
+"""The sheet pile pressed into soil of APDI alone, whose stretched domains become uGIMP particles
+(scripts/studies/sheet_pile_study.py).
 
-The coarse, fast scene: cell 0.5 m, pile of 0.5 m, 1 m/s; to 1.25 m, and the whole 4 m at 0.1 m/s (slow). Reference: the hybrid.
+The coarse, fast scene: cell 0.5 m, pile of 0.5 m, 1 m/s; to 1.25 m, and the whole 4 m at 0.1 m/s (slow).
+Reference: the hybrid.
 Tolerance 10 % of its resistance down to 2 m. Control: without conversion edges grow beyond the limit.
 """
 

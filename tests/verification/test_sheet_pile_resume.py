@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""--resume: an interrupted run of the sheet pile goes on with its own arguments, and ends as if nothing had happened."""
+"""--resume: an interrupted run of the sheet pile goes on with its own arguments, and ends as if nothing had
+happened."""
 
 import json
 import os

@@ -60,8 +60,8 @@ KINDS = (
     Prescribed,
 )  # whose values may be looked at; Attributed: engines, materials, types
 SCENE_ATTRIBUTES = _words(
-    "time steps dt dtCritical dtStable stiffest dim lower upper cell bodies engines constraints particleCount "
-    "threads scheme"
+    "time steps dt dtCritical dtStable stiffest dim lower upper cell bodies engines constraints "
+    "particleCount threads scheme"
 )
 SCENE_METHODS = {"nodePositions", "faceNodes"}
 

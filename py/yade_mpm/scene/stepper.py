@@ -152,8 +152,8 @@ class Stepper:
             self.dt = self.safeDt()
         elif not isAllowed and critical > 0 and given > scene.dtStable:
             raise ValueError(
-                f"dt = {given:.3g} s exceeds the longest stable step {scene.dtStable:.3g} s of this scene (stiffest: "
-                f"'{scene.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid"
+                f"dt = {given:.3g} s exceeds the longest stable step {scene.dtStable:.3g} s of this scene "
+                f"(stiffest: '{scene.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid"
             )
         else:
             self.dt = given

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The registered classes. A linker may drop a file that nobody names, and its class with it: the lists are asserted."""
+"""The registered classes. A linker may drop a file that nobody names, and its class with it: the lists are
+asserted."""
 
 import pytest
 import yade_mpm as mpm

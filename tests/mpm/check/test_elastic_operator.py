@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The elastic operator behind the critical step has memory of its own: an estimate leaves the rates of the last step."""
+"""The elastic operator behind the critical step has memory of its own: an estimate leaves the rates of the
+last step."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Frictional contact between groups of bodies (doc/contact.md). Pairs are named by their types: base and what lies on it."""
+"""Frictional contact between groups of bodies (doc/contact.md). Pairs are named by their types: base and
+what lies on it."""
 
 import re
 from math import cos, radians, sin, tan
@@ -94,7 +95,8 @@ def pressed(contact, pair, scheme):
 )  # USF strains with velocities that agree without friction (doc/contact.md)
 @pytest.mark.parametrize("pair", ["uu", "ua", "aa"])
 def test_much_friction_without_separation_bonds_what_presses(pair, scheme):
-    """The law itself sticks here, not slip=False. With impactLoss=1 the particles take the whole exchange: 0.1 %."""
+    """The law itself sticks here, not slip=False. With impactLoss=1 the particles take the whole exchange:
+    0.1 %."""
     bonded = pressed(None, pair, scheme)
     assert difference(bonded, pressed(mpm.Contact(friction=100, separation=False), pair, scheme)) < 1e-13
     assert (
@@ -197,7 +199,8 @@ def test_a_block_slides_down_an_incline(dim, pair, friction):
 @pytest.mark.parametrize("pair", PAIRS)
 @pytest.mark.parametrize("dim, friction", [(2, 0.6), (2, 0.8), (3, 0.6)])
 def test_a_block_sticks_to_an_incline(dim, friction, pair):
-    """tan 30 degrees = 0.577. Damping takes the jerk of the release; without friction it would let a block gain 0.5 m/s."""
+    """tan 30 degrees = 0.577. Damping takes the jerk of the release; without friction it would let a block
+    gain 0.5 m/s."""
     incline = Incline(pair, friction, dim, damping=0.5, time=0.2 if dim == 2 else 0.08)
     assert abs(incline.speed[-1]) < 1e-3
     friction, normal = (
@@ -217,7 +220,8 @@ def test_every_scheme_slides_and_sticks(scheme):
 
 
 def test_normals_by_mass_tilt_at_the_ends_of_a_plane():
-    """A limit (doc/contact.md), and the control of the normals from surfaces: the block loses 10 % of its acceleration and more."""
+    """A limit (doc/contact.md), and the control of the normals from surfaces: the block loses 10 % of its
+    acceleration and more."""
     assert Incline("uu", 0.3, normals="mass").acceleration() < 0.9 * G * (
         sin(radians(30)) - 0.3 * cos(radians(30))
     )
@@ -311,7 +315,8 @@ def test_a_driven_body_feels_its_friction():
 
 
 def test_bodies_that_are_both_driven_feel_their_friction():
-    """Neither yields to friction, which acts all the same: base and block are held along, and the weight presses."""
+    """Neither yields to friction, which acts all the same: base and block are held along, and the weight
+    presses."""
     scene = mpm.Scene((0, 0), (2, 1), 0.1, threads=1)
     base = scene.add("base", box((0, 0), (2, 0.2)), elastic(), mpm.UGIMP(perCell=2), group="base")
     block = scene.add("block", box((0.5, 0.2), (1.1, 0.5)), elastic(), mpm.APDI(size=0.05), group="block")
@@ -328,7 +333,8 @@ def test_bodies_that_are_both_driven_feel_their_friction():
 
 
 def test_contact_takes_energy_and_never_gives_any():
-    """A block thrown along a base: every step's friction work is positive, and what is lost is what friction took."""
+    """A block thrown along a base: every step's friction work is positive, and what is lost is what
+    friction took."""
     scene = mpm.Scene((0, 0), (3, 1), 0.1, threads=1)
     base = scene.add("base", box((0, 0), (3, 0.2)), elastic(), mpm.APDI(size=0.05), group="base")
     block = scene.add("block", box((0.5, 0.2), (1.1, 0.5)), elastic(), mpm.UGIMP(perCell=2), group="block")
@@ -384,7 +390,8 @@ def test_nothing_acts_before_surfaces_touch():
 
 
 def workOnTheGap(pair, impactLoss):
-    """Work of the pressure on surfaces that part while they touch, over the work of the drive: soil that yields under a punch."""
+    """Work of the pressure on surfaces that part while they touch, over the work of the drive: soil that
+    yields under a punch."""
     soil = mpm.MohrCoulombDruckerPrager(
         density=2.0, young=1e4, poisson=0.3, cohesion=2.0, frictionAngle=radians(30)
     )
@@ -410,14 +417,16 @@ def workOnTheGap(pair, impactLoss):
 
 @pytest.mark.parametrize("pair, bound, sprung", [("uu", 1e-12, -5e-4), ("ua", 0.01, -0.02)])
 def test_pressure_does_no_work_on_surfaces_that_touch(pair, bound, sprung):
-    """Where impacts are lost. It would be energy from nowhere. Vertices of a mesh press between the nodes and up to their own gap, of
+    """Where impacts are lost. It would be energy from nowhere. Vertices of a mesh press between the nodes
+    and up to their own gap, of
     which that of the nodes is no exact measure: -0.8 % for "ua"."""
     assert abs(workOnTheGap(pair, impactLoss=1.0)) < bound
     assert workOnTheGap(pair, impactLoss=0.0) < sprung  # control: elastic impacts spring back
 
 
 def test_boxes_caught_inside_a_mesh_do_not_hide_its_tip():
-    """Soil that rises beside a pile and, caught, within it: at the tip its boxes look down, away from the pile, as flat as can be. The
+    """Soil that rises beside a pile and, caught, within it: at the tip its boxes look down, away from the
+    pile, as flat as can be. The
     nodes there take the normal of the mesh all the same, and hold what is caught."""
     scene = mpm.Scene((0, 0), (4.5, 4), 0.5, threads=1)
     scene.add("pile", box((2, 1.5), (2.5, 3)), elastic(), typeOf("a", 0.5), group="pile")
@@ -435,7 +444,8 @@ def test_boxes_caught_inside_a_mesh_do_not_hide_its_tip():
 
 # --- a plate drawn from the ground ----------------------------------------------------------------------
 def pullOut(pair, wide, shift, friction=0.2, adhesion=0.0, squeeze=0.0, normals="surface"):
-    """Pull over its reference, and overlap in cells: a plate of `wide` cells through soil under K0 = 0.5; shift in cells.
+    """Pull over its reference, and overlap in cells: a plate of `wide` cells through soil under K0 = 0.5;
+    shift in cells.
 
     squeeze : horizontal stress besides, kPa, so that the soil at the surface stays in contact.
     """

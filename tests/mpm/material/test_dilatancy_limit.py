@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The dilatancy of MohrCoulombDruckerPrager ends exactly at a plastic volumetric strain, or at a critical void ratio.
+"""The dilatancy of MohrCoulombDruckerPrager ends exactly at a plastic volumetric strain, or at a critical
+void ratio.
 
-Set-up: single points of c-phi soil, phi = 30 and psi = 10 degrees: triaxial and plane-strain compression at constant lateral
+Set-up: single points of c-phi soil, phi = 30 and psi = 10 degrees: triaxial and plane-strain compression at
+constant lateral
 stress, simple shear at constant normal stress, isotropic extension; a scene in which a domain is converted.
 Reference, closed form:
-- triaxial compression along the potential q + beta I1: eps_v = dsigma/(3K) + min(3 beta/(1/sqrt3 - beta) (eps_a - dsigma/E), limit),
+- triaxial compression along the potential q + beta I1: eps_v = dsigma/(3K) + min(3 beta/(1/sqrt3 - beta)
+  (eps_a - dsigma/E), limit),
   with the strength dsigma = (K_p - 1) sigma_3 + 2 c sqrt(K_p);
-- plane strain at constant stress: d(eps_v)/d(eps_1 - eps_3) = sin(psi), simple shear: d(eps_v)/d(gamma) = tan(psi);
+- plane strain at constant stress: d(eps_v)/d(eps_1 - eps_3) = sin(psi), simple shear: d(eps_v)/d(gamma) =
+  tan(psi);
 - a step across the limit is the step up to the limit followed by one without dilatancy.
 Tolerance: 1e-12 of the strain where it is exact; 2 % for the slope in simple shear, whose stresses turn.
 Controls: without the limit the volume goes on growing; a limit that is 1e-9 higher is noticed.
@@ -40,7 +44,8 @@ def plasticVolume(point):
 
 
 def heldStep(point, gradient, free, stress, guess):
-    """One step in which the gradient g + x free keeps <free, sigma>/<free, free> at `stress`; returns x. By secants on copies."""
+    """One step in which the gradient g + x free keeps <free, sigma>/<free, free> at `stress`; returns x. By
+    secants on copies."""
 
     def miss(x):
         return (point.copy().gradient(gradient + x * free, 1.0) * free).sum() / (free * free).sum() - stress
@@ -58,7 +63,8 @@ def heldStep(point, gradient, free, stress, guess):
 
 
 def compressed(material, free, steps, size=2e-5):
-    """Axial compression at constant stress along `free`: axial and volumetric logarithmic strain after each step, and the point."""
+    """Axial compression at constant stress along `free`: axial and volumetric logarithmic strain after each
+    step, and the point."""
     point, x, axial, volume = mpm.MaterialPoint(material, stress=LATERAL * I), 0.3 * size, [], []
     for n in range(steps):
         x = heldStep(point, np.diag([0, 0, -size]), free, LATERAL, x)
@@ -103,7 +109,8 @@ def test_volume_in_plane_strain_grows_with_the_sine_of_the_dilatancy_angle():
 
 
 def sheared(material, steps=400, size=1e-3):
-    """Simple shear at constant normal stress: growth of the volumetric strain per shear strain in each step, and the point."""
+    """Simple shear at constant normal stress: growth of the volumetric strain per shear strain in each
+    step, and the point."""
     point, x, volume = mpm.MaterialPoint(material, stress=LATERAL * I), 0.0, [0.0]
     for _ in range(steps):
         g = np.zeros((3, 3))
@@ -121,13 +128,15 @@ def test_volume_in_simple_shear_grows_with_the_tangent_of_the_dilatancy_angle():
     assert freely[-1] == pytest.approx(np.tan(PSI), rel=1e-3)  # control
 
 
-# --- the step that reaches the limit ---------------------------------------------------------------------------
+# --- the step that reaches the limit
+# ---------------------------------------------------------------------------
 STEP = np.diag([0.004, 0.003, -0.012]) + 0.002 * (np.eye(3, k=1) + np.eye(3, k=-1))
 BEFORE = np.diag([-50.0, -60.0, -120.0])
 
 
 def test_the_step_that_reaches_the_limit_ends_there():
-    """And is the step up to the limit, taken with that part of the gradient, followed by one without dilatancy."""
+    """And is the step up to the limit, taken with that part of the gradient, followed by one without
+    dilatancy."""
     whole = mpm.MaterialPoint(soil(), stress=BEFORE)
     whole.strain(STEP)
     full = plasticVolume(whole)
@@ -164,7 +173,8 @@ def test_a_soil_at_its_limit_is_one_without_dilatancy():
     )
 
 
-# --- void ratios -----------------------------------------------------------------------------------------------
+# --- void ratios
+# -----------------------------------------------------------------------------------------------
 def test_the_void_ratio_ends_at_the_critical_one():
     e0, critical = 0.60, 0.61
     _, _, point = compressed(soil(initialVoidRatio=e0, criticalVoidRatio=critical), RADIAL, 2200)
@@ -181,7 +191,8 @@ def test_the_void_ratio_ends_at_the_critical_one():
     assert (1 + e0) * np.exp(plasticVolume(point)) - 1 == pytest.approx(critical, abs=1e-15)
 
 
-# --- opening ---------------------------------------------------------------------------------------------------
+# --- opening
+# ---------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "attributes, highest", [({}, C / np.tan(PHI)), ({"tensionCutOff": 5.0}, 5.0)], ids=["apex", "cut-off"]
 )
@@ -206,9 +217,11 @@ def test_opening_is_not_held_back_but_counts(attributes, highest):
     assert plasticVolume(dense) > 1e-4
 
 
-# --- in a scene ------------------------------------------------------------------------------------------------
+# --- in a scene
+# ------------------------------------------------------------------------------------------------
 def shearedBlock(limit):
-    """A strong block, sheared until its middle is at the limit; a domain there is pulled out of shape and becomes particles.
+    """A strong block, sheared until its middle is at the limit; a domain there is pulled out of shape and
+    becomes particles.
 
     Returns the scene and the plastic volume of that domain just before.
     """

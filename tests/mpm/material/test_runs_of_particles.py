@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What a material makes of a particle may depend neither on its neighbours in the run nor on the dimension.
 
-Set-up: 19 bodies of 1, 2, ... 19 particles, all of them at one place of the grid, whose nodes are held at a linear
-velocity; hence every particle has the same velocity gradient. With the same stress, too, all 190 must come out alike.
-Reference: each other, bit by bit (a vectorised loop, of up to 16 particles at a time, treats the last ones of a run in
-other instructions, and a compiler may contract a*b + c differently there; the bits would change with a sort or a
-restart). For plane strain: the 3D update of a single point. Tolerance there: 1e-14 of the largest stress (4e-15 found).
-Controls: a particle whose stress differs in the 13th digit comes out differently; so does a 3D point that is strained
+Set-up: 19 bodies of 1, 2, ... 19 particles, all of them at one place of the grid, whose nodes are held at a
+linear
+velocity; hence every particle has the same velocity gradient. With the same stress, too, all 190 must come
+out alike.
+Reference: each other, bit by bit (a vectorised loop, of up to 16 particles at a time, treats the last ones
+of a run in
+other instructions, and a compiler may contract a*b + c differently there; the bits would change with a sort
+or a
+restart). For plane strain: the 3D update of a single point. Tolerance there: 1e-14 of the largest stress
+(4e-15 found).
+Controls: a particle whose stress differs in the 13th digit comes out differently; so does a 3D point that
+is strained
 out of the plane.
 """
 
@@ -47,7 +53,8 @@ def heldNodes(L):
 
 
 def bodies(material, L, stress, most=MOST):
-    """Bodies of 1 to `most` particles after one step with the gradient L; stress (N, 3, 3) of the particles, None: zero."""
+    """Bodies of 1 to `most` particles after one step with the gradient L; stress (N, 3, 3) of the
+    particles, None: zero."""
     dim = len(L)
     scene = mpm.Scene(lower=np.zeros(dim), upper=np.full(dim, CELLS), cell=1.0, threads=1)
     material = MATERIALS[material]()

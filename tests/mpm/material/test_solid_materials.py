@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The 3D updates against their definitions, written with eigenvalues, matrix functions and exact fractions.
 
-Set-up: single points, thousands of random states and steps of every kind that a branch-free update could get wrong.
+Set-up: single points, thousands of random states and steps of every kind that a branch-free update could
+get wrong.
 Reference: `soilStep`, `henckyStep` and `neoHookean` below, which are the readable form of the three models.
 Tolerance: 1e-12 of the largest stress that occurs in the step (of the largest strain for state variables).
-Controls: a reference without friction, without the Lode angle, without the half rotation, that does not split the step at
+Controls: a reference without friction, without the Lode angle, without the half rotation, that does not
+split the step at
 the dilatancy limit, with small strains, and without the change of volume must be told apart.
 """
 
@@ -48,7 +50,8 @@ def magnitude(rng, lowest, highest):
     return 10 ** rng.uniform(lowest, highest)
 
 
-# --- MohrCoulombDruckerPrager --------------------------------------------------------------------------------
+# --- MohrCoulombDruckerPrager
+# --------------------------------------------------------------------------------
 SOIL = {"cohesion": 8.5, "frictionAngle": np.radians(30), "dilatancyAngle": np.radians(10)}
 SAND = {**SOIL, "cohesion": 0.0}
 CLAY = {"cohesion": 20.0, "frictionAngle": 0.0}
@@ -153,7 +156,8 @@ def soilSteps(kind, rng):
 
 
 def soilErrors(kind, cases=150, steps=3, **dropped):
-    """Largest differences to the definition over random cases, relative to their scales, and what happened."""
+    """Largest differences to the definition over random cases, relative to their scales, and what
+    happened."""
     rng = np.random.default_rng(1)
     worst, seen = 0.0, {"elastic": 0, "yielding": 0, "apex": 0}
     for _ in range(cases):
@@ -235,7 +239,8 @@ def test_control_a_term_left_out_of_the_soil_is_noticed(kind, dropped):
 
 @pytest.mark.parametrize("principal", [(-20.0, -20.0, -300.0), (-20.0, -300.0, -300.0)])
 def test_a_triaxial_state_at_yield_stays_to_the_last_digits(principal):
-    """Strength at the edges of the cone, where two principal stresses coincide: c is chosen to put them on it."""
+    """Strength at the edges of the cone, where two principal stresses coincide: c is chosen to put them on
+    it."""
     phi, (s1, s3) = np.radians(30), (max(principal), min(principal))
     cohesion = ((s1 - s3) / 2 + (s1 + s3) / 2 * np.sin(phi)) / np.cos(phi)
     rng = np.random.default_rng(2)
@@ -250,7 +255,8 @@ def test_a_triaxial_state_at_yield_stays_to_the_last_digits(principal):
             assert (point.state["plasticShearStrain"] > 0) == yields
 
 
-# --- LinearElastic -------------------------------------------------------------------------------------------
+# --- LinearElastic
+# -------------------------------------------------------------------------------------------
 def spectral(function, a):
     values, vectors = np.linalg.eigh(a)
     return vectors * function(values) @ vectors.T
@@ -358,7 +364,8 @@ def test_the_reference_agrees_with_matrix_functions_of_scipy():
         assert np.abs(spectral(np.log1p, e) - scipy.linalg.logm(I + e)).max() < 1e-13
 
 
-# --- NeoHookean ----------------------------------------------------------------------------------------------
+# --- NeoHookean
+# ----------------------------------------------------------------------------------------------
 def neoHookean(F, volume=True):
     """Stress in exact fractions but for the logarithm."""
     F = [[Fraction(float(x)) for x in row] for row in F]

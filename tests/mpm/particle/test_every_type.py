@@ -24,12 +24,14 @@ def makeScene(dim, **arguments):
 
 
 def addBlock(scene, name, jitter=0.1, young=1e3):
-    """Two cells per direction in the middle of the grid, domains of half a cell, put out of order by `jitter` edges.
+    """Two cells per direction in the middle of the grid, domains of half a cell, put out of order by
+    `jitter` edges.
 
-    They are also moved off the nodes by two jitters: a node that a domain barely touches has so little mass that the
+    They are also moved off the nodes by two jitters: a node that a domain barely touches has so little mass
+    that the
     solver leaves it out (1e-12 of a particle), and the identities would hold to 1e-9 only.
     """
-    dim, cell = scene.dim, scene.cell
+    cell = scene.cell
     rng = np.random.default_rng(3)
     type_ = getattr(mpm, name)
     region = box(2 * cell, 4 * cell)
@@ -123,7 +125,8 @@ def test_nodes_get_what_the_weights_say(name, dim):
 @everyType
 @pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
 def test_a_linear_nodal_velocity_is_taken_exactly(name, dim, scheme):
-    """Nodes held at v = b x_k: the particles get that velocity, L = b (x) e_k, and the domains move with it."""
+    """Nodes held at v = b x_k: the particles get that velocity, L = b (x) e_k, and the domains move with
+    it."""
     b = np.array([0.3, -0.2, 0.5])[:dim]
     for axis in range(dim):
         scene = makeScene(dim, scheme=scheme)
@@ -155,7 +158,8 @@ def test_a_linear_nodal_velocity_is_taken_exactly(name, dim, scheme):
 @everyType
 @pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
 def test_volume_grows_with_the_trace_of_the_velocity_gradient(name, dim, scheme):
-    """dV/dt = V tr L: domains must move with the very velocity field that enters L, under MUSL the re-mapped one."""
+    """dV/dt = V tr L: domains must move with the very velocity field that enters L, under MUSL the
+    re-mapped one."""
     scene = makeScene(dim, scheme=scheme)
     body = addBlock(scene, name, young=1e8)
     rng = np.random.default_rng(6)
@@ -182,7 +186,8 @@ def test_volume_grows_with_the_trace_of_the_velocity_gradient(name, dim, scheme)
 
 
 def fall(name, dim, steps, g=2.0, look=None):
-    """Position of a block that falls over some two cells, where it was, and the step. look(scene, body) after every step."""
+    """Position of a block that falls over some two cells, where it was, and the step. look(scene, body)
+    after every step."""
     scene = makeScene(dim)
     body = addBlock(scene, name)
     gravity = np.zeros(dim)
@@ -219,7 +224,8 @@ LOOKS = {
 @everyType
 @pytest.mark.parametrize("look", LOOKS)
 def test_looks_between_steps_change_nothing(name, dim, look):
-    """They find out where the body is before the step does, which all the same has to learn that it has reached new nodes."""
+    """They find out where the body is before the step does, which all the same has to learn that it has
+    reached new nodes."""
     expected, before, _, _ = fall(name, dim, 200)
     after, _, _, stress = fall(name, dim, 200, look=LOOKS[look])
     assert np.abs(after - expected).max() <= 1e-12

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A kernel that reaches more nodes than threads keep apart does not compile. (Its transfers: tests/cpp/stencilDomains.cpp.)"""
+"""A kernel that reaches more nodes than threads keep apart does not compile. (Its transfers:
+tests/cpp/stencilDomains.cpp.)"""
 
 import re
 import subprocess

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Particles grouped by blocks of the grid: what two threads add to the nodes at a time lies apart, along every axis but the first."""
+"""Particles grouped by blocks of the grid: what two threads add to the nodes at a time lies apart, along
+every axis but the first."""
 
 import h5py
 import numpy as np
@@ -26,7 +27,8 @@ def flying(dim, axis=1, particles=None):
 
 
 def places(body, first):
-    """Of every particle, in the order of its blocks: rows of nodes from the first of its block to the first of its support, per axis but the first.
+    """Of every particle, in the order of its blocks: rows of nodes from the first of its block to the first
+    of its support, per axis but the first.
 
     Blocks are numbered by tiles of two along each axis, tiles with axis 1 fastest."""
     dim = first.shape[1]
@@ -58,7 +60,8 @@ def test_particles_stay_within_a_node_of_their_block(dim, axis):
 
 @pytest.mark.parametrize("particles", [mpm.UGIMP(), mpm.APDI(size=H / 2)])
 def test_a_checkpoint_with_other_blocks_goes_on(tmp_path, particles):
-    """Earlier versions cut the grid otherwise: particles are grouped anew, and the run differs by round-off."""
+    """Earlier versions cut the grid otherwise: particles are grouped anew, and the run differs by
+    round-off."""
     scene, body = flying(3, particles=particles)
     body.stress = np.diag([3.0, -2.0, 5.0])
     scene.run(steps=5, progress=False)

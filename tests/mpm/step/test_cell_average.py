@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""F-bar: after a step the mean stress is linear in each cell of a body. The volume-weighted mean of the cell and the deviators stay, the
+"""F-bar: after a step the mean stress is linear in each cell of a body. The volume-weighted mean of the
+cell and the deviators stay, the
 slopes are those towards the neighbouring cells, and no value is beyond theirs."""
 
 import numpy as np
@@ -11,7 +12,8 @@ STRONG = dict(density=2.0, lame=(1e3, 1e3), cohesion=1e3, frictionAngle=0.0, dil
 
 
 def stressed(kind, stress, fbar=True, dim=2):
-    """A block at rest with stress(positions), (N,) or (N, 3, 3), after one step too short to change it. Returns the body and the stress before."""
+    """A block at rest with stress(positions), (N,) or (N, 3, 3), after one step too short to change it.
+    Returns the body and the stress before."""
     scene = mpm.Scene((0,) * dim, (4,) * dim, CELL)
     type_ = mpm.APDI(size=CELL / 2) if kind == "APDI" else mpm.UGIMP(perCell=2)
     body = scene.add(

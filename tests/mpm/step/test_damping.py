@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Local damping acts on what particles feel (doc/decisions/0006).
 
-Two columns of uGIMP boxes beside one line of nodes with shear stress of opposite sign: the nodal forces are large, but
+Two columns of uGIMP boxes beside one line of nodes with shear stress of opposite sign: the nodal forces are
+large, but
 their accelerations cancel in every particle. The pair moves at a constant velocity; nothing may slow it down.
 """
 

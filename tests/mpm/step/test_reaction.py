@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a drive exerts on a body at rest balances its body forces, in force and moment, component by component."""
+"""What a drive exerts on a body at rest balances its body forces, in force and moment, component by
+component."""
 
 import numpy as np
 import pytest

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""VelocityRemap is a stage of the chain: the scene adds it where the scheme needs it, and users see and time it."""
+"""VelocityRemap is a stage of the chain: the scene adds it where the scheme needs it, and users see and
+time it."""
 
 import numpy as np
 import pytest
@@ -94,7 +95,8 @@ def test_it_has_no_place_under_usl_nor_anywhere_else():
 
 @pytest.mark.parametrize("contact", [False, True])
 def test_a_loop_of_its_own_gives_the_same_bits(contact):
-    """Directly behind GridToParticle momentum is given in the loop that moves the particles. A callback between the two parts
+    """Directly behind GridToParticle momentum is given in the loop that moves the particles. A callback
+    between the two parts
     them. Control: without friction the bits differ."""
     states = []
     for between in (False, True):

@@ -343,7 +343,8 @@ def test_meshes_that_are_right_are_taken():
     ],
 )
 def test_a_mesh_that_would_lead_the_solver_astray_is_refused(mesh, told):
-    """Indices of 2^30 and slaves without masters were segmentation faults, cells twice there twice the mass."""
+    """Indices of 2^30 and slaves without masters were segmentation faults, cells twice there twice the
+    mass."""
     with pytest.raises(ValueError, match=f"'m': .*{told}"):
         added(mesh)
 

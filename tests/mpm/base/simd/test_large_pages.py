@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Large arrays ask for large pages (base/largePages.hpp), and begin at one: with 200,000 particles up to 12 % of a step each."""
+"""Large arrays ask for large pages (base/largePages.hpp), and begin at one: with 200,000 particles up to 12
+% of a step each."""
 
 from pathlib import Path
 
@@ -22,6 +23,7 @@ def flagsAt(address):
             isThere = start <= address < end
         elif isThere and first == "VmFlags:":
             return line.split()[1:]
+    return None
 
 
 @pytest.mark.parametrize(

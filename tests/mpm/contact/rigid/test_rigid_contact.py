@@ -56,7 +56,8 @@ class Free:
         self.log.append((scene.time, *self.v[0], *self.w[0], *self.contact.forces[0]))
 
     def acceleration(self, first, column=1):
-        """Slope of the velocity along x, or of the spin (column 6), since entry `first`, the first fifth left out."""
+        """Slope of the velocity along x, or of the spin (column 6), since entry `first`, the first fifth
+        left out."""
         rows = np.array(self.log[first:])
         rows = rows[len(rows) // 5 :]
         return np.polyfit(rows[:, 0], rows[:, column], 1)[0]
@@ -132,7 +133,8 @@ def test_force_and_moment_on_the_nodes_are_those_on_the_body(kind, dim):
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, np.pi / 4])
 def test_friction_acts_where_the_normal_leaves_the_box(angle):
-    """One box on a wall that slides along itself. With friction at the inscribed ball boxes stuck below the edge of a wedge, and its pile met 30 % more."""
+    """One box on a wall that slides along itself. With friction at the inscribed ball boxes stuck below the
+    edge of a wedge, and its pile met 30 % more."""
     scene = mpm.Scene((0, 0), (1, 1), 0.2, threads=1)
     half = 0.05
     block = scene.add("box", box((0.4, 0.4), (0.5, 0.5)), elastic(), mpm.UGIMP(perCell=2))
@@ -176,7 +178,8 @@ def plateOnGround(kind, friction=0.3, weight=10.0, length=4.0):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_ground_carries_a_plate(kind):
-    """Weight within 0.1 %; penetration at most twice that of a uniform pressure, p/kappa (1.0 to 1.4 were measured)."""
+    """Weight within 0.1 %; penetration at most twice that of a uniform pressure, p/kappa (1.0 to 1.4 were
+    measured)."""
     scene, contact, plate = plateOnGround(kind)
     assert contact.forces[0, 1] == pytest.approx(10, rel=1e-3)
     uniform = 10 / 0.9 / contact.stiffnessUsed
@@ -221,7 +224,8 @@ def test_without_friction_there_is_no_tangential_force_at_all(kind):
 
 
 def test_friction_at_rest_is_held_by_the_history():
-    """The slip is tangential and carries the load. Control: without it the friction is gone in the next step."""
+    """The slip is tangential and carries the load. Control: without it the friction is gone in the next
+    step."""
     scene, contact, plate = plateOnGround("APDI")
     plate.load[0] = 2
     scene.run(steps=300, progress=False)
@@ -238,7 +242,8 @@ def test_friction_at_rest_is_held_by_the_history():
 @pytest.mark.parametrize("friction", [0.0, 0.1, 0.6])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_disc_slides_or_rolls_down_an_incline(kind, friction):
-    """30 degrees; slides if mu < tan(theta)/3 with a = g (sin - mu cos), else rolls with a = 2/3 g sin. Within 5 %; 0.01 to
+    """30 degrees; slides if mu < tan(theta)/3 with a = g (sin - mu cos), else rolls with a = 2/3 g sin.
+    Within 5 %; 0.01 to
     0.25 % were measured."""
     theta, g, mass, radius = np.radians(30), 10.0, 1.5, 0.5
     scene = mpm.Scene((0, 0), (2.4, 1.0), 0.1, threads=1)
@@ -267,7 +272,8 @@ def test_a_disc_slides_or_rolls_down_an_incline(kind, friction):
 def layerFactor(chi, poisson):
     """Force on a sphere on an elastic layer that slips on its base, over Hertz; chi = sqrt(R d)/thickness.
 
-    Dimitriadis et al. 2002, Biophys. J. 82, 2798-2810 (layer not bonded to its base). Within 0.5 % of the integral equation for chi < 0.3
+    Dimitriadis et al. 2002, Biophys. J. 82, 2798-2810 (layer not bonded to its base). Within 0.5 % of the
+    integral equation for chi < 0.3
     (scripts/yade_hertz.py).
     """
     a, b = -0.347 * (3 - 2 * poisson) / (1 - poisson), 0.056 * (5 - 2 * poisson) / (1 - poisson)
@@ -282,9 +288,11 @@ def layerFactor(chi, poisson):
 
 
 def forceOverHertz(cells, radiusInCells, ratio=0.2, young=1e4, poisson=0.3, isMeshed=True):
-    """A rigid sphere pressed into a quarter of a block of cells^3; contact radius sqrt(R d) in cells, ratio = that over R.
+    """A rigid sphere pressed into a quarter of a block of cells^3; contact radius sqrt(R d) in cells, ratio
+    = that over R.
 
-    Free sides (- 3 %) and finite strains (+ 4 %) about cancel against the layer; scripts/yade_hertz.py does without both.
+    Free sides (- 3 %) and finite strains (+ 4 %) about cancel against the layer; scripts/yade_hertz.py does
+    without both.
     """
     h = 0.1
     size, a = cells * h, radiusInCells * h
@@ -315,7 +323,8 @@ def forceOverHertz(cells, radiusInCells, ratio=0.2, young=1e4, poisson=0.3, isMe
 
 @pytest.mark.parametrize("isMeshed, ratio", [(True, 0.2), (False, 0.05)], ids=["APDI", "UGIMP"])
 def test_a_sphere_on_an_elastic_block_follows_hertz(isMeshed, ratio):
-    """Coarse: contact radius of three cells, 1000 cells. Within 3 % of Hertz for a layer; 0.5 and 1.4 % were measured. On the
+    """Coarse: contact radius of three cells, 1000 cells. Within 3 % of Hertz for a layer; 0.5 and 1.4 %
+    were measured. On the
     corners of boxes (23 %), with forces (5 %) or all of it (7 %) at their centres, uGIMP is beyond."""
     found, expected = forceOverHertz(10, 3, ratio, isMeshed=isMeshed)
     assert found == pytest.approx(expected, rel=0.03)
@@ -371,7 +380,8 @@ def test_a_body_that_only_touches_flat_ground_gets_no_force(kind, dim, name):
 
 
 def test_a_body_that_touches_the_ground_is_not_thrown_off_by_small_steps():
-    """A disc under its weight, steps of 1/20 of the critical one: the contact is 400 times as stiff. It only ever goes down. Control: put
+    """A disc under its weight, steps of 1/20 of the critical one: the contact is 400 times as stiff. It
+    only ever goes down. Control: put
     1 mm deeper it is thrown up."""
 
     def velocities(deep):
@@ -393,7 +403,8 @@ def test_a_body_that_touches_the_ground_is_not_thrown_off_by_small_steps():
 # --- the rest ---------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_holds_a_body_that_leaves(kind):
-    """Every normal force pushes, with damping, too, also while the sphere leaves (the last forces fall to nothing)."""
+    """Every normal force pushes, with damping, too, also while the sphere leaves (the last forces fall to
+    nothing)."""
     scene, contact, block, sphere = thrown(kind, 2, normalDamping=1.0)
     pushes = []
 
@@ -423,11 +434,14 @@ def energies(scene, contact):
 @pytest.mark.parametrize("friction, x", [(0.0, 0.6), (0.9, 0.57)], ids=["slides", "sticks"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_contact_gives_no_more_energy_than_its_springs_had(kind, friction, x):
-    """Soil under a disc that is fixed 5 mm deep, without any damping, 4000 steps at the largest safe factor: the energy of soil and springs, and
-    the work on the soil with that of the springs. At the places of uGIMP particles, ahead of their strain, the springs gave the soil 210 (sticking: 10)
+    """Soil under a disc that is fixed 5 mm deep, without any damping, 4000 steps at the largest safe
+    factor: the energy of soil and springs, and
+    the work on the soil with that of the springs. At the places of uGIMP particles, ahead of their strain,
+    the springs gave the soil 210 (sticking: 10)
     times what they had.
 
-    Velocities belong to the middle of steps, so the sum swings up to 1.44 and ends near 0.9. With the arm of a step's end the work was up to 35 % off.
+    Velocities belong to the middle of steps, so the sum swings up to 1.44 and ends near 0.9. With the arm
+    of a step's end the work was up to 35 % off.
     """
     scene = mpm.Scene((0, 0), (1.2, 1.6), 0.1, threads=1)
     scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), typeOf(kind, 0.1))
@@ -444,7 +458,8 @@ def test_contact_gives_no_more_energy_than_its_springs_had(kind, friction, x):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_disc_that_bounces_off_takes_no_more_energy_than_it_brought(kind):
-    """Undamped soil, both together within 5 %. With uGIMP the disc left with 1.01 of its energy, and the soil had 0.07 more."""
+    """Undamped soil, both together within 5 %. With uGIMP the disc left with 1.01 of its energy, and the
+    soil had 0.07 more."""
     scene = mpm.Scene((0, 0), (1.2, 1.6), 0.1, threads=1)
     scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), typeOf(kind, 0.1))
     contact = mpm.RigidContact(stiffnessFactor=0.7)
@@ -526,7 +541,8 @@ def test_a_restart_goes_on_with_the_same_bits(kind):
     ids=["box", "flush boxes", "facet", "two facets", "wall"],
 )
 def test_shapes_with_the_same_face_press_alike(shapes):
-    """A flat face pressed 1 mm into ground 0.8 m wide: 32 particles with the same force, no matter what the face belongs to."""
+    """A flat face pressed 1 mm into ground 0.8 m wide: 32 particles with the same force, no matter what the
+    face belongs to."""
     scene = mpm.Scene((0, 0), (1.2, 1), 0.1, threads=1)
     scene.add("soil", box((0.2, 0), (1.0, 0.5)), elastic(), mpm.UGIMP(perCell=4))
     contact = mpm.RigidContact()
@@ -538,7 +554,8 @@ def test_shapes_with_the_same_face_press_alike(shapes):
 
 
 def test_a_turned_clump_in_3D_is_where_it_should_be():
-    """A box in a body that is turned by 90 degrees about x and moved: its upright face meets the ground. Control: not turned."""
+    """A box in a body that is turned by 90 degrees about x and moved: its upright face meets the ground.
+    Control: not turned."""
 
     def contacts(orientation):
         scene = mpm.Scene((0, 0, 0), (1, 1, 1), 0.1, threads=1)

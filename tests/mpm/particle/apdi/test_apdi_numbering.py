@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Rows of a mesh are read and written as vectors, other domains one by one: how a mesh is numbered must not matter."""
+"""Rows of a mesh are read and written as vectors, other domains one by one: how a mesh is numbered must not
+matter."""
 
 from itertools import product
 from math import radians
@@ -22,7 +23,8 @@ def meshOf(dim, n):
 
 
 def shear(points, cells, steps=60):
-    """Stress and position of the particles after some steps of a block that is sheared on a held base, under gravity."""
+    """Stress and position of the particles after some steps of a block that is sheared on a held base,
+    under gravity."""
     dim = points.shape[1]
     soil = mpm.MohrCoulombDruckerPrager(
         density=2.0,

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Vertices of fine domains on the edges of coarse ones: what they hold goes to the nodes by way of their masters, once."""
+"""Vertices of fine domains on the edges of coarse ones: what they hold goes to the nodes by way of their
+masters, once."""
 
 import numpy as np
 import pytest
@@ -11,7 +12,8 @@ EDGE = 1.0
 
 
 def block(dim, hourglass):
-    """A block of coarse domains with fine ones in its middle, its free vertices out of order; scene and body."""
+    """A block of coarse domains with fine ones in its middle, its free vertices out of order; scene and
+    body."""
     scene = mpm.Scene((0,) * dim, (8,) * dim, EDGE, threads=1)
     region = mpm.box((2,) * dim, (6,) * dim)
     mesh = refineNear(
@@ -82,7 +84,8 @@ def test_nodes_get_what_the_weights_say(dim):
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_impulse_of_hourglass_control_comes_once(dim):
-    """MUSL: m_i v_i = sum phi m v_p + dt times the forces of hourglass control, here the only ones; vertices move with v."""
+    """MUSL: m_i v_i = sum phi m v_p + dt times the forces of hourglass control, here the only ones;
+    vertices move with v."""
     scene, body = block(dim, hourglass=0.1)
     body.vertices[...] = onMasters(
         body.vertices + 0.1 * np.random.default_rng(2).uniform(-1, 1, body.vertices.shape), body.mesh

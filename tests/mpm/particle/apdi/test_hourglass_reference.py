@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Hourglass control resists what a domain's pattern differs from that of the undeformed one by. Where all of these are parallelograms there is
+"""Hourglass control resists what a domain's pattern differs from that of the undeformed one by. Where all
+of these are parallelograms there is
 nothing to compare with, and the deformation gradient is not asked."""
 
 import numpy as np
@@ -15,7 +16,8 @@ def emptyScene(dim):
 
 
 def meshOf(dim, n, unevenness):
-    """A mesh of n domains in each direction whose vertices are off a lattice by a part of the edge: points, cells."""
+    """A mesh of n domains in each direction whose vertices are off a lattice by a part of the edge: points,
+    cells."""
     body = emptyScene(dim).add(
         "lattice", mpm.box((8 * EDGE,) * dim, ((8 + n) * EDGE,) * dim), SOIL, mpm.APDI(size=EDGE)
     )
@@ -25,7 +27,8 @@ def meshOf(dim, n, unevenness):
 
 
 def speedAfterAStep(points, cells, deform=None, push=0.0):
-    """Largest speed of particles or vertices, m/s, after one step from rest without stress; the body may be deformed before, by F in all points
+    """Largest speed of particles or vertices, m/s, after one step from rest without stress; the body may be
+    deformed before, by F in all points
     alike, and one vertex in its middle be pushed by a part of the edge."""
     dim = points.shape[1]
     scene = emptyScene(dim)

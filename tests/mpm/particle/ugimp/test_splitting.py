@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""UGIMP(splitAt): what a cut keeps, when it comes, and that runs with cuts are the same on any number of threads and after a restart."""
+"""UGIMP(splitAt): what a cut keeps, when it comes, and that runs with cuts are the same on any number of
+threads and after a restart."""
 
 import numpy as np
 import pytest
@@ -81,7 +82,7 @@ def test_halves_stand_along_the_stretched_direction_and_keep_the_second_moment(d
     scene, soil = body(dim)
     R, half = turned(dim), soil.halfSize[0]
     deform(soil, R @ np.diag([1.8, 0.7, 1.1][:dim]), dim)
-    first = {i: x for i, x in zip(soil.id.copy(), soil.position.copy())}
+    first = dict(zip(soil.id.copy(), soil.position.copy()))
     soil.core.splitStretched()
     n = R[:, 0]
     offsets = np.array([x - first[i] for i, x in zip(soil.id, soil.position) if i in first])

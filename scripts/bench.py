@@ -29,7 +29,13 @@ from math import radians
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-STAGES = {"ParticleToGrid": "P2G", "GridSolver": "solver", "GridToParticle": "G2P", "DomainUpdater": "update"}
+STAGES = {
+    "ParticleToGrid": "P2G",
+    "GridSolver": "solver",
+    "GridToParticle": "G2P",
+    "VelocityRemap": "remap",
+    "DomainUpdater": "update",
+}
 QUICK = (
     r"^2D/(ugimp|apdi|hybrid)/mcdp/(2000|20000)/threads:(1|2)/",
     r"^3D/ugimp/mcdp/(2000|20000)/threads:(1|2)/",

@@ -17,6 +17,7 @@ tenth of rho g H (measured elsewhere: 89 %).
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from yade_mpm.scene import policy, stepper
 
 CELL, HEIGHT, WIDTH, DENSITY, GRAVITY = 0.5, 10.0, 1.0, 1.53, 9.81
 UGIMP, APDI = (lambda: mpm.UGIMP(perCell=2)), (lambda: mpm.APDI(size=CELL / 2))
@@ -91,7 +92,8 @@ def test_control_an_interface_that_is_too_coarse_falsifies_the_stress(reference,
     coarse = [(lambda: mpm.APDI(size=2 * CELL), (0, 0), (WIDTH, 5)), (UGIMP, (0, 5), (WIDTH, HEIGHT))]
     with pytest.raises(ValueError, match="interface"):
         column(coarse).run(steps=1, progress=False)
-    monkeypatch.setattr(mpm.Scene, "_checkInterface", lambda self, limit: None)
+    monkeypatch.setattr(stepper, "checkInterface", lambda scene, longest: None)
+    monkeypatch.setattr(policy, "checkInterface", lambda scene, longest: None)
     scene = column(coarse)
     scene.run(steps=2000, progress=False)
     y, stress = verticalStress(scene)

@@ -106,7 +106,7 @@ class LoopPolicy:
         if self._scene.steps >= stepper.estimatedAt + limits.DT_LEAST_PERIOD:
             self._estimate()
         elif self._scene.givenDt is None:
-            stepper.dt = stepper.safeDt() / math.sqrt(growth)
+            stepper.takeSafeDt(growth)
         return True
 
     def _estimate(self):
@@ -116,7 +116,7 @@ class LoopPolicy:
         if not critical > 0:
             return  # every node is held: nothing to go by
         if scene.givenDt is None:
-            stepper.dt = stepper.safeDt()
+            stepper.takeSafeDt()
         elif scene.givenDt > scene.dtStable and not scene.allowUnstable:
             self._say(
                 f"warning: step {scene.steps}: dt = {scene.givenDt:.3g} s now exceeds the longest stable "

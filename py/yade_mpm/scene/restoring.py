@@ -106,7 +106,9 @@ def _build(spec, arrays, callbacks, permissions, file):
     _checkClock(spec)
     scene.core.dt, scene.core.time, scene.core.step = spec["currentDt"], spec["time"], spec["steps"]
     scene.core.energies = spec["energies"]
-    scene.stepper.restore(spec["checked"], spec["estimatedAt"], spec.get("estimatedVolumes", {}))
+    scene.stepper.restore(
+        spec["checked"], spec["estimatedAt"], spec.get("estimatedVolumes", {}), spec.get("automaticDt")
+    )
     _warn(scene, spec, file)
     return scene
 

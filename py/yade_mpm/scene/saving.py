@@ -72,6 +72,7 @@ def describe(scene):
         "checked": scene.stepper.isChecked,
         "estimatedAt": scene.stepper.estimatedAt,
         "estimatedVolumes": scene.stepper.estimatedVolumes,
+        "automaticDt": scene.stepper.automaticDt,
         "time": scene.time,
         "steps": scene.steps,
         "energies": dict(scene.core.energies),

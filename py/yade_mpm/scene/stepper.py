@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Steps of a scene for whoever owns the clock: `Scene.run`, `Scene.step`, or the loop of another program."""
 
+import math
+
 import numpy as np
 
 from ..base import limits
@@ -39,6 +41,7 @@ class Stepper:
     constraints : list of prescribed motions that are in force, those of faces included.
     estimatedAt : int, step at which the critical step was estimated last; -1: never.
     estimatedVolumes : dict, largest volume of a particle over its initial one at that time, by body.
+    automaticDt : float, s, step that was chosen last where nobody has given dt; None before.
     acting : Engine, callback that is at work or has failed at it; None between them.
     """
 
@@ -49,7 +52,7 @@ class Stepper:
         self._fullDt = None  # in a step that is shorter
         self._checkedState = None  # what the critical step was checked for
         self.constraints, self.acting = [], None
-        self.estimatedAt, self.estimatedVolumes = -1, {}
+        self.estimatedAt, self.estimatedVolumes, self.automaticDt = -1, {}, None
 
     # --- readiness ------------------------------------------------------------------------------------
     @property
@@ -81,10 +84,11 @@ class Stepper:
         if mayBeUnstable:
             self._isStable = False
 
-    def restore(self, isChecked, estimatedAt, estimatedVolumes):
+    def restore(self, isChecked, estimatedAt, estimatedVolumes, automaticDt):
         """State of a scene from a checkpoint: whether its time step was checked, and the last estimate."""
         self._isStable, self._checkedState = isChecked, self._stabilityState()
         self.estimatedAt, self.estimatedVolumes = estimatedAt, estimatedVolumes
+        self.automaticDt = automaticDt
 
     def prepare(self):
         """Checks the scene and gives the chain to the solver; see `Scene.run` for what is refused."""
@@ -149,7 +153,7 @@ class Stepper:
                 raise ValueError(
                     "Scene: no critical time step can be found (every node is held); give scene.dt"
                 )
-            self.dt = self.safeDt()
+            self.takeSafeDt()
         elif not isAllowed and critical > 0 and given > scene.dtStable:
             raise ValueError(
                 f"dt = {given:.3g} s exceeds the longest stable step {scene.dtStable:.3g} s of this scene "
@@ -188,6 +192,16 @@ class Stepper:
         """
         now, then = largestVolumes(self._scene), self.estimatedVolumes
         return max([1.0, *(now[name] / then.get(name, now[name]) for name in now)])
+
+    def takeSafeDt(self, growth=1.0):
+        """Steps by the share of the critical step that is taken where nobody has given dt, from now on.
+
+        Parameters
+        ----------
+        growth : float, of the square of the fastest frequency since the estimate, -; default 1.
+        """
+        self.automaticDt = self.safeDt() / math.sqrt(growth)
+        self.dt = self.automaticDt
 
     def safeDt(self):
         """The share of the critical step that is taken where nobody has given dt, s."""

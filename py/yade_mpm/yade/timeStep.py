@@ -46,7 +46,7 @@ class TimeStep:
         scene, critical = self._scene, self._scene.dtCritical or 0.0
         own = scene.givenDt
         if own is None:
-            own = scene.stepper.safeDt() if critical > 0 else scene.stepper.dt
+            own = scene.stepper.automaticDt or (scene.stepper.safeDt() if critical > 0 else scene.stepper.dt)
         self.maxDt = own * self._mpmSteps / self._demSteps
         isBounded = critical > 0 and not scene.allowUnstable
         self.criticalDt = scene.dtStable * self._mpmSteps / self._demSteps if isBounded else math.inf

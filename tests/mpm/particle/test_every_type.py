@@ -18,6 +18,14 @@ CELLS = 6
 DENSITY = 1.6
 
 
+def symmetric(stress, dim):
+    """Symmetric, and in 2D without the shear out of the plane that plane strain does not have."""
+    stress = stress + stress.swapaxes(1, 2)
+    if dim == 2:
+        stress[:, :2, 2] = stress[:, 2, :2] = 0
+    return stress
+
+
 def makeScene(dim, **arguments):
     cell = CELL[:dim]
     return mpm.Scene(lower=0 * cell, upper=CELLS * cell, cell=cell, threads=1, **arguments)
@@ -95,7 +103,7 @@ def test_nodes_get_what_the_weights_say(name, dim):
     rng = np.random.default_rng(5)
     body.velocity = rng.normal(size=(body.count, dim))
     stress = rng.normal(size=(body.count, 3, 3))
-    body.stress = stress + stress.swapaxes(1, 2)
+    body.stress = symmetric(stress, body.position.shape[1])
     body.bodyForce = rng.normal(size=(body.count, dim))
     positions = scene.nodePositions()
     expected = np.zeros((len(positions), 1 + 2 * dim))
@@ -167,7 +175,7 @@ def test_volume_grows_with_the_trace_of_the_velocity_gradient(name, dim, scheme)
     stress = 1e6 * rng.normal(
         size=(body.count, 3, 3)
     )  # the step changes the velocities by about as much as they are
-    body.stress = stress + stress.swapaxes(1, 2)
+    body.stress = symmetric(stress, body.position.shape[1])
     volume, vertices = body.volume.copy(), body.vertices.copy() if body.cells is not None else None
     scene.dt, scene.allowUnstable = 1e-6, True
     scene.run(steps=1, progress=False)

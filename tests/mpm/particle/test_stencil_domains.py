@@ -32,7 +32,7 @@ def compile(support, folder):
     file = folder / "Kernel.cpp"
     file.write_text(KERNEL.replace("SUPPORT", str(support)))
     command = [known["CMAKE_CXX_COMPILER"], "-std=c++17", "-fopenmp", "-fsyntax-only", "-Wno-psabi"]
-    include = ["-I", ROOT / "pkg", "-isystem", eigen, "-isystem", "/usr/include/eigen3"]
+    include = ['-DMPM_VERSION=""', "-I", ROOT / "pkg", "-isystem", eigen, "-isystem", "/usr/include/eigen3"]
     return subprocess.run([*command, *include, file], capture_output=True, text=True, timeout=300)
 
 

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from yade_mpm.io import checkpoint
 
 H, CELLS, WIDTH = 0.5, 22, 4  # m, cells along each axis but the first, nodes across a block
 
@@ -71,6 +72,7 @@ def test_a_checkpoint_with_other_blocks_goes_on(tmp_path, particles):
         last = tables["blockStart"][-1]
         del tables["blockStart"]
         tables["blockStart"] = np.array([0, last], np.int32)
+    checkpoint.seal(tmp_path / "a.h5")
     other = mpm.load(tmp_path / "a.h5")
     assert len(other["flying"].core.tables()["blockStart"]) == len(body.core.tables()["blockStart"])
     for one in (scene, other):

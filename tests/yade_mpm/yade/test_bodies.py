@@ -232,7 +232,7 @@ def test_mistakes_with_bodies_and_engines_of_yade_are_told(tmp_path, body):
         for name in ("body", "text", "share")
     )
     assert (
-        "O.engines has lost 5 of the 5 engines of 'mpm': it was assigned after inYade.attach(); attach the "
+        "O.engines has lost 6 of the 6 engines of 'mpm': it was assigned after inYade.attach(); attach the "
         "scene again" in said["lost"]
     )
     assert said["steps"] == 2

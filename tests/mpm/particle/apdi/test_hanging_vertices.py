@@ -11,6 +11,14 @@ from yade_mpm.geometry.meshing import meshRegion, refineNear
 EDGE = 1.0
 
 
+def symmetric(stress, dim):
+    """Symmetric, and in 2D without the shear out of the plane that plane strain does not have."""
+    stress = stress + stress.swapaxes(1, 2)
+    if dim == 2:
+        stress[:, :2, 2] = stress[:, 2, :2] = 0
+    return stress
+
+
 def block(dim, hourglass):
     """A block of coarse domains with fine ones in its middle, its free vertices out of order; scene and
     body."""
@@ -66,7 +74,7 @@ def test_nodes_get_what_the_weights_say(dim):
     rng = np.random.default_rng(5)
     body.velocity = rng.normal(size=(body.count, dim))
     stress = rng.normal(size=(body.count, 3, 3))
-    body.stress = stress + stress.swapaxes(1, 2)
+    body.stress = symmetric(stress, body.position.shape[1])
     number = {tuple(x.round(6)): i for i, x in enumerate(scene.nodePositions())}
     expected = np.zeros((len(number), 1 + 2 * dim))
     for p in range(body.count):

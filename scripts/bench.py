@@ -158,7 +158,7 @@ def measure(binary, case, repeats):
             sys.exit(f"bench: {case}: {line['error_message']}")
     found = {line["aggregate_name"]: line for line in result["benchmarks"] if line["run_type"] == "aggregate"}
     least, most = found["min"], found["max"]
-    stages = {stage: round(least[stage], 2) for stage in STAGES}
+    stages = {stage: round(least.get(stage, 0.0), 2) for stage in STAGES}  # a version before may lack one
     figures = dict(
         case=case,
         particles=int(least["particles"]),

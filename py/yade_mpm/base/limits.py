@@ -5,7 +5,7 @@ DT_SAFETY = 0.8  # share of the longest stable step that is taken where nobody g
 DT_PERIOD = 5000  # steps between estimates of the critical step, and where particles grow no fewer than
 DT_LEAST_PERIOD = 1000  # so that estimates, each as long as some 30 steps, take 3 % of a run at most
 DT_LOOK = 50  # steps between looks at how much particles have grown
-DT_GROWTH = 1.05  # growth of a volume that is too little to do anything about
+DT_GROWTH = 1.25  # growth of a volume up to which the share above leaves room: 0.8 sqrt(1.25) = 0.89
 CHECK_PERIOD = 1000  # steps between looks at the interface and at the quality of domains
 # Smallest corner of an APDI domain over its area from which on down the run warns; at 0.05 it stops, or
 # converts the domain.

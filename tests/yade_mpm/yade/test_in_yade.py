@@ -47,11 +47,11 @@ for name, ratio in (("mpm", dict(mpmSteps=3)), ("dem", dict(demSteps=4))):
     O.run(400, True)
     say(name, [scene.steps, scene.time, O.time, O.dt, soil.maxDt, scene.dtCritical, scene.core.dt,
                sum(s[0] == "apply" for s in seen), [s[1] for s in seen if s[0] == "read"]])
-    dt = O.dt
+    dt, before = O.dt, O.time
     O.run(1, True); O.dt = dt / 2
     O.run(7, True)
     say(name + " changed", [scene.steps, scene.time - O.time, O.dt / dt,
-        (dt + 7 * dt / 2) / (O.time - 400 * dt)])
+        (dt + 7 * dt / 2) / (O.time - before)])
 """
 
 

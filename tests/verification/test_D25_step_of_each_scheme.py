@@ -163,9 +163,9 @@ def test_the_step_by_itself_is_the_shorter_one_of_both():
 
 
 # --- the step follows the state -------------------------------------------------------------------------
-def column():
+def column(scheme="USL"):
     """A column of sand without cohesion that falls apart: particles grow to several times their volume."""
-    scene = mpm.Scene((0, 0), (6, 3), 0.1, threads=1)
+    scene = mpm.Scene((0, 0), (6, 3), 0.1, threads=1, scheme=scheme)
     sand = mpm.MohrCoulombDruckerPrager(
         density=1.6, lame=(2e3, 1.5e3), cohesion=0.0, frictionAngle=np.radians(30), dilatancyAngle=0.0
     )

@@ -200,12 +200,13 @@ class Stepper:
         ----------
         growth : float, of the square of the fastest frequency since the estimate, -; default 1.
         """
-        self.automaticDt = self.safeDt() / math.sqrt(growth)
+        longest = limits.DT_STABLE * self._scene.dtStable / math.sqrt(growth)
+        self.automaticDt = min(self.safeDt(), longest)
         self.dt = self.automaticDt
 
     def safeDt(self):
         """The share of the critical step that is taken where nobody has given dt, s."""
-        return limits.DT_SAFETY * self._scene.dtCritical
+        return limits.DT_SAFETY[self._scene.scheme] * self._scene.dtCritical
 
     def _stabilityState(self):
         """What the critical step depends on and may be changed between runs."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Dependencies run one way.
 
-base <- state <- {particle, material} <- scene <- check <- step <- contact <- coupling <- python <- py.
+base <- state <- {particle, material} <- scene <- step <- {contact, check} <- coupling <- python <- py.
 
 `scene` is what holds bodies together: it knows the contracts of particle types and materials, so it stands
 above them.

@@ -150,8 +150,7 @@ template <int Dim> void ElasticOperator<Dim>::strain(ParallelRegion& region) {
 template <int Dim>
 void ElasticOperator<Dim>::elasticStress(Body<Dim>& body, Field& stress, int begin, int end) {
     double lambda[chunkSize], mu[chunkSize];
-    std::vector<double*> state(body.particles.state.size());
-    body.material->stiffness(body.points(begin, end, 0, state.data()), lambda, mu);
+    body.stiffness(begin, end, lambda, mu);
     const Field& L = body.particles.velocityGradient;
     for (int p = begin; p < end; ++p) {
         const double shear = mu[p - begin];

@@ -88,7 +88,8 @@ template <int Dim> class MPM_PUBLIC Domains {
     BlockOrder<Dim> order;
     std::string bodyName;
     long step = 0;
-    std::array<double, 2> lame{0, 0}; // of the body's material, kPa (hourglass stiffness)
+    // Lame constants of particles [begin, end) as their material gives them, kPa. Set by the body.
+    std::function<void(int begin, int end, double* lambda, double* mu)> stiffness;
 
   protected:
     std::vector<double> damped_; // energy taken by damping, per piece of work

@@ -28,7 +28,9 @@ template <int Dim> class Body {
          const Grid<Dim>& grid)
         : name(name), material(material), type(type), domains(type->make(particles, grid)) {
         domains->bodyName = name;
-        domains->lame = material->lame();
+        domains->stiffness = [this](int begin, int end, double* lambda, double* mu) {
+            stiffness(begin, end, lambda, mu);
+        };
         for (const StateVariable& v : material->stateVariables())
             particles.state.emplace_back(v.name, v.unit, v.doc);
     }
@@ -73,6 +75,12 @@ template <int Dim> class Body {
         for (size_t k = 0; k < particles.state.size(); ++k) state[k] = particles.state[k].plane() + begin;
         points.state = state;
         return points;
+    }
+
+    // Lame constants of particles [begin, end), kPa.
+    void stiffness(int begin, int end, double* lambda, double* mu) {
+        std::vector<double*> state(particles.state.size());
+        material->stiffness(points(begin, end, 0, state.data()), lambda, mu);
     }
 
     // Gives particle p a Cauchy stress, and the material's state that belongs to it.

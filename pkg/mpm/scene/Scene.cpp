@@ -23,7 +23,6 @@ template <int Dim> void Scene<Dim>::prepare() {
                 for (int k = 0; k < Dim; ++k)
                     if (!std::isnan(constraint.velocity[k])) field.holder[node][k] = short(c);
     }
-    for (auto& body : bodies) body->domains->lame = body->material->lame(); // may have been changed since
     for (auto& engine : engines) {
         engine->finish();
         engine->prepare(*this);

@@ -40,10 +40,6 @@ template <int Dim> class HourglassControl {
     }
     bool isPatterned() const { return isPatterned_; } // any undeformed domain
 
-    void setStiffness(const std::array<double, 2>& lame) {
-        modulus_ = coefficient_ * (2.0 / 3.0) * (lame[0] + 3 * lame[1]);
-    }
-
     // What the deformation makes of the patterns of the undeformed domains.
     struct DeformedPattern {
         const double *F[Dim][Dim], *pattern[modes][Dim];
@@ -74,10 +70,20 @@ template <int Dim> class HourglassControl {
         return sum;
     }
 
+    // Lame constants of the domains of a batch, kPa.
+    struct Moduli {
+        double lambda[Batch<Dim>::most], mu[Batch<Dim>::most];
+
+        template <class Stiffness> Moduli(const Batch<Dim>& batch, const Stiffness& stiffness) {
+            stiffness(batch.first, batch.first + batch.count, lambda, mu);
+        }
+    };
+
     // The forces of a batch. h, per mode and axis, is what they resist: the pattern of a domain, which
     // resisted(p, h) may change.
     template <class Resisted>
-    void resist(const Batch<Dim>& batch, const Shapes& d, Forces& forces, Resisted&& resisted) const {
+    void resist(const Batch<Dim>& batch, const Shapes& d, const Moduli& moduli, Forces& forces,
+                Resisted&& resisted) const {
         auto one = [&](int p) MPM_INLINE_LAMBDA {
             double h[modes][Dim], sum = 0;
             MPM_UNROLL
@@ -87,7 +93,8 @@ template <int Dim> class HourglassControl {
             MPM_UNROLL
             for (int a = 0; a < NC; ++a) MPM_UNROLL
             for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
-            const double stiffness = modulus_ * d.volume[p] * sum;
+            const double modulus = coefficient_ * (2.0 / 3.0) * (moduli.lambda[p] + 3 * moduli.mu[p]);
+            const double stiffness = modulus * d.volume[p] * sum;
             MPM_UNROLL
             for (int m = 0; m < modes; ++m) MPM_UNROLL
             for (int k = 0; k < Dim; ++k) forces[m][k][p] = -stiffness * h[m][k];
@@ -111,7 +118,6 @@ template <int Dim> class HourglassControl {
 
   private:
     const double coefficient_;
-    double modulus_ = 0; // kPa
     bool isPatterned_ = true;
 };
 

@@ -40,7 +40,6 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     }
 
     bool resort() override {
-        hourglass_.setStiffness(Base::lame);
         distorted_.clear();
         damped_.assign(pieces_.count(), 0.0);
         isCleared_ = true;
@@ -64,12 +63,14 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
                 q.tension(batch.first, batch.count, stress.data(), given.tension);
             else
                 std::memset(given.tension, 0, sizeof given.tension);
+            const typename HourglassControl<Dim>::Moduli moduli(batch, Base::stiffness);
             if (hourglass_.isPatterned())
-                hourglass_.resist(batch, d, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
-                    deformed.takeFrom(h, batch.first + p);
-                });
+                hourglass_.resist(batch, d, moduli, given.control,
+                                  [&](int p, double(*h)[Dim])
+                                      MPM_INLINE_LAMBDA { deformed.takeFrom(h, batch.first + p); });
             else
-                hourglass_.resist(batch, d, given.control, [](int, double(*)[Dim]) MPM_INLINE_LAMBDA {});
+                hourglass_.resist(batch, d, moduli, given.control,
+                                  [](int, double(*)[Dim]) MPM_INLINE_LAMBDA {});
             batch.addToCorners(carried_.template planes<Carried::all>(0),
                                [&](int a, int k, int p)
                                    MPM_INLINE_LAMBDA { return given.toCorner(d, a, k, p); });
@@ -133,7 +134,8 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
             GivenByDomains<Dim> given;
             q.tension(batch.first, batch.count, tensor, given.tension);
             const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(mesh_.vertices.velocity));
-            hourglass_.resist(batch, d, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
+            const typename HourglassControl<Dim>::Moduli moduli(batch, Base::stiffness);
+            hourglass_.resist(batch, d, moduli, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
                 for (int m = 0; m < Shapes::modes; ++m)
                     for (int k = 0; k < Dim; ++k) {
                         h[m][k] = 0;

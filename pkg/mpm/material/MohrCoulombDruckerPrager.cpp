@@ -44,7 +44,7 @@ MPM_INLINE Returned<Number> returnMap(const Constants& k, Number p, Number q, Nu
     const Number f = qA + (p * k.sinPhi - k.cCosPhi), volumetric = 3 * k.bulk * k.beta * q;
     const Number freely = k.mu * qA + volumetric * k.sinPhi;
     Number excess = f, slope = freely, room = 0;
-    const auto ifPasses = [&](Number then, Number otherwise) __attribute__((always_inline)) {
+    const auto ifPasses = [&](Number then, Number otherwise) MPM_INLINE_LAMBDA {
         return limited ? whereGreater(volumetric * f, room * freely, then, otherwise) : otherwise;
     };
     if constexpr (limited) {
@@ -67,7 +67,7 @@ template <bool limited> void returnToYield(const Constants& constants, const Mat
     double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
            *zz = points.stress[8];
     double *plasticShear = points.state[0], *plasticVolumetric = points.state[1];
-    forEachSimdPair(points.count, [&](auto at) __attribute__((always_inline)) {
+    forEachSimdPair(points.count, [&](auto at) MPM_INLINE_LAMBDA {
         // Principal deviators a + r, a - r and -2a: no Lode angle needed.
         const auto mean = 0.5 * (at(xx) + at(yy)), half = 0.5 * (at(xx) - at(yy)), shear = at(xy);
         const auto a = third * (mean - at(zz)), p = mean - a;

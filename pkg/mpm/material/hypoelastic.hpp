@@ -17,7 +17,7 @@ inline void trialStress(double lambda, double mu, const MaterialPoints<2>& point
     auto L = points.velocityGradient;
     const double *L11 = L[0], *L12 = L[1], *L21 = L[2], *L22 = L[3];
     double *xx = points.stress[0], *xy = points.stress[1], *yy = points.stress[4], *zz = points.stress[8];
-    forEachSimdPair(points.count, [&](auto at) __attribute__((always_inline)) {
+    forEachSimdPair(points.count, [&](auto at) MPM_INLINE_LAMBDA {
         const auto g11 = dt * at(L11), g12 = dt * at(L12), g21 = dt * at(L21), g22 = dt * at(L22);
         const auto detG = g11 * g22 - g12 * g21, D2 = 1 + 0.5 * (g11 + g22) + 0.25 * detG;
         const auto spin = 0.25 * (g12 - g21), D4 = D2 * D2, norm = D4 + spin * spin;

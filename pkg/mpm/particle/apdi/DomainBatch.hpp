@@ -84,10 +84,7 @@ template <int Dim, int n> class AtCorners {
             for (int k = 0; k < n; ++k) x[a][k] = batch.isStraight ? plane[k] + batch.corner[a] : copy_[a][k];
         for (int p = 0; p < batch.count && !batch.isStraight; ++p) MPM_UNROLL
         for (int a = 0; a < NC; ++a) {
-            int v = batch.corner[NC * p + a];
-            asm(""
-                : "+r"(
-                    v)); // plain loads: without this GCC makes vectors of the numbers and takes twice as long
+            const int v = inRegister(batch.corner[NC * p + a]); // plain loads
             MPM_UNROLL
             for (int k = 0; k < n; ++k) copy_[a][k][p] = plane[k][v];
         }

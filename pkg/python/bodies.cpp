@@ -12,8 +12,11 @@ namespace {
 
 bp::dict described(const Field& field) {
     bp::dict d;
-    d["name"] = field.name, d["unit"] = field.unit, d["doc"] = field.doc;
-    d["shape"] = listOf(field.shape), d["size"] = field.size();
+    d["name"] = field.name;
+    d["unit"] = field.unit;
+    d["doc"] = field.doc;
+    d["shape"] = listOf(field.shape);
+    d["size"] = field.size();
     return d;
 }
 
@@ -124,7 +127,10 @@ template <int Dim> struct Bind {
         body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
             bp::list x, g;
             const Vec<Dim> at = body.domains->grid.nodePosition(node);
-            for (int k = 0; k < Dim; ++k) x.append(at[k]), g.append(gradient[k]);
+            for (int k = 0; k < Dim; ++k) {
+                x.append(at[k]);
+                g.append(gradient[k]);
+            }
             all.append(bp::make_tuple(bp::tuple(x), phi, bp::tuple(g)));
         });
         return all;

@@ -34,13 +34,18 @@ class MaterialPoint {
         require(J > 0, "MaterialPoint: the step turns the point inside out (J = ", J,
                 "); take a smaller increment");
         MaterialPoints<3> points{};
-        points.count = 1, points.dt = dt, points.volume = &J, points.initialVolume = &initial;
+        points.count = 1;
+        points.dt = dt;
+        points.volume = &J;
+        points.initialVolume = &initial;
         std::vector<double*> state;
         for (double& s : state_) state.push_back(&s);
         points.state = state.data();
-        for (int i = 0; i < 9; ++i)
-            points.velocityGradient[i] = &given[i], points.deformationGradient[i] = F_ + i,
+        for (int i = 0; i < 9; ++i) {
+            points.velocityGradient[i] = &given[i];
+            points.deformationGradient[i] = F_ + i;
             points.stress[i] = stress_ + i;
+        }
         material_->update(points);
     }
 

@@ -18,9 +18,14 @@ class ArrayView {
     // leading: number of entries along the first axis. Each further axis is a component of the field.
     explicit ArrayView(const Field& field) : owner_(field.buffer()), data_(field.buffer().get()) {
         const long pitch = long(field.pitch()) * 8;
-        shape_ = {field.size()}, strides_ = {8};
+        shape_ = {field.size()};
+        strides_ = {8};
         long stride = pitch * field.components();
-        for (int n : field.shape) stride /= n, shape_.push_back(n), strides_.push_back(stride);
+        for (int n : field.shape) {
+            stride /= n;
+            shape_.push_back(n);
+            strides_.push_back(stride);
+        }
         type_ = field.type == 'f' ? "<f8" : "<i8";
         static double nothing = 0; // NumPy wants an address even for an empty array
         if (!data_) data_ = &nothing;

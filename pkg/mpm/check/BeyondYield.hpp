@@ -24,7 +24,8 @@ template <int Dim> struct PointsAtRest {
 
     explicit PointsAtRest(int variables) : state(variables) {
         for (auto& variable : state) states.push_back(variable.data());
-        points.dt = 1, points.state = states.data();
+        points.dt = 1;
+        points.state = states.data();
         for (auto& component : points.velocityGradient) component = zero;
         for (int c = 0; c < 9; ++c) points.stress[c] = stress[c];
     }
@@ -36,7 +37,7 @@ template <int Dim> struct PointsAtRest {
         }
         for (size_t k = 0; k < state.size(); ++k)
             std::copy_n(particles.state[k].plane() + first, count, states[k]);
-        points.volume = particles.volume.plane() + first,
+        points.volume = particles.volume.plane() + first;
         points.initialVolume = particles.initialVolume.plane() + first;
     }
 };
@@ -55,7 +56,7 @@ template <int Dim> BeyondYield beyondYield(const Body<Dim>& body, double toleran
             double change = 0, largest = 0;
             for (int c = 0; c < 9; ++c) {
                 const double before = particles.stress.plane(c)[first + i];
-                change = std::max(change, std::abs(copy.stress[c][i] - before)),
+                change = std::max(change, std::abs(copy.stress[c][i] - before));
                 largest = std::max(largest, std::abs(before));
             }
             bool flows = false;
@@ -63,7 +64,10 @@ template <int Dim> BeyondYield beyondYield(const Body<Dim>& body, double toleran
                 flows |= copy.state[k][i] != particles.state[k].plane()[first + i];
             if (!flows || !(change > tolerance * largest)) continue;
             ++found.count;
-            if (change > found.change) found.change = change, found.worst = first + i;
+            if (change > found.change) {
+                found.change = change;
+                found.worst = first + i;
+            }
         }
     }
     return found;

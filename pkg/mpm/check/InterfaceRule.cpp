@@ -72,7 +72,8 @@ template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double
             Vec<Dim> lower = Vec<Dim>::Constant(1e300), upper = -lower;
             for (int a = 0; a < corners<Dim>; ++a) {
                 const Vec<Dim> X = vectorAt<Dim>(mesh->vertexPositions(), corner[corners<Dim> * p + a]);
-                lower = lower.cwiseMin(X), upper = upper.cwiseMax(X);
+                lower = lower.cwiseMin(X);
+                upper = upper.cwiseMax(X);
             }
             const Vec<Dim> reach = nearlyOne * scene.grid.cell;
             if (auto* entry = boxes->near(lower, upper, reach)) {

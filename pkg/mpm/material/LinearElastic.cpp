@@ -125,8 +125,12 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
             const Symmetric e = stretchAt(state, p);
             const Tensor u = g + g * e;
             const Symmetric after = e + (plusTransposed(u) + timesTransposed(u, g));
-            state[0][p] = after.xx, state[1][p] = after.yy, state[2][p] = after.zz;
-            state[3][p] = after.xy, state[4][p] = after.xz, state[5][p] = after.yz;
+            state[0][p] = after.xx;
+            state[1][p] = after.yy;
+            state[2][p] = after.zz;
+            state[3][p] = after.xy;
+            state[4][p] = after.xz;
+            state[5][p] = after.yz;
         }
     }
 

@@ -81,7 +81,8 @@ template <bool limited> void returnToYield(const Constants& constants, const Mat
         at.set(yy, back.p + back.scale * (a - half));
         at.set(zz, back.p - back.scale * 2 * a);
         const auto scaled = back.scale * shear;
-        at.set(xy, scaled), at.set(yx, scaled);
+        at.set(xy, scaled);
+        at.set(yx, scaled);
         at.set(plasticShear, at(plasticShear) + (1 - back.scale) * q * k.shearCompliance);
         at.set(plasticVolumetric, at(plasticVolumetric) + (p - back.p) * k.bulkCompliance);
     });
@@ -263,12 +264,17 @@ void MohrCoulombDruckerPrager::finish() {
             "; give 0 <= dilatancyAngle <= frictionAngle (radians)");
 
     Constants k;
-    k.lambda = elasticity_.lambda(), k.mu = elasticity_.mu(), k.bulk = elasticity_.bulk();
-    k.sinPhi = std::sin(frictionAngle_), k.cCosPhi = cohesion_ * std::cos(frictionAngle_);
+    k.lambda = elasticity_.lambda();
+    k.mu = elasticity_.mu();
+    k.bulk = elasticity_.bulk();
+    k.sinPhi = std::sin(frictionAngle_);
+    k.cCosPhi = cohesion_ * std::cos(frictionAngle_);
     k.apex = frictionAngle_ > 0 ? cohesion_ / std::tan(frictionAngle_) : infinity;
     k.beta = beta();
-    k.dilatancyLimit = limitOfDilatancy(), k.tensionCutOff = orInfinity(tensionCutOff_);
-    k.shearCompliance = 1 / (std::sqrt(3.0) * k.mu), k.bulkCompliance = 1 / k.bulk;
+    k.dilatancyLimit = limitOfDilatancy();
+    k.tensionCutOff = orInfinity(tensionCutOff_);
+    k.shearCompliance = 1 / (std::sqrt(3.0) * k.mu);
+    k.bulkCompliance = 1 / k.bulk;
     require(std::isnan(tensionCutOff_) || tensionCutOff_ <= k.apex, who, ": tensionCutOff = ", tensionCutOff_,
             " kPa lies beyond the apex of the cone, c cot(phi) = ", k.apex, " kPa; lower it or leave it out");
     constants_ = k;

@@ -42,13 +42,19 @@ template <class Planes> MPM_INLINE Symmetric gatherUpper(const Planes& component
 }
 
 template <class Planes> MPM_INLINE void scatterUpper(const Symmetric& a, const Planes& component, int p) {
-    component[0][p] = a.xx, component[4][p] = a.yy, component[8][p] = a.zz;
-    component[1][p] = a.xy, component[2][p] = a.xz, component[5][p] = a.yz;
+    component[0][p] = a.xx;
+    component[4][p] = a.yy;
+    component[8][p] = a.zz;
+    component[1][p] = a.xy;
+    component[2][p] = a.xz;
+    component[5][p] = a.yz;
 }
 
 template <class Planes> MPM_INLINE void scatter(const Symmetric& a, const Planes& component, int p) {
     scatterUpper(a, component, p);
-    component[3][p] = a.xy, component[6][p] = a.xz, component[7][p] = a.yz;
+    component[3][p] = a.xy;
+    component[6][p] = a.xz;
+    component[7][p] = a.yz;
 }
 
 MPM_INLINE Tensor operator*(double s, const Tensor& a) {

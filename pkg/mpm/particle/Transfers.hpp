@@ -78,8 +78,11 @@ template <int Dim> class Transfers : public Domains<Dim> {
         double *at[Dim], *inside[Dim], origin[Dim], overCell[Dim], highest[Dim];
         int stride[Dim];
         for (int k = 0; k < Dim; ++k) {
-            at[k] = x[k], inside[k] = local[k], stride[k] = grid.strides[k];
-            origin[k] = grid.lower[k], overCell[k] = 1 / grid.cell[k],
+            at[k] = x[k];
+            inside[k] = local[k];
+            stride[k] = grid.strides[k];
+            origin[k] = grid.lower[k];
+            overCell[k] = 1 / grid.cell[k];
             highest[k] = ghost + grid.cells[k] + 0.5;
         }
         int wrong = 0, changed = 0;

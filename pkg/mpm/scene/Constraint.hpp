@@ -48,7 +48,10 @@ class Constraint {
     // times makes a mean.
     double impulse[3] = {0, 0, 0}, angularImpulse[3] = {0, 0, 0};
     void stepped(double dt) {
-        for (int k = 0; k < 3; ++k) impulse[k] += dt * reaction[k], angularImpulse[k] += dt * moment[k];
+        for (int k = 0; k < 3; ++k) {
+            impulse[k] += dt * reaction[k];
+            angularImpulse[k] += dt * moment[k];
+        }
     }
 
     bool drivesBody() const { return !body.empty(); }

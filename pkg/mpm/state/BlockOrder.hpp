@@ -134,7 +134,10 @@ template <int Dim> class BlockOrder {
     struct Touched { // lowest and highest support corner of the block's points; none: first > last
         Index<Dim> first, last;
         bool isKnown = false;
-        Touched() { first.fill(1 << 30), last.fill(-(1 << 30)); }
+        Touched() {
+            first.fill(1 << 30);
+            last.fill(-(1 << 30));
+        }
     };
     bool isReady_ = false; // whether what follows is that of this grouping
     std::vector<Touched> touched_;

@@ -37,7 +37,8 @@ template <int Dim> class Grid {
                     "Scene: upper - lower = ", upper[k] - lower[k], " m along axis ", k,
                     " is not a multiple of cell = ", cell[k], " m; move lower or upper, or change cell");
             nodes[k] = cells[k] + 1 + 2 * ghost;
-            strides[k] = stride, overStride_[k] = 1.0 / stride;
+            strides[k] = stride;
+            overStride_[k] = 1.0 / stride;
             stride *= nodes[k];
         }
         count = stride;
@@ -68,7 +69,8 @@ template <int Dim> class Grid {
         int tile = 0, within = 0;
         for (int k = Dim - 1; k > 0; --k) {
             const int place = node[k] / blockWidth;
-            tile = tile * tilesAlong(k) + place / 2, within = 2 * within + place % 2;
+            tile = tile * tilesAlong(k) + place / 2;
+            within = 2 * within + place % 2;
         }
         return (tile << (Dim - 1)) + within;
     }

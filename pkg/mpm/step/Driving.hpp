@@ -23,7 +23,8 @@ template <int Dim> std::vector<int> drivenPart(const Body<Dim>& body, Constraint
         }
         if (!inside) continue;
         const double m = particles.mass.plane()[p];
-        part.push_back(p), mass += m;
+        part.push_back(p);
+        mass += m;
         for (int k = 0; k < Dim; ++k) centre[k] += m * particles.position.plane(k)[p];
     }
     for (int k = 0; k < 3; ++k) drive.centre[k] = mass > 0 ? centre[k] / mass : 0;

@@ -16,8 +16,8 @@
 
 namespace mpm {
 
-// Keeps a pointer or an index in a register of its own. GCC otherwise writes a pointer as base plus index into
-// every instruction that uses it, and processors split such instructions in two. What an index kept so reaches
+// Keeps a pointer or index in a register of its own. GCC otherwise writes a pointer as base plus index into
+// every instruction that uses it, and processors split such instructions in two. What such an index reaches
 // is read by plain loads: GCC otherwise makes vectors of it, which takes twice as long.
 template <class Value> MPM_INLINE Value inRegister(Value value) {
     asm("" : "+r"(value));

@@ -70,20 +70,21 @@ template <int Dim> class HourglassControl {
         return sum;
     }
 
-    // Lame constants of the domains of a batch, kPa.
-    struct Moduli {
-        double lambda[Batch<Dim>::most], mu[Batch<Dim>::most];
+    void resize(int domains) { modulus_.resize(domains); }
 
-        template <class Stiffness> Moduli(const Batch<Dim>& batch, const Stiffness& stiffness) {
-            stiffness(batch.first, batch.first + batch.count, lambda, mu);
-        }
-    };
+    // Of domains [begin, end), whose material is asked once per step: a call for every batch takes 6 % of it.
+    template <class Stiffness> void takeStiffness(int begin, int end, const Stiffness& stiffness) {
+        double lambda[chunkSize], mu[chunkSize];
+        stiffness(begin, end, lambda, mu);
+        for (int p = begin; p < end; ++p)
+            modulus_[p] = coefficient_ * (2.0 / 3.0) * (lambda[p - begin] + 3 * mu[p - begin]);
+    }
 
     // The forces of a batch. h, per mode and axis, is what they resist: the pattern of a domain, which
     // resisted(p, h) may change.
     template <class Resisted>
-    void resist(const Batch<Dim>& batch, const Shapes& d, const Moduli& moduli, Forces& forces,
-                Resisted&& resisted) const {
+    void resist(const Batch<Dim>& batch, const Shapes& d, Forces& forces, Resisted&& resisted) const {
+        const double* modulus = modulus_.data() + batch.first;
         auto one = [&](int p) MPM_INLINE_LAMBDA {
             double h[modes][Dim], sum = 0;
             MPM_UNROLL
@@ -93,8 +94,7 @@ template <int Dim> class HourglassControl {
             MPM_UNROLL
             for (int a = 0; a < NC; ++a) MPM_UNROLL
             for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
-            const double modulus = coefficient_ * (2.0 / 3.0) * (moduli.lambda[p] + 3 * moduli.mu[p]);
-            const double stiffness = modulus * d.volume[p] * sum;
+            const double stiffness = modulus[p] * d.volume[p] * sum;
             MPM_UNROLL
             for (int m = 0; m < modes; ++m) MPM_UNROLL
             for (int k = 0; k < Dim; ++k) forces[m][k][p] = -stiffness * h[m][k];
@@ -118,6 +118,7 @@ template <int Dim> class HourglassControl {
 
   private:
     const double coefficient_;
+    std::vector<double> modulus_; // kPa
     bool isPatterned_ = true;
 };
 

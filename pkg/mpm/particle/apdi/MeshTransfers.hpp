@@ -27,6 +27,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
         carried_.resize(mesh_.vertices.size());
         skew_.resize(particles.size());
         hourglass_.restored();
+        hourglass_.resize(particles.size());
         pieces_.cut(mesh_);
         if (!order.isOf(grid)) regroup();
     }
@@ -36,6 +37,9 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
         region.chunksNoWait(mesh_.vertices.size(), [&](int begin, int end) {
             find(begin, end);
             carried_.clear(begin, end);
+        });
+        region.chunksNoWait(particles.size(), [&](int begin, int end) {
+            hourglass_.takeStiffness(begin, end, Base::stiffness);
         });
     }
 
@@ -63,14 +67,12 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
                 q.tension(batch.first, batch.count, stress.data(), given.tension);
             else
                 std::memset(given.tension, 0, sizeof given.tension);
-            const typename HourglassControl<Dim>::Moduli moduli(batch, Base::stiffness);
             if (hourglass_.isPatterned())
-                hourglass_.resist(batch, d, moduli, given.control,
-                                  [&](int p, double(*h)[Dim])
-                                      MPM_INLINE_LAMBDA { deformed.takeFrom(h, batch.first + p); });
+                hourglass_.resist(batch, d, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
+                    deformed.takeFrom(h, batch.first + p);
+                });
             else
-                hourglass_.resist(batch, d, moduli, given.control,
-                                  [](int, double(*)[Dim]) MPM_INLINE_LAMBDA {});
+                hourglass_.resist(batch, d, given.control, [](int, double(*)[Dim]) MPM_INLINE_LAMBDA {});
             batch.addToCorners(carried_.template planes<Carried::all>(0),
                                [&](int a, int k, int p)
                                    MPM_INLINE_LAMBDA { return given.toCorner(d, a, k, p); });
@@ -134,8 +136,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
             GivenByDomains<Dim> given;
             q.tension(batch.first, batch.count, tensor, given.tension);
             const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(mesh_.vertices.velocity));
-            const typename HourglassControl<Dim>::Moduli moduli(batch, Base::stiffness);
-            hourglass_.resist(batch, d, moduli, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
+            hourglass_.resist(batch, d, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
                 for (int m = 0; m < Shapes::modes; ++m)
                     for (int k = 0; k < Dim; ++k) {
                         h[m][k] = 0;

@@ -6,7 +6,7 @@
 DT_SAFETY = {"MUSL": 0.8, "USF": 0.8, "USL": 0.6}
 DT_STABLE = 0.65  # share of the longest stable step that is not passed as particles grow: the same reason
 DT_PERIOD = 5000  # steps between estimates of the critical step, and where particles grow no fewer than
-DT_LEAST_PERIOD = 1000  # so that estimates, each as long as some 30 steps, take 3 % of a run at most
+DT_LEAST_PERIOD = 1000  # so that estimates, each as long as some 45 steps, take 4.5 % of a run
 DT_LOOK = 50  # steps between looks at how much particles have grown
 DT_GROWTH = 1.25  # growth of a volume up to which the share above leaves room
 CHECK_PERIOD = 1000  # steps between looks at the interface and at the quality of domains

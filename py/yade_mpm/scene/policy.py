@@ -42,13 +42,12 @@ class LoopPolicy:
             self._checkAt = _nextAt(steps, limits.CHECK_PERIOD)
             self.lookAtDomains(limits.INTERFACE_RUN)
             self.lookAtFields()
+        isChanged = False
         if steps >= self._lookAt:
             self._lookAt = _nextAt(steps, limits.DT_LOOK)
             isChanged = self._followGrowth()
-            if steps < self._estimateAt:
-                return isChanged
         if steps < self._estimateAt:
-            return False
+            return isChanged
         self._estimateAt = _nextAt(steps, limits.DT_PERIOD)
         if self._scene.stepper.estimatedAt != steps:
             self._estimate()

@@ -204,3 +204,24 @@ def test_a_restart_follows_the_same_steps(tmp_path):
     broken.run(steps=770, progress=False)
     assert broken.time == straight.time and broken.dt == straight.dt
     assert (broken["sand"].position == straight["sand"].position).all()
+
+
+@pytest.mark.parametrize("growth", [1.2, 16.0], ids=["control", "16"])
+def test_between_estimates_growth_shortens_the_step(monkeypatch, growth):
+    """Control: growth that the share of the critical step leaves room for."""
+    scene = column()
+    scene.run(steps=20, progress=False)
+    before = scene.dt
+    monkeypatch.setattr(type(scene.stepper), "stiffening", lambda stepper: growth)
+    scene.run(steps=60, progress=False)
+    expected = before if growth < 2 else limits.DT_STABLE * scene.dtStable / np.sqrt(growth)
+    assert scene.dt == pytest.approx(expected, rel=1e-12)
+
+
+def test_stiffening_is_the_largest_growth_of_a_volume():
+    scene = column()
+    scene.run(steps=5, progress=False)
+    then = scene["sand"].volume.max() / scene["sand"].initialVolume.max()
+    assert scene.stepper.stiffening() == pytest.approx(then, rel=1e-3)
+    scene["sand"].volume[3] = 7 * scene["sand"].initialVolume[3]
+    assert scene.stepper.stiffening() == pytest.approx(7, rel=1e-3)

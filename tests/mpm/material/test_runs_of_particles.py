@@ -116,6 +116,13 @@ def test_the_bits_do_not_depend_on_the_place_in_the_run(material, dim):
 
 
 @both
+@everyMaterial
+def test_stress_stays_symmetric(material, dim):
+    for body in bodies(material, *randomStep(material, dim, 0)):
+        assert np.array_equal(body.stress, body.stress.transpose(0, 2, 1))
+
+
+@both
 @pytest.mark.parametrize("material", ["strong soil", "elastic"])
 def test_control_a_late_digit_in_the_stress_of_one_particle_is_noticed(material, dim):
     L, stress = randomStep(material, dim, 0)

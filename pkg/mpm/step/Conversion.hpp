@@ -50,8 +50,8 @@ template <int Dim> void convert(Body<Dim>& to, Body<Dim>& from, const std::vecto
     to.massesChanged();
     from.massesChanged();
 }
-// After a stress update; throws RunError where the particle type does not convert.
-template <int Dim> void resolveDistortion(const Scene<Dim>& scene, Body<Dim>& body) {
+// After a stress update: throws RunError where distorted domains end the run.
+template <int Dim> void refuseDistortion(const Scene<Dim>& scene, const Body<Dim>& body) {
     const auto* distortion = body.domains->distortion();
     if (!distortion) return;
     const std::vector<Distorted> all = distortion->distorted();
@@ -77,7 +77,17 @@ template <int Dim> void resolveDistortion(const Scene<Dim>& scene, Body<Dim>& bo
                                    "): its stress has no meaning and it cannot be converted; lower "
                                    "dt, or use UGIMP there"));
     }
-    convert(*body.convertsTo, body, all);
+}
+
+// At the end of a step, behind the motion of the vertices: until then the stages need particles where
+// locate() found them.
+template <int Dim> void convertDistorted(Scene<Dim>& scene) {
+    for (auto& body : scene.bodies) {
+        const auto* distortion = body->domains->distortion();
+        if (!distortion || !body->type->converts()) continue;
+        const std::vector<Distorted> all = distortion->distorted();
+        if (!all.empty()) convert(*body->convertsTo, *body, all);
+    }
 }
 
 } // namespace mpm

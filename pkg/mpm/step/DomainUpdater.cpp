@@ -64,8 +64,9 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
             scene.bodies[b]->internalWork += work_[b].total();
-            resolveDistortion(scene, *scene.bodies[b]);
+            refuseDistortion(scene, *scene.bodies[b]);
         }
+        if (!scene.scheme->stressFirst) convertDistorted(scene);
     }
 
   private:

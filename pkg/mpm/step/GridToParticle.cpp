@@ -4,6 +4,7 @@
 // (2D, Mohr-Coulomb, 20000 particles, one thread), and gave the same bits.
 #include "mpm/step/GridToParticle.hpp"
 
+#include "mpm/step/Conversion.hpp"
 #include "mpm/step/GridSolver.hpp"
 #include "mpm/step/VelocityRemap.hpp"
 #include "mpm/step/nodes.hpp"
@@ -29,6 +30,7 @@ template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
     for (auto& field : fields)
         if (givesMomentum) field.straining = Straining::momentum;
     for (auto& body : scene.bodies) scene.energies.damping += body->domains->dampedEnergy();
+    if (scene.scheme->stressFirst) convertDistorted(scene);
 }
 
 template void GridToParticle::act(Scene<2>&);

@@ -5,10 +5,11 @@
 Block of 1 x 1 m, plane strain, neo-Hookean, E = 1000 kPa, nu = 0.3, rho = 1.05 Mg/m3, g = 1000 m/s2, held in
 both directions at the top. The mesh of APDI stretches with the body; the boxes of uGIMP do not, and the body
 falls apart where its particles drift farther apart than a box and a cell reach (numerical fracture).
-`UGIMP(splitAt=1.3)` cuts long particles in two. See doc/numerical-fracture.md. Units: Mg, m, s, kPa.
+`UGIMP(splitAt=1.3)` cuts long particles in two. See doc/explanation/numerical-fracture.md.
+Units: Mg, m, s, kPa.
 
-    scripts/run stretching_bar                          # three bars, and their centre of mass against finite
-    elements scripts/run stretching_bar --cell 0.0625
+    scripts/run stretching_bar                     # three bars, their centres of mass against finite elements
+    scripts/run stretching_bar --cell 0.0625
 """
 
 import os

@@ -65,7 +65,7 @@ def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
     """What each recipe is about, besides that it runs."""
     monkeypatch.chdir(tmp_path)
     names, seen = {}, []
-    for text in re.findall(r"```python\n(.*?)```", (ROOT / "doc" / "recipes.md").read_text(), re.S):
+    for text in re.findall(r"```python\n(.*?)```", (ROOT / "doc" / "howto" / "recipes.md").read_text(), re.S):
         exec(text, names)
         seen.append({k: names.get(k) for k in ("scene", "history", "error", "ball", "velocity", "front")})
     assert len(seen) == 7
@@ -91,7 +91,7 @@ def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
 
 def test_the_engine_in_python_slows_the_block_down(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
-    page = (ROOT / "doc" / "adding-an-engine.md").read_text()
+    page = (ROOT / "doc" / "development" / "adding-an-engine.md").read_text()
     names = {}
     exec(re.search(r"```python\n(.*?)```", page, re.S)[1], names)
     exact = 2 * math.exp(-names["RATE"] * names["scene"].time)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What is measured of a run of the sheet pile: base, surface, collar, stripes of the mean stress.
 
-For the studies beside; `summarise` puts it into a summary. doc/sheet-pile.md tells what the numbers mean.
+For the studies beside; `summarise` puts it into a summary. What the numbers mean:
+doc/explanation/sheet-pile.md.
 """
 
 from functools import partial

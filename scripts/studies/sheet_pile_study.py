@@ -2,8 +2,9 @@
 """The sheet pile with every parameter of its model, and all that is measured of a run.
 
 The scene is that of scripts/sheet_pile.py, which has the choices that matter most; without options both are
-the published model. Besides: resistance at the base, surface, stripes of the mean stress (doc/sheet-pile.md),
-and with --rateCheck what twice the rate changes. Units: Mg, m, s, kPa, per metre of thickness.
+the published model. Besides: resistance at the base, surface, stripes of the mean stress
+(doc/explanation/sheet-pile.md), and with --rateCheck what twice the rate changes. Units: Mg, m, s, kPa, per
+metre of thickness.
 
     scripts/run sheet_pile_study --psi 0 --fbar
     scripts/run sheet_pile_study --types apdi --on-distortion convert

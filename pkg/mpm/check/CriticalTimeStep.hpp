@@ -13,7 +13,7 @@ struct CriticalStep {
     std::string stiffest; // body in which the fastest mode moves most
 };
 
-// Of the scene as it stands, linear elastic: doc/time-step.md.
+// Of the scene as it stands, linear elastic: doc/explanation/time-step.md.
 template <int Dim> CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance = 1e-4, int most = 300);
 
 } // namespace mpm

@@ -33,7 +33,7 @@ std::string Contact::doc() const {
            "friction. Without this engine\n"
            "all bodies stick together. Stands between GridSolver and GridToParticle. Sources: "
            "Bardenhagen et al. 2000, 2001;\n"
-           "doc/contact.md.";
+           "doc/explanation/contact.md.";
 }
 
 std::vector<Parameter> Contact::attributes() {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Frictional contact between groups of bodies. See Contact.cpp; the derivation is in doc/contact.md.
+// Frictional contact between groups of bodies. See Contact.cpp; derived in doc/explanation/contact.md.
 #pragma once
 
 #include "mpm/contact/ContactImpulses.hpp"

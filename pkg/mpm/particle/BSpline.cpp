@@ -11,7 +11,7 @@ struct QuadraticBSpline {
         "cell.\n\n"
         "S = 3/4 - c^2 within half a cell of a node, (3/2 - |c|)^2 / 2 out to one and a half. Splines are\n"
         "not treated at boundaries: a held node acts as far as its spline reaches. The plain example of\n"
-        "doc/adding-a-particle-type.md: a step takes two to three times as long as with UGIMP.\n"
+        "doc/development/adding-a-particle-type.md: a step takes two to three times as long as with UGIMP.\n"
         "Source: Steffen, Kirby & Berzins 2008, Int. J. Numer. Meth. Eng. 76(6), 922-948.";
     static constexpr int support = 3;
 

@@ -11,8 +11,8 @@
 //   static AxisWeights<support> along(double c, double l);
 //
 // where c is the position of the point from the middle of its nodes, in cells and in [-1/2, 1/2), and l half
-// the edge of its share of the lattice, in cells. BSpline.cpp is an example; doc/adding-a-particle-type.md
-// goes on from here.
+// the edge of its share of the lattice, in cells. BSpline.cpp is an example;
+// doc/development/adding-a-particle-type.md goes on from here.
 #pragma once
 
 #include "mpm/particle/LatticeType.hpp"

@@ -15,7 +15,7 @@ class Scheme {
 
     // The longest stable step is 2 over the root of the largest eigenvalue of M^-1 (direct K + mapped C M^-1 K)
     // plus that of control M^-1 K_h: K stiffness, K_h that of hourglass control, M lumped and C consistent mass
-    // (doc/time-step.md).
+    // (doc/explanation/time-step.md).
     struct StepLaw {
         double direct, mapped, control;
     };

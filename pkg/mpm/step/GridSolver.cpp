@@ -12,7 +12,7 @@ std::string GridSolver::doc() const {
            "acceleration that\n"
            "the particles take from the nodes, a_k <- a_k [1 - damping sgn(a_k v_k)] per component, "
            "v at mid-step: nodal\n"
-           "forces that no particle feels would otherwise drag, see doc/decisions/0006.";
+           "forces that no particle feels would otherwise drag, see doc/development/decisions/0006.";
 }
 
 std::vector<Parameter> GridSolver::attributes() {

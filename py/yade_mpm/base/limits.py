@@ -15,5 +15,5 @@ CHECK_PERIOD = 1000  # steps between looks at the interface and at the quality o
 POOR_QUALITY = 0.2
 # Longest APDI edge beside uGIMP, in cells: when the scene is built, and while running as domains stretch and
 # the interface moves; from 1.5 on the run warns. The sheet pile reaches 1.39; a column errs in stress by up
-# to 15 % at 1.5 and 42 % at 2 (doc/sheet-pile.md).
+# to 15 % at 1.5 and 42 % at 2 (doc/explanation/sheet-pile.md).
 INTERFACE_BUILD, INTERFACE_WARN, INTERFACE_RUN = 1 + 1e-9, 1.5, 2.0

@@ -14,7 +14,7 @@ MOVING = 0.05  # of the mean work of a tenth of the time: where less is done no 
 
 LIMITS = {
     "kineticRatio": 0.05,  # Getting Started with Abaqus, 13.4: 0.05 to 0.1 of the internal energy mostly
-    "unbalancedRatio": 0.05,  # measured, see doc/quasi-static.md; YADE asks 0.01 or less of its own at rest
+    "unbalancedRatio": 0.05,  # measured: doc/explanation/quasi-static.md; YADE asks 0.01 of its own at rest
     "energyError": 0.02,  # Abaqus: total energy within 1 percent; Radioss: 1 or 2 percent are acceptable
     "dampedRatio": 0.05,  # our choice; artificial energies in Abaqus: 0.02 no problem, 0.15 substantial
     "dampedShare": 0.1,  # our choice: twice that of the whole run, for a tenth of it
@@ -105,8 +105,8 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         energyError 0.02, dampedRatio 0.05, dampedShare 0.1, rateSensitivity 0.05.
 
     Energies are compared with `diagnostics.workDone`. A ratio that is nan counts as not known, and refuses
-    the verdict. The sources of the limits are in doc/quasi-static.md. Energies of a whole model say little
-    about a small part of it, and nothing about a history that is too coarse to see a peak.
+    the verdict. The sources of the limits are in doc/explanation/quasi-static.md. Energies of a whole model
+    say little about a small part of it, and nothing about a history that is too coarse to see a peak.
 
     Raises ValueError for a history without rows after `after`, an unknown or non-positive limit, or a
     negative rateSensitivity.

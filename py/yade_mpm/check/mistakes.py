@@ -206,6 +206,6 @@ def _bending(body):
     if faults:
         yield (
             f"body '{body.name}' is {' and '.join(faults)}: its bending stiffness is wrong, by a factor and "
-            "more; give two particles or more "
-            f"across it and a cell no larger than its thickness, half of it for bending (doc/sheet-pile.md)"
+            "more; give two particles or more across it and a cell no larger than its thickness, half of it "
+            "for bending (doc/explanation/sheet-pile.md)"
         )

@@ -70,12 +70,12 @@ class Contact(generated["Contact"]):
     gridLoss = property(
         lambda self: self.core.gridLoss,
         doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative "
-        "(doc/contact.md).",
+        "(doc/explanation/contact.md).",
     )
     reduced = property(
         lambda self: self.core.reduced,
         doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut "
-        "(doc/contact.md).",
+        "(doc/explanation/contact.md).",
     )
 
     def contactTable(self):

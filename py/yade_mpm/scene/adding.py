@@ -39,7 +39,7 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group
     type : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).
     inertiaScale : float, factor on the inertial mass, not on the weight; default 1.
     fbar : bool, one increment of volumetric strain and one linear mean stress per cell (against volumetric
-        locking; de Souza Neto et al. 1996, doc/decisions/0008); default False.
+        locking; de Souza Neto et al. 1996, doc/development/decisions/0008); default False.
     group : str; bodies of one group stick together, between groups a `Contact` engine lets them slip; default
         "main".
 

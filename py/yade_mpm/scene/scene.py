@@ -20,7 +20,7 @@ from .settling import settle, unbalancedForce
 from .stepper import Stepper
 
 MOST_THREADS = 1024
-PARTICLES_PER_THREAD = 1000  # a block of 2000 is 1.5 times as fast on two (doc/performance.md)
+PARTICLES_PER_THREAD = 1000  # a block of 2000 is 1.5 times as fast on two (doc/explanation/performance.md)
 
 
 class Scene(Guarded):
@@ -218,7 +218,7 @@ class Scene(Guarded):
 
     def criticalTimeStep(self, tolerance=1e-4, iterations=300):
         """Critical time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid
-        operator, or the longest stable step of the scheme if that is shorter (doc/time-step.md).
+        operator, or the longest stable step of the scheme if that is shorter (doc/explanation/time-step.md).
 
         Also sets `dtCritical`, `dtStable` and `stiffest`. Source: spectral bound of the central-difference
         scheme and of the one-step map; Lanczos iteration.

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Frictional contact between groups of bodies (doc/contact.md). Pairs are named by their types: base and
-what lies on it."""
+"""Frictional contact between groups of bodies (doc/explanation/contact.md). Pairs are named by their types:
+base and what lies on it."""
 
 import re
 from math import cos, radians, sin, tan
@@ -92,7 +92,7 @@ def pressed(contact, pair, scheme):
 
 @pytest.mark.parametrize(
     "scheme", ["MUSL", "USL"]
-)  # USF strains with velocities that agree without friction (doc/contact.md)
+)  # USF strains with velocities that agree without friction (doc/explanation/contact.md)
 @pytest.mark.parametrize("pair", ["uu", "ua", "aa"])
 def test_much_friction_without_separation_bonds_what_presses(pair, scheme):
     """The law itself sticks here, not slip=False. With impactLoss=1 the particles take the whole exchange:
@@ -220,8 +220,8 @@ def test_every_scheme_slides_and_sticks(scheme):
 
 
 def test_normals_by_mass_tilt_at_the_ends_of_a_plane():
-    """A limit (doc/contact.md), and the control of the normals from surfaces: the block loses 10 % of its
-    acceleration and more."""
+    """A limit (doc/explanation/contact.md), and the control of the normals from surfaces: the block loses
+    10 % of its acceleration and more."""
     assert Incline("uu", 0.3, normals="mass").acceleration() < 0.9 * G * (
         sin(radians(30)) - 0.3 * cos(radians(30))
     )
@@ -499,7 +499,7 @@ def test_a_plate_is_held_by_adhesion_along_its_shaft():
 
 
 def test_a_plate_of_one_cell_between_grid_lines_misses_half_of_its_friction():
-    """A limit (doc/contact.md): its middle nodes see soil on both sides, whose normals cancel."""
+    """A limit (doc/explanation/contact.md): its middle nodes see soil on both sides, whose normals cancel."""
     assert 0.3 < pullOut("aa", 1, 0.5)[0] < 0.7
     assert 0.3 < pullOut("ua", 1, 0.5)[0] < 0.7
 

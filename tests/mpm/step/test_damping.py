@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Local damping acts on what particles feel (doc/decisions/0006).
+"""Local damping acts on what particles feel (doc/development/decisions/0006).
 
 Two columns of uGIMP boxes beside one line of nodes with shear stress of opposite sign: the nodal forces are
 large, but

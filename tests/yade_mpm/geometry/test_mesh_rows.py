@@ -162,7 +162,7 @@ def test_a_mesh_file_is_numbered_in_rows_and_the_motion_is_the_same(tmp_path, co
 
 
 def test_the_benchmark_times_both_numberings(tmp_path):
-    """What it finds depends on the machine; doc/performance.md has it."""
+    """What it finds depends on the machine; doc/explanation/performance.md has it."""
     meshio = pytest.importorskip("meshio")
     points, cells = shuffled(*block((12, 10)))
     meshio.Mesh(np.pad(points, ((0, 0), (0, 1))), [("quad", cells)]).write(tmp_path / "soil.vtk")

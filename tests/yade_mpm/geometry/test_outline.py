@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The outline of boxes that were cut from a region: its facets, and how they go with the particles
-(doc/contact.md)."""
+(doc/explanation/contact.md)."""
 
 import numpy as np
 import pytest

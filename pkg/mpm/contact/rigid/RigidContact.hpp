@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Frictional contact of rigid bodies with everything in the scene. See RigidContact.cpp; the derivation is in
-// doc/rigid-contact.md.
+// doc/explanation/rigid-contact.md.
 #pragma once
 
 #include "mpm/contact/rigid/findRigidContacts.hpp"

@@ -18,7 +18,7 @@ std::string RigidContact::doc() const {
            "normal part, no attraction. Points are uGIMP boxes and boundary vertices of APDI "
            "domains. Stands between\n"
            "ParticleToGrid (USF: DomainUpdater) and GridSolver. Sources: Cundall & Strack 1979; "
-           "doc/rigid-contact.md.";
+           "doc/explanation/rigid-contact.md.";
 }
 
 std::vector<Parameter> RigidContact::attributes() {

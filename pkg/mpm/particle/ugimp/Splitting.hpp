@@ -9,7 +9,7 @@
 // energy stay. (With v +- L d the halves would be on the linear velocity field, at the price of a kinetic
 // energy m |L d|^2/2 from nowhere; results were the same.) The halves have boxes as large as before. A limit
 // of 2 makes a half as long as its box; boxes that overlap do less harm than gaps between them: 1.3 keeps a
-// body whole that falls apart at 2 (doc/numerical-fracture.md).
+// body whole that falls apart at 2 (doc/explanation/numerical-fracture.md).
 #pragma once
 
 #include "mpm/base/parallel/ParallelRegion.hpp"

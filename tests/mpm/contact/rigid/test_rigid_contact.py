@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Rigid bodies in frictional contact with uGIMP and APDI bodies (doc/rigid-contact.md)."""
+"""Rigid bodies in frictional contact with uGIMP and APDI bodies (doc/explanation/rigid-contact.md)."""
 
 import numpy as np
 import pytest

@@ -14,8 +14,7 @@ import os
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, plot
-from yade_mpm.commandLine import partOf, positive
+from yade_mpm import Parameter, box, commandLine, plot
 
 LENGTH, DEPTH = 4.0, 1.0  # m
 # Tip at mid-height and centre of mass of total-Lagrangian finite elements, 64 x 16 bilinear quadrilaterals.
@@ -24,16 +23,15 @@ TIP = np.array([-0.380, -0.766, -0.395, -0.001, -0.366, -0.765])
 CENTRE = np.array([-0.158, -0.319, -0.166, -0.001, -0.151, -0.318])
 
 
-def arguments(words=None):
-    p = commandLine.Parser("cantilever", __doc__, smoke={"cell": 0.25, "until": 0.5})
-    p.add_argument(
-        "--cell", type=partOf(0.5), default=0.125, help="m: 0.5 m over a whole number (default %(default)s)"
-    )
-    p.add_argument("--until", type=positive, default=1.5, help="end, s (default %(default)s)")
-    p.add_argument(
-        "--type", choices=("APDI", "UGIMP"), default="APDI", help="particle type (default %(default)s)"
-    )
-    return p.parse(words)
+PARAMETERS = mpm.Parameters(
+    "cantilever",
+    __doc__,
+    Parameter("cell", 0.125, "size of the grid's cells", unit="m", partOf=0.5),
+    Parameter("until", 1.5, "end", unit="s", above=0),
+    Parameter("type", "APDI", "particle type", choices=("APDI", "UGIMP")),
+    smoke={"cell": 0.25, "until": 0.5},
+)
+arguments = PARAMETERS.parse
 
 
 def build(cell=0.125, type="APDI", scheme="MUSL", gravity=10.0, threads=None):

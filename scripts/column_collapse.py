@@ -23,8 +23,7 @@ from math import atan, degrees, radians
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, files, plot, study
-from yade_mpm.commandLine import below, between, partOf
+from yade_mpm import Parameter, box, commandLine, files, plot, study
 
 WIDTH, HEIGHT, FLOOR, UNTIL = 0.2, 0.1, 0.8, 0.8  # m, m, m, s
 YOUNG, POISSON, DENSITY = 5840.0, 0.3, 2.04  # kPa, -, Mg/m3
@@ -33,21 +32,24 @@ STILL = ((0, 0.08, 0.06), (0.08, 0.12, 0.04), (0.12, 0.14, 0.02))  # m: from, to
 MOVED = 1e-3  # m: less is unmoved
 
 
-def arguments(words=None):
-    p = commandLine.Parser("column_collapse", __doc__, smoke={"cell": 0.01})
-    types = dict(choices=("ugimp", "hybrid"), default="ugimp")
-    p.add_argument("--types", **types, help="particle types (default %(default)s)")
-    p.add_argument(
-        "--cell", type=partOf(0.04), default=0.005, help="m: 0.04 m (hybrid: 0.02 m) over a whole number"
-    )
-    p.add_argument("--damping", type=below(1), default=0.05, help="local damping (default %(default)s)")
-    p.add_argument(
-        "--until", type=between(0.05, 100), default=UNTIL, help="s, from when it flows (default %(default)s)"
-    )
-    a = p.parse(words)
+def refusal(a, given):
+    """What is wrong with the arguments, or None."""
     if a.types == "hybrid" and not commandLine.isWhole(0.02 / a.cell):
-        p.error(f"--cell {a.cell:g} with --types hybrid is not allowed; give 0.02 over a whole number")
-    return a
+        return f"--cell {a.cell:g} with --types hybrid is not allowed; give 0.02 over a whole number"
+    return None
+
+
+PARAMETERS = mpm.Parameters(
+    "column_collapse",
+    __doc__,
+    Parameter("types", "ugimp", "particle types", choices=("ugimp", "hybrid")),
+    Parameter("cell", 0.005, "size of the grid's cells; hybrid: 0.02 m over one", unit="m", partOf=0.04),
+    Parameter("damping", 0.05, "local damping", least=0, below=1),
+    Parameter("until", UNTIL, "end, from when it flows", unit="s", least=0.05, most=100),
+    smoke={"cell": 0.01},
+    check=refusal,
+)
+arguments = PARAMETERS.parse
 
 
 def build(a):

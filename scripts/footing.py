@@ -33,39 +33,32 @@ from math import exp, pi, radians, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, files, plot, study
-from yade_mpm.commandLine import below, partOf, positive
+from yade_mpm import Parameter, box, commandLine, files, plot, study
 
 WIDTH, DEPTH = 20.0, 10.0  # m
 SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0  # kPa, kPa, kPa, Mg/m3 (inertia only)
 
 
-def options(name="footing", doc=__doc__):
-    p = commandLine.Parser(name, doc, smoke={"cell": 2 / 3, "rate": 0.04, "settlement": 0.12})
-    p.set_defaults(halfWidth=3.0, damping=0.5)
-    p.add_argument(
-        "--types", choices=study.TYPES, default="hybrid", help="particle types (default %(default)s)"
-    )
-    p.add_argument(
-        "--phi", type=below(60), default=0.0, help="friction and dilatancy, degrees (default %(default)s)"
-    )
-    p.add_argument("--fbar", action="store_true", help="against locking: cell-mean volumetric strain")
-    p.add_argument(
-        "--cell", type=partOf(DEPTH), default=2 / 9, help="m: 10 m over a whole number (default 2/9)"
-    )
-    p.add_argument("--rate", type=positive, default=0.02, help="settlement rate, m/s (default %(default)s)")
-    p.add_argument(
-        "--settlement", type=positive, help="final settlement, m (default 0.08, with friction 0.11)"
-    )
-    return p
-
-
-def arguments(words=None, parser=None):
-    a = (parser or options()).parse(words)
-    # The limit load belongs to small settlements: at half a cell boxes under the edge pass to nodes that are
-    # not held.
-    a.settlement = a.settlement or (0.11 if a.phi else 0.08)
-    return a
+PARAMETERS = mpm.Parameters(
+    "footing",
+    __doc__,
+    Parameter("types", "hybrid", "particle types", choices=study.TYPES),
+    Parameter("phi", 0.0, "friction and dilatancy", unit="degrees", least=0, below=60),
+    Parameter("fbar", False, "against locking: cell-mean volumetric strain"),
+    Parameter("cell", 2 / 9, "size of the grid's cells", unit="m", partOf=DEPTH),
+    Parameter("rate", 0.02, "settlement rate", unit="m/s", above=0),
+    # The limit load belongs to small settlements: at half a cell boxes under the edge pass to free nodes.
+    Parameter(
+        "settlement",
+        lambda a: 0.11 if a.phi else 0.08,
+        "final settlement (default 0.08, with friction 0.11)",
+        unit="m",
+        above=0,
+    ),
+    smoke={"cell": 2 / 3, "rate": 0.04, "settlement": 0.12},
+    fixed={"halfWidth": 3.0, "damping": 0.5},
+)
+arguments = PARAMETERS.parse
 
 
 def limitPressure(phi):

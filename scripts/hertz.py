@@ -22,8 +22,7 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, disc, files, plot, study
-from yade_mpm.commandLine import between, count
+from yade_mpm import Parameter, box, commandLine, disc, files, plot, study
 
 RADIUS, EXTENT = (
     20.0,
@@ -35,25 +34,28 @@ TYPES = ("apdi", "ugimp", "cut")
 CUT, OUTLINE = True, True  # as of UGIMP, where --ground or --cylinder is cut
 
 
-def arguments(words=None):
-    p = commandLine.Parser("hertz", __doc__, smoke={"cells": 5})
-    p.add_argument(
-        "--cells", type=count, default=8, help="cells per nominal half-width (default %(default)s)"
-    )
-    p.add_argument(
-        "--ground", choices=TYPES, default="apdi", help="particles of the ground (default %(default)s)"
-    )
-    cylinder = "of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it"
-    p.add_argument("--cylinder", choices=TYPES, default="apdi", help=f"{cylinder} (default %(default)s)")
-    p.add_argument("--two", action="store_true", help="two cylinders of twice the radius")
-    shift = "surface above a grid line, cells; with uGIMP a multiple of 0.5 (default %(default)s)"
-    p.add_argument("--shift", type=between(-1, 1), default=0.0, help=shift)
-    normals = "as of Contact (default %(default)s)"
-    p.add_argument("--normals", choices=("surface", "mass"), default="surface", help=normals)
-    a = p.parse(words)
+def refusal(a, given):
+    """What is wrong with the arguments, or None."""
     if (a.ground, a.cylinder) != ("apdi", "apdi") and a.shift % 0.5:
-        p.error(f"--shift {a.shift:g} with uGIMP is not allowed; give a multiple of 0.5")
-    return a
+        return f"--shift {a.shift:g} with uGIMP is not allowed; give a multiple of 0.5"
+    return None
+
+
+OF_CYLINDER = "of the cylinder; ugimp: columns of boxes that follow the curve, cut: a lattice cut by it"
+SHIFT = "surface above a grid line, cells; with uGIMP a multiple of 0.5"
+PARAMETERS = mpm.Parameters(
+    "hertz",
+    __doc__,
+    Parameter("cells", 8, "cells per nominal half-width", least=1, whole=True),
+    Parameter("ground", "apdi", "particles of the ground", choices=TYPES),
+    Parameter("cylinder", "apdi", OF_CYLINDER, choices=TYPES),
+    Parameter("two", False, "two cylinders of twice the radius"),
+    Parameter("shift", 0.0, SHIFT, least=-1, most=1),
+    Parameter("normals", "surface", "as of Contact", choices=("surface", "mass")),
+    smoke={"cells": 5},
+    check=refusal,
+)
+arguments = PARAMETERS.parse
 
 
 def rise(x, radius):

@@ -19,20 +19,20 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, files, plot, study
-from yade_mpm.commandLine import count
+from yade_mpm import Parameter, box, commandLine, files, plot, study
 
 HALF_WIDTH, HALF_LENGTH, RADIUS = 2.5, 4.0, 0.5  # m; the load is along y
 SIGMA0, YOUNG, POISSON, DENSITY = 100.0, 1e6, 0.3, 1000.0  # Pa, Pa, -, kg/m3: strains of 1e-4
 REFERENCE = {"side": 3.14, "crown": -1.11}  # hoop stress over sigma0 at (a, 0) and (0, a)
 
 
-def arguments(words=None):
-    p = commandLine.Parser("plate_with_hole", __doc__, smoke={"cells": 4})
-    p.add_argument(
-        "--cells", type=count, default=8, help="cells per radius of the hole (default %(default)s)"
-    )
-    return p.parse(words)
+PARAMETERS = mpm.Parameters(
+    "plate_with_hole",
+    __doc__,
+    Parameter("cells", 8, "cells per radius of the hole", least=1, whole=True),
+    smoke={"cells": 4},
+)
+arguments = PARAMETERS.parse
 
 
 def quarterMesh(cell):

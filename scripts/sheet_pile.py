@@ -13,64 +13,64 @@ m, s, kPa, per metre of thickness.
     scripts/run sheet_pile_compare       # hybrid beside all uGIMP
 """
 
-import os
 from math import ceil, radians
 
-import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, plot, study
-from yade_mpm.commandLine import notNegative, partOf, positive
+from yade_mpm import Parameter, box, commandLine, plot, study
+from yade_mpm.study import penetration
 
 WIDTH, DEPTH, FREE, PILE_LENGTH, EMBEDDED = 30.0, 12.0, 12.0, 10.0, 1.0  # m; FREE: grid above the soil
 ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5  # m: uGIMP zone, and how far it reaches below the final tip
 GRAVITY, K0 = 9.81, 0.43  # m/s2, -
 SOLVER = dict(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed="bottom")
+PUBLISHED = dict(psi=10.0, dilatancyLimit=None, tip=180.0, split=None, fbar=False, undamped=False, ramp=0.0)
+PUBLISHED |= dict(flip=1.0, on_distortion="stop", thickness=lambda a: cellsOf(a, 0.25) * a.cell)
+PUBLISHED |= dict(dt=lambda a: 2e-4 * min(1.0, a.cell / 0.25))  # options of sheet_pile_study
 REMEDIES = dict(friction=0.3, tip=90.0, dilatancyLimit=0.05, split=1.3, fbar=True, undamped=True)
-PUBLISHED = dict(thickness=None, ramp=0.0, psi=10.0, dilatancyLimit=None, tip=180.0, split=None, fbar=False)
-PUBLISHED |= dict(undamped=False, flip=1.0, dt=None, on_distortion="stop")  # options of sheet_pile_study
+REMEDIES |= dict(ramp=lambda a: 0.1 / a.rate)  # s: 0.05 m
+DERIVED = dict(
+    # Where soil and pile may slip they meet at grid lines: an odd number of cells across needs one more.
+    width=lambda a: WIDTH + oddCell(a),
+    zoneWidth=lambda a: ZONE_WIDTH + oddCell(a),
+    penetration=lambda a: float(study.travel(a.until, a.rate, a.ramp)),
+)
 
 
-def options(name="sheet_pile", doc=__doc__, mayChange=("until",)):
-    smoke = {"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0}
-    p = commandLine.Parser(name, doc, smoke, resume=mayChange)
-    p.set_defaults(**PUBLISHED)
-    p.add_argument("--types", choices=study.TYPES, default="hybrid", help="particle types of the soil")
-    p.add_argument(
-        "--cell", type=partOf(ZONE_WIDTH), default=0.25, help="m: 2 m over a whole number (default 0.25)"
-    )
-    p.add_argument("--rate", type=positive, default=0.1, help="m/s (default 0.1; published 0.01)")
-    p.add_argument("--until", type=positive, help="scene time, s (default: 4 m of penetration)")
-    p.add_argument(
-        "--friction", type=notNegative, help="the soil slips on the pile (default: bonded, published)"
-    )
-    p.add_argument("--remedies", action="store_true", help=f"{REMEDIES}, and a ramp of 0.1 m, unless given")
-    return p
-
-
-def arguments(words=None, parser=None):
-    """What a command line asks for and what follows from it; with --resume what the run had that is
-    continued."""
-    parser = parser or options()
-    a = parser.parse(words)
-    if not a.resume:
-        if a.remedies:
-            parser.fill(a, words, **REMEDIES, ramp=0.1 / a.rate)
-        a.thickness = (
-            a.thickness or max(1, int(0.25 / a.cell + 1e-9)) * a.cell
-        )  # thinner than a cell it were too stiff
-        if not commandLine.isWhole(a.thickness / a.cell):
-            refused = f"--thickness {a.thickness:g} with --cell {a.cell:g} is not allowed"
-            fits = max(1, int(a.thickness / a.cell)) * a.cell
-            parser.error(f"{refused}; give a whole number of cells, e.g. --thickness {fits:g}")
-        # Where soil and pile may slip they meet at grid lines: an odd number of cells across needs one more.
-        more = a.cell if a.friction is not None and round(a.thickness / a.cell) % 2 else 0.0
-        a.width, a.zoneWidth = WIDTH + more, ZONE_WIDTH + more
-        a.until = a.until or 4.0 / a.rate + 0.5 * a.ramp
-        a.dt = a.dt or 2e-4 * min(1.0, a.cell / 0.25)
-    a.penetration = float(study.travel(a.until, a.rate, a.ramp))
+def refusal(a, given):
+    """What is wrong with the arguments, or None."""
+    if not commandLine.isWhole(a.thickness / a.cell):
+        refused = f"--thickness {a.thickness:g} with --cell {a.cell:g} is not allowed; give a whole number of"
+        return f"{refused} cells, e.g. --thickness {cellsOf(a, a.thickness) * a.cell:g}"
     if EMBEDDED + a.penetration > PILE_LENGTH - a.cell:
-        parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --until or --rate")
-    return a
+        return f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --until or --rate"
+    return None
+
+
+PARAMETERS = mpm.Parameters(
+    "sheet_pile",
+    __doc__,
+    Parameter("types", "hybrid", "particle types of the soil", choices=study.TYPES),
+    Parameter("cell", 0.25, "size of the grid's cells", unit="m", partOf=ZONE_WIDTH),
+    Parameter("rate", 0.1, "of the pile; published 0.01", unit="m/s", above=0),
+    Parameter("until", lambda a: 4.0 / a.rate + 0.5 * a.ramp, "end (default: 4 m deep)", unit="s", above=0),
+    Parameter("friction", None, "the soil slips on the pile (default: bonded, published)", least=0),
+    Parameter("remedies", False, "what mends the published model", sets=REMEDIES),
+    smoke={"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0},
+    fixed=PUBLISHED,
+    derived=DERIVED,
+    check=refusal,
+    resume=("until",),
+)
+arguments = PARAMETERS.parse
+
+
+def cellsOf(a, length):
+    """Number of whole cells in a length, at least one: a thinner pile were too stiff."""
+    return max(1, int(length / a.cell + 1e-9))
+
+
+def oddCell(a):
+    return a.cell if a.friction is not None and round(a.thickness / a.cell) % 2 else 0.0
 
 
 def ground(a):
@@ -113,44 +113,19 @@ def build(a):
 def recorded(a, snapshots, columns=None):
     """The scene with its output: a file for ParaView, a history, and snapshots at every quarter."""
     scene = build(a)
-    columns = {
-        "pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})",
-        **(columns or {}),
-    }
-    recorder = mpm.Recorder(os.path.join(a.out, "sheet_pile.vtkhdf"), period=a.until / 40)
-    history = mpm.History(period=a.until / 800, file=os.path.join(a.out, "history.csv"), columns=columns)
+    section = {"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})"}
+    recorder = mpm.Recorder(f"{a.out}/sheet_pile.vtkhdf", period=a.until / 40)
+    history = mpm.History(
+        period=a.until / 800, file=f"{a.out}/history.csv", columns={**section, **(columns or {})}
+    )
     quarters = mpm.PyRunner(snapshots, virtPeriod=a.until / 4, label="snapshots")
     scene.engines = [*scene.engines, recorder, history, quarters]
     return scene
 
 
 def resistanceCurve(a, scene, history):
-    """What the soil exerts on the pile, from the force of the drive and the weight and inertia of the
-    pile: depth of further penetration (m), and resistance (kN/m), mean over the history's period and
-    over one cell."""
-    t, pile = history["time"], scene["pile"]
-    depth, acceleration = study.travel(t, a.rate, a.ramp), np.where(t < a.ramp, a.rate / (a.ramp or 1.0), 0.0)
-    inertia = pile.inertiaScale * pile.mass.sum() * acceleration
-    raw = pile.mass.sum() * GRAVITY - history["drive.fy"] - inertia
-    return depth, raw, study.movingAverage(depth, raw, a.cell)
-
-
-def draw(a, curve, snapshots):
-    """Plastic shear strain at every quarter of the run, and the resistance."""
-    depth, raw, smooth = curve
-    titles = [f"{study.travel(s.time, a.rate, a.ramp):.2g} m" for s in snapshots]
-    window = (a.width / 2 - 4, a.width / 2 + 4, DEPTH - EMBEDDED - a.penetration - 2, DEPTH + 2)
-    figure, axes = plot.panels(snapshots, titles, 0.5, "plastic shear strain (-)", window, curves=1.2)
-    axes.plot(raw, depth, "0.8", lw=0.6)
-    axes.plot(smooth, depth, "C3", lw=1.6, label="mean over one cell")
-    axes.set(
-        xlabel="resistance (kN/m)",
-        ylabel="penetration (m)",
-        xlim=(0, 1.25 * smooth.max()),
-        ylim=(depth[-1], 0),
-    )
-    axes.legend()
-    plot.save(figure, os.path.join(a.out, "sheet_pile.png"))
+    """Depth of further penetration (m), resistance (kN/m), and its mean over one cell."""
+    return penetration.resistance(history, scene["pile"], a.rate, a.ramp, GRAVITY, a.cell)
 
 
 def run(a):
@@ -159,8 +134,12 @@ def run(a):
     run = study.Run(a, lambda: recorded(a, snapshots), {"snapshots": snapshots})
     scene, history = run.finish()
     curve, certificate = resistanceCurve(a, scene, history), mpm.quasiStatic(history)
-    draw(a, curve, snapshots or [plot.Snapshot(scene, "plasticShearStrain")])
+    window = (a.width / 2 - 4, a.width / 2 + 4, DEPTH - EMBEDDED - a.penetration - 2, DEPTH + 2)
+    penetration.draw(
+        f"{a.out}/sheet_pile.png", a, curve, snapshots or [plot.Snapshot(scene, "plasticShearStrain")], window
+    )
     summary = {"resistance": study.atSteps(curve[0], curve[2]), "quasiStatic": certificate.asDict()}
+    study.saveCurve(a.out, "resistance", {"penetration (m)": curve[0], "resistance (kN/m)": curve[2]})
     print(certificate, "resistance in kN/m at m:", summary["resistance"], f"results in {a.out}/", sep="\n")
     return run.save(summary), scene, history
 

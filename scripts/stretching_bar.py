@@ -17,29 +17,22 @@ from pathlib import Path
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, plot
-from yade_mpm.commandLine import between, count, partOf
+from yade_mpm import Parameter, box, commandLine, plot
 
 REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "verification" / "stretching_bar_reference.csv"
 LOWEST = 0.09  # s, when the bar is longest
 
 
-def arguments(words=None):
-    p = commandLine.Parser("stretching_bar", __doc__, smoke={"cell": 0.25, "until": 0.05})
-    p.add_argument(
-        "--cell", type=partOf(0.5), default=0.125, help="m: 0.5 m over a whole number (default %(default)s)"
-    )
-    p.add_argument(
-        "--perCell", type=count, default=3, help="boxes per cell and direction (default %(default)s)"
-    )
-    p.add_argument("--splitAt", type=float, default=1.3, help="stretch of the cuts (default %(default)s)")
-    p.add_argument(
-        "--until", type=between(0.01, 100), default=LOWEST, help="end, s (default %(default)s, the longest)"
-    )
-    a = p.parse(words)
-    if not a.splitAt > 1:
-        p.error(f"--splitAt {a.splitAt:g} is not allowed; give a stretch above 1")
-    return a
+PARAMETERS = mpm.Parameters(
+    "stretching_bar",
+    __doc__,
+    Parameter("cell", 0.125, "size of the grid's cells", unit="m", partOf=0.5),
+    Parameter("perCell", 3, "boxes per cell and direction", least=1, whole=True),
+    Parameter("splitAt", 1.3, "stretch of the cuts", above=1),
+    Parameter("until", LOWEST, "end; the default is when the bar is longest", unit="s", least=0.01, most=100),
+    smoke={"cell": 0.25, "until": 0.05},
+)
+arguments = PARAMETERS.parse
 
 
 def build(

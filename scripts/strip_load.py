@@ -19,8 +19,7 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, files, plot, study
-from yade_mpm.commandLine import partOf, positive
+from yade_mpm import Parameter, box, commandLine, files, plot, study
 
 B, Q = 1.0, 10.0  # m: half width of the strip; kPa
 YOUNG, POISSON, DENSITY = (
@@ -31,22 +30,27 @@ YOUNG, POISSON, DENSITY = (
 DEPTHS = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
 
 
-def arguments(words=None):
-    p = commandLine.Parser("strip_load", __doc__, smoke={"cell": 0.5, "extent": 20.0})
-    p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
-    p.add_argument(
-        "--size", type=partOf(B), help="of the domains, m: 1 m over a whole number (default: half a cell)"
-    )
-    p.add_argument("--extent", type=positive, default=40.0, help="width and depth, m (default %(default)s)")
-    a = p.parse(words)
-    a.size = a.size or a.cell / 2
+def refusal(a, given):
+    """What is wrong with the arguments, or None."""
     if not commandLine.isWhole(B / a.size):  # the load would not end at B
-        p.error(f"--cell {a.cell:g} is not allowed; give {2 * B:g} over a whole number, or --size too")
+        return f"--cell {a.cell:g} is not allowed; give {2 * B:g} over a whole number, or --size too"
     for name in ("cell", "size"):
         if not commandLine.isWhole(0.5 * a.extent / vars(a)[name]):
             refused = f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed"
-            p.error(f"{refused}; give two, four, six ... times that")
-    return a
+            return f"{refused}; give two, four, six ... times that"
+    return None
+
+
+PARAMETERS = mpm.Parameters(
+    "strip_load",
+    __doc__,
+    Parameter("cell", 0.25, "size of the grid's cells", unit="m", above=0),
+    Parameter("size", lambda a: a.cell / 2, "of the domains (default: half a cell)", unit="m", partOf=B),
+    Parameter("extent", 40.0, "width and depth", unit="m", above=0),
+    smoke={"cell": 0.5, "extent": 20.0},
+    check=refusal,
+)
+arguments = PARAMETERS.parse
 
 
 def closedForm(depth):

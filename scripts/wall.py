@@ -31,8 +31,7 @@ from math import radians, sqrt, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import box, commandLine, files, plot, study
-from yade_mpm.commandLine import below, between, partOf, positive
+from yade_mpm import Parameter, box, commandLine, files, plot, study
 
 HEIGHT, LENGTH, BEHIND = 5.0, 12.0, 0.5  # m: soil; soil behind the wall's line
 GRAVITY, DENSITY, LAME = 9.81, 1.53, (9.48e3, 6.31e3)  # m/s2, Mg/m3, kPa
@@ -40,21 +39,18 @@ COHESION, FRICTION, K0 = 8.5, radians(30), 0.43
 MOVEMENT = {"active": -0.01 * HEIGHT, "passive": 0.05 * HEIGHT}  # m, positive into the soil
 
 
-def arguments(words=None):
-    p = commandLine.Parser("wall", __doc__, smoke={"cell": 0.5, "rate": 0.05})
-    p.add_argument("--state", choices=(*MOVEMENT, "both"), default="both", help="which (default %(default)s)")
-    p.add_argument(
-        "--types", choices=("ugimp", "apdi"), default="ugimp", help="particle type (default %(default)s)"
-    )
-    p.add_argument(
-        "--cell", type=partOf(1.0), default=0.25, help="m: 1 m over a whole number (default %(default)s)"
-    )
-    p.add_argument(
-        "--psi", type=between(0, 30), default=10.0, help="dilatancy, degrees (default %(default)s)"
-    )
-    p.add_argument("--rate", type=positive, default=0.02, help="speed of the wall, m/s (default %(default)s)")
-    p.add_argument("--damping", type=below(1), default=0.1, help="local damping (default %(default)s)")
-    return p.parse(words)
+PARAMETERS = mpm.Parameters(
+    "wall",
+    __doc__,
+    Parameter("state", "both", "which", choices=(*MOVEMENT, "both")),
+    Parameter("types", "ugimp", "particle type", choices=("ugimp", "apdi")),
+    Parameter("cell", 0.25, "size of the grid's cells", unit="m", partOf=1.0),
+    Parameter("psi", 10.0, "dilatancy angle", unit="degrees", least=0, most=30),
+    Parameter("rate", 0.02, "speed of the wall", unit="m/s", above=0),
+    Parameter("damping", 0.1, "local damping", least=0, below=1),
+    smoke={"cell": 0.5, "rate": 0.05},
+)
+arguments = PARAMETERS.parse
 
 
 def rankine(state, z):

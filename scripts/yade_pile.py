@@ -133,12 +133,12 @@ def soil(a, contact):
 
 def bonded(a):
     """Arguments of the sheet pile scene with the same soil, cell and rate."""
-    parser = sheet_pile.options()
-    parser.set_defaults(thickness=a.thickness, ramp=a.ramp)
+    fixed = dict(thickness=a.thickness, ramp=a.ramp)
+    parameters = sheet_pile.PARAMETERS.extended("yade_pile", __doc__, fixed=fixed)
     until = a.penetration / a.rate + 0.5 * a.ramp
     words = ["--cell", a.cell, "--rate", a.rate, "--until", until, "--out", os.path.join(a.out, "bonded")]
     words += ["--threads", a.threads] if a.threads else []
-    return sheet_pile.arguments([str(word) for word in words], parser)
+    return parameters.parse([str(word) for word in words])
 
 
 def pile(a):

@@ -17,6 +17,7 @@ BoundaryLoad, Contact, RigidContact                              engines that ma
 Drive, Hold                    prescribed motions, given to the GridSolver
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
 quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
+Parameter, Parameters          what a scene takes: its command line and its studies
 diagnostics, rigid             modules: energies and other numbers of a scene; shapes for RigidContact
 
 Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface),
@@ -68,6 +69,8 @@ from .particle.types import ParticleType
 from .scene.plugins import loadPlugin
 from .scene.restoring import load
 from .scene.scene import Scene
+from .study.parameter import Parameter
+from .study.parameters import Parameters
 
 globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
 

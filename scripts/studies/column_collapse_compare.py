@@ -8,18 +8,21 @@ import argparse
 import os
 
 import column_collapse
+import yade_mpm as mpm
 from column_collapse import HEIGHT, WIDTH, surfaceOf
-from yade_mpm import commandLine, files, plot
-from yade_mpm.commandLine import below, between
+from yade_mpm import Parameter, commandLine, files, plot
 
 CELLS = 0.01, 0.005  # m
 
 
-def arguments(words=None):
-    p = commandLine.Parser("column_collapse_compare", __doc__, smoke={"until": 0.2})
-    p.add_argument("--damping", type=below(1), default=0.05, help="local damping (default %(default)s)")
-    p.add_argument("--until", type=between(0.05, 100), default=0.8, help="end, s (default %(default)s)")
-    return p.parse(words)
+PARAMETERS = mpm.Parameters(
+    "column_collapse_compare",
+    __doc__,
+    Parameter("damping", 0.05, "local damping", least=0, below=1),
+    Parameter("until", 0.8, "end", unit="s", least=0.05, most=100),
+    smoke={"until": 0.2},
+)
+arguments = PARAMETERS.parse
 
 
 def draw(scenes, file):

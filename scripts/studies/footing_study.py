@@ -13,23 +13,29 @@ import argparse
 import os
 
 import footing
-from yade_mpm import commandLine, files
-from yade_mpm.commandLine import below, positive
+from yade_mpm import Parameter, commandLine, files
 
 
-def arguments(words=None):
-    p = footing.options("footing_study", __doc__)
-    p.add_argument("--halfWidth", type=positive, help="half width of the footing, m (default %(default)s)")
-    p.add_argument("--damping", type=below(1), help="local damping (default %(default)s)")
-    p.add_argument("--widths", action="store_true", help="also run 0.6 of the width, and compare the loads")
-    p.add_argument("--compare", action="store_true", help="run without and with F-bar and draw both curves")
-    a = footing.arguments(words, p)
-    if a.compare:
-        p.refuseBeside(words, "--compare", ("fbar",), "it runs without and with F-bar")
+def refusal(a, given):
+    """What is wrong with the arguments, or None."""
+    if a.compare and "fbar" in given:
+        return "--fbar has no meaning beside --compare: it runs without and with F-bar"
     least, most = (0.5 / 0.6 if a.widths else 0.5) * a.cell, footing.WIDTH - a.cell
     if not least <= a.halfWidth < most:
-        p.error(f"--halfWidth {a.halfWidth:g} is not allowed; give {least:g} to below {most:g}")
-    return a
+        return f"--halfWidth {a.halfWidth:g} is not allowed; give {least:g} to below {most:g}"
+    return None
+
+
+PARAMETERS = footing.PARAMETERS.extended(
+    "footing_study",
+    __doc__,
+    Parameter("halfWidth", 3.0, "half width of the footing", unit="m", above=0),
+    Parameter("damping", 0.5, "local damping", least=0, below=1),
+    Parameter("widths", False, "also run 0.6 of the width, and compare the loads"),
+    Parameter("compare", False, "run without and with F-bar and draw both curves"),
+    check=refusal,
+)
+arguments = PARAMETERS.parse
 
 
 def compareWidths(a, pressure):

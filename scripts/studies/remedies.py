@@ -16,8 +16,8 @@ import os
 
 import sheet_pile
 import sheet_pile_study
-from yade_mpm import commandLine, files, plot
-from yade_mpm.commandLine import positive
+import yade_mpm as mpm
+from yade_mpm import Parameter, commandLine, files, plot
 
 FRICTION, LIMIT = 0.3, 0.05
 REMEDIES = {
@@ -41,20 +41,26 @@ COLUMNS = {
 }
 
 
-def arguments(given=None):
-    p = commandLine.Parser("remedies", __doc__, smoke={"cell": 0.5, "rate": 1.0, "penetration": 1.0})
-    p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
-    p.add_argument("--rate", type=positive, default=0.2, help="penetration rate, m/s (default %(default)s)")
-    p.add_argument("--penetration", type=positive, default=2.0, help="m (default %(default)s)")
-    p.add_argument(
-        "--only", nargs="+", choices=REMEDIES, default=list(REMEDIES), help="which runs (default: all)"
-    )
-    a = p.parse(given)
+def refusal(a, given):
+    """What is wrong with the arguments, or None."""
     most = sheet_pile.PILE_LENGTH - sheet_pile.EMBEDDED - a.cell
     if a.penetration > most:
         refused = f"--penetration {a.penetration:g} is not allowed"
-        p.error(f"{refused}; give up to {most:g} m, or the pile vanishes in the ground")
-    return a
+        return f"{refused}; give up to {most:g} m, or the pile vanishes in the ground"
+    return None
+
+
+PARAMETERS = mpm.Parameters(
+    "remedies",
+    __doc__,
+    Parameter("cell", 0.25, "size of the grid's cells", unit="m", above=0),
+    Parameter("rate", 0.2, "penetration rate", unit="m/s", above=0),
+    Parameter("penetration", 2.0, "of the pile", unit="m", above=0),
+    Parameter("only", list(REMEDIES), "which runs (default: all)", choices=REMEDIES, several=True),
+    smoke={"cell": 0.5, "rate": 1.0, "penetration": 1.0},
+    check=refusal,
+)
+arguments = PARAMETERS.parse
 
 
 def run(a, name):

@@ -21,16 +21,19 @@ from yade_mpm import commandLine, files, plot, study
 MAY_CHANGE = ("until", "rateCheck")
 
 
-def arguments(words=None):
-    parser = sheet_pile_study.options("sheet_pile_compare", __doc__, MAY_CHANGE)
-    a = sheet_pile_study.arguments(words, parser)
+def refusal(a, given):
+    """What is wrong with the arguments, or None."""
     if a.types == "ugimp":
-        parser.error("--types ugimp is not allowed; give hybrid or apdi, the comparison is with all uGIMP")
+        return "--types ugimp is not allowed; give hybrid or apdi, the comparison is with all uGIMP"
     if a.penetration < 3 * a.cell:
-        parser.error(
-            f"averages over one cell are compared; press in by three cells or more ({3 * a.cell:g} m)"
-        )
-    return a
+        return f"averages over one cell are compared; press in by three cells or more ({3 * a.cell:g} m)"
+    return sheet_pile_study.refusal(a, given)
+
+
+PARAMETERS = sheet_pile_study.PARAMETERS.extended(
+    "sheet_pile_compare", __doc__, check=refusal, resume=MAY_CHANGE
+)
+arguments = PARAMETERS.parse
 
 
 def compare(a, hybrid, other):

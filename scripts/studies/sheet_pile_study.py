@@ -17,79 +17,55 @@ import sheet_pile
 import yade_mpm as mpm
 from sheet_pile_measures import stripeColumns, summarise
 from sheet_pile_pictures import draw
-from yade_mpm import commandLine, plot, study
-from yade_mpm.commandLine import between, notNegative, positive
+from yade_mpm import Parameter, commandLine, plot, study
 
 
-def options(name="sheet_pile_study", doc=__doc__, mayChange=("until", "rateCheck")):
-    p = sheet_pile.options(name, doc, mayChange)
-    p.add_argument(
-        "--thickness",
-        type=positive,
-        help="of the pile, m: a whole number of cells (default 0.25, at least one)",
-    )
-    p.add_argument("--ramp", type=notNegative, help="time over which the rate grows from zero, s (default 0)")
-    p.add_argument("--psi", type=between(0, 30), help="dilatancy angle, degrees (default 10, published)")
-    p.add_argument(
-        "--dilatancyLimit",
-        type=notNegative,
-        metavar="STRAIN",
-        help="plastic volumetric strain from which on the soil dilates no more (default: none)",
-    )
-    p.add_argument(
-        "--tip",
-        type=between(30, 180),
-        metavar="DEGREES",
-        help="angle of the wedge at the tip of the pile; needs --friction (default 180: flat)",
-    )
-    p.add_argument(
-        "--undamped", action="store_true", help="no local damping in the pile, which it brakes as it vibrates"
-    )
-    p.add_argument(
-        "--split",
-        type=float,
-        metavar="STRETCH",
-        help="cut uGIMP particles in two at this stretch, above 1 (default: never)",
-    )
-    p.add_argument(
-        "--fbar",
-        action="store_true",
-        help="against locking: cell-mean volumetric strain, mean stress linear in a cell",
-    )
-    p.add_argument(
-        "--flip", type=between(0, 1), help="FLIP share of the particle velocity (default 1: pure FLIP)"
-    )
-    p.add_argument(
-        "--dt", type=positive, help="time step, s (default 2e-4, halved with the cell below 0.25 m)"
-    )
-    p.add_argument("--on-distortion", choices=("stop", "convert"), help="what distorted APDI domains do")
-    p.add_argument("--rateCheck", action="store_true", help="also run the first metre at twice the rate")
-    return p
-
-
-def arguments(words=None, parser=None):
-    """As those of the scene, for all options."""
-    parser = parser or options()
-    a = sheet_pile.arguments(words, parser)
-    if not a.resume:
-        check(parser, a, parser.given(words))
-    if getattr(a, "rateCheck", False) and a.penetration < 3 * a.cell:
-        parser.error(
-            f"--rateCheck looks at averages over one cell; press in by three cells or more ({3 * a.cell:g} m)"
-        )
-    return a
-
-
-def check(parser, a, given):
-    """Ends the program where arguments do not fit each other."""
-    if a.split is not None and a.split <= 1:
-        parser.error(f"--split {a.split:g} is not allowed; give a stretch above 1")
+def refusal(a, given):
+    """What is wrong with the arguments, or None."""
     if a.types == "apdi" and "split" in given:
-        parser.error("--split has no meaning beside --types apdi: there are no uGIMP particles to cut")
+        return "--split has no meaning beside --types apdi: there are no uGIMP particles to cut"
     if a.types == "ugimp" and a.on_distortion != "stop":
-        parser.error("--on-distortion has no meaning beside --types ugimp: there are no APDI domains")
+        return "--on-distortion has no meaning beside --types ugimp: there are no APDI domains"
     if a.tip < 180 and a.friction is None:
-        parser.error("--tip needs a pile that is a mesh; give --friction too")
+        return "--tip needs a pile that is a mesh; give --friction too"
+    if getattr(a, "rateCheck", False) and a.penetration < 3 * a.cell:
+        reach = f"press in by three cells or more ({3 * a.cell:g} m)"
+        return f"--rateCheck looks at averages over one cell; {reach}"
+    return sheet_pile.refusal(a, given)
+
+
+LIMIT = "plastic volumetric strain from which on the soil dilates no more (default: none)"
+PARAMETERS = sheet_pile.PARAMETERS.extended(
+    "sheet_pile_study",
+    __doc__,
+    Parameter(
+        "thickness",
+        sheet_pile.PUBLISHED["thickness"],
+        "of the pile, a whole number of cells (default 0.25, at least one)",
+        unit="m",
+        above=0,
+    ),
+    Parameter("ramp", 0.0, "time over which the rate grows from zero", unit="s", least=0),
+    Parameter("psi", 10.0, "dilatancy angle", unit="degrees", least=0, most=30),
+    Parameter("dilatancyLimit", None, LIMIT, least=0),
+    Parameter("tip", 180.0, "wedge of the pile; needs --friction", unit="degrees", least=30, most=180),
+    Parameter("undamped", False, "no local damping in the pile, which it brakes as it vibrates"),
+    Parameter("split", None, "cut uGIMP particles in two at this stretch (default: never)", above=1),
+    Parameter("fbar", False, "against locking: cell-mean volumetric strain, mean stress linear in a cell"),
+    Parameter("flip", 1.0, "FLIP share of the particle velocity", least=0, most=1),
+    Parameter(
+        "dt",
+        sheet_pile.PUBLISHED["dt"],
+        "time step (default 2e-4, halved with the cell below 0.25 m)",
+        unit="s",
+        above=0,
+    ),
+    Parameter("on_distortion", "stop", "what distorted APDI domains do", choices=("stop", "convert")),
+    Parameter("rateCheck", False, "also run the first metre at twice the rate"),
+    check=refusal,
+    resume=("until", "rateCheck"),
+)
+arguments = PARAMETERS.parse
 
 
 def run(a, again=None):

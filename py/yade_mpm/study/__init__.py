@@ -3,18 +3,21 @@
 
 Run                                         a scene run to its end, its results in a folder; --resume
 keep, resumed                               the arguments of a run, kept beside its results
-record                                      what every summary says of a run
+record, saveCurve                           what every summary says of a run, and curves that studies overlay
+Parameter, Parameters                       what a scene takes, declared once
 travel, movingAverage, atSteps, scatter     curves over the way of a driven body
 addGround, TYPES                            ground of uGIMP, of APDI, or of both
 quadrilaterals, wedgedColumn                structured meshes
 
-Modules to import by name: `commandLine`, `surface`.
+Modules to import by name: `commandLine`, `penetration`, `surface`.
 """
 
 from .curves import atSteps, movingAverage, scatter, travel
 from .ground import TYPES, addGround
 from .meshes import quadrilaterals, wedgedColumn
-from .record import record
+from .parameter import Parameter
+from .parameters import Parameters
+from .record import record, saveCurve
 from .resume import ARGUMENTS, SUMMARY, keep, resumed
 from .run import Run
 
@@ -22,6 +25,8 @@ __all__ = [
     "ARGUMENTS",
     "SUMMARY",
     "TYPES",
+    "Parameter",
+    "Parameters",
     "Run",
     "addGround",
     "atSteps",
@@ -30,6 +35,7 @@ __all__ = [
     "quadrilaterals",
     "record",
     "resumed",
+    "saveCurve",
     "scatter",
     "travel",
     "wedgedColumn",

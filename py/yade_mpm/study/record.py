@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What every summary says of a run: its arguments, versions, size and time."""
 
+import os
 import platform
 import resource
 
 import numpy as np
 
 from .. import __version__, _core
+from ..io.files import saveTable
 
 
 def record(a, scene, seconds, steps=None):
@@ -35,3 +37,13 @@ def record(a, scene, seconds, steps=None):
         "peakMemoryBytes": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024,  # Linux gives KiB
         "timing": {name: round(engine[0], 3) for name, engine in scene.timing().items()},
     }
+
+
+def saveCurve(out, name, columns):
+    """Writes curve_NAME.csv into a folder of results; studies overlay curves of one name of all cases.
+
+    columns : dict of two, what is on the x axis and on the y axis with their units -> numbers.
+    """
+    if len(columns) != 2:
+        raise ValueError(f"saveCurve {name}: {len(columns)} columns are not allowed; give x and y")
+    saveTable(os.path.join(out, f"curve_{name}.csv"), columns)

@@ -26,5 +26,6 @@ BOOST_PYTHON_MODULE(_core) {
     exposeEngines();
     exposeContact();
     exposeExchange();
+    exposeThreadState();
     exposeScenes();
 }

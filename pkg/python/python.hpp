@@ -101,6 +101,7 @@ void exposeBodies();
 void exposeEngines();
 void exposeContact();
 void exposeExchange();
+void exposeThreadState();
 void exposeScenes();
 
 } // namespace mpm::python

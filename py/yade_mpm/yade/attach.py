@@ -23,7 +23,16 @@ from .output import checkpointOf, tagOf
 __all__ = ["Bodies", "Coupling", "act", "attach", "checkpointOf"]
 
 
-def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", plot=False, callbacks=None):
+def attach(
+    scene=None,
+    mpmSteps=None,
+    demSteps=None,
+    stages=None,
+    label="mpm",
+    plot=False,
+    callbacks=None,
+    bodies=None,
+):
     """Makes the engines of a scene engines of O.engines, before the NewtonIntegrator (at the end if there is
     none).
 
@@ -40,6 +49,8 @@ def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", p
     plot : pass new rows of every `History` of the scene to yade.plot.addData, with `i` and `t`; default
         False.
     callbacks : as for `yade_mpm.load`, where the checkpoint needs functions; only without `scene`.
+    bodies : `Bodies` of YADE that touch the scene, or a list of them; also other objects for `exchanges`.
+        Default: those that the scene had when it was attached last (after O.load: as saved).
 
     Returns the `Coupling`. A scene that was attached under the same label before is replaced.
 
@@ -51,7 +62,7 @@ def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", p
     """
     omega = loop.omega()
     if omega.running:
-        raise RuntimeError("inYade.attach: YADE is running; O.pause() and O.wait() first")
+        raise RuntimeError("inYade.attach: YADE is running; O.pause() first")
     if not (isinstance(label, str) and label.isidentifier()):
         raise ValueError(
             f"inYade.attach: label = {label!r} is not allowed; give letters, digits and underscores, e.g. "
@@ -83,13 +94,14 @@ def attach(scene=None, mpmSteps=None, demSteps=None, stages=None, label="mpm", p
             "inYade.attach: engines per stage cannot act several times in a DEM step; give stages=False "
             "(scene.timing() still tells the time of each stage)"
         )
-    loop.waitForStep()
+    bodies = None if bodies is None else _listed(bodies)
+    loop.wrapOmega(type(omega))
+    loop.thread.waitForEnd()
     loop.errors.clear()
     if label in loop.attached:
         loop.attached.pop(label).letGo()
-    coupling = Coupling(omega, scene, mpmSteps, demSteps, stages, label, bool(plot), saved)
+    coupling = Coupling(omega, scene, mpmSteps, demSteps, stages, label, bool(plot), saved, bodies)
     loop.attached[label] = coupling
-    loop.wrapOmega(type(omega))
     loop.signals.install()
     return coupling
 
@@ -100,12 +112,27 @@ def act(label, number=None):
     coupling = loop.attached.get(label)
     if coupling is not None:
         coupling.act(number)
-    elif not loop.errors:
+        if loop.errors:
+            loop.pauseAfterStep(loop.omega())
+        return
+    omega = loop.omega()
+    loop.beginStep(omega)
+    if not loop.errors:
         message = f"inYade: no scene is attached as '{label}'; after O.load call inYade.attach()"
         print(message, file=sys.stderr)
         loop.errors.append(RuntimeError(message))
-    if loop.errors:
-        loop.pauseAfterStep(loop.omega())
+    loop.pauseAfterStep(omega)
+
+
+def _listed(bodies):
+    """What was given as bodies, as a list; TypeError for what is no exchange."""
+    bodies = list(bodies) if isinstance(bodies, (list, tuple)) else [bodies]
+    for exchange in bodies:
+        if not (hasattr(exchange, "read") and hasattr(exchange, "apply")):
+            raise TypeError(
+                f"inYade.attach: bodies = {exchange!r}; give inYade.Bodies(contact, ids), or a list of them"
+            )
+    return bodies
 
 
 def _count(name, value):

@@ -10,17 +10,19 @@ import numpy as np
 from .. import _core
 from ..engine import rigid
 from ..engine.rigidContact import RigidContact
+from . import loop
 from .plane import Plane
 from .shapes import density as densityOf
 from .shapes import frameOf, shapesOf
 
 EVERY = 100  # cycles, after which far bodies are looked for, too
-unfelt = weakref.WeakSet()  # contacts whose bodies no coupling has had yet: YADE does not feel them
+hosted = weakref.WeakKeyDictionary()  # contact -> the Bodies that were made for it, in a WeakSet
+SHOWN = 6  # numbers of bodies in the repr
 DENSER = 30  # times the densest body of the scene; steel on peat has 11
 
 
 class Bodies:
-    """Bodies of YADE as rigid bodies of a `RigidContact`; goes into `Coupling.exchanges`.
+    """Bodies of YADE as rigid bodies of a `RigidContact`, for `attach(scene, bodies=...)`.
 
     Parameters
     ----------
@@ -43,9 +45,9 @@ class Bodies:
 
         contact = mpm.RigidContact()
         scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(...), mpm.GridToParticle(),
-        mpm.DomainUpdater()] bodies = inYade.Bodies(contact, O.bodies.append([sphere((0, 1, 0), 0.2)]),
-        friction=0.5) coupling = inYade.attach(scene)
-        coupling.exchanges.append(bodies)
+        mpm.DomainUpdater()]
+        bodies = inYade.Bodies(contact, O.bodies.append([sphere((0, 1, 0), 0.2)]), friction=0.5)
+        inYade.attach(scene, bodies=bodies)
     """
 
     def __init__(self, contact, ids, friction=0.0, thickness=1.0, facetThickness=0.0, plane="xy"):
@@ -65,7 +67,7 @@ class Bodies:
                 raise ValueError(f"inYade.Bodies: there is no body {number} in O.bodies")
         shapes = [shapesOf(O, O.bodies[number], facetThickness, self._plane) for number in self.ids]
         isNew = self._take(contact, shapes, friction)
-        unfelt.add(contact)
+        hosted.setdefault(contact, weakref.WeakSet()).add(self)
         states = [O.bodies[number].state for number in self.ids]
         turns = [self._plane.turnToScene(frameOf(O.bodies[number])).tolist() for number in self.ids]
         self._exchange = _core.BodyExchange(
@@ -74,6 +76,15 @@ class Bodies:
         self._cycles, self._run, self._isWeighed = 0, None, False
         if isNew:
             self._exchange.read(-2, 0.0, 0.0, 1, True)  # in no step
+
+    def __repr__(self):
+        ids = ", ".join(map(str, self.ids[:SHOWN])) + (", ..." if len(self.ids) > SHOWN else "")
+        rigid = "1 body" if len(self.ids) == 1 else f"{len(self.ids)} bodies"
+        return f"<Bodies: {rigid} of YADE ({ids}), {self.contact.contacts} contacts with the soil>"
+
+    def wasRead(self, coupling):
+        """Whether states went to the contact in the present run of a coupling."""
+        return self._run == coupling.runs
 
     seen = property(lambda self: self._exchange.seen, doc="Number of states read so far.")
 
@@ -93,12 +104,12 @@ class Bodies:
         )  # someone may have moved a body by hand
         self._run, self._cycles = coupling.runs, self._cycles + 1
         duration = coupling.scene.dt * coupling.mpmSteps
-        self._exchange.read(self._O.iter, self._O.dt, duration, coupling.mpmSteps, isEvery)
+        self._exchange.read(self._O.iter, loop.dt.now(self._O), duration, coupling.mpmSteps, isEvery)
 
     def apply(self, coupling):
         """In every DEM step: mean force and moment of the cycle's MPM steps to the bodies."""
         duration = coupling.scene.dt * coupling.mpmSteps / self.thickness
-        self._exchange.apply(self._O.iter, self._O.dt, duration)
+        self._exchange.apply(self._O.iter, loop.dt.now(self._O), duration)
 
     def warnOfDensities(self, scene):
         """Once, of a body that is far denser than the soil: YADE's own material has 1000, which are kg/m3."""
@@ -160,9 +171,10 @@ def _numbers(ids):
 
 
 def checkExchanges(coupling):
-    """At the beginning of a run. RuntimeError for `Bodies` of a contact that the scene does not have; warns
-    once of those that were made for a contact of the scene, but that the coupling does not have."""
-    contacts = [e for e in coupling.scene.engines if isinstance(e, RigidContact)]
+    """At the beginning of a run. RuntimeError for `Bodies` of a contact that the scene does not have, and for
+    a contact with bodies of YADE that nobody exchanges with."""
+    coupling.exchanges[:] = _once(coupling)
+    contacts = _contacts(coupling)
     for bodies in (e for e in coupling.exchanges if isinstance(e, Bodies)):
         if not any(bodies.contact is c for c in contacts):
             raise RuntimeError(
@@ -170,13 +182,40 @@ def checkExchanges(coupling):
                 f"scene '{coupling.label}'; put it behind "
                 f"ParticleToGrid, and attach the scene again"
             )
-        unfelt.discard(bodies.contact)
         bodies.warnOfDensities(coupling.scene)
-    for contact in [c for c in contacts if c in unfelt]:
-        unfelt.discard(contact)
-        print(
-            f"warning: the inYade.Bodies of a RigidContact of '{coupling.label}' are not in exchanges: its "
-            "rigid bodies stand still, and those of YADE feel "
-            f"no soil; coupling.exchanges.append(bodies)",
-            file=sys.stderr,
-        )
+    if all(isinstance(e, Bodies) for e in coupling.exchanges):
+        _refuseUnfelt(coupling, lambda bodies: any(bodies is e for e in coupling.exchanges))
+
+
+def checkRead(coupling):
+    """After the first exchange of a run: the same RuntimeError where other objects stand in exchanges, which
+    may have Bodies of their own."""
+    _refuseUnfelt(coupling, lambda bodies: bodies.wasRead(coupling))
+
+
+def _refuseUnfelt(coupling, isFelt):
+    for contact in _contacts(coupling):
+        if contact in hosted and not contact.dead and not any(isFelt(b) for b in hosted[contact]):
+            raise RuntimeError(
+                f"inYade: nobody exchanges with the RigidContact of '{coupling.label}': its bodies would "
+                "stand still in the soil, and those of YADE fall through it; call inYade.attach(scene, "
+                "bodies=[...]) with the inYade.Bodies of this contact"
+            )
+
+
+def _contacts(coupling):
+    return [e for e in coupling.scene.engines if isinstance(e, RigidContact)]
+
+
+def _once(coupling):
+    """The exchanges, each once; those kept from the last `attach` yield to Bodies made anew."""
+    exchanges = []
+    for exchange in coupling.exchanges:
+        if not any(exchange is e for e in exchanges):
+            exchanges.append(exchange)
+    anew = [e.contact for e in exchanges if isinstance(e, Bodies) and e not in coupling.kept]
+    return [
+        e
+        for e in exchanges
+        if not (isinstance(e, Bodies) and e in coupling.kept and any(e.contact is c for c in anew))
+    ]

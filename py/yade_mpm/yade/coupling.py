@@ -3,7 +3,6 @@
 
 import json
 import os
-import threading
 
 from ..engine.callback import Callback
 from ..engine.rigidContact import RigidContact
@@ -12,7 +11,7 @@ from ..scene.policy import LoopPolicy
 from ..scene.rescue import Rescue
 from ..scene.saving import save
 from . import loop
-from .bodies import Bodies, checkExchanges
+from .bodies import Bodies, checkExchanges, checkRead
 from .clock import Clock
 from .engineList import EngineList
 from .output import PlotRows, checkpointOf, tagOf, tagRecorders
@@ -41,13 +40,17 @@ class Coupling:
         in every DEM step after that and before the NewtonIntegrator (YADE forgets forces after every step).
     """
 
-    def __init__(self, omega, scene, mpmSteps, demSteps, stages, label, plot, saved):
+    def __init__(self, omega, scene, mpmSteps, demSteps, stages, label, plot, saved, bodies):
         self._omega, self.scene, self.label, self.plot = omega, scene, label, plot
         self.mpmSteps, self.demSteps, self.stages = mpmSteps, demSteps, stages
-        self.error, self.exchanges, self.runs = None, [], 0
-        self._thread = None  # at work on this scene
-        self._loopThread = None  # in which the present run calls us
+        self.error, self.runs = None, 0
+        isKept = bodies is None
+        self.exchanges = _exchangesOf(scene) if isKept else bodies
+        self._isAtWork = False  # on this scene
+        self._isAtRisk = False  # whether an error may have left the scene in another state than it was
         self._isFresh = False  # whether a run has begun in which we have not acted yet
+        self._isFirstCycle = False  # of a run
+        self.kept = self.exchanges[:] if isKept else []  # from the last time that the scene was attached
         self._list = EngineList(omega, label)
         self._refuseUnfit()
         scene.prepare()
@@ -66,7 +69,8 @@ class Coupling:
         self._list.make(self._chain if stages else None)
         self._stages = Stages(scene, self._list.engines, self._endStep)
         self.stepsSaved = scene.steps
-        self.exchanges += [Bodies(self._chain[place], **spec) for place, spec in saved.get("bodies", ())]
+        if isKept:
+            self.exchanges += [Bodies(self._chain[place], **spec) for place, spec in saved.get("bodies", ())]
 
     def __repr__(self):
         ratio = (
@@ -83,7 +87,7 @@ class Coupling:
         lambda self: self._timeStep.criticalDt, doc="O.dt above which a step is refused, s."
     )
     isActing = property(
-        lambda self: threading.get_ident() == self._thread,
+        lambda self: self._isAtWork and loop.thread.isMine(),
         doc="Whether the caller is a callback of the scene.",
     )
 
@@ -104,24 +108,23 @@ class Coupling:
 
     # --- runs of YADE -----------------------------------------------------------------------------------
     def beginRun(self):
-        """Called before a run of YADE; RuntimeError where our engines are gone."""
+        """Called before a run of YADE: refuses what can be seen before the first step."""
+        self._isFresh = True
         if self.error is None:
             self._list.check()
-        self._isFresh, self._loopThread = True, None
-
-    def endRun(self):
-        """Called when a run of YADE has ended, by an error, too."""
-        self._loopThread = None
+            checkExchanges(self)
+            if self.scene.stepper.isReady and self._clock.cycleEnd <= self._omega.iter:
+                self._timeStep.lookForSteppers()
+                self._timeStep.checkBefore()
 
     def isInStep(self):
-        """Whether the caller is a callback of YADE's loop."""
-        return self._loopThread == threading.get_ident()
+        """Whether YADE is in a step that the scene has begun; from YADE's thread."""
+        return self._clock.isInStep()
 
-    def isUnfinished(self, patience):
-        """Whether a step goes on; `patience`: whether one counts that another engine may have left half
-        done."""
-        isOpen = self._loopThread is not None and self._clock.isInStep()
-        return self._thread is not None or isOpen and patience
+    def checkDt(self, dt):
+        """Raises ValueError for a DEM step that the scene cannot take, s."""
+        if self.error is None:
+            self._timeStep.check(dt)
 
     def detach(self):
         """Takes the engines out of O.engines; the scene goes on by its own loop, and may be attached again.
@@ -129,8 +132,8 @@ class Coupling:
         O.dt and maxDt become what they would be without the scene. Raises RuntimeError while YADE runs.
         """
         if self._omega.running:
-            raise RuntimeError("detach: YADE is running; O.pause() and O.wait() first")
-        loop.waitForStep()
+            raise RuntimeError("detach: YADE is running; O.pause() first")
+        loop.thread.waitForEnd()
         self.flush()
         self._list.remove()
         if loop.attached.get(self.label) is self:
@@ -138,7 +141,8 @@ class Coupling:
         self.letGo()
 
     def letGo(self):
-        """Gives O.dt and the scene back."""
+        """Gives O.dt and the scene back, and notes the exchanges for `attach`."""
+        loop.kept[self.scene] = list(self.exchanges)
         self._timeStep.release()
         if self.scene.loop is self._loop:
             self.scene.handOver(None)
@@ -148,32 +152,34 @@ class Coupling:
         """Takes the steps of the scene in this DEM step, or its stage `number`; an error is noted, never
         raised."""
         if self.error is not None:
+            loop.beginStep(self._omega)
             if not loop.errors:
                 loop.errors.append(
                     RuntimeError(f"'{self.label}' was stopped by an error ({self.error}); attach it again")
                 )
             return
-        self._thread = self._loopThread = threading.get_ident()
+        self._isAtWork = True
         try:
             if self._clock.isNewStep():
                 self._beginStep()
             if self._isMpmStep:
+                self._isAtRisk = True
                 if number is None:
                     self._takeSteps()
                 else:
                     self._stages.act(number)
         except BaseException as error:
             self._fail(error)
-        self._thread = None
+        self._isAtWork = False
 
     def _beginStep(self):
         """Once in every DEM step, before anything else of ours."""
+        self._isAtRisk = False
         self._clock.noteStep()
         if self._stages.isOpen:  # the last stage was switched off during the step
             self._stages.close()
         self._forward()
-        if loop.signals.isPending():
-            loop.pauseAfterStep(self._omega)
+        loop.beginStep(self._omega)
         self._clock.refuseStepBack()
         self._isMpmStep = self._clock.isAtCycleEnd
         if self._isMpmStep:
@@ -186,13 +192,23 @@ class Coupling:
         """Both sides are at the same time: checks, time step, and the states of bodies."""
         self._checkScene()
         self._clock.meet()
-        if self._policy.beforeSteps():
+        if self._dueChecks():
             self._timeStep.setLimits()
             if self.scene.givenDt is None:
                 self._timeStep.govern()
         self._clock.beginCycle(self._timeStep.choose())
+        isFirst, self._isFirstCycle = self._isFirstCycle, False
         for exchange in self.exchanges:
             exchange.read(self)
+        if isFirst:
+            checkRead(self)
+
+    def _dueChecks(self):
+        """What is due between steps; an error there is the scene's, not a mistake of the user."""
+        self._isAtRisk = True
+        isEstimated = self._policy.beforeSteps()
+        self._isAtRisk = False
+        return isEstimated
 
     def _checkScene(self):
         scene = self.scene
@@ -207,7 +223,7 @@ class Coupling:
 
     def _beginOfRun(self):
         """Once in every run of YADE, and where something of the scene has changed."""
-        self._isFresh = False
+        self._isFresh, self._isFirstCycle = False, True
         self.runs += 1
         self._timeStep.lookForSteppers()
         checkExchanges(self)
@@ -239,7 +255,8 @@ class Coupling:
         self.error = error
         loop.errors.append(error)
         loop.pauseAfterStep(self._omega)
-        self._rescue.saveFailed(error)
+        if self._isAtRisk:  # not for a mistake that was noticed before the step
+            self._rescue.saveFailed(error)
         self._stages.abandon()
 
     # --- results ----------------------------------------------------------------------------------------
@@ -271,3 +288,9 @@ class Coupling:
         self._omega.tags[tagOf(self.label)] = json.dumps(noted)
         save(self.scene, name)
         self.stepsSaved = self.scene.steps
+
+
+def _exchangesOf(scene):
+    """Exchanges that a scene had when it was attached last, but for bodies of a contact that it lost."""
+    kept = loop.kept.get(scene, ())
+    return [e for e in kept if not isinstance(e, Bodies) or any(e.contact is c for c in scene.engines)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""YADE's loop with engines of ours in it: their errors, files that go with YADE's own, Ctrl-C and SIGTERM.
+"""YADE's loop with engines of ours in it: their errors, files that go with YADE's own, pauses, O.dt.
 
 Methods of YADE's `O` are wrapped once. What is attached says by itself how it checks, writes and lets go; see
 inYade.
@@ -7,18 +7,18 @@ inYade.
 
 import atexit
 import functools
-import os
-import signal
 import sys
-import threading
-import time
+import weakref
 
-SIGNAL_PERIOD = 0.1  # s of wall time between looks for signals
-STEP_PATIENCE = 10.0  # s to wait for the end of a step in which YADE itself may have failed
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+from .omegaDt import OmegaDt
+from .signals import Signals
+from .standstill import LoopThread
 
 attached = {}  # label -> Coupling
+kept = weakref.WeakKeyDictionary()  # scene -> exchanges that it had when it was attached last
 errors = []  # of engines, not raised yet
+thread = LoopThread()
+dt = OmegaDt()
 
 
 def omega():
@@ -34,21 +34,25 @@ def omega():
     return O
 
 
-_ENDS_RUN = "run", "step", "wait", "pause"
+signals = Signals(omega, lambda: isInStep(), lambda: attached.values())
+
+_ENDS_RUN = "run", "step", "wait"
 _FORGETS = "load", "loadTmp", "reload", "reset", "resetThisScene", "resetAllScenes"
 _originals = {}  # name -> method of Omega
 
 
 def wrapOmega(Omega):
     """Once: run, step, wait and pause raise our errors, save writes our checkpoints too, load and reset
-    forget what was attached."""
+    forget what was attached; O.dt takes effect at the next step."""
     if _originals:
         return
-    for names, wrapper in ((_ENDS_RUN, _endingRun), (("save",), _saving), (_FORGETS, _forgetting)):
+    wrappers = (_ENDS_RUN, _endingRun), (("pause",), _pausing), (("save",), _saving), (_FORGETS, _forgetting)
+    for names, wrapper in wrappers:
         for name in names:
             if hasattr(Omega, name):
                 _originals[name] = getattr(Omega, name)
                 setattr(Omega, name, wrapper(_originals[name]))
+    dt.wrap(Omega, _mayChangeDt, _checkDt)
 
 
 def _endingRun(method):
@@ -57,26 +61,54 @@ def _endingRun(method):
         if isInStep():
             return method(self, *args, **keywords)
         if not self.running:
-            waitForStep()
-            _raiseErrors()
-            for coupling in attached.values():
-                coupling.beginRun()
+            _beforeRun(self)
         try:
             result = method(self, *args, **keywords)
         except BaseException:  # of another engine: YADE has left the step half done
-            for coupling in attached.values():
-                coupling.endRun()
+            thread.waitForEnd()
             raise
         if not self.running:
-            waitForStep()
-            for coupling in attached.values():
-                coupling.endRun()
-                coupling.flush()
-            signals.afterRun()
-            _raiseErrors()
+            _afterRun(self)
         return result
 
     return wrapped
+
+
+def _pausing(method):
+    @functools.wraps(method)
+    def wrapped(self):
+        if isInStep() or not attached:
+            method(self)
+            return
+        thread.pause(self, method)
+        _afterRun(self)
+
+    return wrapped
+
+
+def _beforeRun(yade):
+    thread.waitForEnd()
+    dt.takeAsked(yade)
+    _raiseErrors()
+    for coupling in attached.values():
+        coupling.beginRun()
+
+
+def _afterRun(yade):
+    thread.waitForEnd()
+    dt.takeAsked(yade)
+    for coupling in attached.values():
+        coupling.flush()
+    signals.afterRun()
+    _raiseErrors()
+
+
+def beginStep(yade):
+    """In every DEM step, before anything else of ours."""
+    thread.note()
+    if thread.takePause() or signals.isPending():
+        pauseAfterStep(yade)
+    dt.takeAsked(yade)
 
 
 def pauseAfterStep(yade):
@@ -86,15 +118,30 @@ def pauseAfterStep(yade):
 
 def isInStep():
     """Whether the caller is a callback of YADE's loop."""
-    return any(c.isInStep() for c in attached.values())
+    return thread.isMine() and omega().subStep >= 0
 
 
-def waitForStep():
-    """After a pause YADE calls itself not running while it still finishes the step; its number moves on at
-    the end."""
-    deadline = time.monotonic() + STEP_PATIENCE
-    while any(c.isUnfinished(time.monotonic() < deadline) for c in attached.values()):
-        time.sleep(0.0005)
+def standStill(yade):
+    """Pauses YADE if it runs, and waits for the end of the step under way; from outside of a step."""
+    if yade.running:
+        thread.pause(yade, _originals["pause"])
+    thread.waitForEnd()
+
+
+def _mayChangeDt(yade):
+    """Whether O.dt may change at once: not while engines of ours and the end of their step are apart."""
+    if isInStep():
+        return not any(c.isInStep() for c in attached.values())
+    if attached and yade.running:
+        return False
+    thread.waitForEnd()
+    return True
+
+
+def _checkDt(value):
+    if not isInStep():  # there an error would leave YADE's step half done; the next step tells it
+        for coupling in attached.values():
+            coupling.checkDt(value)
 
 
 class LoopOfYade:
@@ -114,7 +161,10 @@ class LoopOfYade:
 
     def stop(self):
         """Pauses YADE behind this step."""
-        pauseAfterStep(self._omega)
+        if isInStep():
+            pauseAfterStep(self._omega)
+        else:
+            standStill(self._omega)
 
     def wait(self):
         """Waits until YADE stands still."""
@@ -127,11 +177,9 @@ def _saving(method):
     def wrapped(self, file, *args, **keywords):
         if attached and (self.running or isInStep()):
             raise RuntimeError(
-                "O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() and "
-                "O.wait() "
-                "first"
+                "O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() first"
             )
-        waitForStep()
+        thread.waitForEnd()
         for coupling in attached.values():
             coupling.saveBeside(file)
         return method(self, file, *args, **keywords)
@@ -142,12 +190,13 @@ def _saving(method):
 def _forgetting(method):
     @functools.wraps(method)
     def wrapped(self, *args, **keywords):
-        if self.running and not isInStep():
-            self.pause()
+        if attached and not isInStep():
+            standStill(self)
         for coupling in list(attached.values()):
             coupling.flush()
             coupling.letGo()
         attached.clear()
+        kept.clear()
         errors.clear()
         return method(self, *args, **keywords)
 
@@ -173,68 +222,5 @@ def _flushAll():
             coupling.flush()
 
 
-class _Signals:
-    """Ctrl-C and SIGTERM. O.run(n, True) keeps Python's handlers waiting until it ends, so a pipe tells the
-    engines to pause it; the handler, in the main thread, saves when YADE has stopped."""
-
-    def __init__(self):
-        self._before, self._pipe, self._looked, self._noted = {}, None, 0.0, None
-
-    def install(self):
-        if threading.current_thread() is not threading.main_thread() or self._pipe is not None:
-            return
-        self._pipe = os.pipe()
-        for end in self._pipe:
-            os.set_blocking(end, False)
-        signal.set_wakeup_fd(self._pipe[1], warn_on_full_buffer=False)
-        for number in SIGNALS:
-            self._before[number] = signal.signal(number, self._handle)
-
-    def isPending(self):
-        """Whether a signal has come; looks every 0.1 s."""
-        now = time.monotonic()
-        if self._pipe is None or now - self._looked < SIGNAL_PERIOD:
-            return False
-        self._looked = now
-        try:
-            return any(number in SIGNALS for number in os.read(self._pipe[0], 64))
-        except BlockingIOError:
-            return False
-
-    def _handle(self, number, frame):
-        self._noted = number
-        if not isInStep():  # else afterRun() sees to it
-            if omega().running:
-                omega().pause()
-            self.afterRun()
-
-    def afterRun(self):
-        number = self._noted
-        if number is None or threading.current_thread() is not threading.main_thread():
-            return
-        self._noted = None
-        moved = [c for c in attached.values() if c.error is None and c.scene.steps > c.stepsSaved]
-        if moved:
-            self._save(omega())
-        before = self._before.get(number)
-        if callable(before):
-            before(number, None)
-        elif before != signal.SIG_IGN:
-            raise SystemExit(128 + number)
-
-    def _save(self, yade):
-        file = f"{yade.tags['id']}.interrupted.yade.gz"
-        at = f"interrupted at O.iter = {yade.iter}, O.time = {yade.time:g} s"
-        try:
-            yade.save(file)
-            print(
-                f"{at}; the state is in {file} and beside it (continue with O.load and inYade.attach())",
-                file=sys.stderr,
-            )
-        except Exception as error:
-            print(f"{at}; the state could not be saved: {error}", file=sys.stderr)
-
-
-signals = _Signals()
 if "yade" in sys.modules:  # errors of engines that come from O.load, before attach(), are raised too
     wrapOmega(type(sys.modules["yade"].O))

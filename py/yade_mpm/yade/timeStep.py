@@ -3,6 +3,8 @@
 
 import math
 
+from . import loop
+
 FRESH_DT = 1e-8  # s, O.dt of a YADE that nobody has told anything
 DEM_SAFETY = 0.8  # share of PWaveTimeStep taken when O.dt is left alone
 
@@ -29,8 +31,8 @@ class TimeStep:
     def __init__(self, omega, scene, mpmSteps, demSteps, label, saved):
         self._omega, self._scene, self._label = omega, scene, label
         self._mpmSteps, self._demSteps = mpmSteps, demSteps
-        isFresh = omega.iter == 0 and omega.dt == FRESH_DT
-        self.demDt = saved.get("demDt", _demStep(omega) if isFresh else omega.dt)
+        isFresh = omega.iter == 0 and loop.dt.now(omega) == FRESH_DT
+        self.demDt = saved.get("demDt", _demStep(omega) if isFresh else loop.dt.now(omega))
         self.dt = saved.get("dt")
         self._asked = None  # O.dt that the user has set within a cycle
         self._given = []  # (time stepper, its own maxDt, maxDt that it was given)
@@ -62,30 +64,39 @@ class TimeStep:
             stepper.maxDt = min(own, self.maxDt) if own > 0 else self.maxDt
             given.append((stepper, own, stepper.maxDt))
         self._given = given
-        wanted = omega.dt if self._chooser() is not None and omega.dt != FRESH_DT else self.demDt
-        omega.dt = min(wanted, self.maxDt) if wanted > 0 else self.maxDt
-        self.dt = omega.dt
+        now = loop.dt.now(omega)
+        wanted = now if self._chooser() is not None and now != FRESH_DT else self.demDt
+        self.dt = min(wanted, self.maxDt) if wanted > 0 else self.maxDt
+        loop.dt.set(omega, self.dt)
 
     def keep(self):
         """Within a cycle O.dt stays; what the user sets counts from the next one on."""
-        if self._omega.dt != self.dt:
+        now = loop.dt.now(self._omega)
+        if now != self.dt:
             if self._chooser() is None:
-                self._asked = self._omega.dt
-            self._omega.dt = self.dt
+                self._asked = now
+            loop.dt.set(self._omega, self.dt)
 
     def choose(self):
         """O.dt of the cycle that begins, as the user or a time stepper has left it; ValueError if it is too
         large."""
         omega = self._omega
         if self._asked is not None:
-            omega.dt, self._asked = self._asked, None
-        dt = omega.dt
+            loop.dt.set(omega, self._asked)
+            self._asked = None
+        dt = loop.dt.now(omega)
         if dt != self.dt:
             if self._chooser() is None:
                 self.demDt = dt
             elif dt > self.maxDt:
-                dt = omega.dt = self.maxDt
+                dt = self.maxDt
+                loop.dt.set(omega, dt)
             self.dt = dt
+        self.check(dt)
+        return dt
+
+    def check(self, dt):
+        """Raises ValueError for a DEM step that the scene cannot take, s."""
         if not 0 < dt <= self.criticalDt * (1 + 1e-9):
             raise ValueError(
                 f"O.dt = {dt:.3g} s is not allowed: the critical step of '{self._label}' is "
@@ -94,14 +105,18 @@ class TimeStep:
                 "steps); "
                 f"lower O.dt, or attach with more mpmSteps"
             )
-        return dt
+
+    def checkBefore(self):
+        """Before a run: the same of O.dt as it stands, unless a time stepper is to choose another."""
+        if self._chooser() is None and self._asked is None:
+            self.check(loop.dt.now(self._omega))
 
     def release(self):
         """O.dt and maxDt become what they would be without the scene."""
         for stepper, own, _ in self._given:
             stepper.maxDt = own
-        if self._omega.dt == self.dt and math.isfinite(self.demDt) and self._chooser() is None:
-            self._omega.dt = self.demDt
+        if loop.dt.now(self._omega) == self.dt and math.isfinite(self.demDt) and self._chooser() is None:
+            loop.dt.set(self._omega, self.demDt)
 
     def noted(self):
         """Dict of what goes with a file of O.save, of plain types."""

@@ -54,10 +54,19 @@ def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False):
         NewtonIntegrator(gravity=(0, 0, 0 if isFree else -G), damping=0 if isFree else 0.3),
     ]
     bodies = inYade.Bodies(contact, IDS, friction=0.3)
-    coupling = inYade.attach(scene, mpmSteps=mpmSteps, demSteps=demSteps)
-    if isCoupled:
-        coupling.exchanges.append(bodies)
+    exchange = bodies if isCoupled else Deaf(bodies)
+    coupling = inYade.attach(scene, mpmSteps=mpmSteps, demSteps=demSteps, bodies=exchange)
     return soil, contact, coupling
+
+
+class Deaf:
+    """Bodies that push the soil and feel nothing, for controls."""
+
+    def __init__(self, bodies):
+        self.read = bodies.read
+
+    def apply(self, coupling):
+        pass
 
 
 def polyhedron(centre, extents):

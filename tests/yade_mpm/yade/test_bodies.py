@@ -115,7 +115,7 @@ O.load("state.yade.gz")
 coupling = inYade.attach()
 soil, contact = coupling.scene["soil"], coupling.scene.engines[1]
 say("bodies", [type(e).__name__ for e in coupling.exchanges])
-if {isCut}: coupling.exchanges.clear()
+if {isCut}: coupling.exchanges[:] = [bodies.Deaf(coupling.exchanges[0])]
 O.run(200, True)
 say("on", [bodies.bits(soil), contact.contacts])
 """
@@ -159,36 +159,67 @@ say("other", fails(ValueError, lambda: inYade.Bodies(contact, [1])))
 
 
 @needsYade
-def test_bodies_that_nobody_has_put_into_exchanges_and_a_contact_out_of_the_engines_are_told(tmp_path):
-    said, err = run(
+def test_a_contact_with_nobody_to_exchange_with_is_refused_before_the_first_step(tmp_path):
+    said, _ = run(
         """
 import bodies
-soil, contact, coupling = bodies.build(True, isCoupled=False)
-O.run(1, True)
-O.run(1, True)
+soil, contact, coupling = bodies.build(True)
+coupling.exchanges.clear()
+ours = inYade.Bodies(contact, bodies.IDS)
+say("nobody", [fails(RuntimeError, lambda: O.run(1, True)), O.iter])
+class Other:
+    def read(self, coupling): pass
+    def apply(self, coupling): pass
+coupling.exchanges.append(Other())
+say("others", [fails(RuntimeError, lambda: O.run(1, True)), coupling.scene.steps])
+inYade.attach(coupling.scene, bodies=ours)
+O.run(2, True); say("coupled", coupling.scene.steps)
+say("no exchange", fails(TypeError, lambda: inYade.attach(coupling.scene, bodies=[0])))
 coupling.scene.engines = [e for e in coupling.scene.engines if e is not contact]
 coupling = inYade.attach(coupling.scene)
-coupling.exchanges.append(inYade.Bodies(contact, bodies.IDS))
+coupling.exchanges.append(ours)
 say("left out", fails(RuntimeError, lambda: O.run(1, True)))
 """,
         tmp_path,
     )
-    assert err.count("warning: the inYade.Bodies of a RigidContact of 'mpm' are not in exchanges") == 1
+    assert "nobody exchanges with the RigidContact of 'mpm'" in said["nobody"][0] and said["nobody"][1] == 0
+    assert "nobody exchanges with the RigidContact" in said["others"][0] and said["others"][1] == 0
+    assert said["coupled"] == 2
+    assert "bodies = 0; give inYade.Bodies(contact, ids)" in said["no exchange"]
     assert (
         "the RigidContact of bodies [0, 1] is not among the engines of the scene 'mpm'; put it behind "
         "ParticleToGrid" in said["left out"]
     )
-    assert (
-        "not in exchanges"
-        not in run(
-            """
+
+
+@needsYade
+def test_attaching_again_keeps_the_bodies(tmp_path):
+    """With the same bits as without; also behind detach(), and where a script appends them anew."""
+    said, _ = run(
+        """
 import bodies
-bodies.build(True)
-O.run(1, True)
+for how in ("once", "again", "detached", "appended", "made anew"):
+    O.reset()
+    soil, contact, coupling = bodies.build(True)
+    O.run(20, True)
+    if how == "detached": coupling.detach()
+    if how != "once": coupling = inYade.attach(coupling.scene)
+    if how == "appended": coupling.exchanges.append(coupling.exchanges[0])
+    if how == "made anew": coupling.exchanges.append(inYade.Bodies(contact, bodies.IDS))
+    O.run(60, True)
+    say(how, [bodies.bits(soil), len(coupling.exchanges)])
+O.reset()
+soil, contact, coupling = bodies.build(True)
+coupling = inYade.attach(coupling.scene, bodies=[])
+say("cleared", fails(RuntimeError, lambda: O.run(1, True)))
+say("repr", repr(inYade.Bodies(contact, bodies.IDS)))
 """,
-            tmp_path,
-        )[1]
+        tmp_path,
     )
+    for how in ("again", "detached", "appended", "made anew"):
+        assert said[how] == said["once"], how
+    assert said["once"][1] == 1 and "nobody exchanges" in said["cleared"]
+    assert said["repr"] == "<Bodies: 2 bodies of YADE (0, 1), 0 contacts with the soil>"
 
 
 MISTAKES = """

@@ -150,6 +150,10 @@ template <int Dim> struct Bind {
         const auto* distortion = body.domains->distortion();
         return distortion ? distortion->hourglass() : 0;
     }
+    static double hourglassEnergy(B& body) {
+        auto* distortion = body.domains->distortion();
+        return distortion ? distortion->hourglassEnergy() : 0;
+    }
     static bp::dict motion(B& body) {
         const BodyMotion<Dim> found = motionOf(body);
         bp::dict d;
@@ -208,6 +212,7 @@ template <int Dim> struct Bind {
             .add_property("bytes", bytes)
             .add_property("minJacobian", minJacobian)
             .add_property("hourglass", hourglass)
+            .add_property("hourglassEnergy", hourglassEnergy)
             .def("motion", motion)
             .def("meanStresses", meanStresses)
             .add_property("inverted", invertedParticles<Dim>)

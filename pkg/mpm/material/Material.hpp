@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -56,6 +57,15 @@ class MPM_PUBLIC Material : public Configurable {
     }
     virtual void stiffness(const MaterialPoints<3>& points, double* lambda, double* mu) const {
         constantStiffness(points.count, lambda, mu);
+    }
+
+    // Shear stress, kPa, that each of a run of particles can bear at its mean stress; infinite where nothing
+    // yields. Hourglass control (APDI) resists with no more than a part of it.
+    virtual void shearStrength(const MaterialPoints<2>& points, double* strength) const {
+        std::fill_n(strength, points.count, std::numeric_limits<double>::infinity());
+    }
+    virtual void shearStrength(const MaterialPoints<3>& points, double* strength) const {
+        std::fill_n(strength, points.count, std::numeric_limits<double>::infinity());
     }
 
     // Sets the state variables (one value each) that belong to a given Cauchy stress at F = I. Models

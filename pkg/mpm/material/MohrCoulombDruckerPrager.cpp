@@ -203,6 +203,13 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
     std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
 
+    void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
+        strengthAtMeanStress(points, strength);
+    }
+    void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
+        strengthAtMeanStress(points, strength);
+    }
+
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override { state[0] = state[1] = 0; }
 
@@ -213,6 +220,13 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
 
   private:
+    template <int Dim> void strengthAtMeanStress(const MaterialPoints<Dim>& points, double* strength) const {
+        for (int i = 0; i < points.count; ++i) {
+            const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
+            strength[i] = std::max(0.0, constants_.cCosPhi - p * constants_.sinPhi);
+        }
+    }
+
     double beta() const;
     double limitOfDilatancy() const;
 

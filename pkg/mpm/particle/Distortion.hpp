@@ -42,6 +42,7 @@ template <int Dim> class Distortion {
     virtual QualityReport qualityReport(double limit) const = 0;
     virtual double minJacobian() const = 0; // smallest corner Jacobian over initial volume
     virtual double hourglass() const = 0;   // largest hourglass amplitude over edge
+    virtual double hourglassEnergy() = 0;   // stored in the patterns, kJ
 
   protected:
     ~Distortion() = default;

@@ -90,6 +90,8 @@ template <int Dim> class MPM_PUBLIC Domains {
     long step = 0;
     // Lame constants of particles [begin, end) as their material gives them, kPa. Set by the body.
     std::function<void(int begin, int end, double* lambda, double* mu)> stiffness;
+    // Shear stress that their material can bear, kPa; infinite where nothing yields. Set by the body.
+    std::function<void(int begin, int end, double* strength)> shearStrength;
 
   protected:
     std::vector<double> damped_; // energy taken by damping, per piece of work

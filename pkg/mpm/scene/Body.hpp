@@ -31,6 +31,9 @@ template <int Dim> class Body {
         domains->stiffness = [this](int begin, int end, double* lambda, double* mu) {
             stiffness(begin, end, lambda, mu);
         };
+        domains->shearStrength = [this](int begin, int end, double* strength) {
+            shearStrength(begin, end, strength);
+        };
         for (const StateVariable& v : material->stateVariables())
             particles.state.emplace_back(v.name, v.unit, v.doc);
     }
@@ -81,6 +84,12 @@ template <int Dim> class Body {
     void stiffness(int begin, int end, double* lambda, double* mu) {
         std::vector<double*> state(particles.state.size());
         material->stiffness(points(begin, end, 0, state.data()), lambda, mu);
+    }
+
+    // Shear stress that particles [begin, end) can bear, kPa.
+    void shearStrength(int begin, int end, double* strength) {
+        std::vector<double*> state(particles.state.size());
+        material->shearStrength(points(begin, end, 0, state.data()), strength);
     }
 
     // Gives particle p a Cauchy stress, and the material's state that belongs to it.

@@ -18,6 +18,7 @@ LIMITS = {
     "energyError": 0.02,  # Abaqus: total energy within 1 percent; Radioss: 1 or 2 percent are acceptable
     "dampedRatio": 0.05,  # our choice; artificial energies in Abaqus: 0.02 no problem, 0.15 substantial
     "dampedShare": 0.1,  # our choice: twice that of the whole run, for a tenth of it
+    "hourglassRatio": 0.05,  # Abaqus: artificial energy below 5 to 10 % of the internal one
     "rateSensitivity": 0.05,  # what an engineer would not see in a resistance
 }
 _meaning = {
@@ -26,6 +27,7 @@ _meaning = {
     "energyError": "the energy balance is open by {} of the work done",
     "dampedRatio": "damping took {} of the work done",
     "dampedShare": "damping carried up to {} of the load",
+    "hourglassRatio": "hourglass control stores {} of the work done",
     "rateSensitivity": "another rate changes the result by {}",
 }
 
@@ -40,6 +42,8 @@ class Certificate:
     dampedRatio : energy taken by local damping over the work done, at the end, -.
     dampedShare : largest share of the work that damping took in any tenth of the rows: of the load that moves
         something, the part that damping carries then, -; nan where no tenth does 5 % of the mean work.
+    hourglassRatio : largest energy stored by hourglass control over the work done, -; None: the history
+        does not tell.
     rateSensitivity : relative change of the result at another rate, -; None: not looked at.
     after : rows of the history from this time on count, s.
     limits : dict name -> largest allowed value.
@@ -52,6 +56,7 @@ class Certificate:
     energyError: float
     dampedRatio: float
     dampedShare: float
+    hourglassRatio: float | None
     rateSensitivity: float | None
     after: float
     limits: dict = field(default_factory=lambda: dict(LIMITS))
@@ -102,7 +107,8 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
     rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another
         rate, -; default: not judged.
     limits : dict of limits that replace some of the default ones: kineticRatio 0.05, unbalancedRatio 0.05,
-        energyError 0.02, dampedRatio 0.05, dampedShare 0.1, rateSensitivity 0.05.
+        energyError 0.02, dampedRatio 0.05, dampedShare 0.1, hourglassRatio 0.05,
+        rateSensitivity 0.05.
 
     Energies are compared with `diagnostics.workDone`. A ratio that is nan counts as not known, and refuses
     the verdict. The sources of the limits are in doc/explanation/quasi-static.md. Energies of a whole model
@@ -138,6 +144,7 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         energyError=_largest(np.abs(error), work),
         dampedRatio=_largest(damped[-1:], work[-1:]),
         dampedShare=_carried(damped, work),
+        hourglassRatio=_hourglassRatio(history, rows, work),
         rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
         after=float(after),
         limits=_limits(limits or {}),
@@ -171,6 +178,15 @@ def _largest(part, work):
     if not (work > 0).all():
         return math.nan
     return float((part / work).max())
+
+
+def _hourglassRatio(history, rows, work):
+    """None for a history without the column, as older versions wrote them."""
+    try:
+        stored = np.asarray(history["hourglassEnergy"], dtype=float)
+    except KeyError:
+        return None
+    return _largest(stored[rows], work)
 
 
 def _carried(damped, work):

@@ -111,6 +111,11 @@ def hourglassAmplitude(scene):
     return float(max(values)) if values else float("nan")
 
 
+def hourglassEnergy(scene):
+    """Energy that hourglass control has stored in the patterns of all domains, kJ; part of `energyError`."""
+    return float(sum(body.hourglassEnergy for body in scene.bodies))
+
+
 def distortedCount(scene):
     """Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run stops, or
     converts them."""

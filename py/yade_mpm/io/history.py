@@ -47,7 +47,7 @@ class History(Callback):
     on group B by group A for each pair of groups, contact.frictionWork and, of the last step,
     contact.largestPenetration (see `Contact`); mass, momentum.x ..., kineticEnergy, internalWork,
     externalWork, dampedEnergy, contactEnergy, energyError, workDone, kineticRatio, unbalancedRatio,
-    minJacobian, hourglassAmplitude, distortedCount, invertedCount, convertedCount (see
+    minJacobian, hourglassAmplitude, hourglassEnergy, distortedCount, invertedCount, convertedCount (see
     `yade_mpm.diagnostics`). A value that does not exist is nan.
 
     energyError = externalWork - dampedEnergy - contactEnergy - internalWork - (kineticEnergy - kinetic

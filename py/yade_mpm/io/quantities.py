@@ -23,6 +23,7 @@ STANDARD = {  # name -> (unit in 3D, function of the scene)
     "unbalancedRatio": ("-", diagnostics.unbalancedRatio),
     "minJacobian": ("-", diagnostics.minJacobian),
     "hourglassAmplitude": ("-", diagnostics.hourglassAmplitude),
+    "hourglassEnergy": ("kJ", diagnostics.hourglassEnergy),
     "distortedCount": ("-", diagnostics.distortedCount),
     "invertedCount": ("-", diagnostics.invertedCount),
     "convertedCount": ("-", diagnostics.convertedCount),

@@ -38,6 +38,10 @@ class Body(Guarded):
     hourglassAmplitude = property(
         lambda self: self.core.hourglass, doc="Largest hourglass amplitude of the domains over their edge, -."
     )
+    hourglassEnergy = property(
+        lambda self: self.core.hourglassEnergy,
+        doc="Energy stored in the hourglass patterns of the domains, kJ (2D: per metre); 0 for uGIMP.",
+    )
     distortedCount = property(
         lambda self: self.core.poorDomains(limits.POOR_QUALITY)["count"],
         doc="Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run "

@@ -78,6 +78,7 @@ def test_columns_are_the_diagnostics_of_the_scene():
         "kineticRatio",
         "minJacobian",
         "hourglassAmplitude",
+        "hourglassEnergy",
         "invertedCount",
         "convertedCount",
     ):

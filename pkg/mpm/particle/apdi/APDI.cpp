@@ -30,7 +30,8 @@ class APDI : public ParticleType {
     std::vector<Parameter> parameters() override {
         return {{"hourglass", "-",
                  "Coefficient of the stiffness against hourglass patterns of the vertices; 0: none, "
-                 "1: as stiff as the exactly integrated element.",
+                 "1: as stiff as the exactly integrated element. In soil that yields the stress against a "
+                 "pattern is at most 0.3 of the shear strength.",
                  &hourglass, Range::between(0, 1)},
                 {"onDistortion",
                  "-",

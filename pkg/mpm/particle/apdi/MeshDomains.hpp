@@ -105,6 +105,15 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
     QualityReport qualityReport(double limit) const override { return reportQuality(mesh_, limit); }
     double minJacobian() const override { return smallestJacobian(mesh_, particles.initialVolume); }
     double hourglass() const override { return hourglass_.largestAmplitude(mesh_, particles); }
+    double hourglassEnergy() override {
+        double total = 0;
+        for (int begin = 0; begin < particles.size(); begin += chunkSize) {
+            const int end = std::min(particles.size(), begin + chunkSize);
+            hourglass_.takeStiffness(begin, end, Base::stiffness, Base::shearStrength);
+            total += hourglass_.energy(mesh_, particles, begin, end);
+        }
+        return total;
+    }
 
   private:
     using Base::mesh_, Base::hourglass_;

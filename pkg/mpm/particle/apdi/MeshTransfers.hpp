@@ -39,7 +39,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
             carried_.clear(begin, end);
         });
         region.chunksNoWait(particles.size(), [&](int begin, int end) {
-            hourglass_.takeStiffness(begin, end, Base::stiffness);
+            hourglass_.takeStiffness(begin, end, Base::stiffness, Base::shearStrength);
         });
     }
 

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Hourglass control bears no more than a part of what the soil bears: the load of a footing does not follow
+the elastic modulus. Its energy is the work that bringing the pattern about takes."""
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+
+EDGE = 0.1
+STRONG = 1e9  # kPa: does not yield here
+
+
+def domainWithPattern(amplitude, cohesion, angle=0.0, pressure=0.0, dim=2):
+    """A lone square of soil in the hourglass pattern, amplitude in parts of its edge."""
+    scene = mpm.Scene((0,) * dim, (1,) * dim, 0.1, threads=1)
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=2.0, lame=(1e4, 1e4), cohesion=cohesion, frictionAngle=angle, dilatancyAngle=0.0
+    )
+    body = scene.add("soil", mpm.box((0.4,) * dim, (0.5,) * dim), soil, mpm.APDI(size=EDGE, hourglass=0.05))
+    body.stress = -pressure * np.eye(3)
+    centre = body.vertices.mean(axis=0)
+    sign = np.sign(body.vertices - centre)
+    body.vertices[:, 0] += amplitude * EDGE * sign[:, 0] * sign[:, 1]
+    return scene, body
+
+
+def force(*pattern, **soil):
+    """Largest force of hourglass control on a vertex, kN, from the speed after a step without stress."""
+    scene, body = domainWithPattern(*pattern, **soil)
+    scene.dt = 1e-6
+    scene.run(steps=1, progress=False)
+    return np.abs(body.core.view("vertexVelocity", True)).max() / scene.dt
+
+
+def energy(*pattern, **soil):
+    return domainWithPattern(*pattern, **soil)[1].hourglassEnergy
+
+
+def slope(amplitude, *soil):
+    """Force along the pattern as the energy has it, kN, by central differences."""
+    d = 1e-3 * amplitude
+    return (energy(amplitude + d, *soil) - energy(amplitude - d, *soil)) / (2 * d * EDGE)
+
+
+def test_a_strong_domain_resists_in_proportion():
+    assert slope(0.1, STRONG) == pytest.approx(100 * slope(0.001, STRONG), rel=1e-6)
+
+
+def test_a_weak_domain_bears_no_more_than_a_part_of_its_strength():
+    weak = slope(0.02, 5.0)
+    assert slope(0.03, 5.0) == pytest.approx(weak, rel=1e-6)
+    assert slope(0.02, 10.0) == pytest.approx(2 * weak, rel=1e-6)
+    assert slope(0.0001, 5.0) == pytest.approx(slope(0.0001, STRONG), rel=1e-12)  # control: below the limit
+
+
+@pytest.mark.parametrize("amplitude", [0.0001, 0.001, 0.03, 0.15])
+def test_the_forces_are_those_of_the_energy(amplitude):
+    ratio = force(amplitude, 1.0) / force(amplitude, STRONG)
+    assert ratio == pytest.approx(slope(amplitude, 1.0) / slope(amplitude, STRONG), rel=1e-5)
+    assert (ratio < 0.9) == (amplitude > 0.0001)  # control
+
+
+def test_the_strength_is_that_at_the_mean_stress():
+    assert energy(0.1, 5.0) == pytest.approx(energy(0.1, 1e-9, angle=np.arcsin(0.5), pressure=10.0), rel=1e-9)
+
+
+def test_a_part_of_the_stiffness_stays_where_soil_bears_nothing():
+    assert force(0.1, 1e-9, angle=0.5) == pytest.approx(0.02 * force(0.1, STRONG), rel=1e-6)
+
+
+@pytest.mark.parametrize("cohesion", [1.0, 5.0, 20.0, STRONG])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_energy_is_half_the_stiffness_and_flat_beyond_the_limit(dim, cohesion):
+    """Edge e: the gradients at the centre are +-2^(1-Dim)/e, their squares sum to Dim 2^(2-Dim)/e^2. In 3D
+    the pattern changes that by its amplitude squared over six."""
+    amplitude = 0.08
+    sumOfSquares = dim * 2.0 ** (2 - dim) / EDGE**2
+    modulus = 0.05 * (2 / 3) * (1e4 + 3e4)
+    strain = amplitude * EDGE * np.sqrt(sumOfSquares)
+    limit, least = 0.3 * cohesion, 0.02 * modulus
+    first = min(strain, limit / modulus)
+    second = np.clip(limit / least, first, strain)
+    density = (
+        modulus * first**2 / 2
+        + limit * (second - first) * (second > first)
+        + least * (strain**2 - second**2) / 2
+    )
+    tolerance = 1e-9 if dim == 2 else amplitude**2 / 6
+    assert energy(amplitude, cohesion, dim=dim) == pytest.approx(EDGE**dim * density, rel=tolerance)
+
+
+def bearing(stiffness):
+    """Load of a rough footing on APDI clay, kN/m, at a settlement well past yield."""
+    scene = mpm.Scene((0, 0), (6, 4), 0.25, threads=1)
+    clay = mpm.MohrCoulombDruckerPrager(
+        density=2.0,
+        lame=(2e3 * stiffness, 1e3 * stiffness),
+        cohesion=5.0,
+        frictionAngle=0.0,
+        dilatancyAngle=0.0,
+    )
+    scene.add("clay", mpm.box((0, 0), (6, 3)), clay, mpm.APDI(size=0.25), fbar=True)
+    footing = mpm.Hold(mpm.box((-1, 2.95), (1.05, 3.9)), velocity=(0, -0.25), ramp=0.02, name="footing")
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(damping=0.5, roller=("left", "right"), fixed="bottom", hold=footing),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    history = mpm.History(period=0.01)
+    scene.engines = [*scene.engines, history]
+    scene.run(until=0.3, progress=False)
+    return -np.mean(history["footing.fy"][-10:])
+
+
+def test_the_load_of_a_footing_does_not_follow_the_elastic_modulus():
+    soft, stiff = bearing(1), bearing(10)
+    assert stiff == pytest.approx(soft, rel=0.03)

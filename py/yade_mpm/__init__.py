@@ -16,6 +16,7 @@ VelocityRemap                                                    added behind Gr
 BoundaryLoad, Contact, RigidContact                              engines that may be added
 Drive, Hold                    prescribed motions, given to the GridSolver
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
+read, Results, ResultFrame     what a Recorder has written, by time
 quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
 Parameter, Parameters          what a scene takes: its command line and its studies
 diagnostics, rigid             modules: energies and other numbers of a scene; shapes for RigidContact
@@ -60,6 +61,7 @@ from .geometry.region import Region
 from .geometry.regions import box, disc, everywhere, halfSpace, polygon, sphere
 from .io.history import History
 from .io.recorder import Recorder
+from .io.results import ResultFrame, Results, read
 from .material import materials as _materials
 from .material.materials import Material, MaterialPoint
 from .particle import types as _particles

@@ -10,6 +10,8 @@ import inspect
 
 import numpy as np
 
+from .html import card, table
+
 
 def didYouMean(name, known):
     """End of an error about an unknown name: the nearest one, or nothing."""
@@ -119,6 +121,16 @@ class Attributed:
 
     def __repr__(self):
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.attributes().items())})"
+
+    def _repr_html_(self):
+        """Card for a notebook: every attribute that has a value, with its unit and meaning."""
+        values = self.attributes()
+        rows = [
+            (p["name"], values[p["name"]], p["unit"].replace("-", ""), p["doc"])
+            for p in self.core.parameters()
+            if p["name"] in values
+        ]
+        return card(type(self).__name__, table(("attribute", "value", "unit", "meaning"), rows))
 
 
 def plain(value):

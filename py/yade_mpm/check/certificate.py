@@ -36,6 +36,8 @@ _meaning = {
 class Certificate:
     """What `quasiStatic` found: numbers, the limits used, and the verdict.
 
+    Parameters
+    ----------
     kineticRatio : largest kinetic energy over the work done, -.
     unbalancedRatio : mean of `diagnostics.unbalancedRatio`, -.
     energyError : largest |energy error| over the work done, -.
@@ -154,8 +156,10 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
 def rateSensitivity(x, result, xOther, resultOther):
     """Relative change of a result at another rate, mean |difference| over mean |result|, where both reach, -.
 
-    x, result : e.g. penetration (m, increasing) and resistance (kN) of the run, (N,);
-        xOther, resultOther : of the other one.
+    Parameters
+    ----------
+    x, result : (N,), e.g. penetration (m, increasing) and resistance (kN) of the run.
+    xOther, resultOther : (M,), of the other one.
 
     Take twice the rate for the other run. If the result depends on the rate by a power of one or more,
     R(2v) - R(v) is at least R(v) - R(0), what the rate of the run itself does; and that run takes half the

@@ -53,6 +53,8 @@ def contactEnergy(scene):
 def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
     """What is missing in the energy balance, W_ext - W_damp - W_contact - W_int - (E_kin - E_kin,0), kJ.
 
+    Parameters
+    ----------
     initialKineticEnergy : E_kin,0 at the start, kJ; default 0.
     relative : divide by |W_ext| + W_damp + W_contact + |W_int| + E_kin + E_kin,0; 0 where all are zero.
     kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
@@ -89,6 +91,8 @@ def workDone(scene):
 def kineticRatio(scene, kinetic=None):
     """Kinetic energy over the work done, E_kin / `workDone`, -; nan before any work is done.
 
+    Parameters
+    ----------
     kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
 
     Small values (a few percent) mean that a run is quasi-static, see `yade_mpm.quasiStatic`.
@@ -136,7 +140,11 @@ def cornerJacobians(corners):
     """Jacobian at every corner of quadrilaterals or hexahedra: the volume spanned by the edges that meet
     there.
 
-    corners : (N, 4, 2) or (N, 8, 3), m, VTK order. Returns (N, 4 or 8), m2 or m3.
+    Parameters
+    ----------
+    corners : (N, 4, 2) or (N, 8, 3), m, VTK order.
+
+    Returns (N, 4 or 8), m2 or m3.
     """
     dim = corners.shape[2]
     unit = _unitCorners(dim)
@@ -156,10 +164,14 @@ def cornerJacobians(corners):
 def meanStressAlong(bodies, x, width, lower, upper):
     """Height and mean stress of the particles along a vertical line of a 2D scene, from the lowest up.
 
-    bodies : whose particles count. x, width : the line and the width of the strip around it that particles
-        are in, by their
-    present positions, m. lower, upper : the stretch of heights, m. Returns y (m) and tr(sigma)/3 (kPa,
-        tension positive), (N,).
+    Parameters
+    ----------
+    bodies : whose particles count.
+    x, width : m, the line, and the width of the strip around it that particles are in by their present
+        positions.
+    lower, upper : m, the range of heights.
+
+    Returns y (m) and tr(sigma)/3 (kPa, tension positive), (N,).
     """
     rows = [body.core.meanStresses(x, width / 2, lower, upper) for body in bodies]
     pairs = (pair for found in rows for pair in zip(found["height"], found["meanStress"]))
@@ -170,7 +182,11 @@ def meanStressAlong(bodies, x, width, lower, upper):
 def stripes(values):
     """Root mean square of the second difference of values along a line over their mean, -.
 
-    values : (N,) e.g. of `meanStressAlong`. A linear profile gives 0; values that alternate by +-a from row
+    Parameters
+    ----------
+    values : (N,), e.g. of `meanStressAlong`.
+
+    A linear profile gives 0; values that alternate by +-a from row
     to row, 4 a over the mean. Volumetric locking and modes that cell-wise integration leaves free appear as
     such stripes.
 
@@ -203,8 +219,13 @@ def unbalancedRatio(scene):
 def sectionForce(body, height, thickness=None):
     """Normal force in a horizontal section of a body, N = sum sigma_vv V_slice / h, kN, tension positive.
 
-    height : of the section (last axis), m. thickness : h of the slice around it that is averaged over, m;
-    default: one cell of the grid. V_slice is the share of a particle's volume that lies in the slice by the
+    Parameters
+    ----------
+    body : Body.
+    height : m, of the section (last axis).
+    thickness : m, h of the slice around it that is averaged over; default: one cell of the grid.
+
+    V_slice is the share of a particle's volume that lies in the slice by the
     vertical extent of its domain, so that a uniform stress gives stress times area at any height. 0 where the
     body has no material.
 

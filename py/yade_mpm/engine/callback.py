@@ -58,7 +58,8 @@ class PyRunner(Callback):
     ----------
     command : function of no argument, or of the scene; or a string that is executed in __main__, with `scene`
         defined.
-    iterPeriod : steps between calls. virtPeriod : scene time between calls, s. One of the two is needed.
+    iterPeriod : steps between calls; or
+    virtPeriod : scene time between calls, s. One of the two is needed.
     """
 
     def __init__(self, command, iterPeriod=0, virtPeriod=0.0, **attributes):

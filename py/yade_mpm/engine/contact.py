@@ -25,7 +25,14 @@ class Contact(generated["Contact"]):
         object.__setattr__(self, "_groups", [])
 
     def pair(self, first, second, friction, adhesion=0.0):
-        """Friction (-) and adhesion (kPa) between two groups, by their names; else those of the engine."""
+        """Friction and adhesion between two groups; other pairs have those of the engine.
+
+        Parameters
+        ----------
+        first, second : names of the groups.
+        friction : coefficient, -.
+        adhesion : kPa; default 0.
+        """
         for name, value in (("friction", friction), ("adhesion", adhesion)):
             if not (isinstance(value, (int, float, np.number)) and value >= 0):
                 raise ValueError(
@@ -115,7 +122,12 @@ class Contact(generated["Contact"]):
         }
 
     def forceOn(self, group):
-        """Force on a group in the last step, kN (3,)."""
+        """Force on a group in the last step, kN (3,).
+
+        Parameters
+        ----------
+        group : its name.
+        """
         return sum(
             (
                 (second == group) * force - (first == group) * force

@@ -5,6 +5,7 @@ import numpy as np
 
 from .. import _core
 from ..base.attributes import Guarded
+from ..base.html import card, table
 from ..geometry.region import Region
 from ..particle.body import Body
 from ..particle.part import BodyPart
@@ -43,6 +44,20 @@ class Prescribed(Guarded):
             raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
         if not self.hasBegun:
             self.core.began, self.hasBegun = scene.time, True
+
+    def __repr__(self):
+        return f"<{type(self).__name__} '{self.name}': velocity {self.velocity} m/s>"
+
+    def _repr_html_(self):
+        """Card for a notebook: what is prescribed, and what it takes."""
+        per = "/m" if self.dim == 2 else ""
+        rows = [("velocity", self.velocity, "m/s"), ("ramp", self.ramp, "s")]
+        if self.hasBegun:
+            rows += [
+                ("reaction", self.reaction.round(6).tolist(), f"kN{per}"),
+                ("work", self.work, f"kJ{per}"),
+            ]
+        return card(f"{type(self).__name__} '{self.name}'", table(("", "value", "unit"), rows))
 
     dim = property(lambda self: len(self._velocity), doc="Number of axes, 2 or 3.")
     name = property(lambda self: self.core.name, doc="Name, used for histories.")

@@ -16,7 +16,13 @@ class Shape:
 
 @dataclass
 class Sphere(Shape):
-    """Sphere (2D: disc). radius : m. centre : m, default the origin of the body."""
+    """Sphere (2D: disc).
+
+    Parameters
+    ----------
+    radius : m.
+    centre : m; default the origin of the body.
+    """
 
     radius: float
     centre: tuple = (0.0, 0.0, 0.0)
@@ -30,8 +36,11 @@ class Sphere(Shape):
 class Box(Shape):
     """Box (2D: rectangle).
 
-    halfSize : half edges, m, two or three numbers. centre : m. orientation : unit quaternion (w, x, y, z)
-        against the body.
+    Parameters
+    ----------
+    halfSize : half edges, m, two or three numbers.
+    centre : m; default the origin of the body.
+    orientation : unit quaternion (w, x, y, z) against the body; default not turned.
     """
 
     halfSize: tuple
@@ -55,8 +64,13 @@ class Box(Shape):
 
 @dataclass
 class Wall(Shape):
-    """Half-space. normal : out of the wall, into the room where the soil is. point : one on its surface,
-    m."""
+    """Half-space.
+
+    Parameters
+    ----------
+    normal : out of the wall, to the side where the soil is.
+    point : one on its surface, m; default the origin of the body.
+    """
 
     normal: tuple
     point: tuple = (0.0, 0.0, 0.0)
@@ -75,7 +89,10 @@ class Wall(Shape):
 class Facet(Shape):
     """Segment between two vertices, or triangle with three, with rounded edges; touched from either side.
 
-    vertices : m, (2, 2), (2, 3) or (3, 3). thickness : m, default 0; APDI bodies need one.
+    Parameters
+    ----------
+    vertices : m, (2, 2), (2, 3) or (3, 3).
+    thickness : m; default 0; APDI bodies need one.
     """
 
     vertices: tuple = field(default_factory=tuple)

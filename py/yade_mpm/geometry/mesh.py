@@ -22,10 +22,14 @@ MAX_MASTERS = 4
 class Mesh:
     """Vertices, cells and hanging vertices.
 
-    points: (Nv, dim). cells: (Nc, 4 or 8) vertex numbers. slaves: (Ns,) vertices that sit on an edge
-    or face of a coarser cell. masters: (Ns, 4) corners of that edge or face, padded with -1; never
-    slaves themselves. masterWeights: (Ns, 4), padded with 0; a slave is at sum(weight * master).
-    cellNumbers: (Nc,) numbers that the cells had before `inRows`; None: they have them still.
+    Parameters
+    ----------
+    points : (Nv, dim), m.
+    cells : (Nc, 4 or 8), vertex numbers.
+    slaves : (Ns,), vertices that sit on an edge or face of a coarser cell; default none.
+    masters : (Ns, 4), corners of that edge or face, padded with -1; never slaves themselves.
+    masterWeights : (Ns, 4), padded with 0; a slave is at sum(weight * master).
+    cellNumbers : (Nc,), numbers that the cells had before `inRows`; None: they have them still.
     """
 
     points: np.ndarray
@@ -43,6 +47,10 @@ class Mesh:
 
 def boundaryFacets(mesh):
     """Facets on the surface of a mesh: edges in 2D, faces in 3D.
+
+    Parameters
+    ----------
+    mesh : Mesh.
 
     A facet is on the surface if one cell only has it. Facets where fine cells meet a coarse one are
     left out. Returns (facets, owners): (Nf, 2 or 4) vertex numbers, ordered so that the outward

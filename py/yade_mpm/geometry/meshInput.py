@@ -15,8 +15,12 @@ _MIRROR = {2: [0, 3, 2, 1], 3: [0, 3, 2, 1, 4, 7, 6, 5]}
 def meshFromArrays(points, cells, name):
     """Mesh from vertex coordinates and cells, checked.
 
-    points: (Nv, 2 or 3); a z column of zeros is dropped if the cells are quadrilaterals.
-    cells: (Nc, 4) quadrilaterals or (Nc, 8) hexahedra. name: of the body, for errors.
+    Parameters
+    ----------
+    points : (Nv, 2 or 3), m; a z column of zeros is dropped if the cells are quadrilaterals.
+    cells : (Nc, 4) quadrilaterals or (Nc, 8) hexahedra.
+    name : of the body, for errors.
+
     Points that no cell uses are dropped. If all cells are mirrored they are turned over.
     Raises ValueError, with cell number and position, on a wrong shape, a number that is not finite,
     an index out of range, a repeated vertex, or a cell that is inverted, concave or collapsed.
@@ -46,8 +50,12 @@ def meshFromArrays(points, cells, name):
 def meshFromFile(path, name):
     """Mesh from a file of any format that meshio reads (Gmsh, VTK, Abaqus, ...).
 
-    path: of the file. It must hold quadrilaterals, or hexahedra, and no other cells of that
-    dimension; cells of lower dimension (boundary lines, points) are ignored. name: of the body.
+    Parameters
+    ----------
+    path : of the file. It must hold quadrilaterals, or hexahedra, and no other cells of that dimension;
+        cells of lower dimension (boundary lines, points) are ignored.
+    name : of the body, for errors.
+
     Raises FileNotFoundError, ImportError without meshio, ValueError on an unreadable file, on other
     cells, and as `meshFromArrays` does.
     """

@@ -51,7 +51,11 @@ class _Cube:
 def inRows(mesh):
     """The same mesh with cells and vertices numbered row by row: a step takes 0.5 to 0.9 of the time.
 
-    mesh: Mesh. Returns a Mesh; its `cellNumbers` (Nc,) tell which cell of the given one each of its cells is.
+    Parameters
+    ----------
+    mesh : Mesh.
+
+    Returns a Mesh; its `cellNumbers` (Nc,) tell which cell of the given one each of its cells is.
     Corner 0 of a cell may be another one than before, its corners go round as before. The first row goes
     along the first axis through the lowest cell. scene.add does this with the name of a mesh file; meshes
     from arrays keep their numbers: scene.add("soil", inRows(meshFromArrays(points, cells, "soil")), material,

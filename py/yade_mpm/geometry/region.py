@@ -29,7 +29,9 @@ class Region:
 
     `a + b` and `a | b` unite, `a - b` subtracts, `a & b` intersects.
 
-    Attributes: `dim`, 2 or 3.
+    Attributes
+    ----------
+    dim : 2 or 3.
     """
 
     def __init__(self, dim):
@@ -38,8 +40,12 @@ class Region:
     def contains(self, points, closed=True):
         """Tell which points are inside.
 
-        points: (N, dim). closed: True counts the boundary as inside (grid nodes); False gives
-        each point to one of two complementary regions only (particles). See the module's text.
+        Parameters
+        ----------
+        points : (N, dim), m.
+        closed : True counts the boundary as inside (grid nodes); False gives each point to one of two
+            complementary regions only (particles). Default True.
+
         Returns (N,) bool. Raises TypeError or ValueError if points is not an (N, dim) array of numbers.
         """
         points = numbers("contains", "points", points)

@@ -9,25 +9,48 @@ from .region import Composed
 def box(lower, upper):
     """Axis-aligned rectangle (2D) or cuboid (3D).
 
-    lower, upper: (dim,) opposite corners. Raises ValueError unless lower < upper in every direction.
+    Parameters
+    ----------
+    lower, upper : (dim,), m, opposite corners.
+
+    Raises ValueError unless lower < upper in every direction.
     """
     return Box(lower, upper)
 
 
 def sphere(centre, radius):
-    """Ball in 3D. centre: (3,). radius: positive. Raises ValueError on anything else."""
+    """Ball in 3D.
+
+    Parameters
+    ----------
+    centre : (3,), m.
+    radius : m, positive.
+
+    Raises ValueError on anything else.
+    """
     return Ball("sphere", 3, centre, radius)
 
 
 def disc(centre, radius):
-    """Disc in 2D. centre: (2,). radius: positive. Raises ValueError on anything else."""
+    """Disc in 2D.
+
+    Parameters
+    ----------
+    centre : (2,), m.
+    radius : m, positive.
+
+    Raises ValueError on anything else.
+    """
     return Ball("disc", 2, centre, radius)
 
 
 def polygon(points):
     """Polygon in 2D that does not cross or touch itself.
 
-    points: (N, 2), N >= 3, corners in order, clockwise or counter-clockwise, the first not repeated.
+    Parameters
+    ----------
+    points : (N, 2), N >= 3, m: corners in order, clockwise or counter-clockwise, the first not repeated.
+
     Raises ValueError if it crosses or touches itself.
     """
     return Polygon(points)
@@ -36,13 +59,23 @@ def polygon(points):
 def halfSpace(point, normal):
     """The side of a plane (line in 2D) that its normal points away from: (x - point) . normal <= 0.
 
-    point: (dim,), any point of the plane. normal: (dim,), any length but zero, else ValueError.
+    Parameters
+    ----------
+    point : (dim,), m, any point of the plane.
+    normal : (dim,), of any length but zero.
+
+    Raises ValueError for a normal of zero.
     """
     return HalfSpace(point, normal)
 
 
 def everywhere(dim):
-    """All of space. dim: 2 or 3, else ValueError."""
+    """All of space.
+
+    Parameters
+    ----------
+    dim : 2 or 3, else ValueError.
+    """
     return Everywhere(dim)
 
 

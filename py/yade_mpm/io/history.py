@@ -9,6 +9,7 @@ import time
 
 import numpy as np
 
+from ..base.html import card, table
 from ..check import diagnostics
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
@@ -26,7 +27,8 @@ class History(Callback):
 
     Parameters
     ----------
-    period : scene time between rows, s; or iterPeriod : steps between rows. One of the two is needed.
+    period : scene time between rows, s; or
+    iterPeriod : steps between rows. One of the two is needed.
     file : name of a CSV file with one column each and the units in the header; default: none. Besides, the
         columns go to /history (/history/`label` if the engine has a label) of the file of the first
         Recorder of the scene.
@@ -104,8 +106,41 @@ class History(Callback):
             raise KeyError(f"there is no column '{name}'; columns: {', '.join(self._data)}")
         return np.array(self._data[name])
 
+    def keys(self):
+        """Names of the columns, so that `dict(history)` has them all."""
+        return list(self._data)
+
+    def __iter__(self):
+        return iter(self.keys())
+
+    def __contains__(self, name):
+        return name in self._data
+
+    def to_pandas(self):
+        """The rows as a pandas DataFrame, indexed by time (s); `units` has the units of its columns.
+
+        Raises ImportError without pandas.
+        """
+        import pandas
+
+        return pandas.DataFrame({name: self[name] for name in self.keys()}).set_index("time")
+
+    def _repr_html_(self):
+        """Card for a notebook: every column with its unit, its last value and its range."""
+        rows = [
+            (name, self._units[name], f"{column[-1]:.6g}", f"{np.min(column):.4g} to {np.max(column):.4g}")
+            for name, column in self._data.items()
+        ]
+        shown = table(("column", "unit", "last", "from, to"), rows) if rows else "<p>no rows yet</p>"
+        return card(f"History of {len(self)} rows", shown)
+
     def rowsFrom(self, first):
-        """Rows from a number on, each a dict name -> value."""
+        """Rows from a number on, each a dict name -> value.
+
+        Parameters
+        ----------
+        first : int, number of the first row.
+        """
         names = list(self._data)
         return [
             dict(zip(names, values)) for values in zip(*(column[first:] for column in self._data.values()))

@@ -1,35 +1,45 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Pictures of 2D scenes with matplotlib."""
+"""Pictures of 2D scenes with matplotlib.
+
+`Scene.plot` and `mpm.read(...)[k].plot` draw one picture; the functions here are for pictures of several
+scenes or times. Nothing here changes the settings of matplotlib but `drawToFiles`, which programs call.
+"""
 
 import os
 
 import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.collections import PolyCollection
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-import numpy as np  # noqa: E402
-from matplotlib.collections import PolyCollection  # noqa: E402
+from .files import replacing
 
-from .files import replacing  # noqa: E402
+STYLE = {
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "figure.dpi": 130,
+    "savefig.dpi": 130,
+    "axes.grid": False,
+    "legend.frameon": False,
+}
 
-plt.rcParams.update(
-    {
-        "font.size": 9,
-        "axes.spines.top": False,
-        "axes.spines.right": False,
-        "figure.dpi": 130,
-        "savefig.dpi": 130,
-        "axes.grid": False,
-        "legend.frameon": False,
-    }
-)
+
+def drawToFiles():
+    """For programs, not for notebooks: pictures go to files only (Agg), in the style of this project."""
+    matplotlib.use("Agg")
+    plt.rcParams.update(STYLE)
 
 
 class Snapshot:
     """Domains of some bodies as they are now, for a picture later.
 
-    scene : 2D scene. value : name of a field (scalar) that colours them; bodies without it are drawn grey,
-    ValueError if all are.
+    Parameters
+    ----------
+    scene : 2D scene.
+    value : name of a field (scalar) that colours them; bodies without it are drawn grey.
+
+    Raises ValueError where no body has the field, and for a scene in 3D.
     """
 
     def __init__(self, scene, value):
@@ -56,19 +66,19 @@ class Snapshot:
                 )
 
     def draw(self, axes, limit, colours="inferno_r", window=None):
-        """Draws the domains; limit is the value at the end of the colour scale. Returns the coloured
-        collection."""
+        """Draws the domains and returns the coloured collection.
+
+        Parameters
+        ----------
+        axes : of matplotlib.
+        limit : value at the end of the colour scale, which begins at zero.
+        colours : name of a colour map of matplotlib; default "inferno_r".
+        window : (left, right, bottom, top), m; default: all.
+        """
         coloured = None
         for _, meshed, corners, values in self.parts:
-            style = dict(edgecolors=(0, 0, 0, 0.25) if meshed else "none", linewidths=0.15)
-            if values is None:
-                axes.add_collection(
-                    PolyCollection(corners, facecolors="0.55", edgecolors="0.3", linewidths=0.2)
-                )
-            else:
-                coloured = PolyCollection(corners, array=values, cmap=colours, **style)
-                coloured.set_clim(0, limit)
-                axes.add_collection(coloured)
+            found = drawDomains(axes, corners, values, meshed, colours, (0, limit))
+            coloured = coloured if values is None else found
         axes.set_aspect("equal")
         if window:
             axes.set_xlim(window[0], window[1])
@@ -78,8 +88,35 @@ class Snapshot:
         return coloured
 
 
+def drawDomains(axes, corners, values, meshed, colours, limits):
+    """Draws the domains of one body, grey where it has no values, and returns the collection.
+
+    Parameters
+    ----------
+    axes : of matplotlib.
+    corners : (N, 4, 2), m.
+    values : (N,), or None.
+    meshed : whether edges are drawn.
+    colours : name of a colour map.
+    limits : values at the ends of it.
+    """
+    if values is None:
+        drawn = PolyCollection(corners, facecolors="0.55", edgecolors="0.3", linewidths=0.2)
+    else:
+        edges = (0, 0, 0, 0.25) if meshed else "none"
+        drawn = PolyCollection(corners, array=values, cmap=colours, edgecolors=edges, linewidths=0.15)
+        drawn.set_clim(*limits)
+    axes.add_collection(drawn)
+    return drawn
+
+
 class Snapshots(list):
-    """Snapshots of a run, one for each call with its scene; for a PyRunner. value : as of `Snapshot`."""
+    """Snapshots of a run, one for each call with its scene; for a PyRunner.
+
+    Parameters
+    ----------
+    value : as of `Snapshot`.
+    """
 
     def __init__(self, value):
         super().__init__()
@@ -93,8 +130,16 @@ def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
     """Figure of snapshots side by side (or one above the other), each with its title, and one colour bar:
     (figure, last axes).
 
-    limit : as of `Snapshot.draw`; window, too, or a list of one for each. label : of the bar. curves : width
-    of further axes at the right for curves, over that of a panel; the last axes are these.
+    Parameters
+    ----------
+    snapshots : list of `Snapshot`.
+    titles : one for each.
+    limit : as of `Snapshot.draw`.
+    label : of the colour bar.
+    window : as of `Snapshot.draw`, or a list of one for each.
+    curves : width of further axes at the right for curves, over that of a panel; the last axes are these.
+        Default: none.
+    vertical : one above the other; default False.
     """
     n = len(snapshots)
     windows = window if isinstance(window, list) else [window] * n
@@ -128,9 +173,17 @@ def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
 def domains(axes, bodies, values, limits, label=None, colours="inferno_r", scale=1.0, edge=None, **bar):
     """Domains of bodies, coloured by numbers; returns the coloured collection.
 
-    values : function of a body that gives a number for each domain. limits : ends of the colour scale.
-    label : of a colour bar; default none. scale : length that coordinates are divided by, m. edge : colour of
-    the edges, default that of the face. bar : for `Figure.colorbar`.
+    Parameters
+    ----------
+    axes : of matplotlib.
+    bodies : list of Body.
+    values : function of a body that gives a number for each domain.
+    limits : ends of the colour scale.
+    label : of a colour bar; default none.
+    colours : name of a colour map of matplotlib; default "inferno_r".
+    scale : m, length that coordinates are divided by; default 1.
+    edge : colour of the edges; default that of the face.
+    bar : for `Figure.colorbar`.
     """
     for body in bodies:
         style = dict(
@@ -145,7 +198,14 @@ def domains(axes, bodies, values, limits, label=None, colours="inferno_r", scale
 
 
 def save(figure, file, **how):
-    """Writes a picture and closes the figure. how : for `Figure.savefig`, such as dpi."""
+    """Writes a picture and closes the figure.
+
+    Parameters
+    ----------
+    figure : of matplotlib.
+    file : name of the file; its ending says the format, default PNG.
+    how : for `Figure.savefig`, such as dpi.
+    """
     with replacing(file) as part:
         figure.savefig(part, format=os.path.splitext(file)[1][1:] or "png", bbox_inches="tight", **how)
     plt.close(figure)

@@ -43,7 +43,8 @@ class Recorder(Callback):
     file : name of the file, ending in .vtkhdf or .hdf, by which ParaView knows it (with another, such as .h5,
         it asks for the reader: VTKHDF Reader). A new run overwrites it, but not before the first step; a run
         continued from a checkpoint cuts off the frames after the checkpoint's time and appends.
-    period : scene time between frames, s; or iterPeriod : steps between frames. One of the two is needed.
+    period : scene time between frames, s; or
+    iterPeriod : steps between frames. One of the two is needed.
     fields : names of particle fields (`body.fields()`), or "displacement", "volumeRatio", "meanStress",
         "deviatoricStress" (von Mises). Default: stress, velocity, displacement, volumeRatio, meanStress and
         all state variables of the materials. `body` (number in the order of the scene) and `id` are always

@@ -71,7 +71,10 @@ class MaterialPoint:
     def strain(self, increment):
         """Applies a logarithmic strain increment without rotation and returns the new stress.
 
+        Parameters
+        ----------
         increment : (3, 3) symmetric, -. The step is f = exp(increment), so that coaxial increments add up.
+
         Returns (3, 3), kPa. Raises ValueError for a wrong shape, an asymmetric or a non-finite increment.
         """
         increment = _tensor("increment", increment)
@@ -86,7 +89,12 @@ class MaterialPoint:
         """Applies the velocity gradient L for dt as the solver does, f = I + dt L, and returns the new
         stress.
 
-        L : (3, 3), 1/s. dt : s. Returns (3, 3), kPa. Raises ValueError when the step inverts the point.
+        Parameters
+        ----------
+        L : (3, 3), 1/s.
+        dt : s.
+
+        Returns (3, 3), kPa. Raises ValueError when the step inverts the point.
         """
         self._point.gradient(_tensor("velocity gradient", L), float(dt))
         return self.stress

@@ -5,6 +5,7 @@ import numpy as np
 
 from ..base import limits
 from ..base.attributes import Guarded
+from ..base.html import card, table
 from ..geometry.region import Region
 from .part import BodyPart
 
@@ -60,6 +61,15 @@ class Body(Guarded):
         kind, material = type(self.type).__name__, type(self.material).__name__
         return f"<Body '{self.name}': {self.count} {kind} particles of {material}>"
 
+    def _repr_html_(self):
+        """Card for a notebook: every field with its unit, meaning and range."""
+        rows = []
+        for f in self.fields():
+            values = getattr(self, f["name"])
+            ends = f"{values.min():.4g} to {values.max():.4g}" if values.size else ""
+            rows.append((f["name"], values.shape, f["unit"].replace("-", ""), ends, f["doc"]))
+        return card(repr(self), table(("field", "shape", "unit", "from, to", "meaning"), rows))
+
     def fields(self):
         """List of dicts (name, unit, doc, shape, size) of all particle fields."""
         return list(self.core.fields(False))
@@ -91,7 +101,11 @@ class Body(Guarded):
     def byId(self, name):
         """A copy of a field in the order of `id`, which stays as particles are sorted.
 
-        name : of a field, or "displacement". The fields themselves stand in the order of the solver, where
+        Parameters
+        ----------
+        name : of a field, or "displacement".
+
+        The fields themselves stand in the order of the solver, where
         neighbours lie together, from step 0 on. Ids count from 0: boxes of a region row by row, first axis
         fastest, domains of a mesh as its cells; pieces of cut particles follow.
         """
@@ -113,8 +127,12 @@ class Body(Guarded):
     def setStress(self, stress):
         """Gives the particles a Cauchy stress, and the material the state that belongs to it.
 
-        stress : (N, 3, 3) or broadcastable, kPa, tension positive, symmetric; in 2D without shear
-        out of the plane. Raises ValueError for a wrong shape, a value that is not finite, or a material whose
+        Parameters
+        ----------
+        stress : (N, 3, 3) or broadcastable, kPa, tension positive, symmetric; in 2D without shear out of the
+            plane.
+
+        Raises ValueError for a wrong shape, a value that is not finite, or a material whose
         stress follows from its deformation alone.
         """
         stress = _finite(self, "stress", stress, (self.count, 3, 3))
@@ -230,25 +248,50 @@ class Body(Guarded):
         return self.position[p] + np.einsum("pij,pj->pi", F, offset), grown
 
     def weights(self, particle):
-        """Weights of one particle: list of (node position, phi, gradient of phi)."""
+        """Weights of one particle: list of (node position, phi, gradient of phi).
+
+        Parameters
+        ----------
+        particle : its number in the order of the solver.
+        """
         return list(self.core.weights(int(particle)))
 
     def convertTo(self, other):
-        """Lets another body, of uGIMP particles, take over the domains that become too distorted."""
+        """Lets another body take over the domains that become too distorted.
+
+        Parameters
+        ----------
+        other : Body of uGIMP particles; it may be empty so far.
+        """
         self._scene.core.convertTo(self.name, other.name)
         self._convertsTo = other.name
 
     # --- parts, for driving ---
     def above(self, height):
-        """Part of the body above a height (along the last axis), looked up anew in every step."""
+        """Part of the body above a height, looked up anew in every step.
+
+        Parameters
+        ----------
+        height : m, along the last axis.
+        """
         return BodyPart(self, lower=height)
 
     def below(self, height):
-        """Part of the body below a height (along the last axis), looked up anew in every step."""
+        """Part of the body below a height, looked up anew in every step.
+
+        Parameters
+        ----------
+        height : m, along the last axis.
+        """
         return BodyPart(self, upper=height)
 
     def inside(self, region):
-        """The particles that are inside a region now; they stay the same in the run."""
+        """The particles that are inside a region now; they stay the same in the run.
+
+        Parameters
+        ----------
+        region : Region.
+        """
         if not isinstance(region, Region):
             raise TypeError(f"body '{self.name}': inside() takes a region, got {region!r}")
         return BodyPart(self, ids=self.id[region.contains(self.position)])

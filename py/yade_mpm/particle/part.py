@@ -5,7 +5,16 @@ import numpy as np
 
 
 class BodyPart:
-    """Part of a body: by height, or a fixed set of particle ids."""
+    """Part of a body, by height or a fixed set of particle ids.
+
+    Made by `Body.above`, `Body.below`, `Body.inside` and `Body.all`.
+
+    Parameters
+    ----------
+    body : Body.
+    lower, upper : m, heights (last axis) between which it lies; None: no limit.
+    ids : (N,), its particles by `id`; None: by height.
+    """
 
     def __init__(self, body, lower=None, upper=None, ids=None):
         for height in (lower, upper):

@@ -31,6 +31,8 @@ KINDS = (
 def loadPlugin(path):
     """Loads a library with particle types, materials or engines that was built outside of yade_mpm.
 
+    Parameters
+    ----------
     path : the library, e.g. "build/libmine.so", built against the CMake package of this very version, see
         CONTRIBUTING.
 

@@ -24,7 +24,8 @@ def run(
     Parameters
     ----------
     until : float, s, scene time to end at: the last ten steps are shorter, if need be, by at most a tenth (a
-        run to a multiple of dt keeps it); or steps : int, number of steps. One of the two.
+        run to a multiple of dt keeps it); or
+    steps : int, number of steps. One of the two is needed.
     background : bool, return at once; `pause()` stops, `wait()` waits and raises what went wrong.
     progress : bool, show progress; default: yes for a run of more than 2 s.
     checkpointFile : str, where Ctrl-C, SIGTERM, SIGHUP and errors leave the state; default: beside the

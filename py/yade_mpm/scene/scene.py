@@ -9,6 +9,7 @@ from ..engine import chain
 from ..engine.engine import Engine
 from ..engine.gridSolver import GridSolver
 from ..geometry.numbers import isNumber
+from . import display
 from .adding import Bodies, add
 from .geostatic import initialStress
 from .grid import cellSize, corner, makeCore
@@ -45,7 +46,8 @@ class Scene(Guarded):
     bodies : tuple of Body, in the order in which they were added; none can be taken out.
     allowUnstable : bool, whether dt may exceed the longest stable step; default False.
     dtCritical : s, 2/omega_max of the grid, or the longest stable step if that is shorter (USL), as estimated
-        last; None before. stiffest : body in which its mode moves most.
+        last; None before.
+    stiffest : body in which the mode of dtCritical moves most.
     dtStable : s, longest stable step of the scheme, with flip and damping, as estimated last; None before.
     stepper : `Stepper`, for loops of your own.
     """
@@ -56,6 +58,7 @@ class Scene(Guarded):
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce
     run, step, pause, wait = run, step, pause, wait
     handOver, refuseWhileRunning = handOver, refuseWhileRunning
+    plot, _repr_html_ = display.plot, display.html
 
     def __init__(self, lower, upper, cell, scheme="MUSL", threads=None):
         lower, upper = corner("lower", lower), corner("upper", upper)

@@ -143,7 +143,10 @@ def _pair(item):
 def run(main):
     """Calls the main function of a scene. What this package refuses or cannot go on with, and files that
     fail, end the program with their message and 1, Ctrl-C ends it with 130; any other error keeps its
-    traceback."""
+    traceback. Pictures go to files, never to a screen."""
+    from ..io.plot import drawToFiles
+
+    drawToFiles()
     try:
         main()
     except KeyboardInterrupt:

@@ -20,11 +20,13 @@ _PER_BOX = 4  # strips that a box is seen in
 class Surface:
     """Ground surface, left to right.
 
-    x, y : polyline, m; y is nan where no ground is. explicit : True at vertices of a mesh, False where the
-        surface was inferred from particles.
+    Parameters
+    ----------
+    x, y : polyline, m; y is nan where no ground is.
+    explicit : True at vertices of a mesh, False where the surface was inferred from particles.
     hole : interval of x, m, of what goes through the ground; None: nothing does.
     singleValued : whether x grows along the vertices of every mesh; None where the surface has no mesh. The
-    inferred part has one height at each x by construction: what hangs over in it is not seen.
+        inferred part has one height at each x by construction: what hangs over in it is not seen.
     isolated : number of particles that hang together with the main body of ground no more.
     """
 
@@ -36,20 +38,34 @@ class Surface:
     isolated: int
 
     def isContinuous(self, jump):
-        """Whether no step of `jump` (m) or more, and no place without ground, interrupts the surface from one
-        end to the other, or from both ends to less than `jump` from the hole."""
+        """Whether nothing interrupts the surface from end to end, or from both ends to the hole.
+
+        Parameters
+        ----------
+        jump : m; a step of that or more interrupts it, a place without ground, too.
+        """
         if self.hole is None:
             return not self._breaks(jump).any()
         return max(self.openBeside(jump)) < jump
 
     def openBeside(self, jump):
-        """Width to the left and to the right of the hole, m, that the surface does not reach: between the
-        hole and the first step of `jump` (m) or more, or place without ground, on the way from either end."""
+        """Widths to the left and to the right of the hole that the surface does not reach, m.
+
+        Parameters
+        ----------
+        jump : m; a step of that or more on the way from either end interrupts it, a place without ground,
+            too.
+        """
         left, right = self._crater(jump)
         return float(self.hole[0] - left), float(right - self.hole[1])
 
     def areas(self, level, jump):
         """Areas between surface and a level, m2: (heave above, trough below, cavity below).
+
+        Parameters
+        ----------
+        level : m, height.
+        jump : m, as of `openBeside`.
 
         The cavity is what is below the level in the places of `openBeside`; the hole counts nowhere. Where no
         ground is, the surface is interpolated.
@@ -95,8 +111,12 @@ def _reach(x, breaks, hole):
 def groundSurface(scene, bodies, level, hole=None):
     """Surface of the ground made of some bodies of a 2D scene.
 
-    bodies : those that form the ground. level : height of the initial surface, m. hole : interval (x0, x1),
-    m, of what goes through the ground, for instance a pile; it is left out of continuity and areas.
+    Parameters
+    ----------
+    bodies : those that form the ground.
+    level : m, height of the initial surface.
+    hole : interval (x0, x1), m, of what goes through the ground, for instance a pile; it is left out of
+        continuity and areas. Default: none.
 
     Two domains hang together where the gap between them, a box round each, is at most half a cell; the ground
     is the set of domains hanging together that has the most particles, and all others are isolated. Meshed

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Sphinx settings of the manual. `scripts/docs` builds it; the pages are read on a Git host as well.
+
+The source folder is the root of the project, so that links from one page to another are the same on both.
+"""
+
+import os
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "doc"))
+
+import docstrings  # noqa: E402
+import yade_mpm  # noqa: E402
+
+project = "yade-mpm"
+author = copyright = "The yade-mpm developers"
+version = release = yade_mpm.__version__
+root_doc = "doc/index"
+include_patterns = ["doc/**", "CHANGELOG.md", "CONTRIBUTING.md", "README.md", "SECURITY.md"]
+exclude_patterns = ["build", "results", "dist", "tests", "pkg", "py", "scripts", "**/__pycache__"]
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
+suppress_warnings = ["config.cache"]
+
+# Pages
+myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]
+myst_heading_anchors = 4  # links to headings, by the names that a Git host gives them
+myst_links_external_new_tab = False
+
+# Notebooks: the pages with {code-cell} in them. `scripts/docs` executes them, the default test does not.
+nb_execution_mode = os.environ.get("MPM_NOTEBOOKS", "cache")
+nb_execution_cache_path = str(ROOT / "build" / "docs" / "cache")
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300  # s for one cell
+nb_merge_streams = True
+
+# Reference, from the docstrings
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+autodoc_default_options = {"members": True, "exclude-members": ", ".join(docstrings.HIDDEN)}
+napoleon_google_docstring = False
+napoleon_use_ivar = True
+napoleon_use_rtype = False
+default_role = "py:obj"
+python_maximum_signature_line_length = 80
+
+# Looks
+html_theme = "furo"
+html_title = f"yade-mpm {release}"
+html_show_sourcelink = False
+html_copy_source = False
+html_extra_path = ["_site"]  # index.html of the whole, which leads to doc/index.html
+
+
+def setup(app):
+    app.connect("autodoc-process-docstring", docstrings.process, priority=400)  # before napoleon

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Frames of a file as an animation."""
+
+import os
+from tempfile import TemporaryDirectory
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.animation import FFMpegWriter, PillowWriter
+
+from .files import writeWhole
+from .picture import componentOf
+
+
+def write(results, file, field, limits, fps, picture):
+    """See `Results.animate`."""
+    kind = os.path.splitext(os.fspath(file))[1].lower()
+    if kind not in (".gif", ".mp4"):
+        raise ValueError(f"animate: file = {file!r} is not allowed; give a name that ends in .gif or .mp4")
+    if kind == ".mp4" and not FFMpegWriter.isAvailable():
+        raise ValueError(
+            "animate: MP4 needs the program ffmpeg, which is not here; install it, or give a .gif"
+        )
+    limits = limits or _extremes(results, field, picture.get("component"))
+    writer = (FFMpegWriter if kind == ".mp4" else PillowWriter)(fps=fps)
+    figure = plt.figure(figsize=(6.4, 4.0), layout="constrained")
+    try:
+        with TemporaryDirectory() as folder:
+            part = os.path.join(folder, f"frames{kind}")  # the writers take the format from the name
+            with writer.saving(figure, part, dpi=100):
+                for frame in results:
+                    figure.clear()
+                    frame.plot(field, limits=limits, axes=figure.subplots(), **picture)
+                    figure.axes[0].set_title(f"t = {frame.time:.3g} s", loc="left")
+                    writer.grab_frame()
+            with open(part, "rb") as done:
+                writeWhole(os.fspath(file), done.read())
+    finally:
+        plt.close(figure)
+
+
+def _extremes(results, field, component):
+    """Smallest and largest value of a field in all frames."""
+    found = [componentOf(field, frame[field], component) for frame in results]
+    return min(np.nanmin(v) for v in found), max(np.nanmax(v) for v in found)

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""One picture of a 2D scene, or of a frame of its file: domains coloured by a field, arrows, forces."""
+
+import re
+from collections.abc import Callable
+from typing import NamedTuple
+
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.patches import Patch
+
+from .frame import DERIVED
+from .plot import drawDomains
+
+FEW = 2000  # arrows at most: more hide each other
+
+
+class Part(NamedTuple):
+    """A body to be drawn: its domains (N, 4, 2), m, whether they share vertices, and a function that gives
+    (values, unit) of a field, or None."""
+
+    name: str
+    meshed: bool
+    corners: np.ndarray
+    field: Callable
+
+
+def partsOf(bodies):
+    """Parts of bodies as they are now."""
+    return [Part(b.name, b.cells is not None, b.corners(), _Fields(b)) for b in bodies if b.count]
+
+
+class _Fields:
+    """The fields of a body by name, the derived ones of a Recorder, too."""
+
+    def __init__(self, body):
+        self.body = body
+        self.units = {f["name"]: f["unit"] for f in body.fields()}
+        self.units.update({name: unit for name, (unit, _) in DERIVED.items()})
+
+    def __call__(self, name):
+        if name not in self.units:
+            return None
+        of = DERIVED[name][1] if name in DERIVED else lambda body: getattr(body, name)
+        return np.asarray(of(self.body)), self.units[name]
+
+
+def drawBodies(axes, parts):
+    """Draws each part in a colour of its own, with a legend."""
+    for k, part in enumerate(parts):
+        drawDomains(axes, part.corners, None, part.meshed, None, None).set_facecolor(f"C{k % 10}")
+    axes.legend(handles=[Patch(color=f"C{k % 10}", label=part.name) for k, part in enumerate(parts)])
+
+
+def drawField(axes, parts, field, component=None, limits=None, colours="viridis"):
+    """Draws parts coloured by a field, with a colour bar; those without it are grey."""
+    found = [_fieldOf(part, field) for part in parts]
+    unit = _unitOf(found, field, parts)
+    values = [None if f is None else componentOf(field, f[0], component) for f in found]
+    given = np.concatenate([v for v in values if v is not None])
+    limits = limits or (np.nanmin(given), np.nanmax(given))
+    for part, each in zip(parts, values):
+        drawn = drawDomains(axes, part.corners, each, part.meshed, colours, limits)
+        if each is not None:
+            coloured = drawn
+    axes.figure.colorbar(coloured, ax=axes, label=labelOf(field, component, unit), shrink=0.8)
+
+
+def drawArrows(axes, parts, field):
+    """Arrows of a vector field at the middles of the domains, of some of them where they are many."""
+    found = [_fieldOf(part, field) for part in parts]
+    unit = _unitOf(found, field, parts)
+    at = np.concatenate([part.corners.mean(axis=1) for part, f in zip(parts, found) if f is not None])
+    vectors = np.concatenate([f[0] for f in found if f is not None])
+    if vectors.ndim != 2:
+        raise ValueError(f"plot: arrows = {field!r} is no vector; give e.g. 'velocity' or 'displacement'")
+    some = slice(None, None, max(1, len(at) // FEW))
+    _quiver(axes, at[some], vectors[some], field, unit, "k")
+
+
+def drawForces(axes, engines):
+    """Arrows of the forces in contact, of the engines that have any."""
+    tables = [e.contactTable() for e in engines if hasattr(e, "contactTable")]
+    if not tables:
+        raise ValueError("plot: forces=True, but there is no Contact or RigidContact among the engines")
+    for table in tables:
+        node, force = table["node" if "node" in table else "point"], table["force"]
+        if len(node):
+            _quiver(axes, node, force, "contact force", "kN/m", "C3")
+
+
+def _quiver(axes, at, vectors, name, unit, colour):
+    longest = np.linalg.norm(vectors, axis=1).max()
+    if longest > 0:
+        arrows = axes.quiver(*at[:, :2].T, *vectors[:, :2].T, color=colour, angles="xy", width=0.002)
+        axes.quiverkey(arrows, 0.08, 1.04, longest, f"{wordsOf(name)} {longest:.3g} {unit}", labelpos="E")
+
+
+def _fieldOf(part, name):
+    if not isinstance(name, str):
+        raise TypeError(f"plot: field = {name!r}; give the name of a field, e.g. 'displacement'")
+    return part.field(name)
+
+
+def _unitOf(found, field, parts):
+    for f in found:
+        if f is not None:
+            return f[1]
+    known = sorted({name for part in parts for name in part.field.units})
+    raise ValueError(f"plot: no body has a field {field!r}; fields: {', '.join(known)}")
+
+
+def componentOf(field, values, component):
+    """One number for each particle: of a vector a component or, by default, its length; of a tensor the
+    component that must be given."""
+    rank, n = values.ndim - 1, values.shape[-1]
+    letters = "xyz"[:n]
+    names = {0: [], 1: list(letters), 2: [a + b for a in letters for b in letters]}[rank]
+    if component is None and rank < 2:
+        return values if rank == 0 else np.linalg.norm(values, axis=1)
+    if component not in names:
+        allowed = {
+            0: "leave it out, it is one number",
+            1: f"give one of {', '.join(names)}, or None (length)",
+        }
+        what = allowed.get(rank, f"give one of {', '.join(names)}; 'meanStress' is a field of its own")
+        raise ValueError(f"plot: component = {component!r} of {field} is not allowed; {what}")
+    return values[(slice(None), *("xyz".index(a) for a in component))]
+
+
+def wordsOf(name):
+    """A name of the code in words: plasticShearStrain is "plastic shear strain"."""
+    return re.sub(r"(?<=[a-z])([A-Z])", lambda found: " " + found[1].lower(), name)
+
+
+def labelOf(field, component, unit):
+    """Label of a colour bar: name, component, unit."""
+    return f"{wordsOf(field)}{' ' + component if component else ''} ({unit if unit else '-'})"
+
+
+def draw(parts, field=None, component=None, limits=None, **options):
+    """A picture of parts: see `Scene.plot`. Returns the axes."""
+    arrows, window, axes = (options.get(name) for name in ("arrows", "window", "axes"))
+    if axes is None:
+        axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")[1]
+    if field is None:
+        drawBodies(axes, parts)
+    else:
+        drawField(axes, parts, field, component, limits, options.get("colours") or "viridis")
+    if arrows is not None:
+        drawArrows(axes, parts, arrows)
+    axes.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
+    if window:
+        axes.set(xlim=window[:2], ylim=window[2:])
+    else:
+        axes.autoscale_view()
+    return axes

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a Recorder has written, read back: frames by time, with names, units and pictures."""
+
+import os
+from collections.abc import Mapping, Sequence
+
+import h5py
+import numpy as np
+
+from .frame import QUADRILATERAL
+
+
+class Results(Sequence):
+    """The frames of a file of a `Recorder`, which `mpm.read` opens: `results[-1]["stress"]`.
+
+    The file is opened for each access only, so that one which a run still writes may be read; frames that
+    came since are seen at the next access.
+
+    Parameters
+    ----------
+    file : name of the file.
+
+    Raises OSError for a file that is not there, ValueError for one that no Recorder has written.
+    """
+
+    def __init__(self, file):
+        self.file = os.fspath(file)
+        if not os.path.exists(self.file):
+            raise FileNotFoundError(
+                f"read: there is no file '{os.path.abspath(self.file)}'; correct the name"
+            )
+        try:
+            with h5py.File(self.file) as h5:
+                self.bodies = [str(name) for name in h5["VTKHDF/CellData"].attrs["bodies"]]
+        except (OSError, KeyError):
+            raise ValueError(
+                f"read: '{self.file}' is no file of a Recorder; give the .vtkhdf file of a run "
+                "(mpm.load reads checkpoints)"
+            ) from None
+
+    times = property(lambda self: self._steps("Values"), doc="Scene times of the frames, s (N,).")
+    steps = property(lambda self: self._steps("step"), doc="Numbers of steps of the frames (N,).")
+
+    def _steps(self, name):
+        with h5py.File(self.file) as h5:
+            return h5["VTKHDF/Steps"][name][()]
+
+    @property
+    def units(self):
+        """Dict name of a field -> unit."""
+        with h5py.File(self.file) as h5:
+            return {name: str(data.attrs.get("unit", "-")) for name, data in h5["VTKHDF/CellData"].items()}
+
+    def history(self, label=""):
+        """Columns of a `History` of the run as a dict name -> array; their units with `historyUnits`.
+
+        Parameters
+        ----------
+        label : of the History, if it has one.
+        """
+        return self._history(label, lambda data: data[()])
+
+    def historyUnits(self, label=""):
+        """Dict name of a column of a `History` -> unit.
+
+        Parameters
+        ----------
+        label : of the History, if it has one.
+        """
+        return self._history(label, lambda data: str(data.attrs.get("unit", "-")))
+
+    def _history(self, label, of):
+        with h5py.File(self.file) as h5:
+            group = h5.get(f"history/{label}" if label else "history")
+            if group is None:
+                raise ValueError(f"read: '{self.file}' has no history {label!r}; the run had none")
+            return {name: of(data) for name, data in group.items() if isinstance(data, h5py.Dataset)}
+
+    def __len__(self):
+        return len(self.times)
+
+    def __getitem__(self, number):
+        if isinstance(number, slice):
+            return [self[k] for k in range(*number.indices(len(self)))]
+        k = range(len(self))[number]
+        with h5py.File(self.file) as h5:
+            return _frame(h5["VTKHDF"], k, self.bodies)
+
+    def at(self, time):
+        """The frame nearest to a time.
+
+        Parameters
+        ----------
+        time : s.
+        """
+        return self[int(np.argmin(np.abs(self.times - time)))]
+
+    def animate(self, file, field, limits=None, fps=10, **picture):
+        """Writes all frames as an animation, a GIF or (where ffmpeg is installed) an MP4.
+
+        Parameters
+        ----------
+        file : name of the file, ending in .gif or .mp4.
+        field : as of `Scene.plot`.
+        limits : values at the ends of the colour scale; default: the extremes of all frames.
+        fps : frames per second; default 10.
+        picture : component, colours, window, arrows, as of `Scene.plot`.
+        """
+        from . import animation
+
+        animation.write(self, file, field, limits, fps, picture)
+
+    def __repr__(self):
+        times = self.times
+        span = f", t = {times[0]:g} to {times[-1]:g} s" if len(times) else ""
+        return f"<Results '{self.file}': {len(times)} frames{span}; bodies {', '.join(self.bodies)}>"
+
+
+class ResultFrame(Mapping):
+    """One frame of a file: `frame["velocity"]` is a field of all particles, one row each.
+
+    Vectors have three components, tensors are (N, 3, 3). `frame.body("soil")` has the particles of one body.
+
+    Attributes
+    ----------
+    time : s.
+    step : number of steps taken.
+    units : dict name of a field -> unit.
+    bodies : names of the bodies; the field "body" is the number of each particle's.
+    corners : (N, 4 or 8, 3), m, of the domains.
+    """
+
+    def __init__(self, time, step, bodies, corners, shared, data, units):
+        self.time, self.step, self.bodies, self.corners, self.units = time, step, bodies, corners, units
+        self._shared, self._data = shared, data
+
+    def __getitem__(self, name):
+        if name not in self._data:
+            raise KeyError(f"there is no field '{name}'; fields: {', '.join(self._data)}")
+        return self._data[name]
+
+    def __iter__(self):
+        return iter(self._data)
+
+    def __len__(self):
+        return len(self._data)
+
+    count = property(lambda self: len(self.corners), doc="Number of particles.")
+
+    def body(self, name):
+        """The frame with the particles of one body only.
+
+        Parameters
+        ----------
+        name : of the body.
+        """
+        if name not in self.bodies:
+            raise KeyError(f"there is no body '{name}'; bodies: {', '.join(self.bodies)}")
+        rows = self["body"] == self.bodies.index(name)
+        data = {field: values[rows] for field, values in self._data.items()}
+        return ResultFrame(
+            self.time, self.step, self.bodies, self.corners[rows], self._shared[rows], data, self.units
+        )
+
+    def plot(self, field=None, component=None, limits=None, **options):
+        """Draws the domains, as `Scene.plot` does; returns the axes.
+
+        Parameters
+        ----------
+        field, component, limits : as of `Scene.plot`.
+        options : bodies, axes, colours, window, arrows, as of `Scene.plot`.
+        """
+        from . import picture
+
+        if self.corners.shape[1] != 4:
+            raise ValueError("plot: pictures are made of 2D scenes; open the file in ParaView")
+        names = options.pop("bodies", None) or self.bodies
+        frames = [(name, self.body(name)) for name in names]
+        parts = [
+            picture.Part(name, bool(f._shared.any()), f.corners[:, :, :2], _Fields(f))
+            for name, f in frames
+            if f.count
+        ]
+        return picture.draw(parts, field, component, limits, **options)
+
+    def __repr__(self):
+        return f"<ResultFrame t = {self.time:g} s: {self.count} particles, fields {', '.join(self._data)}>"
+
+
+class _Fields:
+    """The fields of a frame by name, for a picture; those that are nan everywhere are none."""
+
+    def __init__(self, frame):
+        self.frame, self.units = frame, frame.units
+
+    def __call__(self, name):
+        if name not in self.frame or np.isnan(self.frame[name]).all():
+            return None
+        return self.frame[name], self.units[name]
+
+
+def read(file):
+    """What a Recorder has written, as frames by time, with units.
+
+        results = mpm.read("sheet_pile.vtkhdf")
+        results.times, results.bodies, results.units
+        frame = results.at(2.0)  # the nearest one; results[-1] is the last
+        frame.body("near soil")["stress"][:, 1, 1].min()
+        frame.plot("plasticShearStrain")
+        results.animate("sheet_pile.gif", "plasticShearStrain")
+
+    Parameters
+    ----------
+    file : name of the file of a `Recorder`.
+
+    Returns `Results`.
+    """
+    return Results(file)
+
+
+def _frame(root, k, bodies):
+    steps, cells = root["Steps"], root["CellData"]
+    part = int(steps["PartOffsets"][k])
+    count, points = int(root["NumberOfCells"][part]), int(root["NumberOfPoints"][part])
+    where = _rows(root["Points"], steps["PointOffsets"][k], points)
+    ids = int(root["NumberOfConnectivityIds"][part])
+    corners = _rows(root["Connectivity"], steps["ConnectivityIdOffsets"][k], ids)
+    isFlat = count == 0 or root["Types"][int(steps["CellOffsets"][k])] == QUADRILATERAL
+    corners = corners.reshape(count, 4 if isFlat else 8)
+    used = np.bincount(corners.ravel(), minlength=points)
+    data = {name: _rows(cells[name], steps["CellDataOffsets"][name][k], count) for name in cells}
+    data = {name: v.reshape(-1, 3, 3) if v.shape[1:] == (9,) else v for name, v in data.items()}
+    units = {name: str(cells[name].attrs.get("unit", "-")) for name in cells}
+    shared = (used[corners] > 1).any(axis=1)
+    time, step = float(steps["Values"][k]), int(steps["step"][k])
+    return ResultFrame(time, step, bodies, where[corners], shared, data, units)
+
+
+def _rows(array, first, count):
+    return array[int(first) : int(first) + count]

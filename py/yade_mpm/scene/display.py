@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What a scene shows of itself: pictures, and its card in a notebook."""
+
+from ..base.html import card, pictureTag, table
+
+
+def plot(
+    scene,
+    field=None,
+    component=None,
+    limits=None,
+    bodies=None,
+    axes=None,
+    colours=None,
+    window=None,
+    arrows=None,
+    forces=False,
+):
+    """Draws the domains of a 2D scene as they are now, and returns the axes of matplotlib.
+
+        scene.plot("stress", "yy", limits=(-200, 0), arrows="velocity")
+
+    Parameters
+    ----------
+    field : name of a field of the bodies (`body.fields()`), or "displacement", "volumeRatio", "meanStress",
+        "deviatoricStress" (von Mises); bodies without it are grey. Default: each body in its own colour.
+    component : "x" or "y" of a vector (default: its length), "xx", "xy" ... of a tensor.
+    limits : values at the ends of the colour scale; default: the extremes.
+    bodies : bodies or their names; default: all.
+    axes : of matplotlib, to draw into; default: of a new figure.
+    colours : name of a colour map of matplotlib; default "viridis".
+    window : (left, right, bottom, top), m; default: all.
+    arrows : name of a vector field that is drawn as arrows, e.g. "velocity"; default: none.
+    forces : draw the forces of `Contact` and `RigidContact` as arrows; default False.
+
+    Raises ValueError for a scene in 3D (open the file of a Recorder in ParaView), a field that no body has, a
+    component that is not allowed.
+    """
+    from ..io import picture
+
+    if scene.dim != 2:
+        raise ValueError("plot: pictures are made of 2D scenes; open the file of a Recorder in ParaView")
+    chosen = [scene[b] if isinstance(b, str) else b for b in bodies or scene.bodies]
+    options = dict(axes=axes, colours=colours, window=window, arrows=arrows)
+    axes = picture.draw(picture.partsOf(chosen), field, component, limits, **options)
+    if forces:
+        picture.drawForces(axes, scene.engines)
+    return axes
+
+
+def html(scene):
+    """Card of a scene for a notebook: a table of its bodies, and a small picture."""
+    rows = [
+        (b.name, b.count, type(b.type).__name__, type(b.material).__name__, b.group) for b in scene.bodies
+    ]
+    shown = table(("body", "particles", "type", "material", "group"), rows)
+    if scene.hasEngines:
+        shown += "<p>engines: " + ", ".join(e.label or type(e).__name__ for e in scene.engines) + "</p>"
+    if scene.dim == 2 and scene.particleCount:
+        shown += pictureTag(lambda axes: plot(scene, axes=axes))
+    return card(repr(scene), shown)

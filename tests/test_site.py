@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The manual as a site: Sphinx builds it without a warning, and it has every page and every public name."""
+
+import importlib
+import inspect
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yade_mpm
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "doc"))
+import docstrings  # noqa: E402
+
+PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "doc").rglob("*.md"))]
+NO_FACE = ("replacing", "shapeRow", "Shape", "drawDomains")  # in these modules, but not for users
+MODULES = ("", ".diagnostics", ".plot", ".rigid", ".surface")
+
+
+def sphinx(out, notebooks, *options):
+    """Runs Sphinx as scripts/docs does; returns the finished process."""
+    pytest.importorskip("sphinx", reason="no Sphinx here; scripts/test installs it")
+    pytest.importorskip("myst_nb", reason="no MyST-NB here; scripts/test installs it")
+    path = [str(Path(yade_mpm.__file__).parents[1]), *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = {**os.environ, "MPM_NOTEBOOKS": notebooks, "PYTHONPATH": os.pathsep.join(path)}
+    command = [sys.executable, "-m", "sphinx", "-c", "doc", "-b", "html", "-W", "--keep-going", "-q"]
+    return subprocess.run(
+        [*command, *options, ".", str(out)], cwd=ROOT, env=environment, capture_output=True, text=True
+    )
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    out = tmp_path_factory.mktemp("site")
+    done = sphinx(out, "off")
+    assert done.returncode == 0, done.stderr[-6000:]
+    return out
+
+
+def test_the_site_builds_without_a_warning(site):
+    assert "url=doc/index.html" in (site / "index.html").read_text()
+    assert (site / "doc" / "index.html").exists()
+
+
+def test_every_page_of_the_manual_is_in_the_site(site):
+    built = {str(page.relative_to(site).with_suffix(".md")) for page in site.rglob("*.html")}
+    assert {str(page.relative_to(ROOT)) for page in PAGES} - built == set()
+
+
+def publicThings():
+    """(full name, object, its module's name) of everything that the reference has to explain."""
+    for module in MODULES:
+        owner = importlib.import_module("yade_mpm" + module)
+        for name, thing in vars(owner).items():
+            isOwn = inspect.isclass(thing) or inspect.isfunction(thing)
+            isOwn = isOwn and thing.__module__.startswith("yade_mpm") and name not in NO_FACE
+            if isOwn and not name.startswith("_") and name in getattr(owner, "__all__", [name]):
+                yield f"yade_mpm{module}.{name}", thing
+
+
+PUBLIC = dict(publicThings())
+
+
+def test_the_reference_has_every_public_name(site):
+    text = "".join(page.read_text() for page in (site / "doc" / "reference" / "api").glob("*.html"))
+    assert [name for name in PUBLIC if f'id="{name}"' not in text] == []
+
+
+# What callers never give: the scene that a method belongs to, and what only the project's own code gives.
+GIVEN_BY_THE_CODE = {"self", "scene", "attributes", "bar", "how", "state", "run"}
+
+
+def unexplained(thing):
+    """Parameters in the signature of a function, class or method that its docstring does not explain."""
+    named = inspect.signature(thing).parameters
+    explained = docstrings.items(inspect.cleandoc(thing.__doc__ or ""))
+    return [name for name in named if name not in GIVEN_BY_THE_CODE and name not in explained]
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_docstrings_explain_every_parameter(name):
+    thing = PUBLIC[name]
+    assert thing.__doc__, f"{name} has no docstring"
+    made = thing not in (
+        yade_mpm.Body,
+        yade_mpm.Region,
+        yade_mpm.ResultFrame,
+    )  # that nobody makes by its class
+    assert not made or unexplained(thing) == []
+    for method in vars(thing).values() if inspect.isclass(thing) else ():
+        if inspect.isfunction(method) and not method.__name__.startswith("_") and method.__doc__:
+            isForUsers = method.__name__ not in docstrings.HIDDEN
+            assert not isForUsers or unexplained(method) == [], f"{name}.{method.__name__}"
+
+
+def test_control_a_parameter_that_is_not_explained_is_found():
+    def push(force, direction):
+        """Pushes.
+
+        Parameters
+        ----------
+        force : kN.
+        """
+
+    assert unexplained(push) == ["direction"]

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""In a notebook: pictures, cards, columns as tables, results read back, and no settings changed."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from PIL import Image
+from yade_mpm import box
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    """A scene of both types after a run, its history, and the file of its recorder."""
+    file = tmp_path_factory.mktemp("results") / "fall.vtkhdf"
+    scene = mpm.Scene((0, 0), (3, 2), 0.25)
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=1.8, young=5e3, poisson=0.3, cohesion=1, frictionAngle=0.5, dilatancyAngle=0
+    )
+    scene.add("boxes", box((0, 0), (1, 1)), soil, mpm.UGIMP())
+    scene.add("mesh", box((1, 0), (1.5, 1)), mpm.NeoHookean(density=1, young=1e3, poisson=0.3), mpm.APDI())
+    history = mpm.History(period=0.02)
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller="left"),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+        history,
+        mpm.Recorder(file, period=0.05),
+    ]
+    scene.run(until=0.3)
+    return scene, history, file
+
+
+def test_importing_plot_changes_no_setting_of_matplotlib():
+    program = (
+        "import matplotlib; matplotlib.use('svg'); before = dict(matplotlib.rcParams)\n"
+        "from yade_mpm import plot\n"
+        "assert matplotlib.get_backend() == 'svg' and dict(matplotlib.rcParams) == before\n"
+        "plot.drawToFiles()\n"
+        "assert matplotlib.get_backend().lower() == 'agg' and dict(matplotlib.rcParams) != before\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def test_a_picture_has_the_values_of_the_field_and_says_what_they_are(ran):
+    scene, _, _ = ran
+    axes = scene.plot("stress", "yy", limits=(-30, 0), arrows="velocity")
+    shown = np.concatenate([c.get_array() for c in axes.collections if c.get_array() is not None][:2])
+    assert np.array_equal(shown, np.concatenate([b.stress[:, 1, 1] for b in scene.bodies]))
+    assert axes.collections[0].get_clim() == (-30, 0)
+    labels = [a.get_ylabel() for a in axes.figure.axes]
+    assert labels == ["y (m)", "stress yy (kPa)"]
+
+
+def test_a_body_without_the_field_is_grey_and_speed_is_the_length_of_velocity(ran):
+    scene, _, _ = ran
+    first, second = scene.plot("plasticShearStrain").collections[:2]
+    assert first.get_array() is not None and second.get_array() is None
+    speed = scene.plot("velocity", bodies=["mesh"]).collections[0].get_array()
+    assert np.allclose(speed, np.hypot(*scene["mesh"].velocity.T))
+
+
+def test_pictures_refuse_what_they_cannot_show(ran):
+    scene, _, _ = ran
+    with pytest.raises(ValueError, match="give one of xx, xy"):
+        scene.plot("stress")
+    with pytest.raises(ValueError, match="no body has a field 'pressure'; fields: .*meanStress"):
+        scene.plot("pressure")
+    with pytest.raises(ValueError, match="component = 'x' of mass is not allowed"):
+        scene.plot("mass", "x")
+    with pytest.raises(ValueError, match="no Contact or RigidContact"):
+        scene.plot(forces=True)
+    with pytest.raises(ValueError, match="2D scenes"):
+        mpm.Scene((0, 0, 0), (1, 1, 1), 0.5).plot()
+
+
+def test_contact_forces_are_drawn_where_they_act():
+    scene = mpm.Scene((0, 0), (2, 2), 0.25)
+    rock = mpm.LinearElastic(density=2, young=1e4, poisson=0.3)
+    scene.add("ground", box((0, 0), (2, 1)), rock, mpm.UGIMP())
+    scene.add("block", box((0.5, 1), (1.5, 1.5)), rock, mpm.UGIMP(), group="block")
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right")),
+        contact := mpm.Contact(friction=0.3),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    scene.run(steps=50)
+    arrows = scene.plot(forces=True).collections[-1]
+    table = contact.contactTable()
+    assert len(table["node"]) and np.allclose(arrows.get_offsets(), table["node"][:, :2])
+
+
+def test_what_is_read_back_is_what_the_scene_has(ran):
+    scene, history, file = ran
+    results = mpm.read(file)
+    assert len(results) == 7 and results.bodies == ["boxes", "mesh"]
+    assert results.times[-1] == scene.time and results.at(0.16).time == results.times[3]
+    assert results.units["stress"] == "kPa"
+    for body in scene.bodies:
+        found = results[-1].body(body.name)
+        assert np.array_equal(found["id"], body.id) and np.array_equal(found["stress"], body.stress)
+        assert np.array_equal(found.corners[:, :, :2], body.corners())
+    assert np.array_equal(results.history()["time"], history["time"])
+    assert results.historyUnits()["bottom.fy"] == "kN/m"
+    assert [frame.time for frame in results[1:3]] == list(results.times[1:3])
+
+
+def test_a_frame_is_drawn_as_the_scene_is(ran):
+    scene, _, file = ran
+    own, read = (one.plot("plasticShearStrain").collections for one in (scene, mpm.read(file)[-1]))
+    assert np.array_equal(own[0].get_array(), read[0].get_array()) and read[1].get_array() is None
+
+
+def test_what_is_no_file_of_a_recorder_is_refused(tmp_path):
+    with pytest.raises(FileNotFoundError, match="there is no file"):
+        mpm.read(tmp_path / "none.vtkhdf")
+    (tmp_path / "text.vtkhdf").write_text("no HDF5")
+    with pytest.raises(ValueError, match="no file of a Recorder"):
+        mpm.read(tmp_path / "text.vtkhdf")
+
+
+def test_an_animation_has_every_frame(ran, tmp_path):
+    results = mpm.read(ran[2])
+    results.animate(tmp_path / "a.gif", "plasticShearStrain", fps=5)
+    assert Image.open(tmp_path / "a.gif").n_frames > 3  # equal frames are one
+    with pytest.raises(ValueError, match=r"ends in \.gif or \.mp4"):
+        results.animate(tmp_path / "a.avi", "velocity")
+    assert [f.name for f in tmp_path.iterdir()] == ["a.gif"]
+
+
+def test_a_history_is_a_mapping_of_its_columns(ran):
+    history = ran[1]
+    assert history.keys()[:2] == ["time", "step"] and "bottom.fy" in history and "nothing" not in history
+    assert list(dict(history)) == history.keys() and len(history) == 15
+    with_pandas = pytest.importorskip("pandas", reason="no pandas here; scripts/test installs it")
+    frame = history.to_pandas()
+    assert isinstance(frame, with_pandas.DataFrame) and frame.index.name == "time"
+    assert np.array_equal(frame["bottom.fy"], history["bottom.fy"])
+
+
+def test_cards_show_what_an_object_holds(ran):
+    scene, history, _ = ran
+    drive = scene.constraints[0]
+    for thing, words in {
+        scene: ("boxes", "MohrCoulombDruckerPrager", "data:image/png"),
+        scene["boxes"]: ("plasticShearStrain", "kPa"),
+        history: ("bottom.fy", "kN/m"),
+        drive: ("reaction",),
+        scene["boxes"].material: ("cohesion", "kPa"),
+        mpm.UGIMP(): ("perCell",),
+    }.items():
+        card = thing._repr_html_()
+        assert [word for word in words if word not in card] == []
+
+
+def test_cards_of_what_was_never_run_need_no_run():
+    scene = mpm.Scene((0, 0), (1, 1), 0.25)
+    assert "0 particles" in scene._repr_html_()
+    assert "no rows yet" in mpm.History(period=1)._repr_html_()
+    assert "velocity" in mpm.Hold("left", (0, None))._repr_html_()

@@ -23,8 +23,8 @@ class Parameters:
     derived : dict name -> function of the arguments: what follows from them, also where a run is resumed
         with another end.
     check : function of the arguments that returns what is wrong with them in words, or None.
-    resume : names that a run may change when it is resumed, default None: it cannot be. threads : as of
-        `commandLine.Parser`.
+    resume : names that a run may change when it is resumed; default None: it cannot be.
+    threads : as of `commandLine.Parser`.
     """
 
     def __init__(
@@ -54,8 +54,14 @@ class Parameters:
         return self.all[name]
 
     def extended(self, scene, doc, *parameters, **changes):
-        """Those of a study of the scene: with other names and more parameters. changes : `smoke`, `fixed`,
-        `derived`, `check`, `resume`, which replace those of the scene (dicts: entries of them)."""
+        """Those of a study of the scene: with other names and more parameters.
+
+        Parameters
+        ----------
+        scene, doc, parameters : as of the class; parameters of the same name replace those of the scene.
+        changes : `smoke`, `fixed`, `derived`, `check`, `resume`, which replace those of the scene (dicts:
+            entries of them).
+        """
         given = dict(check=changes.get("check", self.check), resume=changes.get("resume", self.resume))
         for name in ("smoke", "fixed", "derived"):
             given[name] = {**vars(self)[name], **changes.get(name, {})}

@@ -14,7 +14,7 @@ import os
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, plot
+from yade_mpm import Parameter, box, commandLine, files, plot
 
 LENGTH, DEPTH = 4.0, 1.0  # m
 # Tip at mid-height and centre of mass of total-Lagrangian finite elements, 64 x 16 bilinear quadrilaterals.
@@ -119,6 +119,9 @@ def main():
         if t <= scene.time + 1e-9:
             print(f"{t:8.2f} {tip:9.3f} {tipReference:10.3f} {centre:12.3f} {centreReference:10.3f}")
     draw(scene, history, os.path.join(a.out, "cantilever.png"))
+    lowest, centre = (float(column.min()) for column in np.array(history.rows).T[1:])
+    summary = {"lowestTip": lowest, "lowestCentre": centre, "particles": scene.particleCount}
+    files.saveJson(os.path.join(a.out, "summary.json"), summary)
 
 
 if __name__ == "__main__":

@@ -23,7 +23,17 @@ WIDTH, DEPTH, FREE, PILE_LENGTH, EMBEDDED = 30.0, 12.0, 12.0, 10.0, 1.0  # m; FR
 ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5  # m: uGIMP zone, and how far it reaches below the final tip
 GRAVITY, K0 = 9.81, 0.43  # m/s2, -
 SOLVER = dict(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed="bottom")
-PUBLISHED = dict(psi=10.0, dilatancyLimit=None, tip=180.0, split=None, fbar=False, undamped=False, ramp=0.0)
+PUBLISHED = dict(
+    cohesion=8.5,
+    phi=30.0,
+    psi=10.0,
+    dilatancyLimit=None,
+    tip=180.0,
+    split=None,
+    fbar=False,
+    undamped=False,
+    ramp=0.0,
+)
 PUBLISHED |= dict(flip=1.0, on_distortion="stop", thickness=lambda a: cellsOf(a, 0.25) * a.cell)
 PUBLISHED |= dict(dt=lambda a: 2e-4 * min(1.0, a.cell / 0.25))  # options of sheet_pile_study
 REMEDIES = dict(friction=0.3, tip=90.0, dilatancyLimit=0.05, split=1.3, fbar=True, undamped=True)
@@ -79,9 +89,9 @@ def ground(a):
     shaft = box((left, bottom), (right, bottom + PILE_LENGTH))
     zoneDepth = ceil((EMBEDDED + a.penetration + ZONE_BELOW) / a.cell - 1e-9) * a.cell
     zone = box(((a.width - a.zoneWidth) / 2, DEPTH - zoneDepth), ((a.width + a.zoneWidth) / 2, DEPTH)) - shaft
-    strength = dict(cohesion=8.5, frictionAngle=radians(30), dilatancyAngle=radians(a.psi))
+    angles = dict(frictionAngle=radians(a.phi), dilatancyAngle=radians(a.psi))
     sand = mpm.MohrCoulombDruckerPrager(
-        density=1.53, lame=(9.48e3, 6.31e3), dilatancyLimit=a.dilatancyLimit, **strength
+        density=1.53, lame=(9.48e3, 6.31e3), cohesion=a.cohesion, dilatancyLimit=a.dilatancyLimit, **angles
     )
     scene = mpm.Scene(lower=(0, 0), upper=(a.width, DEPTH + FREE), cell=a.cell, threads=a.threads)
     soil = box((0, 0), (a.width, DEPTH)) - shaft

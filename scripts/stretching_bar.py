@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, plot
+from yade_mpm import Parameter, box, commandLine, files, plot
 
 REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "verification" / "stretching_bar_reference.csv"
 LOWEST = 0.09  # s, when the bar is longest
@@ -134,13 +134,15 @@ def draw(bars, file):
 def main():
     a = arguments()
     os.makedirs(a.out, exist_ok=True)
-    bars = {}
+    bars, summary = {}, {}
     for name, kind in (("APDI", "APDI"), ("uGIMP", "UGIMP"), (f"uGIMP, splitAt={a.splitAt:g}", "split")):
         shared = dict(cell=a.cell, perCell=a.perCell, splitAt=a.splitAt, threads=a.threads)
         scene, watch = bars[name] = run(a.until, kind=kind, **shared)
+        summary[kind] = {"miss": watch.miss, "widestGap": watch.widestGap, "particles": scene.particleCount}
         whole = f"centre of mass within {watch.miss:.1%} of its fall, widest gap {watch.widestGap:.2f} cells"
         print(f"{name:20} {scene.particleCount:6} particles at the end; {whole}", flush=True)
     draw(bars, os.path.join(a.out, "stretching_bar.png"))
+    files.saveJson(os.path.join(a.out, "summary.json"), summary)
 
 
 if __name__ == "__main__":

@@ -160,11 +160,8 @@ def test_pip_installs_what_the_package_imports():
                 else []
             )
             imported |= {name.split(".")[0] for name in names}
-    asked = set(
-        re.findall(
-            r'"([\w-]+)',
-            re.search(r"^dependencies = \[(.*?)\]", (root / "pyproject.toml").read_text(), re.M | re.S)[1],
-        )
-    )
+    text = (root / "pyproject.toml").read_text()
+    lists = [re.search(rf"^{name} = \[(.*?)\]", text, re.M | re.S)[1] for name in ("dependencies", "study")]
+    asked = set(re.findall(r'"([\w-]+)', " ".join(lists)))
     assert {"numpy", "h5py"} <= imported
     assert imported - set(sys.stdlib_module_names) - {"yade", "yade_mpm"} <= asked

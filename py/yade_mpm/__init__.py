@@ -18,7 +18,7 @@ Drive, Hold                    prescribed motions, given to the GridSolver
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
 read, Results, ResultFrame     what a Recorder has written, by time
 quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
-Parameter, Parameters          what a scene takes: its command line and its studies
+Parameter, Parameters, study   what a scene takes; many cases of it
 diagnostics, rigid             modules: energies and other numbers of a scene; shapes for RigidContact
 
 Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface),
@@ -46,7 +46,7 @@ except ImportError as _error:
         f"({_error}); run scripts/run "
         f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH"
     ) from None
-from . import certificate, diagnostics, engines, files, rigid
+from . import certificate, diagnostics, engines, files, rigid, study
 from .check.certificate import Certificate, quasiStatic, rateSensitivity
 from .engine import engines as _engines
 from .engine.boundaryLoad import BoundaryLoad
@@ -80,6 +80,7 @@ __all__ = sorted(
     [
         "diagnostics",
         "rigid",
+        "study",
         *(
             name
             for name, thing in globals().items()

@@ -46,6 +46,8 @@ PARAMETERS = sheet_pile.PARAMETERS.extended(
         above=0,
     ),
     Parameter("ramp", 0.0, "time over which the rate grows from zero", unit="s", least=0),
+    Parameter("cohesion", 8.5, "of the soil", unit="kPa", least=0),
+    Parameter("phi", 30.0, "angle of internal friction", unit="degrees", least=0, below=60),
     Parameter("psi", 10.0, "dilatancy angle", unit="degrees", least=0, most=30),
     Parameter("dilatancyLimit", None, LIMIT, least=0),
     Parameter("tip", 180.0, "wedge of the pile; needs --friction", unit="degrees", least=30, most=180),
@@ -86,6 +88,8 @@ def run(a, again=None):
         if not snapshots:  # they are counted from the start of the run that was interrupted
             snapshots(scene)
         results["files"] = draw(a, scene, history, snapshots, results)
+    depth, _, smooth = sheet_pile.resistanceCurve(a, scene, history)
+    study.saveCurve(a.out, "resistance", {"penetration (m)": depth, "resistance (kN/m)": smooth})
     summary = run.save({**results, "quasiStatic": certificate.asDict()})
     tell(summary, a.out)
     return summary, scene, history

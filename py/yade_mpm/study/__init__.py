@@ -5,12 +5,16 @@ Run                                         a scene run to its end, its results 
 keep, resumed                               the arguments of a run, kept beside its results
 record, saveCurve                           what every summary says of a run, and curves that studies overlay
 Parameter, Parameters                       what a scene takes, declared once
+study(build, cases, results)                the module itself is called: many cases, one table
 travel, movingAverage, atSteps, scatter     curves over the way of a driven body
 addGround, TYPES                            ground of uGIMP, of APDI, or of both
 quadrilaterals, wedgedColumn                structured meshes
 
 Modules to import by name: `commandLine`, `penetration`, `surface`.
 """
+
+import sys as _sys
+import types as _types
 
 from .curves import atSteps, movingAverage, scatter, travel
 from .ground import TYPES, addGround
@@ -40,3 +44,15 @@ __all__ = [
     "travel",
     "wedgedColumn",
 ]
+
+
+class _Study(_types.ModuleType):
+    """The module, which is also the function `study.study.study`: `mpm.study(build, cases, results)`."""
+
+    def __call__(self, build, cases, results=None, **how):
+        from .study import study  # brings what only studies need
+
+        return study(build, cases, results, **how)
+
+
+_sys.modules[__name__].__class__ = _Study

@@ -151,7 +151,7 @@ def run(main):
         main()
     except KeyboardInterrupt:
         raise SystemExit(130) from None
-    except (ValueError, RuntimeError, OSError) as error:
+    except (ValueError, RuntimeError, OSError, ImportError) as error:
         if not (isinstance(error, OSError) or _isOfPackage(error)):
             raise
         raise SystemExit(f"{os.path.splitext(os.path.basename(sys.argv[0]))[0]}: {error}") from None

@@ -1,0 +1,248 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A study: one scene, many cases, each in a folder of its own, whatever happens to the others."""
+
+import contextlib
+import importlib.util
+import os
+import sys
+import time
+
+from ..io.files import replacing, saveJson
+from . import cases as casesOf
+from . import collect, execution, identity, report, state
+from .live import Live
+from .optional import needed
+
+REPORT_SHARE = 10.0  # a report that took a second to write is not written again for ten
+REPORT_PAUSE = 2.0  # s at least
+
+
+class Study:
+    """Cases of a scene with their folders.
+
+    Parameters
+    ----------
+    scene : file of a scene that has PARAMETERS; or a function of the arguments of a case, a namespace with
+        `out` and `threads` besides, that returns a Scene.
+    cases : list of dicts name -> value, a table (DataFrame), or a dict name -> list of values, all of whose
+        combinations are run.
+    out : folder of the study.
+    results : function of the Scene that returns a dict of numbers; where `scene` is a function.
+    until : scene time to run to, s, before `results`; None: that runs the scene itself.
+    parameters : Parameters of a scene that is a function: their defaults, and what is allowed; may be None.
+    words : options for the scene in all cases, such as ["--smoke"].
+    threads : of each case, None: chosen. show : names of the results in the report, default the first that
+        differ.
+
+    Raises ValueError for what the scene does not allow, with the number of the case, before anything runs.
+    """
+
+    def __init__(
+        self, scene, cases, out, results=None, until=None, parameters=None, words=(), threads=None, show=()
+    ):
+        self.out, self.threads, self.show = os.path.abspath(out), threads, list(show)
+        self.argumentNames = set()
+        self.cases = _listed(cases)
+        if not self.cases:
+            raise ValueError("study: there is no case; give a table, or NAME=VALUES")
+        os.makedirs(os.path.join(self.out, "cases"), exist_ok=True)
+        if callable(scene):
+            self._ofFunction(scene, results, until, parameters)
+        else:
+            self._ofScene(scene, list(words))
+        self.labels = dict(zip(self.folders, map(self._label, self.cases)))
+
+    def _ofScene(self, file, words):
+        self.scene = findScene(file)
+        self.parameters = parametersOf(self.scene)
+        self.name, source = self.parameters.scene, identity.sceneSource(self.scene)
+        self.folders = []
+        for number, values in enumerate(self.cases, 1):
+            values = {name: v for name, v in values.items() if name != casesOf.DESCRIPTION}
+            own = [*words, *self.parameters.words(values)]
+            wrong = self.parameters.problem(own)
+            if wrong:
+                raise ValueError(f"case {number} ({self._label(values)}): {wrong}")
+            a = vars(self.parameters.parse(own))
+            known = {name: value for name, value in a.items() if name not in ("out", "resume", "threads")}
+            shown = {name: a[name] for name in self.parameters.all}
+            more = dict(scene=self.scene, words=own, isResumable=self.parameters.resume is not None)
+            self._add(identity.identity(known, source), shown, **more)
+
+    def _ofFunction(self, build, results, until, parameters):
+        self.scene, self.parameters, self.name = None, parameters, build.__name__
+        file = os.path.join(self.out, "functions.pkl")
+        with replacing(file) as part, open(part, "wb") as opened:
+            needed("cloudpickle", "a study").dump((build, results), opened)
+        source = [identity.functionSource(f) for f in (build, results) if f] + [until]
+        self.folders = []
+        for values in self.cases:
+            a = dict(values)
+            if parameters is not None:
+                a = {**vars(parameters.parse(parameters.words(values))), **values}
+                a = {name: v for name, v in a.items() if name not in ("out", "resume", "threads")}
+            more = dict(functions=file, until=until, path=[os.path.abspath(p) for p in sys.path if p])
+            self._add(identity.identity(a, source), a, isResumable=True, **more)
+
+    def _add(self, name, arguments, **more):
+        folder = os.path.join(self.out, "cases", name)
+        if folder in self.folders:
+            raise ValueError(
+                f"study: cases {self.folders.index(folder) + 1} and {len(self.folders) + 1} are the same"
+            )
+        os.makedirs(folder, exist_ok=True)
+        about = dict(identity=name, code=identity.codeVersion(), arguments=arguments, threads=self.threads)
+        saveJson(os.path.join(folder, state.CASE), {**about, **more})
+        self.folders.append(folder)
+        self.argumentNames |= set(arguments)
+
+    @property
+    def varied(self):
+        """Names of the parameters that differ between cases."""
+        names = dict.fromkeys(name for case in self.cases for name in case)
+        isVaried = {n: len({repr(case.get(n)) for case in self.cases}) > 1 for n in names}
+        return [name for name in names if isVaried[name]]
+
+    def _label(self, values):
+        names = self.varied or list(values)
+        return values.get(casesOf.DESCRIPTION) or ", ".join(
+            f"{n} {values[n]:.6g}" if isinstance(values[n], float) else f"{n} {values[n]}"
+            for n in names
+            if n in values
+        )
+
+    def waiting(self, retry=False):
+        """Folders of the cases that are to be run: not those that have ended, but with retry those that
+        failed."""
+        ended = (state.DONE,) if retry else state.ENDED
+        return [f for f in self.folders if state.read(f)["state"] not in ended]
+
+    def run(
+        self,
+        jobs=None,
+        timeout=None,
+        scheduler=None,
+        retry=False,
+        dashboard=False,
+        memory=execution.MEMORY,
+        quiet=False,
+    ):
+        """Runs the cases that have not ended, and returns the table of all.
+
+        jobs : cases at once, None: chosen. timeout : s for each. scheduler : address of a Dask scheduler.
+        retry : also those that failed. dashboard : tell the address of Dask's. memory : GiB of a case.
+        quiet : say nothing. KeyboardInterrupt after Ctrl-C; the same call goes on where it was.
+        """
+        waiting = self.waiting(retry)
+        if waiting:
+            jobs, threads = execution.jobsAndThreads(len(waiting), jobs, self.threads, memory)
+            self._giveThreads(waiting, threads)
+            with open(os.devnull, "w") as nowhere:
+                live = Live({f: self.labels[f] for f in waiting}, jobs, nowhere if quiet else None)
+                isWhole = self._execute(waiting, live, jobs, timeout, scheduler, dashboard)
+        frame = self.write()
+        if waiting and not isWhole:
+            raise KeyboardInterrupt
+        return frame
+
+    def _giveThreads(self, folders, threads):
+        for folder in folders:
+            case = state.readCase(folder)
+            if case["threads"] != threads:
+                saveJson(os.path.join(folder, state.CASE), {**case, "threads": threads})
+
+    def _execute(self, waiting, live, jobs, timeout, scheduler, dashboard):
+        writer = _Writer(self)
+
+        def ended(folder, at):
+            live.ended(folder, at)
+            writer.isNew = True
+
+        def look():
+            live.look()
+            writer.look()
+
+        with execution.cluster(scheduler, jobs) as client:
+            if dashboard:
+                print(f"dashboard: {client.dashboard_link}", file=sys.stderr, flush=True)
+            stop = os.path.join(self.out, state.STOP)
+            return execution.execute(client, waiting, stop, timeout, ended, look)
+
+    def write(self):
+        """Writes the table and the report of the cases as they are; returns the table."""
+        frame = collect.table(self.folders)
+        collect.save(frame, self.out)
+        report.write(self, frame)
+        return frame
+
+
+class _Writer:
+    """Rewrites table and report while cases end, but not all the time."""
+
+    def __init__(self, study):
+        self.study, self.isNew, self._next = study, False, 0.0
+
+    def look(self):
+        began = time.monotonic()
+        if self.isNew and began > self._next:
+            self.study.write()
+            ended = time.monotonic()
+            self.isNew, self._next = False, ended + max(REPORT_PAUSE, REPORT_SHARE * (ended - began))
+
+
+def _listed(cases):
+    """Cases as a list of dicts."""
+    if hasattr(cases, "to_dict"):  # a DataFrame
+        return cases.to_dict("records")
+    return casesOf.crossed(cases) if isinstance(cases, dict) else [dict(case) for case in cases]
+
+
+def findScene(name):
+    """File of a scene: a file, or NAME of one in a folder on Python's path, such as sheet_pile."""
+    if os.path.isfile(name):
+        return os.path.abspath(name)
+    for folder in sys.path:
+        file = os.path.join(folder, f"{name}.py")
+        if folder and os.path.isfile(file):
+            return os.path.abspath(file)
+    raise FileNotFoundError(f"study: there is no scene '{name}'; give its file")
+
+
+def parametersOf(file):
+    """The PARAMETERS of a scene in a file."""
+    name = os.path.splitext(os.path.basename(file))[0]
+    spec = importlib.util.spec_from_file_location(f"scene_{name}", file)
+    module = importlib.util.module_from_spec(spec)
+    with _onPath(os.path.dirname(file)):
+        spec.loader.exec_module(module)
+    if not hasattr(module, "PARAMETERS"):
+        raise ValueError(
+            f"{file} has no PARAMETERS; declare what the scene takes with yade_mpm.Parameters, see "
+            f"doc/howto/studies.md"
+        )
+    return module.PARAMETERS
+
+
+@contextlib.contextmanager
+def _onPath(folder):
+    sys.path.insert(0, folder)
+    try:
+        yield
+    finally:
+        sys.path.remove(folder)
+
+
+def study(build, cases, results=None, *, until=None, out="results/study", parameters=None, **how):
+    """Runs a scene for many cases and returns a table (pandas.DataFrame) with a row for each.
+
+    build : function of the arguments of a case (a namespace) that returns a Scene; or the file of a scene.
+    cases : list of dicts, DataFrame, or dict name -> list of values for all combinations. results : function
+    of the Scene after the run that returns a dict of numbers. until : scene time of the end, s. out :
+    folder; cases that are finished there are not run again. parameters : a `Parameters`, for defaults and
+    checks. how : jobs, threads, timeout, scheduler, retry, quiet, ... as of `Study.run`.
+
+    table = mpm.study(build, {"friction": [0.0, 0.3], "cell": [0.5, 0.25]}, results, until=1.0)
+    """
+    own = {name: how.pop(name) for name in ("threads", "words", "show") if name in how}
+    one = Study(build, cases, out, results, until, parameters, **own)
+    return one.run(**how)

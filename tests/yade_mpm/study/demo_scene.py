@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A scene for tests of studies: a block that falls, and ways to fail."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import yade_mpm as mpm
+from yade_mpm import Parameter, commandLine, study
+
+PARAMETERS = mpm.Parameters(
+    "demo_scene",
+    __doc__,
+    Parameter("gravity", 10.0, "downwards", unit="m/s2", least=0),
+    Parameter("perCell", 2, "boxes", least=1, whole=True),
+    Parameter("until", 0.1, "end", unit="s", above=0),
+    Parameter("pause", 0.0, "of every tenth step", unit="s", least=0),
+    Parameter("end", "well", choices=("well", "raises", "refused", "nan", "killed", "silent", "sleeps")),
+    resume=("until",),
+)
+
+
+def build(a):
+    scene = mpm.Scene((0, 0), (1, 1), 0.25, threads=1)
+    rubber = mpm.LinearElastic(density=1, lame=(100, 100))
+    scene.add("block", mpm.box((0.25, 0.5), (0.75, 0.75)), rubber, mpm.UGIMP(perCell=a.perCell))
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -a.gravity)),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    scene.dt = 0.001
+    return scene
+
+
+def recorded(a):
+    scene = build(a)
+    slow = mpm.PyRunner(lambda: time.sleep(a.pause), iterPeriod=10, label="slow")
+    history = mpm.History(period=a.until / 20, file=f"{a.out}/history.csv")
+    scene.engines = [*scene.engines, history, slow]
+    return scene
+
+
+def fail(how):
+    """Ends as told."""
+    if how == "raises":
+        raise ZeroDivisionError("on purpose")
+    if how == "refused":
+        raise SystemExit("demo_scene: does not want to")
+    if how == "killed":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if how == "silent":
+        os._exit(3)
+    if how == "sleeps":
+        time.sleep(60)
+
+
+def main():
+    a = PARAMETERS.parse()
+    with open(Path(a.out).parents[1] / "started", "a") as started:
+        started.write("x")
+    print("hello of", a.end)
+    fail(a.end)
+    run = study.Run(a, lambda: recorded(a), {"slow": lambda: time.sleep(a.pause)})
+    scene, history = run.finish()
+    height = float(scene["block"].position[:, 1].mean())
+    columns = {"time (s)": history["time"], "kinetic energy (kJ)": history["kineticEnergy"]}
+    study.saveCurve(a.out, "energy", columns)
+    run.save({"height": float("nan") if a.end == "nan" else height, "fallen": 0.625 - height})
+
+
+if __name__ == "__main__":
+    commandLine.run(main)

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The report of a study: what it has, and that a browser shows it, on a phone, too."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from yade_mpm.io.files import saveJson
+from yade_mpm.study import collect, report, state
+from yade_mpm.study.record import saveCurve
+from yade_mpm.study.study import Study
+
+SCENE = Path(__file__).with_name("demo_scene.py")
+BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
+PHONE = 412  # CSS pixels
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory):
+    """Folder of a study of twelve cases with made-up results: one failed, one waits."""
+    out = tmp_path_factory.mktemp("report")
+    axes = {"gravity": [5.0, 10.0, 15.0], "perCell": [1, 2], "end": ["well", "sleeps"]}
+    study = Study(SCENE, axes, out)
+    for number, (folder, case) in enumerate(zip(study.folders, study.cases)):
+        if number == 10:
+            Path(folder, state.LOG).write_text("step 1\n<b>diverged</b>\n")
+            state.write(folder, state.FAILED, "killed by SIGKILL", seconds=2.0)
+        elif number < 10:
+            x = np.linspace(0, 1, 20)
+            saveCurve(folder, "load", {"depth (m)": x, "load (kN)": case["gravity"] * x})
+            saveJson(f"{folder}/summary.json", {"load": case["gravity"] * case["perCell"], "steps": 7})
+            shutil.copy(Path(__file__).parents[3] / "doc" / "images" / "sheet_pile.png", folder)
+            state.write(folder, state.DONE, seconds=1.0)
+    Path(out, report.FINDINGS).write_text("Load grows with gravity.\n\nTwice & more.\n")
+    study.write()
+    return out
+
+
+def test_the_report_marks_failures_and_shows_all_that_was_found(out):
+    page = (out / "report.html").read_text()
+    assert "12 cases: 10 done, 1 failed, 1 waiting" in page
+    assert page.count('<tr class="done">') == 10 and page.count('<tr class="failed">') == 1
+    assert "&lt;b&gt;diverged&lt;/b&gt;" in page and "<b>diverged" not in page  # a log is text
+    for head in (
+        "Findings",
+        "Cases",
+        "Failures",
+        "load",
+        "Main effects",
+        "Sensitivity",
+        "Heat maps",
+        "Pictures",
+    ):
+        assert f"<h2>{head}</h2>" in page
+    assert "Twice &amp; more." in page
+
+
+def test_the_report_stands_alone_and_its_links_lead_somewhere(out):
+    page = (out / "report.html").read_text()
+    assert "<script" not in page and not re.search(r'(src|href)="https?:', page)
+    links = set(re.findall(r'(?:src|href)="(?!data:)([^"#]+)"', page))
+    assert len(links) > 20 and all((out / link).exists() for link in links)
+
+
+def test_indices_of_the_made_up_results_are_in_it(out):
+    """load = gravity * perCell on a grid of which two cases lack: gravity explains most."""
+    page = (out / "report.html").read_text()
+    row = re.search(r'<td class="t">load</td>(.*?)</tr>', page)[1]
+    gravity, perCell, end, _ = (float(v) for v in re.findall(r"<td>([\d.]+)</td>", row))
+    assert gravity > 2 * perCell > 0.3 and end < 0.1
+
+
+def test_a_result_that_is_not_there_is_refused(out):
+    axes = {"gravity": [5.0, 10.0, 15.0], "perCell": [1, 2], "end": ["well", "sleeps"]}
+    with pytest.raises(ValueError, match="there is no result lode; there are load, steps"):
+        Study(SCENE, axes, out, show=["lode"]).write()
+
+
+def test_the_table_is_written_in_columns_where_that_is_possible(out):
+    pandas = pytest.importorskip("pandas", reason="pandas is not installed: scripts/setup --study")
+    pytest.importorskip("pyarrow", reason="pyarrow, which writes Parquet, is not installed")
+    frame = pandas.read_parquet(out / "results.parquet")
+    assert list(frame["state"]).count(state.DONE) == 10 and collect.ABOUT[0] in frame
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium on this machine")
+@pytest.mark.parametrize("width", [PHONE, 1280])
+def test_a_browser_shows_it_without_sideways_scrolling(out, width, tmp_path):
+    """A frame as wide as a phone measures the page: only boxes that scroll by themselves may be wider."""
+    probe = tmp_path / "probe.html"
+    script = "const d=f.contentDocument;document.title=[d.documentElement.scrollWidth,"
+    script += "d.querySelectorAll('svg').length,[...d.images].every(i=>i.naturalWidth>0)].join(' ')"
+    probe.write_text(
+        f'<iframe id="f" src="file://{out}/report.html" style="width:{width}px;height:90000px;border:0" '
+        f'onload="setTimeout(()=>{{{script}}},300)"></iframe>'
+    )
+    command = [BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files"]
+    command += [
+        f"--user-data-dir={tmp_path}/profile",
+        "--virtual-time-budget=5000",
+        "--dump-dom",
+        f"file://{probe}",
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert "<title>" in done.stdout, done.stderr[-2000:]
+    scroll, drawings, images = re.search(r"<title>(.*?)</title>", done.stdout)[1].split()
+    assert int(scroll) <= width and int(drawings) >= 3 and images == "true"

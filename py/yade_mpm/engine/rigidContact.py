@@ -43,6 +43,18 @@ too."""
         """
         if self._isBound:
             raise RuntimeError("RigidContact: addBody after the first run; add all rigid bodies before it")
+        return self.insertBody(shapes, friction, position, orientation, velocity, angularVelocity)
+
+    def insertBody(
+        self,
+        shapes,
+        friction=0.0,
+        position=(0, 0, 0),
+        orientation=(1, 0, 0, 0),
+        velocity=(0, 0, 0),
+        angularVelocity=(0, 0, 0),
+    ):
+        """As `addBody`, between two steps of a host that prepares the scene anew behind it."""
         shapes = list(shapes) if isinstance(shapes, (list, tuple)) else [shapes]
         if not shapes:
             raise ValueError("RigidContact: addBody without a shape; give e.g. [mpm.rigid.Sphere(0.1)]")
@@ -65,6 +77,18 @@ too."""
             self.core.set(name, withRows(self.core.value(name), more))
         self.core.finish()
         return number
+
+    def replaceShapes(self, shapes):
+        """Gives the rigid bodies other shapes, between two steps of a host that prepares the scene anew
+        behind it. A body without a shape touches nothing.
+
+        Parameters
+        ----------
+        shapes : list of (number of the rigid body, `rigid.Sphere`, `Box`, `Wall` or `Facet`).
+        """
+        rows = [shapeRow(number, shape) for number, shape in shapes]
+        self.core.set("shapes", withRows((), rows) if rows else ())
+        self.core.finish()
 
     def frictions(self):
         """The coefficients of friction of all rigid bodies."""

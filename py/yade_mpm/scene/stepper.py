@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Steps of a scene for whoever owns the clock: `Scene.run`, `Scene.step`, or the loop of another program."""
 
+import functools
 import math
 
 import numpy as np
@@ -237,6 +238,10 @@ class Stepper:
     def act(self, engine):
         """Lets one engine of the chain act; the clock stands still until `endStep`."""
         self._scene.core.actAlone(engine.core)
+
+    def actOf(self, engine):
+        """A function that lets one engine of the chain act, for those who call it in every step."""
+        return functools.partial(self._scene.core.actAlone, engine.core)
 
     def endStep(self, time):
         """The end of a step that was taken engine by engine; sets the clock, s."""

@@ -5,19 +5,18 @@
     soil = inYade.attach(scene)   # adds engines before the NewtonIntegrator, chooses O.dt
     O.run(1000, True)
 
-YADE is used through its Python interface only. An engine of ours is a PyRunner whose command is
-`inYade.act(...)`.
+YADE is used through its Python interface only. An engine of ours is a PyRunner, see `runners`.
 """
 
 import json
 import os
-import sys
 
 from ..scene.restoring import load
 from ..scene.scene import Scene
 from . import loop
 from .bodies import Bodies
 from .coupling import Coupling
+from .loop import act
 from .output import checkpointOf, tagOf
 
 __all__ = ["Bodies", "Coupling", "act", "attach", "checkpointOf"]
@@ -104,24 +103,6 @@ def attach(
     loop.attached[label] = coupling
     loop.signals.install()
     return coupling
-
-
-def act(label, number=None):
-    """What an engine of ours does: the whole step, or stage `number`. Never raises; an error pauses YADE and
-    is raised after the step."""
-    coupling = loop.attached.get(label)
-    if coupling is not None:
-        coupling.act(number)
-        if loop.errors:
-            loop.pauseAfterStep(loop.omega())
-        return
-    omega = loop.omega()
-    loop.beginStep(omega)
-    if not loop.errors:
-        message = f"inYade: no scene is attached as '{label}'; after O.load call inYade.attach()"
-        print(message, file=sys.stderr)
-        loop.errors.append(RuntimeError(message))
-    loop.pauseAfterStep(omega)
 
 
 def _listed(bodies):

@@ -14,6 +14,7 @@ from . import loop
 from .plane import Plane
 from .shapes import density as densityOf
 from .shapes import frameOf, shapesOf
+from .watching import Watch, bodyOf
 
 EVERY = 100  # cycles, after which far bodies are looked for, too
 hosted = weakref.WeakKeyDictionary()  # contact -> the Bodies that were made for it, in a WeakSet
@@ -61,18 +62,21 @@ class Bodies:
             raise ValueError(
                 f"inYade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number"
             )
-        self._plane = Plane(plane)
-        for number in self.ids:
-            if not 0 <= number < len(O.bodies) or O.bodies[number] is None:
-                raise ValueError(f"inYade.Bodies: there is no body {number} in O.bodies")
-        shapes = [shapesOf(O, O.bodies[number], facetThickness, self._plane) for number in self.ids]
-        isNew = self._take(contact, shapes, friction)
+        self.plane = Plane(plane)
+        self._friction, self._waiting = friction, []
+        isNew = len(contact.friction) == 0
+        for number in self.ids if isNew else ():
+            self._refuseMissing(number)
+            contact.addBody(self._shapes(number), friction=friction)
+        rows = self._rows(None if isNew else contact)
+        if not isNew and not _areSame(contact.core.value("shapes"), rows):
+            raise ValueError(
+                "inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its "
+                "own"
+            )
         hosted.setdefault(contact, weakref.WeakSet()).add(self)
-        states = [O.bodies[number].state for number in self.ids]
-        turns = [self._plane.turnToScene(frameOf(O.bodies[number])).tolist() for number in self.ids]
-        self._exchange = _core.BodyExchange(
-            contact.core, states, self.ids, O.forces, self._plane.frame.tolist(), turns
-        )
+        self._states = [None] * len(self.ids)
+        self._connect()
         self._cycles, self._run, self._isWeighed = 0, None, False
         if isNew:
             self._exchange.read(-2, 0.0, 0.0, 1, True)  # in no step
@@ -99,9 +103,10 @@ class Bodies:
                 "one out of "
                 "exchanges (after O.load, inYade.attach() has brought it back)"
             )
-        isEvery = (
-            coupling.runs != self._run or self._cycles % EVERY == 0
-        )  # someone may have moved a body by hand
+        isNewRun = coupling.runs != self._run
+        isEvery = isNewRun or self._cycles % EVERY == 0  # someone may have moved a body by hand
+        if self._waiting or self._watch.hasChanged(isNewRun):
+            self._follow(coupling.scene)
         self._run, self._cycles = coupling.runs, self._cycles + 1
         duration = coupling.scene.dt * coupling.mpmSteps
         self._exchange.read(self._O.iter, loop.dt.now(self._O), duration, coupling.mpmSteps, isEvery)
@@ -115,6 +120,8 @@ class Bodies:
         """Once, of a body that is far denser than the soil: YADE's own material has 1000, which are kg/m3."""
         most = DENSER * max(body.material.density for body in scene.bodies)
         for number in () if self._isWeighed else self.ids:
+            if bodyOf(self._O, number) is None:
+                continue
             density = densityOf(self._O, self._O.bodies[number], self.thickness if scene.dim == 2 else None)
             if density > most:
                 print(
@@ -134,28 +141,98 @@ class Bodies:
             "ids": self.ids,
             "thickness": self.thickness,
             "facetThickness": self._facetThickness,
-            "plane": self._plane.name,
+            "plane": self.plane.name,
         }
 
-    def _take(self, contact, shapes, friction):
-        """Adds rigid bodies with these shapes; False if the contact comes from a checkpoint and has them."""
-        if len(contact.friction) == 0:
-            for ofBody in shapes:
-                contact.addBody(ofBody, friction=friction)
-            return True
-        rows = [rigid.shapeRow(number, shape) for number, ofBody in enumerate(shapes) for shape in ofBody]
-        known = contact.core.value("shapes")
-        if not all(_isSame(known[name], [row[name] for row in rows]) for name in rows[0]):
-            raise ValueError(
-                "inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its "
-                "own"
-            )
-        return False
+    # --- which bodies, with which shapes ----------------------------------------------------------------
+    def append(self, ids, friction=None):
+        """More bodies of YADE touch the soil from the next step on; also during a run.
+
+        Parameters
+        ----------
+        ids : numbers of bodies in O.bodies, or a single one.
+        friction : coefficient against the soil, -; default that of the others.
+
+        Raises ValueError for a body that is not there, is here already, or is of a shape that cannot touch.
+        """
+        numbers = _numbers(ids)
+        for number in numbers:
+            self._refuseMissing(number)
+            if number in self.ids or number in (n for n, _ in self._waiting):
+                raise ValueError(f"inYade.Bodies: body {number} touches the soil already")
+            self._shapes(number)
+        self._waiting += [(number, self._friction if friction is None else friction) for number in numbers]
+
+    def _refuseMissing(self, number):
+        if bodyOf(self._O, number) is None:
+            raise ValueError(f"inYade.Bodies: there is no body {number} in O.bodies")
+
+    def _shapes(self, number):
+        return shapesOf(self._O, self._O.bodies[number], self._facetThickness, self.plane)
+
+    def _rows(self, contact=None):
+        """Rows of shapes of the bodies that are there. contact : one that knows them already, from a
+        checkpoint; a body that it has no shape of was erased before."""
+        known = None if contact is None else set(contact.core.value("shapes")["body"])
+        for k, number in enumerate(self.ids):
+            if known is None or k in known:
+                self._refuseMissing(number)
+        return [
+            rigid.shapeRow(k, shape)
+            for k, number in enumerate(self.ids)
+            if known is None or k in known
+            for shape in self._shapes(number)
+        ]
+
+    def _connect(self):
+        """The exchange with the bodies as they are; an erased one keeps the state that it had."""
+        bodies = [bodyOf(self._O, number) for number in self.ids]
+        self._states = [old if b is None else b.state for b, old in zip(bodies, self._states)]
+        still = self.plane.turnToScene((0, 0, 0, 1))
+        turns = [still if b is None else self.plane.turnToScene(frameOf(b)) for b in bodies]
+        self._exchange = _core.BodyExchange(
+            self.contact.core,
+            [_nowhere if state is None else state for state in self._states],
+            self.ids,
+            self._O.forces,
+            self.plane.frame.tolist(),
+            [turn.tolist() for turn in turns],
+        )
+        self._watch = Watch(self._O, self.ids)
+
+    def _follow(self, scene):
+        """Takes in what has become of the bodies: erased ones touch nothing any more, others have new shapes,
+        and some are new. In no step of the scene."""
+        waiting, self._waiting = self._waiting, []
+        for number, friction in waiting:
+            if bodyOf(self._O, number) is not None:
+                self.contact.insertBody(self._shapes(number), friction=friction)
+                self.ids.append(number)
+                self._states.append(None)
+        there = [(k, n) for k, n in enumerate(self.ids) if bodyOf(self._O, n) is not None]
+        self.contact.replaceShapes([(k, shape) for k, n in there for shape in self._shapes(n)])
+        self._connect()
+        scene.stepper.noteChange(mayBeUnstable=False)
+        scene.prepare()
+
+
+class _Nowhere:
+    """State of a body that was erased before the state was loaded; it has no shape."""
+
+    pos = vel = angVel = (0.0, 0.0, 0.0)
+    ori = (0.0, 0.0, 0.0, 1.0)
+
+
+_nowhere = _Nowhere()
+
+
+def _areSame(known, rows):
+    return all(_isSame(known[name], [row[name] for row in rows]) for name in known)
 
 
 def _isSame(column, other):
     """Whether two columns of shapes are the same but for round-off, 1e-9 m."""
-    if len(column) != len(other) or isinstance(other[0], str):
+    if len(column) != len(other) or not other or isinstance(other[0], str):
         return column == other
     return np.allclose(column, other, rtol=0, atol=1e-9)
 
@@ -168,54 +245,3 @@ def _numbers(ids):
         raise TypeError(
             f"inYade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them"
         ) from None
-
-
-def checkExchanges(coupling):
-    """At the beginning of a run. RuntimeError for `Bodies` of a contact that the scene does not have, and for
-    a contact with bodies of YADE that nobody exchanges with."""
-    coupling.exchanges[:] = _once(coupling)
-    contacts = _contacts(coupling)
-    for bodies in (e for e in coupling.exchanges if isinstance(e, Bodies)):
-        if not any(bodies.contact is c for c in contacts):
-            raise RuntimeError(
-                f"inYade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the "
-                f"scene '{coupling.label}'; put it behind "
-                f"ParticleToGrid, and attach the scene again"
-            )
-        bodies.warnOfDensities(coupling.scene)
-    if all(isinstance(e, Bodies) for e in coupling.exchanges):
-        _refuseUnfelt(coupling, lambda bodies: any(bodies is e for e in coupling.exchanges))
-
-
-def checkRead(coupling):
-    """After the first exchange of a run: the same RuntimeError where other objects stand in exchanges, which
-    may have Bodies of their own."""
-    _refuseUnfelt(coupling, lambda bodies: bodies.wasRead(coupling))
-
-
-def _refuseUnfelt(coupling, isFelt):
-    for contact in _contacts(coupling):
-        if contact in hosted and not contact.dead and not any(isFelt(b) for b in hosted[contact]):
-            raise RuntimeError(
-                f"inYade: nobody exchanges with the RigidContact of '{coupling.label}': its bodies would "
-                "stand still in the soil, and those of YADE fall through it; call inYade.attach(scene, "
-                "bodies=[...]) with the inYade.Bodies of this contact"
-            )
-
-
-def _contacts(coupling):
-    return [e for e in coupling.scene.engines if isinstance(e, RigidContact)]
-
-
-def _once(coupling):
-    """The exchanges, each once; those kept from the last `attach` yield to Bodies made anew."""
-    exchanges = []
-    for exchange in coupling.exchanges:
-        if not any(exchange is e for e in exchanges):
-            exchanges.append(exchange)
-    anew = [e.contact for e in exchanges if isinstance(e, Bodies) and e not in coupling.kept]
-    return [
-        e
-        for e in exchanges
-        if not (isinstance(e, Bodies) and e in coupling.kept and any(e.contact is c for c in anew))
-    ]

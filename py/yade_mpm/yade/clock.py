@@ -33,10 +33,6 @@ class Clock:
         lambda self: self.iteration >= self.cycleEnd, doc="Whether the scene steps in this DEM step."
     )
 
-    def isNewStep(self):
-        """Whether YADE has begun a DEM step that was not noted yet."""
-        return self._omega.iter != self.iteration
-
     def isInStep(self):
         """Whether YADE is still in the DEM step that was noted last."""
         return self._omega.iter == self.iteration

@@ -11,9 +11,11 @@ from ..scene.policy import LoopPolicy
 from ..scene.rescue import Rescue
 from ..scene.saving import save
 from . import loop
-from .bodies import Bodies, checkExchanges, checkRead
+from .bodies import Bodies
 from .clock import Clock
 from .engineList import EngineList
+from .exchanges import checkExchanges, checkRead
+from .gravity import difference
 from .output import PlotRows, checkpointOf, tagOf, tagRecorders
 from .stages import Stages
 from .timeStep import TimeStep, steppersIn
@@ -50,6 +52,7 @@ class Coupling:
         self._isAtRisk = False  # whether an error may have left the scene in another state than it was
         self._isFresh = False  # whether a run has begun in which we have not acted yet
         self._isFirstCycle = False  # of a run
+        self._isGravityCompared = False
         self.kept = self.exchanges[:] if isKept else []  # from the last time that the scene was attached
         self._list = EngineList(omega, label)
         self._refuseUnfit()
@@ -66,7 +69,7 @@ class Coupling:
         self._timeStep = TimeStep(omega, scene, mpmSteps, demSteps, label, saved)
         if self._clock.cycleEnd <= omega.iter:
             self._timeStep.govern()
-        self._list.make(self._chain if stages else None)
+        self._list.make(scene, stages, loop.act)
         self._stages = Stages(scene, self._list.engines, self._endStep)
         self.stepsSaved = scene.steps
         if isKept:
@@ -92,6 +95,7 @@ class Coupling:
     )
 
     def _refuseUnfit(self):
+        self._refusePeriodic()
         if steppersIn(self._list.others[self._list.place :]):
             raise ValueError(
                 "inYade.attach: a time stepper stands behind the place of the MPM engines and would change "
@@ -109,13 +113,32 @@ class Coupling:
     # --- runs of YADE -----------------------------------------------------------------------------------
     def beginRun(self):
         """Called before a run of YADE: refuses what can be seen before the first step."""
-        self._isFresh = True
         if self.error is None:
-            self._list.check()
-            checkExchanges(self)
+            self._refuseUnfitRun()
             if self.scene.stepper.isReady and self._clock.cycleEnd <= self._omega.iter:
                 self._timeStep.lookForSteppers()
                 self._timeStep.checkBefore()
+
+    def noteRun(self):
+        """Called in the first step of a run of YADE."""
+        self._isFresh = True
+
+    def _refusePeriodic(self):
+        if self._omega.periodic:
+            raise ValueError(
+                f"inYade: YADE's cell is periodic, and the scene '{self.label}' is not; O.periodic = False"
+            )
+
+    def _refuseUnfitRun(self):
+        self._refusePeriodic()
+        checkExchanges(self)
+        bodies = [e for e in self.exchanges if isinstance(e, Bodies)]
+        self._list.check(haveBodies=bool(bodies))
+        if not self._isGravityCompared:
+            self._isGravityCompared = True
+            plane = bodies[0].plane if bodies else None
+            if (text := difference(self._omega.engines, self.scene, plane)) is not None:
+                loop.warn(f"warning: '{self.label}': {text}")
 
     def isInStep(self):
         """Whether YADE is in a step that the scene has begun; from YADE's thread."""
@@ -160,7 +183,7 @@ class Coupling:
             return
         self._isAtWork = True
         try:
-            if self._clock.isNewStep():
+            if self._omega.iter != self._clock.iteration:
                 self._beginStep()
             if self._isMpmStep:
                 self._isAtRisk = True
@@ -226,7 +249,7 @@ class Coupling:
         self._isFresh, self._isFirstCycle = False, True
         self.runs += 1
         self._timeStep.lookForSteppers()
-        checkExchanges(self)
+        self._refuseUnfitRun()
         if not self.scene.stepper.isReady:
             self.scene.prepare()
             tagRecorders(self._chain, self._omega.tags)

@@ -10,9 +10,11 @@ import functools
 import sys
 import weakref
 
+from .commands import define
 from .omegaDt import OmegaDt
 from .signals import Signals
 from .standstill import LoopThread
+from .watching import watchErasures
 
 attached = {}  # label -> Coupling
 kept = weakref.WeakKeyDictionary()  # scene -> exchanges that it had when it was attached last
@@ -53,6 +55,7 @@ def wrapOmega(Omega):
                 _originals[name] = getattr(Omega, name)
                 setattr(Omega, name, wrapper(_originals[name]))
     dt.wrap(Omega, _mayChangeDt, _checkDt)
+    watchErasures(type(omega().bodies))
 
 
 def _endingRun(method):
@@ -103,9 +106,29 @@ def _afterRun(yade):
     _raiseErrors()
 
 
+def act(label, number=None):
+    """What an engine of ours does: the whole step, or stage `number`. Never raises; an error pauses YADE and
+    is raised after the step."""
+    coupling = attached.get(label)
+    if coupling is not None:
+        coupling.act(number)
+        if errors:
+            pauseAfterStep(omega())
+        return
+    yade = omega()
+    beginStep(yade)
+    if not errors:
+        message = f"inYade: no scene is attached as '{label}'; after O.load call inYade.attach()"
+        print(message, file=sys.stderr)
+        errors.append(RuntimeError(message))
+    pauseAfterStep(yade)
+
+
 def beginStep(yade):
     """In every DEM step, before anything else of ours."""
-    thread.note()
+    if thread.note():
+        for coupling in attached.values():
+            coupling.noteRun()
     if thread.takePause() or signals.isPending():
         pauseAfterStep(yade)
     dt.takeAsked(yade)
@@ -198,7 +221,8 @@ def _forgetting(method):
         attached.clear()
         kept.clear()
         errors.clear()
-        return method(self, *args, **keywords)
+        method(self, *args, **keywords)
+        define(self.engines, act)
 
     return wrapped
 
@@ -224,3 +248,4 @@ def _flushAll():
 
 if "yade" in sys.modules:  # errors of engines that come from O.load, before attach(), are raised too
     wrapOmega(type(sys.modules["yade"].O))
+    define(sys.modules["yade"].O.engines, act)

@@ -2,6 +2,7 @@
 """A step of a scene that YADE takes engine by engine."""
 
 from ..engine.callback import Callback
+from .runners import isDead
 
 
 class Stages:
@@ -15,29 +16,31 @@ class Stages:
     """
 
     def __init__(self, scene, engines, endStep):
-        self._stepper, self._chain, self._engines, self._endStep = (
-            scene.stepper,
-            scene.engines,
-            engines,
-            endStep,
-        )
+        self._stepper, self._chain, self._engines = scene.stepper, scene.engines, engines
+        self._endStep = endStep
+        self._acts = [scene.stepper.actOf(e) for e in self._chain]
         self._isStage = [not isinstance(e, Callback) for e in self._chain]
+        self._last = -1  # number of the last stage of this step
         self.isOpen = False  # whether a step is between its stages
 
     def act(self, number):
         """Lets one engine act. The clock stands still before the last stage that lives, and moves on behind
         it."""
-        isStage = self._isStage[number]
-        self.isOpen |= isStage
-        isLast = isStage and self._isLast(number)
-        self._stepper.acting = self._chain[number] if self.isOpen else None
+        if self._isStage[number]:
+            if not self.isOpen:
+                self.isOpen, self._last = True, self._lastLiving(number)
+            isLast = number >= self._last
+        else:
+            isLast = False
+        stepper = self._stepper
+        stepper.acting = self._chain[number] if self.isOpen else None
         try:
-            self._stepper.act(self._chain[number])
+            self._acts[number]()
         finally:
             if isLast:  # also when it raises: what ends a step at its last stage has made all of it
                 self.close()
         if self.isOpen:
-            self._stepper.acting = self._chain[number + 1]
+            stepper.acting = self._chain[number + 1]
 
     def close(self):
         """Ends the step."""
@@ -48,9 +51,9 @@ class Stages:
         """Leaves the step as an error left it."""
         self.isOpen, self._stepper.acting = False, None
 
-    def _isLast(self, number):
-        """Whether no stage behind it lives."""
-        for k in range(number + 1, len(self._chain)):
-            if self._isStage[k] and not (self._engines[k].dead or self._chain[k].core.dead):
-                return False
-        return True
+    def _lastLiving(self, first):
+        """Number of the last stage that lives, from one of them on."""
+        for k in range(len(self._chain) - 1, first, -1):
+            if self._isStage[k] and not (isDead(self._engines[k]) or self._chain[k].core.dead):
+                return k
+        return first

@@ -23,11 +23,13 @@ class LoopThread:
         self._isPauseAsked = False
 
     def note(self):
-        """From inside a step: this is the thread."""
+        """From inside a step: this is the thread. Returns whether it is a new one, that of another run."""
         number = threading.get_native_id()
-        if number != self._number:
-            self._number = number
-            _core.keepThreadState()
+        if number == self._number:
+            return False
+        self._number = number
+        _core.keepThreadState()
+        return True
 
     def isMine(self):
         """Whether the caller is this thread."""

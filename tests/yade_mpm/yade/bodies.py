@@ -144,13 +144,18 @@ def shoot(how, isEvery, **options):
 
 def bits(soil):
     """Digest of soil and bodies."""
-    digest = hashlib.sha256(
+    return digest(soil, IDS)
+
+
+def digest(soil, ids):
+    """Digest of soil and some bodies."""
+    sum_ = hashlib.sha256(
         b"".join(
             np.ascontiguousarray(soil.core.view(f, False)).tobytes()
             for f in ("position", "velocity", "stress")
         )
     )
-    for number in IDS:
+    for number in ids:
         state = O.bodies[number].state
-        digest.update(repr([tuple(v) for v in (state.pos, state.vel, state.angVel, state.ori)]).encode())
-    return digest.hexdigest()
+        sum_.update(repr([tuple(v) for v in (state.pos, state.vel, state.angVel, state.ori)]).encode())
+    return sum_.hexdigest()

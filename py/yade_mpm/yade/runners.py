@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Engines of a scene as objects in O.engines: PyRunners whose attributes are those of the engines.
+
+O.engines holds the very objects. YADE sees a PyRunner that acts in every step; Python sees `GridSolver` with
+`gravity` and `damping`.
+"""
+
+import functools
+
+OWN = "label", "dead", "ompThreads"  # attributes that YADE gives to every engine, and users may set
+PACE = {
+    "iterPeriod": 1,
+    "virtPeriod": 0,
+    "realPeriod": 0,
+    "nDo": -1,
+    "firstIterRun": 0,
+    "initRun": True,
+}  # of the PyRunner; a stage acts in every step
+
+
+@functools.cache
+def baseOfRunners():
+    """The class `MpmEngine`, a PyRunner of YADE."""
+    from yade.wrapper import PyRunner
+
+    class MpmEngine(PyRunner):
+        """An engine of a scene in O.engines; `engine` is the engine itself.
+
+        Attributes are those of the engine, besides `label`, `dead`, `ompThreads`, `execTime` and `execCount`
+        of every engine of YADE. It acts in every step: `iterPeriod` and the like are those of the engine
+        where it has any, as `History`, and cannot be set else.
+        """
+
+        def __init__(self, engine, label, command):
+            PyRunner.__init__(self, label=label, command=command, updateGlobals=False, **PACE)
+            self.__dict__["engine"] = engine
+
+        def __getattribute__(self, name):
+            if name in PACE and name in _namesOf(self.engine):
+                return getattr(self.engine, name)
+            return super().__getattribute__(name)
+
+        def __getattr__(self, name):
+            if name.startswith("__") or name == "engine":
+                raise AttributeError(name)
+            return getattr(self.engine, name)
+
+        def __setattr__(self, name, value):
+            if name in OWN:
+                PyRunner.__setattr__(self, name, value)
+            elif name in _namesOf(self.engine) or not hasattr(PyRunner, name):
+                setattr(self.engine, name, value)
+            else:
+                raise AttributeError(
+                    f"{self.label}: {name} cannot be set; the engines of a scene act in every step of YADE "
+                    "(dead=True leaves one out)"
+                )
+
+        def __dir__(self):
+            return sorted({*super().__dir__(), *dir(self.engine)})
+
+        def dict(self):
+            """Attributes and their values; those of the engine, and label, dead and ompThreads of YADE's."""
+            own = PyRunner.dict(self)
+            return {**{name: own[name] for name in OWN}, **_attributesOf(self.engine, _namesOf(self.engine))}
+
+        def __repr__(self):
+            return f"<{self.label}: {self.engine!r}>"
+
+        __str__ = __repr__
+
+    return MpmEngine
+
+
+def runnerOf(engine, label, command):
+    """The engine of YADE that lets an engine of a scene act; its class has the same name."""
+    return _classOf(type(engine))(engine, label, command)
+
+
+@functools.cache
+def _classOf(kind):
+    return type(kind.__name__, (baseOfRunners(),), {"__doc__": kind.__doc__, "__module__": kind.__module__})
+
+
+def paceOf(runner):
+    """How often YADE lets an engine of ours act: a dict with the names of PACE."""
+    from yade.wrapper import PyRunner
+
+    own = PyRunner.dict(runner)
+    return {name: own[name] for name in PACE}
+
+
+def isDead(runner):
+    """Whether YADE leaves an engine of ours out."""
+    return _dead()(runner)
+
+
+@functools.cache
+def _dead():
+    from yade.wrapper import PyRunner
+
+    return PyRunner.dead.fget
+
+
+class Chain:
+    """The engines of a scene where they act as one engine of YADE.
+
+    scene : the scene. Every engine is an attribute by its label, or else by the name of its class:
+    `O.engines[5].GridSolver.gravity`.
+    """
+
+    def __init__(self, scene):
+        self.__dict__["scene"] = scene
+
+    def attributeNames(self):
+        """Names of the engines."""
+        return list(self.attributes())
+
+    def attributes(self):
+        """Dict of the engines by name."""
+        return {e.label or type(e).__name__: e for e in self.scene.engines}
+
+    def __getattr__(self, name):
+        engines = self.attributes() if name != "scene" else {}
+        if name not in engines:
+            raise AttributeError(f"there is no engine '{name}' in the scene; it has {', '.join(engines)}")
+        return engines[name]
+
+    def __setattr__(self, name, value):
+        raise AttributeError(f"the scene as one engine has no attribute {name}; set those of its engines")
+
+    def __dir__(self):
+        return [*super().__dir__(), *self.attributeNames()]
+
+    def __repr__(self):
+        return f"{self.scene!r}, {' -> '.join(self.attributes())}"
+
+
+def _namesOf(engine):
+    return [name for name in engine.attributeNames() if name not in OWN]
+
+
+def _attributesOf(engine, names):
+    return {name: value for name, value in engine.attributes().items() if name in names}

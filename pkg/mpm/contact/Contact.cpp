@@ -90,7 +90,7 @@ FrictionLaw Contact::lawOf(int a, int b) const {
 
 template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
-    if (!state.search.isFound(scene)) state.search.find(scene, normals == "mass");
+    if (!state.search.isFound(scene)) state.search.find(scene, {normals == "mass", separation});
     state.impulses.nodes.assign(state.search.nodes.size(), {});
     return state;
 }

@@ -28,7 +28,7 @@ template <int Dim> void ContactSearch<Dim>::look(const Scene<Dim>& scene) {
     }
 }
 
-template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, bool normalsByMass) {
+template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, const NormalRule& rule) {
     clear();
     look(scene);
     step_ = scene.step;
@@ -46,7 +46,7 @@ template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, bool n
             }
             if (!findNodes(pair_)) continue;
             findSurfaces(pair_);
-            findNormals(pair_, normalsByMass);
+            findNormals(pair_, rule);
             findGaps(pair_);
             findPoints(pair_, points);
             pairs.push_back({pair_.first, nodes.size(), firstPoint, points.size()});

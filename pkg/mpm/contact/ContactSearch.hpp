@@ -14,8 +14,7 @@ template <int Dim> class ContactSearch {
     std::vector<ContactPair> pairs;
 
     void prepare(const Scene<Dim>& scene);
-    // normalsByMass: from the gradient of the nodal mass instead of the surfaces.
-    void find(const Scene<Dim>& scene, bool normalsByMass);
+    void find(const Scene<Dim>& scene, const NormalRule& rule);
     bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
 
   private:

@@ -13,6 +13,12 @@ namespace mpm {
 // directions are added up: 1 for a plane, 0.71 at a right edge.
 constexpr double edgeFlatness = 0.9;
 
+// How normals are found.
+struct NormalRule {
+    bool isByMass;     // from the gradient of the nodal mass instead of the surfaces
+    bool turnsAtEdges; // towards where an edge of a mesh moves; not where surfaces cannot part
+};
+
 template <int Dim> struct PairSearch {
     using Vertex = typename ExplicitSurface<Dim>::Vertex;
 
@@ -53,8 +59,7 @@ template <int Dim> struct PairSearch {
 template <int Dim> bool findNodes(PairSearch<Dim>& pair);
 // What the nodes see of the surfaces.
 template <int Dim> void findSurfaces(PairSearch<Dim>& pair);
-// byMass: from the gradient of the nodal mass instead of the surfaces.
-template <int Dim> void findNormals(PairSearch<Dim>& pair, bool byMass);
+template <int Dim> void findNormals(PairSearch<Dim>& pair, const NormalRule& rule);
 // Gaps and areas.
 template <int Dim> void findGaps(PairSearch<Dim>& pair);
 // Vertices of meshes between the nodes.

@@ -6,13 +6,23 @@
 
 #include <omp.h>
 
+// Marked as one that is in words already, see base/clearErrors.py.
+static void raise(PyObject* type, const std::exception& error) {
+    PyErr_SetString(type, error.what());
+    PyObject *kind, *value, *trace;
+    PyErr_Fetch(&kind, &value, &trace);
+    PyErr_NormalizeException(&kind, &value, &trace);
+    PyObject_SetAttrString(value, "isFromSolver", Py_True);
+    PyErr_Restore(kind, value, trace);
+}
+
 BOOST_PYTHON_MODULE(_core) {
     using namespace mpm::python;
     bp::docstring_options docs(true, true, false);
     bp::register_exception_translator<mpm::InputError>(
-        [](const mpm::InputError& e) { PyErr_SetString(PyExc_ValueError, e.what()); });
+        [](const mpm::InputError& e) { raise(PyExc_ValueError, e); });
     bp::register_exception_translator<mpm::RunError>(
-        [](const mpm::RunError& e) { PyErr_SetString(PyExc_RuntimeError, e.what()); });
+        [](const mpm::RunError& e) { raise(PyExc_RuntimeError, e); });
     bp::class_<ArrayView>("ArrayView", bp::no_init)
         .add_property("__array_interface__", &ArrayView::interface);
     bp::def("availableThreads", omp_get_max_threads);

@@ -71,7 +71,11 @@ Value valueFrom(const bp::object& given) {
         return columns;
     }
     if (PyBool_Check(o)) return o == Py_True;
-    if (PyUnicode_Check(o)) return std::string(bp::extract<std::string>(given));
+    if (PyUnicode_Check(o)) {
+        const std::string text = bp::extract<std::string>(given);
+        if (text.find('\0') != text.npos) throw bp::error_already_set(); // would end the message of an error
+        return text;
+    }
     if (PyFloat_Check(o)) return PyFloat_AsDouble(o);
     if (PyIndex_Check(o)) {
         const bp::object index{bp::handle<>(PyNumber_Index(o))};
@@ -84,6 +88,8 @@ Value valueFrom(const bp::object& given) {
         return x;
     }
     if (PySequence_Check(o)) {
+        constexpr long mostEntries = 10'000'000; // of a list; a longer one, e.g. range(10**9), is a mistake
+        if (bp::len(given) > mostEntries) throw bp::error_already_set();
         std::vector<double> values;
         for (long i = 0; i < bp::len(given); ++i) {
             const bp::object entry = given[i];

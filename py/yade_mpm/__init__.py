@@ -47,6 +47,7 @@ except ImportError as _error:
         f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH"
     ) from None
 from . import certificate, diagnostics, engines, files, rigid, study
+from .base.clearErrors import makeClear as _makeClear
 from .check.certificate import Certificate, quasiStatic, rateSensitivity
 from .engine import engines as _engines
 from .engine.boundaryLoad import BoundaryLoad
@@ -69,12 +70,16 @@ from .particle.body import Body
 from .particle.part import BodyPart
 from .particle.types import ParticleType
 from .scene.plugins import loadPlugin
+from .scene.policy import LoopPolicy as _LoopPolicy
 from .scene.restoring import load
 from .scene.scene import Scene
+from .scene.stepper import Stepper as _Stepper
 from .study.parameter import Parameter
 from .study.parameters import Parameters
 
 globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
+_makeClear(globals())
+_makeClear({"Stepper": _Stepper, "LoopPolicy": _LoopPolicy, "Prescribed": _engines.Prescribed})
 
 __all__ = sorted(
     [

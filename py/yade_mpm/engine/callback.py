@@ -77,7 +77,7 @@ class PyRunner(Callback):
     def spec(self):
         """Constructor arguments for a checkpoint; a function cannot be stored: TypeError."""
         if not isinstance(self._command, str):
-            raise TypeError("a function cannot be stored")
+            raise TypeError("PyRunner: a function cannot be stored; give a string that is executed")
         return {"command": self._command, "iterPeriod": self.iterPeriod, "virtPeriod": self.virtPeriod}
 
     def act(self, scene):

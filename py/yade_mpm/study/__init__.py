@@ -16,6 +16,7 @@ Modules to import by name: `commandLine`, `penetration`, `surface`.
 import sys as _sys
 import types as _types
 
+from ..base.clearErrors import makeClear as _makeClear
 from .curves import atSteps, movingAverage, scatter, travel
 from .ground import TYPES, addGround
 from .meshes import quadrilaterals, wedgedColumn
@@ -24,6 +25,8 @@ from .parameters import Parameters
 from .record import record, saveCurve
 from .resume import ARGUMENTS, SUMMARY, keep, resumed
 from .run import Run
+
+_makeClear(globals())
 
 __all__ = [
     "ARGUMENTS",

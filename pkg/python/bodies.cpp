@@ -202,6 +202,7 @@ template <int Dim> struct Bind {
             .add_property("count", count)
             .add_property("inertiaScale", bp::make_getter(&B::inertiaScale), setInertiaScale)
             .def_readwrite("isDamped", &B::isDamped)
+            .def_readwrite("isImplicit", &B::isImplicit)
             .def_readwrite("fbar", &B::fbar)
             .def_readwrite("group", &B::group)
             .def_readwrite("converted", &B::converted)

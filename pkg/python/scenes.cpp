@@ -61,7 +61,9 @@ template <int Dim> struct Bind {
     // The places in the order of the stages, and who may stand there.
     static bp::list stageOrder(const S& scene) {
         bp::list all;
-        for (const Scheme::Place& place : scene.scheme->order()) {
+        const bool hasImplicit = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                             [](const auto& body) { return body->isImplicit; });
+        for (const Scheme::Place& place : scene.scheme->order(hasImplicit)) {
             bp::dict d;
             d["engines"] = listOf(place.engines);
             d["isNeeded"] = place.isNeeded;
@@ -80,11 +82,11 @@ template <int Dim> struct Bind {
         Unlocked others;
         scene.actAlone(*engine);
     }
-    static bp::dict critical(S& scene, double tolerance, int most) {
+    static bp::dict critical(S& scene, double tolerance, int most, bool asIfExplicit) {
         CriticalStep c;
         {
             Unlocked others;
-            c = criticalTimeStep(scene, tolerance, most);
+            c = criticalTimeStep(scene, tolerance, most, asIfExplicit);
         }
         bp::dict d;
         d["dt"] = c.dt;
@@ -111,6 +113,7 @@ template <int Dim> struct Bind {
         d["loads"] = scene.energies.loads;
         d["damping"] = scene.energies.damping;
         d["contact"] = scene.energies.contact;
+        d["implicit"] = scene.energies.implicit;
         return d;
     }
     static void setEnergies(S& scene, const bp::dict& d) {
@@ -118,6 +121,7 @@ template <int Dim> struct Bind {
         scene.energies.loads = bp::extract<double>(d["loads"]);
         scene.energies.damping = bp::extract<double>(d["damping"]);
         scene.energies.contact = bp::extract<double>(d.get("contact", 0.0));
+        scene.energies.implicit = bp::extract<double>(d.get("implicit", 0.0));
     }
     static bp::dict totals(const S& scene) {
         const NodalTotals<Dim> total = nodalTotals(scene);

@@ -149,8 +149,9 @@ double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double to
 
 } // namespace
 
-template <int Dim> CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance, int most) {
-    ElasticOperator<Dim> K(scene);
+template <int Dim>
+CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance, int most, bool asIfExplicit) {
+    ElasticOperator<Dim> K(scene, !asIfExplicit);
     CriticalStep result;
     if (K.size() == 0) return result;
     const auto stiffness = [&](auto& x, auto& y) { K.apply(x, y); };
@@ -164,7 +165,7 @@ template <int Dim> CriticalStep criticalTimeStep(Scene<Dim>& scene, double toler
     return result;
 }
 
-template CriticalStep criticalTimeStep<2>(Scene<2>&, double, int);
-template CriticalStep criticalTimeStep<3>(Scene<3>&, double, int);
+template CriticalStep criticalTimeStep<2>(Scene<2>&, double, int, bool);
+template CriticalStep criticalTimeStep<3>(Scene<3>&, double, int, bool);
 
 } // namespace mpm

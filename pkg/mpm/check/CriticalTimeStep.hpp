@@ -13,7 +13,10 @@ struct CriticalStep {
     std::string stiffest; // body in which the fastest mode moves most
 };
 
-// Of the scene as it stands, linear elastic: doc/explanation/time-step.md.
-template <int Dim> CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance = 1e-4, int most = 300);
+// Of the scene as it stands, linear elastic: doc/explanation/time-step.md. Of bodies that are solved for implicitly the mass
+// counts and the stiffness does not, unless they are to count like the others (asIfExplicit).
+template <int Dim>
+CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance = 1e-4, int most = 300,
+                              bool asIfExplicit = false);
 
 } // namespace mpm

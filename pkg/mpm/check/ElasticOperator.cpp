@@ -2,6 +2,7 @@
 #include "mpm/check/ElasticOperator.hpp"
 
 #include "mpm/step/Driving.hpp"
+#include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/nodes.hpp"
 
 #include <algorithm>
@@ -23,7 +24,8 @@ template <int Dim> class ElasticOperator<Dim>::Exchanged {
     }
 };
 
-template <int Dim> ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene) : scene_(scene) {
+template <int Dim>
+ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : scene_(scene) {
     parallel(scene.threads, [&](ParallelRegion& region) {
         locateParticles(region, scene);
         if (!region.failed()) sumOnNodes(region, scene, false);
@@ -37,6 +39,7 @@ template <int Dim> ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene) : sc
         motion_.emplace_back(scene.grid.count, NF::Motion::zero());
     }
     for (auto& body : scene.bodies) {
+        isIn_.push_back(!explicitAlone || !isSolvedImplicitly(scene, *body));
         stress_.emplace_back("elasticStress", "kPa", "", std::vector<int>{3, 3});
         stress_.back().resize(body->particles.size());
         gradient_.emplace_back(body->particles.velocityGradient);
@@ -82,8 +85,10 @@ void ElasticOperator<Dim>::applyControl(const std::vector<double>& x, std::vecto
 }
 
 template <int Dim> bool ElasticOperator<Dim>::hasControl() const {
-    return std::any_of(scene_.bodies.begin(), scene_.bodies.end(),
-                       [](auto& body) { return body->domains->mesh() != nullptr; });
+    bool any = false;
+    for (size_t b = 0; b < scene_.bodies.size(); ++b)
+        any |= isIn_[b] && scene_.bodies[b]->domains->mesh() != nullptr;
+    return any;
 }
 
 template <int Dim>
@@ -110,7 +115,7 @@ void ElasticOperator<Dim>::passThroughParticles(const std::vector<double>& x, st
 template <int Dim> void ElasticOperator<Dim>::sumForces(ParallelRegion& region, bool controlAlone) {
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
         auto& body = *scene_.bodies[b];
-        if (controlAlone && !body.domains->mesh()) continue; // boxes have none
+        if (!isIn_[b] || (controlAlone && !body.domains->mesh())) continue; // boxes have none
         const double* planes[9];
         for (int c = 0; c < 9; ++c) planes[c] = stress_[b].plane(c);
         body.domains->addForce(region, force_[body.velocityField].data(), planes);
@@ -137,6 +142,7 @@ template <int Dim> void ElasticOperator<Dim>::take(const std::vector<double>& x)
 
 template <int Dim> void ElasticOperator<Dim>::strain(ParallelRegion& region) {
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+        if (!isIn_[b]) continue;
         auto& body = *scene_.bodies[b];
         const auto* nodes = velocity_[body.velocityField].data();
         if (auto* mesh = body.domains->mesh()) mesh->takeVelocity(region, nodes);

@@ -11,7 +11,8 @@ namespace mpm {
 template <int Dim> class ElasticOperator {
   public:
     // Finds the particles in the grid and sums their mass; the nodes hold no sums of a step afterwards.
-    explicit ElasticOperator(Scene<Dim>& scene);
+    // explicitAlone: of bodies that are solved for implicitly the mass is in, the stiffness is not.
+    explicit ElasticOperator(Scene<Dim>& scene, bool explicitAlone = false);
 
     // Free components of nodes that have mass, and the mass of each, Mg.
     int size() const { return int(dofs_.size()); }
@@ -44,6 +45,7 @@ template <int Dim> class ElasticOperator {
     class Exchanged;
 
     Scene<Dim>& scene_;
+    std::vector<char> isIn_; // each body, with its stiffness
     std::vector<Dof> dofs_;
     std::vector<double> mass_;
     std::vector<std::vector<typename NF::Velocity>> velocity_; // of the nodes of each velocity field

@@ -16,6 +16,7 @@ template <int Dim> class Body {
     std::unique_ptr<Domains<Dim>> domains;
     double inertiaScale = 1;        // factor on the inertial mass, not on the weight
     bool isDamped = true;           // whether the local damping of the scene acts on it
+    bool isImplicit = false;        // whether its elastic forces enter the solution (step/ImplicitBodies.hpp)
     bool fbar = false;              // one increment of volumetric strain and one linear mean stress per cell
     std::string group = "main";     // bodies of one group stick together; between groups there may be contact
     int velocityField = 0;          // which of the grid's velocity fields the body moves with

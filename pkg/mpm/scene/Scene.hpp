@@ -16,6 +16,7 @@ struct Energies {
     double loads = 0;   // work of boundary loads
     double damping = 0; // energy taken out by local damping
     double contact = 0; // energy lost to friction and impact between groups of bodies
+    double implicit = 0; // energy taken by the implicit solution of bodies
 };
 
 template <int Dim> class Scene {

@@ -3,7 +3,7 @@
 
 namespace mpm {
 
-std::vector<Scheme::Place> Scheme::order() const {
+std::vector<Scheme::Place> Scheme::order(bool hasImplicit) const {
     std::vector<Place> all{{{"ParticleToGrid"}}};
     const auto add = [&](Place place) { all.push_back(std::move(place)); };
     const auto addStress = [&] {
@@ -13,6 +13,7 @@ std::vector<Scheme::Place> Scheme::order() const {
     if (stressFirst) addStress();
     add({{"BoundaryLoad", "RigidContact"}, false, true});
     add({{"GridSolver"}});
+    if (hasImplicit) add({{"ImplicitBodies"}, true, false, true});
     add({{"Contact"}, false});
     add({{"GridToParticle"}});
     if (!stressFirst) addStress();

@@ -32,7 +32,8 @@ class Scheme {
         bool isInserted = false; // by the scene straight behind the place before, where the user gives none
         bool isPlaced = false;   // straight behind the place before, wherever the user has put it
     };
-    std::vector<Place> order() const;
+    // hasImplicit: whether there are bodies whose elastic forces enter the solution.
+    std::vector<Place> order(bool hasImplicit = false) const;
 };
 
 } // namespace mpm

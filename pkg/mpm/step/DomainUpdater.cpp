@@ -4,6 +4,7 @@
 #include "mpm/scene/Scene.hpp"
 #include "mpm/step/CellAverage.hpp"
 #include "mpm/step/Conversion.hpp"
+#include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/StressUpdate.hpp"
 #include "mpm/step/nodes.hpp"
 
@@ -49,10 +50,11 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 });
         }
         for (const auto& field : scene.grid.fields) field.velocities(); // may throw, and not in the region
+        if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->finishMotion(scene);
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
                 if (auto* mesh = body->domains->mesh())
-                    mesh->takeVelocity(region, scene.grid.fields[body->velocityField].velocities());
+                    mesh->takeVelocity(region, strainingVelocity(scene, *body));
             for (size_t b = 0; b < scene.bodies.size(); ++b)
                 update(region, scene, *scene.bodies[b], partitions_[b], work_[b]);
             region.wait();
@@ -74,11 +76,20 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     std::vector<WorkPartition> partitions_; // of the chunks of its particles
     CellAverage average_;                   // of the body at hand
 
+    // Of the nodes. What was solved for is what an implicit body is strained by, whatever the scheme: with another
+    // velocity its stiffness would not be symmetric.
+    template <int Dim>
+    static const typename NodalField<Dim>::Velocity* strainingVelocity(const Scene<Dim>& scene,
+                                                                       const Body<Dim>& body) {
+        const auto* implicit = body.isImplicit ? scene.template find<ImplicitBodies>() : nullptr;
+        return implicit ? implicit->velocities(body) : scene.grid.fields[body.velocityField].velocities();
+    }
+
     // The threads do not wait for each other at the end.
     template <int Dim>
     void update(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, const WorkPartition& partition,
                 OrderedSum& work) {
-        const auto* nodes = scene.grid.fields[body.velocityField].velocities();
+        const auto* nodes = strainingVelocity(scene, body);
         const int n = body.particles.size();
         std::vector<double*> state(body.particles.state.size());
         const auto gradient = [&](int begin, int end) {

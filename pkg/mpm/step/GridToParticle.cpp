@@ -6,6 +6,7 @@
 
 #include "mpm/step/Conversion.hpp"
 #include "mpm/step/GridSolver.hpp"
+#include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/VelocityRemap.hpp"
 #include "mpm/step/nodes.hpp"
 
@@ -20,7 +21,9 @@ template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
     parallel(scene.threads, [&](ParallelRegion& region) {
         for (auto& body : scene.bodies) {
             auto& field = fields[body->velocityField];
-            const Move how{scene.dt, flip, body->isDamped ? damping : 0, body->inertiaScale};
+            // Particles that are damped move otherwise than the solution strains them.
+            const bool isDamped = body->isDamped && !isSolvedImplicitly(scene, *body);
+            const Move how{scene.dt, flip, isDamped ? damping : 0, body->inertiaScale};
             body->domains->move(region, field.motion.data(), givesMomentum ? field.momenta() : nullptr, how);
         }
         if (scene.scheme->stressFirst)

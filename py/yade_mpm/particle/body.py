@@ -193,6 +193,18 @@ class Body(Guarded):
         self.core.fbar = _flag(self, "fbar", value)
 
     @property
+    def implicit(self):
+        """Whether the elastic forces of the body at the end of a step enter the solution (engine
+        ImplicitBodies, doc/implicit-bodies.md): a flag that may be changed between runs. The stiffness of such
+        a body does not limit the time step."""
+        return self.core.isImplicit
+
+    @implicit.setter
+    def implicit(self, value):
+        self.core.isImplicit = _flag(self, "implicit", value)
+        self._scene.stepper.noteChange()
+
+    @property
     def halfSize(self):
         """Half edges of the box domains, m (dim); zero for meshed domains."""
         return np.array(self.core.halfSize)

@@ -26,7 +26,7 @@ class Bodies(tuple):
         raise AttributeError(f"Scene: bodies has no attribute '{name}'; it is a tuple of Body")
 
 
-def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group="main"):
+def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group="main", implicit=False):
     """Adds a body and returns it.
 
     Parameters
@@ -42,6 +42,9 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group
         locking; de Souza Neto et al. 1996, doc/development/decisions/0008); default False.
     group : str; bodies of one group stick together, between groups a `Contact` engine lets them slip; default
         "main".
+    implicit : bool, solve for the elastic forces of the body at the end of each step: its stiffness does not
+        limit the time step, and GridSolver's damping leaves it alone. For structures much stiffer than what
+        is around them (doc/implicit-bodies.md); default False.
 
     Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
@@ -49,7 +52,7 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group
     refuseDuringStep(scene, "add")
     _checkArguments(scene, name, region, material, type)
     with scene.holder.held("add"):
-        return _added(scene, name, region, material, type, (inertiaScale, fbar, group))
+        return _added(scene, name, region, material, type, (inertiaScale, fbar, group, implicit))
 
 
 def _added(scene, name, region, material, type, options):
@@ -71,7 +74,7 @@ def _added(scene, name, region, material, type, options):
     return body
 
 
-def newBody(scene, name, material, type, region, inertiaScale, fbar, group):
+def newBody(scene, name, material, type, region, inertiaScale, fbar, group, implicit=False):
     """A body without particles, at the end of scene.bodies."""
     core = scene.core.addBody(name, material.core, type.core)
     body = Body(scene, core, type, material, region)
@@ -79,6 +82,7 @@ def newBody(scene, name, material, type, region, inertiaScale, fbar, group):
     scene.stepper.noteChange()
     try:
         body.inertiaScale, body.fbar, body.group = inertiaScale, fbar, group
+        body.implicit = implicit
     except Exception:
         _drop(scene, body)
         raise
@@ -147,7 +151,7 @@ def _addConverted(scene, body):
     """The body that takes over domains of `body` that become too distorted; empty at first."""
     spacing = scene.cell / 2 if body.type.matched is None else 2 * body.type.matched.halfSize
     name = body.name + " (converted)"
-    options = body.inertiaScale, body.fbar, body.group
+    options = body.inertiaScale, body.fbar, body.group, body.implicit
     other = newBody(scene, name, body.material, classes["UGIMP"](), None, *options)
     build(other, Boxes(np.zeros((0, scene.dim)), spacing / 2))
     body.convertTo(other)

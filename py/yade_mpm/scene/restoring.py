@@ -168,6 +168,7 @@ def _buildBody(scene, entry, stored, material, kind, file):
         entry["inertiaScale"],
         entry["fbar"],
         entry.get("group", "main"),
+        entry.get("implicit", False),
     )
     body.isDamped = entry.get("isDamped", True)
     core = body.core

@@ -112,6 +112,7 @@ def _describeBody(body, material, kind):
         "region": None if body.region is None else body.region.spec(),
         "inertiaScale": body.inertiaScale,
         "isDamped": body.isDamped,
+        "implicit": body.implicit,
         "fbar": body.fbar,
         "group": body.group,
         "count": body.count,

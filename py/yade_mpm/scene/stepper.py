@@ -152,7 +152,8 @@ class Stepper:
         if given is None:
             if not critical > 0:
                 raise ValueError(
-                    "Scene: no critical time step can be found (every node is held); give scene.dt"
+                    "Scene: no critical time step can be found (every node is held, or every body is "
+                    "implicit); give scene.dt"
                 )
             self.takeSafeDt()
         elif not isAllowed and critical > 0 and given > scene.dtStable:
@@ -179,7 +180,7 @@ class Stepper:
         """
         self._prepareChain()
         scene = self._scene
-        found = scene.core.criticalTimeStep(tolerance, iterations)
+        found = scene.core.criticalTimeStep(tolerance, iterations, False)
         scene.dtCritical, scene.dtStable = found["dt"], found["longestStable"]
         scene.dtIterations = found["iterations"]
         scene.stiffest = found["stiffest"]
@@ -212,7 +213,7 @@ class Stepper:
     def _stabilityState(self):
         """What the critical step depends on and may be changed between runs."""
         scene = self._scene
-        bodies = [(tuple(b.material.lameConstants), b.inertiaScale) for b in scene.bodies]
+        bodies = [(tuple(b.material.lameConstants), b.inertiaScale, b.implicit) for b in scene.bodies]
         blends = [getattr(e, BLENDS[type(e).__name__]) for e in scene.engines if type(e).__name__ in BLENDS]
         return scene.givenDt, scene.allowUnstable, bodies, blends
 

@@ -94,6 +94,19 @@ template <int Dim> class HourglassControl {
         }
     }
 
+    // Against each pattern of domain p, kN/m (2D: per m).
+    double stiffnessOf(int p, const ClosedShape<Dim>& shape) const {
+        double sum = 0;
+        for (int a = 0; a < NC; ++a)
+            for (int k = 0; k < Dim; ++k) sum += shape.g[a][k] * shape.g[a][k];
+        return modulus_[p] * shape.volume * sum;
+    }
+    static double gamma(const ClosedShape<Dim>& shape, int m, int a) {
+        double sum = hourglassSign(Dim, m, a) / NC;
+        for (int j = 0; j < Dim; ++j) sum -= shape.g[a][j] * shape.pattern[m][j];
+        return sum;
+    }
+
     // The forces of a batch. h, per mode and axis, is what they resist: the pattern of a domain, which
     // resisted(p, h) may change.
     template <class Resisted>

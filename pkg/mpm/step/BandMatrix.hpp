@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// A symmetric matrix with a narrow band, and its Cholesky factor. LAPACK's pbtrf does the same; its bits depend
+// on the library that is installed, and for bands of some twenty it is no faster.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace mpm {
+
+class BandMatrix {
+  public:
+    // All zero; entries up to `band` from the diagonal.
+    void reset(int size, int band);
+
+    int size() const { return size_; }
+    int band() const { return band_; }
+    // Vectors have so many entries; those from size() on are zero.
+    int padded() const { return size_ + band_ + lanes; }
+
+    // Of the lower triangle: column <= row <= column + band.
+    double& at(int row, int column) { return values_[std::size_t(column) * stride_ + (row - column)]; }
+    double at(int row, int column) const { return values_[std::size_t(column) * stride_ + (row - column)]; }
+
+    void multiply(const double* x, double* y) const; // y = this x
+
+    // this = scale * other.
+    void setScaled(const BandMatrix& other, double scale);
+    // Row and column become those of the identity.
+    void decouple(int unknown);
+
+    // The lower triangle becomes L of L L^T; returns false where the matrix is not positive definite.
+    bool factorise();
+    void solve(double* x) const; // x <- L^-T L^-1 x
+
+  private:
+    static constexpr int lanes = 8;   // of the widest vectors: loops run to the next multiple, over zeros
+    static constexpr int block = 32;  // columns that are factorised at a time where the band is wide
+    static constexpr int narrow = 64; // band up to which columns one by one are quicker, measured
+
+    int size_ = 0, band_ = 0, stride_ = 0;
+    std::vector<double> values_; // column by column from the diagonal down, then zeros
+
+    double* column(int j) { return values_.data() + std::size_t(j) * stride_; }
+    const double* column(int j) const { return values_.data() + std::size_t(j) * stride_; }
+    bool factoriseColumns();
+    bool factoriseBlocks();
+};
+
+} // namespace mpm

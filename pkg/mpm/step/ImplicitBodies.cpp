@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// One thread does it all, so that the bits are the same for any number.
+#include "mpm/step/ImplicitBodies.hpp"
+
+#include "mpm/step/GridSolver.hpp"
+
+namespace mpm {
+
+std::string ImplicitBodies::doc() const {
+    return "Lets the elastic forces of implicit bodies at the end of the step enter the solution on the nodes: "
+           "their\n"
+           "stiffness does not limit the time step.\n\n"
+           "(M + dt^2 K) v = p + dt f on the nodes of the bodies with scene.add(..., implicit=True), K their "
+           "elastic\n"
+           "stiffness. The scene puts it behind GridSolver. See doc/implicit-bodies.md.";
+}
+
+template <int Dim> void ImplicitBodies::check(Scene<Dim>& scene) {
+    if (dead) return;
+    for (const auto& body : scene.bodies) {
+        if (!body->isImplicit) continue;
+        require(!scene.scheme->stressFirst, "body '", body->name, "': implicit=True has no meaning under ",
+                scene.scheme->name, ", which updates the stress before the solution; give scheme='MUSL'");
+        require(!body->fbar, "body '", body->name,
+                "': implicit=True with fbar=True is not possible, for the stiffness of cell-wise strains is not "
+                "known to the solution; leave one of them out");
+        require(scene.groups.size() == 1, "body '", body->name,
+                "': implicit=True is not possible beside an engine Contact; leave Contact out, or make the body "
+                "explicit");
+    }
+}
+
+// Bodies that share a node belong to one system.
+template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim>& state) {
+    const double least = scene.leastMass();
+    state.scratch.resize(scene.grid.count, -1);
+    state.velocity.resize(scene.grid.fields.size());
+    for (auto& velocity : state.velocity)
+        velocity.resize(scene.grid.count, NodalField<Dim>::Velocity::zero());
+    for (auto& system : state.systems) // of the step before
+        for (int node : system.nodes) state.velocity[system.field][node] = NodalField<Dim>::Velocity::zero();
+    state.systems.clear();
+
+    std::vector<Body<Dim>*> bodies;
+    for (auto& body : scene.bodies)
+        if (body->isImplicit && body->particles.size() > 0) bodies.push_back(body.get());
+    state.strained.resize(bodies.size());
+    for (size_t b = 0; b < bodies.size(); ++b) {
+        const auto& nodal = scene.grid.fields[bodies[b]->velocityField];
+        state.strained[b].find(*bodies[b], state.scratch, [&](int node) {
+            return nodal.sum[node][NodalField<Dim>::mass] > least;
+        });
+    }
+    std::vector<int> group(bodies.size()); // the first body that each one shares nodes with, over others
+    for (size_t b = 0; b < bodies.size(); ++b) group[b] = int(b);
+    for (size_t field = 0; field < scene.grid.fields.size(); ++field) {
+        const auto forEntries = [&](auto&& f) {
+            for (size_t b = 0; b < bodies.size(); ++b)
+                if (bodies[b]->velocityField == int(field))
+                    for (const auto& entry : state.strained[b].entries) f(int(b), entry.node);
+        };
+        forEntries([&](int b, int node) {
+            int& owner = state.scratch[node];
+            if (owner < 0) owner = b;
+            if (group[owner] == group[b]) return;
+            const int from = std::max(group[owner], group[b]), to = std::min(group[owner], group[b]);
+            for (int& g : group)
+                if (g == from) g = to;
+        });
+        forEntries([&](int, int node) { state.scratch[node] = -1; });
+    }
+    for (size_t first = 0; first < bodies.size(); ++first) {
+        if (group[first] != int(first)) continue;
+        ImplicitSystem<Dim>& system = state.systems.emplace_back(bodies[first]->velocityField);
+        std::vector<const StrainedNodes<Dim>*> members;
+        for (size_t b = first; b < bodies.size(); ++b)
+            if (group[b] == int(first)) members.push_back(&state.strained[b]);
+        for (const auto* member : members)
+            for (const auto& entry : member->entries)
+                if (state.scratch[entry.node] < 0) {
+                    state.scratch[entry.node] = 0;
+                    system.nodes.push_back(entry.node);
+                }
+        system.number(scene.grid, state.scratch);
+        system.assemble(members, state.scratch);
+        for (int node : system.nodes) state.scratch[node] = -1;
+    }
+}
+
+template <int Dim> void ImplicitBodies::act(Scene<Dim>& scene) {
+    State<Dim>& state = std::get<State<Dim>>(states_);
+    findSystems(scene, state);
+    const Vec<Dim> gravity = gravityOf(scene);
+    for (auto& system : state.systems)
+        if (!system.solve(scene, gravity))
+            throw RunError(message("step ", scene.step,
+                                   ": the equations of the implicit bodies cannot be solved, their stiffness is "
+                                   "not finite or negative; look at the last frames for a body that breaks, or "
+                                   "lower dt"));
+}
+
+template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
+    State<Dim>& state = std::get<State<Dim>>(states_);
+    for (const auto& system : state.systems) {
+        const auto& motion = scene.grid.fields[system.field].motion;
+        for (int node : system.nodes)
+            for (int k = 0; k < Dim; ++k) state.velocity[system.field][node].set(k, motion[node][k]);
+        scene.energies.implicit += system.energyTaken(scene);
+    }
+}
+
+template void ImplicitBodies::finishMotion(Scene<2>&);
+template void ImplicitBodies::finishMotion(Scene<3>&);
+
+MPM_REGISTER(Engine, ImplicitBodies);
+
+} // namespace mpm

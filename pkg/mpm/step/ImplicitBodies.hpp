@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Bodies whose elastic forces at the end of the step enter the solution on the nodes, so that their stiffness
+// does not limit the step: doc/implicit-bodies.md. The scene puts the engine behind GridSolver.
+#pragma once
+
+#include "mpm/step/ImplicitSystem.hpp"
+
+namespace mpm {
+
+class ImplicitBodies : public EngineOf<ImplicitBodies> {
+  public:
+    std::string className() const override { return "ImplicitBodies"; }
+    std::string doc() const override;
+    void prepare(Scene<2>& scene) override { check(scene); }
+    void prepare(Scene<3>& scene) override { check(scene); }
+
+    template <int Dim> void act(Scene<Dim>& scene);
+
+    // Once the motion of the nodes is final: keeps the velocity that strains the bodies, and books the energy
+    // that the solution took.
+    template <int Dim> void finishMotion(Scene<Dim>& scene);
+    // The velocity of the nodes that strains an implicit body.
+    template <int Dim> const typename NodalField<Dim>::Velocity* velocities(const Body<Dim>& body) const {
+        return std::get<State<Dim>>(states_).velocity[body.velocityField].data();
+    }
+
+  private:
+    template <int Dim> struct State {
+        using Velocity = typename NodalField<Dim>::Velocity;
+        std::vector<StrainedNodes<Dim>> strained; // of each body that is implicit
+        std::vector<ImplicitSystem<Dim>> systems;
+        std::vector<int> scratch;                    // -1 for each node
+        std::vector<std::vector<Velocity>> velocity; // of the nodes of each velocity field, zero elsewhere
+    };
+    std::tuple<State<2>, State<3>> states_;
+
+    template <int Dim> void check(Scene<Dim>& scene);
+    template <int Dim> void findSystems(Scene<Dim>& scene, State<Dim>& state);
+};
+
+// Whether the elastic forces of a body enter the solution.
+template <int Dim> bool isSolvedImplicitly(const Scene<Dim>& scene, const Body<Dim>& body) {
+    return body.isImplicit && scene.template find<ImplicitBodies>();
+}
+
+} // namespace mpm

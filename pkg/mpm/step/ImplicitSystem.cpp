@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "mpm/step/ImplicitSystem.hpp"
+
+#include <algorithm>
+
+namespace mpm {
+
+template <int Dim> void ImplicitSystem<Dim>::number(const Grid<Dim>& grid, std::vector<int>& number) {
+    Index<Dim> first, last;
+    first.fill(grid.count);
+    last.fill(0);
+    for (int node : nodes) {
+        const Index<Dim> at = grid.indices(node);
+        for (int k = 0; k < Dim; ++k) {
+            first[k] = std::min(first[k], at[k]);
+            last[k] = std::max(last[k], at[k]);
+        }
+    }
+    int longest = Dim - 1;
+    for (int k = 0; k < Dim - 1; ++k)
+        if (last[k] - first[k] > last[longest] - first[longest]) longest = k;
+    std::sort(nodes.begin(), nodes.end()); // along the last axis
+    if (longest != Dim - 1)
+        std::stable_sort(nodes.begin(), nodes.end(), [&](int a, int b) {
+            return grid.indices(a)[longest] < grid.indices(b)[longest];
+        });
+    for (size_t i = 0; i < nodes.size(); ++i) number[nodes[i]] = int(i);
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::assemble(const std::vector<const StrainedNodes<Dim>*>& bodies,
+                                   const std::vector<int>& number) {
+    int span = 0; // of the numbers of the nodes that strain one particle
+    for (const auto* body : bodies)
+        for (const auto& particle : body->particles) {
+            int least = int(nodes.size()), most = 0;
+            for (int e = particle.begin; e < particle.end; ++e) {
+                least = std::min(least, number[body->entries[e].node]);
+                most = std::max(most, number[body->entries[e].node]);
+            }
+            span = std::max(span, most - least);
+        }
+    stiffness_.reset(Dim * int(nodes.size()), Dim * span + Dim - 1);
+    for (const auto* body : bodies)
+        for (const auto& particle : body->particles) add(*body, particle, number);
+    for (auto* vector : {&velocity_, &force_, &solved_}) vector->assign(stiffness_.padded(), 0.0);
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::add(const StrainedNodes<Dim>& strained,
+                              const typename StrainedNodes<Dim>::Strained& particle,
+                              const std::vector<int>& number) {
+    for (int e = particle.begin; e < particle.end; ++e)
+        for (int f = particle.begin; f <= e; ++f) {
+            const bool isBelow = number[strained.entries[e].node] >= number[strained.entries[f].node];
+            const auto& a = strained.entries[isBelow ? e : f]; // of the row
+            const auto& b = strained.entries[isBelow ? f : e];
+            const int row = Dim * number[a.node], column = Dim * number[b.node];
+            double product = 0, control = 0;
+            for (int k = 0; k < Dim; ++k) product += a.g[k] * b.g[k];
+            for (int m = 0; m < StrainedNodes<Dim>::patterns; ++m) control += a.gamma[m] * b.gamma[m];
+            const double diagonal = particle.mu * product + particle.control * control;
+            for (int j = 0; j < Dim; ++j)
+                for (int i = e == f ? j : 0; i < Dim; ++i)
+                    stiffness_.at(row + i, column + j) += particle.lambda * a.g[i] * b.g[j] +
+                                                          particle.mu * a.g[j] * b.g[i] +
+                                                          (i == j ? diagonal : 0);
+        }
+}
+
+template <int Dim> bool ImplicitSystem<Dim>::solve(Scene<Dim>& scene, const Vec<Dim>& gravity) {
+    NF& nodal = scene.grid.fields[field];
+    const double dt = scene.dt, square = dt * dt;
+    const int n = unknowns();
+    const auto holder = [&](int i) { return nodal.holder[nodes[i / Dim]][i % Dim]; };
+    factor_.setScaled(stiffness_, square);
+    for (int i = 0; i < n; ++i) {
+        const double v = nodal.motion[nodes[i / Dim]][i % Dim];
+        velocity_[i] = holder(i) >= 0 ? v : 0;
+        solved_[i] = holder(i) >= 0 ? 0 : nodal.sum[nodes[i / Dim]][NF::mass] * v;
+    }
+    stiffness_.multiply(velocity_.data(), force_.data());
+    for (int i = 0; i < n; ++i)
+        if (holder(i) >= 0)
+            factor_.decouple(i);
+        else {
+            factor_.at(i, i) += nodal.sum[nodes[i / Dim]][NF::mass];
+            solved_[i] -= square * force_[i];
+        }
+    if (!factor_.factorise()) return false;
+    factor_.solve(solved_.data());
+    for (int i = 0; i < n; ++i)
+        if (holder(i) < 0) velocity_[i] = solved_[i];
+    stiffness_.multiply(velocity_.data(), force_.data());
+    double gained = 0; // by gravity, beyond the explicit motion
+    for (int i = 0; i < n; ++i) {
+        const int node = nodes[i / Dim], k = i % Dim;
+        auto& motion = nodal.motion[node];
+        if (holder(i) >= 0) {
+            react(scene, i, dt * force_[i], velocity_[i]);
+            continue;
+        }
+        const double change = velocity_[i] - motion[k];
+        gained += nodal.sum[node][NF::weightMass] * gravity[k] * change;
+        motion.set(NF::acceleration + k, motion[NF::acceleration + k] + change / dt);
+        motion.set(k, velocity_[i]);
+        if (!scene.scheme->remapsSolution()) nodal.setVelocity(node, k, velocity_[i]);
+    }
+    scene.energies.gravity += gained * dt;
+    return true;
+}
+
+// What holds a node feels the elastic forces at the end of the step; GridSolver has told it those at its start.
+template <int Dim>
+void ImplicitSystem<Dim>::react(Scene<Dim>& scene, int unknown, double force, double v) const {
+    const int node = nodes[unknown / Dim], k = unknown % Dim;
+    Constraint& constraint = *scene.constraints[scene.grid.fields[field].holder[node][k]];
+    addReaction<Dim>(scene.grid.nodePosition(node), constraint.centre, k, force, constraint.reaction,
+                     constraint.moment);
+    constraint.work += force * v * scene.dt;
+}
+
+template <int Dim> double ImplicitSystem<Dim>::energyTaken(const Scene<Dim>& scene) const {
+    double power = 0;
+    for (int i = 0; i < unknowns(); ++i) power += velocity_[i] * force_[i];
+    return 0.5 * scene.dt * scene.dt * power;
+}
+
+template class ImplicitSystem<2>;
+template class ImplicitSystem<3>;
+
+} // namespace mpm

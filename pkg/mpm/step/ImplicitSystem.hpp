@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The nodes that implicit bodies move together, their elastic stiffness K, and the solution of
+//     (M + dt^2 K) v = p + dt f - dt^2 K v_held
+// for the free components. Nodes are numbered along the longest axis, so that the band is narrow.
+#pragma once
+
+#include "mpm/scene/Scene.hpp"
+#include "mpm/step/BandMatrix.hpp"
+#include "mpm/step/StrainedNodes.hpp"
+
+namespace mpm {
+
+template <int Dim> class ImplicitSystem {
+  public:
+    using NF = NodalField<Dim>;
+
+    explicit ImplicitSystem(int field) : field(field) {}
+
+    int field; // velocity field
+    std::vector<int> nodes;
+
+    // Numbers the nodes in `nodes`, each of which is there once. number: of a node, is set for these.
+    void number(const Grid<Dim>& grid, std::vector<int>& number);
+    // K of the strained particles of its bodies.
+    void assemble(const std::vector<const StrainedNodes<Dim>*>& bodies, const std::vector<int>& number);
+
+    // Replaces the explicit motion of the nodes; returns whether the matrix is positive definite.
+    bool solve(Scene<Dim>& scene, const Vec<Dim>& gravity);
+
+    // What the solution took out of the motion that the nodes have now, kJ.
+    double energyTaken(const Scene<Dim>& scene) const;
+
+    int unknowns() const { return stiffness_.size(); }
+    int band() const { return stiffness_.band(); }
+
+  private:
+    BandMatrix stiffness_, factor_;
+    std::vector<double> velocity_, force_, solved_; // of the unknowns, and zeros behind them
+
+    void add(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,
+             const std::vector<int>& number);
+    void react(Scene<Dim>& scene, int unknown, double force, double v) const;
+};
+
+} // namespace mpm

@@ -12,7 +12,7 @@ LinearElastic, NeoHookean, MohrCoulombDruckerPrager, Material    materials
 MaterialPoint                  one point of a material, strained by hand
 UGIMP, APDI, BSpline, ParticleType                               particle types
 ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of every step, in this order
-VelocityRemap                                                    added behind GridToParticle by the scene
+VelocityRemap, ImplicitBodies  added by the scene: behind GridToParticle; GridSolver (implicit bodies)
 BoundaryLoad, Contact, RigidContact                              engines that may be added
 Drive, Hold                    prescribed motions, given to the GridSolver
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks

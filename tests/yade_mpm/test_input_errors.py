@@ -1089,13 +1089,13 @@ def changed(change, **options):
     ("run: until = inf is not allowed", lambda: oneBody().run(until=inf)),
     ("run: until = 'noon' is not allowed; give a time in s", lambda: oneBody().run(until="noon")),
     (
-        "dt = 1 s exceeds the longest stable step ... (stiffest: 'block'); lower dt, raise inertiaScale, or "
-        "coarsen the grid",
+        "dt = 1 s exceeds the longest stable step ... (stiffest: 'block'); lower dt, raise inertiaScale, "
+        "coarsen the grid, or make a stiff body implicit",
         lambda: changed(lambda s: setattr(s, "dt", 1.0)).run(steps=1),
     ),
     ("dt = 1 s exceeds the longest stable step", lambda: changed(lambda s: setattr(s, "dt", 1.0)).step()),
     (
-        "no critical time step can be found (every node is held); give scene.dt",
+        "no critical time step can be found (every node is held, or every body is implicit); give scene.dt",
         lambda: changed(
             lambda s: setattr(
                 s,

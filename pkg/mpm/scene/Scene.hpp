@@ -12,10 +12,10 @@
 namespace mpm {
 
 struct Energies {
-    double gravity = 0; // work of gravity and body forces, kJ
-    double loads = 0;   // work of boundary loads
-    double damping = 0; // energy taken out by local damping
-    double contact = 0; // energy lost to friction and impact between groups of bodies
+    double gravity = 0;  // work of gravity and body forces, kJ
+    double loads = 0;    // work of boundary loads
+    double damping = 0;  // energy taken out by local damping
+    double contact = 0;  // energy lost to friction and impact between groups of bodies
     double implicit = 0; // energy taken by the implicit solution of bodies
 };
 

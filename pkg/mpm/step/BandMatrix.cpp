@@ -93,9 +93,7 @@ bool BandMatrix::factoriseBlocks() {
         if (rows <= 0) continue;
         auto below = part(j + columns, j, rows, columns);
         diagonal.triangularView<Eigen::Lower>().transpose().solveInPlace<Eigen::OnTheRight>(below);
-        part(j + columns, j + columns, rows, rows)
-            .selfadjointView<Eigen::Lower>()
-            .rankUpdate(below, -1.0);
+        part(j + columns, j + columns, rows, rows).selfadjointView<Eigen::Lower>().rankUpdate(below, -1.0);
     }
     return true;
 }

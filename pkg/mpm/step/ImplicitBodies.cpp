@@ -12,7 +12,7 @@ std::string ImplicitBodies::doc() const {
            "stiffness does not limit the time step.\n\n"
            "(M + dt^2 K) v = p + dt f on the nodes of the bodies with scene.add(..., implicit=True), K their "
            "elastic\n"
-           "stiffness. The scene puts it behind GridSolver. See doc/implicit-bodies.md.";
+           "stiffness. The scene puts it behind GridSolver. See doc/explanation/implicit-bodies.md.";
 }
 
 template <int Dim> void ImplicitBodies::check(Scene<Dim>& scene) {
@@ -21,12 +21,14 @@ template <int Dim> void ImplicitBodies::check(Scene<Dim>& scene) {
         if (!body->isImplicit) continue;
         require(!scene.scheme->stressFirst, "body '", body->name, "': implicit=True has no meaning under ",
                 scene.scheme->name, ", which updates the stress before the solution; give scheme='MUSL'");
-        require(!body->fbar, "body '", body->name,
-                "': implicit=True with fbar=True is not possible, for the stiffness of cell-wise strains is not "
-                "known to the solution; leave one of them out");
-        require(scene.groups.size() == 1, "body '", body->name,
-                "': implicit=True is not possible beside an engine Contact; leave Contact out, or make the body "
-                "explicit");
+        require(
+            !body->fbar, "body '", body->name,
+            "': implicit=True with fbar=True is not possible, for the stiffness of cell-wise strains is not "
+            "known to the solution; leave one of them out");
+        require(
+            scene.groups.size() == 1, "body '", body->name,
+            "': implicit=True is not possible beside an engine Contact; leave Contact out, or make the body "
+            "explicit");
     }
 }
 
@@ -47,9 +49,8 @@ template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim
     state.strained.resize(bodies.size());
     for (size_t b = 0; b < bodies.size(); ++b) {
         const auto& nodal = scene.grid.fields[bodies[b]->velocityField];
-        state.strained[b].find(*bodies[b], state.scratch, [&](int node) {
-            return nodal.sum[node][NodalField<Dim>::mass] > least;
-        });
+        state.strained[b].find(*bodies[b], state.scratch,
+                               [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
     }
     std::vector<int> group(bodies.size()); // the first body that each one shares nodes with, over others
     for (size_t b = 0; b < bodies.size(); ++b) group[b] = int(b);
@@ -93,10 +94,11 @@ template <int Dim> void ImplicitBodies::act(Scene<Dim>& scene) {
     const Vec<Dim> gravity = gravityOf(scene);
     for (auto& system : state.systems)
         if (!system.solve(scene, gravity))
-            throw RunError(message("step ", scene.step,
-                                   ": the equations of the implicit bodies cannot be solved, their stiffness is "
-                                   "not finite or negative; look at the last frames for a body that breaks, or "
-                                   "lower dt"));
+            throw RunError(
+                message("step ", scene.step,
+                        ": the equations of the implicit bodies cannot be solved, their stiffness is "
+                        "not finite or negative; look at the last frames for a body that breaks, or "
+                        "lower dt"));
 }
 
 template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {

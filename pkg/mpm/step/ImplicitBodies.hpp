@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Bodies whose elastic forces at the end of the step enter the solution on the nodes, so that their stiffness
-// does not limit the step: doc/implicit-bodies.md. The scene puts the engine behind GridSolver.
+// does not limit the step: doc/explanation/implicit-bodies.md. The scene puts the engine behind GridSolver.
 #pragma once
 
 #include "mpm/step/ImplicitSystem.hpp"

@@ -21,9 +21,8 @@ template <int Dim> void ImplicitSystem<Dim>::number(const Grid<Dim>& grid, std::
         if (last[k] - first[k] > last[longest] - first[longest]) longest = k;
     std::sort(nodes.begin(), nodes.end()); // along the last axis
     if (longest != Dim - 1)
-        std::stable_sort(nodes.begin(), nodes.end(), [&](int a, int b) {
-            return grid.indices(a)[longest] < grid.indices(b)[longest];
-        });
+        std::stable_sort(nodes.begin(), nodes.end(),
+                         [&](int a, int b) { return grid.indices(a)[longest] < grid.indices(b)[longest]; });
     for (size_t i = 0; i < nodes.size(); ++i) number[nodes[i]] = int(i);
 }
 

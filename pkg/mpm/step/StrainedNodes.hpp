@@ -17,7 +17,7 @@ template <int Dim> class StrainedNodes {
         double g[Dim], gamma[patterns];
     };
     struct Strained {
-        int begin, end; // of its entries; each node is there once
+        int begin, end;             // of its entries; each node is there once
         double lambda, mu, control; // times the volume, kN m (2D: per m)
     };
     std::vector<Entry> entries;
@@ -32,8 +32,8 @@ template <int Dim> class StrainedNodes {
             if (p % chunkSize == 0)
                 body.stiffness(p, std::min(p + chunkSize, body.particles.size()), lambda, mu);
             const double volume = body.particles.volume.plane()[p];
-            particles[p] = {int(entries.size()), 0, volume * lambda[p % chunkSize], volume * mu[p % chunkSize],
-                            0};
+            particles[p] = {int(entries.size()), 0, volume * lambda[p % chunkSize],
+                            volume * mu[p % chunkSize], 0};
             findOf(body, p, place, isIn);
             particles[p].end = int(entries.size());
         }

@@ -41,7 +41,8 @@ class Certificate:
     kineticRatio : largest kinetic energy over the work done, -.
     unbalancedRatio : mean of `diagnostics.unbalancedRatio`, -.
     energyError : largest |energy error| over the work done, -.
-    dampedRatio : energy taken by local damping over the work done, at the end, -.
+    dampedRatio : energy taken by local damping, and by the solution for implicit bodies, over the work done,
+        at the end, -.
     dampedShare : largest share of the work that damping took in any tenth of the rows: of the load that moves
         something, the part that damping carries then, -; nan where no tenth does 5 % of the mean work.
     hourglassRatio : largest energy stored by hourglass control over the work done, -; None: the history
@@ -104,7 +105,8 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
     Parameters
     ----------
     history : `History` of the run, or a mapping of its columns time (s), kineticEnergy, dampedEnergy,
-        energyError, workDone (kJ) and unbalancedRatio (-).
+        energyError, workDone (kJ) and unbalancedRatio (-); implicitEnergy, where there is one, counts as
+        damped.
     after : rows from this time on count, s; default: the last nine tenths of the time that the rows span.
     rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another
         rate, -; default: not judged.
@@ -140,6 +142,8 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         np.asarray(history[name], dtype=float)[rows]
         for name in ("kineticEnergy", "dampedEnergy", "energyError", "workDone", "unbalancedRatio")
     )
+    if "implicitEnergy" in _names(history):
+        damped = damped + np.asarray(history["implicitEnergy"], dtype=float)[rows]
     return Certificate(
         kineticRatio=_largest(kinetic, work),
         unbalancedRatio=float(unbalanced.mean()),
@@ -175,6 +179,11 @@ def rateSensitivity(x, result, xOther, resultOther):
         )
     difference = np.interp(x[common], xOther, resultOther) - result[common]
     return float(np.abs(difference).mean() / np.abs(result[common]).mean())
+
+
+def _names(history):
+    """Names of the columns of a History or a mapping."""
+    return history.names if hasattr(history, "names") else history.keys()
 
 
 def _largest(part, work):

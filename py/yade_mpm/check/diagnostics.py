@@ -50,13 +50,20 @@ def contactEnergy(scene):
     return float(scene.core.energies["contact"])
 
 
+def implicitEnergy(scene):
+    """Energy taken by the solution for implicit bodies since the start, 1/2 dt^2 sum v.K v, kJ."""
+    return float(scene.core.energies["implicit"])
+
+
 def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
-    """What is missing in the energy balance, W_ext - W_damp - W_contact - W_int - (E_kin - E_kin,0), kJ.
+    """What is missing in the energy balance, W_ext - W_damp - W_contact - W_implicit - W_int - (E_kin -
+    E_kin,0), kJ.
 
     Parameters
     ----------
     initialKineticEnergy : E_kin,0 at the start, kJ; default 0.
-    relative : divide by |W_ext| + W_damp + W_contact + |W_int| + E_kin + E_kin,0; 0 where all are zero.
+    relative : divide by |W_ext| + W_damp + W_contact + W_implicit + |W_int| + E_kin + E_kin,0;
+        0 where all are zero.
     kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
 
     Positive: energy was lost in the transfers, in hourglass control or in conversions. Velocities belong to
@@ -66,7 +73,7 @@ def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
     external, internal, damped = (
         externalWork(scene),
         internalWork(scene),
-        dampedEnergy(scene) + contactEnergy(scene),
+        dampedEnergy(scene) + contactEnergy(scene) + implicitEnergy(scene),
     )
     error = external - damped - internal - (kinetic - initialKineticEnergy)
     if not relative:

@@ -50,10 +50,10 @@ class History(Callback):
     contact.largestPenetration (see `Contact`); mass, momentum.x ..., kineticEnergy, internalWork,
     externalWork, dampedEnergy, contactEnergy, energyError, workDone, kineticRatio, unbalancedRatio,
     minJacobian, hourglassAmplitude, hourglassEnergy, distortedCount, invertedCount, convertedCount (see
-    `yade_mpm.diagnostics`). A value that does not exist is nan.
+    `yade_mpm.diagnostics`); with implicit bodies also implicitEnergy. A value that does not exist is nan.
 
-    energyError = externalWork - dampedEnergy - contactEnergy - internalWork - (kineticEnergy - kinetic
-    energy at the start).
+    energyError = externalWork - dampedEnergy - contactEnergy (- implicitEnergy) - internalWork -
+    (kineticEnergy - kinetic energy at the start).
 
     Rows are written at the end of a run and every 5 s of wall time. Raises ValueError for arguments that
     are not allowed, TypeError for a column that is no function, OSError for a file that cannot be written;

@@ -53,6 +53,8 @@ def measured(scene, means, initialEnergy):
             momentum = diagnostics.momentum(scene)
             row.update((f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", momentum))
         elif name == "contactEnergy":
+            if any(body.implicit for body in scene.bodies):
+                row["implicitEnergy"] = ("kJ", diagnostics.implicitEnergy(scene))
             error = diagnostics.energyError(scene, initialEnergy, kinetic=row["kineticEnergy"][1])
             row["energyError"] = ("kJ", error)
         elif name == "workDone":

@@ -44,7 +44,7 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group
         "main".
     implicit : bool, solve for the elastic forces of the body at the end of each step: its stiffness does not
         limit the time step, and GridSolver's damping leaves it alone. For structures much stiffer than what
-        is around them (doc/implicit-bodies.md); default False.
+        is around them (doc/explanation/implicit-bodies.md); default False.
 
     Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.

@@ -46,7 +46,8 @@ class Scene(Guarded):
     bodies : tuple of Body, in the order in which they were added; none can be taken out.
     allowUnstable : bool, whether dt may exceed the longest stable step; default False.
     dtCritical : s, 2/omega_max of the grid, or the longest stable step if that is shorter (USL), as estimated
-        last; None before.
+        last; None before. Implicit bodies count with their mass alone: they do not limit the step;
+        `criticalTimeStep(asIfExplicit=True)` tells what it would be with their stiffness.
     stiffest : body in which the mode of dtCritical moves most.
     dtStable : s, longest stable step of the scheme, with flip and damping, as estimated last; None before.
     stepper : `Stepper`, for loops of your own.
@@ -219,7 +220,7 @@ class Scene(Guarded):
         self._threads = None if value is None else int(value)
         self.stepper.noteChange(mayBeUnstable=False)
 
-    def criticalTimeStep(self, tolerance=1e-4, iterations=300):
+    def criticalTimeStep(self, tolerance=1e-4, iterations=300, asIfExplicit=False):
         """Critical time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid
         operator, or the longest stable step of the scheme if that is shorter (doc/explanation/time-step.md).
 
@@ -231,6 +232,8 @@ class Scene(Guarded):
         tolerance : float, relative change of the eigenvalue over ten iterations at which to stop; default
             1e-4.
         iterations : int, most iterations; default 300.
+        asIfExplicit : bool, whether the stiffness of implicit bodies counts like that of others, for
+            comparison: nothing is set then; default False.
         """
         self.refuseWhileRunning("criticalTimeStep")
         if not (isinstance(iterations, (int, np.integer)) and iterations >= 1 and tolerance > 0):
@@ -241,7 +244,7 @@ class Scene(Guarded):
             )
         refuseMidStep(self, "criticalTimeStep")
         with self.holder.held("criticalTimeStep"):
-            return self.stepper.estimateCriticalStep(tolerance, iterations)
+            return self.stepper.estimateCriticalStep(tolerance, iterations, asIfExplicit)
 
     # --- running --------------------------------------------------------------------------------------
     def prepare(self):

@@ -159,28 +159,36 @@ class Stepper:
         elif not isAllowed and critical > 0 and given > scene.dtStable:
             raise ValueError(
                 f"dt = {given:.3g} s exceeds the longest stable step {scene.dtStable:.3g} s of this scene "
-                f"(stiffest: '{scene.stiffest}'); lower dt, raise inertiaScale, or coarsen the grid"
+                f"(stiffest: '{scene.stiffest}'{self._leftOut()}); lower dt, raise inertiaScale, coarsen the "
+                "grid, or make a stiff body implicit"
             )
         else:
             self.dt = given
         self.noteEstimate()
         self._isStable, self._checkedState = True, self._stabilityState()
 
+    def _leftOut(self):
+        names = [f"'{body.name}'" for body in self._scene.bodies if body.implicit]
+        return f"; implicit and left out: {', '.join(names)}" if names else ""
+
     def noteEstimate(self):
         """The step follows the estimate just made; growth counts from here."""
         self.estimatedAt, self.estimatedVolumes = self._scene.steps, largestVolumes(self._scene)
 
-    def estimateCriticalStep(self, tolerance=1e-4, iterations=300):
+    def estimateCriticalStep(self, tolerance=1e-4, iterations=300, asIfExplicit=False):
         """Critical step of the scene as it stands, s; sets scene.dtCritical and scene.stiffest.
 
         Parameters
         ----------
         tolerance : float, relative change over ten iterations at which to stop; default 1e-4.
         iterations : int, most iterations; default 300.
+        asIfExplicit : bool, count the stiffness of implicit bodies, and set nothing; default False.
         """
         self._prepareChain()
         scene = self._scene
-        found = scene.core.criticalTimeStep(tolerance, iterations, False)
+        found = scene.core.criticalTimeStep(tolerance, iterations, asIfExplicit)
+        if asIfExplicit:
+            return found["dt"]
         scene.dtCritical, scene.dtStable = found["dt"], found["longestStable"]
         scene.dtIterations = found["iterations"]
         scene.stiffest = found["stiffest"]

@@ -77,7 +77,9 @@ class Run:
     def _headline(self):
         scene, until = self.scene, self.a.until
         particles = ", ".join(f"{b.name} {b.count}" for b in scene.bodies)
-        critical = "" if scene.dtCritical is None else f" (critical {scene.dtCritical:.3g} s)"
+        left = ", ".join(f"'{b.name}'" for b in scene.bodies if b.implicit)
+        without = f" without {left}, implicit" if left else ""
+        critical = "" if scene.dtCritical is None else f" (critical {scene.dtCritical:.3g} s{without})"
         steps = f"{round(until / scene.dt)} steps of {scene.dt:.3g} s{critical}"
         return f"{particles} particles; {steps}, {scene.threads} threads"
 

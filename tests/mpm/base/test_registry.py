@@ -13,6 +13,7 @@ ENGINES = [
     "DomainUpdater",
     "GridSolver",
     "GridToParticle",
+    "ImplicitBodies",
     "ParticleToGrid",
     "RigidContact",
     "VelocityRemap",

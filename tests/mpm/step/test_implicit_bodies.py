@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Implicit bodies: their elastic forces at the end of the step enter the solution, so that their stiffness
+does not limit the step; everything else stays as it was."""
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box, diagnostics
+
+CELL, LENGTH, THICKNESS = 0.25, 5.0, 0.25
+LAME = (4.2e7, 2.8e7)
+CRITICAL = 6.1e-5  # s, of the column
+KINDS = {"uGIMP": lambda: mpm.UGIMP(perCell=2), "APDI": lambda: mpm.APDI(size=CELL / 2)}
+
+
+def column(kind="uGIMP", dim=2, across=0.0, along=0.0, implicit=True, **solver):
+    """A steel column on a fixed base under a body force along and across it, m/s2; critical step 6.1e-5 s."""
+    height, left = LENGTH if dim == 2 else 1.5, 2 * CELL - THICKNESS / 2
+    lower, upper = (left,) * (dim - 1), (left + THICKNESS,) * (dim - 1)
+    scene = mpm.Scene((0,) * dim, (4 * CELL,) * (dim - 1) + (height + 4 * CELL,), CELL, threads=1)
+    steel = mpm.LinearElastic(density=7.85, lame=LAME)
+    kind = KINDS[kind]()
+    scene.add("column", box((*lower, 0), (*upper, height)), steel, kind, implicit=implicit)
+    gravity = (across, *(0.0,) * (dim - 2), along)
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=gravity, fixed="bottom", **solver),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    return scene
+
+
+def soilWithPile(implicit=True, damping=0.05, scheme="MUSL", threads=1, **options):
+    """A short pile, bonded, driven into soft soil."""
+    scene = mpm.Scene((0, 0), (3, 3), CELL, scheme=scheme, threads=threads)
+    shaft = box((1.375, 1.0), (1.625, 2.5))
+    soft = mpm.LinearElastic(density=1.5, lame=(1e4, 6e3))
+    scene.add("soil", box((0, 0), (3, 2)) - shaft, soft, mpm.UGIMP())
+    steel = mpm.LinearElastic(density=7.85, lame=LAME)
+    pile = scene.add("pile", shaft, steel, mpm.UGIMP(), implicit=implicit, **options)
+    drive = mpm.Drive(pile.above(2.25), velocity=(0, -0.1), ramp=0.01, name="drive")
+    solver = mpm.GridSolver(
+        gravity=(0, -9.81), damping=damping, fixed="bottom", roller=("left", "right"), drive=drive
+    )
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    return scene
+
+
+def names(scene):
+    return [type(e).__name__ for e in scene.engines]
+
+
+def state(scene):
+    return b"".join(b.position.tobytes() + b.velocity.tobytes() + b.stress.tobytes() for b in scene.bodies)
+
+
+# --- the chain ------------------------------------------------------------------------------------------
+def test_the_scene_puts_the_engine_behind_the_solver_where_a_body_is_implicit():
+    scene = soilWithPile()
+    chain = [
+        "ParticleToGrid",
+        "GridSolver",
+        "ImplicitBodies",
+        "GridToParticle",
+        "VelocityRemap",
+        "DomainUpdater",
+    ]
+    assert names(scene) == chain
+    assert "ImplicitBodies" not in names(soilWithPile(implicit=False))
+    late = soilWithPile(implicit=False)
+    late["pile"].implicit = True
+    late.dt = 1e-4
+    late.run(steps=3, progress=False)
+    assert names(late) == chain and late.timing()["ImplicitBodies"][1] == 3
+
+
+def test_what_it_cannot_do_is_refused():
+    scene = soilWithPile(scheme="USF")
+    with pytest.raises(ValueError, match="'pile': implicit=True has no meaning under USF"):
+        scene.run(steps=1)
+    with pytest.raises(ValueError, match="'pile': implicit=True with fbar=True"):
+        soilWithPile(fbar=True).run(steps=1)
+    with pytest.raises(ValueError, match="implicit = 1; give True or False"):
+        soilWithPile(implicit=1)
+
+
+def test_the_automatic_step_leaves_implicit_bodies_out():
+    scene, explicit = soilWithPile(), soilWithPile(implicit=False)
+    both = scene.criticalTimeStep(), scene.criticalTimeStep(asIfExplicit=True)
+    assert both[1] == explicit.criticalTimeStep() < 0.1 * both[0]
+    assert scene.stiffest == "soil" and explicit.stiffest == "pile" and scene.dtCritical == both[0]
+    scene.run(steps=1, progress=False)
+    assert scene.dt == 0.8 * both[0]
+    scene.dt = 2 * both[0]
+    with pytest.raises(ValueError, match=r"stiffest: 'soil'; implicit and left out: 'pile'"):
+        scene.run(steps=1)
+    with pytest.raises(ValueError, match="every body is implicit"):
+        column().run(steps=1)
+
+
+# --- what comes out -------------------------------------------------------------------------------------
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_long_step_finds_equilibrium_like_newton(kind, dim):
+    """With dt beyond all periods the first step makes the static displacement, by the tangent stiffness: what
+    were left out of it, hourglass control of APDI for one, would have to be made good by the next ones."""
+    scene = column(kind, dim, across=1e-3, along=-1e-3)
+    scene.dt = 1e5 * CRITICAL
+    moved = []
+    for _ in range(4):
+        before = scene["column"].position.copy()
+        scene.run(steps=1, progress=False)
+        moved.append(np.abs(scene["column"].position - before).max())
+    assert moved[1] < 1e-3 * moved[0] and moved[3] < 1e-6 * moved[0]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_axially_loaded_column_is_as_short_as_theory_says_at_any_step(kind):
+    ends = []
+    for ratio, steps in ((10, 400), (1000, 8)):
+        scene = column(kind, along=-1.0)
+        scene.dt = ratio * CRITICAL
+        scene.run(steps=steps, progress=False)
+        body = scene["column"]
+        ends.append(body.displacement[body.position[:, 1].argmax(), 1])
+    top = LENGTH - CELL / 4
+    expected = -7.85 * 1.0 * (LENGTH * top - top**2 / 2) / (LAME[0] + 2 * LAME[1])
+    free = expected * (LAME[0] + 2 * LAME[1]) / (4 * LAME[1] * (LAME[0] + LAME[1]) / (LAME[0] + 2 * LAME[1]))
+    assert ends[0] == pytest.approx(ends[1], rel=1e-3)
+    assert ends[1] == pytest.approx(free, rel=0.01)
+
+
+@pytest.mark.parametrize("kind, share", [("uGIMP", 0.98), ("APDI", 0.965)])
+def test_a_cantilever_bends_like_a_beam(kind, share):
+    """A Timoshenko beam of its plane-strain modulus. Two particles across make uGIMP 2 % and APDI 3.5 %
+    stiff."""
+    g = 1.0
+    scene = column(kind, across=g)
+    scene.dt = 1e5 * CRITICAL
+    scene.run(steps=6, progress=False)
+    body = scene["column"]
+    modulus = 4 * LAME[1] * (LAME[0] + LAME[1]) / (LAME[0] + 2 * LAME[1])
+    q, L, I = 7.85 * g * THICKNESS, LENGTH, THICKNESS**3 / 12
+    x = body.position[:, 1].max()
+    bent = q / (24 * modulus * I) * (x**4 - 4 * L * x**3 + 6 * L**2 * x**2)
+    sheared = q * (L * x - x**2 / 2) / (5 / 6 * LAME[1] * THICKNESS)
+    top = body.displacement[body.position[:, 1] > LENGTH - CELL / 2, 0].mean()
+    assert top / (bent + sheared) == pytest.approx(share, abs=0.01)
+
+
+def test_reactions_balance_momentum():
+    """Sum of m dv/dt = weight + reactions, to round-off, with rollers, a fixed face, and a drive with a
+    ramp."""
+    scene = soilWithPile(damping=0.0)
+    scene.dt = 5e-4
+    scene.run(steps=10, progress=False)
+    weight = np.array([0, -9.81]) * diagnostics.mass(scene)
+    for _ in range(20):
+        before = diagnostics.momentum(scene)
+        scene.run(steps=1, progress=False)
+        change = (diagnostics.momentum(scene) - before) / scene.dt
+        reactions = sum(np.array(c.core.reaction[:2]) for c in scene.constraints)
+        scale = sum(np.abs(c.core.reaction[:2]).sum() for c in scene.constraints)
+        assert np.abs(change - weight - reactions).max() < 1e-10 * scale
+
+
+def test_energy_that_the_solution_takes_is_booked():
+    scene = soilWithPile(damping=0.0)
+    scene.dt = 5e-4
+    scene.run(until=0.1, progress=False)
+    taken, external = diagnostics.implicitEnergy(scene), diagnostics.externalWork(scene)
+    assert 0 < taken < 0.01 * abs(external)
+    assert abs(diagnostics.energyError(scene)) < 0.02 * abs(external)
+
+
+def test_a_small_step_gives_what_the_explicit_body_gives():
+    """The force of the drive while its ramp sends waves through the pile. What differs is the velocity that
+    strains the body: MUSL's for the explicit one."""
+    results = []
+    for implicit in (False, True):
+        scene = soilWithPile(implicit, damping=0.0)
+        scene.dt = 1e-5
+        history = mpm.History(period=0.01)
+        scene.engines = [*scene.engines, history]
+        scene.run(until=0.05, progress=False)
+        results.append(history["drive.fy"][1:])
+    assert results[1] == pytest.approx(results[0], abs=0.015 * np.abs(results[0]).max())
+
+
+def test_local_damping_leaves_the_body_alone():
+    scene, free = column(along=-1.0, damping=0.5), column(along=-1.0)
+    for s in (scene, free):
+        s.dt = 20 * CRITICAL
+        s.run(steps=20, progress=False)
+    assert state(scene) == state(free) and diagnostics.dampedEnergy(scene) == 0
+
+
+def test_gradient_and_vertices_follow_the_solved_velocity():
+    """F of an APDI domain is what its vertices say: both follow one velocity."""
+    scene = column("APDI", across=50.0)
+    scene.dt = 50 * CRITICAL
+    scene.run(steps=40, progress=False)
+    body = scene["column"]
+    areas = diagnostics.cornerJacobians(body.corners()).mean(axis=1)
+    J = np.linalg.det(body.deformationGradient)
+    assert areas == pytest.approx(J * body.initialVolume, rel=1e-6)
+    assert np.abs(body.displacement).max() > 0.01
+
+
+# --- several bodies ---------------------------------------------------------------------------------------
+def test_two_bodies_that_touch_are_one_system_and_others_are_systems_of_their_own():
+    """A column of two bodies moves like that of one, and a far one beside it does not change a bit."""
+    tops = []
+    for parts in (1, 2):
+        scene = mpm.Scene((0, 0), (4, 3), CELL, threads=1)
+        steel = mpm.LinearElastic(density=7.85, lame=LAME)
+        heights = np.linspace(0, 2, parts + 1)
+        for lower, upper in zip(heights, heights[1:]):
+            region = box((0.375, lower), (0.625, upper))
+            scene.add(f"to {upper}", region, steel, mpm.UGIMP(), implicit=True)
+        far = scene.add("far", box((3.375, 0), (3.625, 2)), steel, mpm.UGIMP(), implicit=True)
+        solver = mpm.GridSolver(gravity=(1.0, -1.0), fixed="bottom")
+        scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+        scene.dt = 50 * CRITICAL
+        scene.run(steps=30, progress=False)
+        tops.append((scene["to 2.0"].displacement[-1], far.displacement[-1]))
+    assert tops[1][0] == pytest.approx(tops[0][0], rel=1e-9)
+    assert tops[0][1] == pytest.approx(tops[0][0], rel=1e-9)
+
+
+# --- bits -------------------------------------------------------------------------------------------------
+def test_threads_do_not_change_a_bit():
+    states = []
+    for threads in (1, 2):
+        scene = soilWithPile(threads=threads)
+        scene.dt = 5e-4
+        scene.run(steps=30, progress=False)
+        states.append(state(scene))
+    assert states[0] == states[1]
+
+
+def test_restart_continues_bitwise(tmp_path):
+    scene = soilWithPile()
+    scene.dt = 5e-4
+    scene.run(steps=15, progress=False)
+    scene.save(tmp_path / "state.h5")
+    scene.run(steps=15, progress=False)
+    other = mpm.load(tmp_path / "state.h5")
+    assert other["pile"].implicit and names(other) == names(scene)
+    other.run(steps=15, progress=False)
+    assert state(other) == state(scene)
+    assert diagnostics.implicitEnergy(other) == diagnostics.implicitEnergy(scene) > 0

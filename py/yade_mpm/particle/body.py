@@ -194,9 +194,10 @@ class Body(Guarded):
 
     @property
     def implicit(self):
-        """Whether the elastic forces of the body at the end of a step enter the solution (engine
-        ImplicitBodies, doc/explanation/implicit-bodies.md): a flag that may be changed between runs. The stiffness of
-        such a body does not limit the time step."""
+        """Whether the elastic forces of the body at the end of a step enter the solution: a flag that may be
+        changed between runs (engine ImplicitBodies, doc/explanation/implicit-bodies.md).
+
+        The stiffness of such a body does not limit the time step."""
         return self.core.isImplicit
 
     @implicit.setter

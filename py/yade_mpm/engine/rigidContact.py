@@ -26,6 +26,7 @@ too."""
         orientation=(1, 0, 0, 0),
         velocity=(0, 0, 0),
         angularVelocity=(0, 0, 0),
+        mass=0.0,
     ):
         """Adds a rigid body and returns its number.
 
@@ -38,12 +39,16 @@ too."""
         orientation : (4,), unit quaternion (w, x, y, z); default not turned.
         velocity : (2,) or (3,), m/s; default zero.
         angularVelocity : (3,), rad/s; default zero.
+        mass : float, Mg (2D: Mg/m), of a body that yields to its forces; give it where whoever moves the body
+            does so by forces. Contact with a body that is lighter than the soil's particles is then made so
+            soft that the step resolves it; else it would leave faster than it came. Default 0: it does not
+            yield, or is heavy.
 
         Raises RuntimeError after the first run, ValueError for a value that is not allowed.
         """
         if self._isBound:
             raise RuntimeError("RigidContact: addBody after the first run; add all rigid bodies before it")
-        return self.insertBody(shapes, friction, position, orientation, velocity, angularVelocity)
+        return self.insertBody(shapes, friction, position, orientation, velocity, angularVelocity, mass)
 
     def insertBody(
         self,
@@ -53,6 +58,7 @@ too."""
         orientation=(1, 0, 0, 0),
         velocity=(0, 0, 0),
         angularVelocity=(0, 0, 0),
+        mass=0.0,
     ):
         """As `addBody`, between two steps of a host that prepares the scene anew behind it."""
         shapes = list(shapes) if isinstance(shapes, (list, tuple)) else [shapes]
@@ -72,7 +78,13 @@ too."""
             )
         impulse = {"force": [0.0] * 3, "torque": [0.0] * 3}
         rows = [shapeRow(number, shape) for shape in shapes]
+        if not (isinstance(mass, (int, float, np.number)) and 0 <= mass < np.inf):
+            raise ValueError(
+                f"RigidContact: mass = {mass!r} is not allowed; give Mg, or zero for a body that does not "
+                "yield"
+            )
         self.core.set("friction", [*self.friction, friction])
+        self.core.set("masses", [*self.masses, float(mass)])
         for name, more in (("shapes", rows), ("states", [state]), ("impulses", [impulse])):
             self.core.set(name, withRows(self.core.value(name), more))
         self.core.finish()

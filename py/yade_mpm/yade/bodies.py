@@ -13,7 +13,7 @@ from ..engine.rigidContact import RigidContact
 from . import loop
 from .plane import Plane
 from .shapes import density as densityOf
-from .shapes import frameOf, shapesOf
+from .shapes import frameOf, shapesOf, yieldingMass
 from .watching import Watch, bodyOf
 
 EVERY = 100  # cycles, after which far bodies are looked for, too
@@ -67,7 +67,7 @@ class Bodies:
         isNew = len(contact.friction) == 0
         for number in self.ids if isNew else ():
             self._refuseMissing(number)
-            contact.addBody(self._shapes(number), friction=friction)
+            contact.addBody(self._shapes(number), friction=friction, mass=self._mass(number))
         rows = self._rows(None if isNew else contact)
         if not isNew and not _areSame(contact.core.value("shapes"), rows):
             raise ValueError(
@@ -170,6 +170,9 @@ class Bodies:
     def _shapes(self, number):
         return shapesOf(self._O, self._O.bodies[number], self._facetThickness, self.plane)
 
+    def _mass(self, number):
+        return yieldingMass(self._O.bodies[number]) / self.thickness
+
     def _rows(self, contact=None):
         """Rows of shapes of the bodies that are there. contact : one that knows them already, from a
         checkpoint; a body that it has no shape of was erased before."""
@@ -206,7 +209,7 @@ class Bodies:
         waiting, self._waiting = self._waiting, []
         for number, friction in waiting:
             if bodyOf(self._O, number) is not None:
-                self.contact.insertBody(self._shapes(number), friction=friction)
+                self.contact.insertBody(self._shapes(number), friction=friction, mass=self._mass(number))
                 self.ids.append(number)
                 self._states.append(None)
         there = [(k, n) for k, n in enumerate(self.ids) if bodyOf(self._O, n) is not None]

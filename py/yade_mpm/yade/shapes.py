@@ -60,6 +60,11 @@ def _shapesAt(body, centre, turn, facetThickness, plane):
     )
 
 
+def yieldingMass(body):
+    """Mass of what moves by its forces, as YADE has it; zero for what is moved by its velocity alone."""
+    return 0.0 if body.state.blockedDOFs == "xyzXYZ" else body.state.mass
+
+
 def density(omega, body, thickness):
     """Mass over volume, Mg/m3; zero for what is moved by its velocity alone, and for facets. thickness : of a
     2D scene; None in 3D."""

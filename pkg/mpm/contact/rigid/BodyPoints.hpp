@@ -17,6 +17,9 @@ template <int Dim> class BodyPoints {
     // contact.
     double massPerArea() const { return massPerArea_; }
 
+    // Largest area that a point stands for, m2 (2D: m).
+    double largestArea() const { return largestArea_; }
+
     // Once per step.
     void update(Body<Dim>& body, const Grid<Dim>& grid) {
         isMeshed_ = body.type->isMeshed();
@@ -49,6 +52,11 @@ template <int Dim> class BodyPoints {
         double sum = 0;
         for (int k = 0; k < 3; ++k) sum += std::pow(n[k] / half(k), 2);
         return 1 / std::sqrt(sum);
+    }
+
+    // How wide a point is along n, m: a vertex as wide as its share of the facets.
+    double width(int i, const Vec3& n) const {
+        return isMeshed_ ? std::pow(area_[i], 1.0 / (Dim - 1)) : 2 * halfAlong(n);
     }
 
     // Along n from the centre to the surface of the box itself, m: half the edge along an axis, more on a
@@ -128,7 +136,7 @@ template <int Dim> class BodyPoints {
     const Field* position_ = nullptr;
     bool isMeshed_ = false;
     int particles_ = -1;
-    double inertiaScale_ = 0, massPerArea_ = 0;
+    double inertiaScale_ = 0, massPerArea_ = 0, largestArea_ = 0;
     Vec<Dim> half_ = Vec<Dim>::Zero();
 
     // Of a mesh.
@@ -161,9 +169,12 @@ template <int Dim> class BodyPoints {
     void takeBoxes() {
         const double least = half_.minCoeff();
         massPerArea_ = std::numeric_limits<double>::max();
-        for (int p = 0; p < particles_; ++p)
-            massPerArea_ =
-                std::min(massPerArea_, mass(p) * 2 * least / body_->particles.initialVolume.plane()[p]);
+        largestArea_ = 0;
+        for (int p = 0; p < particles_; ++p) {
+            const double V = body_->particles.initialVolume.plane()[p];
+            massPerArea_ = std::min(massPerArea_, mass(p) * 2 * least / V);
+            largestArea_ = std::max(largestArea_, V / (2 * least));
+        }
     }
 
     void takeVertices() {
@@ -185,8 +196,11 @@ template <int Dim> class BodyPoints {
         for (Field* field : body_->domains->fields()) // a restart finds the same stiffness
             if (field->name == "vertexReference") takeAreas(*field);
         massPerArea_ = std::numeric_limits<double>::max();
-        for (size_t i = 0; i < vertex_.size(); ++i)
+        largestArea_ = 0;
+        for (size_t i = 0; i < vertex_.size(); ++i) {
             massPerArea_ = std::min(massPerArea_, mass_[i] / area_[i]);
+            largestArea_ = std::max(largestArea_, area_[i]);
+        }
     }
 
     // Each facet's area in equal parts to its vertices, which are at `position`.

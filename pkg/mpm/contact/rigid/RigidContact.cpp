@@ -8,6 +8,7 @@
 #include "mpm/contact/rigid/RigidContact.hpp"
 
 #include "mpm/contact/rigid/RigidForce.hpp"
+#include "mpm/contact/rigid/refuseCrossed.hpp"
 
 namespace mpm {
 
@@ -24,11 +25,13 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
     bool isAnyMeshed = false;
     for (auto& soil : scene.bodies) isAnyMeshed |= soil->type->isMeshed();
     shape_.clear();
+    area_.assign(bodies(), 0.0);
     for (const ShapeRecord& shape : shapes) {
         shape_.emplace_back(shape, Dim);
         require(!isAnyMeshed || !shape_.back().isThin() || shape_.back().thickness() > 0,
                 "RigidContact: a facet of rigid body ", shape_.back().body,
                 " has no thickness, and vertices of APDI bodies would slip through; give it a thickness");
+        area_[shape.body] += shape_.back().facingArea(Dim);
         require(Dim == 3 || shape_.back().kind != RigidShape::Triangle, "RigidContact: rigid body ",
                 shape_.back().body, " has a facet with three vertices in a 2D scene; give two");
     }
@@ -52,6 +55,22 @@ double RigidContact::chooseStiffness(const Scene<Dim>& scene, const Points<Dim>&
     require(stiffness <= most, "RigidContact: stiffness = ", stiffness, " kPa/m is unstable; give at most ",
             most, " for dt = ", scene.dt, " s, or lower dt");
     return stiffness;
+}
+
+// A body of mass M that is touched on the area A answers with kappa A/M, which dt has to resolve as it does the
+// points' own kappa/(m/A): a sphere lighter than a box would leave faster than it came.
+template <int Dim>
+void RigidContact::softenForLightBodies(const Scene<Dim>& scene, const Points<Dim>& points) {
+    double onePoint = 0;
+    for (auto& p : points)
+        if (p.count() > 0) onePoint = std::max(onePoint, p.largestArea());
+    bodyStiffness_.resize(bodies());
+    for (int b = 0; b < bodies(); ++b) {
+        bodyStiffness_[b] = stiffnessUsed;
+        if (!(masses[b] > 0)) continue;
+        const double massPerArea = masses[b] / std::max(area_[b], onePoint);
+        bodyStiffness_[b] = std::min(stiffnessUsed, stiffnessFactor * massPerArea / (scene.dt * scene.dt));
+    }
 }
 
 template <int Dim> Reach RigidContact::reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const {
@@ -99,11 +118,13 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     const Points<Dim>& points = look(scene);
     reach = reachOf(scene, points);
     stiffnessUsed = chooseStiffness(scene, points);
+    softenForLightBodies(scene, points);
     std::vector<RigidContactPoint> contacts = findNearContacts(scene, points, shape_, states);
     moveToStrainedPlaces(scene, contacts);
     dropRepeats(contacts, shape_);
     forgetRenumbered(scene);
     remember(contacts, history);
+    refuseCrossed(scene, points, contacts, shape_, history);
 
     forces.fill(0);
     torques.fill(0);
@@ -138,11 +159,13 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     const Arm arm{-out * n, out > 0 ? points.stretch(c.place, n).rate * points.halfAlong(n) / out : 0};
     const Vec3 at = points.position(c.place) + arm.d; // where the nodes find it
     const double area = points.area(c.place, n);
-    const double kn = stiffnessUsed * area, kt = shearRatio * kn;
+    const double kn = bodyStiffness_[c.body] * area, kt = shearRatio * kn;
 
     const bool isOld = c.isOld();
     const Vec3 carried = scene.dt * rigid.velocityAt(at);
-    const Vec3 slid = isOld ? Vec3(movedSince(soil, index, c, arm, scene.dt) - carried) : Vec3(Vec3::Zero());
+    const Vec3 slid = isOld
+                          ? Vec3(movedSince(soil, index, c, arm, scene.dt) - carried)
+                          : slidSinceTouch(soil, index, c, arm, points.position(c.place), carried, scene.dt);
     const double opened = isOld ? c.gap - c.gapBefore : 0;
     const double viscous = 2 * normalDamping * std::sqrt(kn * points.mass(c.place)) * opened / scene.dt;
     const double normal = std::max(0.0, -kn * c.gap - viscous);

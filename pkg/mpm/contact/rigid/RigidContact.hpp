@@ -22,7 +22,8 @@ template <int Dim> class RigidBalance;
 
 class RigidContact : public EngineOf<RigidContact> {
   public:
-    std::vector<double> friction; // -, of each rigid body
+    std::vector<double> friction; // -, of each rigid body,
+    std::vector<double> masses;   // Mg (2D: Mg/m), and its mass; zero: it does not yield
     std::vector<ShapeRecord> shapes;
     std::vector<RigidState> states;     // of each rigid body,
     std::vector<RigidImpulse> impulses; // and what it got since clearImpulses()
@@ -39,7 +40,7 @@ class RigidContact : public EngineOf<RigidContact> {
 
     // Outputs of the last step.
     Field forces{"forces", "kN", "", {3}}, torques{"torques", "kN m", "", {3}};
-    double largestPenetration = 0, stiffnessUsed = 0;
+    double largestPenetration = 0, stiffnessUsed = 0; // stiffness: of bodies that do not yield
     int sliding = 0;
     std::optional<Reach> reach; // who reads it takes it, so it is there only after a step
 
@@ -71,11 +72,14 @@ class RigidContact : public EngineOf<RigidContact> {
     template <int Dim> using Points = std::vector<BodyPoints<Dim>>; // per body of the scene
     std::tuple<Points<2>, Points<3>> points_;
     std::vector<RigidShape> shape_;
+    std::vector<double> area_;          // m2 (2D: m), that may touch each body at once
+    std::vector<double> bodyStiffness_; // kPa/m, of each body in this step
 
     void checkState(int body, const RigidState& state) const;
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> Reach reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const;
+    template <int Dim> void softenForLightBodies(const Scene<Dim>& scene, const Points<Dim>& points);
     template <int Dim> Points<Dim>& look(Scene<Dim>& scene);
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);
     template <int Dim>

@@ -22,39 +22,47 @@ std::string RigidContact::doc() const {
 }
 
 std::vector<Parameter> RigidContact::attributes() {
-    return {{"friction", "-", "Friction coefficient of each rigid body; 0: exactly none.", &friction,
-             Range::notNegative()},
-            {"stiffness", "kPa/m",
-             "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.",
-             &stiffness, Range::positive()},
-            {"stiffnessFactor",
-             "-",
-             "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
-             "4 [1 - (dt/dtCritical)^2] over the larger of 1 + 2 l/h and shearRatio (1 + 2 Dim "
-             "l/h), l the half size of a "
-             "box, h the cell (vertices: over 1).",
-             &stiffnessFactor,
-             {0, 1, true, false}},
-            {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},
-            {"normalDamping", "-", "Viscous damping of the normal motion over the critical one of a point.",
-             &normalDamping, Range::between(0, 1)},
-            {"checkBalance", "",
-             "Compare force and moment of every rigid body with the sum over the nodes in every step.",
-             &checkBalance},
-            {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
-            {"shapes", "", "Shapes of the rigid bodies, a row each; made by addBody.", recordsOf(shapes)},
-            {"states", "", "Position, orientation, velocity and angular velocity, a row per rigid body.",
-             recordsOf(states)},
-            {"history", "", "Contacts of the last step, a row each.", recordsOf(history)},
-            {"sizes", "", "Particles of each body of the scene in the last step.", recordsOf(sizes)},
-            {"impulses", "", "Integrals of force and torque over time, a row per rigid body.",
-             recordsOf(impulses)}};
+    return {
+        {"friction", "-", "Friction coefficient of each rigid body; 0: exactly none.", &friction,
+         Range::notNegative()},
+        {"masses", "Mg",
+         "Mass of each rigid body that yields to its forces (2D: per metre); zero: it does not yield. Contact "
+         "with a body that is lighter than the soil's particles is so soft that the step resolves it.",
+         &masses, Range::notNegative()},
+        {"stiffness", "kPa/m",
+         "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.", &stiffness,
+         Range::positive()},
+        {"stiffnessFactor",
+         "-",
+         "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
+         "4 [1 - (dt/dtCritical)^2] over the larger of 1 + 2 l/h and shearRatio (1 + 2 Dim "
+         "l/h), l the half size of a "
+         "box, h the cell (vertices: over 1).",
+         &stiffnessFactor,
+         {0, 1, true, false}},
+        {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},
+        {"normalDamping", "-", "Viscous damping of the normal motion over the critical one of a point.",
+         &normalDamping, Range::between(0, 1)},
+        {"checkBalance", "",
+         "Compare force and moment of every rigid body with the sum over the nodes in every step.",
+         &checkBalance},
+        {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
+        {"shapes", "", "Shapes of the rigid bodies, a row each; made by addBody.", recordsOf(shapes)},
+        {"states", "", "Position, orientation, velocity and angular velocity, a row per rigid body.",
+         recordsOf(states)},
+        {"history", "", "Contacts of the last step, a row each.", recordsOf(history)},
+        {"sizes", "", "Particles of each body of the scene in the last step.", recordsOf(sizes)},
+        {"impulses", "", "Integrals of force and torque over time, a row per rigid body.",
+         recordsOf(impulses)}};
 }
 
 // Sizes follow the number of bodies, which is that of the friction coefficients.
 void RigidContact::finish() {
     require(int(states.size()) == bodies() && int(impulses.size()) == bodies(), "RigidContact: friction has ",
             bodies(), " entries for ", states.size(), " rigid bodies; give one per body");
+    if (masses.empty()) masses.assign(bodies(), 0.0); // a checkpoint of a version without them
+    require(int(masses.size()) == bodies(), "RigidContact: masses has ", masses.size(), " entries for ",
+            bodies(), " rigid bodies; give one per body");
     if (forces.size() != bodies()) {
         forces.resize(bodies());
         torques.resize(bodies());

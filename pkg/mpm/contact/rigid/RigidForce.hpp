@@ -38,6 +38,23 @@ Vec3 movedSince(const Body<Dim>& soil, int index, const RigidContactPoint& conta
     return moved + dt * (velocityGradientOf(soil, index) * arm.d);
 }
 
+// How far it has slid since a touch that is new in this step: the overlap tells when that was. Without it no
+// touch would bear friction in its first step, and what chatters would slide too fast. carried: by the rigid
+// body in a step.
+template <int Dim>
+Vec3 slidSinceTouch(const Body<Dim>& soil, int index, const RigidContactPoint& contact, const Arm& arm,
+                    const Vec3& position, const Vec3& carried, double dt) {
+    Vec3 moved = contact.point - position; // of a box: from where it is to where it is strained
+    const Field& velocity =
+        soil.type->isMeshed() ? soil.domains->mesh()->vertexVelocities() : soil.particles.velocity;
+    moved.head<Dim>() += dt * vectorAt<Dim>(velocity, index);
+    if (!soil.type->isMeshed()) moved += dt * (velocityGradientOf(soil, index) * arm.d);
+    const Vec3 slid = moved - carried;
+    const double closed = -slid.dot(contact.normal);
+    if (!(closed > 0)) return Vec3::Zero();
+    return std::min(1.0, -contact.gap / closed) * slid;
+}
+
 // Adds what nodes get of a normal and a friction force.
 template <int Dim>
 void addForce(const Body<Dim>& soil, int index, const Arm& arm, const Vec3& normal, const Vec3& friction,

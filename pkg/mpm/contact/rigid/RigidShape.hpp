@@ -93,6 +93,19 @@ class RigidShape {
     }
     bool isCentredSphere() const { return kind == Sphere && point_[0].isZero(0); }
 
+    // Of the shape as seen from where it is seen largest, m2 (2D: m): what the soil can touch at once. Of
+    // a wall zero: not known.
+    double facingArea(int dim) const {
+        if (kind == Wall) return 0;
+        const RigidState unmoved;
+        Vec3 lower, upper;
+        bounds(unmoved, lower, upper);
+        Vec3 size = upper - lower;
+        if (dim == 2) return std::max(size[0], size[1]);
+        std::sort(size.data(), size.data() + 3);
+        return size[1] * size[2];
+    }
+
     double thickness() const { return 2 * radius_; }
     bool isThin() const { return kind == Capsule || kind == Triangle; }
 

@@ -91,7 +91,7 @@ def test_a_sphere_and_a_block_exchange_momentum_exactly(kind, dim, isDeaf):
     scene, contact, block, sphere = thrown(kind, dim, checkBalance=True)
     sphere.isDeaf = isDeaf
     before = momentum(block, sphere)
-    scene.run(steps=40, progress=False)
+    scene.run(steps=20, progress=False)
     error = np.abs(momentum(block, sphere) - before).max() / np.abs(before).max()
     assert error > 1e-2 if isDeaf else error < 1e-13
     assert contact.frictionWork > 0 and max(row[6 + dim] for row in sphere.log) > 5
@@ -238,6 +238,51 @@ def test_friction_at_rest_is_held_by_the_history():
     assert abs(contact.forces[0, 0]) < 0.4
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_chattering_block_is_braked_in_every_touch(kind):
+    """Undamped, on a slope of 45 degrees. Without friction in the first step of a touch 0.3 was 0.299."""
+    scene = mpm.Scene((0, 0), (3, 1), 0.1, threads=1)
+    scene.add("block", box((0.4, 0.2), (1.0, 0.5)), elastic(1e5), typeOf(kind, 0.1))
+    contact, forces, touches = mpm.RigidContact(), [], []
+    contact.addBody(rigid.Wall(normal=(0, 1)), friction=0.3, position=(0, 0.2))
+
+    def look():
+        forces.append(contact.forces[0].copy())
+        touches.append(contact.contacts)
+
+    weight = np.sqrt(50)
+    scene.engines = chain(contact, mpm.PyRunner(look, iterPeriod=1), gravity=(weight, -weight))
+    scene.run(until=0.1, progress=False)
+    x, y, _ = np.sum(forces, axis=0)
+    assert x / -y == pytest.approx(0.3, rel=1e-12)
+    assert np.count_nonzero(np.diff(touches)) > 20  # it does chatter
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("ratio", [0.01, 0.05, 0.2, 1.4])
+def test_a_sphere_lighter_than_a_particle_leaves_no_faster_than_it_came(ratio, dim):
+    """ratio: of its mass to that of a particle. Control: a contact that does not know its mass."""
+
+    def speed(mass):
+        cell = 0.1 * (dim - 1)
+        scene = mpm.Scene((0,) * dim, (1.6,) * dim, cell, threads=1)
+        scene.add("soil", box((0,) * dim, (1.6,) * (dim - 1) + (0.6,)), elastic(), typeOf("UGIMP", cell))
+        own = ratio * 2.0 * (cell / 2) ** dim
+        radius = (own / 2.0 / np.pi) ** 0.5 if dim == 2 else (3 * own / 8.0 / np.pi) ** (1 / 3)
+        at, velocity = np.array((0.83, 0.83, 0.83)), np.zeros(3)
+        at[dim - 1], velocity[dim - 1] = 0.62 + radius, -1
+        contact = mpm.RigidContact()
+        contact.addBody(rigid.Sphere(radius), position=at[:dim], velocity=velocity, mass=mass * own)
+        sphere = Free(contact, own)
+        scene.engines = chain(contact, mpm.PyRunner(sphere, iterPeriod=1), fixed="bottom")
+        scene.run(steps=200, progress=False)
+        return sphere.v[0, dim - 1]
+
+    assert 0.5 < speed(1) < 1
+    if ratio < 0.1:
+        assert speed(0) > 1.2
+
+
 # --- rolling ----------------------------------------------------------------------------------------------
 @pytest.mark.parametrize("friction", [0.0, 0.1, 0.6])
 @pytest.mark.parametrize("kind", KINDS)
@@ -357,11 +402,13 @@ TOUCHING = {  # shape, and its lowest point below its position
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_body_that_only_touches_flat_ground_gets_no_force(kind, dim, name):
-    """Wherever it stands against the boxes. Control: 2 cm lower it is touched."""
+    """Wherever it stands against the boxes. Control: 2 cm lower it is touched, on a mesh a facet, half as
+    thick, 0.8 cm."""
     shape, low = TOUCHING[name]
+    lower = 8e-3 if name == "facet" and kind == "APDI" else 2e-2
     up = 2 if dim == 3 else 1
     turn = (np.sqrt(0.5), np.sqrt(0.5), 0, 0) if dim == 3 else (1, 0, 0, 0)  # y of the shapes is up
-    found = {0.0: 0, 2e-2: 0}
+    found = {0.0: 0, lower: 0}
     scene = mpm.Scene((0,) * dim, (1.2,) * (dim - 1) + (0.8,), 0.1, threads=1)
     scene.add("soil", box((0,) * dim, (1.2,) * (dim - 1) + (0.5,)), elastic(), typeOf(kind, 0.1))
     contact = mpm.RigidContact(checkBalance=True)
@@ -376,7 +423,7 @@ def test_a_body_that_only_touches_flat_ground_gets_no_force(kind, dim, name):
             if deep == 0:
                 assert contact.contacts == 0 and not contact.forces.any()
             found[deep] += contact.contacts
-    assert found[2e-2] > 0
+    assert found[lower] > 0
 
 
 def test_a_body_that_touches_the_ground_is_not_thrown_off_by_small_steps():
@@ -612,11 +659,45 @@ def test_bodies_move_on_with_their_velocities():
     assert contact.orientations[0] == pytest.approx([np.cos(angle / 2), 0, 0, np.sin(angle / 2)], rel=1e-9)
 
 
+# --- what a penalty does not push back --------------------------------------------------------------------
+def pushedIn(kind, shape, y, velocity, steps, **attributes):
+    scene = mpm.Scene((0, 0), (1.2, 1.2), 0.1, threads=1)
+    scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), typeOf(kind, 0.1))
+    contact = mpm.RigidContact(**attributes)
+    contact.addBody(shape, position=(0.6, y), velocity=(0, velocity))
+    scene.engines, scene.dt = chain(contact, fixed="bottom"), 2e-4
+    scene.run(steps=steps, progress=False)
+    return contact
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_body_as_deep_in_the_soil_as_its_particles_are_wide_is_refused(kind):
+    """Control: a third as deep it goes on."""
+    sphere, given = rigid.Sphere(0.3), dict(stiffness=1e3)
+    assert pushedIn(kind, sphere, 0.805, -5, 25, **given).largestPenetration > 0.015
+    deep = r"step \d+: RigidContact: rigid body 0 is 0.05\d+ m deep, more than the width of a .* in 'soil' at"
+    with pytest.raises(RuntimeError, match=deep):
+        pushedIn(kind, sphere, 0.805, -5, 100, **given)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_thin_shape_that_the_soil_has_passed_through_is_refused(kind):
+    thickness = 0.02 if kind == "APDI" else 0.0
+    facet = rigid.Facet([(-0.2, 0), (0.2, 0)], thickness=thickness)
+    with pytest.raises(RuntimeError, match="rigid body 0 has been passed through by 'soil' at"):
+        pushedIn(kind, facet, 0.52, -10, 100, stiffness=1e3)
+
+
 # --- input errors -----------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "make, error, text",
     [
         (lambda c: c.addBody([]), ValueError, "addBody without a shape"),
+        (
+            lambda c: c.addBody(rigid.Sphere(1), mass=-1),
+            ValueError,
+            "mass = -1 is not allowed; give Mg, or zero",
+        ),
         (lambda c: c.addBody(["sphere"]), TypeError, "shape = 'sphere'; give mpm.rigid.Sphere"),
         (
             lambda c: c.addBody(rigid.Sphere(-1)),

@@ -13,6 +13,7 @@ from .frame import DERIVED
 from .plot import drawDomains
 
 FEW = 2000  # arrows at most: more hide each other
+LONGEST = 0.12  # of the width of the picture: length of the longest arrow
 
 
 class Part(NamedTuple):
@@ -92,8 +93,9 @@ def drawForces(axes, engines):
 def _quiver(axes, at, vectors, name, unit, colour):
     longest = np.linalg.norm(vectors, axis=1).max()
     if longest > 0:
-        arrows = axes.quiver(*at[:, :2].T, *vectors[:, :2].T, color=colour, angles="xy", width=0.002)
-        axes.quiverkey(arrows, 0.08, 1.04, longest, f"{wordsOf(name)} {longest:.3g} {unit}", labelpos="E")
+        scale = dict(angles="xy", scale=longest / LONGEST, scale_units="width", width=0.003)
+        axes.quiver(*at[:, :2].T, *vectors[:, :2].T, color=colour, **scale)
+        axes.set_title(f"longest arrow: {wordsOf(name)} {longest:.3g} {unit}", loc="right", fontsize="small")
 
 
 def _fieldOf(part, name):

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The tutorial and the how-to pages: their code runs from top to bottom, and comes to what they say."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import yade_mpm as mpm
+
+DOC = Path(__file__).parents[1] / "doc"
+CELLS = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```", re.S | re.M)
+BLOCKS = re.compile(r"^```python\n(.*?)^```", re.S | re.M)
+IN_YADE = ("yade",)  # pages for YADE's Python
+TESTED_ELSEWHERE = ("recipes",)
+NOTEBOOKS = [page.stem for page in sorted((DOC / "tutorial").glob("*.md")) if CELLS.search(page.read_text())]
+HOWTO = [
+    page.stem
+    for page in sorted((DOC / "howto").glob("*.md"))
+    if BLOCKS.search(page.read_text()) and page.stem not in (*IN_YADE, *TESTED_ELSEWHERE)
+]
+
+
+@pytest.fixture
+def execute(tmp_path, monkeypatch, capsys):
+    """Function that runs the pieces of a page in their order; returns their names and what they print."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["page"])
+    before = plt.get_backend()
+    plt.switch_backend("Agg")
+
+    def pieces(page, pattern):
+        names = {"__name__": "__main__"}
+        for number, text in enumerate(pattern.findall((DOC / page).read_text())):
+            exec(compile(text, f"{page}, piece {number}", "exec"), names)
+        return names, capsys.readouterr().out
+
+    yield pieces
+    plt.close("all")
+    plt.switch_backend(before)
+
+
+def percents(text):
+    return [float(number) / 100 for number in re.findall(r"([+-]?\d+\.\d+)%", text)]
+
+
+def columnRuns(names, said):
+    assert 1.5 < names["column"].position[:, 0].max() < 3
+    assert len(names["results"]) == 11
+
+
+def footingMeetsPrandtl(names, said):
+    without, withFbar = percents(said)[:2]
+    assert 0.05 < without < 0.15 and abs(withFbar) < 0.05
+    assert "quasi-static: kinetic" in said and "NOT" not in said
+
+
+def typesAgree(names, said):
+    for body in names["scene"].bodies:
+        exact = -2.0 * 9.81 * (2 - body.position[:, 1])
+        assert abs((body.stress[:, 1, 1] - exact).mean()) < 0.01 * abs(exact).max()
+
+
+def frictionTakesResistance(names, said):
+    bonded, slips = (-names["curves"][n]["drive.fy"][-50:].mean() for n in ("bonded", "friction 0.3"))
+    assert 0 < slips < 0.9 * bonded
+
+
+def slowRunsPass(names, said):
+    verdicts = [mpm.quasiStatic(run[2]).isQuasiStatic for run in names["runs"].values()]
+    assert verdicts == [False, False, True, True] and names["change"] < 0.05
+
+
+CLAIMS = {
+    "first-scene": columnRuns,
+    "footing": footingMeetsPrandtl,
+    "particle-types": typesAgree,
+    "quasi-static": slowRunsPass,
+    "sheet-pile": frictionTakesResistance,
+}
+
+
+@pytest.mark.parametrize("page", NOTEBOOKS)
+def test_a_notebook_of_the_tutorial_runs(page, execute):
+    CLAIMS[page](*execute(f"tutorial/{page}.md", CELLS))
+
+
+def surchargeSettles(names, said):
+    assert 1e-3 < -names["ground"].displacement[:, 1].min() < 0.02 and names["history"]["push.fy"][-1] < 0
+
+
+def weakSlopeSlides(names, said):
+    assert np.isclose(names["base"], -9.81 * (3 * 1.7 + 2.875 * 1.9), rtol=1e-6)
+    went = [float(n) for n in re.findall(r"goes down by (\d+\.\d+)", said)]
+    assert went == sorted(went) and went[-1] > 20 * went[0]
+
+
+def strengthIsMohrCoulomb(names, said):
+    assert abs(names["q"][-1] / names["exact"] - 1) < 2e-3
+
+
+def animationIsThere(names, said):
+    assert Path("column.gif").stat().st_size > 1000 and names["columns"]["time"][-1] == names["scene"].time
+
+
+def sceneIsAtItsEnd(names, said):
+    assert names["scene"].time == names["END"]
+
+
+def finerIsNear(names, said):
+    assert abs(names["fine"] / names["coarse"] - 1) < 0.1
+
+
+ANSWERS = {
+    "element-tests": strengthIsMohrCoulomb,
+    "ground": weakSlopeSlides,
+    "jupyter": sceneIsAtItsEnd,
+    "loads": surchargeSettles,
+    "resolution": finerIsNear,
+    "results": animationIsThere,
+}
+
+
+@pytest.mark.parametrize("page", HOWTO)
+def test_the_code_of_a_howto_page_runs(page, execute):
+    ANSWERS[page](*execute(f"howto/{page}.md", BLOCKS))
+
+
+@pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed (Debian: apt install yade)")
+def test_the_tutorial_in_yade_runs(tmp_path):
+    (script,) = BLOCKS.findall((DOC / "tutorial" / "yade.md").read_text())
+    (tmp_path / "stones.py").write_text(script)
+    environment = {
+        "PYTHONPATH": str(Path(mpm.__file__).parents[1]),
+        "MPLBACKEND": "Agg",
+        "OMP_NUM_THREADS": "1",
+    }
+    done = subprocess.run(
+        ["yade", "-n", "-x", "stones.py"],
+        cwd=tmp_path,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    depths = [float(depth) for depth in re.findall(r"is (\d\.\d+) m deep", done.stdout)]
+    assert done.returncode == 0 and len(depths) == 3, done.stdout + done.stderr
+    assert all(0.01 < depth < 0.1 for depth in depths)

@@ -36,6 +36,12 @@ template <int Dim> struct PairSearch {
     const Grid<Dim>& grid() const { return scene->grid; }
     const NodalField<Dim>& fieldOf(int side) const { return scene->grid.fields[field[side]]; }
 
+    // Whether constraints hold both groups along an axis, as at a plane of symmetry. A group that is driven
+    // whole is held everywhere, and tells nothing of the other.
+    bool areBothHeld(int node, int axis) const {
+        return fieldOf(0).holder[node][axis] >= 0 && fieldOf(1).holder[node][axis] >= 0;
+    }
+
     // f(contact node) for those of this pair.
     template <class F> void forNodes(F&& f) const {
         for (size_t i = first; i < nodes->size(); ++i) f((*nodes)[i]);

@@ -19,6 +19,9 @@ constexpr double leastFree = 0.1;
 // been given its velocity by contact. With 2 instead of 4 the tip of a sheet pile takes a third more energy, and
 // up to four times as much is missing from the balance.
 constexpr int meanReach = 4;
+// Speed, in cells per step, of which all facets of an edge count besides: at rest velocities are noise, and the
+// normal is that of the whole surface. A sheet pile moves a hundred times as fast.
+constexpr double restSpeed = 1e-7;
 
 // Boxes have faces along the axes: of two groups of them those count that look at each other, the smaller of
 // both.
@@ -28,12 +31,6 @@ template <int Dim> Vec<Dim> normalOfBoxes(const Vec<Dim> outward[2]) {
         if (const double a = outward[0][k], b = outward[1][k]; a * b > 0)
             sum[k] = std::abs(a) < std::abs(b) ? a : b;
     return unit<Dim>(sum, 0.0);
-}
-
-// Whether constraints hold both groups along this axis, as at a plane of symmetry. A group that is driven whole
-// is held everywhere, and tells nothing of the other.
-template <int Dim> bool areBothHeld(const PairSearch<Dim>& pair, int node, int axis) {
-    return pair.fieldOf(0).holder[node][axis] >= 0 && pair.fieldOf(1).holder[node][axis] >= 0;
 }
 
 // At an edge of one group the flatter surface of the other counts. Of equals the mesh counts, else their
@@ -60,7 +57,7 @@ template <int Dim> void setNormal(const PairSearch<Dim>& pair, ContactNode<Dim>&
         // Boxes count where they are flat and the mesh has an edge, or at a plane of symmetry.
         const int mesh = pair.isExplicit[0] ? 0 : 1;
         bool isHeld = false;
-        for (int k = 0; k < Dim; ++k) isHeld |= areBothHeld(pair, contact.node, k);
+        for (int k = 0; k < Dim; ++k) isHeld |= pair.areBothHeld(contact.node, k);
         // Else boxes caught inside the mesh hide the surface of the others.
         const bool doFace = outward[0].dot(outward[1]) > 0;
         if (counts[mesh] || (!isHeld && (!doFace || flatness[1 - mesh] < edgeFlatness))) {
@@ -122,26 +119,49 @@ template <int Dim> Vec<Dim> meanVelocity(const PairSearch<Dim>& pair, int side, 
     return momentum / mass; // the node itself has some
 }
 
+// How an edge moves towards the other group, and the speed of which all of its facets count besides. On a plane
+// of symmetry, whose facets are no surface, by the velocities of the solution: what presses there counts, in
+// motion or at rest.
+template <int Dim> struct Approach {
+    Vec<Dim> velocity = Vec<Dim>::Zero();
+    double least = 0;
+};
+
+template <int Dim> Approach<Dim> approachOf(const PairSearch<Dim>& pair, int side, int node) {
+    const auto &own = pair.fieldOf(side).motion[node], &other = pair.fieldOf(1 - side).motion[node];
+    Approach<Dim> approach;
+    bool isOnPlane = false;
+    for (int k = 0; k < Dim; ++k) {
+        isOnPlane |= pair.areBothHeld(node, k);
+        approach.velocity[k] = own[k] - other[k];
+    }
+    if (isOnPlane) return approach;
+    return {meanVelocity(pair, side, node) - meanVelocity(pair, 1 - side, node),
+            restSpeed * pair.grid().cell.minCoeff() / pair.scene->dt};
+}
+
 // At an edge of a mesh against boxes the facets count as far as they move towards these: the tip of a pile
 // pushes what lies below it down, not aside.
 template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
-    std::vector<Vec<Dim>> approach(pair.nodes->size() - pair.first), sum(approach.size(), Vec<Dim>::Zero());
+    std::vector<Approach<Dim>> approach(pair.nodes->size() - pair.first);
     bool isAny = false;
     for (size_t i = 0; i < approach.size(); ++i) {
         const ContactNode<Dim>& contact = (*pair.nodes)[pair.first + i];
         if (contact.edgeOf != side) continue;
         isAny = true;
-        approach[i] = meanVelocity(pair, side, contact.node) - meanVelocity(pair, 1 - side, contact.node);
+        approach[i] = approachOf(pair, side, contact.node);
     }
     if (!isAny) return;
+    std::vector<Vec<Dim>> sum(approach.size(), Vec<Dim>::Zero());
     pair.forSurfaces(side, [&](Body<Dim>& body, const ExplicitSurface<Dim>& surface) {
         surface.forParts(body, [&](const auto& vertex, const Vec<Dim>& part) {
+            const double area = part.norm();
             for (int corner = 0; corner < vertex.around.size; ++corner) {
                 const int number = vertex.around.contact[corner];
                 if (number < 0 || (*pair.nodes)[number].edgeOf != side) continue;
                 const size_t i = number - pair.first;
-                const double closing = part.dot(approach[i]);
-                if (closing > 0) sum[i] += vertex.around.S[corner] * closing / part.norm() * part;
+                const double closing = std::max(0.0, part.dot(approach[i].velocity) / area);
+                sum[i] += vertex.around.S[corner] * (closing + approach[i].least) * part;
             }
         });
     });
@@ -157,7 +177,7 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
 template <int Dim> void straighten(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
     Vec<Dim> free = contact.normal;
     for (int k = 0; k < Dim; ++k)
-        if (areBothHeld(pair, contact.node, k)) free[k] = 0;
+        if (pair.areBothHeld(contact.node, k)) free[k] = 0;
     if (free.norm() > leastFree) contact.normal = free.normalized();
 }
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Structured meshes: quadrilaterals of a rectangle that is mapped to a shape."""
 
-from math import ceil, radians, tan
+from math import ceil, pi, radians, tan
 
 import numpy as np
 
@@ -32,3 +32,20 @@ def wedgedColumn(middle, bottom, width, height, angle, size):
     x, y = np.meshgrid(np.linspace(-1, 1, columns + 1), np.linspace(0, 1, rows + 1))
     rise = 0.5 * width / tan(radians(angle / 2))
     return quadrilaterals(middle + 0.5 * width * x, bottom + height * y + rise * np.abs(x) * (1 - y))
+
+
+def ring(centre, inner, outer, size):
+    """Mesh of a ring, closed round. (points, cells).
+
+    centre : (2,), m. inner, outer : radii, m. size : of the domains at the outer radius, m.
+    """
+    around = round(2 * pi * outer / size)
+    across = max(1, round((outer - inner) / size))
+    turn, radius = np.meshgrid(np.linspace(0, 2 * pi, around + 1), np.linspace(inner, outer, across + 1))
+    points, cells = quadrilaterals(centre[0] + radius * np.cos(turn), centre[1] + radius * np.sin(turn))
+    number = np.arange(len(points)).reshape(turn.shape)
+    number[:, -1] = number[:, 0]  # where the ring closes
+    kept = np.arange(len(points)).reshape(turn.shape)[:, :-1].ravel()
+    place = np.zeros(len(points), int)
+    place[kept] = np.arange(len(kept))
+    return points[kept], place[number.ravel()[cells]]

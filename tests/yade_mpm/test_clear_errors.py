@@ -6,6 +6,7 @@ import inspect
 import sys
 import traceback
 
+import blows
 import numpy as np
 import pytest
 import wrongInputs
@@ -143,22 +144,21 @@ def test_iteration_ends_where_a_body_ends():
     assert len(np.asarray(smallScene()["block"].mass)) == smallScene()["block"].count
 
 
-def shares(results):
-    """Outcomes of an attack: crashes, hangs, and the share that is refused without words."""
-    found = wrongInputs.summary(results)
-    return found["crash"], found["hang"], found["unclear"] / len(results)
+def harm(results):
+    """What an attack did: number of crashes and hangs, and the share that is refused without words."""
+    found = blows.summary(results)
+    return found["crash"] + found["hang"], found["unclear"] / len(results)
 
 
 def test_wrong_inputs_through_all_public_entries_are_refused_in_words():
-    results = wrongInputs.survey(200, seed=1)
-    crashes, hangs, unclear = shares(results)
-    assert crashes == hangs == 0 and unclear <= 0.01, results
-    assert wrongInputs.summary(results)["refused"] > 100
+    results = blows.survey(wrongInputs.__file__, 200)
+    harmed, unclear = harm(results)
+    assert harmed == 0 and unclear <= 0.01, blows.harmful(results)
+    assert blows.summary(results)["refused"] > 100
 
 
 @pytest.mark.slow  # 15 minutes
 def test_twenty_thousand_wrong_inputs_are_refused_in_words():
-    results = wrongInputs.survey(20000, seed=2)
-    crashes, hangs, unclear = shares(results)
-    told = [r for r in results if r[2] not in ("accepted", "refused")]
-    assert crashes == hangs == 0 and unclear < 0.01, told[:50]
+    results = blows.survey(wrongInputs.__file__, 20000, seed=2)
+    harmed, unclear = harm(results)
+    assert harmed == 0 and unclear < 0.01, blows.harmful(results)[:50]

@@ -5,10 +5,14 @@ import os
 
 import numpy as np
 
+from ..base.inChild import inChild
 from .mesh import Mesh, cellVolumes, cornerJacobians
 from .meshChecks import checkIndices, checkMesh
 from .numbers import formatPoint
 
+# What meshio may take for a file: text of 1 MB needs 1 s and 20 MB.
+READ_SECONDS, READ_SECONDS_PER_BYTE = 20.0, 2e-5
+READ_MEMORY, READ_MEMORY_PER_BYTE = 4 << 30, 200  # bytes, and bytes per byte
 _MIRROR = {2: [0, 3, 2, 1], 3: [0, 3, 2, 1, 4, 7, 6, 5]}
 
 
@@ -69,19 +73,33 @@ def meshFromFile(path, name):
         raise FileNotFoundError(
             f"'{name}': there is no mesh file '{os.path.abspath(os.fsdecode(path))}'; correct the name"
         )
-    try:
-        content = meshio.read(path)
-    except (Exception, SystemExit) as error:  # meshio leaves the program on a file it cannot read
-        raise ValueError(f"'{name}': {path} is not a mesh file that meshio can read: {error}") from error
-    dim = max((block.dim for block in content.cells), default=0)
-    kind = {2: "quad", 3: "hexahedron"}.get(dim)
-    others = sorted({block.type for block in content.cells if block.dim == dim and block.type != kind})
-    if kind is None or others:
+    points, cells = _readMesh(meshio, path, name)
+    dim = max((cellsDim for _, cellsDim, _ in cells), default=0)
+    wanted = {2: "quad", 3: "hexahedron"}.get(dim)
+    others = sorted({kind for kind, cellsDim, _ in cells if cellsDim == dim and kind != wanted})
+    if wanted is None or others:
         raise ValueError(
             f"'{name}': {path} holds cells of type {', '.join(others) or 'none'}; "
             "only quad (2D) or hexahedron (3D) cells, of 4 or 8 vertices, are allowed"
         )
-    return meshFromArrays(content.points, content.cells_dict[kind], name)
+    return meshFromArrays(points, np.concatenate([c for kind, _, c in cells if kind == wanted]), name)
+
+
+def _readMesh(meshio, path, name):
+    """Points, and (kind, dimension, corners) of the cells. meshio goes round for ever, takes all memory or
+    leaves the program on files that it does not understand."""
+
+    def read():
+        content = meshio.read(path)
+        return content.points, [(block.type, block.dim, block.data) for block in content.cells]
+
+    size = os.path.getsize(path)
+    try:
+        return inChild(
+            read, READ_SECONDS + size * READ_SECONDS_PER_BYTE, READ_MEMORY + READ_MEMORY_PER_BYTE * size
+        )
+    except (Exception, SystemExit) as error:
+        raise ValueError(f"'{name}': {path} is not a mesh file that meshio can read: {error}") from error
 
 
 def _asArrays(points, cells, name):

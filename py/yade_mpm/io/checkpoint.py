@@ -22,6 +22,7 @@ import h5py
 import numpy as np
 
 from .. import __version__
+from ..base.inChild import LostInChild, inChild
 from .files import checkWritable, writeWhole
 
 FORMAT, VERSION, OLDEST = "yade-mpm checkpoint", 3, 2
@@ -32,6 +33,8 @@ MAGIC = b"yade-mpm checkpoint; sha256 "
 SEAL = 512  # bytes; the smallest user block of HDF5
 PIECE = 1 << 20  # bytes read at once
 MOST_BODIES = 100_000
+# Limits of reading, for a file that makes HDF5 go round for ever.
+READ_SECONDS, READ_SPEED, READ_MEMORY = 60.0, 1e6, 1 << 30  # s, bytes/s, bytes
 READING = (OSError, KeyError, TypeError, AttributeError, RuntimeError, MemoryError, OverflowError)
 FLETCHER32 = h5py.h5z.FILTER_FLETCHER32
 
@@ -98,8 +101,17 @@ def read(file):
         raise FileNotFoundError(f"checkpoint '{file}' does not exist")
     if not h5py.is_hdf5(file):
         raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
-    if _saysItIsSealed(file) and not _isSealed(file):  # first: HDF5 itself may go astray in a damaged file
+    if _saysItIsSealed(file) and not _isSealed(file):
         raise ValueError(NOT_AS_WRITTEN.format(file))
+    size = os.path.getsize(file)
+    try:  # HDF5 itself goes astray in some files that were made by hand: there first
+        inChild(lambda: _read(file) and None, READ_SECONDS + size / READ_SPEED, READ_MEMORY + 4 * size)
+    except LostInChild as error:
+        raise _damaged(file, error) from error
+    return _read(file)
+
+
+def _read(file):
     try:
         with h5py.File(file, "r") as h5:
             version = _versionOf(h5, file)
@@ -139,7 +151,9 @@ def _isSealed(file):
 
 def _versionOf(h5, file):
     if h5.attrs.get("format") != FORMAT:
-        raise ValueError(f"'{file}' is an HDF5 file, but no checkpoint of yade_mpm")
+        raise ValueError(
+            f"'{file}' is an HDF5 file, but no checkpoint of yade_mpm; give one that scene.save wrote"
+        )
     version = int(h5.attrs.get("formatVersion", 0))
     if not OLDEST <= version <= VERSION:
         raise ValueError(

@@ -226,8 +226,7 @@ def _stored(stored, kind, name, body, file):
     if name not in stored[kind]:
         raise ValueError(
             f"checkpoint '{file}': {name} of '{body.name}' is missing; it was written by a version of "
-            "yade_mpm "
-            f"with other fields"
+            f"yade_mpm with other fields; continue it with that version"
         )
     return stored[kind][name]
 

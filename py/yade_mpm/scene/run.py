@@ -125,6 +125,8 @@ class Run:
 
     def _takeSteps(self):
         scene, pace = self.scene, Pace(self.scene)
+        if scene.notedSignals is not None:
+            scene.notedSignals.handTo(self)
         policy = LoopPolicy(scene, self.progress.say, self._saveMeanwhile, self.checkpointPeriod)
         while self.stepsLeft() > 0 and self.signal is None and not self._isStopped:
             policy.beforeSteps()
@@ -132,9 +134,8 @@ class Run:
             self._advance(min(self.stepsLeft(), policy.stepsToNext()))
             self.progress.update()
             policy.afterSteps()
-            if self._isSaveWanted:
-                self._isSaveWanted = False
-                self._saveNow()
+            self._saveIfWanted()
+        self._saveIfWanted()
         scene.core.threads = scene.threads
         policy.lookAtDomains(math.inf)
         if any(isinstance(e, PyRunner) and not e.dead for e in scene.engines):  # which may write to fields
@@ -147,8 +148,11 @@ class Run:
         finally:  # results that cannot be written are no reason to lose the state, too
             self.rescue.save()
 
-    def _saveNow(self):
+    def _saveIfWanted(self):
         """A checkpoint that somebody asked for, and a message; where it cannot be written, a warning."""
+        if not self._isSaveWanted:
+            return
+        self._isSaveWanted = False
         step = self.scene.steps
         try:
             self.rescue.flush()
@@ -177,6 +181,42 @@ def catchSignals(end, save, ending):
     handlers = dict.fromkeys(ending, end)
     if signal.getsignal(signal.SIGHUP) == signal.SIG_IGN:
         handlers.pop(signal.SIGHUP, None)
-    if signal.getsignal(signal.SIGUSR1) == signal.SIG_DFL:
+    present = signal.getsignal(signal.SIGUSR1)
+    if present == signal.SIG_DFL or isinstance(getattr(present, "__self__", None), NotedSignals):
         handlers[signal.SIGUSR1] = save
     return {number: signal.signal(number, handler) for number, handler in handlers.items()}
+
+
+class NotedSignals:
+    """Signals that come between the runs of a longer job are kept for its next run.
+
+    with NotedSignals(scene):
+        while ...:
+            scene.run(steps=200)
+            ...
+        scene.run(steps=0)  # for those behind the last run
+    """
+
+    def __init__(self, scene):
+        self._scene = scene
+        self.numbers, self._before = [], {}
+
+    def __enter__(self):
+        self._scene.notedSignals = self
+        if threading.current_thread() is threading.main_thread():
+            self._before = catchSignals(self._note, self._note, (signal.SIGINT, *ENDING))
+        return self
+
+    def __exit__(self, *_):
+        self._scene.notedSignals = None
+        for number, handler in self._before.items():
+            signal.signal(number, handler or signal.SIG_DFL)
+
+    def _note(self, number, frame):
+        self.numbers.append(number)
+
+    def handTo(self, run):
+        """Lets a run do what they ask for: save, or end."""
+        while self.numbers:
+            number = self.numbers.pop(0)
+            run.saveSoon() if number == signal.SIGUSR1 else run.interrupt(number)

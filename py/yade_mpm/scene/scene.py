@@ -83,6 +83,7 @@ class Scene(Guarded):
             geostaticGravity=None,  # m/s2 that the initial stress balances
             geostaticLayers={},  # name of a body -> Layer that initialStress made of it
             dampingAfterSettling=None,  # while settle() is at work
+            notedSignals=None,  # that came between the runs of settle()
             loadsAndDrives=[],  # that were made for its bodies, whether given to it or not
             warnedOf=set(),  # faults of the domains that runs have told
         )

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..base.warn import warnUser
 from ..geometry.numbers import isCount, isNumber
+from .run import NotedSignals
 
 TELL_EVERY = 30.0  # s of wall time between lines about how far it has come
 STUCK = 50  # looks without a smaller out-of-balance force after which it may be there to stay
@@ -62,9 +63,12 @@ def settle(
     scene.dampingAfterSettling = solver.damping
     solver.damping = damping
     try:
-        taken = _comeToRest(
-            scene, damping, tolerance, maxSteps, checkEvery, progress, maxTime, stressTolerance
-        )
+        with NotedSignals(scene) as noted:
+            taken = _comeToRest(
+                scene, damping, tolerance, maxSteps, checkEvery, progress, maxTime, stressTolerance
+            )
+            if noted.numbers:  # behind the last run
+                scene.run(steps=0)
     finally:
         solver.damping = scene.dampingAfterSettling
         scene.dampingAfterSettling = None

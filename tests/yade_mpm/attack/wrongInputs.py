@@ -3,31 +3,18 @@
 
     python tests/yade_mpm/attack/wrongInputs.py --count 20000 --show 20
 
-Tells how many were accepted, refused in words, refused without (unclear), and what crashed or hung. A process
-of its own takes the blows; each case depends on its number and the seed alone, so `--only N` repeats one.
+Tells how many were accepted, refused in words, refused without (unclear), and what crashed or hung.
 """
 
-import argparse
-import collections
-import contextlib
 import datetime
 import fractions
 import importlib
 import inspect
 import io
-import json
-import os
 import random
-import re
-import resource
-import select
-import subprocess
-import sys
-import tempfile
-import warnings
 
-PATIENCE = 30  # s for one case
-MOST_MEMORY = 8 << 30  # bytes
+import blows
+
 MODULES = (
     "certificate",
     "diagnostics",
@@ -38,15 +25,6 @@ MODULES = (
     "surface",
     "commandLine",
     "study",
-)
-LONGEST = 2000  # characters of an error
-# Errors that users know, of their own making; others are from the inside.
-KINDS = (ValueError, TypeError, KeyError, IndexError, AttributeError, RuntimeError, MemoryError, SystemExit)
-KINDS += (NotImplementedError, ImportError)
-WORDS = "give given use set make choose move check take takes add lower enlarge report pause run mend got"
-WORDS += " need needs needed allowed must cannot not already only exists permission fill"
-ADVICE = re.compile(
-    rf"\b({WORDS.replace(' ', '|')}|there is no|has no|is no|did you mean|no such file)\b", re.I
 )
 
 
@@ -268,23 +246,6 @@ def argumentsFor(rng, fixtures, thing):
     return [], given
 
 
-def unclear(error, tokens):
-    """Why an error says too little; empty: it does not."""
-    kind = type(error)
-    if not (kind in KINDS or isinstance(error, OSError)):
-        return f"a {kind.__name__} is from the inside"
-    text = str(error)
-    if kind is SystemExit:
-        return ""
-    if not text or len(text) > LONGEST:
-        return f"{len(text)} characters"
-    if not any(t.lower() in text.lower() for t in tokens):
-        return "does not say who"
-    if not ADVICE.search(text):
-        return "does not say what is allowed"
-    return ""
-
-
 def attack(number, seed, entries=None):
     """One case: (label, what came of it, text)."""
     rng = random.Random(f"{seed} {number}")
@@ -307,102 +268,16 @@ def attack(number, seed, entries=None):
     except (KeyboardInterrupt, GeneratorExit):
         raise
     except BaseException as error:
-        why = unclear(error, tokens)
+        why = blows.unclear(error, tokens)
         told = f"{type(error).__name__}: {str(error)[:400]}"
         return label, f"unclear: {why}" if why else "refused", told
 
 
-def worker(first, last, seed):
-    """Cases first ... last, a line of JSON each."""
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 28, 1 << 28))
-    warnings.simplefilter("ignore")
+def prepared():
+    """The case of a number, for a process that takes many."""
     entries = entriesOf(Fixtures())
-    say = os.fdopen(os.dup(1), "w")
-    say.write("ready\n")
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
-    for number in range(first, last):
-        with contextlib.suppress(OSError):
-            os.chdir(tempfile.gettempdir())
-        with tempfile.TemporaryDirectory() as folder:
-            os.chdir(folder)
-            result = attack(number, seed, entries)
-            os.chdir("/")
-        say.write(json.dumps([number, *result], ensure_ascii=True) + "\n")
-        say.flush()
-
-
-def survey(count, seed=1, start=0, patience=PATIENCE):
-    """Runs cases; returns a list of (number, label, outcome, text), with "crash" and "hang" as outcomes."""
-    results, first = [], start
-    while first < start + count:
-        hasBegun = False
-        child = subprocess.Popen(
-            [sys.executable, __file__, "--worker", str(first), str(start + count), "--seed", str(seed)],
-            stdout=subprocess.PIPE,
-            env=dict(os.environ, MPLBACKEND="Agg", OMP_NUM_THREADS="1"),
-        )
-        ending = ""
-        buffer = b""
-        while True:
-            ready, _, _ = select.select([child.stdout], [], [], patience)
-            if not ready:
-                ending = "hang"
-                child.kill()
-                break
-            read = os.read(child.stdout.fileno(), 1 << 16)
-            if not read:
-                break
-            buffer += read
-            *lines, buffer = buffer.split(b"\n")
-            if lines and not hasBegun:
-                hasBegun, lines = True, lines[1:]
-            results += [tuple(json.loads(line)) for line in lines]
-        code = child.wait()
-        assert hasBegun, "the process that takes the blows did not start"
-        child.stdout.close()
-        first = results[-1][0] + 1 if results else start
-        if first < start + count:
-            results.append((first, "?", ending or f"crash ({code})", ""))
-            first += 1
-    return results
-
-
-def summary(results):
-    """Dict outcome -> number, all ways of being unclear as one."""
-    return collections.Counter(re.sub(r"[:(].*", "", outcome).strip() for _, _, outcome, _ in results)
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--count", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--start", type=int, default=0)
-    parser.add_argument("--show", type=int, default=0, help="unclear ones to show, of each kind")
-    parser.add_argument("--only", type=int, help="repeat one case here, with its traceback")
-    parser.add_argument("--worker", type=int, nargs=2, help=argparse.SUPPRESS)
-    a = parser.parse_args()
-    if a.worker:
-        worker(*a.worker, a.seed)
-        return
-    if a.only is not None:
-        print(attack(a.only, a.seed))
-        return
-    results = survey(a.count, a.seed, a.start)
-    print(dict(summary(results)))
-    shown = collections.Counter()
-    for number, label, outcome, text in results:
-        if outcome in ("accepted", "refused"):
-            continue
-        if outcome == "hang" or outcome.startswith("crash"):
-            label = str(number)
-        key = (outcome, label.split()[0])
-        shown[key] += 1
-        if shown[key] <= 1 and sum(1 for k in shown if k[0] == outcome) <= a.show:
-            print(number, label, "|", outcome, "|", text[:300])
+    return lambda number, seed: attack(number, seed, entries)
 
 
 if __name__ == "__main__":
-    main()
+    blows.main(__file__, __doc__, prepared)

@@ -199,6 +199,41 @@ def test_sigusr1_saves_and_the_run_goes_on(background):
     assert mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None}).steps > saved > 0
 
 
+BETWEEN = """
+import os
+import yade_mpm.scene.settling as settling
+look = settling._look
+def asked(scene, damping):
+    if scene.steps <= {last}:
+        os.kill(os.getpid(), signal.{name})
+    return look(scene, damping)
+settling._look = asked
+solver = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom")
+scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+print(scene.settle(checkEvery=20), scene.steps, flush=True)
+"""
+
+
+@pytest.mark.parametrize("name, code", [("SIGUSR1", 0), ("SIGTERM", 143), ("SIGHUP", 129), ("SIGINT", 130)])
+def test_signals_between_the_runs_of_settle_are_not_lost(name, code):
+    run = process(BETWEEN.format(name=name, last=30))
+    told, message = run.communicate(timeout=60)
+    assert run.returncode in (code, -signal.SIGINT if code == 130 else code), message
+    saved = mpm.load("yade_mpm.checkpoint.h5").steps
+    if code == 0:
+        taken, steps = map(int, told.split())
+        assert taken > 20 and steps > saved >= 20 and "; the run goes on" in message
+    else:
+        assert saved >= 20 and "interrupted at step" in message
+
+
+def test_a_signal_behind_the_last_run_of_settle_is_not_lost():
+    run = process(BETWEEN.format(name="SIGUSR1", last=10**9))
+    told, message = run.communicate(timeout=60)
+    steps = int(told.split()[1])
+    assert run.returncode == 0 and f"step {steps}: the state is in yade_mpm.checkpoint.h5" in message
+
+
 def test_what_the_user_catches_is_left_to_it_and_nohup_holds():
     run = process(
         "signal.signal(signal.SIGUSR1, lambda *_: print('mine', flush=True))\n"

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What attacks share: a process that takes the blows, and who tells which of them did harm.
+
+Each case depends on its number and the seed alone, so `--only N` repeats one.
+"""
+
+import argparse
+import collections
+import contextlib
+import json
+import os
+import re
+import resource
+import select
+import subprocess
+import sys
+import tempfile
+import warnings
+
+PATIENCE = 30  # s for one case
+MOST_MEMORY = 8 << 30  # bytes
+LONGEST = 2000  # characters of an error
+# Errors that users know, of their own making; others are from the inside.
+KINDS = (ValueError, TypeError, KeyError, IndexError, AttributeError, RuntimeError, MemoryError, SystemExit)
+KINDS += (NotImplementedError, ImportError)
+WORDS = "give given use set make choose move check take takes add lower enlarge report pause run mend got"
+WORDS += " remove refine order count may lies need needs needed allowed must cannot not"
+WORDS += " already only exists permission fill"
+ADVICE = re.compile(
+    rf"\b({WORDS.replace(' ', '|')}|there is no|has no|is no|did you mean|no such file)\b", re.I
+)
+
+
+def unclear(error, tokens):
+    """Why an error says too little; empty: it does not."""
+    kind = type(error)
+    if not (kind in KINDS or isinstance(error, OSError)):
+        return f"a {kind.__name__} is from the inside"
+    text = str(error)
+    if kind is SystemExit:
+        return ""
+    if not text or len(text) > LONGEST:
+        return f"{len(text)} characters"
+    if not any(t.lower() in text.lower() for t in tokens):
+        return "does not say who"
+    if not ADVICE.search(text):
+        return "does not say what is allowed"
+    return ""
+
+
+def worker(attack, first, last, seed):
+    """Cases first ... last, a line of JSON each."""
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 28, 1 << 28))
+    warnings.simplefilter("ignore")
+    say = os.fdopen(os.dup(1), "w")
+    say.write("ready\n")
+    for stream in (1, 2):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
+    for number in range(first, last):
+        with contextlib.suppress(OSError):
+            os.chdir(tempfile.gettempdir())
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            result = attack(number, seed)
+            os.chdir("/")
+        say.write(json.dumps([number, *result], ensure_ascii=True) + "\n")
+        say.flush()
+
+
+def survey(script, count, seed=1, start=0, patience=PATIENCE):
+    """Runs cases of an attack; returns a list of (number, label, outcome, text), with "crash" and "hang" as
+    outcomes."""
+    results, first = [], start
+    while first < start + count:
+        told, ending = _blows(script, first, start + count, seed, patience)
+        results += told
+        first += len(told)
+        if first < start + count:
+            results.append((first, "?", ending, ""))
+            first += 1
+    return results
+
+
+def _blows(script, first, last, seed, patience):
+    """Results up to the end of the process, and how it ended."""
+    child = subprocess.Popen(
+        [sys.executable, script, "--worker", str(first), str(last), "--seed", str(seed)],
+        stdout=subprocess.PIPE,
+        env=dict(os.environ, MPLBACKEND="Agg", OMP_NUM_THREADS="1"),
+    )
+    told, ending = b"", ""
+    while True:
+        if not select.select([child.stdout], [], [], patience)[0]:
+            ending = "hang"
+            child.kill()
+            break
+        read = os.read(child.stdout.fileno(), 1 << 16)
+        if not read:
+            break
+        told += read
+    code = child.wait()
+    child.stdout.close()
+    ready, *lines = told.decode().split("\n")
+    assert ready == "ready", "the process that takes the blows did not start"
+    return [tuple(json.loads(line)) for line in lines[:-1]], ending or f"crash ({code})"
+
+
+def summary(results):
+    """Dict outcome -> number, all ways of being unclear as one."""
+    return collections.Counter(re.sub(r"[:(].*", "", outcome).strip() for _, _, outcome, _ in results)
+
+
+def harmful(results):
+    """Results that are neither accepted nor refused in words."""
+    return [r for r in results if r[2] not in ("accepted", "refused")]
+
+
+def main(script, doc, prepared):
+    """Command line of an attack. prepared() makes the function (number, seed) -> (label, outcome, text)."""
+    parser = argparse.ArgumentParser(description=doc.splitlines()[0])
+    parser.add_argument("--count", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--start", type=int, default=0)
+    parser.add_argument("--show", type=int, default=20, help="cases to show that are not as they should be")
+    parser.add_argument("--only", type=int, help="repeat one case here")
+    parser.add_argument("--worker", type=int, nargs=2, help=argparse.SUPPRESS)
+    a = parser.parse_args()
+    if a.worker:
+        worker(prepared(), *a.worker, a.seed)
+        return
+    if a.only is not None:
+        print(prepared()(a.only, a.seed))
+        return
+    results = survey(script, a.count, a.seed, a.start)
+    print(dict(summary(results)))
+    for number, label, outcome, text in harmful(results)[: a.show]:
+        print(number, label, "|", outcome, "|", text[:300])

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Damaged and hand-made checkpoints, meshes and results, given to their readers; the same for a seed.
+
+    python tests/yade_mpm/attack/damagedFiles.py --count 2000
+
+A file that is taken although its content was changed and its sum was not made anew is silent nonsense.
+"""
+
+import functools
+import io
+import os
+import random
+
+import blows
+
+MESHES = {  # name of a file -> how meshio writes it
+    "a.msh": dict(file_format="gmsh22", binary=False),
+    "b.msh": dict(file_format="gmsh22", binary=True),
+    "c.msh": dict(file_format="gmsh", binary=False),
+    "d.msh": dict(file_format="gmsh", binary=True),
+    "e.vtk": dict(binary=True),
+    "f.vtu": {},
+    "g.inp": {},
+    "h.med": {},
+    "i.xdmf": dict(data_format="XML"),
+    "j.bdf": {},
+    "k.mesh": {},
+}
+STEPS = 2  # that a scene which was taken has to bear
+
+
+def elastic(mpm):
+    return mpm.LinearElastic(density=1.0, lame=(100.0, 50.0))
+
+
+@functools.cache
+def checkpoint():
+    """Content of a checkpoint with both kinds of domains, a contact and a history."""
+    import yade_mpm as mpm
+
+    scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
+    near = scene.add("boxes", mpm.box((0, 0), (1, 0.5)), elastic(mpm), mpm.UGIMP(perCell=4, cut=True))
+    scene.add("mesh", mpm.box((1, 0), (2, 1)), elastic(mpm), mpm.APDI(size=0.25, matched=near), group="b")
+    contact = mpm.Contact(friction=0.3)
+    engines = [mpm.ParticleToGrid(), mpm.GridSolver(), contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [*engines, mpm.History(iterPeriod=1)]
+    scene.run(steps=3, progress=False)
+    return contentOf(scene.save, "whole.h5")
+
+
+@functools.cache
+def mesh(name):
+    """Content of a mesh file of 4 x 4 quadrilaterals."""
+    import meshio
+    import numpy as np
+
+    x, y = np.meshgrid(np.arange(5.0) / 2, np.arange(5.0) / 2)
+    first = np.arange(4)[:, None] * 5 + np.arange(4)
+    cells = np.stack([first, first + 1, first + 6, first + 5], axis=-1).reshape(-1, 4)
+    points = np.stack([x.ravel(), y.ravel(), 0 * x.ravel()], axis=1)
+    return contentOf(
+        lambda file: meshio.write(file, meshio.Mesh(points, [("quad", cells)]), **MESHES[name]), name
+    )
+
+
+def contentOf(write, file):
+    write(file)
+    with open(file, "rb") as f:
+        return f.read()
+
+
+def flipped(rng, content):
+    content = bytearray(content)
+    for _ in range(rng.choice([1, 1, 1, 2, 8, 64])):
+        content[rng.randrange(len(content))] ^= 1 << rng.randrange(8)
+    return bytes(content)
+
+
+def cut(rng, content):
+    return content[: rng.randrange(len(content))]
+
+
+def overwritten(rng, content):
+    at, count = rng.randrange(len(content)), rng.choice([1, 4, 8, 64, 512])
+    with_ = rng.choice([b"\0" * count, b"\xff" * count, rng.randbytes(count)])
+    return (content[:at] + with_ + content[at + count :])[: len(content)]
+
+
+def moved(rng, content):
+    """A piece of it is missing, or there twice."""
+    at, count = rng.randrange(len(content)), rng.randrange(1, 300)
+    piece = content[at : at + count]
+    return content[:at] + rng.choice([b"", piece + piece]) + content[at + count :]
+
+
+def wordsChanged(rng, content):
+    """A number in a text is another one."""
+    words = content.split(b" ")
+    words[rng.randrange(len(words))] = rng.choice(
+        [b"-1", b"0", b"99999999999", b"nan", b"1e999", b"", b"x", b"2147483648", b"18446744073709551615"]
+    )
+    return b" ".join(words)
+
+
+DAMAGES = (flipped, cut, overwritten, moved, wordsChanged)
+
+
+def tablesChanged(rng, content):
+    """Numbers of an array are others; the sum is made anew."""
+    import h5py
+    import numpy as np
+    from yade_mpm.io.checkpoint import SEAL, sealOf
+
+    image = io.BytesIO(content)
+    with h5py.File(image, "r+") as h5:
+        names = []
+        h5["bodies"].visititems(lambda name, x: names.append(name) if isinstance(x, h5py.Dataset) else None)
+        for _ in range(rng.choice([1, 1, 3])):
+            one = h5["bodies"][rng.choice(names)]
+            if not one.size:
+                continue
+            at = np.unravel_index(rng.randrange(one.size), one.shape)
+            floats = [float("nan"), float("inf"), 0.0, -1.0, 1e300, 1e-300, 7.0]
+            whole = [-1, 0, 1, 7, 2**31 - 1, -(2**31), rng.randrange(-(2**31), 2**31)]
+            one[at] = rng.choice(whole if one.dtype.kind == "i" else floats)
+    changed = image.getvalue()[SEAL:]
+    return sealOf(changed) + changed
+
+
+def sealedAnew(rng, content):
+    """Bytes of the HDF5 file are changed; the sum is made anew."""
+    from yade_mpm.io.checkpoint import SEAL, sealOf
+
+    changed = rng.choice((flipped, overwritten))(rng, content[SEAL:])
+    return sealOf(changed) + changed
+
+
+def stepsOf(scene):
+    """What was taken can be stepped, or the run is refused, or fails in words."""
+    scene.threads = 1
+    scene.run(steps=STEPS, progress=False)
+
+
+def attackCheckpoint(rng):
+    import yade_mpm as mpm
+
+    content = checkpoint()
+    damage = rng.choice((*DAMAGES, tablesChanged, tablesChanged, sealedAnew, sealedAnew))
+    damaged = damage(rng, content)
+    with open("damaged.h5", "wb") as f:
+        f.write(damaged)
+    label = f"checkpoint {damage.__name__}"
+    scene = mpm.load("damaged.h5")
+    if damage in DAMAGES and damaged != content:
+        return label, "silent", "a damaged file was taken"
+    stepsOf(scene)
+    return label, "accepted", ""
+
+
+def attackMesh(rng):
+    import yade_mpm as mpm
+
+    name, damage = rng.choice(list(MESHES)), rng.choice(DAMAGES)
+    damaged = damage(rng, mesh(name))
+    with open(name, "wb") as f:
+        f.write(damaged)
+    scene = mpm.Scene((-4, -4), (6, 6), 1.0)
+    scene.add("mesh", name, elastic(mpm), mpm.APDI())
+    stepsOf(scene)
+    return f"mesh {name} {damage.__name__}", "accepted", ""
+
+
+def attack(number, seed):
+    """One case: (label, what came of it, text)."""
+    rng = random.Random(f"{seed} {number}")
+    kind = rng.choice((attackCheckpoint, attackCheckpoint, attackMesh))
+    try:
+        return kind(rng)
+    except (KeyboardInterrupt, GeneratorExit):
+        raise
+    except BaseException as error:
+        tokens = ["checkpoint", "mesh", "body '", "Scene", "History", "dt =", "particle", *os.listdir()]
+        why = blows.unclear(error, tokens)
+        told = f"{type(error).__name__}: {str(error)[:400]}"
+        return kind.__name__, f"unclear: {why}" if why else "refused", told
+
+
+if __name__ == "__main__":
+    blows.main(__file__, __doc__, lambda: attack)

@@ -6,6 +6,7 @@ keep, resumed                               the arguments of a run, kept beside 
 record, saveCurve                           what every summary says of a run, and curves that studies overlay
 Parameter, Parameters                       what a scene takes, declared once
 study(build, cases, results)                the module itself is called: many cases, one table
+calibrate                                   parameters fitted to a measured curve
 travel, movingAverage, atSteps, scatter     curves over the way of a driven body
 addGround, TYPES                            ground of uGIMP, of APDI, or of both
 quadrilaterals, wedgedColumn                structured meshes
@@ -37,6 +38,7 @@ __all__ = [
     "Run",
     "addGround",
     "atSteps",
+    "calibrate",
     "keep",
     "movingAverage",
     "quadrilaterals",
@@ -47,6 +49,13 @@ __all__ = [
     "travel",
     "wedgedColumn",
 ]
+
+
+def calibrate(*what, **how):
+    """Fits parameters of a scene to a measured curve, see `yade_mpm.study.calibration.calibrate`."""
+    from .calibration import calibrate
+
+    return calibrate(*what, **how)
 
 
 class _Study(_types.ModuleType):

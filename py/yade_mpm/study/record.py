@@ -10,6 +10,8 @@ import numpy as np
 from .. import __version__, _core
 from ..io.files import saveTable
 
+CURVE = "curve_{}.csv"  # in the folder of a case
+
 
 def record(a, scene, seconds, steps=None):
     """Dict of plain numbers and texts, for JSON: what was asked for, what ran, and how long it took.
@@ -46,4 +48,4 @@ def saveCurve(out, name, columns):
     """
     if len(columns) != 2:
         raise ValueError(f"saveCurve {name}: {len(columns)} columns are not allowed; give x and y")
-    saveTable(os.path.join(out, f"curve_{name}.csv"), columns)
+    saveTable(os.path.join(out, CURVE.format(name)), columns)

@@ -37,13 +37,17 @@ def write(study, frame):
     parts = [_head(study, frame), _findings(study), _table(study, frame, varied, found)]
     parts += [_failures(study, frame), _curves(study), _effects(done, varied, found)]
     parts += [_indices(done, varied, found), _maps(done, varied, found), _cards(study)]
-    title = escape(f"Study of {study.name}")
-    page = f"""<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>
-<style>{STYLE}</style></head><body>{"".join(p for p in parts if p)}</body></html>
-"""
+    text = page(f"Study of {study.name}", "".join(p for p in parts if p))
     with replacing(os.path.join(study.out, "report.html")) as part, open(part, "w") as opened:
-        opened.write(page)
+        opened.write(text)
+
+
+def page(title, body):
+    """A page that stands alone."""
+    return f"""<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1"><title>{escape(title)}</title>
+<style>{STYLE}</style></head><body>{body}</body></html>
+"""
 
 
 def _results(study, done):

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A study: one scene, many cases, each in a folder of its own, whatever happens to the others."""
 
-import contextlib
 import importlib.util
 import os
 import sys
 import time
+from contextlib import contextmanager, nullcontext
 
 from ..io.files import replacing, saveJson
 from . import cases as casesOf
@@ -126,12 +126,15 @@ class Study:
         dashboard=False,
         memory=execution.MEMORY,
         quiet=False,
+        client=None,
     ):
         """Runs the cases that have not ended, and returns the table of all.
 
         jobs : cases at once, None: chosen. timeout : s for each. scheduler : address of a Dask scheduler.
         retry : also those that failed. dashboard : tell the address of Dask's. memory : GiB of a case.
-        quiet : say nothing. KeyboardInterrupt after Ctrl-C; the same call goes on where it was.
+        quiet : say nothing. client : of Dask, used instead of one of its own.
+
+        KeyboardInterrupt after Ctrl-C; the same call goes on where it was.
         """
         waiting = self.waiting(retry)
         if waiting:
@@ -139,7 +142,10 @@ class Study:
             self._giveThreads(waiting, threads)
             with open(os.devnull, "w") as nowhere:
                 live = Live({f: self.labels[f] for f in waiting}, jobs, nowhere if quiet else None)
-                isWhole = self._execute(waiting, live, jobs, timeout, scheduler, dashboard)
+                with execution.cluster(scheduler, jobs) if client is None else nullcontext(client) as one:
+                    if dashboard:
+                        print(f"dashboard: {one.dashboard_link}", file=sys.stderr, flush=True)
+                    isWhole = self._execute(one, waiting, live, timeout)
         frame = self.write()
         if waiting and not isWhole:
             raise KeyboardInterrupt
@@ -151,7 +157,7 @@ class Study:
             if case["threads"] != threads:
                 saveJson(os.path.join(folder, state.CASE), {**case, "threads": threads})
 
-    def _execute(self, waiting, live, jobs, timeout, scheduler, dashboard):
+    def _execute(self, client, waiting, live, timeout):
         writer = _Writer(self)
 
         def ended(folder, at):
@@ -162,11 +168,8 @@ class Study:
             live.look()
             writer.look()
 
-        with execution.cluster(scheduler, jobs) as client:
-            if dashboard:
-                print(f"dashboard: {client.dashboard_link}", file=sys.stderr, flush=True)
-            stop = os.path.join(self.out, state.STOP)
-            return execution.execute(client, waiting, stop, timeout, ended, look)
+        stop = os.path.join(self.out, state.STOP)
+        return execution.execute(client, waiting, stop, timeout, ended, look)
 
     def write(self):
         """Writes the table and the report of the cases as they are; returns the table."""
@@ -223,7 +226,7 @@ def parametersOf(file):
     return module.PARAMETERS
 
 
-@contextlib.contextmanager
+@contextmanager
 def _onPath(folder):
     sys.path.insert(0, folder)
     try:

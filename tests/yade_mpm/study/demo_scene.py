@@ -13,6 +13,7 @@ PARAMETERS = mpm.Parameters(
     "demo_scene",
     __doc__,
     Parameter("gravity", 10.0, "downwards", unit="m/s2", least=0),
+    Parameter("speed", 0.0, "at the start, downwards", unit="m/s", least=0),
     Parameter("perCell", 2, "boxes", least=1, whole=True),
     Parameter("until", 0.1, "end", unit="s", above=0),
     Parameter("pause", 0.0, "of every tenth step", unit="s", least=0),
@@ -24,7 +25,8 @@ PARAMETERS = mpm.Parameters(
 def build(a):
     scene = mpm.Scene((0, 0), (1, 1), 0.25, threads=1)
     rubber = mpm.LinearElastic(density=1, lame=(100, 100))
-    scene.add("block", mpm.box((0.25, 0.5), (0.75, 0.75)), rubber, mpm.UGIMP(perCell=a.perCell))
+    block = scene.add("block", mpm.box((0.25, 0.5), (0.75, 0.75)), rubber, mpm.UGIMP(perCell=a.perCell))
+    block.velocity = (0, -a.speed)
     scene.engines = [
         mpm.ParticleToGrid(),
         mpm.GridSolver(gravity=(0, -a.gravity)),

@@ -3,6 +3,7 @@
 #include "mpm/check/CriticalTimeStep.hpp"
 #include "mpm/check/InterfaceRule.hpp"
 #include "mpm/check/balances.hpp"
+#include "mpm/step/Conversion.hpp"
 #include "python.hpp"
 
 namespace mpm::python {
@@ -38,6 +39,13 @@ template <int Dim> struct Bind {
     static void dropBody(S& scene) { scene.bodies.pop_back(); }
     static void convertTo(S& scene, const std::string& from, const std::string& to) {
         scene.body(from)->convertsTo = scene.body(to);
+    }
+    // Domains become particles of another body, whatever their shape.
+    static void convertDomains(S& scene, const std::string& from, const std::string& to,
+                               const bp::object& particles) {
+        std::vector<Distorted> all;
+        for (int p : numbers<int>(particles)) all.push_back({p, 1.0});
+        convert(*scene.body(to), *scene.body(from), all);
     }
     static void setEngines(S& scene, const bp::object& list) {
         scene.engines.clear();
@@ -194,6 +202,7 @@ template <int Dim> struct Bind {
             .def("addBody", addBody, ByReference())
             .def("dropBody", dropBody)
             .def("convertTo", convertTo)
+            .def("convertDomains", convertDomains)
             .def("setEngines", setEngines)
             .def("setConstraints", setConstraints)
             .def("prepare", &S::prepare)

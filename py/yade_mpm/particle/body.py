@@ -279,6 +279,25 @@ class Body(Guarded):
         self._scene.core.convertTo(self.name, other.name)
         self._convertsTo = other.name
 
+    def convert(self, region, type):
+        """Makes uGIMP particles of the domains of this body in a region, between two runs; returns the body
+        that has them.
+
+        Parameters
+        ----------
+        region : Region; domains with their centre in it are converted.
+        type : mpm.UGIMP(...), of the new particles: a domain becomes as many as fit its edges.
+
+        Mass, momentum, volume and centre of mass of each domain stay, but for round-off; stress, strain and
+        what the material remembers are copied. The new body has the name of this one with "(UGIMP)", its
+        material, group and options. Drives and loads of this body act on the domains that stay, and
+        `body.mesh` is None from now on. The other way, from uGIMP to APDI, is not offered: boxes know no
+        neighbours.
+
+        Raises TypeError and ValueError for what cannot be converted, RuntimeError during a run.
+        """
+        return self._scene._convert(self, region, type)
+
     # --- parts, for driving ---
     def above(self, height):
         """Part of the body above a height, looked up anew in every step.

@@ -11,6 +11,7 @@ from ..engine.gridSolver import GridSolver
 from ..geometry.numbers import isNumber
 from . import display
 from .adding import Bodies, add
+from .converting import convert
 from .geostatic import initialStress
 from .grid import cellSize, corner, makeCore
 from .holder import Holder
@@ -58,6 +59,7 @@ class Scene(Guarded):
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce
     run, step, pause, wait = run, step, pause, wait
+    _convert = convert  # for Body.convert
     handOver, refuseWhileRunning = handOver, refuseWhileRunning
     plot, _repr_html_ = display.plot, display.html
 

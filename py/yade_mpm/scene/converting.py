@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Another particle type for a part of a body, between two runs."""
+
+import numpy as np
+
+from ..geometry.region import Region
+from ..geometry.regions import box
+from ..particle.types import Boxes, MeshedType, ParticleType, classes
+from .adding import build, newBody
+from .running import refuseDuringStep, refuseMidStep
+
+
+def convert(scene, body, region, type):
+    """Makes uGIMP particles of the domains of a body in a region; returns the new body, see
+    `Body.convert`."""
+    refuseDuringStep(scene, "convert")
+    refuseMidStep(scene, "convert")
+    numbers = _checked(scene, body, region, type)
+    name = _freeName(scene, f"{body.name} ({type.__class__.__name__})")
+    with scene.holder.held("convert"):
+        other = newBody(scene, name, body.material, type, None, body.inertiaScale, body.fbar, body.group)
+        other.isDamped = body.isDamped
+        half = type.geometry(_aCell(scene), scene, name).halfSize
+        build(other, Boxes(np.zeros((0, scene.dim)), half))
+        scene.core.convertDomains(body.name, name, np.ascontiguousarray(numbers, np.int32))
+        _shapeForSplitting(other)
+        body.mesh = None
+        scene.stepper.noteChange()
+    return other
+
+
+def _checked(scene, body, region, type):
+    """Numbers of the particles that are to be converted."""
+    who = f"body '{body.name}': convert"
+    if not isinstance(region, Region):
+        raise TypeError(f"{who}: region = {region!r}; give a region, e.g. mpm.box((0, 0), (1, 1))")
+    if not isinstance(type, ParticleType):
+        raise TypeError(f"{who}: type = {type!r}; give mpm.UGIMP(...)")
+    if not isinstance(body.type, MeshedType):
+        raise ValueError(
+            f"{who}: its particles are {body.type.__class__.__name__}; only domains of APDI convert"
+        )
+    if not isinstance(type, classes["UGIMP"]) or type.cut:
+        raise ValueError(f"{who}: {type!r} is not allowed; give mpm.UGIMP(...), not cut by a region")
+    if region.dim != scene.dim:
+        raise ValueError(f"{who}: the region is {region.dim}D, the scene {scene.dim}D")
+    numbers = np.flatnonzero(region.contains(body.position))
+    if len(numbers) == 0:
+        raise ValueError(f"{who}: no domain has its centre in the region")
+    return numbers
+
+
+def _aCell(scene):
+    """A region of one cell, for the size of a type's boxes."""
+    return box(scene.lower, scene.lower + scene.cell)
+
+
+def _freeName(scene, name):
+    known = {body.name for body in scene.bodies}
+    number = 2
+    free = name
+    while free in known:
+        free, number = f"{name} {number}", number + 1
+    return free
+
+
+def _shapeForSplitting(body):
+    """Where stretched particles are cut: the parts of a domain are as large as boxes, whatever its stretch
+    was."""
+    if "splitShare" in [field["name"] for field in body.core.fields(True)]:
+        body.core.resizeDomainField("splitShare", body.count)
+        dim = body.position.shape[1]
+        share = np.asarray(body.core.view("splitShare", True))
+        share[...] = np.linalg.inv(body.deformationGradient[:, :dim, :dim])

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""body.convert: domains of a region become uGIMP particles between two runs."""
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box
+
+LEFT = box((0, 0), (1.5, 4))
+
+
+def scene(threads=1, **how):
+    """A block of soil that falls and has hit the floor with its lower edge, in 2D."""
+    one = mpm.Scene((0, 0), (4, 4), 0.25, threads=threads)
+    soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(2e3, 1.5e3), cohesion=2.0, frictionAngle=0.5)
+    body = one.add("soil", box((0.5, 0), (2.5, 1.5)), soil, mpm.APDI(size=0.25), fbar=True, **how)
+    body.velocity = (0.5, -1.0)
+    one.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom"),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    one.run(until=0.05)
+    return one
+
+
+def sums(bodies):
+    """Mass, momentum, volume, first moment and mean stress times volume of bodies."""
+    total = 0
+    for b in bodies:
+        rows = [
+            b.mass[:, None],
+            b.mass[:, None] * b.velocity,
+            b.volume[:, None],
+            b.mass[:, None] * b.position,
+        ]
+        rows.append(b.volume[:, None] * b.stress.reshape(b.count, 9))
+        total = total + np.concatenate([r.sum(axis=0) for r in rows])
+    return total
+
+
+@pytest.mark.parametrize("kind", [dict(perCell=2), dict(perCell=3), dict(perCell=2, splitAt=1.3)], ids=str)
+@pytest.mark.parametrize("region", [LEFT, box((0, 0), (4, 4))], ids=["a part", "all"])
+def test_mass_momentum_volume_and_stress_stay(kind, region):
+    one = scene()
+    soil, before = one["soil"], sums(one.bodies)
+    count, inside = soil.count, region.contains(soil.position).sum()
+    new = soil.convert(region, mpm.UGIMP(**kind))
+    assert soil.count == count - inside and new.count >= inside * (kind["perCell"] - 1) ** 2
+    assert sums(one.bodies) == pytest.approx(before, rel=1e-12, abs=1e-12 * np.abs(before).max())
+    assert (new.name, new.fbar, new.material) == ("soil (UGIMP)", True, soil.material)
+    assert not set(np.unique(soil.id[region.contains(soil.position)]))
+    with pytest.raises(AssertionError):  # control: what a lost particle would do
+        new.mass[0] = 0
+        assert sums(one.bodies) == pytest.approx(before, rel=1e-12, abs=1e-12 * np.abs(before).max())
+
+
+@pytest.mark.parametrize("kind", [dict(perCell=2), dict(perCell=2, splitAt=1.3)], ids=str)
+def test_the_run_goes_on_smoothly_and_a_checkpoint_keeps_it(kind, tmp_path):
+    one, whole = scene(), scene()
+    one["soil"].convert(LEFT, mpm.UGIMP(**kind))
+    recorder = mpm.Recorder(str(tmp_path / "r.vtkhdf"), period=0.02)
+    one.engines = [*one.engines, recorder, mpm.History(period=0.01)]
+    one.run(until=0.1)
+    one.save(tmp_path / "c.h5")
+    other = mpm.load(tmp_path / "c.h5")
+    for s in (one, other, whole):
+        s.run(until=0.15)
+    assert sums(one.bodies).tolist() == sums(other.bodies).tolist()
+    energy, own = (mpm.diagnostics.kineticEnergy(s) for s in (whole, one))
+    centre, mine = (sums(s.bodies)[5] / sums(s.bodies)[0] for s in (whole, one))
+    assert own == pytest.approx(energy, rel=0.2) and mine == pytest.approx(centre, rel=0.02)
+
+
+def test_threads_do_not_change_a_bit():
+    ends = []
+    for threads in (1, 2):
+        one = scene(threads)
+        one["soil"].convert(LEFT, mpm.UGIMP(perCell=2))
+        one.run(until=0.1)
+        ends.append(sums(one.bodies).tolist())
+    assert ends[0] == ends[1]
+
+
+def test_a_second_part_has_a_name_of_its_own():
+    one = scene()
+    names = [one["soil"].convert(r, mpm.UGIMP(perCell=2)).name for r in (LEFT, box((1.5, 0), (2, 4)))]
+    assert names == ["soil (UGIMP)", "soil (UGIMP) 2"]
+    one.run(until=0.06)
+
+
+@pytest.mark.parametrize(
+    "region, kind, message",
+    [
+        ("left", mpm.UGIMP(perCell=2), "region = 'left'"),
+        (LEFT, "UGIMP", "type = 'UGIMP'"),
+        (LEFT, mpm.APDI(size=0.25), "is not allowed; give mpm.UGIMP"),
+        (LEFT, mpm.UGIMP(perCell=2, cut=True), "not cut by a region"),
+        (box((3, 3), (4, 4)), mpm.UGIMP(perCell=2), "no domain has its centre in the region"),
+        (box((0, 0, 0), (1, 1, 1)), mpm.UGIMP(perCell=2), "the region is 3D, the scene 2D"),
+    ],
+)
+def test_what_cannot_be_converted_is_refused(region, kind, message):
+    one = scene()
+    with pytest.raises((TypeError, ValueError), match=message):
+        one["soil"].convert(region, kind)
+    assert len(one.bodies) == 1
+
+
+def test_boxes_are_not_converted():
+    one = scene()
+    new = one["soil"].convert(LEFT, mpm.UGIMP(perCell=2))
+    with pytest.raises(ValueError, match="its particles are UGIMP; only domains of APDI convert"):
+        new.convert(LEFT, mpm.UGIMP(perCell=2))

@@ -3,7 +3,7 @@
 
 Units: Mg, m, s, kPa (2D: per metre of thickness); tension positive; angles in radians.
 
-Scene, load                    a scene (`help(mpm.Scene)` is the place to start); one from a checkpoint
+Scene, load, undo              a scene (`help(mpm.Scene)` is the place to start); one from a checkpoint
 loadPlugin                     classes that were built outside of this package
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
@@ -74,6 +74,7 @@ from .scene.policy import LoopPolicy as _LoopPolicy
 from .scene.restoring import load
 from .scene.scene import Scene
 from .scene.stepper import Stepper as _Stepper
+from .scene.undoing import undo
 from .study.parameter import Parameter
 from .study.parameters import Parameters
 

@@ -7,6 +7,7 @@ the frame before shares it ("part" of the format), so that only points and cell 
 """
 
 import io
+import json
 import os
 import sys
 import uuid
@@ -258,6 +259,8 @@ class Recorder(Callback):
     def _append(self, h5, frame):
         root = h5["VTKHDF"]
         root["CellData"].attrs["bodies"] = frame.bodies
+        if self._scene.changes:
+            root.attrs["changes"] = json.dumps(self._scene.changes)
         isSame = self._topology is not None and frame.sameTopology(self._topology)
         appendFrame(root, frame, frame.time, frame.step, isSame, self._compress)
 

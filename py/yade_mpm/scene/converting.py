@@ -18,7 +18,8 @@ def convert(scene, body, region, type):
     numbers = _checked(scene, body, region, type)
     name = _freeName(scene, f"{body.name} ({type.__class__.__name__})")
     with scene.holder.held("convert"):
-        other = newBody(scene, name, body.material, type, None, body.inertiaScale, body.fbar, body.group)
+        options = body.inertiaScale, body.fbar, body.group, body.implicit
+        other = newBody(scene, name, body.material, type, None, *options)
         other.isDamped = body.isDamped
         half = type.geometry(_aCell(scene), scene, name).halfSize
         build(other, Boxes(np.zeros((0, scene.dim)), half))

@@ -109,6 +109,7 @@ def _build(spec, arrays, callbacks, permissions, file):
     scene.stepper.restore(
         spec["checked"], spec["estimatedAt"], spec.get("estimatedVolumes", {}), spec.get("automaticDt")
     )
+    scene.changesNoted.restore(scene, spec.get("changes", []))
     _warn(scene, spec, file)
     return scene
 

@@ -41,6 +41,22 @@ def save(scene, file, midStep=False):
         if engine["class"] in ("Recorder", "History") and engine.get("spec", {}).get("file") is not None:
             engine["spec"]["file"] = relativeTo(os.path.dirname(os.fspath(file)), engine["spec"]["file"])
     checkpoint.write(file, description, scene.bodies)
+    if not midStep:
+        scene.lastCheckpoint = (os.path.abspath(file), _stamp(file))
+
+
+def isLast(scene):
+    """Whether the checkpoint that a scene wrote last is as it was written."""
+    return scene.lastCheckpoint is not None and _stamp(scene.lastCheckpoint[0]) == scene.lastCheckpoint[1]
+
+
+def _stamp(file):
+    """What changes when a file does; None where it is gone."""
+    try:
+        found = os.stat(file)
+    except FileNotFoundError:
+        return None
+    return found.st_mtime_ns, found.st_size
 
 
 def refuseResults(scene, file):
@@ -56,6 +72,8 @@ def refuseResults(scene, file):
 
 def describe(scene):
     """Everything of a scene but the arrays of its bodies, as a dict that JSON can hold."""
+    if scene.hasEngines:
+        scene.changesNoted.look(scene)
     materials, types = _distinct(b.material for b in scene.bodies), _distinct(b.type for b in scene.bodies)
     return {
         "lower": list(scene.lower),
@@ -77,6 +95,7 @@ def describe(scene):
         "steps": scene.steps,
         "energies": dict(scene.core.energies),
         "settling": scene.dampingAfterSettling,
+        "changes": scene.changes,
         "materials": [{"class": type(m).__name__, "attributes": m.attributes()} for m in materials],
         "types": [_describeType(t) for t in types],
         "bodies": [

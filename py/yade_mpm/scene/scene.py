@@ -11,6 +11,7 @@ from ..engine.gridSolver import GridSolver
 from ..geometry.numbers import isNumber
 from . import display
 from .adding import Bodies, add
+from .changes import Changes
 from .converting import convert
 from .geostatic import initialStress
 from .grid import cellSize, corner, makeCore
@@ -87,6 +88,8 @@ class Scene(Guarded):
             dampingAfterSettling=None,  # while settle() is at work
             notedSignals=None,  # that came between the runs of settle()
             loadsAndDrives=[],  # that were made for its bodies, whether given to it or not
+            changesNoted=Changes(),
+            lastCheckpoint=None,  # (name, stamp) of the file
             warnedOf=set(),  # faults of the domains that runs have told
         )
         self._bodies = []
@@ -121,6 +124,14 @@ class Scene(Guarded):
     constraints = property(
         lambda self: list(self.stepper.constraints), doc="All prescribed motions, faces included."
     )
+
+    @property
+    def changes(self):
+        """Parameters that were changed between runs, and where: list of dicts with step, time (s), what,
+        before and after. Engines, prescribed motions, materials and flags of bodies count, and dt; each run
+        and each checkpoint looks what is other than before. Checkpoints and the files of recorders have
+        it."""
+        return list(self.changesNoted.all)
 
     # --- engines --------------------------------------------------------------------------------------
     @property

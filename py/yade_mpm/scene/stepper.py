@@ -109,6 +109,7 @@ class Stepper:
             self.checkTimeStep()
         scene.core.threads = scene.threads
         self._isPrepared = True
+        scene.changesNoted.look(scene)
 
     def _prepareChain(self):
         scene, engines = self._scene, self._scene.engines

@@ -90,6 +90,8 @@ class Run:
     def save(self, results):
         """Writes summary.json: what every summary says, and the results. Returns it as a dict."""
         summary = {**self.record(), **results}
+        if self.scene.changes:
+            summary["changes"] = self.scene.changes
         saveJson(os.path.join(self.out, SUMMARY), summary)
         return summary
 

@@ -42,6 +42,12 @@ class Attributed:
     _usedBy = None  # name of the body made with it
     _fixed = ()  # attributes that cannot change from then on; None: all
 
+    def __init_subclass__(cls, **options):
+        """Gives a class the signature that its parameter list makes, for help and completion."""
+        super().__init_subclass__(**options)
+        if cls._coreName is not None:
+            cls.__signature__ = signatureOf(cls)
+
     def __init__(self, **attributes):
         object.__setattr__(self, "core", type(self)._make(type(self)._coreName))
         for name, value in attributes.items():
@@ -131,6 +137,22 @@ class Attributed:
             if p["name"] in values
         ]
         return card(type(self).__name__, table(("attribute", "value", "unit", "meaning"), rows))
+
+
+def signatureOf(cls):
+    """Signature of a class: arguments of its own, then the attributes as keywords with their defaults."""
+    own = [
+        p
+        for p in inspect.signature(cls.__init__).parameters.values()
+        if p.name != "self" and p.kind is not p.VAR_KEYWORD
+    ]
+    taken = {p.name for p in own}
+    attributes = [
+        inspect.Parameter(p["name"], inspect.Parameter.KEYWORD_ONLY, default=p["default"])
+        for p in cls._make(cls._coreName).parameters()
+        if p["name"] not in taken
+    ]
+    return inspect.Signature([*own, *attributes])
 
 
 def plain(value):

@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+# Made by scripts/stubs from the parameter lists of the solver; tests/test_stubs.py sees that it is current.
+from collections.abc import Sequence
+from typing import Any, Literal
+
+from . import diagnostics as diagnostics
+from . import rigid as rigid
+from . import study as study
+from .check.certificate import Certificate as Certificate
+from .check.certificate import quasiStatic as quasiStatic
+from .check.certificate import rateSensitivity as rateSensitivity
+from .engine.boundaryLoad import BoundaryLoad as _BoundaryLoad
+from .engine.callback import PyRunner as PyRunner
+from .engine.contact import Contact as _Contact
+from .engine.engine import Engine
+from .engine.gridSolver import GridSolver as _GridSolver
+from .engine.prescribed import Drive as Drive
+from .engine.prescribed import Hold as Hold
+from .engine.rigidContact import RigidContact as _RigidContact
+from .geometry.mesh import Mesh as Mesh
+from .geometry.meshInput import meshFromArrays as meshFromArrays
+from .geometry.meshInput import meshFromFile as meshFromFile
+from .geometry.meshRows import inRows as inRows
+from .geometry.region import Region as Region
+from .geometry.regions import box as box
+from .geometry.regions import disc as disc
+from .geometry.regions import everywhere as everywhere
+from .geometry.regions import halfSpace as halfSpace
+from .geometry.regions import polygon as polygon
+from .geometry.regions import sphere as sphere
+from .io.history import History as History
+from .io.recorder import Recorder as Recorder
+from .io.results import ResultFrame as ResultFrame
+from .io.results import Results as Results
+from .io.results import read as read
+from .material.materials import Material as Material
+from .material.materials import MaterialPoint as MaterialPoint
+from .particle.body import Body as Body
+from .particle.part import BodyPart as BodyPart
+from .particle.types import MeshedType
+from .particle.types import ParticleType as ParticleType
+from .scene.plugins import loadPlugin as loadPlugin
+from .scene.restoring import load as load
+from .scene.scene import Scene as Scene
+from .study.parameter import Parameter as Parameter
+from .study.parameters import Parameters as Parameters
+
+
+__version__: str
+
+
+class APDI(MeshedType):
+    """Domains with vertices shared between neighbours, for small and moderate deformation."""
+
+    hourglass: float
+    onDistortion: Literal['stop', 'convert']
+    def __init__(
+        self,
+        size: Any = None,
+        matched: Any = None,
+        *,
+        hourglass: float = 0.05,
+        onDistortion: Literal['stop', 'convert'] = 'stop',
+    ) -> None: ...
+
+
+class BSpline(ParticleType):
+    """Points with quadratic B-splines, a smooth kernel: no noise when particles cross from cell to cell."""
+
+    perCell: float | Sequence[float]
+    def __init__(
+        self,
+        *,
+        perCell: float | Sequence[float] = (2.0,),
+    ) -> None: ...
+
+
+class BoundaryLoad(_BoundaryLoad):
+    """Traction (fixed direction) and pressure (follows the surface) on boundary facets of an APDI body."""
+
+    body: str
+    traction: float | Sequence[float]
+    pressure: float
+    tractionTable: float | Sequence[float]
+    pressureTable: float | Sequence[float]
+    ramp: float
+    facets: float | Sequence[float]
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        body: str,
+        where: Any = None,
+        loadsBonded: Any = False,
+        *,
+        traction: float | Sequence[float] = (),
+        pressure: float = 0.0,
+        tractionTable: float | Sequence[float] = (),
+        pressureTable: float | Sequence[float] = (),
+        ramp: float = 0.0,
+        facets: float | Sequence[float] = (),
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class Contact(_Contact):
+    """Frictional contact between groups of bodies, each of which moves with a velocity field of its own."""
+
+    friction: float
+    adhesion: float
+    separation: bool
+    slip: bool
+    impactLoss: float
+    normals: Literal['surface', 'mass']
+    pairs: Any
+    frictionWork: float
+    impulses: float | Sequence[float]
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        friction: float = 0.0,
+        adhesion: float = 0.0,
+        separation: bool = True,
+        slip: bool = True,
+        impactLoss: float = 0.0,
+        normals: Literal['surface', 'mass'] = 'surface',
+        pairs: Any = (),
+        frictionWork: float = 0.0,
+        impulses: float | Sequence[float] = (),
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class DomainUpdater(Engine):
+    """Updates velocity gradient, deformation, volume and stress of the particles, and moves the vertices."""
+
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class GridSolver(_GridSolver):
+    """Solves the equation of motion on the nodes, with gravity, local damping and prescribed velocities."""
+
+    gravity: float | Sequence[float]
+    damping: float
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        roller: Any = (),
+        fixed: Any = (),
+        hold: Any = (),
+        drive: Any = (),
+        *,
+        gravity: float | Sequence[float] = (),
+        damping: float = 0.0,
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class GridToParticle(Engine):
+    """Moves the particles with the nodes."""
+
+    flip: float
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        flip: float = 1.0,
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class ImplicitBodies(Engine):
+    """Lets the elastic forces of implicit bodies at the end of the step enter the solution on the nodes: their"""
+
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class LinearElastic(Material):
+    """Linear elasticity in logarithmic strain (Hencky), for large rotation and any number of cycles."""
+
+    density: float | None
+    lame: float | Sequence[float]
+    young: float | None
+    poisson: float | None
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        lame: float | Sequence[float] = (),
+        young: float | None = None,
+        poisson: float | None = None,
+    ) -> None: ...
+
+
+class MohrCoulombDruckerPrager(Material):
+    """Elastic-perfectly plastic soil: Mohr-Coulomb yield surface f, Drucker-Prager potential g."""
+
+    density: float | None
+    lame: float | Sequence[float]
+    young: float | None
+    poisson: float | None
+    cohesion: float | None
+    frictionAngle: float | None
+    dilatancyAngle: float
+    coneFit: Literal['planeStrain', 'triaxialCompression', 'triaxialExtension']
+    tensionCutOff: float | None
+    dilatancyLimit: float | None
+    initialVoidRatio: float | None
+    criticalVoidRatio: float | None
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        lame: float | Sequence[float] = (),
+        young: float | None = None,
+        poisson: float | None = None,
+        cohesion: float | None = None,
+        frictionAngle: float | None = None,
+        dilatancyAngle: float = 0.0,
+        coneFit: Literal['planeStrain', 'triaxialCompression', 'triaxialExtension'] = 'planeStrain',
+        tensionCutOff: float | None = None,
+        dilatancyLimit: float | None = None,
+        initialVoidRatio: float | None = None,
+        criticalVoidRatio: float | None = None,
+    ) -> None: ...
+
+
+class NeoHookean(Material):
+    """Compressible neo-Hookean elasticity."""
+
+    density: float | None
+    lame: float | Sequence[float]
+    young: float | None
+    poisson: float | None
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        lame: float | Sequence[float] = (),
+        young: float | None = None,
+        poisson: float | None = None,
+    ) -> None: ...
+
+
+class ParticleToGrid(Engine):
+    """Finds the particles in the grid and sums their mass, momentum and forces on the nodes."""
+
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class RigidContact(_RigidContact):
+    """Frictional contact of rigid bodies with all bodies of the scene: penalty, Coulomb friction with history."""
+
+    friction: float | Sequence[float]
+    masses: float | Sequence[float]
+    stiffness: float | None
+    stiffnessFactor: float
+    shearRatio: float
+    normalDamping: float
+    checkBalance: bool
+    frictionWork: float
+    shapes: Any
+    states: Any
+    history: Any
+    sizes: Any
+    impulses: Any
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        friction: float | Sequence[float] = (),
+        masses: float | Sequence[float] = (),
+        stiffness: float | None = None,
+        stiffnessFactor: float = 0.3,
+        shearRatio: float = 0.8,
+        normalDamping: float = 0.0,
+        checkBalance: bool = False,
+        frictionWork: float = 0.0,
+        shapes: Any = (),
+        states: Any = (),
+        history: Any = (),
+        sizes: Any = (),
+        impulses: Any = (),
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class UGIMP(ParticleType):
+    """Particles with fixed box domains (uniform GIMP), for separation and very large deformation."""
+
+    perCell: float | Sequence[float]
+    cut: bool
+    outline: bool
+    splitAt: float | None
+    def __init__(
+        self,
+        *,
+        perCell: float | Sequence[float] = (2.0,),
+        cut: bool = False,
+        outline: bool = True,
+        splitAt: float | None = None,
+    ) -> None: ...
+
+
+class VelocityRemap(Engine):
+    """Maps the momentum of the particles back to the nodes: the velocity that strains them (MUSL, USF)."""
+
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...

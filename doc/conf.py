@@ -4,9 +4,12 @@
 The source folder is the root of the project, so that links from one page to another are the same on both.
 """
 
+import inspect
 import os
 import sys
 from pathlib import Path
+
+from sphinx.util.docutils import SphinxDirective
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "doc"))
@@ -55,5 +58,18 @@ html_copy_source = False
 html_extra_path = ["_site"]  # index.html of the whole, which leads to doc/index.html
 
 
+class Public(SphinxDirective):
+    """`.. public:: yade_mpm.diagnostics`: the reference of every public name of a module."""
+
+    required_arguments = 1
+
+    def run(self):
+        lines = []
+        for name, thing in docstrings.publicNames(self.arguments[0]):
+            lines += [f".. auto{'class' if inspect.isclass(thing) else 'function'}:: {name}", ""]
+        return self.parse_text_to_nodes("\n".join(lines))
+
+
 def setup(app):
+    app.add_directive("public", Public)
     app.connect("autodoc-process-docstring", docstrings.process, priority=400)  # before napoleon

@@ -5,6 +5,8 @@ They are written to be short in `help()`: a parameter is "name : meaning, unit; 
 indented lines, and an indented block is a formula or an example. Here each becomes what numpydoc asks for.
 """
 
+import importlib
+import inspect
 import re
 
 SECTIONS = ("Parameters", "Attributes", "Returns", "Raises", "Columns")
@@ -13,8 +15,19 @@ HIDDEN = """
 act bind constraints core finish frictions geometry gridSolver handOver isBound markBound markUsed putInOrder
 refuseWhileRunning row spec stepsToCall
 """.split()  # noqa: SIM905
+NO_FACE = ("replacing", "shapeRow", "Shape", "drawDomains")  # in public modules, but not for users
 HEAD = re.compile(r"^(\**\w+(?:, \**\w+)*) ?: (.*)$")
 MARKS = re.compile(r"(?<![\\`])([*|]|\b_(?=\W|$))")
+
+
+def publicNames(module):
+    """(full name, object) of the functions and classes of a module of the package that are for users."""
+    owner = importlib.import_module(module)
+    for name, thing in vars(owner).items():
+        isOwn = inspect.isclass(thing) or inspect.isfunction(thing)
+        isOwn = isOwn and thing.__module__.startswith("yade_mpm") and name not in NO_FACE
+        if isOwn and not name.startswith("_") and name in getattr(owner, "__all__", [name]):
+            yield f"{module}.{name}", thing
 
 
 def process(app, what, name, thing, options, lines):

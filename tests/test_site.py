@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The manual as a site: Sphinx builds it without a warning, and it has every page and every public name."""
 
-import importlib
 import inspect
 import os
 import subprocess
@@ -16,8 +15,6 @@ sys.path.insert(0, str(ROOT / "doc"))
 import docstrings  # noqa: E402
 
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "doc").rglob("*.md"))]
-NO_FACE = ("replacing", "shapeRow", "Shape", "drawDomains")  # in these modules, but not for users
-MODULES = ("", ".diagnostics", ".plot", ".rigid", ".surface")
 
 
 def sphinx(out, notebooks, *options):
@@ -50,18 +47,8 @@ def test_every_page_of_the_manual_is_in_the_site(site):
     assert {str(page.relative_to(ROOT)) for page in PAGES} - built == set()
 
 
-def publicThings():
-    """(full name, object, its module's name) of everything that the reference has to explain."""
-    for module in MODULES:
-        owner = importlib.import_module("yade_mpm" + module)
-        for name, thing in vars(owner).items():
-            isOwn = inspect.isclass(thing) or inspect.isfunction(thing)
-            isOwn = isOwn and thing.__module__.startswith("yade_mpm") and name not in NO_FACE
-            if isOwn and not name.startswith("_") and name in getattr(owner, "__all__", [name]):
-                yield f"yade_mpm{module}.{name}", thing
-
-
-PUBLIC = dict(publicThings())
+MODULES = ("yade_mpm", *(f"yade_mpm.{name}" for name in ("diagnostics", "plot", "rigid", "surface")))
+PUBLIC = {name: thing for module in MODULES for name, thing in docstrings.publicNames(module)}
 
 
 def test_the_reference_has_every_public_name(site):

@@ -21,13 +21,23 @@ def didYouMean(name, known):
 
 
 class Guarded:
-    """Object that takes no public attribute its class does not have: AttributeError, with the nearest
-    name."""
+    """Object that takes no public attribute its class does not have, and is neither copied nor pickled.
+
+    The AttributeError names the nearest attribute, or where the wanted one is.
+    """
+
+    _elsewhere = {}  # name that users look for here -> what to do instead
+    _instead = "make another one"  # of a copy
+
+    def __reduce__(self):
+        kind = type(self).__name__
+        raise TypeError(f"{kind}: it cannot be copied or pickled; {self._instead}")
 
     def __setattr__(self, name, value):
         if not name.startswith("_") and name not in self.__dict__ and not hasattr(type(self), name):
             known = [n for n in dir(self) if not n.startswith("_")]
-            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, known)}")
+            hint = f"; {self._elsewhere[name]}" if name in self._elsewhere else didYouMean(name, known)
+            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'{hint}")
         object.__setattr__(self, name, value)
 
 

@@ -31,7 +31,8 @@ def wordsFor(error, function, name, owner, arguments, named):
     try:
         bound = inspect.signature(function).bind(*arguments, **named).arguments
     except TypeError as wrong:
-        text = f"{who}: {wrong}; give {_signature(function, owner)}"
+        kind = type(arguments[0]) if owner is not None and arguments else owner
+        text = f"{who}: {wrong}; give {_signature(function, kind, name)}"
         return TypeError(shortened(text))
     given = _flat(bound, function, owner)
     if name == "__setattr__":
@@ -80,7 +81,9 @@ def _reason(error):
     return shortened(" ".join(text.split()), MOST_REASON)
 
 
-def _signature(function, owner):
+def _signature(function, owner, name):
+    if name == "__init__" and hasattr(owner, "__signature__"):  # made from the parameter list
+        return str(owner.__signature__).replace("(*, ", "names: (")
     parameters = list(inspect.signature(function).parameters.values())[owner is not None :]
     return str(inspect.Signature(parameters)) if parameters else "no argument"
 

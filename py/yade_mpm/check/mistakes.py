@@ -23,6 +23,11 @@ OVERLAP = 0.02
 
 def likelyMistakes(scene, gravity):
     """Yields a text for each. gravity : of the solver, m/s2."""
+    if scene.isLeftAsMade() and not _isMoved(scene):
+        yield (
+            "Scene: no engines were given, and the default ones have neither gravity nor walls; set e.g. "
+            "scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed='bottom')"
+        )
     softest = min((b.material.lameConstants[1] for b in scene.bodies), default=0.0)
     for body in scene.bodies:
         yield from _units(body, gravity)
@@ -72,6 +77,15 @@ def _overlap(scene, contact):
             f"faster the smaller the time step; start where the two only touch, or leave the place of the "
             "body empty (region - box(...))"
         )
+
+
+def _isMoved(scene):
+    """Whether anything else sets the bodies in motion: a velocity, a body force, a load, a stress."""
+    isLoaded = any(isinstance(e, (BoundaryLoad, RigidContact, Contact)) for e in scene.engines)
+    return isLoaded or any(
+        b.velocity.any() or b.stress.any() or ("bodyForce" in b.fieldNames and b.bodyForce.any())
+        for b in scene.bodies
+    )
 
 
 def _leftOut(scene):

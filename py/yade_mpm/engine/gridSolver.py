@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The engine that moves the nodes, with the motions that are prescribed to them."""
 
+from ..geometry.numbers import isNumber
 from .engine import generated
 from .prescribed import FACES, Drive, Hold
 
@@ -21,6 +22,14 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
         self._roller, self._fixed = _names("roller", roller), _names("fixed", fixed)
         self._hold, self._drive = _listOf(Hold, "hold", hold), _listOf(Drive, "drive", drive)
         self._faceHolds = {}
+
+    def _assign(self, name, value):
+        if name == "gravity" and isNumber(value):
+            raise ValueError(
+                f"GridSolver: gravity = {value!r} is one number; give one component per axis, e.g. "
+                f"(0, {-abs(value):g})"
+            )
+        super()._assign(name, value)
 
     roller = property(lambda self: self._roller, doc="Faces with zero normal velocity.")
     fixed = property(lambda self: self._fixed, doc="Faces with zero velocity.")

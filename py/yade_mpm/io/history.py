@@ -10,6 +10,7 @@ import time
 import numpy as np
 
 from ..base.html import card, table
+from ..base.warn import warnUser
 from ..check import diagnostics
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
@@ -198,6 +199,10 @@ class History(Callback):
             self._before.setdefault(name, [scene.time, *integrals])
         if self._file is not None:
             checkWritable(self._file, "History")
+            if not self._count and os.path.exists(self._file):
+                warnUser(
+                    f"History: the first row replaces '{self._file}' of an earlier run; rename it to keep it"
+                )
 
     def act(self, scene):
         self._row(scene)

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 
 import h5py
 
+from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
 from .files import checkWritable, fillWhole, naming, temporaryBeside
@@ -188,6 +189,10 @@ class Recorder(Callback):
 
     def _begin(self, scene):
         checkWritable(self._file, "Recorder")
+        if self._path is None and os.path.exists(self._file):
+            warnUser(
+                f"Recorder: the first step replaces '{self._file}' of an earlier run; rename it to keep it"
+            )
         image, frame = io.BytesIO(), self._frameOf(scene)  # HDF5 does not survive a disk that becomes full
         with h5py.File(image, "w") as h5:
             createLayout(h5, self._run)

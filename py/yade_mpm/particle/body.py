@@ -20,6 +20,8 @@ class Body(Guarded):
     which reorders all fields alike: `id` tells who is who, and `byId("stress")` gives a copy in its order.
     """
 
+    _instead = "np.array(body.stress) copies a field, scene.save(file) keeps the whole scene"
+
     def __init__(self, scene, core, type_, material, region=None, mesh=None):
         self.__dict__.update(_scene=scene, core=core, type=type_, material=material, region=region, mesh=mesh)
         self._convertsTo = None  # name of the body that takes over distorted domains

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """How far a run is, on a terminal and elsewhere."""
 
+import math
 import sys
 import time
+import warnings
 
 
 class Progress:
-    """A bar on a terminal, a line now and then elsewhere.
+    """A bar on a terminal and in a notebook, a line at once and now and then elsewhere.
 
     Parameters
     ----------
@@ -16,13 +18,13 @@ class Progress:
     """
 
     WAIT = 2.0  # s before anything is shown
-    LINES = 30.0  # s between lines that are no terminal
+    LINES = 30.0  # s between lines where there is no bar
 
     def __init__(self, scene, wanted, stepsLeft):
         self.scene, self.wanted, self.stepsLeft = scene, wanted, stepsLeft
         self.began, self.firstStep = time.monotonic(), scene.steps
-        self.bar, self.lastLine = None, 0.0
-        self.terminal = sys.stderr.isatty()
+        self.bar, self.lastLine = None, -math.inf
+        self.hasBar = sys.stderr.isatty() or isNotebook()
 
     def text(self):
         """Time, rate and number of threads."""
@@ -38,17 +40,13 @@ class Progress:
         if self.wanted is False or (wall < self.WAIT and not self.wanted):
             return
         done, left = self.scene.steps - self.firstStep, self.stepsLeft()
-        if self.terminal:
+        if self.hasBar:
             if self.bar is None:
-                from tqdm import tqdm
-
-                self.bar = tqdm(
-                    total=done + left, unit="step", file=sys.stderr, dynamic_ncols=True, leave=True
-                )
+                self.bar = _makeBar(done + left)
             self.bar.total = done + left
             self.bar.set_postfix_str(self.text(), refresh=False)
             self.bar.update(done - self.bar.n)
-        elif wall - self.lastLine >= self.LINES or (left == 0 and self.lastLine > 0):
+        elif wall - self.lastLine >= self.LINES or (left == 0 and self.lastLine > -math.inf):
             self.lastLine = wall
             remaining = wall / max(1, done) * left
             print(
@@ -69,3 +67,19 @@ class Progress:
         if self.bar is not None:
             self.bar.close()
             self.bar = None
+
+
+def isNotebook():
+    """Whether the program is the kernel of a notebook, whose output is no terminal but shows a bar."""
+    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    return type(shell).__name__ == "ZMQInteractiveShell"
+
+
+def _makeBar(total):
+    """A bar of tqdm: a widget in a notebook that has ipywidgets, text elsewhere."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that ipywidgets is not there: text does as well
+        from tqdm.auto import tqdm
+    isText = "notebook" not in tqdm.__module__ and not any("notebook" in c.__module__ for c in tqdm.__mro__)
+    text = dict(file=sys.stderr, dynamic_ncols=True) if isText else {}
+    return tqdm(total=total, unit="step", leave=True, **text)

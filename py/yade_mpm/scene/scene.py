@@ -8,6 +8,7 @@ from ..base.attributes import Guarded
 from ..engine import chain
 from ..engine.engine import Engine
 from ..engine.gridSolver import GridSolver
+from ..engine.prescribed import Prescribed
 from ..geometry.numbers import isNumber
 from . import display
 from .adding import Bodies, add
@@ -55,6 +56,19 @@ class Scene(Guarded):
     stepper : `Stepper`, for loops of your own.
     """
 
+    _elsewhere = {
+        name: f"{name} is of the GridSolver: scene.engines[1] = mpm.GridSolver({example}, ...)"
+        for name, example in {
+            "gravity": "gravity=(0, -9.81)",
+            "damping": "damping=0.05",
+            "roller": "roller=('left', 'right')",
+            "fixed": "fixed='bottom'",
+            "drive": "drive=mpm.Drive(...)",
+            "hold": "hold=mpm.Hold(...)",
+        }.items()
+    } | {"flip": "flip is of GridToParticle: scene.engines[2] = mpm.GridToParticle(flip=1)"}
+    _instead = "scene.save(file) keeps it, mpm.load(file) makes another one"
+
     # Methods that have a file of their own.
     add = add
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside
@@ -94,6 +108,7 @@ class Scene(Guarded):
         )
         self._bodies = []
         self._dt, self._threads, self._engines, self._loop = None, None, None, None
+        self._defaultSolver = None  # the GridSolver of the default chain
         self._added = {}  # engines that the scheme asked for, by class
         self.scheme = scheme
         self.threads = threads
@@ -144,15 +159,13 @@ class Scene(Guarded):
         """
         if self._engines is None:
             self.engines = chain.defaultChain()
+            self._defaultSolver = self.gridSolver("Scene")
         return self._engines
 
     @engines.setter
     def engines(self, engines):
         refuseDuringStep(self, "engines")
         engines = list(engines) if isinstance(engines, (list, tuple)) else [engines]
-        for engine in engines:
-            if not isinstance(engine, Engine):
-                raise TypeError(f"Scene: {engine!r} is not an engine; give a list of engines")
         self.putInOrder(engines)
         self._engines = engines
         self.stepper.noteChange()
@@ -162,10 +175,24 @@ class Scene(Guarded):
     )
 
     def putInOrder(self, engines):
-        """Adds what the scheme asks for to a chain, in the list itself; ValueError for stages in no order."""
+        """Adds what the scheme asks for to a chain, in the list itself.
+
+        TypeError for what is no engine, ValueError for stages in no order.
+        """
+        for engine in engines:
+            if not isinstance(engine, Engine):
+                kind = type(engine).__name__
+                where = f"give it to GridSolver({kind.lower()}=...)" if isinstance(engine, Prescribed) else ""
+                raise TypeError(f"Scene: {engine!r} is not an engine; {where or 'give a list of engines'}")
         order = self.core.stageOrder
         chain.complete(engines, order, self._added)
         chain.checkOrder(engines, order, self.scheme)
+
+    def isLeftAsMade(self):
+        """Whether the GridSolver is that of the default chain, as it was: without gravity and walls."""
+        solver = self._defaultSolver
+        isThere = any(engine is solver for engine in self.engines)
+        return isThere and not (any(solver.gravity) or solver.constraints(self))
 
     def gridSolver(self, who):
         """The GridSolver among the engines; ValueError, in the name of `who`, if there is none."""

@@ -13,9 +13,11 @@ does not look beside a script.
 
 import argparse
 import os
+import re
 import sys
 from math import inf, isfinite
 
+from ..base.attributes import didYouMean
 from .resume import resumed
 
 
@@ -80,7 +82,12 @@ class Parser(argparse.ArgumentParser):
     """
 
     def __init__(self, name, doc, smoke, threads=True, resume=None):
-        super().__init__(prog=name, description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+        super().__init__(
+            prog=name,
+            description=doc,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+            allow_abbrev=False,
+        )
         self._smoke, self._mayChange = smoke, resume
         self._folder = os.path.join("results", name)
         shared = self.add_argument_group("all scenes")
@@ -102,6 +109,12 @@ class Parser(argparse.ArgumentParser):
             "continue the run that left this checkpoint in the folder of its results, with its arguments; "
             f"of others only {changed} may be given"
         )
+
+    def error(self, message):
+        """Ends the program with a message, and for an unknown option the nearest known one."""
+        unknown = re.findall(r"--[\w-]+", message) if message.startswith("unrecognized arguments") else []
+        hints = {didYouMean(name, self._option_string_actions).strip("; ") for name in unknown} - {""}
+        super().error("; ".join([message, *sorted(hints)]))
 
     def parse(self, words=None):
         """Arguments of a command line, a list of words (default: of the program); with --resume those of

@@ -42,6 +42,7 @@ from .particle.types import ParticleType as ParticleType
 from .scene.plugins import loadPlugin as loadPlugin
 from .scene.restoring import load as load
 from .scene.scene import Scene as Scene
+from .scene.undoing import undo as undo
 from .study.parameter import Parameter as Parameter
 from .study.parameters import Parameters as Parameters
 

@@ -175,6 +175,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     State<Dim>& state = found(scene);
     ContactSearch<Dim>& search = state.search;
     auto& nodes = state.impulses.nodes;
+    state.own.assign(search.nodes.size(), {});
     for (const ContactPair& pair : search.pairs) {
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side) {
@@ -186,6 +187,11 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                     nodes[i].start[side][k] = W[k] > 0 ? W[k] * field.sum[node][NF::momentum + k] : v;
                 }
             }
+        state.impulses.implicit.find(scene, search.nodes, pair, nodes);
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            for (int side = 0; side < 2; ++side)
+                if ((state.own[i].is[side] = nodes[i].responding[side] >= 0))
+                    state.own[i].answer[side] = nodes[i].inverseMass[side];
         const int* groups = search.nodes[pair.firstNode].field;
         const FrictionLaw law = lawOf(groups[0], groups[1]);
         state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>&) { return law; });
@@ -195,6 +201,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         addFriction<Dim>(search, pair, loss());
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             exchange(scene, gravity, search.nodes[i], nodes[i]);
+        state.impulses.implicit.give(scene, search.nodes, nodes);
     }
 }
 
@@ -206,8 +213,11 @@ void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<D
     const double loss = this->loss();
     contact.impulse = node.J.all - (1 - loss) * node.J.agreeing;
     contact.acts = true;
-    for (int side = 0; side < 2; ++side)
-        change<Dim>(scene, gravity, contact, side, (side == 0 ? -1 : 1) * node.inverseMass[side], node.J);
+    for (int side = 0; side < 2; ++side) {
+        const bool isMovedLater = node.responding[side] >= 0; // with all impulses on the body
+        const double sign = isMovedLater ? 0 : side == 0 ? -1 : 1;
+        change<Dim>(scene, gravity, contact, side, sign * node.inverseMass[side], node.J);
+    }
     const Vec<Dim> met = loss * node.J.agreeing;
     const Vec<Dim> mobility = node.mobility();
     const Vec<Dim> startBefore = node.start[0] - node.start[1] + mobility.cwiseProduct(node.J.agreeing);
@@ -215,12 +225,15 @@ void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<D
     if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node.v[0] - node.v[1]);
 }
 
-// The same for velocities that have been made anew from the momentum of the particles.
+// The same for velocities that have been made anew from the momentum of the particles. An implicit body is strained
+// by the velocity of the solution: here the others only come to it.
 template <int Dim> void Contact::tie(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     State<Dim>& state = found(scene);
     ContactSearch<Dim>& search = state.search;
     auto& nodes = state.impulses.nodes;
+    state.impulses.implicit.clear();
+    state.own.resize(search.nodes.size()); // USF comes here first, and has no implicit bodies
     for (const ContactPair& pair : search.pairs) {
         for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) search.points[i].J = {};
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
@@ -228,8 +241,10 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
             const int node = search.nodes[i].node;
             for (int side = 0; side < 2; ++side) {
                 const NF& field = scene.grid.fields[search.nodes[i].field[side]];
-                nodes[i].inverseMass[side] = inverseMass(field, node);
-                for (int k = 0; k < Dim; ++k) nodes[i].v[side][k] = field.velocityOf(node, k);
+                const auto& own = state.own[i];
+                nodes[i].inverseMass[side] = own.is[side] ? own.answer[side] : inverseMass(field, node);
+                for (int k = 0; k < Dim; ++k)
+                    nodes[i].v[side][k] = own.is[side] ? field.motion[node][k] : field.velocityOf(node, k);
                 nodes[i].start[side] = nodes[i].v[side];
             }
         }

@@ -53,6 +53,12 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling {
     template <int Dim> struct State {
         ContactSearch<Dim> search;
         ContactImpulses<Dim> impulses;
+        // What implicit bodies answer on their own side of each contact node, for velocities made anew.
+        struct Own {
+            bool is[2] = {false, false};
+            Vec<Dim> answer[2];
+        };
+        std::vector<Own> own;
     };
     std::tuple<State<2>, State<3>> states_;
 

@@ -5,6 +5,7 @@
 
 #include "mpm/contact/ContactSearch.hpp"
 #include "mpm/contact/FrictionLaw.hpp"
+#include "mpm/contact/ImplicitSides.hpp"
 
 namespace mpm {
 
@@ -13,13 +14,14 @@ namespace mpm {
 template <int Dim> struct NodeMotion {
     Vec<Dim> inverseMass[2], start[2], v[2];
     Impulses<Dim> J;
+    int responding[2] = {-1, -1}; // place in the response of implicit bodies, which then changes v; -1: none
 
     void take(const Impulses<Dim>& more, double weight) {
         J.all += weight * more.all;
         J.agreeing += weight * more.agreeing;
         for (int side = 0; side < 2; ++side) {
             const Vec<Dim> answer = (side == 0 ? -weight : weight) * inverseMass[side];
-            v[side] += answer.cwiseProduct(more.all);
+            if (responding[side] < 0) v[side] += answer.cwiseProduct(more.all);
             start[side] += answer.cwiseProduct(more.agreeing);
         }
     }
@@ -29,15 +31,19 @@ template <int Dim> struct NodeMotion {
 template <int Dim> class ContactImpulses {
   public:
     std::vector<NodeMotion<Dim>> nodes; // a row for each contact node of the search
+    ImplicitSides<Dim> implicit;        // of the pair in work
 
     // lawOf(site): the friction law there.
     template <class LawOf>
     void solve(ContactSearch<Dim>& search, const ContactPair& pair, double dt, LawOf&& lawOf) {
         const double one = 1;
-        for (int round = 0; round < mostRounds; ++round) {
-            for (int i = int(pair.firstNode); i < int(pair.endNode); ++i)
-                update(search.nodes[i], lawOf(search.nodes[i]), dt, &i, &one, 1);
+        const bool isCoupled = !implicit.isEmpty();
+        for (int round = 0; round < (isCoupled ? mostCoupledRounds : mostRounds); ++round) {
             bool isDone = true;
+            for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) {
+                const bool changes = update(search.nodes[i], lawOf(search.nodes[i]), dt, &i, &one, 1);
+                isDone &= !(isCoupled && changes);
+            }
             for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) {
                 ContactPoint<Dim>& point = search.points[i];
                 const FrictionLaw law = lawOf(point);
@@ -57,7 +63,8 @@ template <int Dim> class ContactImpulses {
         double stopped = 0, answered = 0;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
             const NodeMotion<Dim>& node = nodes[i];
-            const Vec<Dim> change = node.mobility().cwiseProduct(node.J.all);
+            const Vec<Dim> change = implicit.isEmpty() ? Vec<Dim>(node.mobility().cwiseProduct(node.J.all))
+                                                       : implicit.changeSince(i - pair.firstNode, node.v);
             stopped += node.J.all.dot(node.v[0] - node.v[1] + change);
             answered += node.J.all.dot(change);
         }
@@ -65,7 +72,7 @@ template <int Dim> class ContactImpulses {
         if (!isReduced) return stopped - 0.5 * answered;
         const double part = stopped > 0 ? stopped / answered : 0;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
-            nodes[i].take(Impulses<Dim>(nodes[i].J), part - 1);
+            give(int(i), Impulses<Dim>(nodes[i].J), part - 1);
             search.nodes[i].J.scale(part);
         }
         for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) search.points[i].J.scale(part);
@@ -76,8 +83,17 @@ template <int Dim> class ContactImpulses {
     // With 30 rounds contact between meshes costs twice as much, and gives back 0.01 instead of 0.1 % of the
     // energy.
     static constexpr int mostRounds = 10;
+    // Beside an implicit body, whose nodes answer each other; 5 to 14 are taken.
+    static constexpr int mostCoupledRounds = 50;
     // Change of an impulse over its size below which a site is done.
     static constexpr double convergence = 1e-3;
+
+    void give(int i, const Impulses<Dim>& more, double weight) {
+        nodes[i].take(more, weight);
+        for (int side = 0; side < 2; ++side)
+            if (const int pushed = nodes[i].responding[side]; pushed >= 0)
+                implicit.spread(nodes, pushed, (side == 0 ? -weight : weight) * more.all);
+    }
 
     // The impulse at a site between nodes with weights S, anew, in view of what the others exchange. Returns
     // whether it has changed much.
@@ -90,13 +106,14 @@ template <int Dim> class ContactImpulses {
             start += S[i] * (node.start[0] - node.start[1]);
             w += S[i] * (node.v[0] - node.v[1]);
         }
+        if (count > 1 && !implicit.isEmpty()) mobility += implicit.mutualMobility(nodes, at, S, count);
         start += mobility.cwiseProduct(site.J.agreeing);
         w += mobility.cwiseProduct(site.J.all);
         const Impulses<Dim> J = law.impulses<Dim>(site, dt, mobility, start, w);
         const Impulses<Dim> more{J.all - site.J.all, J.agreeing - site.J.agreeing};
         site.J = J;
         if (!more.all.isZero(0) || !more.agreeing.isZero(0))
-            for (int i = 0; i < count; ++i) nodes[at[i]].take(more, S[i]);
+            for (int i = 0; i < count; ++i) give(at[i], more, S[i]);
         return more.all.norm() > convergence * J.all.norm();
     }
 };

@@ -110,4 +110,25 @@ void BandMatrix::solve(double* x) const {
     }
 }
 
+void BandMatrix::solveSeveral(double* x, int first) const {
+    constexpr int m = several;
+    for (int j = first; j < size_; ++j) {
+        const double* c = column(j);
+        double own[m];
+        for (int l = 0; l < m; ++l) own[l] = x[m * j + l] /= c[0];
+        const int count = std::min(band_, size_ - 1 - j);
+        for (int i = 1; i <= count; ++i)
+            for (int l = 0; l < m; ++l) x[m * (j + i) + l] -= c[i] * own[l];
+    }
+    for (int j = size_ - 1; j >= 0; --j) {
+        const double* c = column(j);
+        double own[m];
+        for (int l = 0; l < m; ++l) own[l] = x[m * j + l];
+        const int count = std::min(band_, size_ - 1 - j);
+        for (int i = 1; i <= count; ++i)
+            for (int l = 0; l < m; ++l) own[l] -= c[i] * x[m * (j + i) + l];
+        for (int l = 0; l < m; ++l) x[m * j + l] = own[l] / c[0];
+    }
+}
+
 } // namespace mpm

@@ -32,6 +32,9 @@ class BandMatrix {
     // The lower triangle becomes L of L L^T; returns false where the matrix is not positive definite.
     bool factorise();
     void solve(double* x) const; // x <- L^-T L^-1 x
+    // The same for eight vectors at once, number l of unknown i at x[8 i + l]; zero before unknown `first`.
+    static constexpr int several = 8;
+    void solveSeveral(double* x, int first) const;
 
   private:
     static constexpr int lanes = 8;   // of the widest vectors: loops run to the next multiple, over zeros

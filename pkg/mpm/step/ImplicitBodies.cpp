@@ -25,10 +25,6 @@ template <int Dim> void ImplicitBodies::check(Scene<Dim>& scene) {
             !body->fbar, "body '", body->name,
             "': implicit=True with fbar=True is not possible, for the stiffness of cell-wise strains is not "
             "known to the solution; leave one of them out");
-        require(
-            scene.groups.size() == 1, "body '", body->name,
-            "': implicit=True is not possible beside an engine Contact; leave Contact out, or make the body "
-            "explicit");
     }
 }
 
@@ -39,8 +35,13 @@ template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim
     state.velocity.resize(scene.grid.fields.size());
     for (auto& velocity : state.velocity)
         velocity.resize(scene.grid.count, NodalField<Dim>::Velocity::zero());
+    state.owner.resize(scene.grid.fields.size());
+    for (auto& owner : state.owner) owner.resize(scene.grid.count, -1);
     for (auto& system : state.systems) // of the step before
-        for (int node : system.nodes) state.velocity[system.field][node] = NodalField<Dim>::Velocity::zero();
+        for (int node : system.nodes) {
+            state.velocity[system.field][node] = NodalField<Dim>::Velocity::zero();
+            state.owner[system.field][node] = -1;
+        }
     state.systems.clear();
 
     std::vector<Body<Dim>*> bodies;
@@ -84,7 +85,10 @@ template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim
                 }
         system.number(scene.grid, state.scratch);
         system.assemble(members, state.scratch);
-        for (int node : system.nodes) state.scratch[node] = -1;
+        for (int node : system.nodes) {
+            state.scratch[node] = -1;
+            state.owner[system.field][node] = int(state.systems.size()) - 1;
+        }
     }
 }
 
@@ -101,6 +105,40 @@ template <int Dim> void ImplicitBodies::act(Scene<Dim>& scene) {
                         "lower dt"));
 }
 
+template <int Dim> bool ImplicitBodies::moves(int field, int node) const {
+    const auto& owner = std::get<State<Dim>>(states_).owner;
+    return owner[field][node] >= 0;
+}
+
+template <int Dim> void ImplicitBodies::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) {
+    State<Dim>& state = std::get<State<Dim>>(states_);
+    response.reset();
+    for (auto& system : state.systems) {
+        for (size_t i = 0; i < system.nodes.size(); ++i) state.scratch[system.nodes[i]] = int(i);
+        system.respond(scene, response, state.scratch);
+        for (int node : system.nodes) state.scratch[node] = -1;
+    }
+}
+
+template <int Dim>
+void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
+                          const std::vector<Vec<Dim>>& all, const std::vector<Vec<Dim>>& felt) {
+    State<Dim>& state = std::get<State<Dim>>(states_);
+    const Vec<Dim> gravity = gravityOf(scene);
+    for (auto& system : state.systems) {
+        std::vector<typename ImplicitSystem<Dim>::Impulse> impulses;
+        for (size_t i = 0; i < response.nodes.size(); ++i) {
+            const auto [field, node] = response.nodes[i];
+            if (&system == &state.systems[state.owner[field][node]])
+                impulses.push_back({node, all[i], felt[i]});
+        }
+        if (impulses.empty()) continue;
+        for (size_t i = 0; i < system.nodes.size(); ++i) state.scratch[system.nodes[i]] = int(i);
+        system.take(scene, gravity, impulses, state.scratch);
+        for (int node : system.nodes) state.scratch[node] = -1;
+    }
+}
+
 template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
     State<Dim>& state = std::get<State<Dim>>(states_);
     for (const auto& system : state.systems) {
@@ -113,6 +151,14 @@ template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
 
 template void ImplicitBodies::finishMotion(Scene<2>&);
 template void ImplicitBodies::finishMotion(Scene<3>&);
+template bool ImplicitBodies::moves<2>(int, int) const;
+template bool ImplicitBodies::moves<3>(int, int) const;
+template void ImplicitBodies::respond(const Scene<2>&, ImpulseResponse<2>&);
+template void ImplicitBodies::respond(const Scene<3>&, ImpulseResponse<3>&);
+template void ImplicitBodies::take(Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&,
+                                   const std::vector<Vec<2>>&);
+template void ImplicitBodies::take(Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&,
+                                   const std::vector<Vec<3>>&);
 
 MPM_REGISTER(Engine, ImplicitBodies);
 

@@ -16,6 +16,15 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
 
     template <int Dim> void act(Scene<Dim>& scene);
 
+    // Whether an implicit body moves a node of a velocity field.
+    template <int Dim> bool moves(int field, int node) const;
+    // Fills in a response whose nodes, each of which an implicit body moves, are given.
+    template <int Dim> void respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response);
+    // Impulses on these nodes, in their order.
+    template <int Dim>
+    void take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response, const std::vector<Vec<Dim>>& all,
+              const std::vector<Vec<Dim>>& felt);
+
     // Once the motion of the nodes is final: keeps the velocity that strains the bodies, and books the energy
     // that the solution took.
     template <int Dim> void finishMotion(Scene<Dim>& scene);
@@ -30,6 +39,7 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
         std::vector<StrainedNodes<Dim>> strained; // of each body that is implicit
         std::vector<ImplicitSystem<Dim>> systems;
         std::vector<int> scratch;                    // -1 for each node
+        std::vector<std::vector<int>> owner;         // system of each node of a velocity field, -1: none
         std::vector<std::vector<Velocity>> velocity; // of the nodes of each velocity field, zero elsewhere
     };
     std::tuple<State<2>, State<3>> states_;

@@ -42,6 +42,9 @@ void ImplicitSystem<Dim>::assemble(const std::vector<const StrainedNodes<Dim>*>&
     stiffness_.reset(Dim * int(nodes.size()), Dim * span + Dim - 1);
     for (const auto* body : bodies)
         for (const auto& particle : body->particles) add(*body, particle, number);
+    mass_.assign(nodes.size(), 0.0);
+    for (const auto* body : bodies)
+        for (const auto& entry : body->entries) mass_[number[entry.node]] += entry.mass;
     for (auto* vector : {&velocity_, &force_, &solved_}) vector->assign(stiffness_.padded(), 0.0);
 }
 
@@ -71,16 +74,15 @@ template <int Dim> bool ImplicitSystem<Dim>::solve(Scene<Dim>& scene, const Vec<
     NF& nodal = scene.grid.fields[field];
     const double dt = scene.dt, square = dt * dt;
     const int n = unknowns();
-    const auto holder = [&](int i) { return nodal.holder[nodes[i / Dim]][i % Dim]; };
     factor_.setScaled(stiffness_, square);
     for (int i = 0; i < n; ++i) {
         const double v = nodal.motion[nodes[i / Dim]][i % Dim];
-        velocity_[i] = holder(i) >= 0 ? v : 0;
-        solved_[i] = holder(i) >= 0 ? 0 : nodal.sum[nodes[i / Dim]][NF::mass] * v;
+        velocity_[i] = holderOf(nodal, i) >= 0 ? v : 0;
+        solved_[i] = holderOf(nodal, i) >= 0 ? 0 : nodal.sum[nodes[i / Dim]][NF::mass] * v;
     }
     stiffness_.multiply(velocity_.data(), force_.data());
     for (int i = 0; i < n; ++i)
-        if (holder(i) >= 0)
+        if (holderOf(nodal, i) >= 0)
             factor_.decouple(i);
         else {
             factor_.at(i, i) += nodal.sum[nodes[i / Dim]][NF::mass];
@@ -89,24 +91,85 @@ template <int Dim> bool ImplicitSystem<Dim>::solve(Scene<Dim>& scene, const Vec<
     if (!factor_.factorise()) return false;
     factor_.solve(solved_.data());
     for (int i = 0; i < n; ++i)
-        if (holder(i) < 0) velocity_[i] = solved_[i];
+        if (holderOf(nodal, i) < 0) velocity_[i] = solved_[i];
     stiffness_.multiply(velocity_.data(), force_.data());
     double gained = 0; // by gravity, beyond the explicit motion
     for (int i = 0; i < n; ++i) {
-        const int node = nodes[i / Dim], k = i % Dim;
-        auto& motion = nodal.motion[node];
-        if (holder(i) >= 0) {
+        if (holderOf(nodal, i) >= 0) {
             react(scene, i, dt * force_[i], velocity_[i]);
             continue;
         }
-        const double change = velocity_[i] - motion[k];
-        gained += nodal.sum[node][NF::weightMass] * gravity[k] * change;
-        motion.set(NF::acceleration + k, motion[NF::acceleration + k] + change / dt);
-        motion.set(k, velocity_[i]);
-        if (!scene.scheme->remapsSolution()) nodal.setVelocity(node, k, velocity_[i]);
+        const double more = velocity_[i] - nodal.motion[nodes[i / Dim]][i % Dim];
+        gained += change(scene, gravity, i, more, more / dt);
     }
     scene.energies.gravity += gained * dt;
     return true;
+}
+
+template <int Dim>
+double ImplicitSystem<Dim>::change(Scene<Dim>& scene, const Vec<Dim>& gravity, int unknown, double v,
+                                   double a) const {
+    NF& nodal = scene.grid.fields[field];
+    const int node = nodes[unknown / Dim], k = unknown % Dim;
+    auto& motion = nodal.motion[node];
+    motion.set(NF::acceleration + k, motion[NF::acceleration + k] + a);
+    motion.set(k, motion[k] + v);
+    if (!scene.scheme->remapsSolution()) nodal.setVelocity(node, k, motion[k]);
+    return nodal.sum[node][NF::weightMass] * gravity[k] * v;
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response,
+                                  const std::vector<int>& number) {
+    constexpr int most = BandMatrix::several;
+    std::vector<std::array<int, 2>> unknowns; // of the response, and of the system
+    for (size_t i = 0; i < response.nodes.size(); ++i)
+        for (int k = 0; k < Dim; ++k)
+            if (const auto [at, node] = response.nodes[i]; at == field && number[node] >= 0)
+                unknowns.push_back({int(Dim * i) + k, Dim * number[node] + k});
+    const NF& nodal = scene.grid.fields[field];
+    for (size_t begin = 0; begin < unknowns.size(); begin += most) {
+        const int count = int(std::min(unknowns.size() - begin, size_t(most)));
+        several_.assign(size_t(most) * factor_.padded(), 0.0);
+        int first = this->unknowns();
+        for (int l = 0; l < count; ++l)
+            if (const int i = unknowns[begin + l][1]; holderOf(nodal, i) < 0) {
+                several_[most * i + l] = 1;
+                first = std::min(first, i);
+            }
+        factor_.solveSeveral(several_.data(), first);
+        for (int l = 0; l < count; ++l)
+            for (const auto& [row, i] : unknowns)
+                response.column(unknowns[begin + l][0])[row] = several_[most * i + l];
+    }
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::take(Scene<Dim>& scene, const Vec<Dim>& gravity,
+                               const std::vector<Impulse>& impulses, const std::vector<int>& number) {
+    const NF& nodal = scene.grid.fields[field];
+    std::fill(solved_.begin(), solved_.end(), 0.0);
+    felt_.assign(solved_.size(), 0.0);
+    for (const Impulse& impulse : impulses)
+        for (int k = 0; k < Dim; ++k)
+            if (const int i = Dim * number[impulse.node] + k; holderOf(nodal, i) < 0) {
+                solved_[i] += impulse.all[k];
+                felt_[i] += impulse.felt[k];
+            }
+    factor_.solve(solved_.data());
+    factor_.solve(felt_.data());
+    std::vector<double> force(solved_.size());
+    stiffness_.multiply(solved_.data(), force.data());
+    double gained = 0;
+    for (int i = 0; i < unknowns(); ++i) {
+        velocity_[i] += solved_[i];
+        force_[i] += force[i];
+        if (holderOf(nodal, i) >= 0)
+            react(scene, i, scene.dt * force[i], velocity_[i]);
+        else
+            gained += change(scene, gravity, i, solved_[i], felt_[i] / scene.dt);
+    }
+    scene.energies.gravity += gained * scene.dt;
 }
 
 // What holds a node feels the elastic forces at the end of the step; GridSolver has told it those at its start.
@@ -119,10 +182,15 @@ void ImplicitSystem<Dim>::react(Scene<Dim>& scene, int unknown, double force, do
     constraint.work += force * v * scene.dt;
 }
 
+// Like backward Euler: from the elastic energy what forces at the end of the step do beyond their mean, from the
+// kinetic one what velocities at the end do beyond theirs.
 template <int Dim> double ImplicitSystem<Dim>::energyTaken(const Scene<Dim>& scene) const {
-    double power = 0;
-    for (int i = 0; i < unknowns(); ++i) power += velocity_[i] * force_[i];
-    return 0.5 * scene.dt * scene.dt * power;
+    double twice = 0;
+    for (int i = 0; i < unknowns(); ++i) {
+        const double a = scene.grid.fields[field].motion[nodes[i / Dim]][NF::acceleration + i % Dim];
+        twice += velocity_[i] * force_[i] + mass_[i / Dim] * a * a;
+    }
+    return 0.5 * scene.dt * scene.dt * twice;
 }
 
 template class ImplicitSystem<2>;

@@ -6,6 +6,7 @@
 
 #include "mpm/scene/Scene.hpp"
 #include "mpm/step/BandMatrix.hpp"
+#include "mpm/step/ImpulseResponse.hpp"
 #include "mpm/step/StrainedNodes.hpp"
 
 namespace mpm {
@@ -24,8 +25,20 @@ template <int Dim> class ImplicitSystem {
     // K of the strained particles of its bodies.
     void assemble(const std::vector<const StrainedNodes<Dim>*>& bodies, const std::vector<int>& number);
 
+    // On a node: what the nodes take, and what the particles do, kN s.
+    struct Impulse {
+        int node;
+        Vec<Dim> all, felt;
+    };
+
     // Replaces the explicit motion of the nodes; returns whether the matrix is positive definite.
     bool solve(Scene<Dim>& scene, const Vec<Dim>& gravity);
+
+    // Columns of the nodes of a response that belong to the system. number: of these nodes in it, -1: others.
+    void respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, const std::vector<int>& number);
+    // Adds what impulses on nodes change in the motion of all.
+    void take(Scene<Dim>& scene, const Vec<Dim>& gravity, const std::vector<Impulse>& impulses,
+              const std::vector<int>& number);
 
     // What the solution took out of the motion that the nodes have now, kJ.
     double energyTaken(const Scene<Dim>& scene) const;
@@ -35,8 +48,15 @@ template <int Dim> class ImplicitSystem {
 
   private:
     BandMatrix stiffness_, factor_;
-    std::vector<double> velocity_, force_, solved_; // of the unknowns, and zeros behind them
+    std::vector<double> velocity_, force_, solved_, felt_; // of the unknowns, and zeros behind them
+    std::vector<double> mass_;                             // of the bodies alone, on each node
+    std::vector<double> several_;                          // columns of a response
 
+    short holderOf(const NF& nodal, int unknown) const {
+        return nodal.holder[nodes[unknown / Dim]][unknown % Dim];
+    }
+    // v and a of a node; returns what gravity gains, kW.
+    double change(Scene<Dim>& scene, const Vec<Dim>& gravity, int unknown, double v, double a) const;
     void add(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,
              const std::vector<int>& number);
     void react(Scene<Dim>& scene, int unknown, double force, double v) const;

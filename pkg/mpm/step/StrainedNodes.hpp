@@ -14,7 +14,7 @@ template <int Dim> class StrainedNodes {
 
     struct Entry {
         int node;
-        double g[Dim], gamma[patterns];
+        double g[Dim], gamma[patterns], mass; // 1/m; -; Mg, of the particle, inertial
     };
     struct Strained {
         int begin, end;             // of its entries; each node is there once
@@ -46,13 +46,15 @@ template <int Dim> class StrainedNodes {
             int& at = place[node];
             if (at < particles[p].begin) { // none yet, or of a particle before
                 at = int(entries.size());
-                entries.push_back({node, {}, {}});
+                entries.push_back({node, {}, {}, 0});
             }
             return entries[at];
         };
-        body.domains->weights(p, [&](int node, double, const Vec<Dim>& gradient) {
+        const double mass = body.inertiaScale * body.particles.mass.plane()[p];
+        body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
             if (!isIn(node)) return;
             Entry& entry = entryOf(node);
+            entry.mass += phi * mass;
             for (int k = 0; k < Dim; ++k) entry.g[k] += gradient[k];
         });
         if (const auto* mesh = body.domains->mesh())

@@ -51,7 +51,7 @@ def contactEnergy(scene):
 
 
 def implicitEnergy(scene):
-    """Energy taken by the solution for implicit bodies since the start, 1/2 dt^2 sum v.K v, kJ."""
+    """Energy taken by the solution for implicit bodies since the start, 1/2 dt^2 sum (v.K v + a.M a), kJ."""
     return float(scene.core.energies["implicit"])
 
 

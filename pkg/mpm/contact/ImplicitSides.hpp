@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The sides of contact nodes that implicit bodies move. An impulse on one of them moves the others, too.
+#pragma once
+
+#include "mpm/contact/ContactNode.hpp"
+#include "mpm/step/ImplicitBodies.hpp"
+
+namespace mpm {
+
+template <int Dim> class ImplicitSides {
+  public:
+    bool isEmpty() const { return response_.isEmpty(); }
+
+    // Finds those of a pair of groups, lets `nodes` know their places, and puts their own answers in the place of
+    // inverse masses.
+    template <class Nodes>
+    void find(Scene<Dim>& scene, const std::vector<ContactNode<Dim>>& contacts, const ContactPair& pair,
+              Nodes& nodes) {
+        response_.clear();
+        places_.clear();
+        before_.clear();
+        auto* bodies = scene.template find<ImplicitBodies>();
+        if (!bodies) return;
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            for (int side = 0; side < 2; ++side) {
+                const int field = contacts[i].field[side], node = contacts[i].node;
+                if (!bodies->template moves<Dim>(field, node)) continue;
+                nodes[i].responding[side] = int(response_.nodes.size());
+                response_.nodes.push_back({field, node});
+                places_.push_back({int(i), side});
+            }
+        if (isEmpty()) return;
+        bodies->respond(scene, response_);
+        for (size_t r = 0; r < places_.size(); ++r)
+            nodes[places_[r].contact].inverseMass[places_[r].side] = response_.onItself(int(r));
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            before_.push_back(nodes[i].v[0] - nodes[i].v[1]);
+    }
+
+    void clear() { response_.clear(); }
+
+    // An impulse on one of them.
+    template <class Nodes> void spread(Nodes& nodes, int pushed, const Vec<Dim>& impulse) const {
+        for (size_t r = 0; r < places_.size(); ++r)
+            nodes[places_[r].contact].v[places_[r].side] += response_.of(int(r), pushed) * impulse;
+    }
+
+    // Change of the relative velocity at contact node number i of the pair.
+    Vec<Dim> changeSince(size_t i, const Vec<Dim> (&v)[2]) const { return before_[i] - (v[0] - v[1]); }
+
+    // What the mobility of a site between nodes has beyond that of each of them.
+    template <class Nodes>
+    Vec<Dim> mutualMobility(const Nodes& nodes, const int* at, const double* S, int count) const {
+        Vec<Dim> sum = Vec<Dim>::Zero();
+        for (int i = 0; i < count; ++i)
+            for (int j = 0; j < count; ++j)
+                for (int side = 0; side < 2 && i != j; ++side) {
+                    const int a = nodes[at[i]].responding[side], b = nodes[at[j]].responding[side];
+                    if (a >= 0 && b >= 0) sum += S[i] * S[j] * response_.of(a, b).diagonal();
+                }
+        return sum;
+    }
+
+    // The bodies take what was exchanged.
+    template <class Nodes>
+    void give(Scene<Dim>& scene, const std::vector<ContactNode<Dim>>& contacts, const Nodes& nodes) const {
+        if (isEmpty()) return;
+        std::vector<Vec<Dim>> all, felt;
+        for (const Place& place : places_) {
+            const double sign = place.side == 0 ? -1 : 1;
+            all.push_back(sign * nodes[place.contact].J.all);
+            felt.push_back(sign * contacts[place.contact].impulse);
+        }
+        scene.template find<ImplicitBodies>()->take(scene, response_, all, felt);
+    }
+
+  private:
+    struct Place {
+        int contact, side;
+    };
+    ImpulseResponse<Dim> response_;
+    std::vector<Place> places_;
+    std::vector<Vec<Dim>> before_; // relative velocities of the contact nodes of the pair
+};
+
+} // namespace mpm

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Implicit bodies against closed forms: a swinging cantilever, its buckling load, its large deflection, and
+steps far beyond all periods."""
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from scipy.integrate import solve_bvp
+from yade_mpm import box, diagnostics
+
+CELL, LENGTH, THICKNESS, DENSITY = 0.25, 5.0, 0.25, 7.85
+LAME = (4.2e7, 2.8e7)
+MODULUS = 4 * LAME[1] * (LAME[0] + LAME[1]) / (LAME[0] + 2 * LAME[1])  # of a beam in plane strain, kPa
+BENDING, LINE_MASS = MODULUS * THICKNESS**3 / 12, DENSITY * THICKNESS  # kN m, Mg/m
+FREQUENCY = 1.8751**2 * np.sqrt(BENDING / LINE_MASS) / LENGTH**2  # rad/s, of the first mode
+CRITICAL = 6.1e-5  # s, of the column if it were explicit
+LONG = 1e5 * CRITICAL  # a step of statics
+KINDS = {"uGIMP": lambda: mpm.UGIMP(perCell=2), "APDI": lambda: mpm.APDI(size=CELL / 2)}
+FINE = {"fine APDI": lambda: mpm.APDI(size=CELL / 4)}
+
+
+def column(kind, room=2.0, across=0.0, along=0.0, cell=CELL):
+    """A steel column, 5 m, on a fixed base under a body force, m/s2, with room to either side, m."""
+    scene = mpm.Scene((-room, 0), (room, LENGTH + 4 * CELL), cell, threads=1)
+    region = box((-THICKNESS / 2, 0), (THICKNESS / 2, LENGTH))
+    steel = mpm.LinearElastic(density=DENSITY, lame=LAME)
+    body = scene.add("column", region, steel, {**KINDS, **FINE}[kind](), implicit=True)
+    solver = mpm.GridSolver(gravity=(across, along), fixed="bottom")
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.dt = LONG
+    return scene, body, solver
+
+
+def top(body):
+    return body.displacement[body.reference[:, 1] > LENGTH - CELL / 2].mean(axis=0)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_cantilever_swings_with_its_period_and_loses_what_backward_euler_takes(kind):
+    """A mode of frequency w keeps 1/(1 + (w dt)^2) of its energy in a step, and turns by the angle atan(w dt).
+    Two particles across make the beam 2 to 3.5 % stiff, and the loss as much larger. The balance closes."""
+    for perPeriod in (50, 200):
+        scene, body, solver = column(kind, across=1.0)
+        scene.run(steps=6, progress=False)
+        solver.gravity = (0, 0)
+        scene.dt = 2 * np.pi / FREQUENCY / perPeriod
+        swing = []
+        for _ in range(3 * perPeriod):
+            scene.run(steps=1, progress=False)
+            swing.append(top(body)[0])
+        peaks = [k for k in range(1, len(swing) - 1) if swing[k - 1] < swing[k] >= swing[k + 1]]
+        angle = FREQUENCY * scene.dt
+        period = 2 * np.pi / np.arctan(angle)  # steps
+        assert peaks[-1] / len(peaks) == pytest.approx(period, rel=0.03)
+        kept = (swing[peaks[-1]] / swing[peaks[0]]) ** (1 / (peaks[-1] - peaks[0]))
+        assert np.log(kept) == pytest.approx(-0.5 * np.log(1 + angle**2), rel=0.07)
+        taken = diagnostics.implicitEnergy(scene)
+        assert abs(diagnostics.energyError(scene)) < 0.03 * taken
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_column_buckles_under_its_own_weight_at_greenhills_load(kind):
+    """Below the critical weight deflections of long steps follow each other by the factor weight / critical
+    weight, for the solution knows the elastic stiffness and the forces the geometric one."""
+    critical = 7.8373 * BENDING / (LINE_MASS * LENGTH**3)
+    weight = 0.5 * critical
+    scene, body, solver = column(kind, along=-weight)
+    scene.run(steps=4, progress=False)
+    solver.gravity = (1e-3, -weight)
+    moved = []
+    for _ in range(8):
+        before = top(body)[0]
+        scene.run(steps=1, progress=False)
+        moved.append(top(body)[0] - before)
+    factor = (moved[-1] / moved[-4]) ** (1 / 3)
+    assert weight / factor == pytest.approx(critical, rel=0.15)
+
+
+def elastica(load):
+    """Tip of a clamped beam along y of unit length and bending stiffness under a dead load along x."""
+
+    def slopes(s, y):
+        return np.array([y[1], -load * (1 - s) * np.cos(y[0])])
+
+    def ends(a, b):
+        return np.array([a[0], b[1]])
+
+    s = np.linspace(0, 1, 201)
+    found = solve_bvp(slopes, ends, s, np.array([0.5 * s, 1 - s]))
+    angle = found.sol(s)[0]
+    return np.trapezoid(np.sin(angle), s) if hasattr(np, "trapezoid") else np.trapz(np.sin(angle), s)
+
+
+def test_a_cantilever_turns_far_like_the_elastica():
+    """A third of its length aside, at long steps with a load that grows. APDI: boxes of uGIMP do not turn."""
+    scene, body, solver = column("fine APDI", room=3.0, cell=CELL / 2)
+    load = 3.0
+    force = load * BENDING / (LINE_MASS * LENGTH**3)
+    for share in np.linspace(0.02, 1, 50):
+        solver.gravity = (share * force, 0)
+        scene.run(steps=1, progress=False)
+    scene.run(steps=30, progress=False)
+    assert top(body)[0] / LENGTH == pytest.approx(elastica(load), rel=0.03)
+
+
+@pytest.mark.parametrize("steps", [1000, pytest.param(100_000, marks=pytest.mark.slow)])
+def test_a_hundred_times_the_critical_step_stays_bounded(steps):
+    """A wave that the step does not resolve: the base is pulled aside and along at once. The column follows
+    and comes to rest."""
+    scene = mpm.Scene((-2, 0), (2, LENGTH + 4 * CELL), CELL, threads=1)
+    region = box((-THICKNESS / 2, CELL), (THICKNESS / 2, LENGTH))
+    steel = mpm.LinearElastic(density=DENSITY, lame=LAME)
+    body = scene.add("column", region, steel, mpm.APDI(size=CELL / 2), implicit=True)
+    drive = mpm.Drive(body.below(2 * CELL), velocity=(1e-3 / steps, 1e-3 / steps))
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81), drive=drive),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    scene.dt = 100 * CRITICAL
+    scene.run(steps=steps, progress=False)
+    moved = 1e-3 / steps * scene.time
+    assert top(body) == pytest.approx((moved, moved), abs=0.02 * moved + 2e-5)
+    assert np.abs(body.velocity - 1e-3 / steps).max() < 1e-3 * CELL
+    assert diagnostics.unbalancedRatio(scene) < 1e-3

@@ -37,7 +37,7 @@ def top(body):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_cantilever_swings_with_its_period_and_loses_what_backward_euler_takes(kind):
-    """A mode of frequency w keeps 1/(1 + (w dt)^2) of its energy in a step, and turns by the angle atan(w dt).
+    """A mode of frequency w keeps 1/(1 + (w dt)^2) of its energy in a step and turns by the angle atan(w dt).
     Two particles across make the beam 2 to 3.5 % stiff, and the loss as much larger. The balance closes."""
     for perPeriod in (50, 200):
         scene, body, solver = column(kind, across=1.0)

@@ -181,7 +181,8 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
             for (int side = 0; side < 2; ++side) {
                 const int node = search.nodes[i].node;
                 const NF& field = scene.grid.fields[search.nodes[i].field[side]];
-                const Vec<Dim> W = nodes[i].inverseMass[side] = inverseMass(field, node);
+                const Vec<Dim> W = inverseMass(field, node);
+                nodes[i].inverseMass[side] = nodes[i].startInverseMass[side] = W;
                 for (int k = 0; k < Dim; ++k) {
                     const double v = nodes[i].v[side][k] = field.motion[node][k];
                     nodes[i].start[side][k] = W[k] > 0 ? W[k] * field.sum[node][NF::momentum + k] : v;
@@ -201,7 +202,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         addFriction<Dim>(search, pair, loss());
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             exchange(scene, gravity, search.nodes[i], nodes[i]);
-        state.impulses.implicit.give(scene, search.nodes, nodes);
+        state.impulses.implicit.give(scene, nodes, 1 - loss());
     }
 }
 
@@ -219,7 +220,7 @@ void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<D
         change<Dim>(scene, gravity, contact, side, sign * node.inverseMass[side], node.J);
     }
     const Vec<Dim> met = loss * node.J.agreeing;
-    const Vec<Dim> mobility = node.mobility();
+    const Vec<Dim> mobility = node.startMobility();
     const Vec<Dim> startBefore = node.start[0] - node.start[1] + mobility.cwiseProduct(node.J.agreeing);
     scene.energies.contact += met.dot(startBefore - 0.5 * mobility.cwiseProduct(met));
     if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node.v[0] - node.v[1]);
@@ -242,7 +243,9 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
             for (int side = 0; side < 2; ++side) {
                 const NF& field = scene.grid.fields[search.nodes[i].field[side]];
                 const auto& own = state.own[i];
-                nodes[i].inverseMass[side] = own.is[side] ? own.answer[side] : inverseMass(field, node);
+                nodes[i].startInverseMass[side] = inverseMass(field, node);
+                nodes[i].inverseMass[side] =
+                    own.is[side] ? own.answer[side] : nodes[i].startInverseMass[side];
                 for (int k = 0; k < Dim; ++k)
                     nodes[i].v[side][k] = own.is[side] ? field.motion[node][k] : field.velocityOf(node, k);
                 nodes[i].start[side] = nodes[i].v[side];

@@ -13,6 +13,8 @@ namespace mpm {
 // have exchanged. A group answers an impulse by its inverse mass; zero where a constraint holds it.
 template <int Dim> struct NodeMotion {
     Vec<Dim> inverseMass[2], start[2], v[2];
+    Vec<Dim>
+        startInverseMass[2]; // of the node alone; of an implicit body inverseMass is its answer to impulses
     Impulses<Dim> J;
     int responding[2] = {-1, -1}; // place in the response of implicit bodies, which then changes v; -1: none
 
@@ -20,11 +22,12 @@ template <int Dim> struct NodeMotion {
         J.all += weight * more.all;
         J.agreeing += weight * more.agreeing;
         for (int side = 0; side < 2; ++side) {
-            const Vec<Dim> answer = (side == 0 ? -weight : weight) * inverseMass[side];
-            if (responding[side] < 0) v[side] += answer.cwiseProduct(more.all);
-            start[side] += answer.cwiseProduct(more.agreeing);
+            const double sign = side == 0 ? -weight : weight;
+            if (responding[side] < 0) v[side] += Vec<Dim>(sign * inverseMass[side]).cwiseProduct(more.all);
+            start[side] += Vec<Dim>(sign * startInverseMass[side]).cwiseProduct(more.agreeing);
         }
     }
+    Vec<Dim> startMobility() const { return startInverseMass[0] + startInverseMass[1]; }
     Vec<Dim> mobility() const { return inverseMass[0] + inverseMass[1]; }
 };
 
@@ -99,17 +102,18 @@ template <int Dim> class ContactImpulses {
     // whether it has changed much.
     bool update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const int* at, const double* S,
                 int count) {
-        Vec<Dim> mobility = Vec<Dim>::Zero(), start = mobility, w = mobility;
+        Vec<Dim> mobility = Vec<Dim>::Zero(), startMobility = mobility, start = mobility, w = mobility;
         for (int i = 0; i < count; ++i) {
             const NodeMotion<Dim>& node = nodes[at[i]];
             mobility += S[i] * S[i] * node.mobility();
+            startMobility += S[i] * S[i] * node.startMobility();
             start += S[i] * (node.start[0] - node.start[1]);
             w += S[i] * (node.v[0] - node.v[1]);
         }
         if (count > 1 && !implicit.isEmpty()) mobility += implicit.mutualMobility(nodes, at, S, count);
-        start += mobility.cwiseProduct(site.J.agreeing);
+        start += startMobility.cwiseProduct(site.J.agreeing);
         w += mobility.cwiseProduct(site.J.all);
-        const Impulses<Dim> J = law.impulses<Dim>(site, dt, mobility, start, w);
+        const Impulses<Dim> J = law.impulses<Dim>(site, dt, mobility, startMobility, start, w);
         const Impulses<Dim> more{J.all - site.J.all, J.agreeing - site.J.agreeing};
         site.J = J;
         if (!more.all.isZero(0) || !more.agreeing.isZero(0))

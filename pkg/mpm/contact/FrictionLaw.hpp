@@ -19,10 +19,11 @@ struct FrictionLaw {
     double impactLoss; // -, part of the velocity with which groups meet that particles lose
 
     // The impulses on the second group. mobility: of both groups together, per component; zero where they are
-    // held. start, w: relative velocities at the start and of the solution.
+    // held. start, w: relative velocities at the start and of the solution. startMobility: by the masses of the
+    // nodes alone, for the start; implicit bodies have another one in the solution.
     template <int Dim>
     Impulses<Dim> impulses(const ContactSite<Dim>& site, double dt, const Vec<Dim>& mobility,
-                           const Vec<Dim>& start, const Vec<Dim>& w) const;
+                           const Vec<Dim>& startMobility, const Vec<Dim>& start, const Vec<Dim>& w) const;
 
   private:
     template <int Dim>
@@ -45,13 +46,14 @@ double FrictionLaw::stopping(const ContactSite<Dim>& site, const Vec<Dim>& mobil
 
 template <int Dim>
 Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, const Vec<Dim>& mobility,
-                                    const Vec<Dim>& start, const Vec<Dim>& w) const {
+                                    const Vec<Dim>& startMobility, const Vec<Dim>& start,
+                                    const Vec<Dim>& w) const {
     Impulses<Dim> J;
     if (!separation && !slip) { // one body
         for (int k = 0; k < Dim; ++k) {
             if (!(mobility[k] > 0)) continue;
             J.all[k] = w[k] / mobility[k];
-            J.agreeing[k] = start[k] / mobility[k];
+            J.agreeing[k] = start[k] / startMobility[k];
         }
         J.sticks = true;
         return J;
@@ -59,15 +61,16 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     const Vec<Dim>& n = site.normal;
     const double pushed = stopping(site, mobility, w, dt);
     if (pushed == 0) return J;
-    const double agreed = separation ? std::min(stopping(site, mobility, start, dt), pushed)
-                                     : stopping(site, mobility, start, dt);
+    const double agreed = separation ? std::min(stopping(site, startMobility, start, dt), pushed)
+                                     : stopping(site, startMobility, start, dt);
     J.all = pushed * n;
     J.agreeing = agreed * n;
     const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
     const Vec<Dim> slipping = across(w - mobility.cwiseProduct(J.all));
-    const Vec<Dim> slippingBefore = across(start - mobility.cwiseProduct(J.agreeing));
+    const Vec<Dim> slippingBefore = across(start - startMobility.cwiseProduct(J.agreeing));
     const Vec<Dim> t = unit(slipping, 0.0);
     const double along = t.dot(mobility.cwiseProduct(t)); // 0: constraints hold both
+    const double alongBefore = t.dot(startMobility.cwiseProduct(t));
     const double borne = adhesion * site.area * dt;
     J.sticks = t.isZero(0);
     if (J.sticks || !(along > 0 || slip)) return J;
@@ -77,7 +80,7 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
                                 (slipping - (1 - impactLoss) * slippingBefore).norm() <= along * limit));
     if (J.sticks) {
         J.all += slipping / along;
-        J.agreeing += slippingBefore / along;
+        J.agreeing += slippingBefore / alongBefore;
     } else {
         J.all += std::min(along > 0 ? slipping.norm() / along : limit, limit) * t;
     }

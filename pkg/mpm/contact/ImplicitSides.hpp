@@ -61,17 +61,18 @@ template <int Dim> class ImplicitSides {
         return sum;
     }
 
-    // The bodies take what was exchanged.
-    template <class Nodes>
-    void give(Scene<Dim>& scene, const std::vector<ContactNode<Dim>>& contacts, const Nodes& nodes) const {
+    // The bodies take what was exchanged, and their particles all but a part of what made the velocities of the
+    // start agree.
+    template <class Nodes> void give(Scene<Dim>& scene, const Nodes& nodes, double part) const {
         if (isEmpty()) return;
-        std::vector<Vec<Dim>> all, felt;
+        std::vector<Vec<Dim>> impulses, unfelt;
         for (const Place& place : places_) {
+            const auto& node = nodes[place.contact];
             const double sign = place.side == 0 ? -1 : 1;
-            all.push_back(sign * nodes[place.contact].J.all);
-            felt.push_back(sign * contacts[place.contact].impulse);
+            impulses.push_back(sign * node.J.all);
+            unfelt.push_back(sign * part * node.startInverseMass[place.side].cwiseProduct(node.J.agreeing));
         }
-        scene.template find<ImplicitBodies>()->take(scene, response_, all, felt);
+        scene.template find<ImplicitBodies>()->take(scene, response_, impulses, unfelt);
     }
 
   private:

@@ -122,7 +122,7 @@ template <int Dim> void ImplicitBodies::respond(const Scene<Dim>& scene, Impulse
 
 template <int Dim>
 void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response,
-                          const std::vector<Vec<Dim>>& all, const std::vector<Vec<Dim>>& felt) {
+                          const std::vector<Vec<Dim>>& given, const std::vector<Vec<Dim>>& unfelt) {
     State<Dim>& state = std::get<State<Dim>>(states_);
     const Vec<Dim> gravity = gravityOf(scene);
     for (auto& system : state.systems) {
@@ -130,7 +130,7 @@ void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& respons
         for (size_t i = 0; i < response.nodes.size(); ++i) {
             const auto [field, node] = response.nodes[i];
             if (&system == &state.systems[state.owner[field][node]])
-                impulses.push_back({node, all[i], felt[i]});
+                impulses.push_back({node, given[i], unfelt[i]});
         }
         if (impulses.empty()) continue;
         for (size_t i = 0; i < system.nodes.size(); ++i) state.scratch[system.nodes[i]] = int(i);

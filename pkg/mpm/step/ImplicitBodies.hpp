@@ -20,10 +20,10 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     template <int Dim> bool moves(int field, int node) const;
     // Fills in a response whose nodes, each of which an implicit body moves, are given.
     template <int Dim> void respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response);
-    // Impulses on these nodes, in their order.
+    // Impulses on these nodes, in their order, and changes of their velocities that the particles do not take.
     template <int Dim>
-    void take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response, const std::vector<Vec<Dim>>& all,
-              const std::vector<Vec<Dim>>& felt);
+    void take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response, const std::vector<Vec<Dim>>& impulses,
+              const std::vector<Vec<Dim>>& unfelt);
 
     // Once the motion of the nodes is final: keeps the velocity that strains the bodies, and books the energy
     // that the solution took.

@@ -149,15 +149,14 @@ void ImplicitSystem<Dim>::take(Scene<Dim>& scene, const Vec<Dim>& gravity,
                                const std::vector<Impulse>& impulses, const std::vector<int>& number) {
     const NF& nodal = scene.grid.fields[field];
     std::fill(solved_.begin(), solved_.end(), 0.0);
-    felt_.assign(solved_.size(), 0.0);
+    unfelt_.assign(solved_.size(), 0.0);
     for (const Impulse& impulse : impulses)
         for (int k = 0; k < Dim; ++k)
             if (const int i = Dim * number[impulse.node] + k; holderOf(nodal, i) < 0) {
-                solved_[i] += impulse.all[k];
-                felt_[i] += impulse.felt[k];
+                solved_[i] += impulse.given[k];
+                unfelt_[i] += impulse.unfelt[k];
             }
     factor_.solve(solved_.data());
-    factor_.solve(felt_.data());
     std::vector<double> force(solved_.size());
     stiffness_.multiply(solved_.data(), force.data());
     double gained = 0;
@@ -167,7 +166,7 @@ void ImplicitSystem<Dim>::take(Scene<Dim>& scene, const Vec<Dim>& gravity,
         if (holderOf(nodal, i) >= 0)
             react(scene, i, scene.dt * force[i], velocity_[i]);
         else
-            gained += change(scene, gravity, i, solved_[i], felt_[i] / scene.dt);
+            gained += change(scene, gravity, i, solved_[i], (solved_[i] - unfelt_[i]) / scene.dt);
     }
     scene.energies.gravity += gained * scene.dt;
 }

@@ -25,10 +25,10 @@ template <int Dim> class ImplicitSystem {
     // K of the strained particles of its bodies.
     void assemble(const std::vector<const StrainedNodes<Dim>*>& bodies, const std::vector<int>& number);
 
-    // On a node: what the nodes take, and what the particles do, kN s.
+    // On a node, kN s, and the change of its velocity that the particles do not take, m/s.
     struct Impulse {
         int node;
-        Vec<Dim> all, felt;
+        Vec<Dim> given, unfelt;
     };
 
     // Replaces the explicit motion of the nodes; returns whether the matrix is positive definite.
@@ -48,9 +48,9 @@ template <int Dim> class ImplicitSystem {
 
   private:
     BandMatrix stiffness_, factor_;
-    std::vector<double> velocity_, force_, solved_, felt_; // of the unknowns, and zeros behind them
-    std::vector<double> mass_;                             // of the bodies alone, on each node
-    std::vector<double> several_;                          // columns of a response
+    std::vector<double> velocity_, force_, solved_, unfelt_; // of the unknowns, and zeros behind them
+    std::vector<double> mass_;                               // of the bodies alone, on each node
+    std::vector<double> several_;                            // columns of a response
 
     short holderOf(const NF& nodal, int unknown) const {
         return nodal.holder[nodes[unknown / Dim]][unknown % Dim];

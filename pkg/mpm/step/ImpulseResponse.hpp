@@ -22,7 +22,8 @@ template <int Dim> class ImpulseResponse {
     // Velocity of a node per impulse on another one, or on itself, 1/Mg; zero between bodies that share no node.
     using Part = Eigen::Map<const Mat<Dim>, 0, Eigen::OuterStride<>>;
     Part of(int node, int pushed) const {
-        return Part(values_.data() + size_t(Dim) * pushed * size() + Dim * node, Eigen::OuterStride<>(size()));
+        return Part(values_.data() + size_t(Dim) * pushed * size() + Dim * node,
+                    Eigen::OuterStride<>(size()));
     }
     Vec<Dim> onItself(int node) const { return of(node, node).diagonal(); }
 

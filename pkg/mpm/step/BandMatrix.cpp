@@ -62,7 +62,11 @@ void BandMatrix::multiply(const double* x, double* y) const {
     }
 }
 
-bool BandMatrix::factorise() { return band_ > narrow ? factoriseBlocks() : factoriseColumns(); }
+bool BandMatrix::factorise() {
+    if (!(band_ > narrow ? factoriseBlocks() : factoriseColumns())) return false;
+    for (int j = 0; j < size_; ++j) at(j, j) = 1 / at(j, j);
+    return true;
+}
 
 bool BandMatrix::factoriseColumns() {
     for (int j = 0; j < size_; ++j) {
@@ -101,33 +105,35 @@ bool BandMatrix::factoriseBlocks() {
 void BandMatrix::solve(double* x) const {
     for (int j = 0; j < size_; ++j) {
         const double* c = column(j);
-        x[j] /= c[0];
+        x[j] *= c[0];
         add(-x[j], c + 1, x + j + 1, band_);
     }
     for (int j = size_ - 1; j >= 0; --j) {
         const double* c = column(j);
-        x[j] = (x[j] - dot(c + 1, x + j + 1, band_)) / c[0];
+        x[j] = (x[j] - dot(c + 1, x + j + 1, band_)) * c[0];
     }
 }
 
-void BandMatrix::solveSeveral(double* x, int first) const {
-    constexpr int m = several;
+void BandMatrix::solveSeveral(Several* x, int first) const {
     for (int j = first; j < size_; ++j) {
         const double* c = column(j);
-        double own[m];
-        for (int l = 0; l < m; ++l) own[l] = x[m * j + l] /= c[0];
+        const Several own = c[0] * x[j];
+        x[j] = own;
         const int count = std::min(band_, size_ - 1 - j);
-        for (int i = 1; i <= count; ++i)
-            for (int l = 0; l < m; ++l) x[m * (j + i) + l] -= c[i] * own[l];
+        for (int i = 1; i <= count; ++i) x[j + i].add(-c[i], own);
     }
-    for (int j = size_ - 1; j >= 0; --j) {
+    for (int j = size_ - 1; j >= first; --j) {
         const double* c = column(j);
-        double own[m];
-        for (int l = 0; l < m; ++l) own[l] = x[m * j + l];
+        Several even = x[j], odd = Several::zero(); // two sums, for each waits for its last summand
         const int count = std::min(band_, size_ - 1 - j);
-        for (int i = 1; i <= count; ++i)
-            for (int l = 0; l < m; ++l) own[l] -= c[i] * x[m * (j + i) + l];
-        for (int l = 0; l < m; ++l) x[m * j + l] = own[l] / c[0];
+        int i = 1;
+        for (; i < count; i += 2) {
+            even.add(-c[i], x[j + i]);
+            odd.add(-c[i + 1], x[j + i + 1]);
+        }
+        if (i == count) even.add(-c[i], x[j + i]);
+        even += odd;
+        x[j] = c[0] * even;
     }
 }
 

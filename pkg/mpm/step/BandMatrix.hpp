@@ -3,6 +3,8 @@
 // on the library that is installed, and for bands of some twenty it is no faster.
 #pragma once
 
+#include "mpm/base/simd/Pack.hpp"
+
 #include <cstddef>
 #include <vector>
 
@@ -29,12 +31,13 @@ class BandMatrix {
     // Row and column become those of the identity.
     void decouple(int unknown);
 
-    // The lower triangle becomes L of L L^T; returns false where the matrix is not positive definite.
+    // The lower triangle becomes L of L L^T, with inverse numbers on the diagonal; returns false where the
+    // matrix is not positive definite.
     bool factorise();
     void solve(double* x) const; // x <- L^-T L^-1 x
-    // The same for eight vectors at once, number l of unknown i at x[8 i + l]; zero before unknown `first`.
-    static constexpr int several = 8;
-    void solveSeveral(double* x, int first) const;
+    // The same for eight vectors at once, where all before unknown `first` are zero and not asked for.
+    using Several = Pack<8>;
+    void solveSeveral(Several* x, int first) const;
 
   private:
     static constexpr int lanes = 8;   // of the widest vectors: loops run to the next multiple, over zeros

@@ -2,6 +2,7 @@
 #include "mpm/step/ImplicitSystem.hpp"
 
 #include <algorithm>
+#include <functional>
 
 namespace mpm {
 
@@ -19,10 +20,11 @@ template <int Dim> void ImplicitSystem<Dim>::number(const Grid<Dim>& grid, std::
     int longest = Dim - 1;
     for (int k = 0; k < Dim - 1; ++k)
         if (last[k] - first[k] > last[longest] - first[longest]) longest = k;
-    std::sort(nodes.begin(), nodes.end()); // along the last axis
+    // The highest first: what stands in the ground, and is in contact, comes last, where back-solves are short.
+    std::sort(nodes.begin(), nodes.end(), std::greater<int>()); // along the last axis
     if (longest != Dim - 1)
         std::stable_sort(nodes.begin(), nodes.end(),
-                         [&](int a, int b) { return grid.indices(a)[longest] < grid.indices(b)[longest]; });
+                         [&](int a, int b) { return grid.indices(a)[longest] > grid.indices(b)[longest]; });
     for (size_t i = 0; i < nodes.size(); ++i) number[nodes[i]] = int(i);
 }
 
@@ -52,22 +54,30 @@ template <int Dim>
 void ImplicitSystem<Dim>::add(const StrainedNodes<Dim>& strained,
                               const typename StrainedNodes<Dim>::Strained& particle,
                               const std::vector<int>& number) {
+    using Entry = typename StrainedNodes<Dim>::Entry;
+    order_.clear(); // by number, so that rows are below columns
     for (int e = particle.begin; e < particle.end; ++e)
-        for (int f = particle.begin; f <= e; ++f) {
-            const bool isBelow = number[strained.entries[e].node] >= number[strained.entries[f].node];
-            const auto& a = strained.entries[isBelow ? e : f]; // of the row
-            const auto& b = strained.entries[isBelow ? f : e];
-            const int row = Dim * number[a.node], column = Dim * number[b.node];
-            double product = 0, control = 0;
-            for (int k = 0; k < Dim; ++k) product += a.g[k] * b.g[k];
-            for (int m = 0; m < StrainedNodes<Dim>::patterns; ++m) control += a.gamma[m] * b.gamma[m];
-            const double diagonal = particle.mu * product + particle.control * control;
-            for (int j = 0; j < Dim; ++j)
-                for (int i = e == f ? j : 0; i < Dim; ++i)
-                    stiffness_.at(row + i, column + j) += particle.lambda * a.g[i] * b.g[j] +
-                                                          particle.mu * a.g[j] * b.g[i] +
-                                                          (i == j ? diagonal : 0);
+        order_.emplace_back(Dim * number[strained.entries[e].node], &strained.entries[e]);
+    std::sort(order_.begin(), order_.end(), [](auto& a, auto& b) { return a.first < b.first; });
+    const auto [begin, end, lambda, mu, control] = particle;
+    for (size_t b = 0; b < order_.size(); ++b) {
+        const int column = order_[b].first;
+        const Entry& q = *order_[b].second;
+        for (size_t a = b; a < order_.size(); ++a) {
+            const int row = order_[a].first;
+            const Entry& g = *order_[a].second;
+            double product = 0, patterns = 0;
+            for (int k = 0; k < Dim; ++k) product += g.g[k] * q.g[k];
+            if (control > 0)
+                for (int m = 0; m < StrainedNodes<Dim>::patterns; ++m) patterns += g.gamma[m] * q.gamma[m];
+            const double diagonal = mu * product + control * patterns;
+            for (int j = 0; j < Dim; ++j) {
+                double* below = &stiffness_.at(row, column + j);
+                for (int i = a == b ? j : 0; i < Dim; ++i)
+                    below[i] += lambda * g.g[i] * q.g[j] + mu * g.g[j] * q.g[i] + (i == j ? diagonal : 0.0);
+            }
         }
+    }
 }
 
 template <int Dim> bool ImplicitSystem<Dim>::solve(Scene<Dim>& scene, const Vec<Dim>& gravity) {
@@ -121,26 +131,26 @@ double ImplicitSystem<Dim>::change(Scene<Dim>& scene, const Vec<Dim>& gravity, i
 template <int Dim>
 void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response,
                                   const std::vector<int>& number) {
-    constexpr int most = BandMatrix::several;
+    constexpr int most = 8;
     std::vector<std::array<int, 2>> unknowns; // of the response, and of the system
+    int first = this->unknowns();
     for (size_t i = 0; i < response.nodes.size(); ++i)
         for (int k = 0; k < Dim; ++k)
-            if (const auto [at, node] = response.nodes[i]; at == field && number[node] >= 0)
+            if (const auto [at, node] = response.nodes[i]; at == field && number[node] >= 0) {
                 unknowns.push_back({int(Dim * i) + k, Dim * number[node] + k});
+                first = std::min(first, unknowns.back()[1]);
+            }
     const NF& nodal = scene.grid.fields[field];
+    several_.resize(this->unknowns());
     for (size_t begin = 0; begin < unknowns.size(); begin += most) {
         const int count = int(std::min(unknowns.size() - begin, size_t(most)));
-        several_.assign(size_t(most) * factor_.padded(), 0.0);
-        int first = this->unknowns();
+        std::fill(several_.begin() + first, several_.end(), BandMatrix::Several::zero());
         for (int l = 0; l < count; ++l)
-            if (const int i = unknowns[begin + l][1]; holderOf(nodal, i) < 0) {
-                several_[most * i + l] = 1;
-                first = std::min(first, i);
-            }
+            if (const int i = unknowns[begin + l][1]; holderOf(nodal, i) < 0) several_[i].set(l, 1);
         factor_.solveSeveral(several_.data(), first);
         for (int l = 0; l < count; ++l)
             for (const auto& [row, i] : unknowns)
-                response.column(unknowns[begin + l][0])[row] = several_[most * i + l];
+                response.column(unknowns[begin + l][0])[row] = several_[i][l];
     }
 }
 

@@ -54,8 +54,8 @@ def test_momentum_is_kept_to_round_off(dim, impactLoss):
 
 
 def test_an_impact_is_that_of_the_explicit_body_whatever_the_step():
-    """Mean velocities after the soft block has bounced off, by 2 m/s. With MUSL's velocity in the place of the
-    solved one, the explicit block of steel bounces 6 % more; the energy that is missing is alike."""
+    """Mean velocities after the soft block has bounced off, by 2 m/s. With MUSL's velocity in the place of
+    the solved one, the explicit block of steel bounces 6 % more; the energy that is missing is alike."""
     found, missing = [], []
     for implicit, dt in ((False, 2e-5), (True, 1e-4), (True, 5e-4)):
         scene, lower, upper = thrown(implicit)

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The band matrix against dense algebra, with narrow and wide bands.
+#include "mpm/step/BandMatrix.hpp"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+namespace mpm {
+
+namespace {
+
+struct Filled {
+    BandMatrix band;
+    Eigen::MatrixXd dense;
+
+    Filled(int n, int width) : dense(Eigen::MatrixXd::Zero(n, n)) {
+        band.reset(n, width);
+        for (int j = 0; j < n; ++j)
+            for (int i = j; i < std::min(n, j + width + 1); ++i) {
+                const double value = i == j ? 2.0 * width + 1 : std::sin(1.0 + 3 * i + 7 * j);
+                band.at(i, j) = dense(i, j) = dense(j, i) = value;
+            }
+    }
+    std::vector<double> padded(const Eigen::VectorXd& x) const {
+        std::vector<double> all(band.padded(), 0.0);
+        std::copy(x.data(), x.data() + x.size(), all.begin());
+        return all;
+    }
+};
+
+class Bands : public testing::TestWithParam<std::pair<int, int>> {};
+
+TEST_P(Bands, solveLikeDenseOnes) {
+    const auto [n, width] = GetParam();
+    Filled matrix(n, width);
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(n, -1, 2), b = matrix.dense * x;
+    std::vector<double> product(matrix.band.padded());
+    matrix.band.multiply(matrix.padded(x).data(), product.data());
+    for (int i = 0; i < n; ++i) EXPECT_NEAR(product[i], b[i], 1e-12 * b.norm());
+
+    BandMatrix factor;
+    factor.setScaled(matrix.band, 2);
+    ASSERT_TRUE(factor.factorise());
+    std::vector<double> solved = matrix.padded(b);
+    factor.solve(solved.data());
+    for (int i = 0; i < n; ++i) EXPECT_NEAR(2 * solved[i], x[i], 1e-12);
+
+    const int first = n / 2;
+    std::vector<BandMatrix::Several> several(n, BandMatrix::Several::zero());
+    for (int l = 0; l < 8; ++l) several[first + l % (n - first)].set(l, 1);
+    factor.solveSeveral(several.data(), first);
+    const Eigen::MatrixXd inverse = (2 * matrix.dense).inverse();
+    for (int l = 0; l < 8; ++l)
+        for (int i = first; i < n; ++i)
+            EXPECT_NEAR(several[i][l], inverse(i, first + l % (n - first)), 1e-13);
+}
+
+TEST_P(Bands, tellWhenTheyAreNotPositive) {
+    const auto [n, width] = GetParam();
+    Filled matrix(n, width);
+    matrix.band.at(n - 1, n - 1) = -1;
+    EXPECT_FALSE(matrix.band.factorise());
+}
+
+TEST(Band, decoupledUnknownKeepsItsValue) {
+    Filled matrix(20, 5);
+    matrix.band.decouple(7);
+    ASSERT_TRUE(matrix.band.factorise());
+    std::vector<double> solved = matrix.padded(Eigen::VectorXd::Ones(20));
+    matrix.band.solve(solved.data());
+    EXPECT_EQ(solved[7], 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Widths, Bands,
+                         testing::Values(std::pair(9, 3), std::pair(200, 17), std::pair(100, 64),
+                                         std::pair(300, 65), std::pair(333, 150), std::pair(80, 79)));
+
+} // namespace
+
+} // namespace mpm

@@ -15,6 +15,7 @@ import select
 import subprocess
 import sys
 import tempfile
+import time
 import warnings
 
 PATIENCE = 30  # s for one case
@@ -50,7 +51,9 @@ def unclear(error, tokens):
 
 def worker(attack, first, last, seed):
     """Cases first ... last, a line of JSON each."""
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    with open("/proc/self/statm") as file:  # a sanitizer has taken 20 TB of addresses already
+        here = int(file.read().split()[0]) * resource.getpagesize()
+    resource.setrlimit(resource.RLIMIT_AS, (here + MOST_MEMORY, here + MOST_MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 28, 1 << 28))
     warnings.simplefilter("ignore")
@@ -69,22 +72,25 @@ def worker(attack, first, last, seed):
         say.flush()
 
 
-def survey(script, count, seed=1, start=0, patience=PATIENCE):
+def survey(script, count, seed=1, start=0, seconds=float("inf")):
     """Runs cases of an attack; returns a list of (number, label, outcome, text), with "crash" and "hang" as
-    outcomes."""
-    results, first = [], start
-    while first < start + count:
-        told, ending = _blows(script, first, start + count, seed, patience)
+    outcomes.
+
+    seconds : s of wall time after which no more cases begin.
+    """
+    results, first, end = [], start, time.monotonic() + seconds
+    while first < start + count and time.monotonic() < end:
+        told, ending = _blows(script, first, start + count, seed, end)
         results += told
         first += len(told)
-        if first < start + count:
+        if first < start + count and ending:
             results.append((first, "?", ending, ""))
             first += 1
     return results
 
 
-def _blows(script, first, last, seed, patience):
-    """Results up to the end of the process, and how it ended."""
+def _blows(script, first, last, seed, end):
+    """Results up to the end of the process, and how it ended; empty: because time was over."""
     child = subprocess.Popen(
         [sys.executable, script, "--worker", str(first), str(last), "--seed", str(seed)],
         stdout=subprocess.PIPE,
@@ -92,19 +98,22 @@ def _blows(script, first, last, seed, patience):
     )
     told, ending = b"", ""
     while True:
-        if not select.select([child.stdout], [], [], patience)[0]:
+        if not select.select([child.stdout], [], [], PATIENCE)[0]:
             ending = "hang"
-            child.kill()
             break
         read = os.read(child.stdout.fileno(), 1 << 16)
         if not read:
+            ending = f"crash ({child.wait()})"
             break
         told += read
-    code = child.wait()
+        if time.monotonic() > end:
+            break
+    child.kill()
+    child.wait()
     child.stdout.close()
     ready, *lines = told.decode().split("\n")
     assert ready == "ready", "the process that takes the blows did not start"
-    return [tuple(json.loads(line)) for line in lines[:-1]], ending or f"crash ({code})"
+    return [tuple(json.loads(line)) for line in lines[:-1]], ending
 
 
 def summary(results):
@@ -121,19 +130,25 @@ def main(script, doc, prepared):
     """Command line of an attack. prepared() makes the function (number, seed) -> (label, outcome, text)."""
     parser = argparse.ArgumentParser(description=doc.splitlines()[0])
     parser.add_argument("--count", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--seed", type=int, help="default 1; with --seconds another one each day")
     parser.add_argument("--start", type=int, default=0)
+    parser.add_argument("--seconds", type=float, help="take as many cases as there is time for")
     parser.add_argument("--show", type=int, default=20, help="cases to show that are not as they should be")
     parser.add_argument("--only", type=int, help="repeat one case here")
     parser.add_argument("--worker", type=int, nargs=2, help=argparse.SUPPRESS)
     a = parser.parse_args()
+    if a.seed is None:
+        a.seed = 1 if a.seconds is None else int(time.strftime("%y%m%d"))
     if a.worker:
         worker(prepared(), *a.worker, a.seed)
         return
     if a.only is not None:
         print(prepared()(a.only, a.seed))
         return
-    results = survey(script, a.count, a.seed, a.start)
-    print(dict(summary(results)))
+    count, seconds = (a.count, float("inf")) if a.seconds is None else (10**9, a.seconds)
+    results = survey(script, count, a.seed, a.start, seconds)
+    found = summary(results)
+    print(f"{os.path.basename(script)}, seed {a.seed}, {len(results)} cases:", dict(found))
     for number, label, outcome, text in harmful(results)[: a.show]:
         print(number, label, "|", outcome, "|", text[:300])
+    sys.exit(1 if found["crash"] + found["hang"] + found["silent"] else 0)

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Killed, out of disk, or sent signals: a run goes on from its checkpoint to the same bits, and nothing older
+than that is lost. A few of each here, a hundred of them with --slow."""
+
+import os
+import random
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import h5py
+import pytest
+import victim
+import yade_mpm as mpm
+
+ENVIRONMENT = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
+ENVIRONMENT["OMP_NUM_THREADS"] = "1"
+PATIENCE = 120  # s for one run
+MOST_STARTS = 60  # of a run, until it is at its end
+
+
+class Fallen:
+    """One start of the victim, and what became of it."""
+
+    def __init__(self, *options):
+        command = [sys.executable, victim.__file__, *options]
+        self.process = subprocess.Popen(
+            command, env=ENVIRONMENT, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        )
+        self.first = self.process.stdout.readline()  # when it begins to step
+        assert self.first.startswith("go"), self.process.communicate()[1]
+
+    def wait(self):
+        out, self.said = self.process.communicate(timeout=PATIENCE)
+        self.code = self.process.returncode
+        steps = [int(line.split()[1]) for line in (self.first + out).splitlines() if " " in line]
+        self.reached = max(steps)
+        return self
+
+
+def arrays(file):
+    """All arrays of a checkpoint, and where its clock stands."""
+    found = {}
+    with h5py.File(file) as h5:
+        h5.visititems(
+            lambda name, x: found.update({name: x[...].tobytes()}) if isinstance(x, h5py.Dataset) else None
+        )
+    found.pop("scene")
+    return found
+
+
+def results():
+    """What is in the files of a run that has come to its end."""
+    with h5py.File("out.vtkhdf") as h5, open("out.csv") as table:
+        return (
+            arrays("end.h5"),
+            h5["VTKHDF/Steps/Values"][:].tolist(),
+            h5["VTKHDF/CellData/velocity"][:].tobytes(),
+            table.read(),
+        )
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory):
+    """Results of a run that nobody disturbs, and how long its steps take, s."""
+    before = os.getcwd()
+    os.chdir(tmp_path_factory.mktemp("undisturbed"))
+    try:
+        one = Fallen()
+        began = time.monotonic()
+        assert one.wait().code == 0, one.said
+        return results(), time.monotonic() - began
+    finally:
+        os.chdir(before)
+
+
+def bear(undisturbed, count, blow):
+    """Runs go to their end in as many starts as it takes; blow(rng, process, seconds) falls on each of them,
+    `count` times in all. Returns the starts."""
+    expected, seconds = undisturbed
+    rng, fallen = random.Random(count), []
+    while len(fallen) < count:
+        for file in os.listdir():
+            os.remove(file)
+        reached = 0
+        for _ in range(MOST_STARTS):
+            one = blow(rng, seconds) if len(fallen) < count else Fallen().wait()
+            fallen.append(one)
+            begun = int(one.first.split()[1])
+            assert begun >= reached, f"step {reached} was saved, and it goes on from {begun}"
+            reached = one.reached
+            if os.path.exists("end.h5"):
+                break
+        found = results()
+        for name, data in expected[0].items():
+            assert found[0][name] == data, f"{name} has other bits"
+        assert found[1:] == expected[1:]
+    return fallen
+
+
+def killed(rng, seconds):
+    one = Fallen()
+    time.sleep(rng.uniform(0, 0.7 * seconds))
+    one.process.kill()
+    return one.wait()
+
+
+def outOfDisk(rng, seconds):
+    """A limit on the size of files: from a few bytes to what all but the last rows and frames need."""
+    one = Fallen("--limit", str(rng.choice([100, 4096, rng.randrange(2**16), rng.randrange(2**20)])))
+    one.wait()
+    assert one.code >= 0, f"it ended by a signal, {-one.code}"
+    if one.code:
+        assert re.search(r"OSError: .*('|\")?(out\.vtkhdf|out\.csv|saved\.h5|end\.h5)", one.said), one.said
+    return one
+
+
+def signalled(rng, seconds):
+    one = Fallen(*rng.choice([[], ["--background"]]))
+    number = rng.choice([signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGUSR1])
+    time.sleep(rng.uniform(0, 0.7 * seconds))
+    if one.process.poll() is None:
+        one.process.send_signal(number)
+    return one.wait()
+
+
+BLOWS = {"killed": killed, "out of disk": outOfDisk, "signalled": signalled}
+
+
+@pytest.mark.parametrize("name", BLOWS)
+def test_a_run_survives_a_few(undisturbed, name):
+    bear(undisturbed, 1, BLOWS[name])
+
+
+@pytest.mark.slow  # 10 minutes
+@pytest.mark.parametrize("name, count", [("killed", 100), ("out of disk", 50), ("signalled", 50)])
+def test_a_run_survives_many(undisturbed, name, count):
+    fallen = bear(undisturbed, count, BLOWS[name])
+    print(name, len(fallen), "starts, of which to the end:", sum(one.code == 0 for one in fallen))

@@ -46,6 +46,13 @@ template <int Dim> void Scene<Dim>::separateGroups() {
 
 template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {
     if (engine.dead) return;
+    if (engine.isStage() && !located) {
+        const auto first = std::find_if(engines.begin(), engines.end(), [](auto& e) { return e->isStage(); });
+        require(
+            first != engines.end() && first->get() == &engine, "Scene: ", engine.className(),
+            " cannot act before ParticleToGrid has found the particles in the grid, once in every step; do "
+            "not leave that out (dead), and act in the order of scene.engines");
+    }
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
     for (auto& body : bodies) body->domains->step = step;
@@ -59,6 +66,7 @@ template <int Dim> void Scene<Dim>::endStep(double newTime) {
     for (auto& constraint : constraints) constraint->stepped(dt);
     for (auto& engine : engines)
         if (!engine->dead) engine->stepped(dt);
+    located = false;
     storeRelaxed(time, newTime);
     storeRelaxed(step, step + 1);
 }

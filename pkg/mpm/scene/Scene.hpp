@@ -34,7 +34,8 @@ template <int Dim> class Scene {
     long step = 0;
     int threads = 1;
     Energies energies;
-    bool sorted = false; // whether particles were sorted, while they are located
+    bool sorted = false;  // whether particles were sorted, while they are located
+    bool located = false; // whether particles are where they were found in the grid, since the last step
 
     struct Held {
         int field, node, axis;

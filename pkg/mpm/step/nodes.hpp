@@ -26,6 +26,7 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
             for (auto& body : scene.bodies)
                 body->domains->order.markExtents(scene.grid.fields[body->velocityField]);
             for (auto& field : scene.grid.fields) field.partitionNodes();
+            scene.located = true;
         });
     } while (scene.sorted);
 }

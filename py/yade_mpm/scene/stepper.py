@@ -246,7 +246,15 @@ class Stepper:
             self.dt, self._fullDt = self._fullDt, None
 
     def act(self, engine):
-        """Lets one engine of the chain act; the clock stands still until `endStep`."""
+        """Lets one engine of the chain act; the clock stands still until `endStep`.
+
+        Raises ValueError for an engine that is not in the chain as it was prepared, or not yet on turn.
+        """
+        if not any(engine is other for other in self._chain or ()):
+            raise ValueError(
+                f"Stepper.act: {engine!r} is not in the chain as it was prepared; call scene.prepare() and "
+                "give one of scene.engines"
+            )
         self._scene.core.actAlone(engine.core)
 
     def actOf(self, engine):

@@ -121,3 +121,26 @@ def test_another_program_that_has_the_scene_is_asked():
     scene.handOver(None)
     scene.step()
     assert scene.steps == 1 and not scene.running
+
+
+def test_an_engine_that_is_not_on_turn_is_refused():
+    """Without the particles' places in the grid it went round for ever, or crashed."""
+    scene = falling()
+    with pytest.raises(
+        ValueError, match=r"Stepper.act: GridSolver\(.* is not in the chain as it was prepared"
+    ):
+        scene.stepper.act(scene.engines[1])
+    scene.prepare()
+    scene.stepper.act(scene.engines[0])
+    scene.stepper.endStep(scene.dt)
+    with pytest.raises(
+        ValueError, match="GridToParticle cannot act before ParticleToGrid has found the part"
+    ):
+        scene.stepper.act(scene.engines[2])
+    with pytest.raises(ValueError, match="is not in the chain"):
+        scene.stepper.act(mpm.GridSolver())
+    scene.engines[0].dead = True
+    with pytest.raises(
+        ValueError, match=r"do not leave that out \(dead\), and act in the order of scene.eng"
+    ):
+        scene.run(steps=2, progress=False)

@@ -3,6 +3,7 @@
 #include "mpm/step/BandMatrix.hpp"
 
 #include <Eigen/LU>
+
 #include <gtest/gtest.h>
 
 namespace mpm {

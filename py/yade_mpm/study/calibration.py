@@ -204,6 +204,7 @@ def _leastSquares(search, start):
         begin,
         jac=lambda u: both(u)[1] / scale,
         bounds=(0, 1),
+        method="dogbox",  # fewer steps than the default where ends are not reached
         xtol=TOLERANCE,
         ftol=TOLERANCE,
         gtol=1e-12,

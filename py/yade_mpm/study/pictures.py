@@ -73,7 +73,8 @@ def heatMap(frame, first, second, result):
     image = axes.imshow(mean, origin="lower", aspect="auto")
     for (r, c), value in np.ndenumerate(mean):
         if np.isfinite(value) and mean.size <= 60:
-            axes.text(c, r, f"{value:.3g}", ha="center", va="center", fontsize=7, color="w")
+            colour = "k" if image.norm(value) > 0.6 else "w"
+            axes.text(c, r, f"{value:.4g}", ha="center", va="center", fontsize=7, color=colour)
     for axis, ticks in ((axes.set_yticks, rows), (axes.set_xticks, columns)):
         axis(range(len(ticks)), [t if isinstance(t, str) else f"{t:.4g}" for t in ticks])
     axes.set(xlabel=second, ylabel=first)

@@ -14,7 +14,8 @@ MASS, GRAVITY, SPEED = 0.125, 8.0, 0.4  # Mg per m, m/s2, m/s
 T = np.linspace(0.01, 0.05, 9)
 POINTS = np.stack([T, 0.5 * MASS * (SPEED + GRAVITY * T) ** 2], axis=1)
 RANGES = {"gravity": (2.0, 12.0), "speed": (0.0, 1.0)}
-HOW = dict(curve="energy", words=["--until", "0.06"], quiet=True)
+NEAR = {"gravity": 7.0, "speed": 0.5}
+HOW = dict(curve="energy", start=NEAR, words=["--until", "0.06"], quiet=True)
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +54,7 @@ def test_finished_evaluations_are_not_run_again(fitted):
 
 @pytest.mark.slow
 def test_differential_evolution_finds_them_without_a_start(tmp_path):
-    how = {**HOW, "method": "differential_evolution", "generations": 4}
+    how = {**HOW, "start": None, "method": "differential_evolution", "generations": 4}
     found = study.calibrate(SCENE, RANGES, POINTS, out=tmp_path, **how)
     assert found.values == pytest.approx({"gravity": GRAVITY, "speed": SPEED}, rel=0.2)
 

@@ -15,6 +15,7 @@
 #include "mpm/state/BlockOrder.hpp"
 #include "mpm/state/Particles.hpp"
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <numeric>
@@ -82,6 +83,9 @@ template <int Dim> class MPM_PUBLIC Domains {
 
     // Energy that local damping took in the last move(), kJ.
     double dampedEnergy() const { return std::accumulate(damped_.begin(), damped_.end(), 0.0); }
+
+    // Stands in for the diagonal of the stress in addSum() where some of it acts otherwise; nullptr: does not.
+    std::array<const double*, Dim> diagonal{};
 
     Particles<Dim>& particles;
     const Grid<Dim>& grid;

@@ -5,10 +5,19 @@
 // stress by that of the cell and the slopes towards its neighbours. Without the latter the operator is not
 // symmetric: mean stresses of yielding particles with friction part within a cell, and nothing brings them
 // back. Without slopes the mean stress would be a staircase of cells.
+//
+// Boxes do not cover a cell evenly once they have flowed, and then sum V tr L over the particles is not what
+// flows through the faces of the cells. Where material fills the cells all round, share s, the cell itself is
+// the point of integration (doc/volumes.md):
+//     r_c = s (V_c' - V_c)/(V_c dt) + (1 - s) sum V_p r_p / sum V_p,   r_p = (det(I + dt L_p) - 1)/dt
+// with V_c' the volume between the corners of the cell as they move, and its mean stress acts by the cell, see
+// CellForces.hpp. Determinants, for traces miss what fast rotation adds: 1 + (dt w)^2.
 #pragma once
 
 #include "mpm/base/parallel/ParallelRegion.hpp"
+#include "mpm/particle/apdi/APDIShape.hpp"
 #include "mpm/scene/Body.hpp"
+#include "mpm/step/cover.hpp"
 
 namespace mpm {
 
@@ -26,6 +35,7 @@ class CellAverage {
             cell_.resize(particles);
             value_.resize(particles);
             cells_.resize(grid.count);
+            occupied_.resize(slabs_);
             slabsOf_.resize(chunksOf(particles));
         });
     }
@@ -63,12 +73,14 @@ class CellAverage {
         for (int k = 0; k < Dim; ++k) x[k] = particles.position.plane(k);
         region.forOwnRange(partitions_, [&](int firstSlab, int endSlab) {
             const int first = firstSlab * slabSize_, end = endSlab * slabSize_;
+            for (int slab = firstSlab; slab < endSlab; ++slab) occupied_[slab].clear();
             for (int c = 0; c < int(slabsOf_.size()); ++c)
                 if (slabsOf_[c].last >= firstSlab && slabsOf_[c].first < endSlab)
                     for (int p = c * chunkSize; p < std::min(int(cell_.size()), (c + 1) * chunkSize); ++p) {
                         if (cell_[p] < first || cell_[p] >= end) continue;
                         Cell& cell = cells_[cell_[p]];
                         const bool isEmpty = cell.round != round_;
+                        if (isEmpty) occupied_[cell_[p] / slabSize_].push_back(cell_[p]);
                         cell.round = round_;
                         cell.particles = isEmpty ? 1 : cell.particles + 1;
                         cell.volume = (isEmpty ? 0 : cell.volume) + volume[p];
@@ -77,6 +89,50 @@ class CellAverage {
                             cell.moment[k] = (isEmpty ? 0 : cell.moment[k]) + volume[p] * x[k][p];
                     }
         });
+    }
+
+    // After sum(): which cells lie inside the material.
+    template <int Dim> void findInside(ParallelRegion& region, const Grid<Dim>& grid) {
+        const auto volumeOf = [&](int c) { return cells_[c].round == round_ ? cells_[c].volume : 0; };
+        region.forOwnRange(partitions_, [&](int firstSlab, int endSlab) {
+            for (int slab = firstSlab; slab < endSlab; ++slab)
+                for (int c : occupied_[slab]) cells_[c].inside = insideBy(leastCover(grid, c, volumeOf));
+        });
+    }
+
+    // For particles [begin, end): the rate of volume change of their cell, from those of the particles, which
+    // volumeRates() gives, and from the nodal velocities.
+    template <int Dim, class Velocity>
+    void toRates(const Grid<Dim>& grid, const Velocity* nodes, double dt, int begin, int end) {
+        for (int p = begin; p < end;) {
+            const int number = cell_[p];
+            const Cell& cell = cells_[number];
+            double rate = cell.mean();
+            if (cell.inside > 0)
+                rate = cell.inside * growth(grid, nodes, dt, number) + (1 - cell.inside) * rate;
+            for (; p < end && cell_[p] == number; ++p) value_[p] = rate - value_[p];
+        }
+    }
+
+    // By how much the values of particle p, times its volume, stand for the mean of its cell where the rest acts
+    // by the cell: see CellForces.hpp.
+    template <int Dim> double actingByParticle(const Grid<Dim>& grid, int p) const {
+        const Cell& cell = cells_[cell_[p]];
+        return (1 - cell.inside) * cell.mean() * (actingVolume(grid, cell) / cell.volume);
+    }
+
+    // -sum V_c s_c mean_c grad phi_ic over the cells around a node: what acts by the cells.
+    template <int Dim> Vec<Dim> force(const Grid<Dim>& grid, int node) const {
+        Vec<Dim> sum = Vec<Dim>::Zero();
+        for (int a = 0; a < corners<Dim>; ++a) { // the node is corner a of the cell
+            int number = node;
+            for (int k = 0; k < Dim; ++k) number -= cornerSign(a, k) > 0 ? grid.strides[k] : 0;
+            if (number < 0 || cells_[number].round != round_) continue;
+            const Cell& cell = cells_[number];
+            const double acting = cell.inside * cell.mean() * actingVolume(grid, cell);
+            for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * acting;
+        }
+        return sum.cwiseQuotient(grid.cell) / (corners<Dim> / 2);
     }
 
     // For particles [begin, end): the mean of their cell.
@@ -107,6 +163,7 @@ class CellAverage {
         long round = 0; // in which it was summed: else nothing is in it
         int particles = 0;
         double volume = 0, sum = 0, moment[3] = {};
+        double inside = 0; // share of the mean that acts by the cell
 
         double mean() const { return sum / volume; }
         double centre(int axis) const { return moment[axis] / volume; } // of the particles
@@ -119,6 +176,24 @@ class CellAverage {
     struct Range {
         int first, last;
     };
+
+    // On which the mean stress of a cell acts: its own inside the material, at a surface that of the particles.
+    template <int Dim> static double actingVolume(const Grid<Dim>& grid, const Cell& cell) {
+        return cell.inside * grid.cell.prod() + (1 - cell.inside) * cell.volume;
+    }
+
+    // (V' - V_c)/(V_c dt), V' the volume between the corners of a cell after they moved for dt.
+    template <int Dim, class Velocity>
+    static double growth(const Grid<Dim>& grid, const Velocity* nodes, double dt, int number) {
+        CornerNumbers<Dim> x;
+        for (int a = 0; a < corners<Dim>; ++a) {
+            int node = number;
+            for (int k = 0; k < Dim; ++k) node += cornerSign(a, k) > 0 ? grid.strides[k] : 0;
+            for (int k = 0; k < Dim; ++k)
+                x[k][a] = 0.5 * cornerSign(a, k) + dt * nodes[node][k] / grid.cell[k]; // in cells
+        }
+        return (ClosedShape<Dim>(x).volume - 1) / dt;
+    }
 
     template <int Dim> Linear<Dim> linearIn(int number) const {
         const Cell& cell = cells_[number];
@@ -151,8 +226,9 @@ class CellAverage {
     std::vector<int> cell_;        // of each particle
     std::vector<double> value_;
     std::vector<Cell> cells_;
-    std::vector<Range> slabsOf_; // of each chunk
-    WorkPartition partitions_;   // of the slabs
+    std::vector<std::vector<int>> occupied_; // cells with particles, of each slab
+    std::vector<Range> slabsOf_;             // of each chunk
+    WorkPartition partitions_;               // of the slabs
 };
 
 } // namespace mpm

@@ -59,7 +59,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 update(region, scene, *scene.bodies[b], partitions_[b], work_[b]);
             region.wait();
             if (scene.scheme->stressFirst)
-                sumOnNodes(region, scene, true);
+                sumOnNodes(region, scene, &cells_);
             else
                 for (auto& body : scene.bodies)
                     if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
@@ -75,6 +75,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     std::vector<OrderedSum> work_;          // of the stresses, per body
     std::vector<WorkPartition> partitions_; // of the chunks of its particles
     CellAverage average_;                   // of the body at hand
+    std::vector<CellForces> cells_;         // of each body
 
     // Of the nodes. What was solved for is what an implicit body is strained by, whatever the scheme: with another
     // velocity its stiffness would not be symmetric.
@@ -95,11 +96,14 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const auto gradient = [&](int begin, int end) {
             body.domains->takeGradient(begin, end, nodes, scene.dt);
         };
+        // The volume of a domain is that between its vertices; boxes have what the stress sees.
+        const bool follows = body.fbar && body.domains->boxes();
         const auto rest = [&](int begin, int end) {
-            deform(body.particles, scene.dt, begin, end);
+            follows ? deform<true>(body.particles, scene.dt, begin, end, average_.values())
+                    : deform<false>(body.particles, scene.dt, begin, end, nullptr);
             body.domains->volumes(begin, end);
             work.of(begin) = updateStress(body, scene.dt, begin, end, state.data(),
-                                          body.fbar ? average_.values() : nullptr);
+                                          body.fbar ? average_.values() : nullptr, follows);
         };
         if (!body.fbar)
             return region.chunksNoWait(n, partition, [&](int begin, int end) {
@@ -115,16 +119,25 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                     Rest&& rest) {
         const int n = body.particles.size();
         Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
+        const bool hasBoxes = body.domains->boxes();
+        const auto* nodes = scene.grid.fields[body.velocityField].velocities();
         average_.start(region, n, scene.grid);
         double* change = average_.values();
         region.chunks(n, [&](int begin, int end) {
             gradient(begin, end);
             average_.locate(body.particles, scene.grid, begin, end);
-            traces(L, Dim, begin, end, change + begin);
+            hasBoxes ? volumeRates<Dim>(L, scene.dt, begin, end, change)
+                     : traces(L, Dim, begin, end, change + begin);
         });
         average_.sum<false>(region, body.particles);
+        if (hasBoxes) average_.findInside(region, scene.grid);
         region.chunks(n, [&](int begin, int end) {
-            average_.toMeans(begin, end);
+            if (hasBoxes) {
+                average_.toRates(scene.grid, nodes, scene.dt, begin, end);
+                toTraces<Dim>(L, scene.dt, begin, end, change);
+            } else {
+                average_.toMeans(begin, end);
+            }
             rest(begin, end);
             traces(stress, 3, begin, end, change + begin);
         });

@@ -2,6 +2,7 @@
 // Step 1 and 2: where the particles are, and their mass, momentum and forces on the nodes.
 #include "mpm/scene/Scene.hpp"
 #include "mpm/step/Driving.hpp"
+#include "mpm/step/EvenCover.hpp"
 #include "mpm/step/nodes.hpp"
 
 namespace mpm {
@@ -20,10 +21,11 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
     template <int Dim> void act(Scene<Dim>& scene) {
         for (auto& body : scene.bodies)
             if (auto* boxes = body->domains->boxes(); boxes && boxes->splitStretched()) body->massesChanged();
+        even_.act(scene);
         parallel(scene.threads, [&](ParallelRegion& region) {
             locateParticles(region, scene);
             if (region.failed()) return;
-            sumOnNodes(region, scene, !scene.scheme->stressFirst);
+            sumOnNodes(region, scene, scene.scheme->stressFirst ? nullptr : &cells_);
         });
         for (auto& field : scene.grid.fields) field.straining = NodalField<Dim>::Straining::nothing;
         holdDrivenNodes(scene, drivenMass_);
@@ -31,6 +33,8 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
 
   private:
     std::vector<double> drivenMass_;
+    std::vector<CellForces> cells_; // of each body
+    EvenCover even_;
 };
 
 MPM_REGISTER(Engine, ParticleToGrid);

@@ -6,8 +6,10 @@
 
 namespace mpm {
 
-// F <- (I + dt L) F for particles [begin, end); in plane strain only the in-plane block changes.
-template <int Dim> void deform(Particles<Dim>& particles, double dt, int begin, int end) {
+// F <- (I + dt L) F for particles [begin, end); in plane strain only the in-plane block changes. dilation: of
+// tr L, by F-bar: F, and with it the volume of boxes, follow what the stress sees.
+template <bool dilates, int Dim>
+void deform(Particles<Dim>& particles, double dt, int begin, int end, const double* dilation) {
     const double* L[Dim * Dim];
     double* F[Dim * Dim];
     for (int i = 0; i < Dim; ++i)
@@ -22,9 +24,47 @@ template <int Dim> void deform(Particles<Dim>& particles, double dt, int begin, 
             for (int j = 0; j < Dim; ++j) {
                 double sum = 0;
                 for (int k = 0; k < Dim; ++k) sum += L[Dim * i + k][p] * F[Dim * k + j][p];
+                if constexpr (dilates) sum += dilation[p] / Dim * F[Dim * i + j][p];
                 change[Dim * i + j] = dt * sum;
             }
         for (int c = 0; c < Dim * Dim; ++c) F[c][p] += change[c];
+    }
+}
+
+// (det(I + dt L) - 1)/dt of particles [begin, end): their rate of volume change in a step.
+template <int Dim>
+void volumeRates(const Field& velocityGradient, double dt, int begin, int end, double* rate) {
+    const double* L[Dim * Dim];
+    for (int c = 0; c < Dim * Dim; ++c) L[c] = velocityGradient.plane(c);
+    for (int p = begin; p < end; ++p) {
+        if constexpr (Dim == 2) {
+            rate[p] = L[0][p] + L[3][p] + dt * (L[0][p] * L[3][p] - L[1][p] * L[2][p]);
+        } else {
+            const double x = L[4][p] * L[8][p] - L[5][p] * L[7][p], y = L[3][p] * L[8][p] - L[5][p] * L[6][p],
+                         z = L[3][p] * L[7][p] - L[4][p] * L[6][p];
+            const double minors =
+                L[0][p] * L[4][p] - L[1][p] * L[3][p] + L[0][p] * L[8][p] - L[2][p] * L[6][p] + x;
+            rate[p] =
+                L[0][p] + L[4][p] + L[8][p] + dt * (minors + dt * (L[0][p] * x - L[1][p] * y + L[2][p] * z));
+        }
+    }
+}
+
+// From the change of the rate of volume change, what L_kk changes by in sum: det(I + dt L + e I) has the slope
+// 2 + tr g in plane strain and 3 + 2 tr g + I2(g) in space over e, with g = dt L.
+template <int Dim>
+void toTraces(const Field& velocityGradient, double dt, int begin, int end, double* change) {
+    const double* L[Dim * Dim];
+    for (int c = 0; c < Dim * Dim; ++c) L[c] = velocityGradient.plane(c);
+    for (int p = begin; p < end; ++p) {
+        double trace = 0, minors = 0;
+        for (int i = 0; i < Dim; ++i) {
+            trace += dt * L[(Dim + 1) * i][p];
+            for (int j = 0; j < i; ++j)
+                minors += dt * dt *
+                          (L[(Dim + 1) * i][p] * L[(Dim + 1) * j][p] - L[Dim * i + j][p] * L[Dim * j + i][p]);
+        }
+        change[p] *= Dim / (Dim == 2 ? 2 + trace : 3 + 2 * trace + minors);
     }
 }
 
@@ -46,9 +86,11 @@ template <int Dim> struct Power {
 };
 
 // Stress update of particles [begin, end); returns their internal work V sigma : D dt, with the mean
-// of old and new stress. state: memory for MaterialPoints. change: of tr L, by F-bar.
+// of old and new stress. state: memory for MaterialPoints. change: of tr L, by F-bar; isWork: the work is that
+// of the changed L, for the forces are.
 template <int Dim>
-double updateStress(Body<Dim>& body, double dt, int begin, int end, double** state, const double* change) {
+double updateStress(Body<Dim>& body, double dt, int begin, int end, double** state, const double* change,
+                    bool isWork) {
     auto& particles = body.particles;
     const double* V = particles.volume.plane() + begin;
     double before[chunkSize], averaged[Dim][chunkSize];
@@ -60,7 +102,7 @@ double updateStress(Body<Dim>& body, double dt, int begin, int end, double** sta
             for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + change[begin + i] / Dim;
             averagedPoints.velocityGradient[(Dim + 1) * k] = averaged[k];
         }
-    const Power<Dim> power(points);
+    const Power<Dim> power(isWork ? averagedPoints : points);
 #pragma omp simd
     for (int i = 0; i < points.count; ++i) before[i] = power(i);
     body.material->update(averagedPoints);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "mpm/scene/Scene.hpp"
+#include "mpm/step/CellForces.hpp"
 
 namespace mpm {
 
@@ -35,13 +36,24 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
 // Hourglass control is a force here. Under MUSL and USF it also enters the velocity that moves the vertices
 // (VelocityRemap): that is a sum over particles, which cannot hold a pattern of single domains, so
 // the force alone would never undo one.
-template <int Dim> void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, bool withForce) {
+// cells: room for each body, with forces.
+template <int Dim>
+void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForces>* cells = nullptr) {
+    const bool withForce = cells != nullptr;
     for (auto& field : scene.grid.fields)
         forActiveNodes(region, scene, field,
                        [&](int node) { field.sum[node] = NodalField<Dim>::Sum::zero(); });
-    for (auto& body : scene.bodies)
-        body->domains->addSum(region, scene.grid.fields[body->velocityField].sum.data(), body->inertiaScale,
-                              withForce);
+    if (withForce) region.once([&] { cells->resize(scene.bodies.size()); });
+    for (size_t b = 0; b < scene.bodies.size(); ++b) {
+        auto& body = *scene.bodies[b];
+        auto& field = scene.grid.fields[body.velocityField];
+        const bool actsByCells = withForce && body.fbar && body.domains->boxes();
+        if (actsByCells) (*cells)[b].takeOut(region, body, scene.grid);
+        body.domains->addSum(region, field.sum.data(), body.inertiaScale, withForce);
+        if (actsByCells)
+            (*cells)[b].add(region, body, scene.grid,
+                            [&](auto&& f) { forActiveNodes(region, scene, field, f); });
+    }
 }
 
 } // namespace mpm

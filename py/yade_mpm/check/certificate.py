@@ -19,6 +19,7 @@ LIMITS = {
     "dampedRatio": 0.05,  # our choice; artificial energies in Abaqus: 0.02 no problem, 0.15 substantial
     "dampedShare": 0.1,  # our choice: twice that of the whole run, for a tenth of it
     "hourglassRatio": 0.05,  # Abaqus: artificial energy below 5 to 10 % of the internal one
+    "volumeError": 0.1,  # our choice: few cells of a small body scatter by half of it
     "rateSensitivity": 0.05,  # what an engineer would not see in a resistance
 }
 _meaning = {
@@ -28,6 +29,7 @@ _meaning = {
     "dampedRatio": "damping took {} of the work done",
     "dampedShare": "damping carried up to {} of the load",
     "hourglassRatio": "hourglass control stores {} of the work done",
+    "volumeError": "the volumes of the particles are off by {} of the cells that they fill",
     "rateSensitivity": "another rate changes the result by {}",
 }
 
@@ -48,6 +50,8 @@ class Certificate:
     hourglassRatio : largest energy stored by hourglass control over the work done, -; None: the history
         does not tell.
     rateSensitivity : relative change of the result at another rate, -; None: not looked at.
+    volumeError : largest |`diagnostics.volumeRatio` - 1|, -: whether particles have the volume of the space
+        that they fill; None: the history has no such column, or there is no cell inside a body.
     after : rows of the history from this time on count, s.
     limits : dict name -> largest allowed value.
 
@@ -62,6 +66,7 @@ class Certificate:
     hourglassRatio: float | None
     rateSensitivity: float | None
     after: float
+    volumeError: float | None = None
     limits: dict = field(default_factory=lambda: dict(LIMITS))
 
     @property
@@ -107,11 +112,12 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
     history : `History` of the run, or a mapping of its columns time (s), kineticEnergy, dampedEnergy,
         energyError, workDone (kJ) and unbalancedRatio (-); implicitEnergy, where there is one, counts as
         damped.
+        energyError, workDone (kJ) and unbalancedRatio (-), and volumeRatio (-) if there is one.
     after : rows from this time on count, s; default: the last nine tenths of the time that the rows span.
     rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another
         rate, -; default: not judged.
     limits : dict of limits that replace some of the default ones: kineticRatio 0.05, unbalancedRatio 0.05,
-        energyError 0.02, dampedRatio 0.05, dampedShare 0.1, hourglassRatio 0.05,
+        energyError 0.02, dampedRatio 0.05, dampedShare 0.1, hourglassRatio 0.05, volumeError 0.1,
         rateSensitivity 0.05.
 
     Energies are compared with `diagnostics.workDone`. A ratio that is nan counts as not known, and refuses
@@ -153,6 +159,7 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         hourglassRatio=_hourglassRatio(history, rows, work),
         rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
         after=float(after),
+        volumeError=_volumeError(history, rows),
         limits=_limits(limits or {}),
     )
 
@@ -208,6 +215,15 @@ def _carried(damped, work):
     took, done = np.diff(damped[ends]), np.diff(work[ends])
     moves = done > MOVING * (work[-1] - work[0]) / max(1, len(done))
     return float((took[moves] / done[moves]).max()) if moves.any() else math.nan
+
+
+def _volumeError(history, rows):
+    """Largest deviation of volumeRatio from one; None where it is not known."""
+    try:
+        ratio = np.asarray(history["volumeRatio"], dtype=float)[rows]
+    except KeyError:
+        return None
+    return None if np.isnan(ratio).all() else float(np.nanmax(np.abs(ratio - 1)))
 
 
 def _limits(given):

@@ -15,6 +15,30 @@ def mass(scene):
     return float(sum(body.mass.sum() for body in scene.bodies))
 
 
+def volumeRatio(scene):
+    """Volume of the particles in the cells that lie inside the material, over the volume of these cells, -.
+
+    Cells inside are those that, as all cells around them, hold a particle's centre; what is outside of the
+    grid does not count. One as long as particles have the volume of the space that they fill; nan without
+    such a cell.
+    """
+    index = np.concatenate([np.floor((b.position - scene.lower) / scene.cell) for b in scene.bodies] or [[]])
+    if not len(index):
+        return float("nan")
+    shape = np.round((np.asarray(scene.upper) - scene.lower) / scene.cell).astype(int)
+    index = np.clip(np.nan_to_num(index).astype(int), 0, shape - 1)
+    volume = np.zeros(shape)
+    np.add.at(volume, tuple(index.T), np.concatenate([b.volume for b in scene.bodies]))
+    inside = volume > 0
+    for axis in range(scene.dim):
+        around = np.pad(inside, [(int(k == axis),) * 2 for k in range(scene.dim)], constant_values=True)
+        n = shape[axis]
+        inside = inside & around.take(range(n), axis) & around.take(range(2, n + 2), axis)
+    if not inside.any():
+        return float("nan")
+    return float(volume[inside].mean() / np.prod(np.broadcast_to(scene.cell, (scene.dim,))))
+
+
 def momentum(scene):
     """Momentum, sum s m v, Mg m/s (dim,), with the inertial mass (s: inertiaScale of the body)."""
     return sum(

@@ -27,6 +27,7 @@ STANDARD = {  # name -> (unit in 3D, function of the scene)
     "distortedCount": ("-", diagnostics.distortedCount),
     "invertedCount": ("-", diagnostics.invertedCount),
     "convertedCount": ("-", diagnostics.convertedCount),
+    "volumeRatio": ("-", diagnostics.volumeRatio),
 }
 
 

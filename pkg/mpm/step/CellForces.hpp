@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The forces of a body with F-bar whose particles are boxes. Where cells lie inside the material, share s, their
+// mean stress p_c acts on the nodes by the cell and not by the particles in it:
+//     f_i = - sum_p V_p (dev sigma_p + (1 - s_c) V_a/V_in p_c I) grad phi_ip - sum_c V_a s_c p_c grad phi_ic
+// with grad phi_ic the mean of the gradient of the hat function over the cell, V_in the volume of the particles in
+// it and V_a = s V_c + (1 - s) V_in. It is the work conjugate of the rate of volume change that CellAverage takes
+// from cell and particles, so the elastic operator is symmetric. A mean stress that is the same everywhere then
+// exerts no force inside, however the particles lie in the cells. (Slopes of the mean stress within a cell have no
+// such conjugate: with their forces, noise in an uneven cover grew at any step.)
+#pragma once
+
+#include "mpm/step/CellAverage.hpp"
+
+namespace mpm {
+
+class CellForces {
+  public:
+    // Takes the part that acts by cells out of what the particles of a body give in addSum(); called by all
+    // threads.
+    template <int Dim> void takeOut(ParallelRegion& region, Body<Dim>& body, const Grid<Dim>& grid) {
+        const int n = body.particles.size();
+        average_.start(region, n, grid);
+        region.once([&] {
+            for (int k = 0; k < Dim; ++k) diagonal_[k].resize(n);
+        });
+        const double* stress[3];
+        for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
+        region.chunks(n, [&](int begin, int end) {
+            average_.locate(body.particles, grid, begin, end);
+            for (int p = begin; p < end; ++p)
+                average_.values()[p] = (stress[0][p] + stress[1][p] + stress[2][p]) / 3;
+        });
+        average_.template sum<false>(region, body.particles);
+        average_.findInside(region, grid);
+        region.chunks(n, [&](int begin, int end) {
+            for (int p = begin; p < end; ++p) {
+                const double by = average_.actingByParticle(grid, p) - average_.values()[p];
+                for (int k = 0; k < Dim; ++k) diagonal_[k][p] = stress[k][p] + by;
+            }
+        });
+        region.once([&] {
+            for (int k = 0; k < Dim; ++k) body.domains->diagonal[k] = diagonal_[k].data();
+        });
+    }
+
+    // Adds it to the nodes; called by all threads.
+    template <int Dim, class ForNodes>
+    void add(ParallelRegion& region, Body<Dim>& body, Grid<Dim>& grid, ForNodes&& forNodes) {
+        region.once([&] { body.domains->diagonal = {}; });
+        auto* sum = grid.fields[body.velocityField].sum.data();
+        forNodes([&](int node) {
+            const Vec<Dim> force = average_.force(grid, node);
+            for (int k = 0; k < Dim; ++k) NodalField<Dim>::addForce(sum[node], k, force[k]);
+        });
+    }
+
+  private:
+    CellAverage average_;
+    std::vector<double> diagonal_[3]; // of the stress that acts by the particles, kPa
+};
+
+} // namespace mpm

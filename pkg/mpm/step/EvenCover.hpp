@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Keeps boxes that flow spread evenly over the cells of the grid. Flow leaves some cells with too many
+// particles and others with none, where no stress resists. With the cover of a cell
+//     f_c = 1/V_c sum_p V_p (share of the box of p that is in c),   e_c = f_c - 1,
+// a particle whose box lies across a face goes from the fuller cell to the other,
+//     dx_k = -2 l_k min(1, rate |D| dt) (e_beyond - e_before),
+// with |D| the norm of the strain rate: what does not deform stays where it is. Towards cells that are not full
+// particles go inside the material alone, e_c = s_c (f_c - 1) where f_c < 1, and at a surface only from cells
+// that are too full. The velocity follows the field, v + L dx; the displacement stays. (In the manner of the
+// position corrections of Baumgarte & Kamrin 2023, Int. J. Numer. Methods Eng.)
+#pragma once
+
+#include "mpm/scene/Scene.hpp"
+#include "mpm/step/cover.hpp"
+
+namespace mpm {
+
+class EvenCover {
+  public:
+    // Called by one thread, before particles are located.
+    template <int Dim> void act(Scene<Dim>& scene) {
+        if (scene.step % everySteps != 0) return;
+        for (int f = 0; f < int(scene.grid.fields.size()); ++f) {
+            const bool isWanted = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](auto& body) {
+                return body->velocityField == f && moves(*body);
+            });
+            if (!isWanted) continue;
+            sumCover(scene, f);
+            findExcess(scene.grid);
+            for (auto& body : scene.bodies)
+                if (body->velocityField == f && moves(*body)) shift(*body, scene.grid, everySteps * scene.dt);
+        }
+    }
+
+  private:
+    static constexpr int everySteps =
+        10;                           // by the Courant limit, particles move a small part of a cell meanwhile
+    static constexpr double rate = 3; // share of the excess that goes per unit of strain
+
+    template <int Dim> static bool moves(const Body<Dim>& body) { return body.fbar && body.domains->boxes(); }
+
+    // A box of half size `half` around x: the lowest cell that it reaches, and its shares before and beyond the
+    // face above that cell.
+    template <int Dim> struct Shares {
+        int cell = 0;
+        double share[Dim][2];
+
+        Shares(const Grid<Dim>& grid, const Vec<Dim>& x, const Vec<Dim>& half) {
+            for (int k = 0; k < Dim; ++k) {
+                const double l = half[k] / grid.cell[k], last = grid.nodes[k] - 2.0;
+                const double low = std::min(std::max(0.0, grid.inCells(x[k], k) - l), last),
+                             face = std::floor(low) + 1;
+                share[k][1] = std::clamp((low + 2 * l - face) / (2 * l), 0.0, 1.0);
+                share[k][0] = 1 - share[k][1];
+                cell += (int(face) - 1) * grid.strides[k];
+            }
+        }
+        // f(cell, share) with that across the axes other than `without`.
+        template <class F> void each(const Grid<Dim>& grid, int without, F&& f) const {
+            for (int n = 0; n < corners<Dim>; ++n) {
+                int number = cell;
+                double part = 1;
+                for (int k = 0; k < Dim; ++k) {
+                    number += (n >> k & 1) * grid.strides[k];
+                    if (k != without) part *= share[k][n >> k & 1];
+                }
+                if (part > 0) f(number, part, without >= 0 && (n >> without & 1));
+            }
+        }
+    };
+
+    template <int Dim> void sumCover(const Scene<Dim>& scene, int field) {
+        cover_.assign(scene.grid.count, 0.0);
+        for (const auto& body : scene.bodies) {
+            if (body->velocityField != field) continue;
+            const auto& particles = body->particles;
+            const auto* boxes = body->domains->boxes();
+            for (int p = 0; p < particles.size(); ++p) {
+                const double volume = particles.volume.plane()[p];
+                // A domain of a mesh stands for a box of its volume.
+                const Vec<Dim> half = boxes ? boxes->halfSize()
+                                            : Vec<Dim>(Vec<Dim>::Constant(0.5 * std::pow(volume, 1.0 / Dim))
+                                                           .cwiseMin(0.5 * scene.grid.cell));
+                Shares<Dim>(scene.grid, vectorAt<Dim>(particles.position, p), half)
+                    .each(scene.grid, -1, [&](int c, double part, bool) { cover_[c] += part * volume; });
+            }
+        }
+    }
+
+    // In place of the volumes, in a second array: the neighbours ask for them.
+    template <int Dim> void findExcess(const Grid<Dim>& grid) {
+        const double cell = grid.cell.prod();
+        excess_.assign(grid.count, 0.0);
+        for (int c = 0; c < grid.count; ++c) {
+            if (cover_[c] == 0) continue;
+            const double excess = cover_[c] / cell - 1;
+            excess_[c] = excess > 0
+                             ? excess
+                             : excess * insideBy(leastCover(grid, c, [&](int n) { return cover_[n]; }));
+        }
+    }
+
+    template <int Dim> void shift(Body<Dim>& body, const Grid<Dim>& grid, double time) const {
+        auto& particles = body.particles;
+        const Vec<Dim> half = body.domains->boxes()->halfSize();
+        for (int p = 0; p < particles.size(); ++p) {
+            Mat<Dim> L;
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j) L(i, j) = particles.velocityGradient.plane(Dim * i + j)[p];
+            const double part = std::min(1.0, rate * time * (0.5 * (L + L.transpose())).norm());
+            if (!(part > 0)) continue;
+            const Vec<Dim> x = vectorAt<Dim>(particles.position, p);
+            const Shares<Dim> box(grid, x, half);
+            Vec<Dim> by = Vec<Dim>::Zero();
+            for (int k = 0; k < Dim; ++k) {
+                if (box.share[k][1] == 0) continue; // in one cell
+                double rise = 0;
+                box.each(grid, k,
+                         [&](int c, double w, bool isBeyond) { rise += (isBeyond ? w : -w) * excess_[c]; });
+                by[k] = -2 * half[k] * part * std::clamp(rise, -1.0, 1.0);
+                // Boxes stay on this side of the walls of the grid.
+                if (by[k] < 0) by[k] = std::min(0.0, std::max(by[k], grid.lower[k] + half[k] - x[k]));
+                if (by[k] > 0) by[k] = std::max(0.0, std::min(by[k], grid.upper[k] - half[k] - x[k]));
+            }
+            const Vec<Dim> velocity = L * by;
+            for (int k = 0; k < Dim; ++k) {
+                particles.position.plane(k)[p] += by[k];
+                particles.reference.plane(k)[p] += by[k];
+                particles.velocity.plane(k)[p] += velocity[k];
+            }
+        }
+    }
+
+    std::vector<double> cover_,
+        excess_; // of each cell: volume of the boxes in it; f - 1 or what counts of it
+};
+
+} // namespace mpm

@@ -202,7 +202,9 @@ def throughPython(repeats):
         dilatancyAngle=radians(5),
     )
     scene = mpm.Scene((0, 0), (edge + 4 * h, edge + 4 * h), h, threads=1)
-    body = scene.add("soil", mpm.box((0, 0), (edge, edge)), soil, mpm.UGIMP(perCell=2), inertiaScale=1e9)
+    body = scene.add(
+        "soil", mpm.box((0, 0), (edge, edge)), soil, mpm.UGIMP(perCell=2), inertiaScale=1e9, fbar=False
+    )
     scene.initialStress(surface=edge, K0=0.25)
     scene.engines = [
         mpm.ParticleToGrid(),

@@ -50,7 +50,7 @@ def stepTime(mesh, seconds):
     soil = mpm.MohrCoulombDruckerPrager(
         density=2.0, young=1e3, poisson=0.3, cohesion=1.0, frictionAngle=radians(25)
     )
-    scene.add("soil", mesh, soil, mpm.APDI())
+    scene.add("soil", mesh, soil, mpm.APDI(), fbar=False)
     scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
     scene.dt = 1e-3 * cell / soil.core.waveSpeed
     scene.run(steps=20, progress=False)

@@ -76,7 +76,7 @@ def build(count, away, stages):
     soil = mpm.MohrCoulombDruckerPrager(
         density=1.8, young=YOUNG, poisson=0.3, cohesion=5.0, frictionAngle=radians(30), dilatancyAngle=0.0
     )
-    scene.add("soil", mpm.box((0, 0), (WIDE * CELL, DEEP * CELL)), soil, mpm.UGIMP(perCell=2))
+    scene.add("soil", mpm.box((0, 0), (WIDE * CELL, DEEP * CELL)), soil, mpm.UGIMP(perCell=2), fbar=False)
     scene.initialStress(surface=DEEP * CELL, K0=0.5)
     contact = mpm.RigidContact()
     scene.engines = [

@@ -65,12 +65,12 @@ def build(a):
     )
     column = box((0, 0), (WIDTH, HEIGHT))
     if a.types == "ugimp":
-        scene.add("bars", column, bars, mpm.UGIMP(perCell=2))
+        scene.add("bars", column, bars, mpm.UGIMP(perCell=2), fbar=False)
     else:
         steps = (box((left, 0), (right, top)) for left, right, top in STILL[1:])
         still = sum(steps, box((0, 0), STILL[0][1:]))
-        moving = scene.add("moving bars", column - still, bars, mpm.UGIMP(perCell=2))
-        scene.add("still bars", column & still, bars, mpm.APDI(size=a.cell, matched=moving))
+        moving = scene.add("moving bars", column - still, bars, mpm.UGIMP(perCell=2), fbar=False)
+        scene.add("still bars", column & still, bars, mpm.APDI(size=a.cell, matched=moving), fbar=False)
     scene.initialStress(surface=HEIGHT, K0=K0, gravity=GRAVITY)
     scene.engines = [
         mpm.ParticleToGrid(),

@@ -75,7 +75,7 @@ def build(a, state):
     scene = mpm.Scene(lower=(-2 * BEHIND, 0), upper=upper, cell=a.cell, threads=a.threads)
     strength = dict(cohesion=COHESION, frictionAngle=FRICTION, dilatancyAngle=radians(a.psi))
     soil = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=LAME, **strength)
-    study.addGround(scene, "soil", box((-fed, 0), (LENGTH, HEIGHT)), None, soil, a.types)
+    study.addGround(scene, "soil", box((-fed, 0), (LENGTH, HEIGHT)), None, soil, a.types, fbar=False)
     scene.initialStress(surface=HEIGHT, K0=K0, gravity=GRAVITY)
     line = box((-9 * BEHIND, -HEIGHT), (0.1 * a.cell, 3 * HEIGHT))
     velocity = np.sign(MOVEMENT[state]) * a.rate, None

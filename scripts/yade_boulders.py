@@ -106,6 +106,7 @@ def build(a):
         box((0, 0, 0), (a.width, a.width, a.depth)),
         mpm.MohrCoulombDruckerPrager(**SOIL),
         mpm.UGIMP(perCell=2),
+        fbar=False,
     )
     scene.initialStress(surface=a.depth, K0=0.5, gravity=GRAVITY)
     contact = mpm.RigidContact(normalDamping=DAMPING)

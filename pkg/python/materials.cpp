@@ -79,6 +79,7 @@ void exposeMaterials() {
                                                                                                  bp::no_init)
         .add_property("lameConstants", lame)
         .add_property("waveSpeed", &Material::waveSpeed)
+        .add_property("yields", &Material::yields)
         .def("stateVariables", stateVariables);
     bp::def("makeMaterial", &Registry<Material>::make);
     bp::def("materialNames", +[] { return listOf(Registry<Material>::names()); });

@@ -230,6 +230,7 @@ class MohrCoulombDruckerPrager(Material):
     dilatancyLimit: float | None
     initialVoidRatio: float | None
     criticalVoidRatio: float | None
+    closing: bool
     def __init__(
         self,
         *,
@@ -245,6 +246,7 @@ class MohrCoulombDruckerPrager(Material):
         dilatancyLimit: float | None = None,
         initialVoidRatio: float | None = None,
         criticalVoidRatio: float | None = None,
+        closing: bool = False,
     ) -> None: ...
 
 

@@ -169,7 +169,7 @@ def column(scheme="USL"):
     sand = mpm.MohrCoulombDruckerPrager(
         density=1.6, lame=(2e3, 1.5e3), cohesion=0.0, frictionAngle=np.radians(30), dilatancyAngle=0.0
     )
-    scene.add("sand", box((0, 0), (1, 2)), sand, mpm.UGIMP(perCell=2))
+    scene.add("sand", box((0, 0), (1, 2)), sand, mpm.UGIMP(perCell=2), fbar=False)
     scene.engines = [
         mpm.ParticleToGrid(),
         mpm.GridSolver(gravity=(0, -9.81), roller="left", fixed="bottom"),

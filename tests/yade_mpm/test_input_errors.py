@@ -771,7 +771,8 @@ def warningsOf(prepare):
 )
 def test_an_initial_stress_beyond_yield_is_warned_of_with_what_K0_is_borne(K0, isWarned, dim):
     scene = emptyScene(dim)
-    scene.add("sand", box((0,) * dim, (1,) * dim), soil(cohesion=0), mpm.APDI() if dim == 2 else mpm.UGIMP())
+    type_ = mpm.APDI() if dim == 2 else mpm.UGIMP()
+    scene.add("sand", box((0,) * dim, (1,) * dim), soil(cohesion=0), type_, fbar=False)
     scene.add(
         "block", box((1,) + (0,) * (dim - 1), (2,) + (1,) * (dim - 1)), elastic(density=1.5), mpm.UGIMP()
     )

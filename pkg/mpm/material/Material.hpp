@@ -48,6 +48,9 @@ class MPM_PUBLIC Material : public Configurable {
     virtual void update(const MaterialPoints<2>& points) const = 0;
     virtual void update(const MaterialPoints<3>& points) const = 0;
 
+    // Whether the stress is bounded by a yield surface: particles of the material then lock without F-bar.
+    virtual bool yields() const { return false; }
+
     // Lame constants {lambda, mu} of the elastic response, kPa, of particles at rest without stress.
     virtual std::array<double, 2> lame() const = 0;
     // The same for each of a run of particles as they stand; a law whose stiffness follows the stress

@@ -60,7 +60,38 @@ MPM_INLINE Returned<Number> returnMap(const Constants& k, Number p, Number q, Nu
     return {whereGreater(scale, 0, scale, 0), whereGreater(pBack, k.tensionCutOff, k.tensionCutOff, pBack)};
 }
 
-// Trial stress in, stress out.
+// Trial stress in, stress out. The mean stress of soil that is open is that at which it opened, until what the
+// trial stress closes, (mostTension - p)/K, has used the opening up.
+template <int Dim> void closeUp(const Constants& constants, const MaterialPoints<Dim>& points) {
+    const Constants k = constants;
+    const double most = std::min(k.apex, k.tensionCutOff);
+    double *xx = points.stress[0], *yy = points.stress[4], *zz = points.stress[8];
+    double *plasticVolumetric = points.state[1], *opening = points.state[2];
+    const int count = points.count;
+#pragma omp simd
+    for (int i = 0; i < count; ++i) {
+        const double below = (most - (xx[i] + yy[i] + zz[i]) / 3) * k.bulkCompliance;
+        const double closed = std::min(std::max(below, 0.0), opening[i]), p = k.bulk * closed;
+        xx[i] += p;
+        yy[i] += p;
+        zz[i] += p;
+        plasticVolumetric[i] -= closed;
+        opening[i] -= closed;
+    }
+}
+
+// After closeUp(): what takes the mean stress of a trial beyond the apex or the tension cut-off opens the soil.
+template <int Dim> void openUp(const Constants& constants, const MaterialPoints<Dim>& points) {
+    const Constants k = constants;
+    const double most = std::min(k.apex, k.tensionCutOff);
+    const double *xx = points.stress[0], *yy = points.stress[4], *zz = points.stress[8];
+    double* opening = points.state[2];
+    const int count = points.count;
+#pragma omp simd
+    for (int i = 0; i < count; ++i)
+        opening[i] += std::max((xx[i] + yy[i] + zz[i]) / 3 - most, 0.0) * k.bulkCompliance;
+}
+
 template <bool limited> void returnToYield(const Constants& constants, const MaterialPoints<2>& points) {
     const Constants k = constants;
     const double third = 1.0 / 3, major = (1 + k.sinPhi) / 2, minor = (1 - k.sinPhi) / 2;
@@ -154,7 +185,8 @@ the apex. A tension cut-off then lowers the mean stress alone, and its volume ch
 beta is 0 once the plastic volumetric strain is dilatancyLimit, or ln((1 + e_c)/(1 + e_0)) by the void ratios
 (incompressible grains). The step that reaches the limit is split there. Opening at the apex and at the tension
 cut-off is not dilatancy: it counts, for soil that opened is loose, but it is never held back, for the stress
-could not come back to the yield surface.
+could not come back to the yield surface. With `closing` the opening is a variable of state, and compression
+uses it up at constant mean stress before the soil bears pressure: what parted and meets again has its volume.
 
 Source: the definition is this project's; Drucker & Prager 1952, Q. Appl. Math. 10, 157-165; Hughes & Winget
 1980, Int. J. Numer. Methods Eng. 15, 1862-1867; the limit: the dilatancy cut-off of the
@@ -193,14 +225,26 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         all.push_back({"criticalVoidRatio", "-",
                        "void ratio e_c from which on psi is 0, at least initialVoidRatio",
                        &criticalVoidRatio_, Range::positive()});
+        all.push_back(
+            {"closing", "",
+             "whether soil that has opened, at the apex or the tension cut-off, closes before it bears "
+             "pressure again",
+             &closing_});
         return all;
     }
     void finish() override;
 
     std::vector<StateVariable> stateVariables() const override {
-        return {{"plasticShearStrain", "-", "accumulated plastic shear strain, sum of sqrt(2/3 de:de)"},
-                {"plasticVolumetricStrain", "-", "plastic volumetric strain, dilation positive"}};
+        std::vector<StateVariable> all{
+            {"plasticShearStrain", "-", "accumulated plastic shear strain, sum of sqrt(2/3 de:de)"},
+            {"plasticVolumetricStrain", "-", "plastic volumetric strain, dilation positive"}};
+        if (closing_)
+            all.push_back(
+                {"opening", "-",
+                 "volumetric strain by which the soil stands open, at the apex or the tension cut-off"});
+        return all;
     }
+    bool yields() const override { return true; }
     std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
 
     void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
@@ -211,10 +255,16 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
 
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
-    void stateFromStress(const double*, double* state) const override { state[0] = state[1] = 0; }
+    void stateFromStress(const double*, double* state) const override {
+        std::fill_n(state, stateVariables().size(), 0.0);
+    }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         trialStress(constants_.lambda, constants_.mu, points);
+        if (closing_) {
+            closeUp(constants_, points);
+            openUp(constants_, points);
+        }
         std::isinf(constants_.dilatancyLimit) ? returnToYield<false>(constants_, points)
                                               : returnToYield<true>(constants_, points);
     }
@@ -235,6 +285,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     std::string coneFit_ = "planeStrain";
     double tensionCutOff_ = notGiven, dilatancyLimit_ = notGiven;
     double initialVoidRatio_ = notGiven, criticalVoidRatio_ = notGiven;
+    bool closing_ = false;
     Constants constants_{};
 };
 

@@ -12,7 +12,7 @@ from ..base.attributes import Attributed, makeClasses
 class Material(Attributed):
     """Base of all materials."""
 
-    _fixed = ("density",)  # the particles have their mass
+    _fixed = ("density", "closing")  # the particles have their mass and state
 
     def __reduce__(self):
         """Copies and pickles are new materials with the same attributes."""

@@ -26,7 +26,7 @@ class Bodies(tuple):
         raise AttributeError(f"Scene: bodies has no attribute '{name}'; it is a tuple of Body")
 
 
-def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group="main", implicit=False):
+def add(scene, name, region, material, type, inertiaScale=1.0, fbar=None, group="main", implicit=False):
     """Adds a body and returns it.
 
     Parameters
@@ -38,8 +38,9 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group
     material : Material, e.g. mpm.LinearElastic(...).
     type : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).
     inertiaScale : float, factor on the inertial mass, not on the weight; default 1.
-    fbar : bool, one increment of volumetric strain and one linear mean stress per cell (against volumetric
-        locking; de Souza Neto et al. 1996, doc/development/decisions/0008); default False.
+    fbar : bool, one increment of volumetric strain and one linear mean stress per cell: against volumetric
+        locking, which makes soil that yields too strong, and for volumes that stay (de Souza Neto et al.
+        1996, doc/explanation/volumes.md). Default None: for materials that yield. False: the bare form.
     group : str; bodies of one group stick together, between groups a `Contact` engine lets them slip; default
         "main".
     implicit : bool, solve for the elastic forces of the body at the end of each step: its stiffness does not
@@ -51,6 +52,8 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=False, group
     """
     refuseDuringStep(scene, "add")
     _checkArguments(scene, name, region, material, type)
+    if fbar is None:
+        fbar = material.core.yields and not implicit
     with scene.holder.held("add"):
         return _added(scene, name, region, material, type, (inertiaScale, fbar, group, implicit))
 

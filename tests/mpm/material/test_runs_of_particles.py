@@ -62,7 +62,13 @@ def bodies(material, L, stress, most=MOST):
     for n in range(1, most + 1):
         corner = np.array([0, n - 1, 0][:dim])
         made.append(
-            scene.add(f"{n}", box(corner, corner + np.array([n, 1, 1][:dim])), material, mpm.UGIMP(perCell=1))
+            scene.add(
+                f"{n}",
+                box(corner, corner + np.array([n, 1, 1][:dim])),
+                material,
+                mpm.UGIMP(perCell=1),
+                fbar=False,
+            )
         )
     for body in made:
         body.position[...] = PLACE[:dim]

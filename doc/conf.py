@@ -33,6 +33,7 @@ myst_heading_anchors = 4  # links to headings, by the names that a Git host give
 myst_links_external_new_tab = False
 
 # Notebooks: the pages with {code-cell} in them. `scripts/docs` executes them, the default test does not.
+os.environ.pop("MPLBACKEND", None)  # kernels draw into the page
 nb_execution_mode = os.environ.get("MPM_NOTEBOOKS", "cache")
 nb_execution_cache_path = str(ROOT / "build" / "docs" / "cache")
 nb_execution_in_temp = True

@@ -2,6 +2,7 @@
 """The manual as a site: Sphinx builds it without a warning, and it has every page and every public name."""
 
 import inspect
+import json
 import os
 import subprocess
 import sys
@@ -55,6 +56,22 @@ def test_the_reference_has_every_public_name(site):
     text = "".join(page.read_text() for page in (site / "doc" / "reference" / "api").glob("*.html"))
     missing = [name for name in PUBLIC if f'id="{name}"' not in text]
     assert missing == [], "give them a directive on a page of doc/reference/api"
+
+
+@pytest.mark.slow
+def test_the_notebooks_are_executed_and_shipped_with_their_pictures(tmp_path):
+    done = sphinx(tmp_path, "force")
+    assert done.returncode == 0, done.stderr[-6000:]
+    shipped = {file.stem: json.loads(file.read_text()) for file in tmp_path.rglob("_downloads/**/*.ipynb")}
+    notebooks = {
+        page.stem for page in (ROOT / "doc" / "tutorial").glob("*.md") if "{code-cell}" in page.read_text()
+    }
+    assert set(shipped) == notebooks
+    for name, notebook in shipped.items():
+        kinds = [
+            kind for cell in notebook["cells"] for o in cell.get("outputs", ()) for kind in o.get("data", ())
+        ]
+        assert "image/png" in kinds, name
 
 
 MADE_BY_THE_CODE = (yade_mpm.Body, yade_mpm.Region, yade_mpm.ResultFrame)

@@ -108,3 +108,35 @@ def test_threads_and_a_restart_do_not_change_a_bit(tmp_path):
     other = mpm.load(tmp_path / "state.h5")
     other.run(steps=50, progress=False)
     assert states[0] == states[1] == state(other)
+
+
+def test_a_rigid_ball_bounces_off_an_implicit_block():
+    """The force of RigidContact stays explicit; the block answers it with all of its mass, at more than
+    15 times the critical step of the explicit one."""
+    scene = mpm.Scene((0, 0), (2, 2), 0.1, threads=1)
+    steel = mpm.LinearElastic(density=7.85, young=2e8, poisson=0.3)
+    region = box((0.4, 0.4), (1.6, 1.0))
+    block = scene.add("block", region, steel, mpm.APDI(size=0.05), implicit=True)
+    contact = mpm.RigidContact(checkBalance=True)
+    contact.addBody(mpm.rigid.Sphere(0.2), friction=0.4, position=(1.0, 1.25), velocity=(0, -3.0))
+    mass = 0.5  # Mg/m
+    x, q, v, w = (
+        getattr(contact, name).copy()
+        for name in ("positions", "orientations", "velocities", "angularVelocities")
+    )
+
+    def move(scene):
+        v[:] += contact.forces / mass * scene.dt
+        x[:] += v * scene.dt
+        contact.setStates(x, q, v, w)
+
+    stages = [mpm.ParticleToGrid(), contact, mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = [*stages, mpm.PyRunner(move, iterPeriod=1)]
+    scene.dt = 3e-4
+    assert scene.dt > 15 * scene.criticalTimeStep(asIfExplicit=True)
+    scene.run(until=0.06, progress=False)
+    momentum = diagnostics.momentum(scene)[1] + mass * v[0, 1]
+    assert momentum == pytest.approx(-3 * mass, rel=1e-12)
+    together = -3 * mass / (mass + block.mass.sum())
+    assert together < v[0, 1] - together <= (3 + together) * 1.05  # between a plastic and an elastic impact
+    assert meanVelocity(block)[1] < -0.4

@@ -131,6 +131,29 @@ def test_an_axially_loaded_column_is_as_short_as_theory_says_at_any_step(kind):
     assert ends[1] == pytest.approx(free, rel=0.01)
 
 
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_pressure_shortens_a_column_as_theory_says(dim):
+    """Loads of BoundaryLoad stay explicit forces."""
+    scene = column("APDI", dim)
+    body, pressure = scene["column"], 1e3
+    height = LENGTH if dim == 2 else 1.5
+    top = box((0.0,) * (dim - 1) + (height - 0.01,), (1.0,) * (dim - 1) + (height + 0.01,))
+    load = mpm.BoundaryLoad(body, top, pressure=pressure)
+    scene.engines = [scene.engines[0], load, *scene.engines[1:]]
+    scene.dt = 1e5 * CRITICAL
+    scene.run(steps=4, progress=False)
+    young = LAME[1] * (3 * LAME[0] + 2 * LAME[1]) / (LAME[0] + LAME[1])
+    poisson = LAME[0] / 2 / (LAME[0] + LAME[1])
+    modulus = young / (1 - poisson**2) if dim == 2 else young
+    middle = np.abs(body.reference[:, -1] - height / 2) < CELL / 2  # the ends are held, or hold less
+    above, below = (
+        (body.reference[:, -1] > height / 2) & middle,
+        (body.reference[:, -1] < height / 2) & middle,
+    )
+    strain = (body.displacement[above, -1].mean() - body.displacement[below, -1].mean()) / (CELL / 2)
+    assert strain == pytest.approx(-pressure / modulus, rel=0.01)
+
+
 @pytest.mark.parametrize("kind, share", [("uGIMP", 0.98), ("APDI", 0.965)])
 def test_a_cantilever_bends_like_a_beam(kind, share):
     """A Timoshenko beam of its plane-strain modulus. Two particles across make uGIMP 2 % and APDI 3.5 %

@@ -36,7 +36,7 @@ PUBLISHED = dict(
 )
 PUBLISHED |= dict(flip=1.0, on_distortion="stop", thickness=lambda a: cellsOf(a, 0.25) * a.cell)
 # Options of sheet_pile_study; an explicit pile allows 2e-4 s at 0.25 m.
-PUBLISHED |= dict(dt=lambda a: (1e-3 if a.implicit else 2e-4) * min(1.0, a.cell / 0.25))
+PUBLISHED |= dict(dt=lambda a: (8e-4 if a.implicit else 2e-4) * min(1.0, a.cell / 0.25))
 REMEDIES = dict(friction=0.3, tip=90.0, dilatancyLimit=0.05, split=1.3, fbar=True, undamped=True)
 REMEDIES |= dict(ramp=lambda a: 0.1 / a.rate)  # s: 0.05 m
 DERIVED = dict(
@@ -65,7 +65,7 @@ PARAMETERS = mpm.Parameters(
     Parameter("rate", 0.1, "of the pile; published 0.01", unit="m/s", above=0),
     Parameter("until", lambda a: 4.0 / a.rate + 0.5 * a.ramp, "end (default: 4 m deep)", unit="s", above=0),
     Parameter("friction", None, "the soil slips on the pile (default: bonded, published)", least=0),
-    Parameter("implicit", False, "an implicit pile with its true inertia, and a step five times as long"),
+    Parameter("implicit", False, "an implicit pile with its true inertia, and a step four times as long"),
     Parameter("remedies", False, "what mends the published model", sets=REMEDIES),
     smoke={"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0},
     fixed=PUBLISHED,

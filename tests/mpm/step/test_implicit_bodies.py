@@ -231,6 +231,20 @@ def test_gradient_and_vertices_follow_the_solved_velocity():
     assert np.abs(body.displacement).max() > 0.01
 
 
+def test_usl_and_musl_move_an_implicit_body_alike():
+    states = []
+    for scheme in ("MUSL", "USL"):
+        scene = mpm.Scene((0, 0), (1, 3), CELL, scheme=scheme, threads=1)
+        steel = mpm.LinearElastic(density=7.85, lame=LAME)
+        scene.add("column", box((0.375, 0), (0.625, 2)), steel, mpm.APDI(size=CELL / 2), implicit=True)
+        solver = mpm.GridSolver(gravity=(1.0, -9.81), fixed="bottom")
+        scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+        scene.dt = 20 * CRITICAL
+        scene.run(steps=50, progress=False)
+        states.append(state(scene))
+    assert states[0] == states[1]
+
+
 # --- several bodies ---------------------------------------------------------------------------------------
 def test_two_bodies_that_touch_are_one_system_and_others_are_systems_of_their_own():
     """A column of two bodies moves like that of one, and a far one beside it does not change a bit."""

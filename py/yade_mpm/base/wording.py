@@ -106,6 +106,8 @@ def _flat(bound, function, owner):
 
 def _said(given, error, reason, documented):
     """What was given, why it is refused, what is allowed."""
+    if isinstance(error, (OSError, MemoryError)):
+        return f"not possible ({reason}); make room, or give another place"
     if not given:
         return (
             f"not possible as things are ({reason}); look at what the object was made with, or report it "

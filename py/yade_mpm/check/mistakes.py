@@ -28,6 +28,11 @@ def likelyMistakes(scene, gravity):
             "Scene: no engines were given, and the default ones have neither gravity nor walls; set e.g. "
             "scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed='bottom')"
         )
+    if scene.scheme == "USF":
+        yield (
+            "Scene: scheme = 'USF' is first order in time, for vertices move before the solution and "
+            "particles after it; take MUSL, or look whether half the time step changes the results"
+        )
     softest = min((b.material.lameConstants[1] for b in scene.bodies), default=0.0)
     for body in scene.bodies:
         yield from _units(body, gravity)

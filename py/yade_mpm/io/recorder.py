@@ -224,7 +224,7 @@ class Recorder(Callback):
             self._path = self._file
 
     def _resume(self, scene):
-        with appendingTo(self._file) as h5:
+        with naming(self._file), appendingTo(self._file) as h5:
             if h5.attrs.get("run") != self._run:
                 raise ValueError(
                     f"Recorder: '{self._file}' is not the file that this run has written; move it away, or "

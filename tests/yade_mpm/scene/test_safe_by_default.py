@@ -247,3 +247,16 @@ def test_settle_has_a_limit_of_time_and_says_what_is_left():
     assert scene.gridSolver("test").damping == 0.0
     with pytest.raises(ValueError, match="settle: maxTime = 0 is not allowed"):
         scene.settle(maxTime=0)
+
+
+@pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
+def test_a_scheme_of_first_order_in_time_is_told_at_the_start(scheme):
+    scene = mpm.Scene((0, 0), (2, 2), 0.5, scheme=scheme)
+    elastic = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
+    scene.add("block", mpm.box((0, 0), (1, 1)), elastic, mpm.UGIMP()).velocity = (0.1, 0.1)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scene.run(steps=1)
+        scene.run(steps=1)
+    told = [str(w.message) for w in caught if "first order in time" in str(w.message)]
+    assert len(told) == (scheme == "USF") and all("take MUSL, or look whether half" in t for t in told)

@@ -23,19 +23,10 @@ WIDTH, DEPTH, FREE, PILE_LENGTH, EMBEDDED = 30.0, 12.0, 12.0, 10.0, 1.0  # m; FR
 ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5  # m: uGIMP zone, and how far it reaches below the final tip
 GRAVITY, K0 = 9.81, 0.43  # m/s2, -
 SOLVER = dict(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed="bottom")
-PUBLISHED = dict(
-    cohesion=8.5,
-    phi=30.0,
-    psi=10.0,
-    dilatancyLimit=None,
-    tip=180.0,
-    split=None,
-    fbar=False,
-    undamped=False,
-    ramp=0.0,
-)
-PUBLISHED |= dict(flip=1.0, on_distortion="stop", thickness=lambda a: cellsOf(a, 0.25) * a.cell)
 # Options of sheet_pile_study; an explicit pile allows 2e-4 s at 0.25 m.
+PUBLISHED = dict(cohesion=8.5, phi=30.0, psi=10.0, tip=180.0, ramp=0.0, flip=1.0, on_distortion="stop")
+PUBLISHED |= dict(dilatancyLimit=None, split=None, fbar=False, undamped=False)
+PUBLISHED |= dict(thickness=lambda a: cellsOf(a, 0.25) * a.cell)
 PUBLISHED |= dict(dt=lambda a: (8e-4 if a.implicit else 2e-4) * min(1.0, a.cell / 0.25))
 REMEDIES = dict(friction=0.3, tip=90.0, dilatancyLimit=0.05, split=1.3, fbar=True, undamped=True)
 REMEDIES |= dict(ramp=lambda a: 0.1 / a.rate)  # s: 0.05 m
@@ -127,10 +118,9 @@ def recorded(a, snapshots, columns=None):
     """The scene with its output: a file for ParaView, a history, and snapshots at every quarter."""
     scene = build(a)
     section = {"pile.section": f"diagnostics.sectionForce(scene['pile'], {DEPTH + a.cell})"}
+    columns = {**section, **(columns or {})}
     recorder = mpm.Recorder(f"{a.out}/sheet_pile.vtkhdf", period=a.until / 40)
-    history = mpm.History(
-        period=a.until / 800, file=f"{a.out}/history.csv", columns={**section, **(columns or {})}
-    )
+    history = mpm.History(period=a.until / 800, file=f"{a.out}/history.csv", columns=columns)
     quarters = mpm.PyRunner(snapshots, virtPeriod=a.until / 4, label="snapshots")
     scene.engines = [*scene.engines, recorder, history, quarters]
     return scene
@@ -148,9 +138,8 @@ def run(a):
     scene, history = run.finish()
     curve, certificate = resistanceCurve(a, scene, history), mpm.quasiStatic(history)
     window = (a.width / 2 - 4, a.width / 2 + 4, DEPTH - EMBEDDED - a.penetration - 2, DEPTH + 2)
-    penetration.draw(
-        f"{a.out}/sheet_pile.png", a, curve, snapshots or [plot.Snapshot(scene, "plasticShearStrain")], window
-    )
+    moments = snapshots or [plot.Snapshot(scene, "plasticShearStrain")]
+    penetration.draw(f"{a.out}/sheet_pile.png", a, curve, moments, window)
     summary = {"resistance": study.atSteps(curve[0], curve[2]), "quasiStatic": certificate.asDict()}
     study.saveCurve(a.out, "resistance", {"penetration (m)": curve[0], "resistance (kN/m)": curve[2]})
     print(certificate, "resistance in kN/m at m:", summary["resistance"], f"results in {a.out}/", sep="\n")

@@ -13,7 +13,8 @@ from pathlib import Path
 from .. import __version__, _core
 
 DIGITS = 12  # of the name of a case: 1e6 cases collide with a probability of 2e-3
-LATER = ("calibration", "cases", "collect", "execution", "live", "program", "report", "sensitivity", "watch")
+LATER = ("calibration", "cases", "collect", "execution", "live", "optional", "pictures", "program", "report")
+LATER += ("sensitivity", "study", "watch")
 
 
 @lru_cache

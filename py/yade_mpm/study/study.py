@@ -62,7 +62,8 @@ class Study:
             own = [*words, *self.parameters.words(values)]
             wrong = self.parameters.problem(own)
             if wrong:
-                raise ValueError(f"case {number} ({self._label(values)}): {wrong}")
+                label = self._label(values)
+                raise ValueError(f"case {number}{f' ({label})' if label else ''}: {wrong}")
             a = vars(self.parameters.parse(own))
             known = {name: value for name, value in a.items() if name not in ("out", "resume", "threads")}
             shown = {name: a[name] for name in self.parameters.all}
@@ -208,7 +209,7 @@ def findScene(name):
         file = os.path.join(folder, f"{name}.py")
         if folder and os.path.isfile(file):
             return os.path.abspath(file)
-    raise FileNotFoundError(f"study: there is no scene '{name}'; give its file")
+    raise FileNotFoundError(f"there is no scene '{name}'; give its file")
 
 
 def parametersOf(file):

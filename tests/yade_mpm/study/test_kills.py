@@ -20,7 +20,7 @@ ENVIRONMENT = {
     **os.environ,
     "PYTHONPATH": os.pathsep.join([str(Path(mpm.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]),
 }
-WORDS = ["gravity=5,6,7,8,9,10", "--pause", "0.15", "--threads", "1", "--out", "o"]  # 1.5 s of pauses each
+WORDS = ["gravity=5,6,7,8,9,10", "--pause", "0.5", "--threads", "1", "--out", "o"]  # 5 s of pauses each
 
 
 def start(*more, words=WORDS):
@@ -50,9 +50,18 @@ def waitFor(condition, seconds=60):
 
 
 def isUnderWay():
-    """One case is finished, another one is in its steps."""
+    """One case is finished, another one has just begun its steps."""
     logs = [f.read_text() for f in Path("o/cases").glob("*/log.txt")]
     return state.DONE in states() and sum("particles; " in log for log in logs) > states().count(state.DONE)
+
+
+def running():
+    """Process of a case that is at work; None: there is none."""
+    for file in Path("o/cases").glob("*/state.json"):
+        at = json.loads(file.read_text())
+        if at["state"] == state.RUNNING and isAlive(at["pid"]):
+            return at["pid"]
+    return None
 
 
 @pytest.fixture(scope="module")
@@ -149,8 +158,8 @@ def test_what_is_finished_survives_a_kill_at_random(victim, tmp_path, alone):
         waitFor(isUnderWay)
         time.sleep(after)
         if victim == "case":
-            waitFor(lambda: any(map(isAlive, pids())))
-            os.kill(next(pid for pid in pids() if isAlive(pid)), signal.SIGKILL)
+            waitFor(lambda: running() is not None)
+            os.kill(running(), signal.SIGKILL)
         else:
             (workers[0] if victim == "worker" else scheduler).kill()
         finished = histories("o") if state.DONE in states() else {}

@@ -91,12 +91,20 @@ class CellAverage {
         });
     }
 
-    // After sum(): which cells lie inside the material.
+    // After sum(): which cells lie inside the material, and what of their mean acts by particles and by cells, see
+    // CellForces.hpp.
     template <int Dim> void findInside(ParallelRegion& region, const Grid<Dim>& grid) {
+        const double whole = grid.cell.prod();
         const auto volumeOf = [&](int c) { return cells_[c].round == round_ ? cells_[c].volume : 0; };
         region.forOwnRange(partitions_, [&](int firstSlab, int endSlab) {
             for (int slab = firstSlab; slab < endSlab; ++slab)
-                for (int c : occupied_[slab]) cells_[c].inside = insideBy(leastCover(grid, c, volumeOf));
+                for (int c : occupied_[slab]) {
+                    Cell& cell = cells_[c];
+                    cell.inside = insideBy(grid, c, volumeOf);
+                    const double volume = cell.inside * whole + (1 - cell.inside) * cell.volume;
+                    cell.byCell = cell.inside * volume * cell.mean();
+                    cell.byParticles = (1 - cell.inside) * volume / cell.volume * cell.mean();
+                }
         });
     }
 
@@ -114,12 +122,8 @@ class CellAverage {
         }
     }
 
-    // By how much the values of particle p, times its volume, stand for the mean of its cell where the rest acts
-    // by the cell: see CellForces.hpp.
-    template <int Dim> double actingByParticle(const Grid<Dim>& grid, int p) const {
-        const Cell& cell = cells_[cell_[p]];
-        return (1 - cell.inside) * cell.mean() * (actingVolume(grid, cell) / cell.volume);
-    }
+    // What acts of the mean of its cell by the volume of particle p.
+    double actingByParticle(int p) const { return cells_[cell_[p]].byParticles; }
 
     // -sum V_c s_c mean_c grad phi_ic over the cells around a node: what acts by the cells.
     template <int Dim> Vec<Dim> force(const Grid<Dim>& grid, int node) const {
@@ -128,9 +132,7 @@ class CellAverage {
             int number = node;
             for (int k = 0; k < Dim; ++k) number -= cornerSign(a, k) > 0 ? grid.strides[k] : 0;
             if (number < 0 || cells_[number].round != round_) continue;
-            const Cell& cell = cells_[number];
-            const double acting = cell.inside * cell.mean() * actingVolume(grid, cell);
-            for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * acting;
+            for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * cells_[number].byCell;
         }
         return sum.cwiseQuotient(grid.cell) / (corners<Dim> / 2);
     }
@@ -163,7 +165,8 @@ class CellAverage {
         long round = 0; // in which it was summed: else nothing is in it
         int particles = 0;
         double volume = 0, sum = 0, moment[3] = {};
-        double inside = 0; // share of the mean that acts by the cell
+        double inside = 0;                  // 1 inside the material, 0 at its surface
+        double byCell = 0, byParticles = 0; // of the mean, times volume; of the mean
 
         double mean() const { return sum / volume; }
         double centre(int axis) const { return moment[axis] / volume; } // of the particles
@@ -176,11 +179,6 @@ class CellAverage {
     struct Range {
         int first, last;
     };
-
-    // On which the mean stress of a cell acts: its own inside the material, at a surface that of the particles.
-    template <int Dim> static double actingVolume(const Grid<Dim>& grid, const Cell& cell) {
-        return cell.inside * grid.cell.prod() + (1 - cell.inside) * cell.volume;
-    }
 
     // (V' - V_c)/(V_c dt), V' the volume between the corners of a cell after they moved for dt.
     template <int Dim, class Velocity>

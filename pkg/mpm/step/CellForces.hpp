@@ -34,7 +34,7 @@ class CellForces {
         average_.findInside(region, grid);
         region.chunks(n, [&](int begin, int end) {
             for (int p = begin; p < end; ++p) {
-                const double by = average_.actingByParticle(grid, p) - average_.values()[p];
+                const double by = average_.actingByParticle(p) - average_.values()[p];
                 for (int k = 0; k < Dim; ++k) diagonal_[k][p] = stress[k][p] + by;
             }
         });

@@ -94,9 +94,7 @@ class EvenCover {
         for (int c = 0; c < grid.count; ++c) {
             if (cover_[c] == 0) continue;
             const double excess = cover_[c] / cell - 1;
-            excess_[c] = excess > 0
-                             ? excess
-                             : excess * insideBy(leastCover(grid, c, [&](int n) { return cover_[n]; }));
+            excess_[c] = excess > 0 ? excess : excess * insideBy(grid, c, [&](int n) { return cover_[n]; });
         }
     }
 

@@ -36,6 +36,7 @@ template <int Dim>
 void volumeRates(const Field& velocityGradient, double dt, int begin, int end, double* rate) {
     const double* L[Dim * Dim];
     for (int c = 0; c < Dim * Dim; ++c) L[c] = velocityGradient.plane(c);
+#pragma omp simd
     for (int p = begin; p < end; ++p) {
         if constexpr (Dim == 2) {
             rate[p] = L[0][p] + L[3][p] + dt * (L[0][p] * L[3][p] - L[1][p] * L[2][p]);
@@ -56,6 +57,7 @@ template <int Dim>
 void toTraces(const Field& velocityGradient, double dt, int begin, int end, double* change) {
     const double* L[Dim * Dim];
     for (int c = 0; c < Dim * Dim; ++c) L[c] = velocityGradient.plane(c);
+#pragma omp simd
     for (int p = begin; p < end; ++p) {
         double trace = 0, minors = 0;
         for (int i = 0; i < Dim; ++i) {

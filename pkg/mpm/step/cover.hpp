@@ -8,27 +8,30 @@
 
 namespace mpm {
 
-// The least cover of the rows of cells before and beyond a cell along each axis: volume over that of a cell, the
-// cells across weighted with 1/4, 1/2, 1/4. About one inside the material, a half where one neighbour is empty,
-// zero at a flat surface, and what the next row has below that. What is outside of the grid, behind its walls,
-// does not count.
-template <int Dim, class Volume> double leastCover(const Grid<Dim>& grid, int number, Volume&& volumeOf) {
+// From 0 at the surface of a body to 1 inside of it, by the least cover of the rows of cells before and beyond a
+// cell along each axis: volume over that of the cell, the cells across weighted with 1/4, 1/2, 1/4. About one
+// inside the material, a half where one neighbour is empty, zero at a flat surface, and what the next row has
+// below that. What is outside of the grid, behind its walls, does not count.
+template <int Dim, class Volume> double insideBy(const Grid<Dim>& grid, int number, Volume&& volumeOf) {
+    constexpr double surface = 0.25, inside = 0.5;
+    constexpr int rows = Dim == 2 ? 3 : 9, order[3] = {0, -1, 1}; // the cell itself first
     const Index<Dim> index = grid.indices(number);
+    const double enough = inside * grid.cell.prod();
     const auto isInGrid = [&](int k, int step) {
         const int at = index[k] + step - grid.ghost;
         return at >= 0 && at < grid.cells[k];
     };
-    double least = 1;
+    double least = inside;
     for (int axis = 0; axis < Dim; ++axis)
         for (int side : {-1, 1}) {
             if (!isInGrid(axis, side)) continue;
             double sum = 0, weights = 0;
-            for (int n = 0; n < (Dim == 2 ? 3 : 9); ++n) {
+            for (int n = 0; n < rows && sum < enough; ++n) { // most cells need one or two of a row
                 int other = number + side * grid.strides[axis];
                 double weight = 1;
                 for (int k = 0, rest = n; k < Dim; ++k) {
                     if (k == axis) continue;
-                    const int step = rest % 3 - 1;
+                    const int step = order[rest % 3];
                     rest /= 3;
                     other += step * grid.strides[k];
                     weight *= !isInGrid(k, step) ? 0 : step == 0 ? 0.5 : 0.25;
@@ -36,15 +39,9 @@ template <int Dim, class Volume> double leastCover(const Grid<Dim>& grid, int nu
                 weights += weight;
                 if (weight > 0) sum += weight * volumeOf(other);
             }
-            if (weights > 0) least = std::min(least, sum / (weights * grid.cell.prod()));
+            if (sum < enough) least = std::min(least, sum / (weights * grid.cell.prod()));
         }
-    return least;
-}
-
-// From 0 at the surface of a body to 1 inside of it.
-inline double insideBy(double leastCover) {
-    constexpr double surface = 0.25, inside = 0.5;
-    return std::clamp((leastCover - surface) / (inside - surface), 0.0, 1.0);
+    return std::clamp((least - surface) / (inside - surface), 0.0, 1.0);
 }
 
 } // namespace mpm

@@ -84,19 +84,22 @@ def bear(undisturbed, count, blow):
     while len(fallen) < count:
         for file in os.listdir():
             os.remove(file)
-        reached = 0
+        reached, said = 0, ""
         for _ in range(MOST_STARTS):
             one = blow(rng, seconds) if len(fallen) < count else Fallen().wait()
             fallen.append(one)
             begun = int(one.first.split()[1])
             assert begun >= reached, f"step {reached} was saved, and it goes on from {begun}"
-            reached = one.reached
+            reached, said = one.reached, said + one.said
             if os.path.exists("end.h5"):
                 break
         found = results()
         for name, data in expected[0].items():
             assert found[0][name] == data, f"{name} has other bits"
-        assert found[1:] == expected[1:]
+        if re.search(r"OSError: .*out\.vtkhdf", said):  # for what had no room at the end of a process
+            assert set(found[1]) <= set(expected[1]) and found[3] == expected[3]
+        else:
+            assert found[1:] == expected[1:]
     return fallen
 
 

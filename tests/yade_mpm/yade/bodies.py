@@ -138,7 +138,7 @@ def shoot(how, isEvery, **options):
     if how == "hand":
         O.run(50, True)
         ball.pos, ball.vel = (0.6, 0.6, 0.59), (0, 0, -0.2)
-    O.run({"far": 218, "late": 248, "hand": 3}[how] // coupling.mpmSteps, True)
+    O.run({"far": 208, "late": 238, "hand": 3}[how] // coupling.mpmSteps, True)
     return {"bits": bits(soil), "seen": coupling.exchanges[0].seen, "contacts": contact.contacts}
 
 

@@ -16,10 +16,11 @@ from ..scene.scene import Scene
 from . import loop
 from .bodies import Bodies
 from .coupling import Coupling
+from .display import Display
 from .loop import act
 from .output import checkpointOf, tagOf
 
-__all__ = ["Bodies", "Coupling", "act", "attach", "checkpointOf"]
+__all__ = ["Bodies", "Coupling", "Display", "act", "attach", "checkpointOf"]
 
 
 def attach(

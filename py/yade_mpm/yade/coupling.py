@@ -288,6 +288,32 @@ class Coupling:
         if self.plot:
             self._rows.forward(self._clock.iterationOf, self.timeOffset)
 
+    def picture(
+        self,
+        field=None,
+        component=None,
+        limits=None,
+        axes=None,
+        colours=None,
+        window=None,
+        cut=None,
+        file=None,
+    ):
+        """Draws the soil and the bodies of YADE in it, and returns the axes of matplotlib.
+
+            soil.picture("plasticShearStrain", file="now.png")
+
+        Parameters
+        ----------
+        field, component, limits, axes, colours, window : as of `scene.plot`.
+        cut : (normal, place) of the section through a scene in 3D, e.g. ("y", 1.5), m; default: the middle
+            across y.
+        file : name of a picture to be written; default: none.
+        """
+        from .picture import drawScene
+
+        return drawScene(self, field, component, limits, axes, colours, window, cut, file)
+
     def flush(self):
         """Writes rows and frames that are not in the files yet; O.run, O.step, O.wait and O.save do it."""
         self._forward()

@@ -117,7 +117,7 @@ def build(types, radius):
     sphere = O.bodies.append(utils.sphere((0, 0, thickness + radius / RATIO), radius / RATIO))
     O.bodies[sphere].state.blockedDOFs = "xyzXYZ"
     O.engines = [ForceResetter(), NewtonIntegrator()]
-    bodies = inYade.Bodies(contact, [sphere])
+    bodies = inYade.Bodies(contact, [sphere], friction=0)
     scene.dt = 0.3 * scene.criticalTimeStep()  # small, for a stiff contact
     coupling = inYade.attach(scene, stages=False)
     coupling.exchanges.append(bodies)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies of YADE that touch the soil: their states go to a `RigidContact`, its forces come back."""
 
+import math
 import operator
 import sys
 import weakref
@@ -13,11 +14,12 @@ from ..engine.rigidContact import RigidContact
 from . import loop
 from .plane import Plane
 from .shapes import density as densityOf
-from .shapes import frameOf, shapesOf, yieldingMass
+from .shapes import frameOf, frictionOf, shapesOf, yieldingMass
 from .watching import Watch, bodyOf
 
 EVERY = 100  # cycles, after which far bodies are looked for, too
 hosted = weakref.WeakKeyDictionary()  # contact -> the Bodies that were made for it, in a WeakSet
+NO_LIMIT = 1e30  # coefficient of friction of a soil that has none of its own
 SHOWN = 6  # numbers of bodies in the repr
 DENSER = 30  # times the densest body of the scene; steel on peat has 11
 
@@ -30,12 +32,15 @@ class Bodies:
     contact : the `RigidContact` in the engines of the scene, before its first run.
     ids : numbers of bodies in O.bodies, or a single one: Sphere, Box, Facet, Polyhedra (3D; its faces touch,
         as facets), Wall (with sense 1 or -1), or clumps of these (the clump's own number).
-    friction : coefficient against the soil, -; default 0.
+    friction : coefficient against the soil, -. Default: by materials, tan(frictionAngle) of the body, and for
+        each pair the smaller one of body and soil, as Ip2_FrictMat_FrictMat_FrictPhys has it; a soil without
+        the attribute sets no limit, a body without it is smooth.
     thickness : m, of a 2D scene in YADE's third direction; forces per metre are multiplied by it. Default 1,
         and 1 in 3D.
     facetThickness : m, of facets, also of polyhedra, against the soil; APDI bodies need one. Default 0.
     plane : "xy" (default), "xz" or "yz": axes of YADE along x and y of a 2D scene; a positive moment turns x
         to y. "xy" in 3D.
+    forces : for `attach` after O.load: forces and moments as saved.
 
     O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. After
     O.load `inYade.attach` makes it anew. Raises ValueError for a body that is not there, is of another shape
@@ -51,13 +56,15 @@ class Bodies:
         inYade.attach(scene, bodies=bodies)
     """
 
-    def __init__(self, contact, ids, friction=0.0, thickness=1.0, facetThickness=0.0, plane="xy"):
+    def __init__(
+        self, contact, ids, friction=None, thickness=1.0, facetThickness=0.0, plane="xy", forces=None
+    ):
         from yade import O
 
         if not isinstance(contact, RigidContact):
             raise TypeError(f"inYade.Bodies: contact = {contact!r}; give a mpm.RigidContact()")
         self._O, self.contact, self.ids, self.thickness = O, contact, _numbers(ids), float(thickness)
-        self._facetThickness = float(facetThickness)
+        self._facetThickness, self._saved = float(facetThickness), forces
         if not 0 < self.thickness < np.inf:
             raise ValueError(
                 f"inYade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number"
@@ -67,6 +74,7 @@ class Bodies:
         isNew = len(contact.friction) == 0
         for number in self.ids if isNew else ():
             self._refuseMissing(number)
+            friction = self._frictionOf(number, self._friction)
             contact.addBody(self._shapes(number), friction=friction, mass=self._mass(number))
         rows = self._rows(None if isNew else contact)
         if not isNew and not _areSame(contact.core.value("shapes"), rows):
@@ -92,6 +100,18 @@ class Bodies:
 
     seen = property(lambda self: self._exchange.seen, doc="Number of states read so far.")
 
+    forces = property(
+        lambda self: self._ofSoil(self._saved[0] if self._saved else self.contact.forces),
+        doc="(n, 3), kN, of the soil on each body in the last step, in the axes of YADE; after O.load as saved.",
+    )
+    torques = property(
+        lambda self: self._ofSoil(self._saved[1] if self._saved else self.contact.torques),
+        doc="(n, 3), kN m, moments of the soil on each body about its position, likewise.",
+    )
+
+    def _ofSoil(self, vectors):
+        return self.plane.toYade(vectors) * self.thickness
+
     def read(self, coupling):
         """At the beginning of a cycle, when both clocks agree: states of the bodies to the contact."""
         if (
@@ -108,7 +128,7 @@ class Bodies:
         if self._waiting or self._watch.hasChanged(isNewRun):
             self._follow(coupling.scene)
         self._run, self._cycles = coupling.runs, self._cycles + 1
-        duration = coupling.scene.dt * coupling.mpmSteps
+        duration, self._saved = coupling.scene.dt * coupling.mpmSteps, None
         self._exchange.read(self._O.iter, loop.dt.now(self._O), duration, coupling.mpmSteps, isEvery)
 
     def apply(self, coupling):
@@ -142,6 +162,7 @@ class Bodies:
             "thickness": self.thickness,
             "facetThickness": self._facetThickness,
             "plane": self.plane.name,
+            "forces": [self.contact.forces.tolist(), self.contact.torques.tolist()],
         }
 
     # --- which bodies, with which shapes ----------------------------------------------------------------
@@ -161,7 +182,17 @@ class Bodies:
             if number in self.ids or number in (n for n, _ in self._waiting):
                 raise ValueError(f"inYade.Bodies: body {number} touches the soil already")
             self._shapes(number)
-        self._waiting += [(number, self._friction if friction is None else friction) for number in numbers]
+        friction = self._friction if friction is None else friction
+        self._waiting += [(number, self._frictionOf(number, friction)) for number in numbers]
+
+    def limitFriction(self, scene):
+        """Where friction goes by materials: tells the contact that of the soil, unless it was given one."""
+        if self._friction is None and len(self.contact.soilFriction) == 0:
+            angles = [getattr(body.material, "frictionAngle", None) for body in scene.bodies]
+            self.contact.core.set("soilFriction", [NO_LIMIT if a is None else math.tan(a) for a in angles])
+
+    def _frictionOf(self, number, given):
+        return frictionOf(self._O, self._O.bodies[number]) if given is None else given
 
     def _refuseMissing(self, number):
         if bodyOf(self._O, number) is None:

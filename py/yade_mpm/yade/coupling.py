@@ -17,6 +17,7 @@ from .engineList import EngineList
 from .exchanges import checkExchanges, checkRead
 from .gravity import difference
 from .output import PlotRows, checkpointOf, tagOf, tagRecorders
+from .results import Energies, Materials, interactionsOf, unbalancedForce
 from .stages import Stages
 from .timeStep import TimeStep, steppersIn
 
@@ -62,6 +63,7 @@ class Coupling:
         self._rescue = Rescue(scene, f"{omega.tags['id']}.{label}.h5")
         self._policy = LoopPolicy(scene, loop.warn, stride=mpmSteps)
         self._chain = scene.engines
+        self._energies = Energies(omega, scene, label)
         self._rows = PlotRows(self._chain, areAllNew=bool(saved))
         tagRecorders(self._chain, omega.tags)
         self._clock = Clock(omega, scene, mpmSteps, demSteps, saved)
@@ -89,6 +91,16 @@ class Coupling:
     criticalDt = property(
         lambda self: self._timeStep.criticalDt, doc="O.dt above which a step is refused, s."
     )
+    materials = property(
+        lambda self: Materials(self.scene), doc="Materials of the scene, by number or name of a body."
+    )
+    interactions = property(
+        lambda self: [
+            i for e in self.exchanges if isinstance(e, Bodies) for i in interactionsOf(e, self.scene)
+        ],
+        doc="Contacts of bodies of YADE with the soil, as of O.interactions; see `results`.",
+    )
+    unbalancedForce = unbalancedForce
     isActing = property(
         lambda self: self._isAtWork and loop.thread.isMine(),
         doc="Whether the caller is a callback of the scene.",
@@ -203,6 +215,7 @@ class Coupling:
             self._stages.close()
         self._forward()
         loop.beginStep(self._omega)
+        self._energies.note()
         self._clock.refuseStepBack()
         self._isMpmStep = self._clock.isAtCycleEnd
         if self._isMpmStep:
@@ -317,6 +330,7 @@ class Coupling:
     def flush(self):
         """Writes rows and frames that are not in the files yet; O.run, O.step, O.wait and O.save do it."""
         self._forward()
+        self._energies.note(isDue=True)
         for engine in self._chain:
             if isinstance(engine, Callback) and engine.isBound:
                 engine.flush()

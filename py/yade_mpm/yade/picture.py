@@ -111,7 +111,9 @@ def _normalOf(cut):
 def _sectionOf(scene, cut):
     """Axes and place of a section; the middle of the scene across y by default."""
     if cut is not None and not (len(cut) == 2 and cut[0] in AXES and np.isfinite(cut[1])):
-        raise ValueError(f"picture: cut = {cut!r} is not allowed; give e.g. ('y', 1.5), normal and place in m")
+        raise ValueError(
+            f"picture: cut = {cut!r} is not allowed; give e.g. ('y', 1.5), normal and place in m"
+        )
     axes = list(AXES[_normalOf(cut)])
     at = (scene.lower[axes[2]] + scene.upper[axes[2]]) / 2 if cut is None else float(cut[1])
     return np.eye(3)[axes], at

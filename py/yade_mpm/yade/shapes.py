@@ -65,6 +65,14 @@ def yieldingMass(body):
     return 0.0 if body.state.blockedDOFs == "xyzXYZ" else body.state.mass
 
 
+def frictionOf(omega, body):
+    """Coefficient of friction by the material of a body, of a clump that of its first member; 0 where it has
+    none."""
+    if body.isClump:
+        body = omega.bodies[min(body.shape.members.keys())]
+    return float(np.tan(getattr(body.material, "frictionAngle", 0.0)))
+
+
 def density(omega, body, thickness):
     """Mass over volume, Mg/m3; zero for what is moved by its velocity alone, and for facets. thickness : of a
     2D scene; None in 3D."""

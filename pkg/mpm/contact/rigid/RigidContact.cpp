@@ -22,6 +22,9 @@ constexpr double anyMass = 1e300; // Mg/m2, no point has that much
 
 template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
     require(bodies() > 0, "RigidContact: there is no rigid body; add one with addBody(shapes=[...])");
+    require(soilFriction.empty() || soilFriction.size() == scene.bodies.size(),
+            "RigidContact: soilFriction has ", soilFriction.size(), " entries for ", scene.bodies.size(),
+            " bodies of the scene; give one each");
     bool isAnyMeshed = false;
     for (auto& soil : scene.bodies) isAnyMeshed |= soil->type->isMeshed();
     shape_.clear();
@@ -171,7 +174,7 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     const double normal = std::max(0.0, -kn * c.gap - viscous);
     const Vec3 along = slid - slid.dot(n) * n;
     c.slip += along;
-    if (const double most = friction[c.body] * normal / kt, length = c.slip.norm(); length > most) {
+    if (const double most = frictionOf(c.body, c.soil) * normal / kt, length = c.slip.norm(); length > most) {
         frictionWork += kt * most * (length - most);
         c.slip *= most / length;
         ++sliding;

@@ -24,6 +24,7 @@ class RigidContact : public EngineOf<RigidContact> {
   public:
     std::vector<double> friction; // -, of each rigid body,
     std::vector<double> masses;   // Mg (2D: Mg/m), and its mass; zero: it does not yield
+    std::vector<double> soilFriction; // -, of each body of the scene; empty: no limit
     std::vector<ShapeRecord> shapes;
     std::vector<RigidState> states;     // of each rigid body,
     std::vector<RigidImpulse> impulses; // and what it got since clearImpulses()
@@ -53,6 +54,10 @@ class RigidContact : public EngineOf<RigidContact> {
 
     int bodies() const { return int(friction.size()); }
     int contacts() const { return int(history.size()); }
+    // Coefficient between a rigid body and one of the scene: the smaller of the two.
+    double frictionOf(int body, int soil) const {
+        return soilFriction.empty() ? friction[body] : std::min(friction[body], soilFriction[soil]);
+    }
     // All bodies at once: N x 3, N x 4 (w, x, y, z), N x 3, N x 3.
     void setStates(const std::vector<double>& positions, const std::vector<double>& orientations,
                    const std::vector<double>& velocities, const std::vector<double>& angularVelocities);

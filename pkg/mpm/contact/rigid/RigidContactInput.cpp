@@ -29,6 +29,10 @@ std::vector<Parameter> RigidContact::attributes() {
          "Mass of each rigid body that yields to its forces (2D: per metre); zero: it does not yield. Contact "
          "with a body that is lighter than the soil's particles is so soft that the step resolves it.",
          &masses, Range::notNegative()},
+        {"soilFriction", "-",
+         "Friction coefficient of each body of the scene; a pair has the smaller of the two. Left out: that of "
+         "the rigid body.",
+         &soilFriction, Range::notNegative()},
         {"stiffness", "kPa/m",
          "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.", &stiffness,
          Range::positive()},

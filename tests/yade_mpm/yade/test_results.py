@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Results where a user of YADE looks: O.energy, O.forces, interactions, materials, unbalanced force."""
+
+import math
+
+import numpy as np
+import pytest
+from yadeProcess import needsYade, run
+
+pytestmark = needsYade
+
+RESULTS = """
+import numpy as np
+import bodies
+from yade import utils
+soil, contact, coupling = bodies.build(True)
+O.trackEnergy = True
+O.bodies[1].state.pos = (0.75, 0.6, 0.55)
+O.run(10, True)
+list_ = coupling.interactions
+say("count", [len(list_), contact.contacts, sorted({i.id1 for i in list_}), list_[0].soil])
+total = sum(i.phys.normalForce + i.phys.shearForce for i in list_)
+ours = coupling.exchanges[0]
+say("forces", [(-total).tolist(), ours.forces.sum(axis=0).tolist(), [list(O.forces.f(k)) for k in (0, 1)],
+    ours.forces.tolist()])
+say("geometry", [float((i.geom.normal @ i.phys.shearForce) / 1) for i in list_][:3] + [list_[0].geom.penetrationDepth])
+say("unbalanced", [coupling.unbalancedForce(), coupling.unbalancedForce(useMaxForce=True),
+    str(utils.unbalancedForce())])
+say("energy", dict(O.energy.items()))
+say("kinetic", mpm.diagnostics.kineticEnergy(coupling.scene))
+say("materials", [coupling.materials["soil"] is soil.material, coupling.materials[0] is soil.material,
+    len(coupling.materials), repr(coupling.materials), fails(KeyError, lambda: coupling.materials["sand"])])
+before = [ours.forces.tolist(), ours.torques.tolist()]
+O.save("state.yade.gz"); O.load("state.yade.gz"); again = inYade.attach()
+ours = again.exchanges[0]
+say("loaded", [ours.forces.tolist(), ours.torques.tolist()] == before)
+O.run(5, True); say("moved on", ours.forces.tolist() == before[0])
+"""
+
+
+def test_results_stand_where_a_user_of_yade_looks(tmp_path):
+    said, _ = run(RESULTS, tmp_path)
+    count, contacts, ids, soil = said["count"]
+    assert count == contacts > 4 and ids == [0, 1] and soil == "soil"
+    total, summed, ofYade, ours = map(np.array, said["forces"])
+    assert total == pytest.approx(summed, rel=1e-9, abs=1e-15) and summed[2] > 0
+    assert ofYade == pytest.approx(ours, rel=1e-9, abs=1e-15), "O.forces after a step, without gravity"
+    *along, depth = said["geometry"]
+    assert np.abs(along).max() < 1e-12 and depth > 0
+    mean, largest, own = said["unbalanced"]
+    assert 0 < mean <= largest and own == "nan"
+    energy = said["energy"]
+    assert energy["mpm_kinetic"] == said["kinetic"] > 0
+    assert {"mpm_internalWork", "mpm_damped", "mpm_contact", "mpm_externalWork"} < set(energy)
+    byName, byNumber, number, text, missing = said["materials"]
+    assert byName and byNumber and number == 1 and text.startswith("soil: NeoHookean(")
+    assert "there is no body 'sand'; bodies: soil" in missing
+    assert said["loaded"] and not said["moved on"]
+
+
+FRICTION = """
+import numpy as np
+from math import tan
+from yade import utils
+def slide(angle, soilAngle, **given):
+    O.reset()
+    scene = mpm.Scene((0, 0, 0), (1.2, 0.6, 0.6), 0.1)
+    law = dict(density=1.0, young=2e3, poisson=0.3)
+    soil = mpm.LinearElastic(**law) if soilAngle is None else mpm.MohrCoulombDruckerPrager(
+        cohesion=50.0, frictionAngle=soilAngle, **law)
+    scene.add("soil", mpm.box((0, 0, 0), (1.2, 0.6, 0.3)), soil, mpm.UGIMP(perCell=2))
+    contact = mpm.RigidContact()
+    scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(fixed="bottom"), mpm.GridToParticle(),
+        mpm.DomainUpdater()]
+    rock = O.materials.append(FrictMat(density=2.6, frictionAngle=angle))
+    box = utils.box((0.5, 0.3, 0.398), (0.15, 0.15, 0.1), material=rock)
+    box.state.blockedDOFs, box.state.vel = "xyzXYZ", (2.0, 0, 0)
+    number = O.bodies.append(box)
+    empty()
+    coupling = inYade.attach(scene, bodies=inYade.Bodies(contact, [number], **given))
+    O.run(30, True)
+    force = np.array([i.phys.shearForce for i in coupling.interactions]), \\
+        np.array([i.phys.normalForce for i in coupling.interactions])
+    share = np.linalg.norm(force[0], axis=1) / np.linalg.norm(force[1], axis=1)
+    return [float(np.median(share)), contact.sliding]
+say("soil", slide(0.6, 0.4)); say("rock", slide(0.3, 0.4)); say("elastic", slide(0.3, None))
+say("given", slide(0.6, 0.4, friction=0.1))
+"""
+
+
+def test_friction_goes_by_the_materials_of_a_pair_the_smaller_angle_counts(tmp_path):
+    said, _ = run(FRICTION, tmp_path)
+    for name, expected in {
+        "soil": math.tan(0.4),
+        "rock": math.tan(0.3),
+        "elastic": math.tan(0.3),
+        "given": 0.1,
+    }.items():
+        ratio, sliding = said[name]
+        assert sliding > 4 and ratio == pytest.approx(expected, rel=1e-6), name

@@ -114,6 +114,7 @@ class Contact(_Contact):
     slip: bool
     impactLoss: float
     normals: Literal['surface', 'mass']
+    constraints: Literal['nodes', 'facets']
     pairs: Any
     frictionWork: float
     impulses: float | Sequence[float]
@@ -128,6 +129,7 @@ class Contact(_Contact):
         slip: bool = True,
         impactLoss: float = 0.0,
         normals: Literal['surface', 'mass'] = 'surface',
+        constraints: Literal['nodes', 'facets'] = 'nodes',
         pairs: Any = (),
         frictionWork: float = 0.0,
         impulses: float | Sequence[float] = (),

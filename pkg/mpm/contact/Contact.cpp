@@ -57,6 +57,14 @@ std::vector<Parameter> Contact::attributes() {
          &normals,
          {},
          {"surface", "mass"}},
+        {"constraints",
+         "",
+         "What may not cross. 'nodes': nodes of both groups, and vertices of meshes between them. 'facets': each "
+         "facet\n"
+         "of a mesh belongs to a vertex or to nodes, never to both; for curved bodies in soil that flows round them.",
+         &constraints,
+         {},
+         {"nodes", "facets"}},
         {"pairs", "", "Friction and adhesion of pairs of groups that differ; made by pair().",
          recordsOf(pairs)},
         {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
@@ -90,7 +98,8 @@ FrictionLaw Contact::lawOf(int a, int b) const {
 
 template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
-    if (!state.search.isFound(scene)) state.search.find(scene, {normals == "mass", separation});
+    if (!state.search.isFound(scene))
+        state.search.find(scene, {normals == "mass", separation, separation && constraints == "facets"});
     state.impulses.nodes.assign(state.search.nodes.size(), {});
     return state;
 }

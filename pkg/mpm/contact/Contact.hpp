@@ -11,7 +11,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling {
   public:
     double friction = 0, adhesion = 0, impactLoss = 0, frictionWork = 0;
     bool separation = true, slip = true;
-    std::string normals = "surface";
+    std::string normals = "surface", constraints = "nodes";
     struct PairLaw { // of two groups, by their numbers
         int first = 0, second = 0;
         double friction = 0, adhesion = 0;

@@ -28,7 +28,7 @@ template <int Dim> void ContactSearch<Dim>::look(const Scene<Dim>& scene) {
     }
 }
 
-template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, const NormalRule& rule) {
+template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule) {
     clear();
     look(scene);
     step_ = scene.step;
@@ -48,7 +48,7 @@ template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, const 
             findSurfaces(pair_);
             findNormals(pair_, rule);
             findGaps(pair_);
-            findPoints(pair_, points);
+            findPoints(pair_, rule, points);
             pairs.push_back({pair_.first, nodes.size(), firstPoint, points.size()});
         }
 }

@@ -14,7 +14,7 @@ template <int Dim> class ContactSearch {
     std::vector<ContactPair> pairs;
 
     void prepare(const Scene<Dim>& scene);
-    void find(const Scene<Dim>& scene, const NormalRule& rule);
+    void find(const Scene<Dim>& scene, const SearchRule& rule);
     bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
 
   private:

@@ -13,10 +13,11 @@ namespace mpm {
 // directions are added up: 1 for a plane, 0.71 at a right edge.
 constexpr double edgeFlatness = 0.9;
 
-// How normals are found.
-struct NormalRule {
-    bool isByMass;     // from the gradient of the nodal mass instead of the surfaces
-    bool turnsAtEdges; // towards where an edge of a mesh moves; not where surfaces cannot part
+// How contact is searched for.
+struct SearchRule {
+    bool normalsByMass; // from the gradient of the nodal mass instead of the surfaces
+    bool turnsAtEdges;  // normals towards where an edge of a mesh moves; not where surfaces cannot part
+    bool ownsFacets;    // each facet of a mesh belongs to a contact point or to nodes, never to both
 };
 
 template <int Dim> struct PairSearch {
@@ -65,10 +66,11 @@ template <int Dim> struct PairSearch {
 template <int Dim> bool findNodes(PairSearch<Dim>& pair);
 // What the nodes see of the surfaces.
 template <int Dim> void findSurfaces(PairSearch<Dim>& pair);
-template <int Dim> void findNormals(PairSearch<Dim>& pair, const NormalRule& rule);
+template <int Dim> void findNormals(PairSearch<Dim>& pair, const SearchRule& rule);
 // Gaps and areas.
 template <int Dim> void findGaps(PairSearch<Dim>& pair);
 // Vertices of meshes between the nodes.
-template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points);
+template <int Dim>
+void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<ContactPoint<Dim>>& points);
 
 } // namespace mpm

@@ -183,9 +183,9 @@ template <int Dim> void straighten(const PairSearch<Dim>& pair, ContactNode<Dim>
 
 } // namespace
 
-template <int Dim> void findNormals(PairSearch<Dim>& pair, const NormalRule& rule) {
+template <int Dim> void findNormals(PairSearch<Dim>& pair, const SearchRule& rule) {
     pair.forNodes([&](ContactNode<Dim>& contact) {
-        rule.isByMass ? setNormalByMass(pair, contact) : setNormal(pair, contact);
+        rule.normalsByMass ? setNormalByMass(pair, contact) : setNormal(pair, contact);
     });
     for (int side = 0; side < 2; ++side)
         if (rule.turnsAtEdges) turnAtEdges(pair, side);
@@ -193,7 +193,7 @@ template <int Dim> void findNormals(PairSearch<Dim>& pair, const NormalRule& rul
         pair.forNodes([&](ContactNode<Dim>& contact) { straighten(pair, contact); });
 }
 
-template void findNormals(PairSearch<2>&, const NormalRule&);
-template void findNormals(PairSearch<3>&, const NormalRule&);
+template void findNormals(PairSearch<2>&, const SearchRule&);
+template void findNormals(PairSearch<3>&, const SearchRule&);
 
 } // namespace mpm

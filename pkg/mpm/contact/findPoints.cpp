@@ -16,6 +16,9 @@ constexpr double furthest = 0.5;
 // Area of boxes that faces a vertex, over that of a face of the cell, above which they are seen well enough:
 // about half of what a node sees of a plane.
 constexpr double leastFacingArea = 0.4;
+// Part of the area of a node that contact points may own before they do all that it would: at the end of a plane
+// they own half of it.
+constexpr double mostOwned = 0.75;
 
 // Vertices at the surface of a mesh that are near and at no edge, by their nearest node.
 template <int Dim> struct SmoothVertices {
@@ -40,9 +43,10 @@ template <int Dim> struct SmoothVertices {
 };
 
 // Distance of a vertex from boxes, along its normal: from where the nodes round it see them, if that is a
-// plane. farAway: it is not.
+// plane. farAway: it is not. isRound: boxes whose faces lie oblique to the vertex are a plane, too.
 template <int Dim>
-double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own, int side) {
+double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own, int side,
+                       bool isRound) {
     const Vec<Dim> n = own.normal();
     double facing = 0, all = 0, distance = 0;
     for (int corner = 0; corner < own.around.size; ++corner) {
@@ -52,7 +56,7 @@ double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Di
         const double S = own.around.S[corner];
         const double area = -S * boxes.outward.dot(n);
         facing += area;
-        all += S * boxes.outward.template lpNorm<1>();
+        all += S * (isRound ? boxes.outward.norm() : boxes.outward.template lpNorm<1>());
         distance += area * (contact.position - own.position).dot(n) - S * n.dot(boxes.moment * n);
     }
     const bool isPlane = facing > leastFacingArea * std::pow(pair.grid().cell.minCoeff(), Dim - 1) &&
@@ -86,6 +90,24 @@ double distanceOfMesh(const PairSearch<Dim>& pair, const typename PairSearch<Dim
     return (own.position - other->position).dot(facing);
 }
 
+// The point takes its share of the facets from the nodes round it.
+template <int Dim>
+void takeFacets(PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own,
+                ContactPoint<Dim>& point) {
+    point.area = own.size;
+    point.tolerated = 0;
+    for (int corner = 0; corner < own.around.size; ++corner)
+        (*pair.nodes)[own.around.contact[corner]].owned += own.around.S[corner] * own.size;
+}
+
+// What a node has left of its area when points own the rest; with too little of it it does not act.
+template <int Dim> void leaveTheRest(ContactNode<Dim>& contact) {
+    if (!contact.hasPoints) return;
+    const double all = std::max(contact.area, contact.weight);
+    contact.isSurrounded = contact.owned > mostOwned * all;
+    contact.area = std::max(0.0, contact.area - contact.owned);
+}
+
 template <int Dim> bool isBetweenContactNodes(const SurroundingNodes<Dim>& around) {
     bool areAll = true;
     for (int contact : around.contact) areAll &= contact >= 0;
@@ -94,11 +116,15 @@ template <int Dim> bool isBetweenContactNodes(const SurroundingNodes<Dim>& aroun
 
 } // namespace
 
-template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points) {
+template <int Dim>
+void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<ContactPoint<Dim>>& points) {
     const double h = pair.grid().cell.minCoeff();
     const SmoothVertices<Dim> vertices[2] = {{pair, 0}, {pair, 1}};
+    // Of two meshes only the finer one owns facets.
+    const int coarser = vertices[0].bins.count() < vertices[1].bins.count() ? 0 : 1;
     for (int side = 0; side < 2; ++side)
         for (int v = 0; v < vertices[side].bins.count(); ++v) {
+            if (rule.ownsFacets && side == coarser && !vertices[1 - side].isEmpty()) break;
             const auto& own = vertices[side].at(v);
             if (!isBetweenContactNodes<Dim>(own.around)) continue;
             ContactPoint<Dim> point;
@@ -106,16 +132,18 @@ template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoi
             point.tolerated = toleratedOverlap * h;
             point.gap = pair.isExplicit[1 - side]
                             ? distanceOfMesh(pair, own, vertices[1 - side], point.normal)
-                            : distanceOfBoxes(pair, own, side);
+                            : distanceOfBoxes(pair, own, side, rule.ownsFacets);
             if (side == 1) point.normal = -point.normal;
             if (std::abs(point.gap) > furthest * h) continue;
             static_cast<SurroundingNodes<Dim>&>(point) = own.around;
             for (int contact : point.contact) (*pair.nodes)[contact].hasPoints = true;
+            if (rule.ownsFacets) takeFacets(pair, own, point);
             points.push_back(point);
         }
+    if (rule.ownsFacets) pair.forNodes([](ContactNode<Dim>& contact) { leaveTheRest(contact); });
 }
 
-template void findPoints(PairSearch<2>&, std::vector<ContactPoint<2>>&);
-template void findPoints(PairSearch<3>&, std::vector<ContactPoint<3>>&);
+template void findPoints(PairSearch<2>&, const SearchRule&, std::vector<ContactPoint<2>>&);
+template void findPoints(PairSearch<3>&, const SearchRule&, std::vector<ContactPoint<3>>&);
 
 } // namespace mpm

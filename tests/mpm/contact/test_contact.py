@@ -351,14 +351,15 @@ def test_contact_takes_energy_and_never_gives_any():
     assert len(base) > 0
 
 
-def test_forces_on_two_groups_are_opposite_and_keep_the_momentum():
+@pytest.mark.parametrize("constraints", ["nodes", "facets"])
+def test_forces_on_two_groups_are_opposite_and_keep_the_momentum(constraints):
     scene = mpm.Scene((0, 0), (2, 2), 0.1, threads=1)
     first = scene.add("first", box((0.4, 0.4), (0.9, 1.0)), elastic(1e3), mpm.UGIMP(perCell=2), group="first")
     second = scene.add(
         "second", box((1.0, 0.5), (1.5, 1.3)), elastic(1e3), mpm.APDI(size=0.05), group="second"
     )
     first.velocity, second.velocity = (1.0, 0.3), (-1.0, -0.4)
-    contact = mpm.Contact(friction=0.3)
+    contact = mpm.Contact(friction=0.3, constraints=constraints)
     scene.engines = chain(contact)
     before, hits = mpm.diagnostics.momentum(scene), 0
     while scene.time < 0.15:

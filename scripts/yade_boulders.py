@@ -21,7 +21,6 @@ from math import radians
 
 import numpy as np
 import yade_mpm as mpm
-from scipy.ndimage import median_filter
 from yade import (
     Bo1_Sphere_Aabb,
     Bo1_Wall_Aabb,
@@ -39,11 +38,11 @@ from yade import (
     VTKRecorder,
     utils,
 )
-from yade_mpm import box, commandLine, diagnostics, files, inYade, plot
-from yade_mpm.commandLine import count, positive
-from yade_mpm.study.landscape import SAND, landscape
+from yade_boulders_balance import GRAVITY, Balance, summary
+from yade_boulders_pictures import draw
+from yade_mpm import Parameter, box, commandLine, files, inYade
 
-GRAVITY, DROP = 9.81, 2.0  # m/s2, m from the bed to the lowest boulder
+DROP = 2.0  # m from the bed to the lowest boulder
 SOIL = dict(
     density=1.7, young=2000.0, poisson=0.3, cohesion=1.0, frictionAngle=radians(28), dilatancyAngle=0.0
 )
@@ -52,31 +51,31 @@ ROCK = dict(
 )  # soft contacts: longer time steps
 FRICTION, DAMPING = 0.5, 0.5  # boulder against soil: coefficient, share of critical
 FRAME = 0.05  # s
-AT_REST = 0.2  # m/s: they rock in their craters for long
 
 
-def arguments(given=None):
-    p = commandLine.Parser(
-        "yade_boulders",
-        __doc__,
-        smoke={"count": 3, "radius": 0.3, "cell": 0.2, "width": 3.0, "depth": 0.8, "until": 2.5},
-    )
-    p.add_argument("--count", type=count, default=100, help="number of boulders (default %(default)s)")
-    p.add_argument("--radius", type=positive, help="mean radius, m (default 0.22 (100/count)^(1/4))")
-    p.add_argument("--cell", type=positive, default=0.15, help="cell size, m (default %(default)s)")
-    p.add_argument(
-        "--width", type=positive, default=6.0, help="width and length of the bed, m (default %(default)s)"
-    )
-    p.add_argument("--depth", type=positive, default=1.2, help="depth of the bed, m (default %(default)s)")
-    p.add_argument("--until", type=positive, default=4.0, help="end, s (default %(default)s)")
-    p.add_argument("--seed", type=int, default=1, help="of the places and sizes (default %(default)s)")
-    a = p.parse(given)
+def refusal(a, given):
+    """What is wrong with the arguments, or None."""
     for name in ("width", "depth"):
         if not commandLine.isWhole(vars(a)[name] / a.cell):
             refused = f"--{name} {vars(a)[name]:g} with --cell {a.cell:g} is not allowed"
-            p.error(f"{refused}; give a whole number of cells")
-    a.radius = a.radius or 0.22 * (100 / a.count) ** 0.25
-    return a
+            return f"{refused}; give a whole number of cells"
+    return None
+
+
+PARAMETERS = mpm.Parameters(
+    "yade_boulders",
+    __doc__,
+    Parameter("count", 100, "number of boulders", least=1, whole=True),
+    Parameter("radius", lambda a: 0.22 * (100 / a.count) ** 0.25, "mean", unit="m", above=0),
+    Parameter("cell", 0.15, "size of the grid's cells", unit="m", above=0),
+    Parameter("width", 6.0, "width and length of the bed", unit="m", above=0),
+    Parameter("depth", 1.2, "of the bed", unit="m", above=0),
+    Parameter("until", 4.0, "end", unit="s", above=0),
+    Parameter("seed", 1, "of the places and sizes", whole=True),
+    smoke={"count": 3, "radius": 0.3, "cell": 0.2, "width": 3.0, "depth": 0.8, "until": 2.5},
+    check=refusal,
+)
+arguments = PARAMETERS.parse
 
 
 def places(a):
@@ -101,13 +100,8 @@ def places(a):
 def build(a):
     """Scene, contact and coupling, ready to run."""
     scene = mpm.Scene((0, 0, 0), (a.width, a.width, a.depth + 6 * a.cell), a.cell, threads=a.threads)
-    scene.add(
-        "soil",
-        box((0, 0, 0), (a.width, a.width, a.depth)),
-        mpm.MohrCoulombDruckerPrager(**SOIL),
-        mpm.UGIMP(perCell=2),
-        fbar=False,
-    )
+    bed = box((0, 0, 0), (a.width, a.width, a.depth))
+    scene.add("soil", bed, mpm.MohrCoulombDruckerPrager(**SOIL), mpm.UGIMP(perCell=2), fbar=False)
     scene.initialStress(surface=a.depth, K0=0.5, gravity=GRAVITY)
     contact = mpm.RigidContact(normalDamping=DAMPING)
     solver = mpm.GridSolver(
@@ -138,9 +132,7 @@ def build(a):
         NewtonIntegrator(gravity=(0, 0, -GRAVITY), damping=0),
     ]
     bodies = inYade.Bodies(contact, ids, friction=FRICTION)
-    coupling = inYade.attach(scene)
-    coupling.exchanges.append(bodies)
-    return scene, contact, coupling
+    return scene, contact, inYade.attach(scene, bodies=bodies)
 
 
 def record(a, scene):
@@ -164,63 +156,14 @@ def record(a, scene):
     ] + O.engines
 
 
-class Balance:
-    """Momentum and energy of soil and boulders together; `step` after every step, `row` now and then."""
-
-    def __init__(self, scene, contact, ids):
-        self.scene, self.contact, self.ids, self.rows = scene, contact, ids, []
-        self.states = [O.bodies[i].state for i in ids]
-        self.masses = np.array([s.mass for s in self.states])
-        self.mass = self.masses.sum() + diagnostics.mass(scene)
-        self.bottom = next(c for c in scene.constraints if c.name == "bottom")
-        self.heights = self._vectors("pos")[:, 2]
-        self.impulse, self.forces, self.steps = 0.0, 0.0, 0
-        self.began = O.time
-
-    def _vectors(self, name):
-        return np.array([tuple(getattr(s, name)) for s in self.states])
-
-    def step(self):
-        """Adds up what gravity and the base give, and the force of the soil on the boulders."""
-        self.impulse += (self.bottom.reaction[2] - self.mass * GRAVITY) * O.dt
-        self.forces += self.contact.forces[:, 2].sum()
-        self.steps += 1
-
-    def row(self):
-        """Time, s; energies, kJ; vertical momentum and what is missing in it, Mg m/s; mean force of the
-        soil on the boulders."""
-        v, z = self._vectors("vel"), self._vectors("pos")[:, 2]
-        momentum = self.masses @ v[:, 2] + diagnostics.momentum(self.scene)[2]
-        self.rows.append(
-            {
-                "time": O.time,
-                "bouldersKinetic": float(0.5 * self.masses @ (v**2).sum(axis=1)),
-                "bouldersPotential": float(GRAVITY * self.masses @ (z - self.heights)),
-                "soilKinetic": diagnostics.kineticEnergy(self.scene),
-                "soilInternalWork": diagnostics.internalWork(self.scene),
-                "workOnSoil": float(self.scene.core.energies["loads"]),
-                "frictionWork": float(self.contact.frictionWork),
-                "soilEnergyError": diagnostics.energyError(self.scene),
-                "momentum": float(momentum),
-                "momentumError": float(momentum - self.impulse),
-                "force": self.forces / max(1, self.steps),
-                "fastest": float(np.linalg.norm(v, axis=1).max()),
-            }
-        )
-        self.forces, self.steps = 0.0, 0
-        return self.rows[-1]
-
-
 def run(a, isRecorded=True):
     """Lets the boulders fall; returns (summary, scene, centres, radii, rows of the balance)."""
     O.reset()
     os.makedirs(a.out, exist_ok=True)
     scene, contact, coupling = build(a)
     if isRecorded:
-        exchange = coupling.exchanges
         record(a, scene)
         coupling = inYade.attach(scene)
-        coupling.exchanges += exchange
     ids = coupling.exchanges[0].ids
     balance = Balance(scene, contact, ids)
     inYade.balance = balance  # found by the command below wherever the script runs
@@ -242,99 +185,6 @@ def run(a, isRecorded=True):
         radii,
         balance.rows,
     )
-
-
-def summary(a, scene, balance, bodies, centres, radii, seconds):
-    """What comes out, as plain numbers."""
-    rows, soil = balance.rows, scene["soil"]
-    ground = groundOf(scene, a)[0] - a.depth
-    penetration = a.depth - (centres[:, 2] - radii)
-    late = [r["force"] for r in rows if r["time"] > a.until - 0.5]
-    return {
-        "arguments": vars(a),
-        "particles": soil.count,
-        "steps": scene.steps,
-        "wallSeconds": seconds,
-        "dt": O.dt,
-        "microseconds": {
-            "step": 1e6 * seconds / scene.steps,
-            **{  # wall time of a step, and its parts
-                type(e).__name__: 1e6 * e.seconds / scene.steps for e in scene.engines
-            },
-        },
-        "seen": bodies.seen / scene.steps,
-        "weight": float(GRAVITY * balance.masses.sum()),
-        "meanForceAtEnd": float(np.mean(late)),
-        "fastestAtEnd": rows[-1]["fastest"],
-        "moving": int(sum(np.linalg.norm(s.vel) > AT_REST for s in balance.states)),
-        "onSoil": int(np.sum(np.abs(np.array(balance.contact.forces)).sum(axis=1) > 0)),
-        "penetrationMean": float(penetration.mean()),
-        "penetrationLargest": float(penetration.max()),
-        "lowestBottom": float((centres[:, 2] - radii).min()),
-        "craterDepth": float(-ground.min()),
-        "rimHeight": float(ground.max()),
-        "craterVolume": float(-ground[ground < 0].sum() * a.cell**2),
-        "largestOverlap": float(balance.contact.largestPenetration),
-        "fallingEnergy": -rows[-1]["bouldersPotential"],
-        "frictionWork": rows[-1]["frictionWork"],
-        "soilEnergyError": rows[-1]["soilEnergyError"],
-        "workOnSoil": rows[-1]["workOnSoil"],
-        "momentumExchanged": float(balance.masses.sum() * GRAVITY * rows[-1]["time"]),
-        "momentumError": max(abs(r["momentumError"]) for r in rows),
-    }
-
-
-# --- the ground and the picture ---------------------------------------------------------------------------
-def groundOf(scene, a):
-    """Height of the ground, m, and plastic shear strain at it, in squares of the width of a cell; single
-    particles in the air do not count."""
-    soil = scene["soil"]
-    n, x, order = int(round(a.width / a.cell)), soil.position, np.argsort(soil.position[:, 2])
-    column = np.ravel_multi_index(np.clip((x[:, :2] / a.cell).astype(int), 0, n - 1).T, (n, n))
-    top = np.full(n * n, -1)
-    top[column[order]] = order  # the highest comes last
-    height = np.where(top < 0, 0.0, x[top, 2] + a.cell / 4).reshape(n, n)
-    strain = np.where(top < 0, 0.0, soil.plasticShearStrain[top]).reshape(n, n)
-    around = median_filter(height, 3, mode="nearest")
-    isLoose = np.abs(height - around) > a.cell
-    smooth = median_filter(strain, 3, mode="nearest")
-    return np.where(isLoose, around, height), np.where(isLoose, smooth, strain)
-
-
-def draw(a, scene, centres, radii, file, pixels=1500):
-    """The bed with its boulders from above, and a section through its middle."""
-    height, strain = groundOf(scene, a)
-    limit = max(0.05, float(np.quantile(strain, 0.98)))
-    image = landscape(a.width, a.depth, height, strain, limit, centres, radii, pixels)
-    plt = plot.plt
-    figure, (ax, cut) = plt.subplots(2, 1, figsize=(8, 8), height_ratios=(3, 1), layout="constrained")
-    ax.imshow(image, interpolation="antialiased")
-    ax.set_axis_off()
-    section(cut, a, scene, centres, radii, limit)
-    scale = plt.cm.ScalarMappable(plt.Normalize(0, limit), SAND)
-    figure.colorbar(scale, ax=[ax, cut], label="plastic shear strain (-)", extend="max", shrink=0.5)
-    plot.save(figure, file)
-
-
-def section(ax, a, scene, centres, radii, limit):
-    """Particles within half a cell of the middle plane, and the boulders cut by it."""
-    soil, plane = scene["soil"], a.width / 2
-    mine = np.abs(soil.position[:, 1] - plane) < 0.5 * a.cell
-    centre = soil.position[mine][:, None, [0, 2]]
-    corners = (
-        0.28 * a.cell * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
-    )  # a little larger than a particle was
-    colours = SAND(np.clip(soil.plasticShearStrain[mine] / limit, 0, 1))
-    ax.add_collection(plot.PolyCollection(centre + corners, lw=0, facecolors=colours))
-    for (x, y, z), radius in zip(centres, radii):
-        if abs(y - plane) < radius:
-            cut = np.sqrt(radius**2 - (y - plane) ** 2)
-            ax.add_patch(plot.plt.Circle((x, z), cut, fc="0.62", ec="0.25", lw=0.7))
-    ax.axhline(a.depth, color="k", lw=0.6, ls="--")
-    ax.set(
-        aspect="equal", xlim=(0, a.width), ylim=(0, a.depth + 3 * a.radius), xlabel="x (m)", ylabel="z (m)"
-    )
-    ax.set_title("section through the middle; dashed: the bed before")
 
 
 def main():

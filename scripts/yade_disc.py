@@ -24,8 +24,8 @@ import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
-from yade_mpm import box, commandLine, files, inYade, plot
-from yade_mpm.commandLine import notNegative, partOf
+from yade_disc_pictures import draw
+from yade_mpm import Parameter, box, commandLine, files, inYade
 from yade_mpm.yadePlane import Plane
 
 SLOPE, G = np.radians(30), 9.81  # rad, m/s2
@@ -36,34 +36,17 @@ MASS = DENSITY * np.pi * RADIUS**2 * THICKNESS  # Mg
 BLOCKED = {"xy": "zXY", "xz": "yXZ", "yz": "xYZ"}  # degrees of freedom out of the plane
 
 
-def arguments(given=None):
-    p = commandLine.Parser(
-        "yade_disc", __doc__, smoke={"friction": [0.1, 0.6], "types": ["apdi"]}, threads=False
-    )
-    p.add_argument(
-        "--friction",
-        type=notNegative,
-        nargs="+",
-        default=[0.0, 0.1, 0.3, 0.6],
-        help="coefficients, - (default 0 0.1 0.3 0.6)",
-    )
-    p.add_argument(
-        "--types",
-        choices=("ugimp", "apdi"),
-        nargs="+",
-        default=["ugimp", "apdi"],
-        help="particle types (default both)",
-    )
-    p.add_argument(
-        "--cell",
-        type=partOf(DEPTH),
-        default=0.1,
-        help="cell size, m: 0.4 m over a whole number (default %(default)s)",
-    )
-    p.add_argument(
-        "--plane", choices=tuple(BLOCKED), default="xy", help="plane of YADE (default %(default)s)"
-    )
-    return p.parse(given)
+PARAMETERS = mpm.Parameters(
+    "yade_disc",
+    __doc__,
+    Parameter("friction", [0.0, 0.1, 0.3, 0.6], "coefficients", several=True, least=0),
+    Parameter("types", ["ugimp", "apdi"], "particle types", several=True, choices=("ugimp", "apdi")),
+    Parameter("cell", 0.1, "size of the grid's cells", unit="m", partOf=DEPTH),
+    Parameter("plane", "xy", "of YADE", choices=tuple(BLOCKED)),
+    smoke={"friction": [0.1, 0.6], "types": ["apdi"]},
+    threads=False,
+)
+arguments = PARAMETERS.parse
 
 
 def closedForm(friction):
@@ -90,23 +73,15 @@ def build(types, friction, cell=0.1, planeName="xy"):
     gravity = np.array([np.sin(SLOPE), -np.cos(SLOPE), 0]) * G
     scene = mpm.Scene((0, 0), (LENGTH, 1.0), cell)
     kind = mpm.UGIMP(perCell=2) if types == "ugimp" else mpm.APDI(size=cell / 2)
-    scene.add(
-        "ground", box((0, 0), (LENGTH, DEPTH)), mpm.LinearElastic(density=2.0, young=YOUNG, poisson=0.3), kind
-    )
+    stiff = mpm.LinearElastic(density=2.0, young=YOUNG, poisson=0.3)
+    scene.add("ground", box((0, 0), (LENGTH, DEPTH)), stiff, kind)
     contact = mpm.RigidContact(normalDamping=0.2)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        contact,
-        mpm.GridSolver(gravity=gravity[:2], damping=0.3, fixed=("bottom", "left", "right")),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    solver = mpm.GridSolver(gravity=gravity[:2], damping=0.3, fixed=("bottom", "left", "right"))
+    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     disc = addDisc(plane)
     O.engines = [ForceResetter(), NewtonIntegrator(gravity=Vector3(*plane.toYade(gravity)), damping=0.3)]
     bodies = inYade.Bodies(contact, [disc], friction=friction, thickness=THICKNESS, plane=planeName)
-    coupling = inYade.attach(scene, stages=False)
-    coupling.exchanges.append(bodies)
-    return coupling, disc, plane
+    return inYade.attach(scene, stages=False, bodies=bodies), disc, plane
 
 
 class Track:
@@ -147,68 +122,11 @@ def run(types="apdi", friction=0.6, cell=0.1, planeName="xy"):
     late = rows[:, 0] > 0.1
     found, spinning = (np.polyfit(rows[late, 0], rows[late, k], 1)[0] for k in (2, 3))
     expected, ratio = closedForm(friction)
-    return {
-        "types": types,
-        "friction": friction,
-        "cell": cell,
-        "plane": planeName,
-        "acceleration": found,
-        "closedForm": expected,
-        "error": found / expected - 1,
-        "spinOverAcceleration": spinning / found,
-        "closedFormSpin": ratio,
-        "outOfPlane": float(abs(plane.toScene(list(state.pos))[2])),
-        "steps": coupling.scene.steps,
-        "wallSeconds": time.monotonic() - began,
-    }, rows
-
-
-def draw(results, file):
-    figure, (left, right) = plot.plt.subplots(
-        1, 2, figsize=(8.4, 3.3), layout="constrained", width_ratios=(1.1, 1)
-    )
-    drawIncline(left, results[-1][1][-1, 1])
-    frictions = sorted({s["friction"] for s, _ in results})
-    for summary, rows in results:
-        colour, isMeshed = f"C{frictions.index(summary['friction'])}", summary["types"] == "apdi"
-        right.plot(
-            rows[::24, 0],
-            rows[::24, 2],
-            "o" if isMeshed else "x",
-            color=colour,
-            ms=4,
-            mfc="none",
-            label=f"μ = {summary['friction']:g}" if summary["types"] == results[-1][0]["types"] else None,
-        )
-    for friction in frictions:
-        right.plot(
-            [0, RUNNING],
-            [0, RUNNING * closedForm(friction)[0]],
-            "-",
-            color=f"C{frictions.index(friction)}",
-            lw=0.8,
-        )
-    right.set(
-        xlabel="time since it was let go (s)",
-        ylabel="velocity along the slope (m/s)",
-        xlim=(0, None),
-        ylim=(0, None),
-    )
-    right.legend(title="x uGIMP, o APDI, lines: closed form", title_fontsize=8, fontsize=8)
-    plot.save(figure, file)
-
-
-def drawIncline(axes, last):
-    """The ground and a disc at its first and last place, as they lie under gravity."""
-    turn = np.array([[np.cos(SLOPE), np.sin(SLOPE)], [-np.sin(SLOPE), np.cos(SLOPE)]])
-    ground = np.array([(0, 0), (LENGTH, 0), (LENGTH, DEPTH), (0, DEPTH)]) @ turn.T
-    axes.fill(*ground.T, fc="0.85", ec="0.4")
-    circle = RADIUS * np.array([(np.cos(t), np.sin(t)) for t in np.linspace(0, 2 * np.pi, 100)])
-    for x, spin, style in ((0.6, 0.0, "--"), (last, (0.6 - last) / RADIUS, "-")):
-        axes.plot(*((circle + (x, DEPTH + RADIUS)) @ turn.T).T, "C3" + style, lw=1.2)
-        spoke = np.array([(0, 0), RADIUS * np.array((np.cos(spin), np.sin(spin)))]) + (x, DEPTH + RADIUS)
-        axes.plot(*(spoke @ turn.T).T, "C3" + style, lw=1.2)
-    axes.set(aspect="equal", xlabel="m", ylabel="m")
+    summary = dict(types=types, friction=friction, cell=cell, plane=planeName, steps=coupling.scene.steps)
+    summary |= dict(acceleration=found, closedForm=expected, error=found / expected - 1)
+    summary |= dict(spinOverAcceleration=spinning / found, closedFormSpin=ratio)
+    summary["outOfPlane"] = float(abs(plane.toScene(list(state.pos))[2]))
+    return summary | dict(wallSeconds=time.monotonic() - began), rows
 
 
 def main():
@@ -222,7 +140,8 @@ def main():
             found = f"{s['acceleration']:.4f} m/s2 ({s['error']:+.2%} of {s['closedForm']:.4f})"
             spin = f"{s['spinOverAcceleration']:.3f} ({s['closedFormSpin']:.3f})"
             print(f"{types}, mu = {friction:g}: {found}, spin over acceleration {spin}", flush=True)
-    draw(results, os.path.join(a.out, "velocity.png"))
+    incline = dict(slope=SLOPE, length=LENGTH, depth=DEPTH, radius=RADIUS, running=RUNNING)
+    draw(results, os.path.join(a.out, "velocity.png"), incline, closedForm)
     files.saveJson(os.path.join(a.out, "summary.json"), [s for s, _ in results])
     print(f"results in {a.out}/")
 

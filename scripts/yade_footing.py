@@ -24,10 +24,10 @@ from math import pi
 
 import numpy as np
 import yade_mpm as mpm
-from yade import ForceResetter, NewtonIntegrator, O, utils
+from yade import ForceResetter, NewtonIntegrator, O, PyRunner, utils
 from yade.minieigenHP import Vector3
-from yade_mpm import box, commandLine, files, inYade, plot
-from yade_mpm.commandLine import notNegative, partOf, positive
+from yade_footing_pictures import draw
+from yade_mpm import Parameter, box, commandLine, files, inYade, plot
 
 WIDTH, DEPTH, HALF_WIDTH, HEIGHT = 15.0, 7.5, 3.0, 0.6  # m
 THICKNESS = 0.5  # m, of the slice that YADE sees
@@ -35,44 +35,24 @@ SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0  # kPa, kPa, kPa, Mg/m3 (i
 PRANDTL = (2 + pi) * COHESION
 
 
-def arguments(given=None):
-    p = commandLine.Parser("yade_footing", __doc__, smoke={"cell": [0.5]}, threads=False)
-    p.add_argument(
-        "--types",
-        choices=("ugimp", "apdi", "hybrid"),
-        nargs="+",
-        default=["hybrid"],
-        help="particle types (default hybrid)",
-    )
-    p.add_argument(
-        "--cell",
-        type=partOf(1.5),
-        nargs="+",
-        default=[0.3, 0.15],
-        help="cell sizes, m: 1.5 m over a whole number (default 0.3 0.15)",
-    )
-    p.add_argument(
-        "--friction",
-        type=notNegative,
-        default=0.5,
-        help="coefficient between box and ground (default %(default)s)",
-    )
-    p.add_argument("--rate", type=positive, default=0.04, help="settlement rate, m/s (default %(default)s)")
-    p.add_argument(
-        "--settlement", type=positive, default=0.06, help="final settlement, m (default %(default)s)"
-    )
-    p.add_argument("--no-fbar", action="store_true", help="without F-bar: the ground locks")
-    return p.parse(given)
+PARAMETERS = mpm.Parameters(
+    "yade_footing",
+    __doc__,
+    Parameter("types", ["hybrid"], "particle types", several=True, choices=("ugimp", "apdi", "hybrid")),
+    Parameter("cell", [0.3, 0.15], "cell sizes", several=True, unit="m", partOf=1.5),
+    Parameter("friction", 0.5, "coefficient between box and ground", least=0),
+    Parameter("rate", 0.04, "of the settlement", unit="m/s", above=0),
+    Parameter("settlement", 0.06, "at the end", unit="m", above=0),
+    Parameter("no_fbar", False, "without F-bar: the ground locks"),
+    smoke={"cell": [0.5]},
+    threads=False,
+)
+arguments = PARAMETERS.parse
 
 
 def addGround(scene, types, cell, fbar):
-    clay = mpm.MohrCoulombDruckerPrager(
-        density=DENSITY,
-        lame=(BULK - 2 / 3 * SHEAR, SHEAR),
-        cohesion=COHESION,
-        frictionAngle=0.0,
-        dilatancyAngle=0.0,
-    )
+    lame = BULK - 2 / 3 * SHEAR, SHEAR
+    clay = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=lame, cohesion=COHESION, frictionAngle=0.0)
     ground = box((0, 0), (WIDTH, DEPTH))
     if types == "ugimp":
         scene.add("ground", ground, clay, mpm.UGIMP(perCell=2), fbar=fbar)
@@ -90,120 +70,38 @@ def build(types="hybrid", cell=0.3, friction=0.5, rate=0.04, fbar=True):
     scene = mpm.Scene((0, 0), (WIDTH, DEPTH + 4 * cell), cell)
     addGround(scene, types, cell, fbar)
     contact = mpm.RigidContact()
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        contact,
-        mpm.GridSolver(damping=0.7, roller=("left", "right"), fixed=("bottom",)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    solver = mpm.GridSolver(damping=0.7, roller=("left", "right"), fixed="bottom")
+    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     footing = O.bodies.append(utils.box((0, DEPTH + HEIGHT, 0), (HALF_WIDTH, HEIGHT, THICKNESS / 2)))
     state = O.bodies[footing].state
     state.blockedDOFs, state.vel = "xyzXYZ", Vector3(0, -rate, 0)
     O.engines = [ForceResetter(), NewtonIntegrator()]
     bodies = inYade.Bodies(contact, [footing], friction=friction, thickness=THICKNESS)
-    scene.dt = (
-        0.65 * scene.criticalTimeStep()
-    )  # constant, because the stiffness of the contact follows the step
-    coupling = inYade.attach(scene, stages=False)
-    coupling.exchanges.append(bodies)
-    return coupling, footing
-
-
-class LoadCurve:
-    """Settlement, m, and force that the ground has put on the box, kN, in every twentieth step; goes into
-    `Coupling.exchanges` behind the bodies."""
-
-    def __init__(self, footing):
-        self.footing, self.steps, self.rows = footing, 0, []
-
-    def read(self, coupling):
-        pass
-
-    def apply(self, coupling):
-        self.steps += 1
-        if self.steps % 20 == 0:
-            self.rows.append(
-                (DEPTH + HEIGHT - O.bodies[self.footing].state.pos[1], O.forces.f(self.footing)[1])
-            )
+    scene.dt = 0.65 * scene.criticalTimeStep()  # constant: the stiffness of the contact follows the step
+    return inYade.attach(scene, stages=False, bodies=bodies), footing
 
 
 def run(types="hybrid", cell=0.3, friction=0.5, rate=0.04, settlement=0.06, fbar=True):
     """Pushes the box down; returns (summary, scene, settlement (m), load over thickness and B (kPa))."""
     began = time.monotonic()
     coupling, footing = build(types, cell, friction, rate, fbar)
-    curve = LoadCurve(footing)
-    coupling.exchanges.append(curve)
-    while O.time < settlement / rate:
-        O.run(int((settlement / rate - O.time) / O.dt) + 1, True)
-    depth, force = np.array(curve.rows).T
+    curve = []  # settlement, m, and force of the ground on the box, kN, in every twentieth step
+    state = O.bodies[footing].state
+    inYade.look = lambda: curve.append((DEPTH + HEIGHT - state.pos[1], O.forces.f(footing)[1]))
+    O.engines = [*O.engines, PyRunner(command="inYade.look()", iterPeriod=20)]
+    O.run(int(settlement / rate / O.dt) + 1, True)
+    depth, force = np.array(curve).T
     pressure = force / THICKNESS / HALF_WIDTH
     late = depth > 0.75 * settlement
     reached = pressure[late].mean()
     start = pressure < 0.4 * PRANDTL
     slope, stiffness = (np.polyfit(depth[w], pressure[w], 1)[0] for w in (late, start))
-    return (
-        {
-            "types": types,
-            "cell": cell,
-            "friction": friction,
-            "rate": rate,
-            "settlement": settlement,
-            "fbar": fbar,
-            "particles": coupling.scene.particleCount,
-            "steps": coupling.scene.steps,
-            "wallSeconds": time.monotonic() - began,
-            "reference": PRANDTL,
-            "pressure": reached,
-            "error": reached / PRANDTL - 1,
-            "effectiveError": reached / PRANDTL * HALF_WIDTH / (HALF_WIDTH + 0.5 * cell) - 1,
-            "slopeOverElastic": slope / stiffness,
-        },
-        coupling.scene,
-        depth,
-        pressure,
-    )
-
-
-def draw(results, file):
-    figure, (left, right) = plot.plt.subplots(
-        1, 2, figsize=(9.6, 3.4), layout="constrained", width_ratios=(1, 1.35)
-    )
-    for summary, _, depth, pressure in results:
-        left.plot(1e3 * depth, pressure, lw=1, label=f"{summary['types']}, cell {summary['cell']:g} m")
-    left.axhline(PRANDTL, color="k", lw=0.9, ls="--")
-    left.text(0, PRANDTL + 6, " (2 + π) c", va="bottom", ha="left")
-    left.set(
-        xlabel="settlement (mm)",
-        ylabel="load over B and thickness (kPa)",
-        xlim=(0, None),
-        ylim=(0, 1.25 * PRANDTL),
-    )
-    left.legend(loc="lower right")
-    summary, snapshot = results[-1][:2]
-    coloured = snapshot.draw(right, 0.05, window=(0, 12, 2.5, 9))
-    bottom = DEPTH - summary["settlement"]
-    right.fill(
-        [0, HALF_WIDTH, HALF_WIDTH, 0],
-        [bottom, bottom, bottom + 2 * HEIGHT, bottom + 2 * HEIGHT],
-        fc="0.75",
-        ec="k",
-        lw=0.8,
-    )
-    right.text(0.5 * HALF_WIDTH, bottom + HEIGHT, "YADE box", ha="center", va="center")
-    drawMechanism(right)
-    right.set(xlabel="x (m)", ylabel="y (m)")
-    figure.colorbar(coloured, ax=right, label="plastic shear strain (-)", extend="max", shrink=0.8)
-    plot.save(figure, file)
-
-
-def drawMechanism(axes):
-    """Outline of Prandtl's mechanism: wedge under the box, fan about its edge, wedge beside it."""
-    fan = np.linspace(1.25 * pi, 1.75 * pi, 40)
-    radius = np.sqrt(2) * HALF_WIDTH
-    x, y = HALF_WIDTH + radius * np.cos(fan), DEPTH + radius * np.sin(fan)
-    axes.plot([*x, 3 * HALF_WIDTH], [*y, DEPTH], "k--", lw=0.8)
-    axes.plot([x[0], HALF_WIDTH, x[-1]], [y[0], DEPTH, y[-1]], "k--", lw=0.8)
+    summary = dict(types=types, cell=cell, friction=friction, rate=rate, settlement=settlement, fbar=fbar)
+    summary |= dict(particles=coupling.scene.particleCount, steps=coupling.scene.steps)
+    summary |= dict(wallSeconds=time.monotonic() - began, reference=PRANDTL, pressure=reached)
+    summary |= dict(error=reached / PRANDTL - 1, slopeOverElastic=slope / stiffness)
+    summary["effectiveError"] = reached / PRANDTL * HALF_WIDTH / (HALF_WIDTH + 0.5 * cell) - 1
+    return summary, coupling.scene, depth, pressure
 
 
 def main():
@@ -218,7 +116,7 @@ def main():
             slope = f"slope {s['slopeOverElastic']:.2%} of the elastic one"
             slope = f"over B + h/2 {s['effectiveError']:+.1%}; {slope}"
             print(f"{types}, cell {cell:g} m: load over B {found}, {slope}", flush=True)
-    draw(results, os.path.join(a.out, "load_settlement.png"))
+    draw(results, os.path.join(a.out, "load_settlement.png"), (HALF_WIDTH, HEIGHT, DEPTH), PRANDTL)
     files.saveJson(os.path.join(a.out, "summary.json"), [r[0] for r in results])
     print(f"results in {a.out}/")
 

@@ -21,107 +21,55 @@ Units: Mg, m, s, kPa, kN.
 
 import os
 import time
-from math import pi
 
+import hertz_on_layer
 import numpy as np
 import yade_mpm as mpm
+from hertz_on_layer import layerFactor
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
-from yade_mpm import box, commandLine, files, inYade, plot
-from yade_mpm.commandLine import count
+from yade_hertz_pictures import draw
+from yade_mpm import Parameter, box, commandLine, files, inYade
 
 CELL, YOUNG, POISSON, DENSITY = 0.1, 1e4, 0.3, 2.0  # m, kPa, -, Mg/m3
 THICKNESS, LENGTH, RATIO = 3, 9, 0.02  # T/a, L/a, a/R
 CASES = {"apdi": [3, 4, 6], "ugimp": [3, 4]}  # a in cells
 
 
-def arguments(given=None):
-    p = commandLine.Parser("yade_hertz", __doc__, smoke={"types": ["apdi"], "radius": [3]}, threads=False)
-    p.add_argument(
-        "--types", choices=tuple(CASES), nargs="+", default=list(CASES), help="particle types (default both)"
-    )
-    p.add_argument(
-        "--radius", type=count, nargs="+", help="contact radius in cells (default 3 4 6, uGIMP 3 4)"
-    )
-    return p.parse(given)
+PARAMETERS = mpm.Parameters(
+    "yade_hertz",
+    __doc__,
+    Parameter("types", list(CASES), "particle types", several=True, choices=tuple(CASES)),
+    Parameter(
+        "radius", None, "contact radii in cells (default 3 4 6, uGIMP 3 4)", several=True, least=1, whole=True
+    ),
+    smoke={"types": ["apdi"], "radius": [3]},
+    threads=False,
+)
+arguments = PARAMETERS.parse
 
 
-# --- reference --------------------------------------------------------------------------------------------
 def hertz(depth, radius):
-    """Force on a rigid sphere on an elastic half-space, kN."""
-    return 4 / 3 * YOUNG / (1 - POISSON**2) * np.sqrt(radius) * np.clip(depth, 0, None) ** 1.5
+    return hertz_on_layer.hertz(depth, radius, YOUNG, POISSON)
 
 
-def layerFactor(chi, points=40):
-    """Force on a frictionless sphere on an elastic layer that slips on a rigid base, over Hertz's; chi =
-    sqrt(R d)/T.
-
-    A surface pressure of the wave number k lowers a layer by 1 - M(k T) of what it lowers a half-space, M(u)
-    = 1 - (cosh 2u - 1) / (sinh 2u + 2u). Hence for the function f with F = E/(1 - nu^2) int f dt over the
-    contact -a < t < a, a = T = 1 say,
-
-        f(t) - 1/pi int f(s) int_0^inf M(u) cos(u (t - s)/T) du/T ds = d - t^2/R,    f(a) = 0
-
-    (Fredholm, by Gauss quadrature). No Poisson's ratio in it. The series of Dimitriadis et al. 2002 (Biophys.
-    J. 82, 2798) for a layer that is not bonded agrees within 0.6 % for nu = 0.3 and chi < 0.32.
-    """
-    thickness = 1 / chi
-    for _ in range(6):
-        found, factor = _layer(thickness)
-        thickness *= found / chi
-    return factor
-
-
-def _layer(thickness, points=16):
-    """chi and factor for a contact radius of 1 on a layer of this thickness."""
-    x, weights = np.polynomial.legendre.leggauss(points)
-    t = np.append(x, 1.0)
-    u = np.linspace(1e-6, 20, 500)
-    e = np.exp(-2 * u)
-    lost = 1 - (1 - e) ** 2 / (1 - e**2 + 4 * u * e)
-    kernel = (
-        np.trapz(lost * np.cos(np.multiply.outer(t[:, None] - x, u / thickness)), u, axis=-1)
-        / thickness
-        / pi
-        * weights
-    )
-    matrix = np.eye(len(t))
-    matrix[:, :-1] -= kernel
-    ofDepth, ofShape = np.linalg.solve(matrix, np.transpose([np.ones_like(t), t**2])).T
-    depth = ofShape[-1] / ofDepth[-1]
-    force = weights @ (depth * ofDepth - ofShape)[:-1]
-    return np.sqrt(depth) / thickness, force / (4 / 3 * depth**1.5)
-
-
-# --- the scene --------------------------------------------------------------------------------------------
 def build(types, radius):
     """Layer, and sphere in O, for a contact radius (m); returns (coupling, contact, number of the sphere)."""
     O.reset()
     length, thickness = LENGTH * radius, THICKNESS * radius
     scene = mpm.Scene((0, 0, 0), (length, length, thickness + 4 * CELL), CELL)
     kind = mpm.APDI(size=CELL) if types == "apdi" else mpm.UGIMP(perCell=2)
-    scene.add(
-        "layer",
-        box((0, 0, 0), (length, length, thickness)),
-        mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON),
-        kind,
-    )
+    rubber = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
+    scene.add("layer", box((0, 0, 0), (length, length, thickness)), rubber, kind)
     contact = mpm.RigidContact(stiffnessFactor=0.8)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        contact,
-        mpm.GridSolver(damping=0.6, roller=("left", "front", "bottom")),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    solver = mpm.GridSolver(damping=0.6, roller=("left", "front", "bottom"))
+    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     sphere = O.bodies.append(utils.sphere((0, 0, thickness + radius / RATIO), radius / RATIO))
     O.bodies[sphere].state.blockedDOFs = "xyzXYZ"
     O.engines = [ForceResetter(), NewtonIntegrator()]
     bodies = inYade.Bodies(contact, [sphere], friction=0)
     scene.dt = 0.3 * scene.criticalTimeStep()  # small, for a stiff contact
-    coupling = inYade.attach(scene, stages=False)
-    coupling.exchanges.append(bodies)
-    return coupling, contact, sphere
+    return inYade.attach(scene, stages=False, bodies=bodies), contact, sphere
 
 
 class LoadCurve:
@@ -170,58 +118,12 @@ def run(types="apdi", cells=4):
     depth = approach - overlap
     factor = layerFactor(np.sqrt(radius * depth) / (THICKNESS * a))
     reference = factor * hertz(depth, radius)
-    return (
-        {
-            "types": types,
-            "cellsPerRadius": cells,
-            "force": force,
-            "reference": reference,
-            "error": force / reference - 1,
-            "withOverlap": force / factor / hertz(approach, radius) - 1,
-            "layerFactor": factor,
-            "depth": depth,
-            "overlapOverDepth": overlap / depth,
-            "swing": float(np.ptp(last[:, 2]) / force),
-            "contacts": contact.contacts,
-            "particles": coupling.scene.particleCount,
-            "steps": coupling.scene.steps,
-            "wallSeconds": time.monotonic() - began,
-        },
-        np.transpose([rows[:moving, 0] - rows[:moving, 1], rows[:moving, 2]]),
-        radius,
-    )
-
-
-def draw(results, file):
-    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.4, 3.3), layout="constrained")
-    chi = np.linspace(0.02, 1 / THICKNESS, 30)
-    factors = [layerFactor(c) for c in chi]
-    left.plot((chi * THICKNESS) ** 2, np.array(factors) * (chi * THICKNESS) ** 3, "k-", lw=1, label="layer")
-    left.plot((chi * THICKNESS) ** 2, (chi * THICKNESS) ** 3, "k--", lw=0.8, label="half-space (Hertz)")
-    for k, (s, rows, radius) in enumerate(results):
-        a = s["cellsPerRadius"] * CELL
-        left.plot(
-            rows[:, 0] / (RATIO * a),
-            rows[:, 1] / hertz(RATIO * a, radius),
-            color=f"C{k}",
-            lw=0.6,
-            label=f"{s['types']}, {s['cellsPerRadius']} cells",
-        )
-        left.plot(
-            s["depth"] / (RATIO * a),
-            s["force"] / hertz(RATIO * a, radius),
-            "o" if s["types"] == "apdi" else "x",
-            color=f"C{k}",
-            ms=5,
-        )
-        right.plot(s["cellsPerRadius"], 100 * s["error"], "o" if s["types"] == "apdi" else "x", color=f"C{k}")
-    left.set(xlabel="depth d R / a²", ylabel="force over Hertz's at d = a²/R", xlim=(0, None), ylim=(0, None))
-    left.legend(fontsize=8, title="lines: moving, points: at rest", title_fontsize=8)
-    right.axhspan(-3, 3, color="0.9")
-    right.axhline(0, color="k", lw=0.8)
-    right.set(xlabel="cells per contact radius", ylabel="error of the force at rest (%)", xticks=(3, 4, 5, 6))
-    right.text(0.98, 0.97, "o APDI   x uGIMP\ngrey: 3 %", ha="right", va="top", transform=right.transAxes)
-    plot.save(figure, file)
+    summary = dict(types=types, cellsPerRadius=cells, force=force, reference=reference, layerFactor=factor)
+    summary |= dict(error=force / reference - 1, depth=depth, overlapOverDepth=overlap / depth)
+    summary |= dict(withOverlap=force / factor / hertz(approach, radius) - 1, contacts=contact.contacts)
+    summary |= dict(swing=float(np.ptp(last[:, 2]) / force), steps=coupling.scene.steps)
+    summary |= dict(particles=coupling.scene.particleCount, wallSeconds=time.monotonic() - began)
+    return summary, np.transpose([rows[:moving, 0] - rows[:moving, 1], rows[:moving, 2]]), radius
 
 
 def main():
@@ -237,7 +139,7 @@ def main():
                 f"{types}, a = {cells} cells: {found}, {s['withOverlap']:+.1%} with the overlap in d",
                 flush=True,
             )
-    draw(results, os.path.join(a.out, "hertz.png"))
+    draw(results, os.path.join(a.out, "hertz.png"), (THICKNESS, RATIO), CELL, hertz)
     files.saveJson(os.path.join(a.out, "summary.json"), [r[0] for r in results])
     print(f"results in {a.out}/")
 

@@ -9,21 +9,15 @@ step. Without --threads the soil has as many as YADE, one without -j.
 Units: Mg, m, s, kPa, per metre of thickness.
 """
 
-import argparse
-import csv
-import glob
-import json
 import os
 import sys
 import time
 
 import numpy as np
 import yade_mpm as mpm
-from matplotlib.patches import Circle, Rectangle
 from yade import (
     Bo1_Box_Aabb,
     Bo1_Sphere_Aabb,
-    Box,
     ForceResetter,
     Ig2_Box_Sphere_ScGeom,
     InsertionSortCollider,
@@ -38,107 +32,35 @@ from yade import (
     VTKRecorder,
     utils,
 )
-from yade_mpm import commandLine, files, inYade, plot, study
-from yade_mpm.commandLine import below, count, notNegative, positive
+from yade_mpm import commandLine, inYade
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(sys.argv[0])))
+here = os.path.dirname(os.path.abspath(sys.argv[0]))
+sys.path[:0] = [here, os.path.join(here, "studies")]  # yade-batch does not know them
 import sheet_pile  # noqa: E402
+import yade_pile_options as options  # noqa: E402
 from sheet_pile import DEPTH, EMBEDDED, GRAVITY, K0, PILE_LENGTH, WIDTH  # noqa: E402
+from yade_pile_compare import compare  # noqa: E402
+from yade_pile_pictures import draw  # noqa: E402
+from yade_pile_results import HAMMER_PERIOD, Gauge, merge, print_, report  # noqa: E402
 
-RESULTS = os.path.join("results", "yade_pile")
-BATCH, MERGED = os.path.join(RESULTS, "batch"), os.path.join(RESULTS, "batch.csv")
-FRICTIONS = (0.0, 0.3, 0.6)
-IGNORED = {"velocity": ("hammer", "drop", "blows", "damping"), "hammer": ("rate", "ramp")}
 HAMMER_RADIUS = 0.5  # m
-HAMMER_PERIOD = 2.0  # s
-CUSHION = {
-    "kn": 2e5,
-    "cn": 1200.0,
-    "ks": 1e5,
-    "cs": 0.0,
-}  # kN/m, kN s/m of each side; two in series: 1e5, 600, restitution 0.4
-
-
-def options():
-    p = commandLine.Parser("yade_pile", __doc__, smoke={"penetration": 0.6, "blows": 1})
-    p.add_argument(
-        "--friction", type=notNegative, default=0.3, help="between pile and soil (default %(default)s)"
-    )
-    p.add_argument("--drive", choices=("velocity", "hammer"), default="velocity", help="what moves the pile")
-    tip = "a tilted box, a sphere or a box below the shaft"
-    p.add_argument("--tip", choices=("wedge", "round", "flat"), default="wedge", help=tip)
-    p.add_argument("--cell", type=positive, default=0.25, help="cell size, m (default %(default)s)")
-    p.add_argument("--thickness", type=positive, default=0.5, help="of the pile, m (default %(default)s)")
-    p.add_argument("--rate", type=positive, default=0.5, help="penetration rate, m/s (default %(default)s)")
-    p.add_argument(
-        "--ramp", type=notNegative, default=0.5, help="while the rate grows, s (default %(default)s)"
-    )
-    p.add_argument("--penetration", type=positive, default=4.0, help="how far, m (default %(default)s)")
-    p.add_argument(
-        "--hammer", type=positive, default=10.0, help="mass of the hammer, Mg (default %(default)s)"
-    )
-    p.add_argument("--drop", type=positive, default=2.0, help="height of its fall, m (default %(default)s)")
-    p.add_argument(
-        "--blows", type=count, default=5, help="number of blows, one every 2 s (default %(default)s)"
-    )
-    damping = "YADE's local damping of the hammered pile (default %(default)s)"
-    p.add_argument("--damping", type=below(1), default=0.2, help=damping)
-    p.add_argument(
-        "--dt", type=positive, help="time step, s (default 1e-3 times the cell in m: stiff contact)"
-    )
-    p.add_argument("--compare", action="store_true", help="friction 0, 0.3, 0.6 and the bonded elastic pile")
-    merge = "only collect what yade-batch has run into results/yade_pile/batch.csv"
-    p.add_argument("--merge", action="store_true", help=merge)
-    return p
+# kN/m, kN s/m of each side; two in series: 1e5, 600, restitution 0.4
+CUSHION = dict(kn=2e5, cn=1200.0, ks=1e5, cs=0.0)
 
 
 def arguments():
-    """Arguments of the line of the table that yade-batch runs, then those of the command line."""
-    parser = options()
-    defaults = vars(parser.parse_args([]))
-    utils.readParamsFromTable(**defaults)
-    from yade.params import table
-
-    given = {name: getattr(table, name) for name in defaults if getattr(table, name) != defaults[name]}
-    words = [f"--{name}" if value is True else f"--{name}={value}" for name, value in given.items()]
-    words += sys.argv[1:]
-    a = parser.parse(words)
-    parser.refuseBeside(words, f"--drive {a.drive}", IGNORED[a.drive], "it belongs to the other drive")
-    if a.compare:
-        parser.refuseBeside(words, "--compare", ("friction",), "it runs " + ", ".join(map(str, FRICTIONS)))
-    if EMBEDDED + a.penetration > PILE_LENGTH - a.cell:
-        parser.error(f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --penetration")
-    a.dt = a.dt or (min(4e-4, 1.6e-3 * a.cell) if a.smoke else 1e-3 * a.cell)
-    if "YADE_BATCH" in os.environ:  # a folder of its own
-        parser.fill(a, words, out=os.path.join(BATCH, O.tags["id"]))
-    bonded(a)  # refuses what does not fit its ground
-    return a
+    return options.arguments(__doc__)
 
 
 # --- the scene ----------------------------------------------------------------------------------------------
 def soil(a, contact):
     """The ground of the sheet pile scene with the shaft left empty, and the contact in its step."""
-    scene, _ = sheet_pile.ground(bonded(a))
+    scene, _ = sheet_pile.ground(options.bonded(a))
     scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        contact,
-        mpm.GridSolver(**sheet_pile.SOLVER),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    solver = mpm.GridSolver(**sheet_pile.SOLVER)
+    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     scene.dt = a.dt
     return scene
-
-
-def bonded(a):
-    """Arguments of the sheet pile scene with the same soil, cell and rate."""
-    fixed = dict(thickness=a.thickness, ramp=a.ramp)
-    parameters = sheet_pile.PARAMETERS.extended("yade_pile", __doc__, fixed=fixed)
-    until = a.penetration / a.rate + 0.5 * a.ramp
-    words = ["--cell", a.cell, "--rate", a.rate, "--until", until, "--out", os.path.join(a.out, "bonded")]
-    words += ["--threads", a.threads] if a.threads else []
-    return parameters.parse([str(word) for word in words])
 
 
 def pile(a):
@@ -203,28 +125,6 @@ class Hammer(PyRunner):
         self.hammer.blockedDOFs = "xzXYZ"
 
 
-class Gauge:
-    """Force of the soil on the pile, mean since it was last read, and where the pile is."""
-
-    def __init__(self, contact, number):
-        self.contact, self.force, self.samples, self.overlap = contact, 0.0, 0, 0.0
-        self.start = O.bodies[number].state.pos[1]
-        self.columns = {
-            "pile.depth": lambda scene: self.start - contact.positions[0, 1],
-            "pile.vy": lambda scene: contact.velocities[0, 1],
-            "pile.fy": self.mean,
-        }
-
-    def sample(self):
-        self.force, self.samples = self.force + self.contact.forces[0, 1], self.samples + 1
-        self.overlap = max(self.overlap, self.contact.largestPenetration)
-
-    def mean(self, scene):
-        mean = self.force / self.samples
-        self.force, self.samples = 0.0, 0
-        return mean
-
-
 # --- a run --------------------------------------------------------------------------------------------------
 def run(a, out):
     """Runs pile and soil in one loop and leaves the results in a folder; returns what `draw` needs."""
@@ -263,8 +163,7 @@ def run(a, out):
     ]
     bodies = inYade.Bodies(contact, [number], friction=a.friction)
     O.dt = a.dt
-    coupling = inYade.attach(scene, stages=False)
-    coupling.exchanges.append(bodies)
+    coupling = inYade.attach(scene, stages=False, bodies=bodies)
 
     steps = round(drive.until / O.dt)
     print(
@@ -279,205 +178,13 @@ def run(a, out):
     return report(a, out, number, scene, history, gauge, wall)
 
 
-def report(a, out, number, scene, history, gauge, wall):
-    """Files of a run, and what its picture needs."""
-    depth, raw = history["pile.depth"], history["pile.fy"]
-    curves = {
-        "time": history["time"],
-        "depth": depth,
-        "raw": raw,
-        "base": history["bottom.fy"] - weight(scene),
-    }
-    if a.drive == "velocity":
-        curves["smooth"] = study.movingAverage(depth, raw, a.cell)
-        curves["base"] = study.movingAverage(depth, curves["base"], a.cell)
-    table(os.path.join(out, "resistance.csv"), curves)
-    state = O.bodies[number].state
-    summary = {
-        "id": O.tags["id"],
-        "description": O.tags["description"] if "description" in set(O.tags.keys()) else "",
-        "arguments": vars(a),
-        "steps": scene.steps,
-        "dt": scene.dt,
-        "dtCritical": scene.dtCritical,
-        "wallSeconds": wall,
-        "threads": scene.threads,
-        "particles": scene.particleCount,
-        "largestOverlap": gauge.overlap,
-        "kineticRatio": float(np.nanmax(history["kineticRatio"][depth > a.cell], initial=0)),
-        "pileMass": state.mass,
-        "pileVelocity": state.vel[1],
-        "penetration": gauge.start - state.pos[1],
-    }
-    if a.drive == "velocity":
-        summary["resistance"] = study.atSteps(depth, curves["smooth"])
-        summary["resistanceAtBase"] = study.atSteps(depth, curves["base"])
-    else:
-        ends = HAMMER_PERIOD * np.arange(1, a.blows + 2)
-        summary["afterBlow"] = {
-            f"{n}": float(d) for n, d in enumerate(np.interp(ends, curves["time"], depth))
-        }
-    files.saveJson(os.path.join(out, "summary.json"), summary)
-    return {
-        **curves,
-        "summary": summary,
-        "scene": scene,
-        "soil": plot.Snapshot(scene, "plasticShearStrain"),
-        "pile": outline(number),
-    }
-
-
-def weight(scene):
-    return sum(b.mass.sum() for b in scene.bodies) * GRAVITY
-
-
-def table(file, columns):
-    files.saveTable(file, columns)
-
-
-# --- pictures -----------------------------------------------------------------------------------------------
-def outline(number):
-    """The bodies of the clump as matplotlib draws them."""
-    style = dict(facecolor="0.55", edgecolor="0.2", linewidth=0.6)
-    patches = []
-    for member in O.bodies[number].shape.members:
-        body = O.bodies[member]
-        x, y, _ = body.state.pos
-        if isinstance(body.shape, Box):
-            half, angle = body.shape.extents, np.degrees(2 * np.arctan2(body.state.ori[2], body.state.ori[3]))
-            patches.append(
-                Rectangle(
-                    (x - half[0], y - half[1]),
-                    2 * half[0],
-                    2 * half[1],
-                    angle=angle,
-                    rotation_point="center",
-                    **style,
-                )
-            )
-        else:
-            patches.append(Circle((x, y), body.shape.radius, **style))
-    return patches
-
-
-def panel(a, ax, result, title):
-    """Deformed soil, coloured by plastic shear strain, and the pile."""
-    window = (WIDTH / 2 - 3.5, WIDTH / 2 + 3.5, DEPTH - EMBEDDED - a.penetration - 2.0, DEPTH + 2.0)
-    coloured = result["soil"].draw(ax, 1.0, window=window)
-    for patch in result["pile"]:
-        ax.add_patch(patch)
-    ax.set(title=title, xlabel="x (m)")
-    return coloured
-
-
-def draw(a, results, file):
-    """Deformed soil of every run and, in the last panel, the curves. results : dict title -> result."""
-    figure, axes = plot.plt.subplots(
-        1,
-        len(results) + 1,
-        figsize=(2.9 * len(results) + 3.4, 4.0),
-        layout="constrained",
-        width_ratios=[1] * len(results) + [1.15],
-    )
-    for ax, (title, result) in zip(axes, results.items()):
-        coloured = panel(a, ax, result, title)
-    axes[0].set_ylabel("y (m)")
-    figure.colorbar(coloured, ax=axes[:-1], label="plastic shear strain (-)", extend="max", shrink=0.7)
-    (curvesOfBlows if a.drive == "hammer" else curvesOfResistance)(axes[-1], results)
-    plot.save(figure, file)
-
-
-def curvesOfResistance(ax, results):
-    for title, result in results.items():
-        style = dict(color="k", ls="--") if "bonded" in title else {}
-        ax.plot(result["smooth"], result["depth"], label=title, **style)
-    ax.set(xlabel="resistance, mean over one cell (kN/m)", ylabel="further penetration (m)", xlim=(0, None))
-    ax.invert_yaxis()
-    ax.legend()
-
-
-def curvesOfBlows(ax, results):
-    for title, result in results.items():
-        ax.plot(result["time"], result["depth"], label=title)
-    ax.set(xlabel="time (s)", ylabel="further penetration (m)")
-    ax.invert_yaxis()
-    ax.legend()
-
-
-# --- several runs -------------------------------------------------------------------------------------------
-def compare(a):
-    """All friction coefficients and, unless a hammer drives it, the bonded pile."""
-    results = {}
-    for friction in FRICTIONS:
-        b = argparse.Namespace(**{**vars(a), "friction": friction})
-        results[f"friction {friction}"] = run(b, os.path.join(a.out, f"friction-{friction}"))
-        print_(results[f"friction {friction}"]["summary"])
-    if a.drive == "velocity":
-        results["bonded, elastic"] = runBonded(a)
-        print_(results["bonded, elastic"]["summary"])
-    return results
-
-
-def runBonded(a):
-    """The sheet pile scene in its own loop, as a result like the others."""
-    b = bonded(a)
-    summary, scene, history = sheet_pile.run(b)
-    depth, raw, smooth = sheet_pile.resistanceCurve(b, scene, history)
-    return {
-        "depth": depth,
-        "raw": raw,
-        "smooth": smooth,
-        "summary": summary,
-        "pile": [],
-        "soil": plot.Snapshot(scene, "plasticShearStrain"),
-    }
-
-
-def print_(summary):
-    given = summary.get("resistance") or summary["afterBlow"]
-    what = "resistance in kN/m at depth in m" if "resistance" in summary else "penetration in m after blow"
-    print(
-        f"{summary['steps']} steps in {summary['wallSeconds']:.1f} s; {what}: "
-        + ", ".join(f"{k}: {v:.4g}" for k, v in given.items())
-    )
-
-
-def merge(folder=BATCH, file=MERGED):
-    """One CSV of all runs of yade-batch: a row each, with what was given and what came out."""
-    rows = []
-    for name in sorted(glob.glob(os.path.join(folder, "*", "summary.json"))):
-        with open(name) as summary:
-            s = json.load(summary)
-        given = {k: v for k, v in s["arguments"].items() if k not in ("out", "compare", "merge", "smoke")}
-        found = {f"resistance at {k} m": v for k, v in s.get("resistance", {}).items()}
-        found.update({f"depth after blow {k}": v for k, v in s.get("afterBlow", {}).items()})
-        rows.append(
-            {
-                "id": s["id"],
-                "description": s["description"],
-                **given,
-                "steps": s["steps"],
-                "wallSeconds": s["wallSeconds"],
-                **found,
-            }
-        )
-    if not rows:
-        raise SystemExit(f"yade_pile: there is no run in {folder}; run yade-batch first")
-    columns = list(dict.fromkeys(name for row in rows for name in row))
-    with files.replacing(file) as part, open(part, "w", newline="") as out:
-        writer = csv.DictWriter(out, columns)
-        writer.writeheader()
-        writer.writerows(rows)
-    print(f"{len(rows)} runs in {file}")
-
-
 def main():
     a = arguments()
     if a.merge:
         merge()
         return
     if a.compare:
-        results = compare(a)
+        results = compare(a, run)
     else:
         results = {f"friction {a.friction}": run(a, a.out)}
         print_(results[f"friction {a.friction}"]["summary"])

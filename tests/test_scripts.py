@@ -123,6 +123,16 @@ PARTS = (
     "bench",
     "sheet_pile_measures",
     "sheet_pile_pictures",
+    "hertz_on_layer",
+    "yade_boulders_balance",
+    "yade_boulders_pictures",
+    "yade_disc_pictures",
+    "yade_footing_pictures",
+    "yade_hertz_pictures",
+    "yade_pile_compare",
+    "yade_pile_options",
+    "yade_pile_pictures",
+    "yade_pile_results",
 )  # a program of its own kind, and modules of studies
 SCENES = [f for f in sorted(RUN.parent.rglob("*.py")) if f.stem not in PARTS]
 

@@ -102,7 +102,7 @@ class Bodies:
 
     forces = property(
         lambda self: self._ofSoil(self._saved[0] if self._saved else self.contact.forces),
-        doc="(n, 3), kN, of the soil on each body in the last step, in the axes of YADE; after O.load as saved.",
+        doc="(n, 3), kN, of the soil on each body in the last step, in YADE's axes; after O.load as saved.",
     )
     torques = property(
         lambda self: self._ofSoil(self._saved[1] if self._saved else self.contact.torques),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The soil in YADE's 3D view and in the files of VTKRecorder: a sphere for every particle, to look at only."""
+"""The soil in YADE's 3D view and in files of VTKRecorder: a sphere for every particle, to look at only."""
 
 import matplotlib
 import numpy as np

@@ -23,7 +23,8 @@ total = sum(i.phys.normalForce + i.phys.shearForce for i in list_)
 ours = coupling.exchanges[0]
 say("forces", [(-total).tolist(), ours.forces.sum(axis=0).tolist(), [list(O.forces.f(k)) for k in (0, 1)],
     ours.forces.tolist()])
-say("geometry", [float((i.geom.normal @ i.phys.shearForce) / 1) for i in list_][:3] + [list_[0].geom.penetrationDepth])
+along = [float(i.geom.normal @ i.phys.shearForce) for i in list_]
+say("geometry", [*along, list_[0].geom.penetrationDepth])
 say("unbalanced", [coupling.unbalancedForce(), coupling.unbalancedForce(useMaxForce=True),
     str(utils.unbalancedForce())])
 say("energy", dict(O.energy.items()))

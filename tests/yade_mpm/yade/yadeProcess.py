@@ -13,7 +13,8 @@ import yade_mpm as mpm
 YADE = shutil.which("yade")
 needsYade = pytest.mark.skipif(YADE is None, reason="YADE is not installed (Debian: apt install yade)")
 
-FOLDERS = [str(Path(__file__).parent), str(Path(__file__).resolve().parents[3] / "scripts")]
+SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
+FOLDERS = [str(Path(__file__).parent), str(SCRIPTS), str(SCRIPTS / "studies")]
 PRELUDE = """
 import json, os, signal, sys, time
 # which Python leaves out where the tests run in the background

@@ -28,6 +28,12 @@ template <int Dim> struct Bind {
     static std::shared_ptr<S> make(const bp::object& lower, const bp::object& upper, const bp::object& cell) {
         return std::make_shared<S>(vec<Dim>(lower), vec<Dim>(upper), vec<Dim>(cell));
     }
+    // lines: positions across each axis.
+    static std::shared_ptr<S> makeGraded(const bp::object& lines) {
+        typename Grid<Dim>::Lines all;
+        for (int k = 0; k < Dim; ++k) all[k] = numbers<double>(lines[k]);
+        return std::make_shared<S>(all);
+    }
     static Body<Dim>& addBody(S& scene, const std::string& name, std::shared_ptr<Material> material,
                               std::shared_ptr<ParticleType> type) {
         for (auto& b : scene.bodies)
@@ -113,6 +119,7 @@ template <int Dim> struct Bind {
         d["where"] = f.where;
         d["edge"] = f.edge;
         d["initialEdge"] = f.initialEdge;
+        d["cell"] = f.cell;
         return d;
     }
     static bp::dict energies(const S& scene) {
@@ -178,11 +185,22 @@ template <int Dim> struct Bind {
     static bp::tuple nodes(const S& s) { return tupleOf(s.grid.nodes); }
     static bp::tuple lower(const S& s) { return tupleOf(s.grid.lower); }
     static bp::tuple upper(const S& s) { return tupleOf(s.grid.upper); }
-    static bp::tuple cell(const S& s) { return tupleOf(s.grid.cell); }
+    static bp::tuple cell(const S& s) { return tupleOf(s.grid.smallestCell()); }
+    // Positions of the lines of nodes across each axis, those of ghost nodes too.
+    static bp::tuple lines(const S& s) {
+        bp::list all;
+        for (int k = 0; k < Dim; ++k) {
+            std::vector<double> positions;
+            for (int i = 0; i < s.grid.nodes[k]; ++i) positions.push_back(s.grid.line(k, i));
+            all.append(listOf(positions));
+        }
+        return bp::tuple(all);
+    }
 
     static void expose(const char* name) {
         bp::class_<S, std::shared_ptr<S>, boost::noncopyable>(name, bp::no_init)
             .def("__init__", bp::make_constructor(make))
+            .def("__init__", bp::make_constructor(makeGraded))
             .add_property(
                 "time", +[](S& s) { return loadRelaxed(s.time); },
                 +[](S& s, double t) { storeRelaxed(s.time, t); })
@@ -197,6 +215,7 @@ template <int Dim> struct Bind {
             .add_property("lower", lower)
             .add_property("upper", upper)
             .add_property("cell", cell)
+            .add_property("lines", lines)
             .add_property("nodes", nodes)
             .add_property("nodeCount", nodeCount)
             .def("addBody", addBody, ByReference())

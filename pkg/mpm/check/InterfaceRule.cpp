@@ -9,7 +9,7 @@ namespace {
 
 // Part of a cell that a box must be nearer than: a mesh that begins one cell away does not meet it.
 constexpr double nearlyOne = 1 - 1e-6;
-// Half size of a box, in cells, at most: how far one reaches beyond the cell that its centre is in.
+// Half size of a box, in the smallest cells, at most: how far one reaches beyond the cell that its centre is in.
 constexpr double largestHalf = 0.5;
 
 // Particles of bodies with box domains, by the cells of the grid.
@@ -33,7 +33,7 @@ template <int Dim> struct Boxes {
     }
     // The first box closer than `reach` to the region [lower, upper].
     const Entry* near(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& reach) const {
-        const Vec<Dim> margin = reach + largestHalf * grid.cell;
+        const Vec<Dim> margin = reach + largestHalf * grid.smallestCell();
         Index<Dim> first, last;
         if (!cells.range(grid, lower - margin, upper + margin, first, last)) return nullptr;
         const Entry* found = nullptr;
@@ -59,7 +59,6 @@ template <int Dim> struct Boxes {
 
 template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double limit) {
     InterfaceFault fault;
-    double allowed = limit * scene.grid.cell.minCoeff();
     std::unique_ptr<Boxes<Dim>> boxes;
     for (auto& body : scene.bodies) {
         auto* mesh = body->domains->mesh();
@@ -67,7 +66,9 @@ template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double
         const auto& corner = mesh->cornerTable();
         for (int p = 0; p < body->particles.size(); ++p) {
             const double edge = mesh->longestEdge(p);
-            if (edge <= allowed) continue;
+            const Vec<Dim> cell = scene.grid.sizeAt(vectorAt<Dim>(body->particles.position, p));
+            const double shortest = cell.minCoeff();
+            if (edge <= limit * shortest || edge * fault.cell <= fault.edge * shortest) continue;
             if (!boxes) boxes = std::make_unique<Boxes<Dim>>(scene);
             Vec<Dim> lower = Vec<Dim>::Constant(1e300), upper = -lower;
             for (int a = 0; a < corners<Dim>; ++a) {
@@ -75,11 +76,11 @@ template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double
                 lower = lower.cwiseMin(X);
                 upper = upper.cwiseMax(X);
             }
-            const Vec<Dim> reach = nearlyOne * scene.grid.cell;
+            const Vec<Dim> reach = nearlyOne * cell;
             if (auto* entry = boxes->near(lower, upper, reach)) {
-                fault = {true, body->name,          entry->body->name, place(Vec<Dim>(0.5 * (lower + upper))),
-                         edge, mesh->initialEdge(p)};
-                allowed = edge;
+                fault = {
+                    true, body->name,           entry->body->name, place(Vec<Dim>(0.5 * (lower + upper))),
+                    edge, mesh->initialEdge(p), shortest};
             }
         }
     }

@@ -13,9 +13,10 @@ struct InterfaceFault {
     std::string meshed, boxes; // names of the bodies
     std::string where;
     double edge = 0, initialEdge = 0; // m
+    double cell = 1;                  // m, shortest edge of the cell there
 };
 
-// limit: longest edge allowed, in cells. The longest edge beyond it is reported.
+// limit: longest edge allowed, in cells of the place where it is. The longest edge beyond it, in these cells, is reported.
 template <int Dim> InterfaceFault checkInterface(const Scene<Dim>& scene, double limit);
 
 } // namespace mpm

@@ -111,8 +111,8 @@ template <int Dim> class ExplicitSurface {
         };
         for (int i = 0; i < outline.size(); ++i) {
             const Vec<Dim> carrier = vectorAt<Dim>(body.particles.position, outline.particle(i));
-            if (((carrier + grid.cell).array() < nearby.lower.array()).any() ||
-                ((carrier - grid.cell).array() > nearby.upper.array()).any())
+            if (((carrier + grid.smallestCell()).array() < nearby.lower.array()).any() ||
+                ((carrier - grid.smallestCell()).array() > nearby.upper.array()).any())
                 continue;
             const auto [x, outward] = outline.at(body.particles, i);
             add(near, x, outward);

@@ -10,7 +10,7 @@ namespace mpm {
 using FourBoxes = Eigen::Array<double, 4, 1>; // a number for each
 
 // Along one axis, in cells from the node: integrals over each box of the hat function N(y) = 1 - |y|, and of
-// N', y N and (y N)'.
+// N', y N and (y N)'. Where the cells beside the node differ, the smallest one of the grid is the unit of length.
 struct HatIntegrals {
     FourBoxes N, slope, first, slopeOfFirst;
 
@@ -23,6 +23,24 @@ struct HatIntegrals {
         first = (0.5 - 1 / 3.0 * Y) * y * y - (0.5 - 1 / 3.0 * Z) * z * z;
         slopeOfFirst = (1 - Y) * y - (1 - Z) * z;
     }
+    // below, above: edges of the two cells.
+    HatIntegrals(const FourBoxes& centre, const FourBoxes& half, double below, double above) {
+        const End last(centre + half, below, above), first(centre - half, below, above);
+        N = last.N() - first.N();
+        slope = first.y.abs() - last.y.abs();
+        this->first = last.first() - first.first();
+        slopeOfFirst = last.slopeOfFirst() - first.slopeOfFirst();
+    }
+
+  private:
+    struct End { // of the boxes
+        FourBoxes edge, y;
+        End(const FourBoxes& x, double below, double above)
+            : edge((x < 0).select(FourBoxes::Constant(below), above)), y((x / edge).max(-1).min(1)) {}
+        FourBoxes N() const { return edge * (1 - 0.5 * y.abs()) * y; }
+        FourBoxes first() const { return edge * edge * (0.5 - 1 / 3.0 * y.abs()) * y * y; }
+        FourBoxes slopeOfFirst() const { return edge * (1 - y.abs()) * y; }
+    };
 };
 
 } // namespace mpm

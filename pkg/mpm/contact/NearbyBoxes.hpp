@@ -33,7 +33,10 @@ template <int Dim> class NearbyBoxes {
             outward[n].setZero();
             for (int m = 0; m < Dim; ++m) moment[m][n].setZero();
         }
-        const Vec<Dim> perCell = grid.cell.cwiseInverse();
+        const Vec<Dim> perCell = grid.smallestCell().cwiseInverse();
+        const Index<Dim> index = grid.indices(node);
+        const bool isEven = grid.isEven(index);
+        const auto beside = [&](int k, int step) { return grid.cellSize(k, index[k] + step) * perCell[k]; };
         forRows(grid, nearby, node, [&](int begin, int end) {
             for (int b = begin; b < end; b += atOnce) {
                 const auto at = [&](const std::vector<double>& values) {
@@ -42,7 +45,9 @@ template <int Dim> class NearbyBoxes {
                 HatIntegrals phi[Dim];
                 MPM_UNROLL
                 for (int k = 0; k < Dim; ++k)
-                    phi[k] = HatIntegrals((at(centre_[k]) - x[k]) * perCell[k], at(half_[k]));
+                    phi[k] = isEven ? HatIntegrals((at(centre_[k]) - x[k]) * perCell[k], at(half_[k]))
+                                    : HatIntegrals((at(centre_[k]) - x[k]) * perCell[k], at(half_[k]),
+                                                   beside(k, -1), beside(k, 0));
                 FourBoxes density = at(density_);
                 for (int rest = end - b; rest < atOnce; ++rest) density[rest] = 0;
                 const auto product = [&](auto&& factor) {
@@ -67,7 +72,7 @@ template <int Dim> class NearbyBoxes {
         for (int n = 0; n < Dim; ++n) {
             surface.outward[n] += outward[n].sum() * perCell[n];
             for (int m = 0; m < Dim; ++m)
-                surface.moment(m, n) += moment[m][n].sum() * grid.cell[m] * perCell[n];
+                surface.moment(m, n) += moment[m][n].sum() * grid.smallestCell()[m] * perCell[n];
         }
     }
 
@@ -110,7 +115,7 @@ template <int Dim> class NearbyBoxes {
     std::vector<Box> found_;                      // in the order of the particles,
     std::vector<int> bin_;                        // number of the nearest node of each,
     Bins bins_;                                   // and by that number:
-    std::vector<double> centre_[Dim], half_[Dim]; // m; cells
+    std::vector<double> centre_[Dim], half_[Dim]; // m; smallest cells
     std::vector<double> density_;                 // volume, m3, over that of the box in cells
 
     // Looks at those of blocks that may have some: the lowest nodes of boxes are at most `wander` nodes away
@@ -126,7 +131,7 @@ template <int Dim> class NearbyBoxes {
         };
         const Field& position = body.particles.position;
         const double* V = body.particles.volume.plane();
-        const Vec<Dim> half = body.domains->boxes()->halfSize().cwiseQuotient(grid.cell);
+        const Vec<Dim> half = body.domains->boxes()->halfSize().cwiseQuotient(grid.smallestCell());
         const double size = (2 * half).prod();
         const BlockOrder<Dim>& order = body.domains->order;
         for (int block = 0; block < order.blocks(); ++block) {

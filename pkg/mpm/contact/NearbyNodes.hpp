@@ -37,9 +37,9 @@ template <int Dim> class NearbyNodes {
     // Before finish(): the groups are in contact on this node, `number` among the contact nodes.
     void add(const Grid<Dim>& grid, int node, int number) {
         contact_[node] = number;
-        const Vec<Dim> x = grid.nodePosition(node);
-        lower = lower.cwiseMin(x - 2 * grid.cell);
-        upper = upper.cwiseMax(x + 2 * grid.cell);
+        const Vec<Dim> x = grid.nodePosition(node), reach = grid.twoCells(node);
+        lower = lower.cwiseMin(x - reach);
+        upper = upper.cwiseMax(x + reach);
         forNeighbours(grid, node, [&](int other, const Index<Dim>&) {
             if (near_[other] >= 0) return;
             near_[other] = 0;

@@ -30,13 +30,13 @@ template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
     if (!pair.isExplicit[side]) return;
     const Grid<Dim>& grid = pair.grid();
     const double sign = side == 0 ? 1 : -1;
-    const double h = grid.cell.minCoeff();
     pair.forSurfaces(side, [&](const Body<Dim>&, const ExplicitSurface<Dim>& surface) {
         for (const auto& vertex : surface.near)
             forNeighbours(grid, vertex.node, [&](int node, const Index<Dim>&) {
                 ContactNode<Dim>* const contact = pair.at(node);
                 if (!contact) return;
                 NodalSurface<Dim>& seen = contact->surface[side];
+                const double h = grid.meanSize(node).minCoeff();
                 const Vec<Dim> d = vertex.position - contact->position;
                 const double along = sign * d.dot(contact->normal);
                 const double beside = std::max(0.0, d.squaredNorm() - along * along);
@@ -53,13 +53,12 @@ template <int Dim> void findPlanes(PairSearch<Dim>& pair, int side) {
 template <int Dim> void findIntruders(PairSearch<Dim>& pair, int side) {
     if (pair.isExplicit[side] || !pair.isExplicit[1 - side]) return;
     const double sign = side == 0 ? 1 : -1;
-    const double h = pair.grid().cell.minCoeff();
     pair.forNodes([&](ContactNode<Dim>& contact) {
         const NodalSurface<Dim>& mesh = contact.surface[1 - side];
         if (mesh.hasPlane())
-            contact.surface[side].intruded =
-                pair.boxes[side].crossed(pair.grid(), pair.nearby, contact.node, contact.position,
-                                         sign * contact.normal, -mesh.reach, h);
+            contact.surface[side].intruded = pair.boxes[side].crossed(
+                pair.grid(), pair.nearby, contact.node, contact.position, sign * contact.normal, -mesh.reach,
+                pair.grid().meanSize(contact.node).minCoeff());
     });
 }
 
@@ -80,20 +79,23 @@ template <int Dim> void setGap(const PairSearch<Dim>& pair, ContactNode<Dim>& co
         reach[side] = std::max(reach[side], seen.intruded);
     }
     contact.gap = -reach[1] - reach[0];
-    if (!pair.isExplicit[0] && !pair.isExplicit[1] && contact.gap < deepestGap * pair.grid().cell.minCoeff())
+    if (!pair.isExplicit[0] && !pair.isExplicit[1] &&
+        contact.gap < deepestGap * pair.grid().meanSize(contact.node).minCoeff())
         contact.weight = 0;
 }
 
 template <int Dim> void borrow(const PairSearch<Dim>& pair) {
     const Grid<Dim>& grid = pair.grid();
-    const double least = leastArea * std::pow(grid.cell.minCoeff(), Dim - 1);
+    const auto isFelt = [&](const ContactNode<Dim>& contact) {
+        return contact.weight > leastArea * std::pow(grid.meanSize(contact.node).minCoeff(), Dim - 1);
+    };
     pair.forNodes([&](ContactNode<Dim>& contact) {
-        if (contact.weight > least) return;
+        if (isFelt(contact)) return;
         Vec<Dim> normal = Vec<Dim>::Zero();
         double weight = 0, gap = 0;
         forNeighbours(grid, contact.node, [&](int node, const Index<Dim>&) {
             const ContactNode<Dim>* const other = pair.at(node);
-            if (!other || !(other->weight > least)) return;
+            if (!other || !isFelt(*other)) return;
             normal += other->weight * other->normal;
             weight += other->weight;
             gap += other->weight * other->gap;

@@ -77,14 +77,17 @@ template <int Dim> void setNormal(const PairSearch<Dim>& pair, ContactNode<Dim>&
 
 template <int Dim> void setNormalByMass(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
     const Grid<Dim>& grid = pair.grid();
+    const Vec<Dim> size = grid.meanSize(contact.node);
     Vec<Dim> slope[2] = {Vec<Dim>::Zero(), Vec<Dim>::Zero()};
     for (int side = 0; side < 2; ++side)
         forNeighbours(grid, contact.node, [&](int node, const Index<Dim>& at) {
             const Vec<Dim> step =
                 Eigen::Map<const Eigen::Matrix<int, Dim, 1>>(at.data()).template cast<double>();
             const double even = std::pow(0.5, step.squaredNorm()); // 1 2 1 across
-            const double mass = pair.fieldOf(side).sum[node][NodalField<Dim>::mass];
-            slope[side] += even * mass * step.cwiseQuotient(grid.cell);
+            // As much as there would be on cells of one size.
+            const double mass = pair.fieldOf(side).sum[node][NodalField<Dim>::mass] *
+                                size.cwiseQuotient(grid.meanSize(node)).prod();
+            slope[side] += even * mass * step.cwiseQuotient(size);
         });
     contact.normal = unit<Dim>(unit<Dim>(slope[1], 0.0) - unit<Dim>(slope[0], 0.0), leastSum);
 }
@@ -137,7 +140,7 @@ template <int Dim> Approach<Dim> approachOf(const PairSearch<Dim>& pair, int sid
     }
     if (isOnPlane) return approach;
     return {meanVelocity(pair, side, node) - meanVelocity(pair, 1 - side, node),
-            restSpeed * pair.grid().cell.minCoeff() / pair.scene->dt};
+            restSpeed * pair.grid().meanSize(node).minCoeff() / pair.scene->dt};
 }
 
 // At an edge of a mesh against boxes the facets count as far as they move towards these: the tip of a pile

@@ -59,8 +59,8 @@ double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Di
         all += S * (isRound ? boxes.outward.norm() : boxes.outward.template lpNorm<1>());
         distance += area * (contact.position - own.position).dot(n) - S * n.dot(boxes.moment * n);
     }
-    const bool isPlane = facing > leastFacingArea * std::pow(pair.grid().cell.minCoeff(), Dim - 1) &&
-                         facing > edgeFlatness * all;
+    const double face = std::pow(pair.grid().sizeAt(own.position).minCoeff(), Dim - 1);
+    const bool isPlane = facing > leastFacingArea * face && facing > edgeFlatness * all;
     return isPlane ? distance / facing : farAway;
 }
 
@@ -118,7 +118,6 @@ template <int Dim> bool isBetweenContactNodes(const SurroundingNodes<Dim>& aroun
 
 template <int Dim>
 void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<ContactPoint<Dim>>& points) {
-    const double h = pair.grid().cell.minCoeff();
     const SmoothVertices<Dim> vertices[2] = {{pair, 0}, {pair, 1}};
     // Of two meshes only the finer one owns facets.
     const int coarser = vertices[0].bins.count() < vertices[1].bins.count() ? 0 : 1;
@@ -127,6 +126,7 @@ void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<Conta
             if (rule.ownsFacets && side == coarser && !vertices[1 - side].isEmpty()) break;
             const auto& own = vertices[side].at(v);
             if (!isBetweenContactNodes<Dim>(own.around)) continue;
+            const double h = pair.grid().sizeAt(own.position).minCoeff();
             ContactPoint<Dim> point;
             point.normal = own.normal();
             point.tolerated = toleratedOverlap * h;

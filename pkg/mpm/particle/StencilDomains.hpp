@@ -37,6 +37,10 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
 
     // --- making -------------------------------------------------------------------------------------
     void build(const Geometry<Dim>& geometry) override {
+        require(
+            takesUnequalCells() || !grid.isGraded(), Kernel::name, " in '", Base::bodyName,
+            "': its kernel is made for equal cells, and the grid is graded; use UGIMP or APDI, or a scene "
+            "without grading");
         half_.resize(Dim);
         for (int k = 0; k < Dim; ++k) half_.plane()[k] = geometry.halfSize[k];
         double volume = 1;
@@ -130,11 +134,11 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     template <class F> void stencil(int p, F&& f) const {
         AxisWeights<support> axis[Dim];
         for (int k = 0; k < Dim; ++k)
-            axis[k] = Kernel::along(local_.plane(k)[p] - middle, half_.plane()[k] / grid.cell[k]);
+            axis[k] = Kernel::along(local_.plane(k)[p] - middle, half_.plane()[k] / grid.smallestCell()[k]);
         forLattice([&](const Index<Dim>& i) {
             int node = cell_[p];
             double weight = 1;
-            Vec<Dim> gradient = grid.cell.cwiseInverse();
+            Vec<Dim> gradient = grid.smallestCell().cwiseInverse();
             for (int k = 0; k < Dim; ++k) {
                 node += i[k] * grid.strides[k];
                 weight *= axis[k].S[i[k]];
@@ -172,6 +176,8 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     virtual void cellsChanged(int /*begin*/, int /*end*/) {}
     virtual void permuted(const std::vector<int>& /*numbers*/) {}
     virtual bool isScattered() const { return false; }
+    // Whether a type finds its weights where cells differ; along() of a kernel does not.
+    virtual bool takesUnequalCells() const { return false; }
 
     std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...
     Field local_{"local", "-", "Position from that node, in cells.", {Dim}}; // ... and

@@ -76,15 +76,35 @@ template <int Dim> class Transfers : public Domains<Dim> {
     bool support(int begin, int end, double* const x[Dim], double offset, int* cell, double* const local[Dim],
                  const char* what, const int64_t* number) const {
         const auto& grid = Base::grid;
+        if (grid.isGraded())
+            return support(
+                begin, end, x, [&](int k, double at) MPM_INLINE_LAMBDA { return grid.lines(k).inCells(at); },
+                offset, cell, local, what, number);
+        double origin[Dim], overCell[Dim];
+        for (int k = 0; k < Dim; ++k) {
+            origin[k] = grid.lower[k];
+            overCell[k] = 1 / grid.smallestCell()[k];
+        }
+        const double ghost = grid.ghost;
+        return support(
+            begin, end, x,
+            [=](int k, double at) MPM_INLINE_LAMBDA { return (at - origin[k]) * overCell[k] + ghost; },
+            offset, cell, local, what, number);
+    }
+
+  private:
+    // With inCells(axis, x), the position in cells from the lowest ghost node.
+    template <class InCells>
+    bool support(int begin, int end, double* const x[Dim], InCells&& inCells, double offset, int* cell,
+                 double* const local[Dim], const char* what, const int64_t* number) const {
+        const auto& grid = Base::grid;
         const double ghost = grid.ghost, lowest = ghost - 0.5;
-        double *at[Dim], *inside[Dim], origin[Dim], overCell[Dim], highest[Dim];
+        double *at[Dim], *inside[Dim], highest[Dim];
         int stride[Dim];
         for (int k = 0; k < Dim; ++k) {
             at[k] = x[k];
             inside[k] = local[k];
             stride[k] = grid.strides[k];
-            origin[k] = grid.lower[k];
-            overCell[k] = 1 / grid.cell[k];
             highest[k] = ghost + grid.cells[k] + 0.5;
         }
         int wrong = 0, changed = 0;
@@ -93,7 +113,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
             int node = 0;
             MPM_UNROLL
             for (int k = 0; k < Dim; ++k) {
-                const double c = (at[k][p] - origin[k]) * overCell[k] + ghost;
+                const double c = inCells(k, at[k][p]);
                 const bool isInside = c >= lowest && c <= highest[k];
                 const double base =
                     isInside ? std::floor(c - offset) : 0; // nan and what is far away are no whole numbers
@@ -108,7 +128,6 @@ template <int Dim> class Transfers : public Domains<Dim> {
         return changed;
     }
 
-  private:
     [[noreturn]] void throwOutside(int begin, int end, double* const x[Dim], const char* what,
                                    const int64_t* number) const {
         const auto& grid = Base::grid;

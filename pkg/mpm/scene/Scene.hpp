@@ -23,6 +23,7 @@ template <int Dim> class Scene {
   public:
     explicit Scene(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell)
         : grid(lower, upper, cell) {}
+    explicit Scene(const typename Grid<Dim>::Lines& lines) : grid(lines) {} // graded
     Scene(const Scene&) = delete;
 
     Grid<Dim> grid;

@@ -60,11 +60,11 @@ template <int Dim> class CellBins {
     // Where points are along an axis, m; infinite where some are outside the grid.
     double lowerEnd(const Grid<Dim>& grid, int k) const {
         if (lowest_[k] == 0) return -std::numeric_limits<double>::infinity();
-        return grid.lower[k] + (lowest_[k] - 1) * grid.cell[k];
+        return grid.line(k, lowest_[k] - 1 + grid.ghost);
     }
     double upperEnd(const Grid<Dim>& grid, int k) const {
         if (highest_[k] == grid.cells[k] + 1) return std::numeric_limits<double>::infinity();
-        return grid.lower[k] + highest_[k] * grid.cell[k];
+        return grid.line(k, highest_[k] + grid.ghost);
     }
 
     // The occupied cells that a box reaches into; false: none.
@@ -99,9 +99,9 @@ template <int Dim> class CellBins {
     }
 
     static Vec<Dim> centre(const Grid<Dim>& grid, const Index<Dim>& cell) {
-        Vec<Dim> x;
-        for (int k = 0; k < Dim; ++k) x[k] = grid.lower[k] + (cell[k] - 0.5) * grid.cell[k];
-        return x;
+        Index<Dim> fromGhosts;
+        for (int k = 0; k < Dim; ++k) fromGhosts[k] = cell[k] - 1 + grid.ghost;
+        return grid.centre(fromGhosts);
     }
 
   private:
@@ -110,7 +110,7 @@ template <int Dim> class CellBins {
     Index<Dim> lowest_, highest_; // occupied cells, counted from the layer outside
 
     static int cellAlong(const Grid<Dim>& grid, double x, int k) {
-        const double cell = std::floor((x - grid.lower[k]) / grid.cell[k]) + 1;
+        const double cell = std::floor(grid.fromLower(x, k)) + 1;
         return cell > 0 ? int(std::min(cell, grid.cells[k] + 1.0)) : 0;
     }
 };

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The background grid: a box of equal cells with ghost nodes around it. Nodes are numbered with the first
+// The background grid: a box of cells with ghost nodes around it. The cells are equal, or along each axis lines
+// of nodes are where they were given (a graded grid); who needs a place in the grid or the size of a cell asks
+// for it here, and does not know which of the two it is. Nodes are numbered with the first
 // axis fastest; a slab is the set of nodes with the same number along the last axis. A block is four rows of
 // nodes wide along each axis but the first, along which it is as long as the grid.
 #pragma once
 
 #include "mpm/base/require.hpp"
+#include "mpm/state/GridLines.hpp"
 #include "mpm/state/NodalField.hpp"
 
 #include <limits>
@@ -19,9 +22,10 @@ template <int Dim> class Grid {
         4; // in nodes; blocks are the pieces of deterministic scatter, see BlockOrder
     static constexpr int wander = 1; // nodes that a particle may leave its block by before it is re-sorted
 
+    using Lines = std::array<std::vector<double>, Dim>;
+
     Grid(const Vec<Dim>& lower, const Vec<Dim>& upper, const Vec<Dim>& cell)
-        : lower(lower), upper(upper), cell(cell) {
-        int stride = 1;
+        : lower(lower), upper(upper), cell_(cell), largest_(cell) {
         double total = 1;
         for (int k = 0; k < Dim; ++k) {
             require(std::isfinite(lower[k]) && std::isfinite(upper[k]) && lower[k] < upper[k],
@@ -29,23 +33,31 @@ template <int Dim> class Grid {
                     "; lower must be below upper");
             require(cell[k] > 0, "Scene: cell = ", cell[k], " m; give a positive cell size");
             total *= (upper[k] - lower[k]) / cell[k] + 1 + 2 * ghost;
-            require(total <= std::numeric_limits<int>::max(), "Scene: cell = ", cell[k],
-                    " m makes a grid of ", total, " nodes or more, and ", std::numeric_limits<int>::max(),
-                    " are possible; give a larger cell or a smaller grid");
+            checkCount(total, cell[k]);
             cells[k] = int(std::lround((upper[k] - lower[k]) / cell[k]));
             require(cells[k] >= 1 && std::abs(cells[k] * cell[k] - (upper[k] - lower[k])) < 1e-6 * cell[k],
                     "Scene: upper - lower = ", upper[k] - lower[k], " m along axis ", k,
                     " is not a multiple of cell = ", cell[k], " m; move lower or upper, or change cell");
-            nodes[k] = cells[k] + 1 + 2 * ghost;
-            strides[k] = stride;
-            overStride_[k] = 1.0 / stride;
-            stride *= nodes[k];
         }
-        count = stride;
-        setFields(1);
+        setSize();
     }
 
-    const Vec<Dim> lower, upper, cell;
+    // Positions of the lines of nodes across each axis, m, the first and the last at the faces of the grid.
+    explicit Grid(const Lines& lines) : lower(endsOf(lines, false)), upper(endsOf(lines, true)) {
+        double total = 1;
+        for (int k = 0; k < Dim; ++k) {
+            lines_[k] = GridLines(lines[k], ghost, k);
+            cell_[k] = lines_[k].smallest();
+            largest_[k] = lines_[k].largest();
+            cells[k] = int(lines[k].size()) - 1;
+            total *= cells[k] + 1.0 + 2 * ghost;
+            checkCount(total, cell_[k]);
+        }
+        isGraded_ = true;
+        setSize();
+    }
+
+    const Vec<Dim> lower, upper;
     Index<Dim> cells, nodes, strides;
     int count = 0;
     std::vector<NodalField<Dim>> fields;
@@ -96,8 +108,73 @@ template <int Dim> class Grid {
         }
     }
 
-    // Position in cells from the lowest ghost node.
-    double inCells(double x, int axis) const { return (x - lower[axis]) / cell[axis] + ghost; }
+    // --- cells: a cell has the number, along each axis, of the line below it --------------------------
+    bool isGraded() const { return isGraded_; }
+    const Vec<Dim>& smallestCell() const { return cell_; } // edges, m: along each axis that of all cells
+    const Vec<Dim>& largestCell() const { return largest_; }
+    double cellSize(int axis, int line) const { return isGraded_ ? lines_[axis].size(line) : cell_[axis]; }
+    Vec<Dim> edges(int cell) const {
+        if (!isGraded_) return cell_;
+        const Index<Dim> index = indices(cell);
+        Vec<Dim> size;
+        for (int k = 0; k < Dim; ++k) size[k] = lines_[k].size(std::clamp(index[k], 0, nodes[k] - 2));
+        return size;
+    }
+    // Edges of the cell at a place.
+    Vec<Dim> sizeAt(const Vec<Dim>& x) const {
+        if (!isGraded_) return cell_;
+        Vec<Dim> size;
+        for (int k = 0; k < Dim; ++k)
+            size[k] = lines_[k].size(std::clamp(int(inCells(x[k], k)), 0, nodes[k] - 2));
+        return size;
+    }
+    // Along each axis, the mean edge of the two cells beside a node, and how far the nodes two away are at most.
+    Vec<Dim> meanSize(int node) const {
+        return isGraded_ ? alongAxes(node, [](double, double before, double after,
+                                              double) { return 0.5 * (after - before); })
+                         : cell_;
+    }
+    Vec<Dim> twoCells(int node) const {
+        return isGraded_ ? alongAxes(node, [](double first, double, double,
+                                              double last) { return std::max(-first, last); })
+                         : Vec<Dim>(2 * cell_);
+    }
+    // Whether all cells beside a node have the smallest size.
+    bool isEven(const Index<Dim>& node) const {
+        bool areAll = true;
+        for (int k = 0; k < Dim && isGraded_; ++k) areAll &= lines_[k].isEven(node[k]);
+        return areAll;
+    }
+
+    // --- places ---------------------------------------------------------------------------------------
+    // Position in cells from the lower face, and from the lowest ghost node.
+    double fromLower(double x, int axis) const {
+        return isGraded_ ? lines_[axis].inCells(x) - ghost : (x - lower[axis]) / cell_[axis];
+    }
+    double inCells(double x, int axis) const {
+        return isGraded_ ? lines_[axis].inCells(x) : (x - lower[axis]) / cell_[axis] + ghost;
+    }
+    // loop(inCells) for a loop over many places along an axis, with what inCells(x) is on this grid.
+    template <class Loop> void alongAxis(int axis, Loop&& loop) const {
+        const double origin = lower[axis], cell = cell_[axis];
+        const GridLines& lines = lines_[axis];
+        if (isGraded_)
+            loop([&](double x) MPM_INLINE_LAMBDA { return lines.inCells(x); });
+        else
+            loop([=](double x) MPM_INLINE_LAMBDA { return (x - origin) / cell + ghost; });
+    }
+    const GridLines& lines(int axis) const { return lines_[axis]; } // of a graded grid
+
+    double line(int axis, int number) const {
+        return isGraded_ ? lines_[axis].position(number) : lower[axis] + (number - ghost) * cell_[axis];
+    }
+    Vec<Dim> centre(const Index<Dim>& cell) const {
+        Vec<Dim> x;
+        for (int k = 0; k < Dim; ++k)
+            x[k] = isGraded_ ? lines_[k].position(cell[k]) + 0.5 * lines_[k].size(cell[k])
+                             : lower[k] + (cell[k] - ghost + 0.5) * cell_[k];
+        return x;
+    }
 
     Index<Dim> indices(int node) const {
         Index<Dim> index;
@@ -111,7 +188,7 @@ template <int Dim> class Grid {
     Vec<Dim> nodePosition(int node) const {
         const Index<Dim> index = indices(node);
         Vec<Dim> x;
-        for (int k = 0; k < Dim; ++k) x[k] = lower[k] + (index[k] - ghost) * cell[k];
+        for (int k = 0; k < Dim; ++k) x[k] = line(k, index[k]);
         return x;
     }
 
@@ -130,7 +207,51 @@ template <int Dim> class Grid {
     }
 
   private:
+    Vec<Dim> cell_, largest_; // m, of the cells: smallest and largest
+    bool isGraded_ = false;
+    std::array<GridLines, Dim> lines_; // empty where the cells are equal
     std::array<double, Dim> overStride_;
+
+    static Vec<Dim> endsOf(const Lines& lines, bool isUpper) {
+        Vec<Dim> end;
+        for (int k = 0; k < Dim; ++k) {
+            require(lines[k].size() > 1, "Scene: axis ", k,
+                    " has no two grid lines; give the ends of the grid");
+            end[k] = isUpper ? lines[k].back() : lines[k].front();
+        }
+        return end;
+    }
+
+    static void checkCount(double total, double cell) {
+        require(total <= std::numeric_limits<int>::max(), "Scene: cell = ", cell, " m makes a grid of ",
+                total, " nodes or more, and ", std::numeric_limits<int>::max(),
+                " are possible; give a larger cell or a smaller grid");
+    }
+
+    void setSize() {
+        int stride = 1;
+        for (int k = 0; k < Dim; ++k) {
+            nodes[k] = cells[k] + 1 + 2 * ghost;
+            strides[k] = stride;
+            overStride_[k] = 1.0 / stride;
+            stride *= nodes[k];
+        }
+        count = stride;
+        setFields(1);
+    }
+
+    // f(distances from a node to the two lines before it and the two after it) along each axis.
+    template <class F> Vec<Dim> alongAxes(int node, F&& f) const {
+        const Index<Dim> index = indices(node);
+        Vec<Dim> all;
+        for (int k = 0; k < Dim; ++k) {
+            const auto to = [&](int step) {
+                return line(k, std::clamp(index[k] + step, 0, nodes[k] - 1)) - line(k, index[k]);
+            };
+            all[k] = f(to(-2), to(-1), to(1), to(2));
+        }
+        return all;
+    }
 
     int tilesAlong(int axis) const { return (nodes[axis] + 2 * blockWidth - 1) / (2 * blockWidth); }
 };

@@ -32,8 +32,10 @@ void nearestNodes(const Grid<Dim>& grid, const Field& position, int begin, int c
     for (int k = 0; k < Dim; ++k) {
         const double* x = position.plane(k) + begin;
         const int stride = grid.strides[k];
+        grid.alongAxis(k, [&](auto&& inCells) {
 #pragma omp simd
-        for (int i = 0; i < count; ++i) node[i] += int(grid.inCells(x[i], k) + 0.5) * stride;
+            for (int i = 0; i < count; ++i) node[i] += int(inCells(x[i]) + 0.5) * stride;
+        });
     }
 }
 

@@ -28,7 +28,10 @@ class CellAverage {
         region.once([&] {
             for (int k = 0; k < Dim; ++k) {
                 strides_[k] = grid.strides[k];
-                edges_[k] = grid.cell[k];
+                edges_[k] = grid.smallestCell()[k];
+                sizes_[k].clear();
+                for (int line = 0; line < grid.nodes[k] - 1 && grid.isGraded(); ++line)
+                    sizes_[k].push_back(grid.cellSize(k, line));
             }
             slabSize_ = grid.strides[Dim - 1];
             slabs_ = grid.slabs();
@@ -47,10 +50,12 @@ class CellAverage {
         for (int k = 0; k < Dim; ++k) {
             const double *x = particles.position.plane(k), last = grid.nodes[k] - 2.0;
             // A particle that just left the grid, or has no place (nan), is found out by the next step.
-            for (int p = begin; p < end; ++p) {
-                const double c = std::min(std::max(1.0, grid.inCells(x[p], k)), last);
-                cell_[p] += int(c) * grid.strides[k];
-            }
+            grid.alongAxis(k, [&](auto&& inCells) {
+                for (int p = begin; p < end; ++p) {
+                    const double c = std::min(std::max(1.0, inCells(x[p])), last);
+                    cell_[p] += int(c) * grid.strides[k];
+                }
+            });
         }
         const auto extremes = std::minmax_element(cell_.begin() + begin, cell_.begin() + end);
         slabsOf_[begin / chunkSize] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
@@ -94,14 +99,14 @@ class CellAverage {
     // After sum(): which cells lie inside the material, and what of their mean acts by particles and by cells, see
     // CellForces.hpp.
     template <int Dim> void findInside(ParallelRegion& region, const Grid<Dim>& grid) {
-        const double whole = grid.cell.prod();
         const auto volumeOf = [&](int c) { return cells_[c].round == round_ ? cells_[c].volume : 0; };
         region.forOwnRange(partitions_, [&](int firstSlab, int endSlab) {
             for (int slab = firstSlab; slab < endSlab; ++slab)
                 for (int c : occupied_[slab]) {
                     Cell& cell = cells_[c];
                     cell.inside = insideBy(grid, c, volumeOf);
-                    const double volume = cell.inside * whole + (1 - cell.inside) * cell.volume;
+                    const double volume =
+                        cell.inside * grid.edges(c).prod() + (1 - cell.inside) * cell.volume;
                     cell.byCell = cell.inside * volume * cell.mean();
                     cell.byParticles = (1 - cell.inside) * volume / cell.volume * cell.mean();
                 }
@@ -132,9 +137,14 @@ class CellAverage {
             int number = node;
             for (int k = 0; k < Dim; ++k) number -= cornerSign(a, k) > 0 ? grid.strides[k] : 0;
             if (number < 0 || cells_[number].round != round_) continue;
-            for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * cells_[number].byCell;
+            const double acting = cells_[number].byCell;
+            if (grid.isGraded())
+                for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * acting / grid.edges(number)[k];
+            else
+                for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * acting;
         }
-        return sum.cwiseQuotient(grid.cell) / (corners<Dim> / 2);
+        return (grid.isGraded() ? sum : Vec<Dim>(sum.cwiseQuotient(grid.smallestCell()))) /
+               (corners<Dim> / 2);
     }
 
     // For particles [begin, end): the mean of their cell.
@@ -184,11 +194,12 @@ class CellAverage {
     template <int Dim, class Velocity>
     static double growth(const Grid<Dim>& grid, const Velocity* nodes, double dt, int number) {
         CornerNumbers<Dim> x;
+        const Vec<Dim> edges = grid.edges(number);
         for (int a = 0; a < corners<Dim>; ++a) {
             int node = number;
             for (int k = 0; k < Dim; ++k) node += cornerSign(a, k) > 0 ? grid.strides[k] : 0;
             for (int k = 0; k < Dim; ++k)
-                x[k][a] = 0.5 * cornerSign(a, k) + dt * nodes[node][k] / grid.cell[k]; // in cells
+                x[k][a] = 0.5 * cornerSign(a, k) + dt * nodes[node][k] / edges[k]; // in cells
         }
         return (ClosedShape<Dim>(x).volume - 1) / dt;
     }
@@ -198,7 +209,8 @@ class CellAverage {
         Linear<Dim> linear{cell.mean(), Vec<Dim>::Zero(), Vec<Dim>::Zero()};
         for (int k = 0; k < Dim; ++k) {
             linear.centre[k] = cell.centre(k);
-            linear.slope[k] = slope(cells_[number - strides_[k]], cell, cells_[number + strides_[k]], k);
+            linear.slope[k] =
+                slope(cells_[number - strides_[k]], cell, cells_[number + strides_[k]], k, edge(number, k));
         }
         return linear;
     }
@@ -206,10 +218,10 @@ class CellAverage {
     // The mean of the slopes to both neighbours, and at most twice the smaller one: along an axis no value in
     // an evenly filled cell is beyond those of the neighbours (the monotonised central difference of van Leer
     // 1977). Zero at an extremum and where a neighbour is empty.
-    double slope(const Cell& before, const Cell& cell, const Cell& after, int axis) const {
+    double slope(const Cell& before, const Cell& cell, const Cell& after, int axis, double edge) const {
         if (before.round != round_ || after.round != round_) return 0;
         const auto between = [&](const Cell& a, const Cell& b) {
-            return (b.mean() - a.mean()) / std::max(b.centre(axis) - a.centre(axis), 0.5 * edges_[axis]);
+            return (b.mean() - a.mean()) / std::max(b.centre(axis) - a.centre(axis), 0.5 * edge);
         };
         const double left = between(before, cell), right = between(cell, after),
                      central = 0.5 * (left + right);
@@ -217,8 +229,14 @@ class CellAverage {
         return std::copysign(std::min({std::abs(central), 2 * std::abs(left), 2 * std::abs(right)}), central);
     }
 
+    double edge(int cell, int axis) const { // m
+        if (sizes_[axis].empty()) return edges_[axis];
+        return sizes_[axis][cell / strides_[axis] % (sizes_[axis].size() + 1)];
+    }
+
     int strides_[3] = {};          // from a cell to the next one
-    double edges_[3] = {};         // m, of a cell
+    double edges_[3] = {};         // m, of the smallest cell
+    std::vector<double> sizes_[3]; // m, of the cells of a graded grid along each axis
     int slabSize_ = 0, slabs_ = 0; // nodes in a slab of the grid, and number of slabs
     long round_ = 0;               // number of sums so far
     std::vector<int> cell_;        // of each particle

@@ -47,10 +47,14 @@ class EvenCover {
 
         Shares(const Grid<Dim>& grid, const Vec<Dim>& x, const Vec<Dim>& half) {
             for (int k = 0; k < Dim; ++k) {
-                const double l = half[k] / grid.cell[k], last = grid.nodes[k] - 2.0;
-                const double low = std::min(std::max(0.0, grid.inCells(x[k], k) - l), last),
-                             face = std::floor(low) + 1;
-                share[k][1] = std::clamp((low + 2 * l - face) / (2 * l), 0.0, 1.0);
+                const double l = half[k] / grid.smallestCell()[k], last = grid.nodes[k] - 2.0;
+                const double from =
+                    grid.isGraded() ? grid.inCells(x[k] - half[k], k) : grid.inCells(x[k], k) - l;
+                const double low = std::min(std::max(0.0, from), last), face = std::floor(low) + 1;
+                const double beyond = grid.isGraded()
+                                          ? (x[k] + half[k] - grid.line(k, int(face))) / (2 * half[k])
+                                          : (low + 2 * l - face) / (2 * l);
+                share[k][1] = std::clamp(beyond, 0.0, 1.0);
                 share[k][0] = 1 - share[k][1];
                 cell += (int(face) - 1) * grid.strides[k];
             }
@@ -78,9 +82,11 @@ class EvenCover {
             for (int p = 0; p < particles.size(); ++p) {
                 const double volume = particles.volume.plane()[p];
                 // A domain of a mesh stands for a box of its volume.
-                const Vec<Dim> half = boxes ? boxes->halfSize()
-                                            : Vec<Dim>(Vec<Dim>::Constant(0.5 * std::pow(volume, 1.0 / Dim))
-                                                           .cwiseMin(0.5 * scene.grid.cell));
+                const Vec<Dim> half =
+                    boxes ? boxes->halfSize()
+                          : Vec<Dim>(
+                                Vec<Dim>::Constant(0.5 * std::pow(volume, 1.0 / Dim))
+                                    .cwiseMin(0.5 * scene.grid.sizeAt(vectorAt<Dim>(particles.position, p))));
                 Shares<Dim>(scene.grid, vectorAt<Dim>(particles.position, p), half)
                     .each(scene.grid, -1, [&](int c, double part, bool) { cover_[c] += part * volume; });
             }
@@ -89,11 +95,10 @@ class EvenCover {
 
     // In place of the volumes, in a second array: the neighbours ask for them.
     template <int Dim> void findExcess(const Grid<Dim>& grid) {
-        const double cell = grid.cell.prod();
         excess_.assign(grid.count, 0.0);
         for (int c = 0; c < grid.count; ++c) {
             if (cover_[c] == 0) continue;
-            const double excess = cover_[c] / cell - 1;
+            const double excess = cover_[c] / grid.edges(c).prod() - 1;
             excess_[c] = excess > 0 ? excess : excess * insideBy(grid, c, [&](int n) { return cover_[n]; });
         }
     }

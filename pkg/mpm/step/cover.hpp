@@ -16,7 +16,7 @@ template <int Dim, class Volume> double insideBy(const Grid<Dim>& grid, int numb
     constexpr double surface = 0.25, inside = 0.5;
     constexpr int rows = Dim == 2 ? 3 : 9, order[3] = {0, -1, 1}; // the cell itself first
     const Index<Dim> index = grid.indices(number);
-    const double enough = inside * grid.cell.prod();
+    const double whole = grid.edges(number).prod(), enough = inside * whole;
     const auto isInGrid = [&](int k, int step) {
         const int at = index[k] + step - grid.ghost;
         return at >= 0 && at < grid.cells[k];
@@ -37,9 +37,12 @@ template <int Dim, class Volume> double insideBy(const Grid<Dim>& grid, int numb
                     weight *= !isInGrid(k, step) ? 0 : step == 0 ? 0.5 : 0.25;
                 }
                 weights += weight;
-                if (weight > 0) sum += weight * volumeOf(other);
+                if (!(weight > 0)) continue;
+                double volume = volumeOf(other);
+                if (grid.isGraded()) volume *= whole / grid.edges(other).prod();
+                sum += weight * volume;
             }
-            if (sum < enough) least = std::min(least, sum / (weights * grid.cell.prod()));
+            if (sum < enough) least = std::min(least, sum / (weights * whole));
         }
     return std::clamp((least - surface) / (inside - surface), 0.0, 1.0);
 }

@@ -102,8 +102,8 @@ template <int Dim> class BodyPoints {
     // f(i) for the points that may touch a shape; others, too.
     template <class F>
     void near(const RigidShape& shape, const RigidState& at, const Grid<Dim>& grid, F&& f) const {
-        const double reach = this->reach(grid);               // of a point,
-        const double radius = 0.5 * grid.cell.norm() + reach; // of a cell with its points
+        const double reach = this->reach(grid);                        // of a point,
+        const double radius = 0.5 * grid.largestCell().norm() + reach; // and of a cell with its points
         const Eigen::Quaterniond back = at.orientation.conjugate();
         Vec3 lower, upper;
         shape.bounds(at, lower, upper);
@@ -155,11 +155,12 @@ template <int Dim> class BodyPoints {
     std::vector<double> filledAt_[Dim], inBin_[Dim]; // in the order of the points, and of the bins
 
     double reach(const Grid<Dim>& grid) const { // of a point, m
-        return (1 + mostStretch) * half_.maxCoeff() + mostShift * grid.cell.minCoeff() + drift(grid);
+        return (1 + mostStretch) * half_.maxCoeff() + mostShift * grid.smallestCell().minCoeff() +
+               drift(grid);
     }
     // Out of the plane: for a body beside it.
     double half(int k) const { return k < Dim ? half_[k] : half_.maxCoeff(); }
-    static double drift(const Grid<Dim>& grid) { return mostDrift * grid.cell.minCoeff(); }
+    static double drift(const Grid<Dim>& grid) { return mostDrift * grid.smallestCell().minCoeff(); }
     static Vec3 spatial(const Field& field, int i) {
         Vec3 x = Vec3::Zero();
         for (int k = 0; k < Dim; ++k) x[k] = field.plane(k)[i];

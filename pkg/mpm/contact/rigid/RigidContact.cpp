@@ -78,7 +78,7 @@ void RigidContact::softenForLightBodies(const Scene<Dim>& scene, const Points<Di
 
 template <int Dim> Reach RigidContact::reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const {
     const double far = std::numeric_limits<double>::infinity();
-    Reach reach{Vec3::Constant(-far), Vec3::Constant(far), scene.grid.cell.maxCoeff()};
+    Reach reach{Vec3::Constant(-far), Vec3::Constant(far), scene.grid.largestCell().maxCoeff()};
     reach.lower.template head<Dim>().setConstant(far);
     reach.upper.template head<Dim>().setConstant(-far);
     for (auto& p : points) p.widen(scene.grid, reach.lower, reach.upper);

@@ -46,7 +46,7 @@ template <int Dim>
 std::vector<RigidContactPoint>
 findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
                  const std::vector<RigidShape>& shapes, const std::vector<RigidState>& states) {
-    const double near = BodyPoints<Dim>::mostShift * scene.grid.cell.minCoeff();
+    const double near = BodyPoints<Dim>::mostShift * scene.grid.smallestCell().minCoeff();
     std::vector<RigidContactPoint> contacts;
     for (const RigidShape& shape : shapes) {
         const RigidState& at = states[shape.body];
@@ -87,7 +87,7 @@ findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
 
 template <int Dim>
 void moveToStrainedPlaces(const Scene<Dim>& scene, std::vector<RigidContactPoint>& contacts) {
-    const double least = roundOff * scene.grid.cell.minCoeff();
+    const double least = roundOff * scene.grid.smallestCell().minCoeff();
     for (RigidContactPoint& c : contacts) {
         const Vec3 shift = toStrainedPlace(scene, *scene.bodies[c.soil], c.place);
         c.point += shift;

@@ -19,9 +19,10 @@ template <int Dim> class BoxDomains : public BoxTransfers<Dim> {
     void build(const Geometry<Dim>& geometry) override {
         constexpr double roundOff = 1e-12; // of a spacing that was computed as a part of a cell
         for (int k = 0; k < Dim; ++k)
-            require(geometry.halfSize[k] > 0 && geometry.halfSize[k] <= 0.5 * grid.cell[k] * (1 + roundOff),
+            require(geometry.halfSize[k] > 0 &&
+                        geometry.halfSize[k] <= 0.5 * grid.smallestCell()[k] * (1 + roundOff),
                     "UGIMP in '", Base::bodyName, "': half size ", geometry.halfSize[k],
-                    " m must be positive and at most half a cell (", 0.5 * grid.cell[k],
+                    " m must be positive and at most half a cell (", 0.5 * grid.smallestCell()[k],
                     " m); use more particles per cell");
         if (splitting_.isOn()) splitting_.start(int(geometry.positions.size()));
         outline_.set(geometry.carriers, geometry.offsets, geometry.areas);

@@ -128,6 +128,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
             if (p + 1 < end && cell_[p] != cell_[p + 1]) last = p + 1;
             runEnd_[p] = last;
         }
+        if (grid.isGraded()) findUnequal(begin, end);
     }
 
     void group() override {
@@ -146,7 +147,35 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     static constexpr int rowsAtOnce = 1;
 #endif
 
-    Weights weightsOf(int first, int count) const { return {local_, half_, grid.cell, first, count}; }
+    Weights weightsOf(int first, int count) const {
+        Weights w(local_, half_, grid.smallestCell(), first, count);
+        if (grid.isGraded()) takeUnequalCells(w, first, count);
+        return w;
+    }
+
+    bool takesUnequalCells() const override { return true; }
+
+    // Which particles have, beside the middle of their nodes, a cell that is not of the smallest size.
+    void findUnequal(int begin, int end) {
+        isUnequal_.resize(particles.size());
+        for (int p = begin; p < end; ++p) {
+            Index<Dim> middle = grid.indices(cell_[p]);
+            for (int k = 0; k < Dim; ++k) ++middle[k];
+            isUnequal_[p] = !grid.isEven(middle);
+        }
+    }
+
+    // Boxes are at most as wide as the smallest cell: they reach into the two cells beside the middle of
+    // their nodes, and no further.
+    void takeUnequalCells(Weights& w, int first, int count) const {
+        for (int p = 0; p < count; ++p) {
+            if (!isUnequal_[first + p]) continue;
+            const Index<Dim> lowest = grid.indices(cell_[first + p]);
+            for (int k = 0; k < Dim; ++k)
+                w.axis[k].set(p, local_.plane(k)[first + p] - 1, half_.plane()[k],
+                              grid.cellSize(k, lowest[k]), grid.cellSize(k, lowest[k] + 1));
+        }
+    }
 
     MPM_INLINE int rowOffset(int row) const {
         return row % 3 * grid.strides[1] + (Dim == 3 ? row / 3 * grid.strides[Dim - 1] : 0);
@@ -278,7 +307,8 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
         });
     }
 
-    std::vector<int> runEnd_; // of the run, in its block, that each particle is in
+    std::vector<int> runEnd_;     // of the run, in its block, that each particle is in
+    std::vector<char> isUnequal_; // see findUnequal; empty where all cells are equal
 };
 
 } // namespace mpm

@@ -45,6 +45,20 @@ template <int size, int lanes> struct alignas(64) BoxAxisWeights {
             std::fill_n(G[i] + count, lanes, 0.0);
         }
     }
+
+    // Of particle p alone, where the cells below and above the middle node have the edges a and b, m: the
+    // hats of the outer nodes are -x/a and x/b at x from it.
+    void set(int p, double c, double half, double a, double b) {
+        const double x = c * (c < 0 ? a : b), from = x - half, to = x + half, share = 0.5 / half;
+        const double fromBelow = std::min(from, 0.0), toBelow = std::min(to, 0.0),
+                     fromAbove = std::max(from, 0.0), toAbove = std::max(to, 0.0);
+        S[0][p] = share * 0.5 / a * (fromBelow * fromBelow - toBelow * toBelow);
+        S[2][p] = share * 0.5 / b * (toAbove * toAbove - fromAbove * fromAbove);
+        S[1][p] = 1 - S[0][p] - S[2][p];
+        G[0][p] = -share / a * (toBelow - fromBelow);
+        G[2][p] = share / b * (toAbove - fromAbove);
+        G[1][p] = -G[0][p] - G[2][p];
+    }
 };
 
 // Weights of a batch of particles, short enough to stay in the first cache while it is used.

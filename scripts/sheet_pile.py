@@ -57,6 +57,7 @@ PARAMETERS = mpm.Parameters(
     Parameter("until", lambda a: 4.0 / a.rate + 0.5 * a.ramp, "end (default: 4 m deep)", unit="s", above=0),
     Parameter("friction", None, "the soil slips on the pile (default: bonded, published)", least=0),
     Parameter("implicit", False, "an implicit pile with its true inertia, and a step four times as long"),
+    Parameter("graded", False, "cells that grow to 1 m outside of the uGIMP zone"),
     Parameter("remedies", False, "what mends the published model", sets=REMEDIES),
     smoke={"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0},
     fixed=PUBLISHED,
@@ -86,7 +87,10 @@ def ground(a):
     sand = mpm.MohrCoulombDruckerPrager(
         density=1.53, lame=(9.48e3, 6.31e3), cohesion=a.cohesion, dilatancyLimit=a.dilatancyLimit, **angles
     )
-    scene = mpm.Scene(lower=(0, 0), upper=(a.width, DEPTH + FREE), cell=a.cell, threads=a.threads)
+    beside = a.zoneWidth / 2 + 2 * a.cell
+    even = ((a.width / 2 - beside, DEPTH - zoneDepth - 2 * a.cell), (a.width / 2 + beside, DEPTH + FREE))
+    grading = mpm.Grading(even, largest=max(1.0, a.cell)) if a.graded else None
+    scene = mpm.Scene((0, 0), (a.width, DEPTH + FREE), a.cell, threads=a.threads, grading=grading)
     soil = box((0, 0), (a.width, DEPTH)) - shaft
     variant = dict(splitAt=a.split, onDistortion=a.on_distortion, fbar=a.fbar)
     study.addGround(scene, "soil", soil, zone, sand, a.types, **variant)

@@ -4,6 +4,7 @@
 Units: Mg, m, s, kPa (2D: per metre of thickness); tension positive; angles in radians.
 
 Scene, load, undo              a scene (`help(mpm.Scene)` is the place to start); one from a checkpoint
+Grading                        a grid whose cells grow outside of a box
 loadPlugin                     classes that were built outside of this package
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
@@ -69,6 +70,7 @@ from .particle import types as _particles
 from .particle.body import Body
 from .particle.part import BodyPart
 from .particle.types import ParticleType
+from .scene.grading import Grading
 from .scene.plugins import loadPlugin
 from .scene.policy import LoopPolicy as _LoopPolicy
 from .scene.restoring import load

@@ -22,10 +22,10 @@ def volumeRatio(scene):
     grid does not count. One as long as particles have the volume of the space that they fill; nan without
     such a cell.
     """
-    index = np.concatenate([np.floor((b.position - scene.lower) / scene.cell) for b in scene.bodies] or [[]])
+    index = np.concatenate([_cellNumbers(scene, b.position) for b in scene.bodies] or [[]])
     if not len(index):
         return float("nan")
-    shape = np.round((np.asarray(scene.upper) - scene.lower) / scene.cell).astype(int)
+    shape = np.array([len(x) - 1 for x in scene.lines])
     index = np.clip(np.nan_to_num(index).astype(int), 0, shape - 1)
     volume = np.zeros(shape)
     np.add.at(volume, tuple(index.T), np.concatenate([b.volume for b in scene.bodies]))
@@ -36,6 +36,9 @@ def volumeRatio(scene):
         inside = inside & around.take(range(n), axis) & around.take(range(2, n + 2), axis)
     if not inside.any():
         return float("nan")
+    if scene.isGraded:
+        edges = np.meshgrid(*map(np.diff, scene.lines), indexing="ij")
+        return float(volume[inside].sum() / np.prod(edges, axis=0)[inside].sum())
     return float(volume[inside].mean() / np.prod(np.broadcast_to(scene.cell, (scene.dim,))))
 
 
@@ -235,7 +238,7 @@ def unbalancedRatio(scene):
     step, -.
 
     sum |m_i a_i| / (sum V_p |sigma_p| / h), with the acceleration a_i of the node (prescribed where it is
-    held), the norm of the stress (2D: in the plane) and the smallest cell edge h; the number of nodes
+    held), the norm of the stress (2D: in the plane) and the smallest edge h of the cell; the number of nodes
     cancels. It is what unbalancedForce of YADE is for contacts: mean resultant over mean contact force. nan
     before the first step, infinite where nothing but inertia acts. Values of single steps scatter; take the
     mean over a time.
@@ -243,7 +246,10 @@ def unbalancedRatio(scene):
     balance = scene.core.balance()
     if not balance["nodes"]:
         return float("nan")
-    inertia, scale = balance["inertia"], balance["stressed"] / float(np.min(scene.cell))
+    scale = balance["stressed"] / float(np.min(scene.cell))
+    if scene.isGraded:
+        scale = sum(_stressed(scene, body) for body in scene.bodies)
+    inertia = balance["inertia"]
     return inertia / scale if scale > 0 else float("inf" if inertia > 0 else "nan")
 
 
@@ -254,7 +260,7 @@ def sectionForce(body, height, thickness=None):
     ----------
     body : Body.
     height : m, of the section (last axis).
-    thickness : m, h of the slice around it that is averaged over; default: one cell of the grid.
+    thickness : m, h of the slice around it that is averaged over; default: one cell of the grid there.
 
     V_slice is the share of a particle's volume that lies in the slice by the
     vertical extent of its domain, so that a uniform stress gives stress times area at any height. 0 where the
@@ -262,7 +268,10 @@ def sectionForce(body, height, thickness=None):
 
     Raises ValueError for a thickness that is not positive.
     """
-    h = float(body.scene.cell[-1] if thickness is None else thickness)
+    if thickness is None:
+        middle = (*(0.5 * (body.scene.lower + body.scene.upper))[:-1], height)
+        thickness = body.scene.cellSizeAt([middle])[0, -1]
+    h = float(thickness)
     if not h > 0:
         raise ValueError(f"sectionForce: thickness = {thickness!r} m is not allowed; give a positive number")
     if not body.count:
@@ -275,6 +284,21 @@ def sectionForce(body, height, thickness=None):
 
 
 # --- inside ---------------------------------------------------------------------------------------------
+def _cellNumbers(scene, points):
+    """Numbers of the cells of points along each axis (N, dim), from zero at the lower faces."""
+    if not scene.isGraded:
+        return np.floor((points - scene.lower) / scene.cell)
+    return np.stack(
+        [np.searchsorted(x, points[:, k], "right") - 1.0 for k, x in enumerate(scene.lines)], axis=1
+    )
+
+
+def _stressed(scene, body):
+    """sum V_p |sigma_p| / h of a body, kN."""
+    norms = np.linalg.norm(body.stress[:, : scene.dim, : scene.dim], axis=(1, 2))
+    return float((body.volume * norms / scene.cellSizeAt(body.position).min(axis=1)).sum())
+
+
 def _isMeshed(body):
     return body.type.core.isMeshed
 

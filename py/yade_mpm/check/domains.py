@@ -22,7 +22,7 @@ def checkInterface(scene, limit):
         return None
     meshed, boxes, where = fault["meshed"], fault["boxes"], fault["where"]
     edge, initial = fault["edge"], fault["initialEdge"]
-    cell = min(scene.cell)
+    cell = fault["cell"]
     place = f"interface of '{meshed}' and '{boxes}' near {where}: an edge"
     if initial > limits.INTERFACE_BUILD * cell:
         text = (

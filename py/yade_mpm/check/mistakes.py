@@ -200,7 +200,7 @@ def _isBent(scene, body, gravity):
     for face in {*solver.roller, *solver.fixed}:
         across, side = FACES[scene.dim][face]
         gap = lower[axis] - scene.lower[axis] if side == 0 else scene.upper[axis] - upper[axis]
-        if across == axis and gap < scene.cell[axis]:
+        if across == axis and gap < scene.cellSizeAt([lower if side == 0 else upper])[0, axis]:
             return False
     tractions = [np.reshape(e.traction, (-1,)) for e in scene.engines if isinstance(e, BoundaryLoad)]
     motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
@@ -217,7 +217,7 @@ def _bending(body):
     corners = body.corners()
     extents = np.ptp(corners.reshape(-1, corners.shape[-1]), axis=0)
     axis = int(extents.argmin())
-    thin, cell = extents[axis], body.scene.cell[axis]
+    thin, cell = extents[axis], body.scene.cellSizeAt(body.position).max(axis=0)[axis]
     if extents.max() < SLENDER * thin:
         return
     faults = ["one particle wide"] if np.ptp(body.position[:, axis]) < 1e-6 * thin else []

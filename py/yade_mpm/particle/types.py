@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import _core
 from ..base.attributes import Attributed, makeClasses
+from ..geometry.graded import folded, meshOnLines, refined
 from ..geometry.lattice import asSpacing, cutCells, cutOutline, latticePoints
 from ..geometry.mesh import Mesh
 from ..geometry.meshChecks import checkMesh
@@ -68,7 +69,8 @@ class MeshedType(ParticleType):
     """Base of types whose domains share vertices.
 
     Besides the attributes of the type:
-    size : edge of a domain, m (default: the cell size).
+    size : edge of a domain, m (default: the cell size); on a graded grid where cells are smallest, and it
+        grows with them.
     matched : a uGIMP body; the domains within one cell of it get the spacing of its particles.
 
     A region is filled with domains along the axes: its slanted and curved edges become stairs. A mesh follows
@@ -96,6 +98,9 @@ class MeshedType(ParticleType):
                 f"body '{name}': give a region, (points, cells), or the name of a mesh file; got {region!r}"
             )
         size = asSpacing(scene.core.cell if self.size is None else self.size, scene.dim, name)
+        if scene.isGraded:
+            mesh = meshOnLines(region, scene, size, name)
+            return folded(mesh if self.matched is None else self._match(mesh, size, scene, name), scene)
         mesh = meshRegion(region, scene.lower, scene.upper, size, name)
         return mesh if self.matched is None else self._match(mesh, size, scene, name)
 
@@ -115,6 +120,8 @@ class MeshedType(ParticleType):
                 f"body '{name}': size = {size} m is not a multiple of the particle spacing "
                 f"{2 * near.halfSize} m of '{near.name}'; change size or perCell"
             )
+        if scene.isGraded:
+            return refined(mesh, scene, near, int(round(ratio[0])))
         return refineNear(
             mesh, near.position, near.halfSize, float(min(scene.core.cell)), int(round(ratio[0]))
         )

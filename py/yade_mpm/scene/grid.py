@@ -6,13 +6,15 @@ import numpy as np
 from .. import _core
 
 
-def makeCore(lower, upper, cell):
-    """The solver's scene on a grid."""
+def makeCore(lower, upper, cell, lines=None):
+    """The solver's scene on a grid of equal cells, or with the lines of each axis."""
     make = _core.Scene2 if len(lower) == 2 else _core.Scene3
     try:
+        if lines is not None:
+            return make([np.ascontiguousarray(x, float) for x in lines])
         return make(list(lower), list(upper), list(cell))
     except MemoryError:
-        count = np.prod((upper - lower) / cell)
+        count = np.prod((upper - lower) / cell if lines is None else [len(x) - 1 for x in lines])
         raise MemoryError(
             f"Scene: the {count:.3g} cells of the grid do not fit into memory; give a larger cell or a "
             "smaller grid"

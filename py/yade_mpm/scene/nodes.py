@@ -14,7 +14,29 @@ def nodePositions(scene):
     axes = [
         scene.lower[k] + (np.arange(scene.core.nodes[k]) - GHOSTS) * scene.cell[k] for k in range(scene.dim)
     ]
+    if scene.isGraded:
+        axes = [np.array(x) for x in scene.core.lines]
     return np.stack([a.ravel(order="F") for a in np.meshgrid(*axes, indexing="ij")], axis=1)
+
+
+def cellSizeAt(scene, points):
+    """Edges of the grid's cells in which points lie, m (N, dim).
+
+    Parameters
+    ----------
+    points : (N, dim) m; where they are outside of the grid, the cell beside them counts.
+
+    Raises ValueError for points of another shape.
+    """
+    points = np.asarray(points, float)
+    if points.ndim != 2 or points.shape[1] != scene.dim:
+        raise ValueError(f"cellSizeAt: points has shape {points.shape}; give (N, {scene.dim})")
+    if not scene.isGraded:
+        return np.tile(scene.cell, (len(points), 1))
+    sizes = np.empty(points.shape)
+    for k, x in enumerate(scene.lines):
+        sizes[:, k] = np.diff(x)[np.clip(np.searchsorted(x, points[:, k], "right") - 1, 0, len(x) - 2)]
+    return sizes
 
 
 def faceNodes(scene, face):

@@ -88,7 +88,9 @@ def _isOfFile(error):
 
 
 def _build(spec, arrays, callbacks, permissions, file):
-    scene = Scene(spec["lower"], spec["upper"], spec["cell"], scheme=spec["scheme"], threads=spec["threads"])
+    scene = Scene(
+        spec["lower"], spec["upper"], spec["cell"], spec["scheme"], spec["threads"], grading=spec.get("lines")
+    )
     permissions.checkTexts(spec["engines"] or [])
     _buildBodies(scene, spec, arrays, file)
     if spec["engines"] is not None:

@@ -78,7 +78,8 @@ def describe(scene):
     return {
         "lower": list(scene.lower),
         "upper": list(scene.upper),
-        "cell": list(scene.cell),
+        "cell": None if scene.isGraded else list(scene.cell),
+        "lines": [list(x) for x in scene.lines] if scene.isGraded else None,
         "scheme": scene.scheme,
         "threads": scene.givenThreads,
         "allowUnstable": bool(scene.allowUnstable),

@@ -15,9 +15,10 @@ from .adding import Bodies, add
 from .changes import Changes
 from .converting import convert
 from .geostatic import initialStress
+from .grading import linesOf
 from .grid import cellSize, corner, makeCore
 from .holder import Holder
-from .nodes import faceNodes, nodePositions, nodesInside
+from .nodes import GHOSTS, cellSizeAt, faceNodes, nodePositions, nodesInside
 from .running import handOver, pause, refuseDuringStep, refuseMidStep, refuseWhileRunning, run, step, wait
 from .saving import save
 from .settling import settle, unbalancedForce
@@ -35,6 +36,9 @@ class Scene(Guarded):
     lower, upper : corners of the grid, m; two numbers each make a plane-strain scene (per metre of
         thickness), three a 3D scene. Ghost nodes outside are added by the solver.
     cell : cell size, m; one number or one per axis. upper - lower must be a multiple of it.
+    grading : `Grading`, whose cells grow outside of a box; or a sequence with the positions of the lines of
+        nodes across each axis, m (None: equal cells along that axis; `cell` may be left out where none is
+        equal). Default: all cells are equal. See doc/explanation/graded-grids.md.
     scheme : "MUSL" (default), "USF" or "USL": when the stress is updated in a step (Sulsky et al. 1995;
         Bardenhagen 2002).
     threads : number of threads; default: one for every 1000 particles, at most OMP_NUM_THREADS, and a single
@@ -45,7 +49,8 @@ class Scene(Guarded):
 
     Attributes
     ----------
-    lower, upper, cell, dim : of the grid.
+    lower, upper, cell, dim : of the grid; with a grading, cell is the smallest along each axis.
+    isGraded : bool, whether cells differ.
     bodies : tuple of Body, in the order in which they were added; none can be taken out.
     allowUnstable : bool, whether dt may exceed the longest stable step; default False.
     dtCritical : s, 2/omega_max of the grid, or the longest stable step if that is shorter (USL), as estimated
@@ -72,24 +77,28 @@ class Scene(Guarded):
     # Methods that have a file of their own.
     add = add
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside
+    cellSizeAt = cellSizeAt
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce
     run, step, pause, wait = run, step, pause, wait
     _convert = convert  # for Body.convert
     handOver, refuseWhileRunning = handOver, refuseWhileRunning
     plot, _repr_html_ = display.plot, display.html
 
-    def __init__(self, lower, upper, cell, scheme="MUSL", threads=None):
+    def __init__(self, lower, upper, cell=None, scheme="MUSL", threads=None, grading=None):
         lower, upper = corner("lower", lower), corner("upper", upper)
         dim = len(lower)
         if len(upper) != dim:
             raise ValueError(f"Scene: lower has {dim} components, upper {len(upper)}; give 2 or 3 for both")
-        cell = cellSize(cell, dim)
+        cell = None if cell is None and grading is not None else cellSize(cell, dim)
+        lines = linesOf(grading, lower, upper, cell)
+        core = makeCore(lower, upper, cell, lines)
         self.__dict__.update(
             lower=lower,
             upper=upper,
             dim=dim,
-            cell=cell,
-            core=makeCore(lower, upper, cell),
+            cell=cell if lines is None else np.array(core.cell),
+            isGraded=lines is not None,
+            core=core,
             allowUnstable=False,
             dtCritical=None,  # s, as estimated last
             dtStable=None,
@@ -131,6 +140,10 @@ class Scene(Guarded):
         """Tuple of all bodies, in the order in which they were added; `add` makes one more."""
         return Bodies(self._bodies)
 
+    lines = property(
+        lambda self: tuple(np.array(x[GHOSTS:-GHOSTS]) for x in self.core.lines),
+        doc="Positions of the lines of nodes across each axis, m: a tuple of arrays, without ghosts.",
+    )
     particleCount = property(
         lambda self: sum(b.count for b in self.bodies), doc="Number of particles of all bodies."
     )

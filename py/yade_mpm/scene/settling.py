@@ -161,7 +161,8 @@ def _look(scene, damping):
         found, old, now = np.intersect1d(ids, body.id, assume_unique=True, return_indices=True)
         change = (body.velocity[now] - velocity[old]) / scene.dt
         felt = body.inertiaScale * (body.mass / body.volume)[now] * np.linalg.norm(change, axis=1)
-        largest = max(largest, felt.max(initial=0.0) * np.prod(scene.cell))
+        cell = np.prod(scene.cellSizeAt(body.position[now]), axis=1)
+        largest = max(largest, (felt * cell).max(initial=0.0))
         # Damping took or gave a part of the acceleration: it acts against the velocity.
         middle = velocity[old] + 0.5 * scene.dt * change
         free = change / (1 - damping * np.sign(change * middle))

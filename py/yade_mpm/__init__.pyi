@@ -39,6 +39,7 @@ from .particle.body import Body as Body
 from .particle.part import BodyPart as BodyPart
 from .particle.types import MeshedType
 from .particle.types import ParticleType as ParticleType
+from .scene.grading import Grading as Grading
 from .scene.plugins import loadPlugin as loadPlugin
 from .scene.restoring import load as load
 from .scene.scene import Scene as Scene
@@ -287,6 +288,7 @@ class RigidContact(_RigidContact):
 
     friction: float | Sequence[float]
     masses: float | Sequence[float]
+    soilFriction: float | Sequence[float]
     stiffness: float | None
     stiffnessFactor: float
     shearRatio: float
@@ -305,6 +307,7 @@ class RigidContact(_RigidContact):
         *,
         friction: float | Sequence[float] = (),
         masses: float | Sequence[float] = (),
+        soilFriction: float | Sequence[float] = (),
         stiffness: float | None = None,
         stiffnessFactor: float = 0.3,
         shearRatio: float = 0.8,

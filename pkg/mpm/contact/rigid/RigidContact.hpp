@@ -22,8 +22,8 @@ template <int Dim> class RigidBalance;
 
 class RigidContact : public EngineOf<RigidContact> {
   public:
-    std::vector<double> friction; // -, of each rigid body,
-    std::vector<double> masses;   // Mg (2D: Mg/m), and its mass; zero: it does not yield
+    std::vector<double> friction;     // -, of each rigid body,
+    std::vector<double> masses;       // Mg (2D: Mg/m), and its mass; zero: it does not yield
     std::vector<double> soilFriction; // -, of each body of the scene; empty: no limit
     std::vector<ShapeRecord> shapes;
     std::vector<RigidState> states;     // of each rigid body,

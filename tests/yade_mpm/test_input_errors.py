@@ -759,10 +759,11 @@ def test_an_initial_stress_that_gravity_does_not_balance_is_warned_of(given, sol
 
 
 def warningsOf(prepare):
+    """Messages but the one about scenes whose default engines move nothing, as most are here."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         prepare()
-    return [str(w.message) for w in caught]
+    return [str(w.message) for w in caught if "no engines were given" not in str(w.message)]
 
 
 @pytest.mark.parametrize("dim", (2, 3))
@@ -914,9 +915,11 @@ def test_groups_without_contact_are_warned_of():
         match="Scene: the groups 'soil', 'pile' stick together, for there is no Contact among the engines",
     ) as caught:
         scene.run(steps=1)
-    assert [w.filename for w in caught] == [__file__]
+    groups = [w for w in caught if "no engines were given" not in str(w.message)]
+    assert [w.filename for w in groups] == [__file__]
     with warnings.catch_warnings():
         warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", "Scene: no engines were given")
         scene.run(steps=1)
         oneBody(group="soil").run(steps=1)
         slipping = oneBody(group="soil")

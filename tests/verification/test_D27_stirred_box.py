@@ -59,15 +59,21 @@ def measured(body, dim=2):
     )
 
 
+def stays(scene, body, until, moved, pressure, volume, ratio):
+    """Runs and sees that pressure, the sum of the volumes and V/V0 stay within these shares, and particles
+    move further than `moved`, m."""
+    scene.run(until=until, progress=False)
+    found, growth, extremes, displacement = measured(body)
+    assert displacement > moved
+    assert found == pytest.approx(1, abs=pressure)
+    assert abs(growth) < volume
+    assert np.abs(extremes - 1).max() < ratio
+
+
 @pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
 def test_volume_and_pressure_stay(scheme):
     scene, body = stirred(0.2, scheme=scheme)
-    scene.run(until=0.3, progress=False)
-    pressure, growth, extremes, displacement = measured(body)
-    assert displacement > 1
-    assert pressure == pytest.approx(1, abs=0.01)
-    assert abs(growth) < 5e-5
-    assert np.abs(extremes - 1).max() < 0.01
+    stays(scene, body, 0.3, moved=1, pressure=0.01, volume=5e-5, ratio=0.01)
     assert mpm.diagnostics.volumeRatio(scene) == pytest.approx(1, abs=0.02)
 
 
@@ -79,23 +85,11 @@ def test_control_without_fbar_pressure_is_lost():
 
 
 def test_volume_and_pressure_stay_in_space():
-    scene, body = stirred(0.2, dim=3)
-    scene.run(until=0.3, progress=False)
-    pressure, growth, extremes, displacement = measured(body)
-    assert displacement > 0.8
-    assert pressure == pytest.approx(1, abs=0.02)
-    assert abs(growth) < 1e-4
-    assert np.abs(extremes - 1).max() < 0.02
+    stays(*stirred(0.2, dim=3), 0.3, moved=0.8, pressure=0.02, volume=1e-4, ratio=0.02)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("cell, dt", [(0.2, None), (0.1, 3e-4)])
 def test_twice_as_far(cell, dt):
     """1.9 m: the core turns at 20 m/s then."""
-    scene, body = stirred(cell, dt=dt)
-    scene.run(until=0.6, progress=False)
-    pressure, growth, extremes, displacement = measured(body)
-    assert displacement > 1.8
-    assert pressure == pytest.approx(1, abs=0.08)
-    assert abs(growth) < 3e-4
-    assert np.abs(extremes - 1).max() < 0.03
+    stays(*stirred(cell, dt=dt), 0.6, moved=1.8, pressure=0.08, volume=3e-4, ratio=0.03)

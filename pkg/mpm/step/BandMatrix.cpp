@@ -12,7 +12,7 @@ namespace mpm {
 
 namespace {
 
-constexpr int width = 8;
+constexpr int width = BandMatrix::lanes;
 
 int roundedUp(int count) { return (count + width - 1) / width * width; }
 

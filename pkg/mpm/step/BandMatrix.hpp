@@ -12,11 +12,12 @@ namespace mpm {
 
 class BandMatrix {
   public:
+    static constexpr int lanes = 8; // of the widest vectors: loops run to the next multiple, over zeros
+
     // All zero; entries up to `band` from the diagonal.
     void reset(int size, int band);
 
     int size() const { return size_; }
-    int band() const { return band_; }
     // Vectors have so many entries; those from size() on are zero.
     int padded() const { return size_ + band_ + lanes; }
 
@@ -35,12 +36,11 @@ class BandMatrix {
     // matrix is not positive definite.
     bool factorise();
     void solve(double* x) const; // x <- L^-T L^-1 x
-    // The same for eight vectors at once, where all before unknown `first` are zero and not asked for.
-    using Several = Pack<8>;
+    // The same for as many vectors at once, where all before unknown `first` are zero and not asked for.
+    using Several = Pack<lanes>;
     void solveSeveral(Several* x, int first) const;
 
   private:
-    static constexpr int lanes = 8;   // of the widest vectors: loops run to the next multiple, over zeros
     static constexpr int block = 32;  // columns that are factorised at a time where the band is wide
     static constexpr int narrow = 64; // band up to which columns one by one are quicker, measured
 

@@ -8,7 +8,7 @@
 //
 // Boxes do not cover a cell evenly once they have flowed, and then sum V tr L over the particles is not what
 // flows through the faces of the cells. Where material fills the cells all round, share s, the cell itself is
-// the point of integration (doc/volumes.md):
+// the point of integration (doc/explanation/volumes.md):
 //     r_c = s (V_c' - V_c)/(V_c dt) + (1 - s) sum V_p r_p / sum V_p,   r_p = (det(I + dt L_p) - 1)/dt
 // with V_c' the volume between the corners of the cell as they move, and its mean stress acts by the cell, see
 // CellForces.hpp. Determinants, for traces miss what fast rotation adds: 1 + (dt w)^2.

@@ -28,37 +28,32 @@ template <int Dim> void ImplicitBodies::check(Scene<Dim>& scene) {
     }
 }
 
-// Bodies that share a node belong to one system.
-template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim>& state) {
-    const double least = scene.leastMass();
+// Room for all nodes, without what the step before left in it.
+template <int Dim> void ImplicitBodies::clear(const Scene<Dim>& scene, State<Dim>& state) {
     state.scratch.resize(scene.grid.count, -1);
     state.velocity.resize(scene.grid.fields.size());
     for (auto& velocity : state.velocity)
         velocity.resize(scene.grid.count, NodalField<Dim>::Velocity::zero());
     state.owner.resize(scene.grid.fields.size());
     for (auto& owner : state.owner) owner.resize(scene.grid.count, -1);
-    for (auto& system : state.systems) // of the step before
+    for (auto& system : state.systems)
         for (int node : system.nodes) {
             state.velocity[system.field][node] = NodalField<Dim>::Velocity::zero();
             state.owner[system.field][node] = -1;
         }
     state.systems.clear();
+}
 
-    std::vector<Body<Dim>*> bodies;
-    for (auto& body : scene.bodies)
-        if (body->isImplicit && body->particles.size() > 0) bodies.push_back(body.get());
-    state.strained.resize(bodies.size());
-    for (size_t b = 0; b < bodies.size(); ++b) {
-        const auto& nodal = scene.grid.fields[bodies[b]->velocityField];
-        state.strained[b].find(*bodies[b], state.scratch,
-                               [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
-    }
-    std::vector<int> group(bodies.size()); // the first body that each one shares nodes with, over others
+// Of each body, the first one that it shares nodes with, over others.
+template <int Dim>
+std::vector<int> ImplicitBodies::groups(const std::vector<Body<Dim>*>& bodies, int fields,
+                                        State<Dim>& state) {
+    std::vector<int> group(bodies.size());
     for (size_t b = 0; b < bodies.size(); ++b) group[b] = int(b);
-    for (size_t field = 0; field < scene.grid.fields.size(); ++field) {
+    for (int field = 0; field < fields; ++field) {
         const auto forEntries = [&](auto&& f) {
             for (size_t b = 0; b < bodies.size(); ++b)
-                if (bodies[b]->velocityField == int(field))
+                if (bodies[b]->velocityField == field)
                     for (const auto& entry : state.strained[b].entries) f(int(b), entry.node);
         };
         forEntries([&](int b, int node) {
@@ -71,24 +66,53 @@ template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim
         });
         forEntries([&](int, int node) { state.scratch[node] = -1; });
     }
+    return group;
+}
+
+// The system of some bodies, which move with one velocity field.
+template <int Dim>
+void ImplicitBodies::addSystem(const Grid<Dim>& grid, int field,
+                               const std::vector<const StrainedNodes<Dim>*>& members, State<Dim>& state) {
+    ImplicitSystem<Dim>& system = state.systems.emplace_back(field);
+    for (const auto* member : members)
+        for (const auto& entry : member->entries)
+            if (state.scratch[entry.node] < 0) {
+                state.scratch[entry.node] = 0;
+                system.nodes.push_back(entry.node);
+            }
+    system.sortNodes(grid);
+    withNumbers(state, system, [&] { system.assemble(members, state.scratch); });
+    for (int node : system.nodes) state.owner[field][node] = int(state.systems.size()) - 1;
+}
+
+// f() while scratch has the numbers of the nodes of a system.
+template <int Dim, class F>
+void ImplicitBodies::withNumbers(State<Dim>& state, const ImplicitSystem<Dim>& system, F&& f) {
+    for (size_t i = 0; i < system.nodes.size(); ++i) state.scratch[system.nodes[i]] = int(i);
+    f();
+    for (int node : system.nodes) state.scratch[node] = -1;
+}
+
+// Bodies that share a node belong to one system.
+template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim>& state) {
+    clear(scene, state);
+    std::vector<Body<Dim>*> bodies;
+    for (auto& body : scene.bodies)
+        if (body->isImplicit && body->particles.size() > 0) bodies.push_back(body.get());
+    const double least = scene.leastMass();
+    state.strained.resize(bodies.size());
+    for (size_t b = 0; b < bodies.size(); ++b) {
+        const auto& nodal = scene.grid.fields[bodies[b]->velocityField];
+        state.strained[b].find(*bodies[b], state.scratch,
+                               [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
+    }
+    const std::vector<int> group = groups(bodies, int(scene.grid.fields.size()), state);
     for (size_t first = 0; first < bodies.size(); ++first) {
         if (group[first] != int(first)) continue;
-        ImplicitSystem<Dim>& system = state.systems.emplace_back(bodies[first]->velocityField);
         std::vector<const StrainedNodes<Dim>*> members;
         for (size_t b = first; b < bodies.size(); ++b)
             if (group[b] == int(first)) members.push_back(&state.strained[b]);
-        for (const auto* member : members)
-            for (const auto& entry : member->entries)
-                if (state.scratch[entry.node] < 0) {
-                    state.scratch[entry.node] = 0;
-                    system.nodes.push_back(entry.node);
-                }
-        system.number(scene.grid, state.scratch);
-        system.assemble(members, state.scratch);
-        for (int node : system.nodes) {
-            state.scratch[node] = -1;
-            state.owner[system.field][node] = int(state.systems.size()) - 1;
-        }
+        addSystem(scene.grid, bodies[first]->velocityField, members, state);
     }
 }
 
@@ -113,11 +137,8 @@ template <int Dim> bool ImplicitBodies::moves(int field, int node) const {
 template <int Dim> void ImplicitBodies::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) {
     State<Dim>& state = std::get<State<Dim>>(states_);
     response.reset();
-    for (auto& system : state.systems) {
-        for (size_t i = 0; i < system.nodes.size(); ++i) state.scratch[system.nodes[i]] = int(i);
-        system.respond(scene, response, state.scratch);
-        for (int node : system.nodes) state.scratch[node] = -1;
-    }
+    for (auto& system : state.systems)
+        withNumbers(state, system, [&] { system.respond(scene, response, state.scratch); });
 }
 
 template <int Dim>
@@ -133,9 +154,7 @@ void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& respons
                 impulses.push_back({node, given[i], unfelt[i]});
         }
         if (impulses.empty()) continue;
-        for (size_t i = 0; i < system.nodes.size(); ++i) state.scratch[system.nodes[i]] = int(i);
-        system.take(scene, gravity, impulses, state.scratch);
-        for (int node : system.nodes) state.scratch[node] = -1;
+        withNumbers(state, system, [&] { system.take(scene, gravity, impulses, state.scratch); });
     }
 }
 

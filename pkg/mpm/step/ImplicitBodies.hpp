@@ -46,6 +46,13 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
 
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> void findSystems(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> void clear(const Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim>
+    std::vector<int> groups(const std::vector<Body<Dim>*>& bodies, int fields, State<Dim>& state);
+    template <int Dim>
+    void addSystem(const Grid<Dim>& grid, int field, const std::vector<const StrainedNodes<Dim>*>& members,
+                   State<Dim>& state);
+    template <int Dim, class F> void withNumbers(State<Dim>& state, const ImplicitSystem<Dim>& system, F&& f);
 };
 
 // Whether the elastic forces of a body enter the solution.

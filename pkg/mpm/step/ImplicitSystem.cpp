@@ -6,7 +6,7 @@
 
 namespace mpm {
 
-template <int Dim> void ImplicitSystem<Dim>::number(const Grid<Dim>& grid, std::vector<int>& number) {
+template <int Dim> void ImplicitSystem<Dim>::sortNodes(const Grid<Dim>& grid) {
     Index<Dim> first, last;
     first.fill(grid.count);
     last.fill(0);
@@ -25,7 +25,6 @@ template <int Dim> void ImplicitSystem<Dim>::number(const Grid<Dim>& grid, std::
     if (longest != Dim - 1)
         std::stable_sort(nodes.begin(), nodes.end(),
                          [&](int a, int b) { return grid.indices(a)[longest] > grid.indices(b)[longest]; });
-    for (size_t i = 0; i < nodes.size(); ++i) number[nodes[i]] = int(i);
 }
 
 template <int Dim>
@@ -131,7 +130,7 @@ double ImplicitSystem<Dim>::change(Scene<Dim>& scene, const Vec<Dim>& gravity, i
 template <int Dim>
 void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response,
                                   const std::vector<int>& number) {
-    constexpr int most = 8;
+    constexpr int most = BandMatrix::lanes;
     std::vector<std::array<int, 2>> unknowns; // of the response, and of the system
     int first = this->unknowns();
     for (size_t i = 0; i < response.nodes.size(); ++i)

@@ -20,9 +20,9 @@ template <int Dim> class ImplicitSystem {
     int field; // velocity field
     std::vector<int> nodes;
 
-    // Numbers the nodes in `nodes`, each of which is there once. number: of a node, is set for these.
-    void number(const Grid<Dim>& grid, std::vector<int>& number);
-    // K of the strained particles of its bodies.
+    // Into the order of the unknowns; each node is there once.
+    void sortNodes(const Grid<Dim>& grid);
+    // K of the strained particles of its bodies. number: of each node, its place in `nodes`.
     void assemble(const std::vector<const StrainedNodes<Dim>*>& bodies, const std::vector<int>& number);
 
     // On a node, kN s, and the change of its velocity that the particles do not take, m/s.
@@ -44,7 +44,6 @@ template <int Dim> class ImplicitSystem {
     double energyTaken(const Scene<Dim>& scene) const;
 
     int unknowns() const { return stiffness_.size(); }
-    int band() const { return stiffness_.band(); }
 
   private:
     BandMatrix stiffness_, factor_;

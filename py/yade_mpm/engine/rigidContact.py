@@ -48,19 +48,13 @@ too."""
         """
         if self._isBound:
             raise RuntimeError("RigidContact: addBody after the first run; add all rigid bodies before it")
-        return self.insertBody(shapes, friction, position, orientation, velocity, angularVelocity, mass)
+        return self._insert(shapes, friction, position, orientation, velocity, angularVelocity, mass)
 
-    def insertBody(
-        self,
-        shapes,
-        friction=0.0,
-        position=(0, 0, 0),
-        orientation=(1, 0, 0, 0),
-        velocity=(0, 0, 0),
-        angularVelocity=(0, 0, 0),
-        mass=0.0,
-    ):
-        """As `addBody`, between two steps of a host that prepares the scene anew behind it."""
+    def insertBody(self, shapes, friction=0.0, mass=0.0):
+        """As `addBody`, between two steps of a host that gives the states and prepares the scene again."""
+        return self._insert(shapes, friction, (0, 0, 0), (1, 0, 0, 0), (0, 0, 0), (0, 0, 0), mass)
+
+    def _insert(self, shapes, friction, position, orientation, velocity, angularVelocity, mass):
         shapes = list(shapes) if isinstance(shapes, (list, tuple)) else [shapes]
         if not shapes:
             raise ValueError("RigidContact: addBody without a shape; give e.g. [mpm.rigid.Sphere(0.1)]")

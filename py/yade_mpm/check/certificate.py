@@ -40,7 +40,8 @@ class Certificate:
 
     Parameters
     ----------
-    kineticRatio : largest kinetic energy over the work done, -.
+    kineticRatio : largest kinetic energy over the work done, -; of bodies that a drive carries along, the
+        energy of their motion relative to the drive.
     unbalancedRatio : mean of `diagnostics.unbalancedRatio`, -.
     energyError : largest |energy error| over the work done, -.
     dampedRatio : energy taken by local damping, and by the solution for implicit bodies, over the work done,
@@ -111,8 +112,8 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
     ----------
     history : `History` of the run, or a mapping of its columns time (s), kineticEnergy, dampedEnergy,
         energyError, workDone (kJ) and unbalancedRatio (-); implicitEnergy, where there is one, counts as
-        damped.
-        energyError, workDone (kJ) and unbalancedRatio (-), and volumeRatio (-) if there is one.
+        damped. Used where they exist: freeKineticEnergy (kJ; see below), hourglassEnergy (kJ), volumeRatio
+        (-).
     after : rows from this time on count, s; default: the last nine tenths of the time that the rows span.
     rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another
         rate, -; default: not judged.
@@ -120,7 +121,10 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         energyError 0.02, dampedRatio 0.05, dampedShare 0.1, hourglassRatio 0.05, volumeError 0.1,
         rateSensitivity 0.05.
 
-    Energies are compared with `diagnostics.workDone`. A ratio that is nan counts as not known, and refuses
+    Energies are compared with `diagnostics.workDone`. A body that a drive carries along stores kinetic energy
+    that the drive prescribes, the more the larger its inertia; it says nothing about how what it meets
+    responds. With the column freeKineticEnergy (`diagnostics.freeKineticEnergy`) this energy counts neither
+    as kinetic energy nor as work that moved a load. A ratio that is nan counts as not known, and refuses
     the verdict. The sources of the limits are in doc/explanation/quasi-static.md. Energies of a whole model
     say little about a small part of it, and nothing about a history that is too coarse to see a peak.
 
@@ -148,6 +152,9 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         np.asarray(history[name], dtype=float)[rows]
         for name in ("kineticEnergy", "dampedEnergy", "energyError", "workDone", "unbalancedRatio")
     )
+    if "freeKineticEnergy" in _names(history):
+        free = np.asarray(history["freeKineticEnergy"], dtype=float)[rows]
+        kinetic, work = free, work - (kinetic - free)
     if "implicitEnergy" in _names(history):
         damped = damped + np.asarray(history["implicitEnergy"], dtype=float)[rows]
     return Certificate(

@@ -8,6 +8,10 @@ from operator import itemgetter
 
 import numpy as np
 
+from ..engine.prescribed import Drive
+
+CARRIED = 0.1  # of a drive's velocity: a body whose mean velocity differs by less is carried along
+
 
 # --- mass, momentum, energy -----------------------------------------------------------------------------
 def mass(scene):
@@ -53,6 +57,34 @@ def momentum(scene):
 def kineticEnergy(scene):
     """Kinetic energy, sum 1/2 s m v.v, kJ, with the inertial mass (s: inertiaScale of the body)."""
     return float(sum(body.inertiaScale * body.core.motion()["kineticEnergy"] for body in scene.bodies))
+
+
+def freeKineticEnergy(scene):
+    """Kinetic energy that no drive prescribes, sum 1/2 s m |v - v_d|^2, kJ, with the inertial mass.
+
+    v_d is the velocity of the `Drive` that carries the body along, whole or by a part of it. A body stores
+    that energy whatever it meets; this is what is left. v_d is zero for other bodies, where several drives
+    differ, and where the body's mean velocity is more than 10 % of v_d off, as of a block that is pressed at
+    its top.
+    """
+    return float(sum(_freeEnergy(scene, body) for body in scene.bodies))
+
+
+def _freeEnergy(scene, body):
+    motion, translation = body.core.motion(), _translation(scene, body)
+    energy, momentum, mass = motion["kineticEnergy"], np.array(motion["momentum"]), body.mass.sum()
+    speed = np.linalg.norm(translation)
+    if speed > 0 and np.linalg.norm(momentum - mass * translation) <= CARRIED * mass * speed:
+        energy += translation @ (0.5 * mass * translation - momentum)
+    return body.inertiaScale * max(0.0, energy)  # a difference of nearly equal numbers
+
+
+def _translation(scene, body):
+    """Velocity (dim,), m/s, with which drives carry a body along now; zero where they differ."""
+    drives = [c for c in scene.constraints if isinstance(c, Drive) and c.core.active and c.part.body is body]
+    velocities = [np.nan_to_num(c.velocityAt(scene.time)) for c in drives]
+    alike = all(np.array_equal(v, velocities[0]) for v in velocities)
+    return velocities[0] if drives and alike else np.zeros(scene.dim)
 
 
 def internalWork(scene):

@@ -45,6 +45,11 @@ class Prescribed(Guarded):
         if not self.hasBegun:
             self.core.began, self.hasBegun = scene.time, True
 
+    def velocityAt(self, time):
+        """Prescribed velocity at a time (s) with its ramp, m/s (dim,); nan where free."""
+        since = max(0.0, time - self.core.began)
+        return np.array(self.core.velocity) * (min(1.0, since / self.ramp) if self.ramp else 1.0)
+
     def __repr__(self):
         return f"<{type(self).__name__} '{self.name}': velocity {self.velocity} m/s>"
 

@@ -51,7 +51,8 @@ class History(Callback):
     contact.largestPenetration (see `Contact`); mass, momentum.x ..., kineticEnergy, internalWork,
     externalWork, dampedEnergy, contactEnergy, energyError, workDone, kineticRatio, unbalancedRatio,
     minJacobian, hourglassAmplitude, hourglassEnergy, distortedCount, invertedCount, convertedCount (see
-    `yade_mpm.diagnostics`); with implicit bodies also implicitEnergy. A value that does not exist is nan.
+    `yade_mpm.diagnostics`); with implicit bodies also implicitEnergy,
+    with drives freeKineticEnergy. A value that does not exist is nan.
 
     energyError = externalWork - dampedEnergy - contactEnergy (- implicitEnergy) - internalWork -
     (kineticEnergy - kinetic energy at the start).

@@ -5,7 +5,7 @@ import math
 
 from ..check import diagnostics
 from ..engine.contact import Contact
-from ..engine.prescribed import Hold
+from ..engine.prescribed import Drive, Hold
 
 STANDARD = {  # name -> (unit in 3D, function of the scene)
     "time": ("s", lambda scene: scene.time),
@@ -60,6 +60,8 @@ def measured(scene, means, initialEnergy):
             row["energyError"] = ("kJ", error)
         elif name == "workDone":
             row["kineticRatio"] = ("-", diagnostics.kineticRatio(scene, row["kineticEnergy"][1]))
+            if any(isinstance(c, Drive) for c in scene.constraints):
+                row["freeKineticEnergy"] = ("kJ", diagnostics.freeKineticEnergy(scene))
     return row
 
 

@@ -35,6 +35,45 @@ def test_momentum_and_kinetic_energy_of_a_uniform_velocity_use_the_inertial_mass
     assert d.kineticEnergy(scene) == pytest.approx(0.5 * 3 * 16 * 4.25, rel=1e-14)
 
 
+def driven(*drives):
+    """A column with s m = 48 Mg that drives move; one step has been done, so that they have begun."""
+    scene = column("UGIMP", inertiaScale=3)
+    parts = {"all": scene["soil"].all(), "top": scene["soil"].above(3), "foot": scene["soil"].below(1)}
+    drives = [mpm.Drive(parts[of], velocity, ramp=ramp, name=of) for of, velocity, ramp in drives]
+    scene.engines = chain(gravity=(0, 0), drive=drives)
+    scene.run(steps=1, progress=False)
+    return scene
+
+
+def test_free_kinetic_energy_is_that_of_the_motion_against_the_drive():
+    scene = driven(("top", (None, -2.0), 0.0))
+    scene["soil"].velocity[...] = (0.0, -2.0)
+    assert d.freeKineticEnergy(scene) == pytest.approx(0, abs=1e-12) and d.kineticEnergy(scene) == 96
+    scene["soil"].velocity[...] = (0.1, -2.1)  # what is free across counts
+    assert d.freeKineticEnergy(scene) == pytest.approx(24 * (0.01 + 0.01), rel=1e-12)
+
+
+def test_the_drive_counts_with_its_ramp():
+    scene = driven(("all", (None, -2.0), 2e-3))
+    assert scene.time == 1e-3
+    scene["soil"].velocity[...] = (0.0, -1.0)
+    assert d.freeKineticEnergy(scene) == pytest.approx(0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "drives, velocity",
+    [
+        ([], -2.0),
+        ([("top", (None, -2.0), 0.0)], -1.0),  # pressed at its top
+        ([("top", (None, -2.0), 0.0), ("foot", (None, 0.0), 0.0)], -2.0),
+    ],
+)
+def test_a_body_that_no_drive_carries_along_has_all_its_energy(drives, velocity):
+    scene = driven(*drives)
+    scene["soil"].velocity[...] = (0.0, velocity)
+    assert d.freeKineticEnergy(scene) == d.kineticEnergy(scene) == 24 * velocity**2
+
+
 @pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
 def test_energy_balances_within_one_percent_in_an_undamped_elastic_column(kind):
     """Free oscillation under suddenly applied gravity, somewhat beyond the lowest point (half a period: 0.2

@@ -19,16 +19,16 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run tbar --alpha 1 --cells 16
 """
 
-import os
-import time
 from math import asin, cos, pi, sin
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, disc, files, plot, study
+from yade_mpm import Parameter, box, commandLine, disc, plot
+from yade_mpm.study import reference
 from yade_mpm.study.meshes import ring
+from yade_mpm.study.reference import STRENGTH
 
-DIAMETER, STRENGTH, SHEAR, POISSON, DENSITY = 0.8, 10.0, 1000.0, 0.49, 1.5  # m, kPa, kPa, -, Mg/m3
+DIAMETER = 0.8  # m
 CONFINEMENT = 20 * STRENGTH  # kPa
 RAMP = 0.05  # m, over which the rate grows from zero
 
@@ -40,7 +40,7 @@ PARAMETERS = mpm.Parameters(
     Parameter("extent", 10, "of the box, diameters", least=4, whole=True),
     Parameter("depth", 1.0, "how far the bar is pulled, diameters", above=0.2),
     Parameter("rate", 0.3, "of the bar", unit="m/s", above=0),
-    Parameter("noFbar", False, "without F-bar: the soil locks"),
+    reference.FBAR,
     Parameter("constraints", "nodes", "as of Contact", choices=("nodes", "facets")),
     smoke={"cells": 8, "extent": 6, "depth": 0.5},
 )
@@ -58,76 +58,56 @@ def build(a):
     cell, size = DIAMETER / a.cells, a.extent * DIAMETER
     centre = (0.5 * size, 0.5 * size + 0.5 * a.depth * DIAMETER)
     scene = mpm.Scene((0, 0), (size, size), cell, threads=a.threads)
-    lame = 2 * SHEAR * POISSON / (1 - 2 * POISSON), SHEAR
-    clay = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=lame, cohesion=STRENGTH, frictionAngle=0.0)
-    around = disc(
-        centre, 0.5 * DIAMETER + 0.1 * cell
-    )  # no box in the way of a facet; the stress closes the gap
-    region = box((0, 0), (size, size)) - around
-    boxes = mpm.UGIMP(perCell=2, splitAt=1.3)
-    soil = scene.add("soil", region, clay, boxes, fbar=not a.noFbar, group="soil")
+    # No box in the way of a facet; the stress closes the gap.
+    around = disc(centre, 0.5 * DIAMETER + 0.1 * cell)
+    soil = reference.addSoil(scene, box((0, 0), (size, size)) - around, a)
     soil.setStress(-CONFINEMENT * np.eye(3))
-    mesh = mpm.Mesh(*ring(centre, 0.5 * DIAMETER - 2 * cell, 0.5 * DIAMETER, 0.5 * cell))
-    rigid = mpm.LinearElastic(density=DENSITY, lame=lame)  # driven whole
-    bar = scene.add("bar", mesh, rigid, mpm.APDI(), group="bar")
-    drive = mpm.Drive(bar, velocity=(0, -a.rate), ramp=RAMP / a.rate)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(roller=("left", "right", "bottom", "top"), drive=drive),
-        mpm.Contact(adhesion=a.alpha * STRENGTH, impactLoss=1.0, constraints=a.constraints),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    mesh = ring(centre, 0.5 * DIAMETER - 2 * cell, 0.5 * DIAMETER, 0.5 * cell)
+    walls = ("left", "right", "bottom", "top")
+    reference.drive(scene, "bar", mesh, a, RAMP, adhesion=a.alpha * STRENGTH, roller=walls)
     return scene
 
 
 def run(a, scene=None):
     """Pulls the bar; returns (summary, scene, depth over D, factor)."""
-    began, scene = time.monotonic(), scene or build(a)
-    until = a.depth * DIAMETER / a.rate + 0.5 * RAMP / a.rate
-    history = mpm.History(period=until / 400)
-    scene.engines = [*scene.engines, history]
-    scene.run(until=until)
-    depth = study.travel(history["time"], a.rate, RAMP / a.rate) / DIAMETER
-    factor = -history["drive.fy"] / (STRENGTH * DIAMETER)
+    scene = scene or build(a)
+    summary, way, force, _ = reference.press(a, scene, a.depth * DIAMETER, RAMP)
+    depth, factor = way / DIAMETER, force / (STRENGTH * DIAMETER)
     late = depth > 0.5 * a.depth
     exact, soil = exactFactor(a.alpha), scene["soil"]
     pressure = -np.average(np.trace(soil.stress, axis1=1, axis2=2), weights=soil.volume) / 3
-    summary = {
-        **study.record(a, scene, time.monotonic() - began),
+    summary |= {
         "factor": float(factor[late].mean()),
         "exact": exact,
         "error": float(factor[late].mean() / exact - 1),
         "pressureOverConfinement": float(pressure / CONFINEMENT),
-        "dampedShare": mpm.quasiStatic(history).dampedShare,
     }
     return summary, scene, depth, factor
 
 
 def draw(a, scene, depth, factor, file):
     """Velocity of the soil round the bar, and factor over depth."""
-    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
-    speed = lambda body: np.linalg.norm(body.velocity, axis=1) / a.rate  # noqa: E731
-    plot.domains(left, scene.bodies, speed, (0, 1.5), "speed over that of the bar", scale=DIAMETER)
-    middle = 0.5 * a.extent
-    left.set(xlim=(middle - 2, middle + 2), ylim=(middle - 2, middle + 2), xlabel="x / D", ylabel="y / D")
-    right.plot(depth, factor, "C3", lw=1)
-    right.axhline(exactFactor(a.alpha), color="k", lw=0.9, ls="--", label="Randolph & Houlsby")
-    right.set(xlabel="displacement / D", ylabel="F / (su D)", xlim=(0, None), ylim=(0, None))
-    right.legend(loc="lower right")
-    plot.save(figure, file)
+
+    def field(axes):
+        speed = lambda body: np.linalg.norm(body.velocity, axis=1) / a.rate  # noqa: E731
+        plot.domains(axes, scene.bodies, speed, (0, 1.5), "speed over that of the bar", scale=DIAMETER)
+
+    view = 0.5 * a.extent - 2, 0.5 * a.extent + 2
+    window = dict(xlim=view, ylim=view, xlabel="x / D", ylabel="y / D")
+    lines = {"Randolph & Houlsby": ([0, depth[-1]], 2 * [exactFactor(a.alpha)])}
+    labels = "displacement / D", "F / (su D)"
+    reference.compare(file, field, (depth, factor), lines, labels, window)
+
+
+def tell(a, s):
+    return (
+        f"N = {s['factor']:.2f} ({s['error']:+.1%} of {s['exact']:.3f}); mean pressure "
+        f"{s['pressureOverConfinement']:.3f} of that at the start"
+    )
 
 
 def main():
-    a = arguments()
-    os.makedirs(a.out, exist_ok=True)
-    summary, scene, *curve = run(a)
-    draw(a, scene, *curve, os.path.join(a.out, "tbar.png"))
-    files.saveJson(os.path.join(a.out, "summary.json"), summary)
-    print(
-        f"N = {summary['factor']:.2f} ({summary['error']:+.1%} of {summary['exact']:.3f}); mean pressure "
-        f"{summary['pressureOverConfinement']:.3f} of that at the start; results in {a.out}/"
-    )
+    reference.main(PARAMETERS, run, draw, tell)
 
 
 if __name__ == "__main__":

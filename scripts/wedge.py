@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A smooth wedge pressed into undrained clay: Hill's exact solution, heave included.
+"""A smooth wedge pressed into weightless soil: Hill's exact solution for clay, heave included.
 
-Plane strain, weightless, rigid-plastic: a wedge of the half angle psi is pressed into Tresca soil of the
-strength su. The field grows with the depth c of the tip below the first surface and keeps its shape, so every
-depth is another resolution. With the fan angle theta (Hill, Lee & Tupper 1947)
+Plane strain, rigid-plastic: a wedge of the half angle psi is pressed into Tresca soil of the strength su. The
+field grows with the depth c of the tip below the first surface and keeps its shape, so every depth is another
+resolution. With the fan angle theta (Hill, Lee & Tupper 1947)
 
     2 psi = theta + acos tan(pi/4 - theta/2),   p = 2 su (1 + theta),
     l = c / (cos psi - sin(psi - theta)),       F = 2 p l sin psi
@@ -13,35 +13,39 @@ p is the pressure on the faces, l the length of each in contact with the soil, u
 l cos psi - c above the first surface. F/(su c) = 4.028, 8.943 and 19.186, lip height/c = 0.339, 0.420 and
 0.467 for psi = 30, 45 and 60 degrees.
 
+With friction and as much dilatancy the soil does not keep its volume: the lip is taken as measured, and gives
+theta. The pressure on the faces is c cot phi ((1 + sin phi)/(1 - sin phi) exp(2 theta tan phi) - 1).
+
 The run fits F = slope c + slope offset: the offset is how much deeper than it is the wedge is to the grid.
 
 Units: Mg, m, s, kPa, per metre of thickness.
 
     scripts/run wedge                       # psi = 45 degrees, cells of 0.1 m
     scripts/run wedge --psi 30 --cell 0.2
+    scripts/run wedge --phi 20 --constraints facets
 """
 
-import os
-import time
-from math import acos, cos, degrees, pi, radians, sin, tan
+from math import acos, cos, degrees, exp, pi, radians, sin, tan
 
 import numpy as np
 import yade_mpm as mpm
 from scipy.optimize import brentq
-from yade_mpm import Parameter, box, commandLine, files, plot, study
+from yade_mpm import Parameter, box, commandLine, plot
+from yade_mpm.study import reference
 from yade_mpm.study.meshes import wedgedColumn
+from yade_mpm.study.reference import SHEAR, STRENGTH
 
-STRENGTH, SHEAR, POISSON, DENSITY = 10.0, 1000.0, 0.49, 1.5  # kPa, kPa, -, Mg/m3
 RAMP = 0.02  # m, over which the rate grows from zero
 
 PARAMETERS = mpm.Parameters(
     "wedge",
     __doc__,
     Parameter("psi", 45.0, "half angle of the wedge", unit="degrees", least=20, most=70),
+    Parameter("phi", 0.0, "friction and dilatancy of the soil", unit="degrees", least=0, most=40),
     Parameter("cell", 0.1, "size of the grid's cells", unit="m", partOf=1.0),
     Parameter("depth", lambda a: 8 * a.cell, "of the tip at the end (default: 8 cells)", unit="m", above=0),
     Parameter("rate", 0.1, "of the wedge", unit="m/s", above=0),
-    Parameter("noFbar", False, "without F-bar: the soil locks"),
+    reference.FBAR,
     Parameter("constraints", "nodes", "as of Contact", choices=("nodes", "facets")),
     smoke={"cell": 0.2, "depth": 1.2, "rate": 0.3},
 )
@@ -56,12 +60,26 @@ def exact(psi):
     return {"fan": theta, "slope": 4 * (1 + theta) * length * sin(psi), "lip": length * cos(psi) - 1}
 
 
+def withLip(psi, phi, lip):
+    """Solution for a half angle and an angle of friction in degrees and a lip height/c: as `exact`.
+
+    From the face, l, to the raised surface, s, slip lines grow from l/(2 cos(45 + phi/2)) by exp(theta tan
+    phi) to s/(2 cos(45 - phi/2)).
+    """
+    psi, phi = radians(psi), radians(phi)
+    face, legs = (1 + lip) / cos(psi), tan(pi / 4 + phi / 2)
+    surface = lambda t: face * legs * exp(t * tan(phi))  # noqa: E731
+    theta = brentq(lambda t: lip - surface(t) * sin(psi - t), 0, psi)
+    pressure = (legs**2 * exp(2 * theta * tan(phi)) - 1) / tan(phi) if phi else 2 * (1 + theta)
+    return {"fan": theta, "slope": 2 * pressure * face * sin(psi), "lip": lip}
+
+
 def sizes(a):
     """Half width and height of the soil and half width of the wedge, m: whole cells. The field of slip
-    reaches one length of the face beyond the lip, and less below the tip."""
-    reference, psi = exact(a.psi), radians(a.psi)
-    face = (1 + reference["lip"]) * a.depth * tan(psi)
-    length = face / sin(psi)
+    reaches one length of the face beyond the lip, and less below the tip; with friction further."""
+    lip, psi, phi = exact(a.psi)["lip"], radians(a.psi), radians(a.phi)
+    face = (1 + lip) * a.depth * tan(psi)
+    length = face / sin(psi) * tan(pi / 4 + phi / 2) * exp(psi * tan(phi))
 
     def whole(x):
         return np.ceil(x / a.cell) * a.cell
@@ -75,22 +93,12 @@ def build(a):
     rise = np.ceil((wide / tan(radians(a.psi)) + 2 * a.depth) / a.cell) * a.cell
     upper = np.ceil((1.1 * rise + 2 * a.cell) / a.cell) * a.cell
     scene = mpm.Scene((-half, -height), (half, upper), a.cell, threads=a.threads)
-    lame = 2 * SHEAR * POISSON / (1 - 2 * POISSON), SHEAR
-    clay = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=lame, cohesion=STRENGTH, frictionAngle=0.0)
-    boxes = mpm.UGIMP(perCell=2, splitAt=1.3)
-    region = box((-half, -height), (half, 0))
-    scene.add("soil", region, clay, boxes, fbar=not a.noFbar, group="soil")
-    mesh = mpm.Mesh(*wedgedColumn(0.0, 0.0, 2 * wide, rise, 2 * a.psi, 0.5 * a.cell))
-    rigid = mpm.LinearElastic(density=DENSITY, lame=lame)  # driven whole
-    wedge = scene.add("wedge", mesh, rigid, mpm.APDI(), group="wedge")
-    drive = mpm.Drive(wedge, velocity=(0, -a.rate), ramp=RAMP / a.rate)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(damping=0.05, roller=("left", "right"), fixed="bottom", drive=drive),
-        mpm.Contact(impactLoss=1.0, constraints=a.constraints),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    angles = dict(frictionAngle=radians(a.phi), dilatancyAngle=radians(a.phi))
+    drained = dict(lame=(1.5 * SHEAR, SHEAR), **angles) if a.phi else {}  # Poisson's ratio 0.3
+    reference.addSoil(scene, box((-half, -height), (half, 0)), a, **drained)
+    mesh = wedgedColumn(0.0, 0.0, 2 * wide, rise, 2 * a.psi, 0.5 * a.cell)
+    walls = dict(damping=0.05, roller=("left", "right"), fixed="bottom")
+    reference.drive(scene, "wedge", mesh, a, RAMP, **walls)
     return scene
 
 
@@ -102,25 +110,20 @@ def lipOf(scene):
 
 def run(a, scene=None):
     """Presses the wedge in; returns (summary, scene, depth (m), force (kN/m))."""
-    began, scene = time.monotonic(), scene or build(a)
-    until = a.depth / a.rate + 0.5 * RAMP / a.rate
-    history = mpm.History(period=until / 400)
-    scene.engines = [*scene.engines, history]
-    scene.run(until=until)
-    depth, force = study.travel(history["time"], a.rate, RAMP / a.rate), -history["drive.fy"]
+    scene = scene or build(a)
+    summary, depth, force, _ = reference.press(a, scene, a.depth, RAMP)
     late = depth > min(3 * a.cell, 0.5 * a.depth)
     slope, constant = np.polyfit(depth[late], force[late] / STRENGTH, 1)
-    reference = exact(a.psi)
     lip = lipOf(scene) / depth[-1]
-    summary = {
-        **study.record(a, scene, time.monotonic() - began),
+    theory = withLip(a.psi, a.phi, lip) if a.phi else exact(a.psi)
+    summary |= {
         "slope": float(slope),
-        "exactSlope": reference["slope"],
-        "error": float(slope / reference["slope"] - 1),
+        "exactSlope": theory["slope"],
+        "error": float(slope / theory["slope"] - 1),
         "offsetInCells": float(constant / slope / a.cell),
         "lip": lip,
-        "exactLip": reference["lip"],
-        "dampedShare": mpm.quasiStatic(history).dampedShare,
+        "exactLip": theory["lip"],
+        "fanDegrees": degrees(theory["fan"]),
     }
     return summary, scene, depth, force
 
@@ -139,34 +142,34 @@ def fieldEdge(psi, depth):
 
 def draw(a, scene, depth, force, file):
     """Plastic strain with Hill's field, and force over depth."""
-    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
-    bodies = [scene["soil"]]
-    plot.domains(left, bodies, lambda body: body.plasticShearStrain, (0, 1), "plastic shear strain")
     edge, c = fieldEdge(a.psi, depth[-1]), depth[-1]
-    for side in (-1, 1):
-        left.plot(side * edge[:, 0], edge[:, 1], "C0-", lw=1)
+
+    def field(axes):
+        plot.domains(
+            axes, [scene["soil"]], lambda body: body.plasticShearStrain, (0, 1), "plastic shear strain"
+        )
+        for side in (-1, 1) if not a.phi else ():
+            axes.plot(side * edge[:, 0], edge[:, 1], "C0-", lw=1)
+
     far = 1.2 * edge[:, 0].max()
-    left.set(xlim=(-far, far), ylim=(-2.5 * c, 1.5 * c), xlabel="x (m)", ylabel="y (m)")
-    right.plot(depth, force, "C3", lw=1)
-    line = exact(a.psi)["slope"] * STRENGTH * depth
-    right.plot(depth, line, "k--", lw=0.9, label="Hill, Lee & Tupper")
-    right.set(xlabel="depth of the tip (m)", ylabel="force (kN/m)", xlim=(0, None), ylim=(0, None))
-    right.legend(loc="lower right")
-    plot.save(figure, file)
+    window = dict(xlim=(-far, far), ylim=(-2.5 * c, 1.5 * c), xlabel="x (m)", ylabel="y (m)")
+    theory = withLip(a.psi, a.phi, lipOf(scene) / c) if a.phi else exact(a.psi)
+    label = "with the measured lip" if a.phi else "Hill, Lee & Tupper"
+    lines = {label: (depth, theory["slope"] * STRENGTH * depth)}
+    labels = "depth of the tip (m)", "force (kN/m)"
+    reference.compare(file, field, (depth, force), lines, labels, window)
+
+
+def tell(a, s):
+    return (
+        f"psi = {a.psi:g}, fan {s['fanDegrees']:.1f} degrees: F/(su c) = {s['slope']:.2f} "
+        f"({s['error']:+.1%} of {s['exactSlope']:.3f}), offset {s['offsetInCells']:.2f} cells, "
+        f"lip {s['lip']:.3f} c (exact {s['exactLip']:.3f})"
+    )
 
 
 def main():
-    a = arguments()
-    os.makedirs(a.out, exist_ok=True)
-    summary, scene, *curve = run(a)
-    draw(a, scene, *curve, os.path.join(a.out, "wedge.png"))
-    files.saveJson(os.path.join(a.out, "summary.json"), summary)
-    print(
-        f"psi = {a.psi:g}, fan {degrees(exact(a.psi)['fan']):.1f} degrees: F/(su c) = {summary['slope']:.2f} "
-        f"({summary['error']:+.1%} of {summary['exactSlope']:.3f}), offset "
-        f"{summary['offsetInCells']:.2f} cells, lip {summary['lip']:.3f} c (exact "
-        f"{summary['exactLip']:.3f}); results in {a.out}/"
-    )
+    reference.main(PARAMETERS, run, draw, tell)
 
 
 if __name__ == "__main__":

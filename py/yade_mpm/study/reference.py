@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What scenes beside a closed form share: clay, a rigid body driven through it, a picture, the program.
+
+To import by name, `from yade_mpm.study import reference`: it draws with matplotlib, and the package must be
+complete. Units: Mg, m, s, kPa, per metre of thickness.
+"""
+
+import os
+import time
+
+import yade_mpm as mpm
+
+from ..io import plot
+from ..io.files import saveJson
+from .curves import travel
+from .record import record
+
+STRENGTH, SHEAR, POISSON, DENSITY = 10.0, 1000.0, 0.49, 1.5  # kPa, kPa, -, Mg/m3 (inertia only)
+LAME = 2 * SHEAR * POISSON / (1 - 2 * POISSON), SHEAR  # kPa
+ROWS = 400  # of a history
+
+RATE = mpm.Parameter("rate", 0.1, "of the body", unit="m/s", above=0)
+FBAR = mpm.Parameter("noFbar", False, "without F-bar: the soil locks")
+CONSTRAINTS = mpm.Parameter("constraints", "facets", "as of Contact", choices=("nodes", "facets"))
+
+
+def clay(**changes):
+    """Undrained clay of the strength STRENGTH, with attributes changed."""
+    given = dict(density=DENSITY, lame=LAME, cohesion=STRENGTH, frictionAngle=0.0)
+    return mpm.MohrCoulombDruckerPrager(**given | changes)
+
+
+def addSoil(scene, region, a, **changes):
+    """Adds the body "soil" of uGIMP, weightless. a : arguments with `noFbar`; changes : as of `clay`."""
+    boxes = mpm.UGIMP(perCell=2, splitAt=1.3)
+    return scene.add("soil", region, clay(**changes), boxes, fbar=not a.noFbar, group="soil")
+
+
+def drive(scene, name, mesh, a, ramp, adhesion=0.0, friction=0.0, **solver):
+    """Adds a body that goes down as a whole, and the engines. Returns the body.
+
+    mesh : points and cells of the body. a : arguments with `rate` (m/s) and `constraints`. ramp : way over
+    which the rate grows from zero, m. adhesion, friction : of its surface, kPa and -. solver : of GridSolver.
+    """
+    rigid = mpm.LinearElastic(density=DENSITY, lame=LAME)
+    body = scene.add(name, mesh, rigid, mpm.APDI(), group=name)
+    motion = mpm.Drive(body, velocity=(0, -a.rate), ramp=ramp / a.rate)
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(drive=motion, **solver),
+        mpm.Contact(friction=friction, adhesion=adhesion, impactLoss=1.0, constraints=a.constraints),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    return body
+
+
+def press(a, scene, way, ramp, columns=None):
+    """Runs a scene until its body has gone a way: (summary, depth (m), force against it (kN/m), history).
+
+    a : arguments with `rate`, m/s. way, ramp : m. columns : of the History.
+    """
+    began, until = time.monotonic(), (way + 0.5 * ramp) / a.rate
+    history = mpm.History(period=until / ROWS, columns=columns or {})
+    scene.engines = [*scene.engines, history]
+    scene.run(until=until)
+    summary = {
+        **record(a, scene, time.monotonic() - began),
+        "dampedShare": mpm.quasiStatic(history).dampedShare,
+    }
+    return summary, travel(history["time"], a.rate, ramp / a.rate), -history["drive.fy"], history
+
+
+def compare(file, field, computed, exact, labels, window, start=0):
+    """Picture of a field beside a curve and its closed form.
+
+    field : function of axes that draws. computed, exact : x and y; exact is a dict label -> (x, y). labels :
+    of both axes of the curve. window : x and y limits of the field, with the labels of its axes. start : of
+    the curve's axis.
+    """
+    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
+    field(left)
+    left.set(**window)
+    right.plot(*computed, "C3", lw=1)
+    for style, (label, curve) in zip(("--", ":", "-."), exact.items()):
+        right.plot(*curve, color="k", lw=0.9, ls=style, label=label)
+    right.set(xlabel=labels[0], ylabel=labels[1], xlim=(start, None), ylim=(0, None))
+    right.legend(loc="lower right")
+    plot.save(figure, file)
+
+
+def main(parameters, run, draw, tell):
+    """The program of such a scene: runs it, leaves picture and summary in a.out, and says what came out.
+
+    run(a) -> (summary, scene, curves ...). draw(a, scene, curves ..., file). tell(a, summary) -> text.
+    """
+    a = parameters.parse()
+    os.makedirs(a.out, exist_ok=True)
+    summary, scene, *curves = run(a)
+    draw(a, scene, *curves, os.path.join(a.out, f"{parameters.scene}.png"))
+    saveJson(os.path.join(a.out, "summary.json"), summary)
+    print(f"{tell(a, summary)}; results in {a.out}/")

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A cylindrical cavity expands in clay and in soil with friction (scripts/cavity.py).
+
+Closed forms: Gibson & Anderson 1961 (undrained, finite strain); Carter, Booker & Yeung 1986, Yu & Houlsby
+1991 (friction and dilatancy), derived in doc/explanation/penetration.md. Tolerance of p - p0: 3 % undrained
+at a/a0 = 1.5, 2 and 3, 4 % with friction up to a/a0 = 4. Controls: a small body, soil that does not dilate.
+"""
+
+import importlib.util
+from math import exp, log, radians, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+FRICTION = "--phi", "30", "--psi", "10", "--until", "4.1"
+slow = pytest.mark.slow
+
+
+def script(**constants):
+    spec = importlib.util.spec_from_file_location("cavity", SCRIPTS / "cavity.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    for name, value in constants.items():
+        assert hasattr(module, name)
+        setattr(module, name, value)
+    return module
+
+
+def run(*options, **constants):
+    module = script(**constants)
+    return module.run(module.arguments(["--threads", "1", *options]))[0]
+
+
+# --- closed forms -----------------------------------------------------------------------------------------
+@pytest.mark.parametrize("expansion, pressure", [(1.5, 5.017), (2, 5.317), (3, 5.487)])
+def test_undrained_pressure(expansion, pressure):
+    module = script()
+    a = module.arguments(["--poisson", "0.49999"])
+    assert (module.undrained(expansion, a) - a.confinement) / 10 == pytest.approx(pressure, abs=1e-3)
+    grown, curve, _ = module.exact(a)  # that of soil with friction, without friction and volume change
+    assert np.interp(expansion, grown, curve) == pytest.approx(module.undrained(expansion, a), rel=1e-3)
+
+
+def series(phi, psi, cohesion, shear, poisson, confinement):
+    """Limit pressure as Yu & Houlsby (1991) give it: the pressure ratio R at which their series reaches the
+    elastic boundary."""
+    alpha, beta = ((1 + sin(x)) / (1 - sin(x)) for x in (phi, psi))
+    young, m = 2 * shear * (1 + poisson), poisson
+    yields = 2 * cohesion * (1 - sin(phi) ** 2) ** 0.5 / (1 - sin(phi)) + (alpha - 1) * confinement
+    gamma = alpha * (1 + beta) / ((alpha - 1) * beta)
+    delta = yields / (2 * (1 + alpha) * shear)
+    eta = exp((1 + beta) * (1 - 2 * m) * (1 + m) * yields / (young * (alpha - 1) * beta))
+    xi = (1 - m**2) * 2 * delta / ((1 + m) * (alpha - 1) * beta)
+    xi *= alpha * beta + 1 - 2 * m + 2 * m - m * (alpha + beta) / (1 - m)
+    terms = lambda r: sum(  # noqa: E731
+        xi**n / np.prod(np.arange(1.0, n + 1)) * (r ** (n - gamma) - 1) / (n - gamma) for n in range(60)
+    )
+    wanted = eta / gamma * (1 - delta) ** ((1 + beta) / beta)
+    ratios = np.exp(np.linspace(0, log(1e3), 200001))
+    r = np.interp(wanted, terms(ratios), ratios)
+    return (r * 2 * alpha / (1 + alpha) * yields - yields) / (alpha - 1) + confinement
+
+
+@pytest.mark.parametrize("phi, psi, confinement", [(30, 10, 20), (30, 25, 20), (20, 0, 0), (40, 15, 100)])
+def test_limit_pressure_is_that_of_yu_and_houlsby(phi, psi, confinement):
+    module = script()
+    a = module.arguments(["--phi", str(phi), "--psi", str(psi), "--confinement", str(confinement)])
+    published = series(radians(phi), radians(psi), 10.0, a.shear, a.poisson, confinement)
+    assert module.exact(a)[2] == pytest.approx(published, rel=2e-3)
+
+
+# --- computed ---------------------------------------------------------------------------------------------
+def isMet(summary, tolerance, upTo):
+    return max(summary["expansion"]) >= upTo and np.abs(summary["error"]).max() < tolerance
+
+
+@pytest.mark.parametrize("size", [("--smoke",), pytest.param((), marks=slow)])
+def test_clay_bears_what_its_strength_and_stiffness_say(size):
+    summary = run(*size)
+    assert isMet(summary, 0.03, upTo=3), summary["error"]
+
+
+@pytest.mark.parametrize("size", [("--smoke",), pytest.param((), marks=slow)])
+def test_friction_and_dilatancy_raise_the_pressure_towards_its_limit(size):
+    summary = run(*size, *FRICTION)
+    assert isMet(summary, 0.04, upTo=4), summary["error"]
+    assert 0.9 < summary["pressure"][-1] / summary["exactLimit"] < 1
+
+
+@slow
+def test_control_a_small_body_bears_less():
+    """Its outer surface gives way: -su R^2/B^2, R = 28 m, B = 30 m."""
+    assert run("--smoke", OUTSIDE=30.0)["error"][-1] < -0.1
+
+
+def test_control_soil_that_does_not_dilate_bears_less():
+    """Than the pressure of one that does."""
+    module = script()
+    grown, curve, _ = module.exact(module.arguments(FRICTION))
+    found = run("--smoke", *FRICTION[:3], "0", "--until", "2.1")
+    assert found["pressure"][-1] < 0.95 * np.interp(2, grown, curve)

@@ -58,6 +58,16 @@ def nested(depth):
             TypeError,
             ["quasiStatic: history = 5 is not allowed", "give `History` of the run, or a mapping"],
         ),
+        (
+            lambda: mpm.study(smallScene, 5),
+            TypeError,
+            ["study: build = <function smallScene", "cases = 5 do not fit", "cases: list of dicts, a DataF"],
+        ),
+        (
+            lambda: mpm.study.calibrate(),
+            TypeError,
+            ["calibrate: missing a required argument: 'scene'; give (scene, ranges, measured, curve, out,"],
+        ),
         (lambda: mpm.load([1]), TypeError, ["load: file = [1] is not allowed", "; give name of the file"]),
         (
             lambda: mpm.diagnostics.mass(mpm.GridSolver()),

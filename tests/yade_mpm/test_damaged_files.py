@@ -13,7 +13,7 @@ import pytest
 import yade_mpm as mpm
 from yade_mpm.base.inChild import LostInChild, inChild
 from yade_mpm.geometry import meshInput
-from yade_mpm.io import checkpoint
+from yade_mpm.io import checkpoint, pagedFile, recorder, results
 
 ROOM = 1 << 30  # bytes
 
@@ -81,6 +81,60 @@ def test_a_checkpoint_that_crashes_hdf5_is_refused(monkeypatch):
     monkeypatch.setattr(checkpoint, "_read", lambda file: ctypes.string_at(0))
     with pytest.raises(ValueError, match=r"checkpoint 'a.h5' is damaged: .*it crashed \(SIGSEGV\)"):
         mpm.load("a.h5")
+
+
+def resultsFile():
+    with open("a.vtkhdf", "wb") as f:
+        f.write(damagedFiles.results())
+    return "a.vtkhdf"
+
+
+def test_a_file_of_results_that_crashes_hdf5_is_refused(monkeypatch):
+    file = mpm.read(resultsFile())
+    assert len(file) == 4 and file.history()["time"].shape == (3,)
+    monkeypatch.setattr(results, "_frame", lambda *_: ctypes.string_at(0))
+    with pytest.raises(ValueError, match=r"read: 'a.vtkhdf' is damaged: .*it crashed \(SIGSEGV\); give a"):
+        file[0]
+
+
+@pytest.mark.parametrize(
+    "pages, size, filled",
+    [([0, 1], 10**15, 2), ([0, 2**40], 10**4, 2), ([-1, 0], 10**4, 2), ([1, 0], 10**4, 2), ([0, 1], 0, 1)],
+)
+def test_a_journal_made_by_hand_writes_nowhere_else(pages, size, filled):
+    file, numbers = resultsFile(), np.array(pages, np.int64)
+    with open("a.vtkhdf.journal", "wb") as f:
+        f.write(pagedFile._journal(numbers, size, bytes(filled * pagedFile.PAGE)))
+    with pytest.raises(ValueError, match="'a.vtkhdf.journal' is not as it was written, or of another file"):
+        mpm.Recorder.recover(file)
+    with open(file, "rb") as f:
+        assert f.read() == damagedFiles.results()
+
+
+@pytest.mark.parametrize("at", [0, 8, 20, 5000, -1])
+def test_a_journal_with_another_bit_is_refused(at):
+    file = resultsFile()
+    content = bytearray(pagedFile._journal(np.array([0, 1]), 10**4, damagedFiles.results()[: 2 * 4096]))
+    content[at] ^= 1
+    with open("a.vtkhdf.journal", "wb") as f:
+        f.write(content)
+    with pytest.raises(ValueError, match="is not as it was written"):
+        mpm.Recorder.recover(file)
+    content[at] ^= 1
+    with open("a.vtkhdf.journal", "wb") as f:
+        f.write(content)
+    assert mpm.Recorder.recover(file)
+
+
+def test_a_run_does_not_go_on_in_a_damaged_file_of_results(monkeypatch):
+    scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
+    scene.add("mesh", mpm.box((1, 0), (2, 1)), damagedFiles.elastic(mpm), mpm.APDI(size=0.25))
+    scene.engines = [*scene.engines, mpm.Recorder("a.vtkhdf", iterPeriod=1)]
+    scene.run(steps=2, progress=False)
+    scene.save("a.h5")
+    monkeypatch.setattr(recorder, "cutAfter", lambda *_: ctypes.string_at(0))
+    with pytest.raises(ValueError, match=r"Recorder: '.*a.vtkhdf' is damaged: .*SIGSEGV.*; move it away"):
+        mpm.load("a.h5").run(steps=1, progress=False)
 
 
 def test_damaged_files_do_no_harm():

@@ -20,10 +20,15 @@ def didYouMean(name, known):
     return f"; did you mean '{spelled[near[0]]}'?" if near else ""
 
 
-class Guarded:
-    """Object that takes no public attribute its class does not have, and is neither copied nor pickled.
+def keep(guarded, **values):
+    """Sets attributes of a Guarded object that users may only read."""
+    vars(guarded).update(values)
 
-    The AttributeError names the nearest attribute, or where the wanted one is.
+
+class Guarded:
+    """Object of which users set properties only, those that have a setter; it is neither copied nor pickled.
+
+    The AttributeError says that an attribute is read only, names the nearest one, or where the wanted one is.
     """
 
     _elsewhere = {}  # name that users look for here -> what to do instead
@@ -34,10 +39,13 @@ class Guarded:
         raise TypeError(f"{kind}: it cannot be copied or pickled; {self._instead}")
 
     def __setattr__(self, name, value):
-        if not name.startswith("_") and name not in self.__dict__ and not hasattr(type(self), name):
+        kind = type(self)
+        if not (name.startswith("_") or isinstance(getattr(kind, name, None), property)):
+            if name in self.__dict__ or hasattr(kind, name):
+                raise AttributeError(f"{kind.__name__}: {name} can be read, not set")
             known = [n for n in dir(self) if not n.startswith("_")]
             hint = f"; {self._elsewhere[name]}" if name in self._elsewhere else didYouMean(name, known)
-            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'{hint}")
+            raise AttributeError(f"{kind.__name__} has no attribute '{name}'{hint}")
         object.__setattr__(self, name, value)
 
 

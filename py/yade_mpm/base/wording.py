@@ -14,6 +14,7 @@ MOST_ARGUMENTS = 6  # that are told of
 # An entry of a docstring: names, a colon between blanks, and lines up to the next entry or an empty line.
 ENTRY = r"^ *{name}\b(?:, \w+)* : (.*(?:\n(?! *\w+(?:, \w+)* : | *\n).*)*)"
 FIXED = "has no setter|cannot assign to field|can't set attribute"  # an attribute, says Python
+OF_THE_CLASS = ("__init__", "__setattr__", "__call__")  # which users write without a name of their own
 SIGNS = {"__add__": "+", "__or__": "|", "__sub__": "-", "__and__": "&"}
 
 
@@ -71,7 +72,7 @@ def _whoIs(name, owner, arguments):
     kind = type(arguments[0]) if arguments and isinstance(arguments[0], owner) else owner
     if name in SIGNS:
         return f"{shown(arguments[0])} {SIGNS[name]}", []
-    return (kind.__name__ if name in ("__init__", "__setattr__") else f"{kind.__name__}.{name}"), kind.__mro__
+    return (kind.__name__ if name in OF_THE_CLASS else f"{kind.__name__}.{name}"), kind.__mro__
 
 
 def _reason(error):

@@ -127,7 +127,13 @@ class Contact(generated["Contact"]):
         Parameters
         ----------
         group : its name.
+
+        Raises ValueError for a group that no body of the scene is in.
         """
+        if self._groups and group not in self._groups:
+            raise ValueError(
+                f"Contact: there is no group {group!r}; give one of {', '.join(map(repr, self._groups))}"
+            )
         return sum(
             (
                 (second == group) * force - (first == group) * force

@@ -4,8 +4,9 @@
 import numpy as np
 
 from .. import _core
-from ..base.attributes import Guarded
+from ..base.attributes import Guarded, keep
 from ..base.html import card, table
+from ..geometry.numbers import isNumber
 from ..geometry.region import Region
 from ..particle.body import Body
 from ..particle.part import BodyPart
@@ -43,7 +44,8 @@ class Prescribed(Guarded):
         if self.dim != scene.dim:
             raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
         if not self.hasBegun:
-            self.core.began, self.hasBegun = scene.time, True
+            self.core.began = scene.time
+            keep(self, hasBegun=True)
 
     def velocityAt(self, time):
         """Prescribed velocity at a time (s) with its ramp, m/s (dim,); nan where free."""
@@ -194,9 +196,7 @@ class Hold(Prescribed):
 def _velocity(who, velocity):
     given = list(velocity) if isinstance(velocity, (list, tuple, np.ndarray)) else []
     numbers = [v for v in given if v is not None]
-    if len(given) not in (2, 3) or not all(
-        isinstance(v, (int, float, np.number)) and np.isfinite(v) for v in numbers
-    ):
+    if len(given) not in (2, 3) or not all(isNumber(v) and np.isfinite(v) for v in numbers):
         raise ValueError(
             f"{who}: velocity = {velocity!r} is not allowed; give one number (m/s) or None per axis"
         )

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers that users give, checked, and as text."""
 
+from numbers import Real
+
 import numpy as np
 
 
@@ -21,9 +23,21 @@ def formatArgument(value):
     return formatPoint(value) if value.ndim else formatNumber(value)
 
 
+def floats(value):
+    """A value as a new array of floats; TypeError for text, dates and complex numbers, which NumPy would turn
+    into some."""
+    array = np.asarray(value)
+    areReal = array.dtype.kind in "biuf" or (
+        array.dtype.kind == "O" and all(isinstance(one, Real) for one in array.flat)
+    )
+    if not areReal:
+        raise TypeError("it is not made of real numbers")
+    return array.astype(float)
+
+
 def numbers(who, what, value, shape=None):
     try:
-        array = np.array(value, dtype=float)
+        array = floats(value)
     except (TypeError, ValueError):
         raise TypeError(f"{who}: {what} = {value!r} is not made of numbers") from None
     if shape is not None and array.shape != shape:
@@ -52,7 +66,8 @@ def isCount(value):
 
 def isNumber(value):
     """Whether a value is a real number; a flag is none."""
-    return isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+    isReal = isinstance(value, (int, float, np.number)) and not np.iscomplexobj(value)
+    return isReal and not isinstance(value, bool)
 
 
 def placeText(x):

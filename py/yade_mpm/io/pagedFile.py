@@ -5,13 +5,15 @@ whole."""
 import io
 import os
 from contextlib import contextmanager
+from hashlib import sha256
 
 import h5py
 import numpy as np
 
 from .files import replacing, reserve
 
-PAGE = 4096
+PAGE = 4096  # bytes
+HEAD, TOTAL = 16, 32  # bytes of a journal: its first two numbers, and its SHA-256 sum
 
 
 @contextmanager
@@ -30,17 +32,47 @@ def appendingTo(file):
 
 
 def recover(file):
-    """Completes a file whose writer was killed in the middle of a frame; returns whether that was needed."""
+    """Completes a file whose writer was killed in the middle of a frame; returns whether that was needed.
+
+    Raises ValueError for a journal that is not as it was written, or that is not of the file.
+    """
     journal = journalOf(file)
     if not (os.path.exists(journal) and os.path.exists(file)):
         return False
     with open(journal, "rb") as f:
         content = f.read()
-    count, size = np.frombuffer(content, np.int64, 2)
-    numbers = np.frombuffer(content, np.int64, count, offset=16)
-    _overwrite(file, numbers, content[16 + 8 * count :], int(size))
+    numbers, size, pages = _readJournal(content, os.path.getsize(file)) or (None, 0, b"")
+    if numbers is None:
+        raise ValueError(
+            f"recover: '{journal}' is not as it was written, or of another file; remove it, and look with "
+            f"mpm.read at what '{file}' still has"
+        )
+    _overwrite(file, numbers, pages, size)
     removeIfThere(journal)
     return True
+
+
+def _journal(numbers, size, pages):
+    """Content of a journal: how many pages, the size of the file, numbers of the pages, the pages, a sum."""
+    content = np.array([len(numbers), size], np.int64).tobytes() + numbers.tobytes() + pages
+    return content + sha256(content).digest()
+
+
+def _readJournal(content, present):
+    """Numbers, size and pages of a journal; None where it is damaged, or would write beyond the file.
+
+    present : bytes that the file has: all that is new was written before the journal.
+    """
+    body, total = content[:-TOTAL], content[-TOTAL:]
+    if sha256(body).digest() != total or len(body) < HEAD:
+        return None
+    count, size = (int(x) for x in np.frombuffer(body, np.int64, 2))
+    if not (0 <= count <= len(body) and 0 <= size <= present and len(body) == HEAD + count * (8 + PAGE)):
+        return None
+    numbers = np.frombuffer(body, np.int64, count, offset=HEAD)
+    if not ((np.diff(numbers, prepend=-1) > 0).all() and (numbers * PAGE < present).all()):
+        return None
+    return numbers, size, body[HEAD + 8 * count :]
 
 
 class PagedFile(io.RawIOBase):
@@ -115,8 +147,7 @@ class PagedFile(io.RawIOBase):
                 reserve(f.fileno(), self._oldSize, self._size - self._oldSize)
             _overwrite(self.path, new, self._content(new))
             with replacing(journal) as part, open(part, "wb") as f:
-                head = np.array([len(old), self._size], np.int64).tobytes()
-                f.write(head + old.tobytes() + self._content(old))
+                f.write(_journal(old, self._size, self._content(old)))
         except OSError:
             os.truncate(self.path, self._oldSize)
             raise

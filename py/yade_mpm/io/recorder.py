@@ -15,12 +15,14 @@ from contextlib import contextmanager
 
 import h5py
 
+from ..base.inChild import LostInChild, inChild
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
+from .checkpoint import READ_MEMORY, READ_SECONDS, READING
 from .files import checkWritable, fillWhole, naming, temporaryBeside
 from .frame import DERIVED, Frame
-from .pagedFile import appendingTo, journalOf, recover, removeIfThere
+from .pagedFile import PagedFile, appendingTo, journalOf, recover, removeIfThere
 from .vtkhdf import appendFrame, createLayout, cutAfter
 
 OTHERS = (
@@ -224,16 +226,32 @@ class Recorder(Callback):
             self._path = self._file
 
     def _resume(self, scene):
+        recover(self._file)
+        try:  # HDF5 goes astray in damaged files: there first
+            size = os.path.getsize(self._file)
+            inChild(lambda: self._lookAt(scene.steps), READ_SECONDS, READ_MEMORY + size)
+        except (LostInChild, *READING) as error:
+            raise ValueError(
+                f"Recorder: '{self._file}' is damaged: {type(error).__name__}: {error}; move it away, and "
+                "the run begins another one"
+            ) from error
         with naming(self._file), appendingTo(self._file) as h5:
-            if h5.attrs.get("run") != self._run:
-                raise ValueError(
-                    f"Recorder: '{self._file}' is not the file that this run has written; move it away, or "
-                    "set "
-                    f"scene.engines to a Recorder with another file"
-                )
-            self._frames, self._topology = cutAfter(h5["VTKHDF"], scene.steps)
-            self._lastStep = int(h5["VTKHDF/Steps/step"][-1]) if self._frames else None
+            self._cut(h5, scene.steps)
         self._path = self._file
+
+    def _lookAt(self, steps):
+        with PagedFile(self._file) as pages, h5py.File(pages, "r+") as h5:
+            self._cut(h5, steps)
+
+    def _cut(self, h5, steps):
+        """Cuts off the frames behind a step."""
+        if h5.attrs.get("run") != self._run:
+            raise ValueError(
+                f"Recorder: '{self._file}' is not the file that this run has written; move it away, or set "
+                "scene.engines to a Recorder with another file"
+            )
+        self._frames, self._topology = cutAfter(h5["VTKHDF"], steps)
+        self._lastStep = int(h5["VTKHDF/Steps/step"][-1]) if self._frames else None
 
     def _frameOf(self, scene):
         frame = Frame(self._recorded(scene), self._fields)

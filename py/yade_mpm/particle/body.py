@@ -6,6 +6,7 @@ import numpy as np
 from ..base import limits
 from ..base.attributes import Guarded
 from ..base.html import card, table
+from ..geometry.numbers import floats
 from ..geometry.region import Region
 from .part import BodyPart
 
@@ -344,7 +345,7 @@ def _flag(body, name, value):
 def _finite(body, name, value, shape):
     """Value as an array that is finite and fits a shape."""
     try:
-        array = np.broadcast_to(np.asarray(value, dtype=float), shape)
+        array = np.broadcast_to(floats(value), shape)
     except (TypeError, ValueError):
         raise ValueError(
             f"body '{body.name}': what was given as {name} does not fit; give numbers of the shape {shape}, "

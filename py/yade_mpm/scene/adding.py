@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base.attributes import keep
 from ..geometry.lattice import checkOverlap
 from ..geometry.numbers import placeText
 from ..geometry.region import Region
@@ -99,7 +100,7 @@ def build(body, geometry):
     if isinstance(geometry, tuple):
         _buildBoxes(body, geometry)
     else:
-        body.mesh = geometry
+        keep(body, mesh=geometry)
         body.core.buildMesh(
             _array(geometry.points),
             _array(geometry.cells, np.int32),

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base.attributes import keep
 from ..geometry.region import Region
 from ..geometry.regions import box
 from ..particle.types import Boxes, MeshedType, ParticleType, classes
@@ -25,7 +26,7 @@ def convert(scene, body, region, type):
         build(other, Boxes(np.zeros((0, scene.dim)), half))
         scene.core.convertDomains(body.name, name, np.ascontiguousarray(numbers, np.int32))
         _shapeForSplitting(other)
-        body.mesh = None
+        keep(body, mesh=None)
         scene.stepper.noteChange()
     return other
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base.attributes import keep
 from ..particle.body import Body
 
 
@@ -58,7 +59,7 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
             f"initialStress: the bodies weigh {sorted(weights)} kN/m3; call it for each layer, with "
             f"bodies=[...] and the top of the layer as surface, or give unitWeight, or set body.stress"
         )
-    scene.geostaticGravity = float(gravity) if unitWeight is None else None
+    keep(scene, geostaticGravity=float(gravity) if unitWeight is None else None)
     weight = weights.pop()
     layers = scene.geostaticLayers
     ground = [body for body in ground if body.count]

@@ -60,7 +60,9 @@ class Grading:
         where they do not go together with the grading.
         """
         if len(lower) != len(self.lower):
-            raise ValueError(f"Grading: the box is {len(self.lower)}D, the scene {len(lower)}D")
+            raise ValueError(
+                f"Grading: the box is {len(self.lower)}D, the scene {len(lower)}D; give one of {len(lower)}D"
+            )
         return [self._along(k, float(lower[k]), float(upper[k]), float(cell[k])) for k in range(len(lower))]
 
     def _along(self, k, lower, upper, cell):

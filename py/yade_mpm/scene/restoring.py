@@ -5,6 +5,7 @@ import os
 
 import numpy as np
 
+from ..base.attributes import keep
 from ..base.warn import PACKAGE, warnUser
 from ..engine.callback import Callback, PyRunner
 from ..engine.engines import classes as engineClasses
@@ -101,10 +102,9 @@ def _build(spec, arrays, callbacks, permissions, file):
             f"load: checkpoint '{file}' has no callback {', '.join(map(repr, callbacks))}; check the labels"
         )
     permissions.finish()
-    for name in ("allowUnstable", "dtCritical", "stiffest"):
-        setattr(scene, name, spec[name])
-    scene.dtStable = spec.get("dtStable", spec["dtCritical"])
-    scene.dt = spec["dt"]
+    scene.allowUnstable, scene.dt = spec["allowUnstable"], spec["dt"]
+    estimated = {name: spec[name] for name in ("dtCritical", "stiffest")}
+    keep(scene, **estimated, dtStable=spec.get("dtStable", spec["dtCritical"]))
     _checkClock(spec)
     scene.core.dt, scene.core.time, scene.core.step = spec["currentDt"], spec["time"], spec["steps"]
     scene.core.energies = spec["energies"]
@@ -188,7 +188,7 @@ def _buildBody(scene, entry, stored, material, kind, file):
     core.converted, core.internalWork = entry["converted"], entry["internalWork"]
     core.largestInertialMass = entry["largestInertialMass"]
     if kind.core.isMeshed and body.converted == 0:
-        body.mesh = _meshOf(body, stored)
+        keep(body, mesh=_meshOf(body, stored))
 
 
 def _checked(body, entry, stored, file):
@@ -329,5 +329,5 @@ def _part(spec, scene):
 def _restored(prescribed, spec):
     for name, value in spec["state"].items():
         setattr(prescribed.core, name, value)
-    prescribed.hasBegun = spec["hasBegun"]
+    keep(prescribed, hasBegun=spec["hasBegun"])
     return prescribed

@@ -6,6 +6,7 @@ import signal
 import sys
 import threading
 
+from ..base.attributes import keep
 from ..engine.callback import PyRunner
 from .pace import Pace
 from .policy import LoopPolicy
@@ -202,13 +203,13 @@ class NotedSignals:
         self.numbers, self._before = [], {}
 
     def __enter__(self):
-        self._scene.notedSignals = self
+        keep(self._scene, notedSignals=self)
         if threading.current_thread() is threading.main_thread():
             self._before = catchSignals(self._note, self._note, (signal.SIGINT, *ENDING))
         return self
 
     def __exit__(self, *_):
-        self._scene.notedSignals = None
+        keep(self._scene, notedSignals=None)
         for number, handler in self._before.items():
             signal.signal(number, handler or signal.SIG_DFL)
 

@@ -6,6 +6,7 @@ import os
 
 import numpy as np
 
+from ..base.attributes import keep
 from ..engine.callback import Callback
 from ..engine.gridSolver import GridSolver
 from ..io import checkpoint
@@ -42,7 +43,7 @@ def save(scene, file, midStep=False):
             engine["spec"]["file"] = relativeTo(os.path.dirname(os.fspath(file)), engine["spec"]["file"])
     checkpoint.write(file, description, scene.bodies)
     if not midStep:
-        scene.lastCheckpoint = (os.path.abspath(file), _stamp(file))
+        keep(scene, lastCheckpoint=(os.path.abspath(file), _stamp(file)))
 
 
 def isLast(scene):

@@ -99,7 +99,6 @@ class Scene(Guarded):
             cell=cell if lines is None else np.array(core.cell),
             isGraded=lines is not None,
             core=core,
-            allowUnstable=False,
             dtCritical=None,  # s, as estimated last
             dtStable=None,
             dtIterations=None,
@@ -116,7 +115,10 @@ class Scene(Guarded):
             warnedOf=set(),  # faults of the domains that runs have told
         )
         self._bodies = []
+        for array in (self.lower, self.upper, self.cell):
+            array.setflags(write=False)
         self._dt, self._threads, self._engines, self._loop = None, None, None, None
+        self._allowUnstable = False
         self._defaultSolver = None  # the GridSolver of the default chain
         self._added = {}  # engines that the scheme asked for, by class
         self.scheme = scheme
@@ -247,6 +249,17 @@ class Scene(Guarded):
             )
         self._dt = None if value is None else float(value)
         self.stepper.noteChange()
+
+    @property
+    def allowUnstable(self):
+        """Whether dt may exceed the longest stable step."""
+        return self._allowUnstable
+
+    @allowUnstable.setter
+    def allowUnstable(self, value):
+        if not isinstance(value, (bool, np.bool_)):
+            raise ValueError(f"Scene: allowUnstable = {value!r} is not allowed; give True or False")
+        self._allowUnstable = bool(value)
 
     givenDt = property(lambda self: self._dt, doc="Time step that was given, s; None: automatic.")
     givenThreads = property(

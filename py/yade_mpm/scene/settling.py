@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..base.attributes import keep
 from ..base.warn import warnUser
 from ..geometry.numbers import isCount, isNumber
 from .run import NotedSignals
@@ -60,7 +61,7 @@ def settle(
                 f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to "
                 f"zero, settle, and set it again"
             )
-    scene.dampingAfterSettling = solver.damping
+    keep(scene, dampingAfterSettling=solver.damping)
     solver.damping = damping
     try:
         with NotedSignals(scene) as noted:
@@ -71,7 +72,7 @@ def settle(
                 scene.run(steps=0)
     finally:
         solver.damping = scene.dampingAfterSettling
-        scene.dampingAfterSettling = None
+        keep(scene, dampingAfterSettling=None)
     for body in scene.bodies:
         body.velocity[...] = 0
         body.zeroDisplacement()

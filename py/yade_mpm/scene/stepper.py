@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ..base import limits
+from ..base.attributes import keep
 from ..base.warn import warnUser
 from ..check.domains import checkFields, checkInterface
 from ..check.mistakes import likelyMistakes
@@ -94,10 +95,6 @@ class Stepper:
     def prepare(self):
         """Checks the scene and gives the chain to the solver; see `Scene.run` for what is refused."""
         scene = self._scene
-        if not isinstance(scene.allowUnstable, (bool, np.bool_)):
-            raise ValueError(
-                f"Scene: allowUnstable = {scene.allowUnstable!r} is not allowed; give True or False"
-            )
         self._prepareChain()
         for body in scene.bodies:
             checkFields(body)
@@ -190,9 +187,8 @@ class Stepper:
         found = scene.core.criticalTimeStep(tolerance, iterations, asIfExplicit)
         if asIfExplicit:
             return found["dt"]
-        scene.dtCritical, scene.dtStable = found["dt"], found["longestStable"]
-        scene.dtIterations = found["iterations"]
-        scene.stiffest = found["stiffest"]
+        keep(scene, dtCritical=found["dt"], dtStable=found["longestStable"])
+        keep(scene, dtIterations=found["iterations"], stiffest=found["stiffest"])
         return scene.dtCritical
 
     def stiffening(self):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Back to the last checkpoint of a scene."""
 
+from ..base.attributes import keep
 from ..engine.callback import PyRunner
 from ..io.history import History
 from .restoring import load
@@ -40,5 +41,5 @@ def undo(scene):
     for engine in back.engines:
         if isinstance(engine, History):
             engine.columns.update(columns)
-    back.lastCheckpoint = scene.lastCheckpoint
+    keep(back, lastCheckpoint=scene.lastCheckpoint)
     return back

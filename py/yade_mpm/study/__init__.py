@@ -27,8 +27,6 @@ from .record import record, saveCurve
 from .resume import ARGUMENTS, SUMMARY, keep, resumed
 from .run import Run
 
-_makeClear(globals())
-
 __all__ = [
     "ARGUMENTS",
     "SUMMARY",
@@ -51,20 +49,32 @@ __all__ = [
 ]
 
 
-def calibrate(*what, **how):
+def calibrate(scene, ranges, measured, curve, out, *what, **how):
     """Fits parameters of a scene to a measured curve, see `yade_mpm.study.calibration.calibrate`."""
     from .calibration import calibrate
 
-    return calibrate(*what, **how)
+    return calibrate(scene, ranges, measured, curve, out, *what, **how)
 
 
 class _Study(_types.ModuleType):
     """The module, which is also the function `study.study.study`: `mpm.study(build, cases, results)`."""
 
     def __call__(self, build, cases, results=None, **how):
+        """Runs a scene for many cases and returns a table, see `yade_mpm.study.study.study`.
+
+        Parameters
+        ----------
+        build : function of the arguments of a case that returns a Scene, or the file of a scene.
+        cases : list of dicts, a DataFrame, or a dict name -> list of values for all combinations.
+        results : function of the Scene after the run that returns a dict of numbers.
+        out : name of a folder.
+        """
         from .study import study  # brings what only studies need
 
         return study(build, cases, results, **how)
 
 
+_Study.__name__ = "study"  # in errors
+_makeClear(globals())
+_makeClear({"study": _Study})
 _sys.modules[__name__].__class__ = _Study

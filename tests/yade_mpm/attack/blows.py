@@ -23,12 +23,12 @@ MOST_MEMORY = 8 << 30  # bytes
 LONGEST = 2000  # characters of an error
 # Errors that users know, of their own making; others are from the inside.
 KINDS = (ValueError, TypeError, KeyError, IndexError, AttributeError, RuntimeError, MemoryError, SystemExit)
-KINDS += (NotImplementedError, ImportError)
+KINDS += (NotImplementedError, ImportError, argparse.ArgumentTypeError)
 WORDS = "give given use set make choose move check take takes add lower enlarge report pause run mend got"
 WORDS += " remove refine order count may lies need needs needed allowed must cannot not"
 WORDS += " already only exists permission fill"
 ADVICE = re.compile(
-    rf"\b({WORDS.replace(' ', '|')}|there is no|has no|is no|did you mean|no such file)\b", re.I
+    rf"\b({WORDS.replace(' ', '|')}|there is no|has no|is no|no body has|did you mean|no such file)\b", re.I
 )
 
 
@@ -38,7 +38,7 @@ def unclear(error, tokens):
     if not (kind in KINDS or isinstance(error, OSError)):
         return f"a {kind.__name__} is from the inside"
     text = str(error)
-    if kind is SystemExit:
+    if kind in (SystemExit, argparse.ArgumentTypeError):  # whose argument it is, argparse says
         return ""
     if not text or len(text) > LONGEST:
         return f"{len(text)} characters"
@@ -72,15 +72,17 @@ def worker(attack, first, last, seed):
         say.flush()
 
 
-def survey(script, count, seed=1, start=0, seconds=float("inf")):
+def survey(script, count, seed=1, start=0, seconds=float("inf"), match="", program=(sys.executable,)):
     """Runs cases of an attack; returns a list of (number, label, outcome, text), with "crash" and "hang" as
     outcomes.
 
-    seconds : s of wall time after which no more cases begin.
+    seconds : s of wall time after which no more cases begin. match : expression that says what to attack,
+    default all. program : that runs the script.
     """
     results, first, end = [], start, time.monotonic() + seconds
     while first < start + count and time.monotonic() < end:
-        told, ending = _blows(script, first, start + count, seed, end)
+        words = [*program, script, "--worker", str(first), str(start + count), "--seed", str(seed)]
+        told, ending = _blows([*words, "--match", match], end)
         results += told
         first += len(told)
         if first < start + count and ending:
@@ -89,12 +91,10 @@ def survey(script, count, seed=1, start=0, seconds=float("inf")):
     return results
 
 
-def _blows(script, first, last, seed, end):
+def _blows(words, end):
     """Results up to the end of the process, and how it ended; empty: because time was over."""
     child = subprocess.Popen(
-        [sys.executable, script, "--worker", str(first), str(last), "--seed", str(seed)],
-        stdout=subprocess.PIPE,
-        env=dict(os.environ, MPLBACKEND="Agg", OMP_NUM_THREADS="1"),
+        words, stdout=subprocess.PIPE, env=dict(os.environ, MPLBACKEND="Agg", OMP_NUM_THREADS="1")
     )
     told, ending = b"", ""
     while True:
@@ -111,9 +111,9 @@ def _blows(script, first, last, seed, end):
     child.kill()
     child.wait()
     child.stdout.close()
-    ready, *lines = told.decode().split("\n")
-    assert ready == "ready", "the process that takes the blows did not start"
-    return [tuple(json.loads(line)) for line in lines[:-1]], ending
+    greeting, ready, lines = told.decode().partition("ready\n")
+    assert ready, f"the process that takes the blows did not start: {greeting}"
+    return [tuple(json.loads(line)) for line in lines.split("\n")[:-1]], ending
 
 
 def summary(results):
@@ -126,8 +126,9 @@ def harmful(results):
     return [r for r in results if r[2] not in ("accepted", "refused")]
 
 
-def main(script, doc, prepared):
-    """Command line of an attack. prepared() makes the function (number, seed) -> (label, outcome, text)."""
+def main(script, doc, prepared, program=(sys.executable,)):
+    """Command line of an attack. prepared(match) makes the function (number, seed) -> (label, outcome, text);
+    match is an expression that says what to attack. program : that runs the script."""
     parser = argparse.ArgumentParser(description=doc.splitlines()[0])
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, help="default 1; with --seconds another one each day")
@@ -135,18 +136,23 @@ def main(script, doc, prepared):
     parser.add_argument("--seconds", type=float, help="take as many cases as there is time for")
     parser.add_argument("--show", type=int, default=20, help="cases to show that are not as they should be")
     parser.add_argument("--only", type=int, help="repeat one case here")
+    parser.add_argument("--match", default="", help="expression: attack only what has it in its label")
+    parser.add_argument("--all", metavar="FILE", help="write all cases to it, a line of JSON each")
     parser.add_argument("--worker", type=int, nargs=2, help=argparse.SUPPRESS)
     a = parser.parse_args()
     if a.seed is None:
         a.seed = 1 if a.seconds is None else int(time.strftime("%y%m%d"))
     if a.worker:
-        worker(prepared(), *a.worker, a.seed)
+        worker(prepared(a.match), *a.worker, a.seed)
         return
     if a.only is not None:
-        print(prepared()(a.only, a.seed))
+        print(prepared(a.match)(a.only, a.seed))
         return
     count, seconds = (a.count, float("inf")) if a.seconds is None else (10**9, a.seconds)
-    results = survey(script, count, a.seed, a.start, seconds)
+    results = survey(script, count, a.seed, a.start, seconds, a.match, program)
+    if a.all:
+        with open(a.all, "w") as file:
+            file.writelines(json.dumps(result) + "\n" for result in results)
     found = summary(results)
     print(f"{os.path.basename(script)}, seed {a.seed}, {len(results)} cases:", dict(found))
     for number, label, outcome, text in harmful(results)[: a.show]:

@@ -10,6 +10,7 @@ import functools
 import io
 import os
 import random
+import re
 
 import blows
 
@@ -49,6 +50,19 @@ def checkpoint():
 
 
 @functools.cache
+def results():
+    """Content of a file of a Recorder, and of the journal that one leaves which is killed."""
+    import yade_mpm as mpm
+
+    scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
+    scene.add("mesh", mpm.box((1, 0), (2, 1)), elastic(mpm), mpm.APDI(size=0.25))
+    recorder = mpm.Recorder("whole.vtkhdf", iterPeriod=1)
+    scene.engines = [*scene.engines, recorder, mpm.History(iterPeriod=1)]
+    scene.run(steps=3, progress=False)
+    return contentOf(lambda file: None, "whole.vtkhdf")
+
+
+@functools.cache
 def mesh(name):
     """Content of a mesh file of 4 x 4 quadrilaterals."""
     import meshio
@@ -67,6 +81,10 @@ def contentOf(write, file):
     write(file)
     with open(file, "rb") as f:
         return f.read()
+
+
+def kept(rng, content):
+    return content
 
 
 def flipped(rng, content):
@@ -170,20 +188,67 @@ def attackMesh(rng):
     return f"mesh {name} {damage.__name__}", "accepted", ""
 
 
-def attack(number, seed):
+def journal(rng):
+    """Content of a journal, with a right sum, that was made by hand."""
+    import numpy as np
+    from yade_mpm.io import pagedFile
+
+    pages = np.array([rng.choice([0, 1, 2, 2**40, -1, 2**62]) for _ in range(2)], np.int64)
+    size = rng.choice([0, 10**4, 10**15, -1, -(2**63)])
+    return pagedFile._journal(pages, size, rng.randbytes(rng.choice([0, 1, 2]) * pagedFile.PAGE))
+
+
+def attackResults(rng):
+    """All that can be read of a damaged file of a Recorder, and its journal put in."""
+    import yade_mpm as mpm
+
+    damage = rng.choice(DAMAGES)
+    with open("results.vtkhdf", "wb") as f:
+        f.write(damage(rng, results()))
+    if rng.random() < 0.3:
+        with open("results.vtkhdf.journal", "wb") as f:
+            f.write(rng.choice((flipped, cut, kept))(rng, journal(rng)))
+        mpm.Recorder.recover("results.vtkhdf")
+    file = mpm.read("results.vtkhdf")
+    frames = [dict(frame) for frame in file]
+    assert [file.units, file.history(), file.historyUnits(), frames]
+    return f"results {damage.__name__}", "accepted", ""
+
+
+KINDS = (attackCheckpoint, attackCheckpoint, attackMesh, attackResults)
+
+
+def attack(number, seed, kinds=KINDS):
     """One case: (label, what came of it, text)."""
     rng = random.Random(f"{seed} {number}")
-    kind = rng.choice((attackCheckpoint, attackCheckpoint, attackMesh))
+    kind = rng.choice(kinds)
     try:
         return kind(rng)
     except (KeyboardInterrupt, GeneratorExit):
         raise
     except BaseException as error:
-        tokens = ["checkpoint", "mesh", "body '", "Scene", "History", "dt =", "particle", *os.listdir()]
+        tokens = [
+            "checkpoint",
+            "mesh",
+            "read",
+            "recover",
+            "body '",
+            "Scene",
+            "History",
+            "dt =",
+            "particle",
+            *os.listdir(),
+        ]
         why = blows.unclear(error, tokens)
         told = f"{type(error).__name__}: {str(error)[:400]}"
         return kind.__name__, f"unclear: {why}" if why else "refused", told
 
 
+def prepared(match):
+    """The case of a number. match : expression in the name of the kind, such as Checkpoint."""
+    kinds = [k for k in KINDS if re.search(match, k.__name__)]
+    return lambda number, seed: attack(number, seed, kinds)
+
+
 if __name__ == "__main__":
-    blows.main(__file__, __doc__, lambda: attack)
+    blows.main(__file__, __doc__, prepared)

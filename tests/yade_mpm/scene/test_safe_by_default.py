@@ -260,3 +260,52 @@ def test_a_scheme_of_first_order_in_time_is_told_at_the_start(scheme):
         scene.run(steps=1)
     told = [str(w.message) for w in caught if "first order in time" in str(w.message)]
     assert len(told) == (scheme == "USF") and all("take MUSL, or look whether half" in t for t in told)
+
+
+# --- attributes -----------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", ["lower", "cell", "dim", "dtCritical", "stepper", "run", "add", "time"])
+def test_what_a_scene_is_cannot_be_set(name):
+    scene, _ = block()
+    before = getattr(scene, name)
+    with pytest.raises(AttributeError, match=f"Scene: {name} can be read, not set"):
+        setattr(scene, name, (np.nan, 0))
+    assert np.all(getattr(scene, name) == before)
+
+
+@pytest.mark.parametrize("name", ["lower", "upper", "cell"])
+def test_the_grid_of_a_scene_cannot_be_changed_in_place(name):
+    with pytest.raises(ValueError, match="read-only"):
+        getattr(block()[0], name)[0] = np.nan
+
+
+@pytest.mark.parametrize("value", ["0.5", np.datetime64("2020-01-01"), 1 + 2j, [b"1", b"2"]])
+def test_text_and_dates_are_no_numbers(value):
+    _, body = block()
+    before = body.volume.copy()
+    with pytest.raises(ValueError, match="'block': what was given as volume does not fit; give numbers"):
+        body.volume = value
+    assert np.array_equal(body.volume, before)
+    with pytest.raises(TypeError, match="is not made of numbers"):
+        box((0, 0), (value, 1))
+    with pytest.raises(ValueError, match=r"Drive: velocity = .* is not allowed; give one number"):
+        mpm.Drive(body, (value, 0))
+
+
+def test_the_force_on_a_group_that_nobody_is_in_is_refused():
+    scene, _ = block(group="soil")
+    scene.add("pile", box((3, 1), (3.5, 3)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP(), group="pile")
+    contact = mpm.Contact(friction=0.3)
+    solver = mpm.GridSolver()
+    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.run(steps=1, progress=False)
+    assert not contact.forceOn("soil").any()
+    with pytest.raises(ValueError, match="Contact: there is no group 'wall'; give one of 'soil', 'pile'"):
+        contact.forceOn("wall")
+
+
+def test_what_a_body_or_a_motion_is_cannot_be_set():
+    _, body = block()
+    drive = mpm.Drive(body, (0, -1))
+    for thing, name in [(body, "mesh"), (body, "count"), (body, "convert"), (drive, "part"), (drive, "bind")]:
+        with pytest.raises(AttributeError, match=f"{name} can be read, not set"):
+            setattr(thing, name, 3)

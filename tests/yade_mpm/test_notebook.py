@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """In a notebook: pictures, cards, columns as tables, results read back, and no settings changed."""
 
+import re
+import shutil
 import subprocess
 import sys
 
@@ -131,6 +133,47 @@ def test_an_animation_has_every_frame(ran, tmp_path):
     with pytest.raises(ValueError, match=r"ends in \.gif or \.mp4"):
         results.animate(tmp_path / "a.avi", "velocity")
     assert [f.name for f in tmp_path.iterdir()] == ["a.gif"]
+
+
+FFMPEG = """#!{python}
+import sys
+
+frames = sys.stdin.buffer.read()
+with open(sys.argv[-1], "wb") as file:
+    file.write(b"%d bytes, " % len(frames) + " ".join(sys.argv[1:]).encode())
+"""
+
+
+def test_an_mp4_needs_ffmpeg_and_gets_every_frame_in_order(ran, tmp_path, monkeypatch):
+    results = mpm.read(ran[2])
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(ValueError, match=r"MP4 needs the program ffmpeg, which is not here; install it, or"):
+        results.animate(tmp_path / "a.mp4", "plasticShearStrain")
+    assert not list(tmp_path.iterdir())
+    program = tmp_path / "ffmpeg"
+    program.write_text(FFMPEG.format(python=sys.executable))
+    program.chmod(0o755)
+    results.animate(tmp_path / "a.mp4", "plasticShearStrain", fps=7)
+    said = (tmp_path / "a.mp4").read_text()
+    assert said.startswith(f"{len(results) * 640 * 400 * 4} bytes, ")  # 6.4 x 4 inches, 100 dots each, RGBA
+    assert re.search(r"-s 640x400 .*(-r|-framerate) 7 ", said)
+
+
+@pytest.mark.skipif(not shutil.which("ffmpeg"), reason="no ffmpeg here; apt-get install ffmpeg")
+def test_ffmpeg_reads_an_mp4_back(ran, tmp_path):
+    results = mpm.read(ran[2])
+    results.animate(tmp_path / "a.mp4", "plasticShearStrain", fps=5)
+    counted = "ffprobe -v error -count_frames -show_entries stream=codec_name,nb_read_frames -of csv=p=0"
+    said = subprocess.run([*counted.split(), tmp_path / "a.mp4"], capture_output=True, text=True, check=True)
+    assert said.stdout.strip() == f"h264,{len(results)}"
+
+
+def test_a_component_of_the_six_is_drawn_as_that_of_the_nine(ran):
+    frame = mpm.read(ran[2])[-1]
+    nine, six = (frame.plot(name, "xy").collections[0] for name in ("stress", "stressComponents"))
+    assert np.array_equal(nine.get_array(), six.get_array()) and np.ptp(six.get_array()) > 0
+    with pytest.raises(ValueError, match=r"component = None of stressComponents is not allowed; give one of"):
+        frame.plot("stressComponents")
 
 
 def test_a_history_is_a_mapping_of_its_columns(ran):

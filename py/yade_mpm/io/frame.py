@@ -4,6 +4,12 @@
 import numpy as np
 
 QUADRILATERAL, HEXAHEDRON = 9, 12  # VTK cell types
+# Names of the components of vectors, tensors by rows, and symmetric tensors in the order of VTK.
+COMPONENTS = {
+    3: ("x", "y", "z"),
+    6: ("xx", "yy", "zz", "xy", "yz", "xz"),
+    9: ("xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"),
+}
 
 
 _particleFields = (
@@ -21,22 +27,27 @@ _particleFields = (
 )
 
 
+# What elastic materials remember; the stress says as much. Recorded where it is asked for.
+_memory = tuple(f"stretch{axes}" for axes in ("XX", "YY", "ZZ", "XY", "XZ", "YZ"))
+
+
 DERIVED = {
     "displacement": ("m", lambda body: body.displacement),
     "volumeRatio": ("-", lambda body: body.volume / body.initialVolume),
     "meanStress": ("kPa", lambda body: np.trace(body.stress, axis1=1, axis2=2) / 3),
     "deviatoricStress": ("kPa", lambda body: _mises(body.stress)),
+    "stressComponents": ("kPa", lambda body: _symmetric(body.stress)),
 }
 
 
-_standard = ("stress", "velocity", "displacement", "volumeRatio", "meanStress")
+_standard = ("stress", "stressComponents", "velocity", "displacement", "volumeRatio", "meanStress")
 
 
 class Frame:
     """Cells and cell data of some bodies as arrays.
 
     points (Np, 3) m; topology: connectivity, offsets (N+1), types, and the number of points; data: dict name
-    -> (N,), (N, 3) or (N, 9); units: dict name -> text.
+    -> (N,), (N, 3), (N, 6) or (N, 9); units: dict name -> text.
     """
 
     def __init__(self, numbered, fields=None):
@@ -64,6 +75,14 @@ class Frame:
         return all(np.array_equal(a, b) for a, b in zip(self.topology, other))
 
 
+MEMBER = "body "  # begins the names of the fields that are 1 in one body: VTKHDF has no texts for cells
+
+
+def memberName(body):
+    """Name of the field that is 1 in a body and 0 elsewhere; a slash would be a group of HDF5."""
+    return MEMBER + body.replace("/", "|")
+
+
 def _cellsOf(body):
     """Points (Np, dim) and corner numbers (N, 4 or 8) of the domains of a body."""
     cells = body.cells
@@ -78,14 +97,15 @@ def _cellData(numbered, fields):
     units = {f["name"]: f["unit"] for _, body in numbered for f in body.fields()}
     units.update({name: unit for name, (unit, _) in DERIVED.items()})
     if fields is None:
-        states = [
-            f["name"] for _, body in numbered for f in body.fields() if f["name"] not in _particleFields
-        ]
+        own = (*_particleFields, *_memory)
+        states = [f["name"] for _, body in numbered for f in body.fields() if f["name"] not in own]
         fields = [*_standard, *states]
     data = {
         "body": _joined([np.full(body.count, k) for k, body in numbered], np.int64),
         "id": _joined([body.id for _, body in numbered], np.int64),
     }
+    for number, body in numbered:
+        data[memberName(body.name)] = (data["body"] == number).astype(np.uint8)
     for name in dict.fromkeys(fields):
         if name not in data:
             data[name] = _joinedOrNan([(body.count, _values(body, name)) for _, body in numbered])
@@ -93,7 +113,7 @@ def _cellData(numbered, fields):
 
 
 def _values(body, name):
-    """A field of a body as (N,), (N, 3) or (N, 9); None if the body has no such field."""
+    """A field of a body as (N,), (N, 3), (N, 6) or (N, 9); None if the body has no such field."""
     if name in DERIVED:
         values = DERIVED[name][1](body)
     elif name in body.fieldNames:
@@ -106,7 +126,7 @@ def _values(body, name):
 def _three(values):
     """Vectors and tensors with three components per axis, zero where there were two; tensors as rows of
     nine."""
-    if values.ndim == 1:
+    if values.ndim == 1 or values.shape[1:] == (6,):
         return values
     if values.shape[1:] not in ((3,), (3, 3)):
         padded = np.zeros((len(values), *(3 for _ in values.shape[1:])))
@@ -124,6 +144,11 @@ def _joinedOrNan(parts):
 
 def _joined(parts, dtype):
     return np.concatenate([*parts, []]).astype(dtype) if parts else np.zeros(0, dtype)
+
+
+def _symmetric(stress):
+    """Tensors (N, 3, 3) as (N, 6)."""
+    return np.stack([stress[:, "xyz".index(i), "xyz".index(j)] for i, j in COMPONENTS[6]], axis=1)
 
 
 def _mises(stress):

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Patch
 
-from .frame import DERIVED
+from .frame import COMPONENTS, DERIVED
 from .plot import drawDomains
 
 FEW = 2000  # arrows at most: more hide each other
@@ -115,9 +115,10 @@ def _unitOf(found, field, parts):
 def componentOf(field, values, component):
     """One number for each particle: of a vector a component or, by default, its length; of a tensor the
     component that must be given."""
-    rank, n = values.ndim - 1, values.shape[-1]
-    letters = "xyz"[:n]
-    names = {0: [], 1: list(letters), 2: [a + b for a in letters for b in letters]}[rank]
+    isSymmetric = values.shape[1:] == (6,)
+    rank, letters = 2 if isSymmetric else values.ndim - 1, "xyz"[: values.shape[-1]]
+    tensor = COMPONENTS[6] if isSymmetric else [a + b for a in letters for b in letters]
+    names = {0: [], 1: list(letters), 2: tensor}[rank]
     if component is None and rank < 2:
         return values if rank == 0 else np.linalg.norm(values, axis=1)
     if component not in names:
@@ -127,6 +128,8 @@ def componentOf(field, values, component):
         }
         what = allowed.get(rank, f"give one of {', '.join(names)}; 'meanStress' is a field of its own")
         raise ValueError(f"plot: component = {component!r} of {field} is not allowed; {what}")
+    if isSymmetric:
+        return values[:, names.index(component)]
     return values[(slice(None), *("xyz".index(a) for a in component))]
 
 

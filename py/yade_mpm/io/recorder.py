@@ -50,16 +50,17 @@ class Recorder(Callback):
     period : scene time between frames, s; or
     iterPeriod : steps between frames. One of the two is needed.
     fields : names of particle fields (`body.fields()`), or "displacement", "volumeRatio", "meanStress",
-        "deviatoricStress" (von Mises). Default: stress, velocity, displacement, volumeRatio, meanStress and
-        all state variables of the materials. `body` (number in the order of the scene) and `id` are always
-        there.
+        "deviatoricStress" (von Mises), "stressComponents" (xx, yy, zz, xy, yz, xz, which ParaView names).
+        Default: stress, stressComponents, velocity, displacement, volumeRatio, meanStress and the state
+        variables of the materials, but for the stretch that elastic ones remember. `body` (number in the
+        order of the scene) and `id` are always there.
     bodies : bodies or their names; default: all. What a body was converted to goes with it.
     compress : gzip level, 0 to 9; default 0, not compressed: fastest.
     run : identity of the run whose file is to be continued; given by checkpoints.
 
     Cells are the APDI domains (vertices shared) and a box around each uGIMP particle. Vectors have three
-    components, tensors nine, row by row. A state variable is nan in a body whose material has none of that
-    name.
+    components, tensors nine, row by row; the attribute `components` names them. A state variable is nan in
+    a body whose material has none of that name. A field "body NAME" is 1 in that body and 0 elsewhere.
 
     Every frame is complete in the file before the run goes on. If the process is killed while it writes, the
     old file or a journal (`file`.journal) with the rest of the frame is there; `Recorder.recover(file)` and a

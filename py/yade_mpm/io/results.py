@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.inChild import LostInChild, inChild
 from .checkpoint import READ_MEMORY, READ_SECONDS, READ_SPEED, READING
-from .frame import QUADRILATERAL
+from .frame import MEMBER, QUADRILATERAL
 
 MOST_EXPANSION = 64  # bytes of memory for one of a file, which may be compressed
 
@@ -245,7 +245,8 @@ def _names(h5):
 
 
 def _units(cells):
-    return {name: str(data.attrs.get("unit", "-")) for name, data in cells.items()}
+    units = {name: str(data.attrs.get("unit", "-")) for name, data in cells.items()}
+    return {name: unit for name, unit in units.items() if not name.startswith(MEMBER)}
 
 
 def _columns(h5, label, of):
@@ -267,7 +268,8 @@ def _frame(root, k, bodies):
     isFlat = count == 0 or root["Types"][int(steps["CellOffsets"][k])] == QUADRILATERAL
     corners = corners.reshape(count, 4 if isFlat else 8)
     used = np.bincount(corners.ravel(), minlength=points)
-    data = {name: _rows(cells[name], steps["CellDataOffsets"][name][k], count) for name in cells}
+    names = [name for name in cells if not name.startswith(MEMBER)]
+    data = {name: _rows(cells[name], steps["CellDataOffsets"][name][k], count) for name in names}
     data = {name: v.reshape(-1, 3, 3) if v.shape[1:] == (9,) else v for name, v in data.items()}
     units = _units(cells)
     shared = (used[corners] > 1).any(axis=1)

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from .frame import COMPONENTS
+
 CHUNK = 16384  # rows at most in a piece of a growing array
 
 
@@ -30,6 +32,8 @@ def appendFrame(root, frame, time, step, isSame, compress):
     firstCell = len(cells["body"]) if k else 0
     for name, values in frame.data.items():
         extend(cells, name, values, firstCell, compress, frame.units[name])
+        if "components" not in cells[name].attrs and values.shape[1:]:
+            cells[name].attrs["components"] = COMPONENTS[values.shape[1]]
     for name in set(cells) - set(frame.data):  # of a body that is gone
         cells[name].resize(firstCell + len(frame.data["body"]), axis=0)
     perStep = {"Values": time, "step": step, "NumberOfParts": 1, "PointOffsets": first, **topology}

@@ -196,6 +196,49 @@ def test_bodies_are_named_and_units_given(tmp_path):
         assert h5["VTKHDF/Steps/Values"].attrs["unit"] == "s"
 
 
+def test_components_have_names_and_the_stress_those_that_paraview_shows(tmp_path):
+    scene = makeScene(3)
+    runAndWatch(scene, tmp_path / "a.h5", steps=10)
+    with h5py.File(tmp_path / "a.h5") as h5:
+        data = h5["VTKHDF/CellData"]
+        names = list(data["stress"].attrs["components"])
+        assert names == ["xx", "xy", "xz", "yx", "yy", "yz", "zx", "zy", "zz"]
+        assert list(data["velocity"].attrs["components"]) == ["x", "y", "z"]
+        six = data["stressComponents"]
+        assert list(six.attrs["components"]) == ["xx", "yy", "zz", "xy", "yz", "xz"]  # VTK's order
+        for k, name in enumerate(six.attrs["components"]):
+            assert np.array_equal(six[:, k], data["stress"][:, names.index(name)]), name
+        assert len(np.unique(six[-1])) == 6  # the control: no two are alike
+
+
+def test_a_body_has_a_field_of_its_name(tmp_path):
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.vtkhdf", iterPeriod=5))
+    scene.run(steps=5, progress=False)
+    rock = mpm.LinearElastic(density=1, lame=(1e3, 1e3))
+    late = scene.add("rock, 1/2", box((1.5, 1), (2, 1.5)), rock, mpm.APDI(size=0.5))
+    scene.run(steps=5, progress=False)
+    first, _, last = readWithH5py(tmp_path / "a.vtkhdf")
+    for frame in (first, last):
+        for number, name in enumerate(["low", "high", "rock, 1|2"]):
+            assert np.array_equal(frame[f"body {name}"], frame["body"] == number), name
+    assert last["body rock, 1|2"].sum() == late.count > 0 == first["body rock, 1|2"].sum()
+    results = mpm.read(tmp_path / "a.vtkhdf")
+    assert not any(name.startswith("body ") for name in (*results[-1], *results.units))
+
+
+def test_what_only_elastic_materials_remember_is_recorded_where_it_is_asked_for(tmp_path):
+    scene = makeScene()
+    runAndWatch(scene, tmp_path / "a.h5", steps=10)
+    frame = readWithH5py(tmp_path / "a.h5")[-1]
+    assert "stretchXX" in {f["name"] for f in scene["low"].fields()} and "stretchXX" not in frame
+    assert "plasticShearStrain" in frame
+    scene = makeScene()
+    scene.engines = chain(mpm.Recorder(tmp_path / "b.h5", iterPeriod=5, fields=["stretchXX"]))
+    scene.run(steps=5, progress=False)
+    assert np.isfinite(readWithH5py(tmp_path / "b.h5")[-1]["stretchXX"]).any()
+
+
 def test_state_variables_are_nan_where_a_material_has_none(tmp_path):
     scene = makeScene()
     soilOnly = {f["name"] for f in scene["high"].fields()} - {f["name"] for f in scene["low"].fields()}
@@ -210,17 +253,20 @@ def test_state_variables_are_nan_where_a_material_has_none(tmp_path):
 
 
 def test_a_variable_that_appears_later_is_nan_before(tmp_path):
-    scene = makeScene()
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, bodies=None))
+    scene = mpm.Scene((0, 0), (2, 2), 0.5)
+    elastic = mpm.LinearElastic(density=2, lame=(1e3, 1e3))
+    low = scene.add("low", box((0, 0), (2, 1)), elastic, mpm.APDI(size=0.5))
+    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5))
     scene.run(steps=5, progress=False)
-    hard = mpm.NeoHookean(density=1, lame=(1e3, 1e3))
-    known = set(readWithH5py(tmp_path / "a.h5")[0])
-    late = scene.add("late", box((1.5, 1), (2, 1.5)), hard, mpm.UGIMP(perCell=1))
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(1e3, 1e3), cohesion=5, frictionAngle=0.5, dilatancyAngle=0
+    )
+    late = scene.add("late", box((0.5, 1.5), (1, 2)), soil, mpm.UGIMP(perCell=1))
     scene.run(steps=5, progress=False)
     frames = readWithH5py(tmp_path / "a.h5")
-    assert [len(f["body"]) for f in frames] == [scene.particleCount - late.count] * 2 + [scene.particleCount]
-    for name in set(frames[0]) - known:
-        assert np.isnan(frames[0][name]).all()
+    assert [len(f["body"]) for f in frames] == [low.count] * 2 + [low.count + late.count]
+    assert np.isnan(frames[0]["plasticShearStrain"]).all()
+    assert np.isfinite(frames[-1]["plasticShearStrain"][-late.count :]).all()
 
 
 def test_fields_and_bodies_can_be_chosen(tmp_path):
@@ -237,6 +283,7 @@ def test_fields_and_bodies_can_be_chosen(tmp_path):
     frame = readWithH5py(tmp_path / "a.h5")[-1]
     assert set(frame) == {
         "body",
+        "body high",
         "id",
         "volume",
         "velocityGradient",

@@ -22,6 +22,22 @@ def meshRegion(region, lower, upper, size, name):
     return Mesh(np.asarray(lower, float) + vertices * size, cells)
 
 
+def meshThrough(numbers, positions, edges):
+    """Mesh of lattice cells whose corners have moved, each with its cell.
+
+    numbers: (N, dim) int, of the cells in their lattice. positions: (N, dim) centres, m. edges: (N, dim,
+    dim), m; column k is edge k of a cell. A vertex is where the cells that meet there have it in the mean.
+    Returns the mesh, cells in the order given, and how far each cell had a corner from its vertex (N,), m.
+    """
+    corners = CORNERS[numbers.shape[1]]
+    _, cells = _numberVertices(numbers[:, None] + corners)
+    own = positions[:, None] + np.einsum("pij,cj->pci", edges, corners - 0.5)
+    at = cells.ravel()
+    points = np.stack([np.bincount(at, x) for x in own.reshape(len(at), -1).T], axis=1)
+    points /= np.bincount(at)[:, None]
+    return Mesh(points, cells), np.linalg.norm(own - points[cells], axis=2).max(axis=1)
+
+
 def refineNear(mesh, positions, halfSize, distance, ratio=2):
     """Mesh of which the cells close to given particles are split into ratio x ratio (x ratio).
 

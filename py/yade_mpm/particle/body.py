@@ -282,24 +282,37 @@ class Body(Guarded):
         self._scene.core.convertTo(self.name, other.name)
         self._convertsTo = other.name
 
-    def convert(self, region, type):
-        """Makes uGIMP particles of the domains of this body in a region, between two runs; returns the body
-        that has them.
+    def convert(self, region, type, tolerance=1e-6):
+        """Makes particles of another type of those of this body in a region, between two runs; returns the
+        body that has them.
 
         Parameters
         ----------
-        region : Region; domains with their centre in it are converted.
-        type : mpm.UGIMP(...), of the new particles: a domain becomes as many as fit its edges.
+        region : Region; domains or particles with their centre in it are converted.
+        type : mpm.UGIMP(...) for APDI domains: each becomes as many as fit its edges; mpm.APDI() for uGIMP
+            particles: each becomes one domain.
+        tolerance : from uGIMP to APDI: how far neighbours may have their common corners apart, as a part of
+            an edge, and how far the area (3D: volume) of a domain may be from that of its particle, as a
+            part of it; default 1e-6.
 
         Mass, momentum, volume and centre of mass of each domain stay, but for round-off; stress, strain and
-        what the material remembers are copied. The new body has the name of this one with "(UGIMP)", its
-        material, group and options. Drives and loads of this body act on the domains that stay, and
-        `body.mesh` is None from now on. The other way, from uGIMP to APDI, is not offered: boxes know no
-        neighbours.
+        what the material remembers are copied. The new body has the name of this one with "(UGIMP)" or
+        "(APDI)", its material, group and options. Drives and loads of this body act on the particles that
+        stay, and `body.mesh` is None from now on.
+
+        uGIMP particles become domains while they lie as in the lattice that they were made in: at the start,
+        or where the body has only moved as a whole. With a larger tolerance the corners are where neighbours
+        have them in the mean, from their deformation gradients; mass, momentum and stress stay exactly, and
+        centre of mass and, from the next step on, volume within that tolerance.
 
         Raises TypeError and ValueError for what cannot be converted, RuntimeError during a run.
         """
-        return self._scene._convert(self, region, type)
+        if isinstance(tolerance, bool) or not (isinstance(tolerance, (int, float)) and 0 <= tolerance < 1):
+            allowed = "give a number from 0 to below 1"
+            raise ValueError(
+                f"body '{self.name}': convert: tolerance = {tolerance!r} is not allowed; {allowed}"
+            )
+        return self._scene._convert(self, region, type, tolerance)
 
     # --- parts, for driving ---
     def above(self, height):

@@ -74,7 +74,7 @@ def _added(scene, name, region, material, type, options):
         _drop(scene, body)
         raise
     if type.core.converts:
-        _addConverted(scene, body)
+        addConverted(scene, body)
     return body
 
 
@@ -151,7 +151,7 @@ def _buildBoxes(body, boxes):
             setattr(body, field, getattr(body, field) * boxes.shares[body.id])
 
 
-def _addConverted(scene, body):
+def addConverted(scene, body):
     """The body that takes over domains of `body` that become too distorted; empty at first."""
     spacing = scene.cell / 2 if body.type.matched is None else 2 * body.type.matched.halfSize
     name = body.name + " (converted)"

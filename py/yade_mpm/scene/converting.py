@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Another particle type for a part of a body, between two runs."""
+"""Another particle type for a part of a body, between two runs: domains become boxes."""
 
 import numpy as np
 
@@ -8,26 +8,34 @@ from ..geometry.region import Region
 from ..geometry.regions import box
 from ..particle.types import Boxes, MeshedType, ParticleType, classes
 from .adding import build, newBody
+from .convertingToMesh import toMesh
 from .running import refuseDuringStep, refuseMidStep
 
 
-def convert(scene, body, region, type):
-    """Makes uGIMP particles of the domains of a body in a region; returns the new body, see
+def convert(scene, body, region, type, tolerance):
+    """Makes particles of another type of those of a body in a region; returns the new body, see
     `Body.convert`."""
     refuseDuringStep(scene, "convert")
     refuseMidStep(scene, "convert")
     numbers = _checked(scene, body, region, type)
     name = _freeName(scene, f"{body.name} ({type.__class__.__name__})")
+    way = toBoxes if isinstance(body.type, MeshedType) else toMesh
     with scene.holder.held("convert"):
-        options = body.inertiaScale, body.fbar, body.group, body.implicit
-        other = newBody(scene, name, body.material, type, None, *options)
-        other.isDamped = body.isDamped
-        half = type.geometry(_aCell(scene), scene, name).halfSize
-        build(other, Boxes(np.zeros((0, scene.dim)), half))
-        scene.core.convertDomains(body.name, name, np.ascontiguousarray(numbers, np.int32))
-        _shapeForSplitting(other)
-        keep(body, mesh=None)
+        other = way(scene, body, numbers, type, name, tolerance)
         scene.stepper.noteChange()
+    return other
+
+
+def toBoxes(scene, body, numbers, type, name, _):
+    """The domains `numbers` of a body as boxes."""
+    options = body.inertiaScale, body.fbar, body.group, body.implicit
+    other = newBody(scene, name, body.material, type, None, *options)
+    other.isDamped = body.isDamped
+    half = type.geometry(_aCell(scene), scene, name).halfSize
+    build(other, Boxes(np.zeros((0, scene.dim)), half))
+    scene.core.convertDomains(body.name, name, np.ascontiguousarray(numbers, np.int32))
+    _shapeForSplitting(other)
+    keep(body, mesh=None)
     return other
 
 
@@ -37,18 +45,22 @@ def _checked(scene, body, region, type):
     if not isinstance(region, Region):
         raise TypeError(f"{who}: region = {region!r}; give a region, e.g. mpm.box((0, 0), (1, 1))")
     if not isinstance(type, ParticleType):
-        raise TypeError(f"{who}: type = {type!r}; give mpm.UGIMP(...)")
-    if not isinstance(body.type, MeshedType):
-        raise ValueError(
-            f"{who}: its particles are {body.type.__class__.__name__}; only domains of APDI convert"
-        )
-    if not isinstance(type, classes["UGIMP"]) or type.cut:
-        raise ValueError(f"{who}: {type!r} is not allowed; give mpm.UGIMP(...), not cut by a region")
+        raise TypeError(f"{who}: type = {type!r}; give mpm.UGIMP(...) or mpm.APDI(...)")
+    if not isinstance(body.type, (classes["UGIMP"], classes["APDI"])):
+        own = body.type.__class__.__name__
+        raise ValueError(f"{who}: its particles are {own}; only those of APDI and UGIMP convert")
+    if isinstance(body.type, MeshedType):
+        if not isinstance(type, classes["UGIMP"]) or type.cut:
+            raise ValueError(f"{who}: {type!r} is not allowed; give mpm.UGIMP(...), not cut by a region")
+    elif not isinstance(type, classes["APDI"]) or type.size is not None or type.matched is not None:
+        edge = "without size and matched: the domains are as large as the boxes"
+        raise ValueError(f"{who}: {type!r} is not allowed; give mpm.APDI(), {edge}")
     if region.dim != scene.dim:
         raise ValueError(f"{who}: the region is {region.dim}D, the scene {scene.dim}D")
     numbers = np.flatnonzero(region.contains(body.position))
     if len(numbers) == 0:
-        raise ValueError(f"{who}: no domain has its centre in the region")
+        what = "domain" if isinstance(body.type, MeshedType) else "particle"
+        raise ValueError(f"{who}: no {what} has its centre in the region")
     return numbers
 
 

@@ -106,10 +106,3 @@ def test_what_cannot_be_converted_is_refused(region, kind, message):
     with pytest.raises((TypeError, ValueError), match=message):
         one["soil"].convert(region, kind)
     assert len(one.bodies) == 1
-
-
-def test_boxes_are_not_converted():
-    one = scene()
-    new = one["soil"].convert(LEFT, mpm.UGIMP(perCell=2))
-    with pytest.raises(ValueError, match="its particles are UGIMP; only domains of APDI convert"):
-        new.convert(LEFT, mpm.UGIMP(perCell=2))

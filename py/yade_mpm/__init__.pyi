@@ -289,10 +289,14 @@ class RigidContact(_RigidContact):
     friction: float | Sequence[float]
     masses: float | Sequence[float]
     soilFriction: float | Sequence[float]
+    adhesion: float | Sequence[float]
+    pairs: Any
     stiffness: float | None
     stiffnessFactor: float
     shearRatio: float
     normalDamping: float
+    normalLaw: Literal['penalty', 'Hertz']
+    hertzOverlap: float | None
     checkBalance: bool
     frictionWork: float
     shapes: Any
@@ -308,10 +312,14 @@ class RigidContact(_RigidContact):
         friction: float | Sequence[float] = (),
         masses: float | Sequence[float] = (),
         soilFriction: float | Sequence[float] = (),
+        adhesion: float | Sequence[float] = (),
+        pairs: Any = (),
         stiffness: float | None = None,
         stiffnessFactor: float = 0.3,
         shearRatio: float = 0.8,
         normalDamping: float = 0.0,
+        normalLaw: Literal['penalty', 'Hertz'] = 'penalty',
+        hertzOverlap: float | None = None,
         checkBalance: bool = False,
         frictionWork: float = 0.0,
         shapes: Any = (),

@@ -27,6 +27,7 @@ too."""
         velocity=(0, 0, 0),
         angularVelocity=(0, 0, 0),
         mass=0.0,
+        adhesion=0.0,
     ):
         """Adds a rigid body and returns its number.
 
@@ -43,18 +44,34 @@ too."""
             does so by forces. Contact with a body that is lighter than the soil's particles is then made so
             soft that the step resolves it; else it would leave faster than it came. Default 0: it does not
             yield, or is heavy.
+        adhesion : float, kPa, shear strength of its contact at no pressure; default 0.
 
         Raises RuntimeError after the first run, ValueError for a value that is not allowed.
         """
         if self._isBound:
             raise RuntimeError("RigidContact: addBody after the first run; add all rigid bodies before it")
-        return self._insert(shapes, friction, position, orientation, velocity, angularVelocity, mass)
+        return self._insert(
+            shapes, friction, position, orientation, velocity, angularVelocity, mass, adhesion
+        )
 
-    def insertBody(self, shapes, friction=0.0, mass=0.0):
+    def insertBody(self, shapes, friction=0.0, mass=0.0, adhesion=0.0):
         """As `addBody`, between two steps of a host that gives the states and prepares the scene again."""
-        return self._insert(shapes, friction, (0, 0, 0), (1, 0, 0, 0), (0, 0, 0), (0, 0, 0), mass)
+        return self._insert(shapes, friction, (0, 0, 0), (1, 0, 0, 0), (0, 0, 0), (0, 0, 0), mass, adhesion)
 
-    def _insert(self, shapes, friction, position, orientation, velocity, angularVelocity, mass):
+    def setPairs(self, pairs):
+        """Friction and adhesion of pairs of materials, between two runs.
+
+        Parameters
+        ----------
+        pairs : list of (number of the rigid body, number of the body in scene.bodies, friction -, adhesion
+            kPa); they hold in place of what the two bodies have by themselves.
+        """
+        names = "body", "soil", "friction", "adhesion"
+        rows = [dict(zip(names, (int(body), int(soil), float(f), float(a)))) for body, soil, f, a in pairs]
+        self.core.set("pairs", withRows((), rows) if rows else ())
+        self.core.finish()
+
+    def _insert(self, shapes, friction, position, orientation, velocity, angularVelocity, mass, adhesion):
         shapes = list(shapes) if isinstance(shapes, (list, tuple)) else [shapes]
         if not shapes:
             raise ValueError("RigidContact: addBody without a shape; give e.g. [mpm.rigid.Sphere(0.1)]")
@@ -79,6 +96,7 @@ too."""
             )
         self.core.set("friction", [*self.friction, friction])
         self.core.set("masses", [*self.masses, float(mass)])
+        self.core.set("adhesion", [*self.adhesion, float(adhesion)])
         for name, more in (("shapes", rows), ("states", [state]), ("impulses", [impulse])):
             self.core.set(name, withRows(self.core.value(name), more))
         self.core.finish()

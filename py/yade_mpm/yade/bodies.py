@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies of YADE that touch the soil: their states go to a `RigidContact`, its forces come back."""
 
-import math
 import operator
 import sys
 import weakref
@@ -12,14 +11,15 @@ from .. import _core
 from ..engine import rigid
 from ..engine.rigidContact import RigidContact
 from . import loop
+from .grids import Element, NodeForces, isElement
+from .pairs import Laws, materialOf
 from .plane import Plane
 from .shapes import density as densityOf
-from .shapes import frameOf, frictionOf, shapesOf, yieldingMass
+from .shapes import frameOf, shapesOf, yieldingMass
 from .watching import Watch, bodyOf
 
 EVERY = 100  # cycles, after which far bodies are looked for, too
 hosted = weakref.WeakKeyDictionary()  # contact -> the Bodies that were made for it, in a WeakSet
-NO_LIMIT = 1e30  # coefficient of friction of a soil that has none of its own
 SHOWN = 6  # numbers of bodies in the repr
 DENSER = 30  # times the densest body of the scene; steel on peat has 11
 
@@ -31,10 +31,13 @@ class Bodies:
     ----------
     contact : the `RigidContact` in the engines of the scene, before its first run.
     ids : numbers of bodies in O.bodies, or a single one: Sphere, Box, Facet, Polyhedra (3D; its faces touch,
-        as facets), Wall (with sense 1 or -1), or clumps of these (the clump's own number).
-    friction : coefficient against the soil, -. Default: by materials, tan(frictionAngle) of the body, and for
-        each pair the smaller one of body and soil, as Ip2_FrictMat_FrictMat_FrictPhys has it; a soil without
-        the attribute sets no limit, a body without it is smooth.
+        as facets), Wall (with sense 1 or -1), clumps of these (the clump's own number), GridConnection and
+        PFacet, whose forces go to their nodes.
+    friction : coefficient against the soil, -, or a rule as Ip2 functors have one: a function of the
+        materials of body and soil that returns it. Default: tan(frictionAngle) of the body, and for each pair
+        the smaller one of body and soil, as Ip2_FrictMat_FrictMat_FrictPhys has it; a soil without the
+        attribute sets no limit, a body without it is smooth.
+    adhesion : kPa, shear strength of the contact at no pressure, a number or a function likewise; default 0.
     thickness : m, of a 2D scene in YADE's third direction; forces per metre are multiplied by it. Default 1,
         and 1 in 3D.
     facetThickness : m, of facets, also of polyhedra, against the soil; APDI bodies need one. Default 0.
@@ -42,11 +45,14 @@ class Bodies:
         to y. "xy" in 3D.
     forces : for `attach` after O.load: forces and moments as saved.
 
+    Functions are not saved: what they have returned holds after O.load.
+
     O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. After
     O.load `inYade.attach` makes it anew. Raises ValueError for a body that is not there, is of another shape
-    or stands in a clump, for a wall with sense 0, and for a contact that has other rigid bodies already;
-    TypeError for a contact or numbers that are none. RuntimeError at the beginning of a run where two of them
-    serve one contact, or where the scene does not have it. Warns of a free body that is 30 times as dense as
+    or stands in a clump, for a wall with sense 0, for friction and adhesion that are no numbers, and for a
+    contact that has other rigid bodies already; TypeError for a contact, numbers or laws that are none.
+    RuntimeError at the beginning of a run where two of them serve one contact, or where the scene does not
+    have it. Warns of a free body that is 30 times as dense as
     the densest of the scene.
 
         contact = mpm.RigidContact()
@@ -57,7 +63,15 @@ class Bodies:
     """
 
     def __init__(
-        self, contact, ids, friction=None, thickness=1.0, facetThickness=0.0, plane="xy", forces=None
+        self,
+        contact,
+        ids,
+        friction=None,
+        thickness=1.0,
+        facetThickness=0.0,
+        plane="xy",
+        forces=None,
+        adhesion=0.0,
     ):
         from yade import O
 
@@ -70,14 +84,13 @@ class Bodies:
                 f"inYade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number"
             )
         self.plane = Plane(plane)
-        self._friction, self._waiting = friction, []
+        self._laws, self._waiting = Laws(friction, adhesion), []
         isNew = len(contact.friction) == 0
         for number in self.ids if isNew else ():
             self._refuseMissing(number)
-            friction = self._frictionOf(number, self._friction)
-            contact.addBody(self._shapes(number), friction=friction, mass=self._mass(number))
+            contact.addBody(self._shapes(number), mass=self._mass(number), **self._lawsOf(number))
         rows = self._rows(None if isNew else contact)
-        if not isNew and not _areSame(contact.core.value("shapes"), rows):
+        if not isNew and not _areSame(contact.core.value("shapes"), self._asMade(rows)):
             raise ValueError(
                 "inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its "
                 "own"
@@ -158,6 +171,7 @@ class Bodies:
         """Dict of constructor arguments besides the contact, of plain types, with which `attach` after O.load
         makes it anew."""
         return {
+            **self._laws.noted(),
             "ids": self.ids,
             "thickness": self.thickness,
             "facetThickness": self._facetThickness,
@@ -172,7 +186,7 @@ class Bodies:
         Parameters
         ----------
         ids : numbers of bodies in O.bodies, or a single one.
-        friction : coefficient against the soil, -; default that of the others.
+        friction : coefficient against the soil, -; default as for the others.
 
         Raises ValueError for a body that is not there, is here already, or is of a shape that cannot touch.
         """
@@ -182,17 +196,16 @@ class Bodies:
             if number in self.ids or number in (n for n, _ in self._waiting):
                 raise ValueError(f"inYade.Bodies: body {number} touches the soil already")
             self._shapes(number)
-        friction = self._friction if friction is None else friction
-        self._waiting += [(number, self._frictionOf(number, friction)) for number in numbers]
+        self._waiting += [(number, self._lawsOf(number, friction)) for number in numbers]
 
-    def limitFriction(self, scene):
-        """Where friction goes by materials: tells the contact that of the soil, unless it was given one."""
-        if self._friction is None and len(self.contact.soilFriction) == 0:
-            angles = [getattr(body.material, "frictionAngle", None) for body in scene.bodies]
-            self.contact.core.set("soilFriction", [NO_LIMIT if a is None else math.tan(a) for a in angles])
+    def pairUp(self, scene):
+        """Tells the contact friction and adhesion of pairs of materials, where they go by a rule."""
+        bodies = {k: bodyOf(self._O, number) for k, number in enumerate(self.ids)}
+        materials = {k: materialOf(self._O, body) for k, body in bodies.items() if body is not None}
+        self._laws.pairUp(self.contact, materials, [body.material for body in scene.bodies])
 
-    def _frictionOf(self, number, given):
-        return frictionOf(self._O, self._O.bodies[number]) if given is None else given
+    def _lawsOf(self, number, friction=None):
+        return self._laws.ofBody(materialOf(self._O, self._O.bodies[number]), friction)
 
     def _refuseMissing(self, number):
         if bodyOf(self._O, number) is None:
@@ -218,17 +231,33 @@ class Bodies:
             for shape in self._shapes(number)
         ]
 
+    def _asMade(self, rows):
+        """Rows of shapes with elements of grids as large as they were made: they have been strained since."""
+        table = self.contact.core.value("shapes")
+        for k, row in enumerate(rows):
+            if k < len(table["body"]) and row["body"] == table["body"][k] and self._isElement(row["body"]):
+                row["vertices"] = list(table["vertices"][k])
+        return rows
+
+    def _isElement(self, k):
+        body = bodyOf(self._O, self.ids[k])
+        return body is not None and isElement(body)
+
     def _connect(self):
         """The exchange with the bodies as they are; an erased one keeps the state that it had."""
         bodies = [bodyOf(self._O, number) for number in self.ids]
-        self._states = [old if b is None else b.state for b, old in zip(bodies, self._states)]
+        self._states = [
+            old if b is None else Element(b, self.plane) if isElement(b) else b.state
+            for b, old in zip(bodies, self._states)
+        ]
+        elements = {n: state for n, state in zip(self.ids, self._states) if isinstance(state, Element)}
         still = self.plane.turnToScene((0, 0, 0, 1))
         turns = [still if b is None else self.plane.turnToScene(frameOf(b)) for b in bodies]
         self._exchange = _core.BodyExchange(
             self.contact.core,
             [_nowhere if state is None else state for state in self._states],
             self.ids,
-            self._O.forces,
+            NodeForces(self._O.forces, elements) if elements else self._O.forces,
             self.plane.frame.tolist(),
             [turn.tolist() for turn in turns],
         )
@@ -238,14 +267,15 @@ class Bodies:
         """Takes in what has become of the bodies: erased ones touch nothing any more, others have new shapes,
         and some are new. In no step of the scene."""
         waiting, self._waiting = self._waiting, []
-        for number, friction in waiting:
+        for number, laws in waiting:
             if bodyOf(self._O, number) is not None:
-                self.contact.insertBody(self._shapes(number), friction=friction, mass=self._mass(number))
+                self.contact.insertBody(self._shapes(number), mass=self._mass(number), **laws)
                 self.ids.append(number)
                 self._states.append(None)
         there = [(k, n) for k, n in enumerate(self.ids) if bodyOf(self._O, n) is not None]
         self.contact.replaceShapes([(k, shape) for k, n in there for shape in self._shapes(n)])
         self._connect()
+        self.pairUp(scene)
         scene.stepper.noteChange(mayBeUnstable=False)
         scene.prepare()
 

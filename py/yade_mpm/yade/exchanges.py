@@ -17,7 +17,7 @@ def checkExchanges(coupling):
                 f"scene '{coupling.label}'; put it behind "
                 f"ParticleToGrid, and attach the scene again"
             )
-        bodies.limitFriction(coupling.scene)
+        bodies.pairUp(coupling.scene)
         bodies.warnOfDensities(coupling.scene)
     if all(isinstance(e, Bodies) for e in coupling.exchanges):
         _refuseUnfelt(coupling, lambda bodies: any(bodies is e for e in coupling.exchanges))

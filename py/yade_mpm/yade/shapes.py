@@ -4,6 +4,16 @@
 import numpy as np
 
 from ..engine import rigid
+from .grids import isElement, massOf, shapeOf
+
+INSTEAD = {
+    "GridNode": "; give the GridConnections or PFacets that it carries, nodes touch nothing in YADE, either",
+    "Cylinder": "; make it of yade.gridpfacet.cylinder",
+    "ChainedCylinder": "; make it of yade.gridpfacet.cylinderConnection",
+    "PotentialBlock": "; make it one of yade.polyhedra_utils.polyhedra",
+    "PotentialParticle": "; make it a clump of spheres or one of yade.polyhedra_utils.polyhedra",
+    "LevelSet": "; make it a clump of spheres or facets of its surface",
+}  # what to do with shapes that cannot touch
 
 
 def shapesOf(omega, body, facetThickness, plane):
@@ -12,6 +22,8 @@ def shapesOf(omega, body, facetThickness, plane):
         raise ValueError(
             f"inYade.Bodies: body {body.id} stands in clump {body.clumpId}; give the number of the clump"
         )
+    if isElement(body):
+        return [shapeOf(body, plane)]
     members = body.shape.members.items() if body.isClump else [(body.id, ((0, 0, 0), (0, 0, 0, 1)))]
     back = plane.turnToScene(frameOf(body)) * (1, -1, -1, -1)
     return [
@@ -55,22 +67,16 @@ def _shapesAt(body, centre, turn, facetThickness, plane):
             )
         return [rigid.Wall(tuple(plane.toScene(shape.sense * np.eye(3)[shape.axis])), tuple(centre))]
     raise ValueError(
-        f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall and clumps of them "
-        "can touch the soil"
+        f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall, clumps of them, "
+        f"GridConnection and PFacet can touch the soil{INSTEAD.get(kind, '')}"
     )
 
 
 def yieldingMass(body):
     """Mass of what moves by its forces, as YADE has it; zero for what is moved by its velocity alone."""
+    if isElement(body):
+        return massOf(body)
     return 0.0 if body.state.blockedDOFs == "xyzXYZ" else body.state.mass
-
-
-def frictionOf(omega, body):
-    """Coefficient of friction by the material of a body, of a clump that of its first member; 0 where it has
-    none."""
-    if body.isClump:
-        body = omega.bodies[min(body.shape.members.keys())]
-    return float(np.tan(getattr(body.material, "frictionAngle", 0.0)))
 
 
 def density(omega, body, thickness):

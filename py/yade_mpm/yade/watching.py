@@ -80,5 +80,8 @@ def _signature(omega, number, isWhole=False):
         members = shape.members.keys()
         size = [(m, _signature(omega, m, True), str(shape.members[m])) for m in members]
     else:
-        size = {name: str(shape.dict().get(name)) for name in ("extents", "vertices", "axis", "sense", "v")}
+        size = {
+            name: str(shape.dict().get(name))
+            for name in ("extents", "vertices", "axis", "sense", "v", "radius")
+        }
     return (kind, size, repr(body.state)) if isWhole else (kind, size)  # the state's repr tells its address

@@ -2,7 +2,7 @@
 // Rigid bodies touch the scene by a penalty: a point (uGIMP box, boundary vertex of a mesh) that stands for
 // the area A and overlaps by -g gets
 //     F = A [(-kappa g) n - kappa_t s],   |kappa_t s| <= mu (-kappa g)
-// with the slip s of the history (Cundall & Strack 1979). One thread does all of it, in the order of the
+// with the slip s of the history (Cundall & Strack 1979); adhesion adds c_a A to what friction holds. One thread does all of it, in the order of the
 // points' numbers: the same bits for any number of threads, and after a restart. RigidForce.hpp tells how it
 // goes to the nodes, findRigidContacts.cpp which points overlap.
 #include "mpm/contact/rigid/RigidContact.hpp"
@@ -16,7 +16,8 @@ namespace {
 
 // Largest part of an orientation out of the plane of a 2D scene: round-off of a host.
 constexpr double inPlane = 1e-9;
-constexpr double anyMass = 1e300; // Mg/m2, no point has that much
+constexpr double anyMass = 1e300;  // Mg/m2, no point has that much
+constexpr double softShare = 0.05; // of a cell
 
 } // namespace
 
@@ -25,6 +26,7 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
     require(soilFriction.empty() || soilFriction.size() == scene.bodies.size(),
             "RigidContact: soilFriction has ", soilFriction.size(), " entries for ", scene.bodies.size(),
             " bodies of the scene; give one each");
+    pairUp(int(scene.bodies.size()));
     bool isAnyMeshed = false;
     for (auto& soil : scene.bodies) isAnyMeshed |= soil->type->isMeshed();
     shape_.clear();
@@ -43,6 +45,29 @@ template <int Dim> void RigidContact::check(Scene<Dim>& scene) {
         require(std::abs(q.x()) + std::abs(q.y()) < inPlane, "RigidContact: rigid body ", b,
                 " is turned out of the plane; a 2D scene takes rotation about z only");
     }
+}
+
+void RigidContact::pairUp(int soils) {
+    ownPair_.assign(pairs.empty() ? 0 : size_t(bodies()) * soils, -1);
+    for (size_t row = 0; row < pairs.size(); ++row) {
+        require(pairs[row].soil < soils, "RigidContact: there is no body ", pairs[row].soil,
+                " in the scene for a pair; it has ", soils);
+        ownPair_[pairs[row].body * soils + pairs[row].soil] = int(row);
+    }
+}
+
+// The smaller friction of the two bodies, and the adhesion of the rigid one, unless the pair has its own.
+RigidPair RigidContact::pairOf(int body, int soil, int soils) const {
+    if (const int row = pairs.empty() ? -1 : ownPair_[body * soils + soil]; row >= 0) return pairs[row];
+    const double limit = soilFriction.empty() ? friction[body] : std::min(friction[body], soilFriction[soil]);
+    return {body, soil, limit, adhesion[body]};
+}
+
+// The overlap at which the penalty would push as hard. Hertz's law p ~ d^1.5 up to an overlap d_0, where its
+// slope is that of the penalty, and straight on from there: no law is steeper than the time step resolves.
+double RigidContact::overlapFelt(double overlap) const {
+    if (overlap >= softTo_) return overlap - softTo_ / 3;
+    return 2.0 / 3 * overlap * std::sqrt(std::max(0.0, overlap) / softTo_);
 }
 
 // kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points
@@ -122,6 +147,10 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     reach = reachOf(scene, points);
     stiffnessUsed = chooseStiffness(scene, points);
     softenForLightBodies(scene, points);
+    pairUp(int(scene.bodies.size())); // attributes may change between two steps
+    softTo_ = normalLaw == "penalty"     ? 0
+              : std::isnan(hertzOverlap) ? softShare * scene.grid.smallestCell().minCoeff()
+                                         : hertzOverlap;
     std::vector<RigidContactPoint> contacts = findNearContacts(scene, points, shape_, states);
     moveToStrainedPlaces(scene, contacts);
     dropRepeats(contacts, shape_);
@@ -171,10 +200,12 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
                           : slidSinceTouch(soil, index, c, arm, points.position(c.place), carried, scene.dt);
     const double opened = isOld ? c.gap - c.gapBefore : 0;
     const double viscous = 2 * normalDamping * std::sqrt(kn * points.mass(c.place)) * opened / scene.dt;
-    const double normal = std::max(0.0, -kn * c.gap - viscous);
+    const double normal = std::max(0.0, kn * overlapFelt(-c.gap) - viscous);
     const Vec3 along = slid - slid.dot(n) * n;
     c.slip += along;
-    if (const double most = frictionOf(c.body, c.soil) * normal / kt, length = c.slip.norm(); length > most) {
+    const RigidPair pair = pairOf(c.body, c.soil, int(scene.bodies.size()));
+    const double held = pair.friction * normal + pair.adhesion * area;
+    if (const double most = held / kt, length = c.slip.norm(); length > most) {
         frictionWork += kt * most * (length - most);
         c.slip *= most / length;
         ++sliding;

@@ -20,11 +20,25 @@ struct Reach {
 
 template <int Dim> class RigidBalance;
 
+// What holds between a rigid body and a body of the scene instead of what each has by itself.
+struct RigidPair {
+    int body = 0, soil = 0;
+    double friction = 0, adhesion = 0; // -, kPa
+    template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
+        visit("body", "", row.body);
+        visit("soil", "", row.soil);
+        visit("friction", "-", row.friction);
+        visit("adhesion", "kPa", row.adhesion);
+    }
+};
+
 class RigidContact : public EngineOf<RigidContact> {
   public:
     std::vector<double> friction;     // -, of each rigid body,
     std::vector<double> masses;       // Mg (2D: Mg/m), and its mass; zero: it does not yield
     std::vector<double> soilFriction; // -, of each body of the scene; empty: no limit
+    std::vector<double> adhesion;     // kPa, of each rigid body
+    std::vector<RigidPair> pairs;
     std::vector<ShapeRecord> shapes;
     std::vector<RigidState> states;     // of each rigid body,
     std::vector<RigidImpulse> impulses; // and what it got since clearImpulses()
@@ -37,6 +51,8 @@ class RigidContact : public EngineOf<RigidContact> {
     };
     std::vector<BodySize> sizes; // of the bodies of the scene in the last step
     double stiffness = notGiven, stiffnessFactor = 0.3, shearRatio = 0.8, normalDamping = 0, frictionWork = 0;
+    std::string normalLaw = "penalty";
+    double hertzOverlap = notGiven;
     bool checkBalance = false;
 
     // Outputs of the last step.
@@ -54,10 +70,6 @@ class RigidContact : public EngineOf<RigidContact> {
 
     int bodies() const { return int(friction.size()); }
     int contacts() const { return int(history.size()); }
-    // Coefficient between a rigid body and one of the scene: the smaller of the two.
-    double frictionOf(int body, int soil) const {
-        return soilFriction.empty() ? friction[body] : std::min(friction[body], soilFriction[soil]);
-    }
     // All bodies at once: N x 3, N x 4 (w, x, y, z), N x 3, N x 3.
     void setStates(const std::vector<double>& positions, const std::vector<double>& orientations,
                    const std::vector<double>& velocities, const std::vector<double>& angularVelocities);
@@ -79,9 +91,14 @@ class RigidContact : public EngineOf<RigidContact> {
     std::vector<RigidShape> shape_;
     std::vector<double> area_;          // m2 (2D: m), that may touch each body at once
     std::vector<double> bodyStiffness_; // kPa/m, of each body in this step
+    std::vector<int> ownPair_;          // of each rigid body with each of the scene: row of pairs, or -1
+    double softTo_ = 0;                 // m, overlap up to which the contact is softer than the penalty
 
     void checkState(int body, const RigidState& state) const;
     template <int Dim> void check(Scene<Dim>& scene);
+    void pairUp(int soils);
+    RigidPair pairOf(int body, int soil, int soils) const;
+    double overlapFelt(double overlap) const;
     template <int Dim> Reach reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> void softenForLightBodies(const Scene<Dim>& scene, const Points<Dim>& points);

@@ -33,6 +33,14 @@ std::vector<Parameter> RigidContact::attributes() {
          "Friction coefficient of each body of the scene; a pair has the smaller of the two. Left out: that of "
          "the rigid body.",
          &soilFriction, Range::notNegative()},
+        {"adhesion", "kPa",
+         "Shear strength of the contact of each rigid body at no pressure, beside friction and while it "
+         "touches; it does not pull.",
+         &adhesion, Range::notNegative()},
+        {"pairs", "",
+         "Friction and adhesion of pairs of a rigid body and a body of the scene, a row each, in place of what "
+         "the two have by themselves.",
+         recordsOf(pairs)},
         {"stiffness", "kPa/m",
          "Normal stiffness per area; left out: stiffnessFactor m/(A dt^2) of the lightest point.", &stiffness,
          Range::positive()},
@@ -47,6 +55,16 @@ std::vector<Parameter> RigidContact::attributes() {
         {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},
         {"normalDamping", "-", "Viscous damping of the normal motion over the critical one of a point.",
          &normalDamping, Range::between(0, 1)},
+        {"normalLaw",
+         "",
+         "penalty: pressure stiffness times overlap; Hertz: rises with the overlap to the power 3/2, up to "
+         "hertzOverlap, and from there on as steeply as the penalty.",
+         &normalLaw,
+         {},
+         {"penalty", "Hertz"}},
+        {"hertzOverlap", "m",
+         "Overlap at which Hertz's law is as steep as the penalty; left out: a twentieth of a cell.",
+         &hertzOverlap, Range::positive()},
         {"checkBalance", "",
          "Compare force and moment of every rigid body with the sum over the nodes in every step.",
          &checkBalance},
@@ -67,6 +85,17 @@ void RigidContact::finish() {
     if (masses.empty()) masses.assign(bodies(), 0.0); // a checkpoint of a version without them
     require(int(masses.size()) == bodies(), "RigidContact: masses has ", masses.size(), " entries for ",
             bodies(), " rigid bodies; give one per body");
+    if (adhesion.empty()) adhesion.assign(bodies(), 0.0); // likewise
+    require(int(adhesion.size()) == bodies(), "RigidContact: adhesion has ", adhesion.size(), " entries for ",
+            bodies(), " rigid bodies; give one per body");
+    for (const RigidPair& pair : pairs) {
+        require(pair.body >= 0 && pair.body < bodies() && pair.soil >= 0,
+                "RigidContact: there is no pair of rigid body ", pair.body, " and body ", pair.soil,
+                " of the scene; number both from 0 on");
+        require(pair.friction >= 0 && pair.adhesion >= 0, "RigidContact: friction = ", pair.friction,
+                " and adhesion = ", pair.adhesion,
+                " kPa of a pair are not allowed; give zero or positive numbers");
+    }
     if (forces.size() != bodies()) {
         forces.resize(bodies());
         torques.resize(bodies());

@@ -121,12 +121,13 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         energyError 0.02, dampedRatio 0.05, dampedShare 0.1, hourglassRatio 0.05, volumeError 0.1,
         rateSensitivity 0.05.
 
-    Energies are compared with `diagnostics.workDone`. A body that a drive carries along stores kinetic energy
-    that the drive prescribes, the more the larger its inertia; it says nothing about how what it meets
-    responds. With the column freeKineticEnergy (`diagnostics.freeKineticEnergy`) this energy counts neither
-    as kinetic energy nor as work that moved a load. A ratio that is nan counts as not known, and refuses
-    the verdict. The sources of the limits are in doc/explanation/quasi-static.md. Energies of a whole model
-    say little about a small part of it, and nothing about a history that is too coarse to see a peak.
+    Energies are compared with `diagnostics.workDone`. A body that a drive carries along stores kinetic
+    energy that the drive prescribes, the more the larger its inertia; it says nothing about how what it
+    meets responds. With the column freeKineticEnergy (`diagnostics.freeKineticEnergy`) this energy counts
+    neither as kinetic energy nor as the work that this is compared with. A ratio that is nan counts as not
+    known, and refuses the verdict. The sources of the limits are in doc/explanation/quasi-static.md.
+    Energies of a whole model say little about a small part of it, and nothing about a history that is too
+    coarse to see a peak.
 
     Raises ValueError for a history without rows after `after`, an unknown or non-positive limit, or a
     negative rateSensitivity.
@@ -152,13 +153,14 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         np.asarray(history[name], dtype=float)[rows]
         for name in ("kineticEnergy", "dampedEnergy", "energyError", "workDone", "unbalancedRatio")
     )
+    onLoad = work
     if "freeKineticEnergy" in _names(history):
         free = np.asarray(history["freeKineticEnergy"], dtype=float)[rows]
-        kinetic, work = free, work - (kinetic - free)
+        kinetic, onLoad = free, work - (kinetic - free)
     if "implicitEnergy" in _names(history):
         damped = damped + np.asarray(history["implicitEnergy"], dtype=float)[rows]
     return Certificate(
-        kineticRatio=_largest(kinetic, work),
+        kineticRatio=_largest(kinetic, onLoad),
         unbalancedRatio=float(unbalanced.mean()),
         energyError=_largest(np.abs(error), work),
         dampedRatio=_largest(damped[-1:], work[-1:]),

@@ -203,15 +203,16 @@ def test_the_history_measures_what_is_judged():
     )
 
 
-def test_energy_that_a_drive_prescribes_is_neither_kinetic_nor_work_on_a_load():
+def test_energy_that_a_drive_prescribes_is_not_kinetic():
     carried = 2.0  # kJ, 4 % of the work at the end, all of it at the start
     plain, heavy = bar(0.1), bar(0.1)
     heavy["freeKineticEnergy"] = heavy["kineticEnergy"]
     heavy["kineticEnergy"] = heavy["kineticEnergy"] + carried
     heavy["workDone"] = heavy["workDone"] + carried
     found, alone = mpm.quasiStatic(heavy), mpm.quasiStatic(plain)
-    for name in ("kineticRatio", "energyError", "dampedRatio", "dampedShare"):
-        assert getattr(found, name) == pytest.approx(getattr(alone, name), rel=1e-12), name
+    assert found.kineticRatio == pytest.approx(alone.kineticRatio, rel=1e-12)
+    for name in ("energyError", "dampedRatio"):  # parts of all work
+        assert 0.5 * getattr(alone, name) < getattr(found, name) < getattr(alone, name), name
     del heavy["freeKineticEnergy"]
     assert not mpm.quasiStatic(heavy).isQuasiStatic  # control
 

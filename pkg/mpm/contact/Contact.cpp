@@ -197,7 +197,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                     nodes[i].start[side][k] = W[k] > 0 ? W[k] * field.sum[node][NF::momentum + k] : v;
                 }
             }
-        state.impulses.implicit.find(scene, search.nodes, pair, nodes);
+        state.impulses.implicit.find(scene, search.nodes, pair, nodes, separation);
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side)
                 if ((state.own[i].is[side] = nodes[i].responding[side] >= 0))

@@ -44,7 +44,7 @@ template <int Dim> class ContactImpulses {
         for (int round = 0; round < (isCoupled ? mostCoupledRounds : mostRounds); ++round) {
             bool isDone = true;
             for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) {
-                if (search.nodes[i].isSurrounded) continue;
+                if (search.nodes[i].isLeftOut) continue;
                 const bool changes = update(search.nodes[i], lawOf(search.nodes[i]), dt, &i, &one, 1);
                 isDone &= !(isCoupled && changes);
             }

@@ -12,10 +12,10 @@ template <int Dim> class ImplicitSides {
     bool isEmpty() const { return response_.isEmpty(); }
 
     // Finds those of a pair of groups, lets `nodes` know their places, and puts their own answers in the place of
-    // inverse masses.
+    // inverse masses. Where surfaces may part, what a body only brushes is left out.
     template <class Nodes>
-    void find(Scene<Dim>& scene, const std::vector<ContactNode<Dim>>& contacts, const ContactPair& pair,
-              Nodes& nodes) {
+    void find(Scene<Dim>& scene, std::vector<ContactNode<Dim>>& contacts, const ContactPair& pair,
+              Nodes& nodes, bool mayPart) {
         response_.clear();
         places_.clear();
         before_.clear();
@@ -25,6 +25,7 @@ template <int Dim> class ImplicitSides {
             for (int side = 0; side < 2; ++side) {
                 const int field = contacts[i].field[side], node = contacts[i].node;
                 if (!bodies->template moves<Dim>(field, node)) continue;
+                contacts[i].isLeftOut |= mayPart && bodies->brushes(scene, field, node);
                 nodes[i].responding[side] = int(response_.nodes.size());
                 response_.nodes.push_back({field, node});
                 places_.push_back({int(i), side});

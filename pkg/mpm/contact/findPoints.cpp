@@ -104,7 +104,7 @@ void takeFacets(PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& o
 template <int Dim> void leaveTheRest(ContactNode<Dim>& contact) {
     if (!contact.hasPoints) return;
     const double all = std::max(contact.area, contact.weight);
-    contact.isSurrounded = contact.owned > mostOwned * all;
+    contact.isLeftOut = contact.owned > mostOwned * all;
     contact.area = std::max(0.0, contact.area - contact.owned);
 }
 

@@ -20,16 +20,14 @@ class EvenCover {
     // Called by one thread, before particles are located.
     template <int Dim> void act(Scene<Dim>& scene) {
         if (scene.step % everySteps != 0) return;
-        for (int f = 0; f < int(scene.grid.fields.size()); ++f) {
-            const bool isWanted = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](auto& body) {
-                return body->velocityField == f && moves(*body);
-            });
-            if (!isWanted) continue;
-            sumCover(scene, f);
-            findExcess(scene.grid);
-            for (auto& body : scene.bodies)
-                if (body->velocityField == f && moves(*body)) shift(*body, scene.grid, everySteps * scene.dt);
-        }
+        if (std::none_of(scene.bodies.begin(), scene.bodies.end(), [](auto& body) { return moves(*body); }))
+            return;
+        // Of all bodies, whatever their velocity: a cell that a pile fills is no room for soil.
+        cover_.assign(scene.grid.count, 0.0);
+        for (const auto& body : scene.bodies) addCover(scene.grid, *body);
+        findExcess(scene.grid);
+        for (auto& body : scene.bodies)
+            if (moves(*body)) shift(*body, scene.grid, everySteps * scene.dt);
     }
 
   private:
@@ -73,23 +71,18 @@ class EvenCover {
         }
     };
 
-    template <int Dim> void sumCover(const Scene<Dim>& scene, int field) {
-        cover_.assign(scene.grid.count, 0.0);
-        for (const auto& body : scene.bodies) {
-            if (body->velocityField != field) continue;
-            const auto& particles = body->particles;
-            const auto* boxes = body->domains->boxes();
-            for (int p = 0; p < particles.size(); ++p) {
-                const double volume = particles.volume.plane()[p];
-                // A domain of a mesh stands for a box of its volume.
-                const Vec<Dim> half =
-                    boxes ? boxes->halfSize()
-                          : Vec<Dim>(
-                                Vec<Dim>::Constant(0.5 * std::pow(volume, 1.0 / Dim))
-                                    .cwiseMin(0.5 * scene.grid.sizeAt(vectorAt<Dim>(particles.position, p))));
-                Shares<Dim>(scene.grid, vectorAt<Dim>(particles.position, p), half)
-                    .each(scene.grid, -1, [&](int c, double part, bool) { cover_[c] += part * volume; });
-            }
+    template <int Dim> void addCover(const Grid<Dim>& grid, const Body<Dim>& body) {
+        const auto* boxes = body.domains->boxes();
+        for (int p = 0; p < body.particles.size(); ++p) {
+            const double volume = body.particles.volume.plane()[p];
+            const Vec<Dim> x = vectorAt<Dim>(body.particles.position, p);
+            // A domain of a mesh stands for a box of its volume.
+            const Vec<Dim> half = boxes ? boxes->halfSize()
+                                        : Vec<Dim>(Vec<Dim>::Constant(0.5 * std::pow(volume, 1.0 / Dim))
+                                                       .cwiseMin(0.5 * grid.sizeAt(x)));
+            Shares<Dim>(grid, x, half).each(grid, -1, [&](int c, double part, bool) {
+                cover_[c] += part * volume;
+            });
         }
     }
 

@@ -11,6 +11,7 @@ mechanics, ch. 3); the base at 40 b raises the deeper values.
 Units: Mg, m, s, kPa, per metre of thickness; b = 1 m.
 
     scripts/run strip_load                       # 4 cells per b, 51,200 domains
+    scripts/run strip_load --growth 1.2 --extent 800   # cells that grow away from the strip: 9632 domains
     scripts/run strip_load --smoke               # 2 cells per b, 20 b x 20 b
 """
 
@@ -47,6 +48,7 @@ PARAMETERS = mpm.Parameters(
     Parameter("cell", 0.25, "size of the grid's cells", unit="m", above=0),
     Parameter("size", lambda a: a.cell / 2, "of the domains (default: half a cell)", unit="m", partOf=B),
     Parameter("extent", 40.0, "width and depth", unit="m", above=0),
+    Parameter("growth", 1.0, "of cells away from the strip, to a tenth of the extent", least=1, most=1.5),
     smoke={"cell": 0.5, "extent": 20.0},
     check=refusal,
 )
@@ -62,7 +64,9 @@ def closedForm(depth):
 def build(a):
     """The scene: the right half of the ground, loaded from x = 0 to b; the surface is y = 0."""
     half = a.extent / 2
-    scene = mpm.Scene(lower=(0, -a.extent), upper=(half, 2 * a.cell), cell=a.cell, threads=a.threads)
+    even = box((0, -5 * B), (3 * B, 2 * a.cell))
+    grading = mpm.Grading(even, a.growth, 0.1 * a.extent) if a.growth > 1 else None
+    scene = mpm.Scene((0, -a.extent), (half, 2 * a.cell), a.cell, threads=a.threads, grading=grading)
     rock = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
     ground = scene.add("ground", box((0, -a.extent), (half, 0)), rock, mpm.APDI(size=a.size))
     strip = box((0, -1e-3 * a.cell), (B, 1e-3 * a.cell))

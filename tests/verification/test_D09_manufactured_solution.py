@@ -50,11 +50,13 @@ def bodyForce(X, t, A):
 
 
 class Solution:
-    """One run: `error`, and `drift`, the largest |V/(J V0) - 1| at the end."""
+    """One run: `error`, and `drift`, the largest |V/(J V0) - 1| at the end. lines: of a graded grid along
+    both axes, instead of N equal cells."""
 
-    def __init__(self, type_, A, N, scheme="USL", force=bodyForce):
-        h = 1 / N
-        scene = mpm.Scene(lower=(0, 0), upper=(1, 1), cell=h, scheme=scheme, threads=1)
+    def __init__(self, type_, A, N, scheme="USL", force=bodyForce, lines=None):
+        cells = {"cell": 1 / N} if lines is None else {"grading": (lines, lines)}
+        scene = mpm.Scene(lower=(0, 0), upper=(1, 1), scheme=scheme, threads=1, **cells)
+        h = float(min(scene.cell))
         material = mpm.NeoHookean(density=DENSITY, young=YOUNG, poisson=POISSON)
         type_ = mpm.APDI(size=h / 2, hourglass=0) if type_ == "APDI" else mpm.UGIMP(perCell=2)
         body = scene.add("block", box((0, 0), (1, 1)), material, type_)

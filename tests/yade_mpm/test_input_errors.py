@@ -827,8 +827,8 @@ def test_a_stress_of_the_users_own_beyond_yield_is_warned_of():
     ),
 )
 def test_a_slender_structure_that_the_grid_bends_is_warned_of(thickness, perCell, young, text):
-    def warned(height):
-        scene = mpm.Scene((0, 0), (4, 4), 0.5)
+    def warned(height, right=4, **solver):
+        scene = mpm.Scene((0, 0), (right, 4), 0.5)
         scene.add(
             "soil", box((0, 0), (2, 2)), mpm.LinearElastic(density=1.0, young=3e3, poisson=0.3), mpm.UGIMP()
         )
@@ -838,6 +838,7 @@ def test_a_slender_structure_that_the_grid_bends_is_warned_of(thickness, perCell
             mpm.LinearElastic(density=1.0, young=young, poisson=0.3),
             mpm.UGIMP(perCell=perCell),
         )
+        scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), **solver)
         return warningsOf(scene.prepare)
 
     messages = warned(3)
@@ -845,6 +846,8 @@ def test_a_slender_structure_that_the_grid_bends_is_warned_of(thickness, perCell
         not text or text in messages[0] and "its bending stiffness is wrong" in messages[0]
     )
     assert warned(0.5) == []  # not slender
+    if thickness < 0.5:
+        assert warned(3, right=2.5, roller="right") == []  # half of a symmetric one, which cannot bend
 
 
 def test_a_thin_body_alone_or_the_softest_is_no_structure():

@@ -39,7 +39,8 @@ def likelyMistakes(scene, gravity):
         yield from _beyondYield(body)
         isStructure = body.count and body.material.lameConstants[1] > STIFFER * softest
         isAlone = body.count == scene.particleCount
-        if isStructure or (isAlone and _isBent(scene, body, gravity)):
+        mayBend = isStructure or (isAlone and _isBent(scene, body, gravity))
+        if mayBend and not _isCarried(scene, body):
             yield from _bending(body)
     if scene.geostaticGravity is not None and not np.isclose(
         scene.geostaticGravity, -gravity[-1] if gravity else 0
@@ -191,17 +192,29 @@ def _bearableK0(material, vertical, up):
     return ends
 
 
-def _isBent(scene, body, gravity):
-    """Whether something acts on a body along its thinnest axis, and no face of the grid carries it there."""
-    corners = body.corners().reshape(-1, scene.dim)
+def _thinnest(body):
+    """Lower and upper corner of the box around a body, m, and the axis along which that is thinnest."""
+    corners = body.corners().reshape(-1, body.scene.dim)
     lower, upper = corners.min(axis=0), corners.max(axis=0)
-    axis = int((upper - lower).argmin())
+    return lower, upper, int((upper - lower).argmin())
+
+
+def _isCarried(scene, body):
+    """Whether a face of the grid holds a body along its thinnest axis: also half of one, by symmetry."""
+    lower, upper, axis = _thinnest(body)
     solver = scene.gridSolver("prepare")
     for face in {*solver.roller, *solver.fixed}:
         across, side = FACES[scene.dim][face]
         gap = lower[axis] - scene.lower[axis] if side == 0 else scene.upper[axis] - upper[axis]
         if across == axis and gap < scene.cellSizeAt([lower if side == 0 else upper])[0, axis]:
-            return False
+            return True
+    return False
+
+
+def _isBent(scene, body, gravity):
+    """Whether something acts on a body along its thinnest axis."""
+    axis = _thinnest(body)[2]
+    solver = scene.gridSolver("prepare")
     tractions = [np.reshape(e.traction, (-1,)) for e in scene.engines if isinstance(e, BoundaryLoad)]
     motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
     return bool(
@@ -214,9 +227,8 @@ def _isBent(scene, body, gravity):
 
 def _bending(body):
     """A slender body whose bending stiffness is that of the grid, not its own."""
-    corners = body.corners()
-    extents = np.ptp(corners.reshape(-1, corners.shape[-1]), axis=0)
-    axis = int(extents.argmin())
+    lower, upper, axis = _thinnest(body)
+    extents = upper - lower
     thin, cell = extents[axis], body.scene.cellSizeAt(body.position).max(axis=0)[axis]
     if extents.max() < SLENDER * thin:
         return

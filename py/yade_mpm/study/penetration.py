@@ -13,14 +13,15 @@ from .curves import movingAverage, travel
 def resistance(history, body, rate, ramp, gravity, width):
     """What the soil exerts on a driven body, from the force of its drive and its weight and inertia.
 
-    history : with the columns time and drive.fy. rate, ramp : of the drive, m/s and s. gravity : m/s2.
+    history : with the columns time and drive.fy (3D: drive.fz). rate, ramp : of the drive, m/s and s.
+    gravity : m/s2.
     width : of the mean, m. Returns depth of further penetration (m), resistance (kN/m) as the mean over the
     history's period, and over the width.
     """
     t = history["time"]
     depth, acceleration = travel(t, rate, ramp), np.where(t < ramp, rate / (ramp or 1.0), 0.0)
     inertia = body.inertiaScale * body.mass.sum() * acceleration
-    raw = body.mass.sum() * gravity - history["drive.fy"] - inertia
+    raw = body.mass.sum() * gravity - history[f"drive.f{'xyz'[body.scene.dim - 1]}"] - inertia
     return depth, raw, movingAverage(depth, raw, width)
 
 

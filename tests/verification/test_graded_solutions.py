@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Graded grids against exact solutions: a manufactured solution, the half-plane under a strip load with its
+faces far away, waves that come back from growing cells, sliding contact, F-bar.
+
+Cells of 0.25 m that grow to 1 m, pulses cos^2 of half length 2 and 4 m: a bar of two-node elements sends back
+4.1 and 1.0 % (growth 1.2), 0.9 and 0.25 % (1.1) (doc/explanation/graded-grids.md)."""
+
+import importlib.util
+from math import cos, radians, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box, study
+
+HERE = Path(__file__).parent
+
+
+def module(file):
+    """A fresh copy of a scene, or of another test."""
+    spec = importlib.util.spec_from_file_location(file.stem, file)
+    loaded = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(loaded)
+    return loaded
+
+
+def scene(name):
+    return module(HERE.parents[1] / "scripts" / f"{name}.py")
+
+
+# --- manufactured solution ------------------------------------------------------------------------------
+def smooth(count):
+    """Lines of the unit square whose cells differ by up to a factor of 3."""
+    even = np.linspace(0, 1, count + 1)
+    return even + 0.5 * np.sin(2 * np.pi * even) / (2 * np.pi)
+
+
+def alternating(count):
+    """Lines whose neighbouring cells differ by a factor of 1.3 however fine they are."""
+    edges = np.where(np.arange(count) % 2, 1.3, 1.0)
+    return np.concatenate([[0], np.cumsum(edges)]) / edges.sum()
+
+
+@pytest.mark.parametrize("lines, within", [(smooth, 1.4), (alternating, 1.25)])
+def test_a_manufactured_solution_converges_with_second_order(lines, within):
+    """The error is at most so many times that of as many equal cells (D9)."""
+    D9 = module(HERE / "test_D09_manufactured_solution.py")
+    errors = [D9.Solution("APDI", 0.05, N, lines=lines(N)).error for N in (16, 32)]
+    assert D9.order(*errors) > 1.9
+    assert errors[1] < within * D9.REFERENCE["APDI", 0.05][2]
+
+
+# --- half-plane -----------------------------------------------------------------------------------------
+STRIP = [  # options, most domains, error at the depths of the scene
+    (("--smoke", "--growth", "1.3", "--extent", "100"), 3200, (0.07, 0.03, 0.015, 0.013, 0.013)),
+    pytest.param(
+        ("--smoke", "--growth", "1.3", "--extent", "400"),
+        3200,
+        (0.07, 0.03, 0.015, 0.013, 0.013),
+        marks=pytest.mark.slow,
+    ),
+    pytest.param(
+        ("--growth", "1.2", "--extent", "800"),
+        51200,
+        (0.02, 0.013, 0.013, 0.013, 0.013),
+        marks=pytest.mark.slow,
+    ),
+]
+
+
+@pytest.mark.parametrize("options, most, errors", STRIP)
+def test_a_half_plane_whose_faces_are_far_takes_no_more_domains(options, most, errors):
+    """20 times as far as those of the scene on equal cells, with at most its domains."""
+    strip = scene("strip_load")
+    summary = strip.run(strip.arguments([*options, "--threads", "1"]))[0]
+    assert summary["domains"] <= most
+    assert (np.abs(summary["error"]) < errors).all()
+
+
+# --- waves ----------------------------------------------------------------------------------------------
+CELL, LARGEST, EVEN = 0.25, 1.0, 24.0  # m: cells in [0, EVEN], and far away
+
+
+def barLines(growth):
+    """Lines along a bar of which the cells grow from EVEN on; a growth of None is a jump, 1 none."""
+    edges = [CELL]
+    while growth not in (None, 1) and edges[-1] < LARGEST:
+        edges.append(min(growth * edges[-1], LARGEST))
+    far = [CELL] * 144 if growth == 1 else [LARGEST] * 30
+    return np.concatenate([np.arange(0, EVEN + 1e-9, CELL), EVEN + np.cumsum([*edges[1:], *far])])
+
+
+def bar(lines, half):
+    """Velocity over that of the pulse in the cells before EVEN, once it has passed and its echo is there.
+    Waves travel at 1 m/s."""
+    start, height = EVEN - half - 2.0, 1e-6
+    bar = mpm.Scene((0, 0), (lines[-1], 2 * CELL), grading=(lines, [0, CELL, 2 * CELL]), threads=1)
+    rock = mpm.LinearElastic(density=1.0, lame=(0.5, 0.25))
+    body = bar.add("bar", box((0, 0), (lines[-1], 2 * CELL)), rock, mpm.APDI(size=CELL / 2))
+    sides = mpm.GridSolver(roller=("left", "right", "bottom", "top"))
+    bar.engines = [mpm.ParticleToGrid(), sides, mpm.GridToParticle(), mpm.DomainUpdater()]
+    away = body.position[:, 0] - start
+    pulse = np.where(np.abs(away) < half, np.cos(np.pi * away / (2 * half)) ** 2, 0) * height
+    body.velocity[:, 0], body.stress[:, 0, 0] = pulse, -pulse
+    bar.dt = 0.25 * CELL
+    bar.run(until=half + 14.0, progress=False)
+    order = np.lexsort((body.position[:, 1], np.round(body.position[:, 0], 3)))
+    return body.velocity[order[body.position[order, 0] < EVEN - 1], 0] / height
+
+
+@pytest.mark.parametrize(
+    "half, growth, back",
+    [(2.0, 1.1, 0.0042), (2.0, 1.2, 0.027), (4.0, 1.1, 0.0023), (4.0, 1.2, 0.0106), (2.0, None, 0.206)],
+)
+def test_of_a_wave_little_comes_back_from_growing_cells(half, growth, back):
+    """Less than of a bar of elements, for short waves are damped. Control: a jump to cells four times as
+    long."""
+    echo = np.abs(bar(barLines(growth), half) - bar(barLines(1), half)).max()
+    assert echo == pytest.approx(back, rel=0.1)
+
+
+# --- contact --------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("alongOnly", [True, False])
+def test_a_block_slides_as_coulomb_says_from_small_cells_into_large_ones(alongOnly):
+    """Two metres down a slope, into cells three times as long; without alongOnly they grow upward, too."""
+    slope, friction, g, h = radians(45), 0.3, 10.0, 0.1
+    even = ((0, 0), (1, 2)) if alongOnly else ((0, 0.1), (1, 0.4))
+    scene = mpm.Scene((0, 0), (6, 2), h, threads=1, grading=mpm.Grading(even, largest=3 * h))
+    rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
+    scene.add("base", box((0, 0), (6, 0.4)), rubber, mpm.APDI(size=h / 2), group="base")
+    mesh = study.quadrilaterals(*np.meshgrid(np.linspace(0.3, 0.8, 11), np.linspace(0.4, 0.9, 11)))
+    block = scene.add("block", mesh, rubber, mpm.APDI(), group="block")
+    base = mpm.Hold(box((-1, -1), (7, 0.21)), velocity=(0, 0), name="base")
+    solver = mpm.GridSolver(gravity=(0, -g * cos(slope)), damping=0.7, hold=base)
+    contact = mpm.Contact(friction=friction)
+    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.run(until=0.1, progress=False)
+    for body in scene.bodies:
+        body.velocity[...] = 0
+    solver.gravity, solver.damping, rows = (g * sin(slope), -g * cos(slope)), 0, []
+    while scene.time < 1.0:
+        scene.run(until=scene.time + 0.02, progress=False)
+        rows.append((scene.time, block.velocity[:, 0].mean(), block.position[:, 1].mean()))
+    time, velocity, height = np.array(rows).T
+    acceleration = np.polyfit(time, velocity, 1)[0]
+    assert block.position[:, 0].mean() > 2.5 and scene.cellSizeAt(block.position)[:, 0].max() > 2.9 * h
+    assert acceleration == pytest.approx(g * (sin(slope) - friction * cos(slope)), rel=5e-3)
+    assert np.abs(height - 0.65).max() < 0.01 * h
+
+
+# --- F-bar ----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
+def test_fbar_averages_over_the_cells_of_a_graded_grid(kind):
+    """Of the mean stress a part that alternates from domain to domain goes, and one that is linear stays."""
+    lines = 0.5 * np.concatenate([[0], np.cumsum(1.2 ** np.arange(8))])
+    scene = mpm.Scene((0, 0), (lines[-1],) * 2, grading=(lines, lines), threads=1)
+    strong = mpm.MohrCoulombDruckerPrager(
+        density=2.0, lame=(1e3, 1e3), cohesion=1e3, frictionAngle=0.0, dilatancyAngle=0.0
+    )
+    upper = float(lines[-2]) if kind == "APDI" else 2.0
+    type_ = mpm.APDI(size=0.25) if kind == "APDI" else mpm.UGIMP(perCell=4)
+    body = scene.add("block", box((float(lines[1]),) * 2, (upper,) * 2), strong, type_, fbar=True)
+    x, linear = body.position, 7 + body.position @ (3.0, -5.0)
+    cell = np.stack([np.searchsorted(lines, x[:, k]) for k in range(2)], axis=1)
+    odd = np.zeros(body.count)
+    for c in np.unique(cell, axis=0):  # a pattern of no mean and no slope in each cell
+        members = (cell == c).all(axis=1)
+        away = (x[members] - x[members].mean(axis=0)).prod(axis=1)
+        odd[members] = 4 * np.sign(away)
+    body.stress[...] = (linear + odd)[:, None, None] * np.eye(3)
+    scene.dt = 1e-13
+    scene.run(steps=1, progress=False)
+    inside = ((cell > cell.min(axis=0)) & (cell < cell.max(axis=0))).all(axis=1)
+    mean = np.trace(body.stress, axis1=1, axis2=2) / 3
+    assert inside.sum() > 30
+    assert mean[inside] == pytest.approx(linear[inside], abs=1e-6)

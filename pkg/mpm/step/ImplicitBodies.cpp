@@ -24,7 +24,8 @@ template <int Dim> void ImplicitBodies::check(Scene<Dim>& scene) {
         require(
             !body->fbar, "body '", body->name,
             "': implicit=True with fbar=True is not possible, for the stiffness of cell-wise strains is not "
-            "known to the solution; leave one of them out");
+            "known to the solution; give fbar=False (True is the default of a material that yields), or leave "
+            "implicit out");
     }
 }
 

@@ -81,6 +81,13 @@ def test_what_it_cannot_do_is_refused():
         scene.run(steps=1)
     with pytest.raises(ValueError, match="'pile': implicit=True with fbar=True"):
         soilWithPile(fbar=True).run(steps=1)
+    late = soilWithPile(implicit=False)
+    sand = mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(1e4, 6e3), cohesion=5.0, frictionAngle=0.5, dilatancyAngle=0.0
+    )
+    late.add("block", box((0, 2), (1, 3)), sand, mpm.UGIMP()).implicit = True
+    with pytest.raises(ValueError, match="'block'.*give fbar=False .True is the default of a material that"):
+        late.run(steps=1)
     with pytest.raises(ValueError, match="implicit = 1; give True or False"):
         soilWithPile(implicit=1)
 

@@ -227,18 +227,23 @@ class Recorder(Callback):
             self._path = self._file
 
     def _resume(self, scene):
-        recover(self._file)
-        try:  # HDF5 goes astray in damaged files: there first
-            size = os.path.getsize(self._file)
-            inChild(lambda: self._lookAt(scene.steps), READ_SECONDS, READ_MEMORY + size)
+        with naming(self._file):
+            recover(self._file)
+            self._lookFirst(scene.steps)
+            with appendingTo(self._file) as h5:
+                self._cut(h5, scene.steps)
+        self._path = self._file
+
+    def _lookFirst(self, steps):
+        """Cuts the file in a child process, where nothing is written: HDF5 goes astray in damaged files."""
+        room = READ_MEMORY + os.path.getsize(self._file)
+        try:
+            inChild(lambda: self._lookAt(steps), READ_SECONDS, room)
         except (LostInChild, *READING) as error:
             raise ValueError(
                 f"Recorder: '{self._file}' is damaged: {type(error).__name__}: {error}; move it away, and "
                 "the run begins another one"
             ) from error
-        with naming(self._file), appendingTo(self._file) as h5:
-            self._cut(h5, scene.steps)
-        self._path = self._file
 
     def _lookAt(self, steps):
         with PagedFile(self._file) as pages, h5py.File(pages, "r+") as h5:

@@ -18,7 +18,8 @@ import tempfile
 import time
 import warnings
 
-PATIENCE = 30  # s for one case
+PATIENCE = 30  # s for one case,
+START = 180  # and for a process to begin, on a busy machine
 MOST_MEMORY = 8 << 30  # bytes
 LONGEST = 2000  # characters of an error
 # Errors that users know, of their own making; others are from the inside.
@@ -93,12 +94,12 @@ def survey(script, count, seed=1, start=0, seconds=float("inf"), match="", progr
 
 def _blows(words, end):
     """Results up to the end of the process, and how it ended; empty: because time was over."""
-    child = subprocess.Popen(
-        words, stdout=subprocess.PIPE, env=dict(os.environ, MPLBACKEND="Agg", OMP_NUM_THREADS="1")
-    )
+    path = os.pathsep.join([os.path.dirname(__file__), os.environ.get("PYTHONPATH", "")])  # also of YADE
+    environment = dict(os.environ, MPLBACKEND="Agg", OMP_NUM_THREADS="1", PYTHONPATH=path)
+    child = subprocess.Popen(words, stdout=subprocess.PIPE, env=environment)
     told, ending = b"", ""
     while True:
-        if not select.select([child.stdout], [], [], PATIENCE)[0]:
+        if not select.select([child.stdout], [], [], PATIENCE if b"ready\n" in told else START)[0]:
             ending = "hang"
             break
         read = os.read(child.stdout.fileno(), 1 << 16)

@@ -121,7 +121,7 @@ def asSpacing(spacing, dim, name):
     """Spacing as (dim,) array; raises ValueError unless it is one or dim positive numbers."""
     array = np.asarray(spacing, float)
     if array.shape not in ((), (dim,)) or not np.all((array > 0) & np.isfinite(array)):
-        raise ValueError(f"'{name}': spacing = {spacing!r} must be one positive number or {dim} of them")
+        raise ValueError(f"body '{name}': spacing = {spacing!r} must be one positive number or {dim} of them")
     return np.broadcast_to(array, (dim,)).copy()
 
 

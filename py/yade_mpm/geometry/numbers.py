@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers that users give, checked, and as text."""
 
-from numbers import Real
-
 import numpy as np
 
 
@@ -27,12 +25,14 @@ def floats(value):
     """A value as a new array of floats; TypeError for text, dates and complex numbers, which NumPy would turn
     into some."""
     array = np.asarray(value)
-    areReal = array.dtype.kind in "biuf" or (
-        array.dtype.kind == "O" and all(isinstance(one, Real) for one in array.flat)
-    )
-    if not areReal:
+    if not (array.dtype.kind in "biuf" or array.dtype.kind == "O" and all(map(_isReal, array.flat))):
         raise TypeError("it is not made of real numbers")
     return array.astype(float)
+
+
+def _isReal(one):
+    isOther = isinstance(one, (np.datetime64, np.timedelta64, np.complexfloating))
+    return hasattr(one, "__float__") and not isOther
 
 
 def numbers(who, what, value, shape=None):

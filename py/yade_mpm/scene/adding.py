@@ -120,7 +120,7 @@ def _checkArguments(scene, name, region, material, type):
             f"body '{name}': type = {type!r}; give e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=...)"
         )
     if isinstance(region, Region) and region.dim != scene.dim:
-        raise ValueError(f"body '{name}': the region is {region.dim}D, the scene {scene.dim}D")
+        raise ValueError(f"body '{name}': the region is {region.dim}D, the scene {scene.dim}D; give another")
 
 
 def _checkInside(scene, name, geometry):

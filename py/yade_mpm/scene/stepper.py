@@ -3,6 +3,7 @@
 
 import functools
 import math
+import time
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ..engine.engine import belongTo
 from ..engine.gridSolver import GridSolver
 
 UNLIMITED = 1e9  # s of wall time: no limit
+SLICE = 0.1  # s of wall time between looks at signals
 
 BLENDS = {
     "GridSolver": "damping",
@@ -224,14 +226,17 @@ class Stepper:
 
     # --- steps ----------------------------------------------------------------------------------------
     def advance(self, steps, seconds=UNLIMITED):
-        """Takes steps.
+        """Takes steps; Ctrl-C and other signals come through between two of them.
 
         Parameters
         ----------
         steps : int, how many at most.
         seconds : float, s of wall time after which to return behind a step; default: no limit.
         """
-        self._scene.core.advance(steps, seconds)
+        began, advance = time.monotonic(), self._scene.core.advance
+        taken = advance(steps, min(seconds, SLICE))
+        while taken < steps and (left := seconds - (time.monotonic() - began)) > 0:
+            taken += advance(steps - taken, min(left, SLICE))
 
     def advanceShort(self, dt):
         """Takes one step that is shorter than the others, s."""

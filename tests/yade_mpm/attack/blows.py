@@ -12,6 +12,7 @@ import os
 import re
 import resource
 import select
+import signal
 import subprocess
 import sys
 import tempfile
@@ -19,6 +20,7 @@ import time
 import warnings
 
 PATIENCE = 30  # s for one case,
+LONG = 15  # s, after which it is interrupted, which is no hang;
 START = 180  # and for a process to begin, on a busy machine
 MOST_MEMORY = 8 << 30  # bytes
 LONGEST = 2000  # characters of an error
@@ -27,7 +29,7 @@ KINDS = (ValueError, TypeError, KeyError, IndexError, AttributeError, RuntimeErr
 KINDS += (NotImplementedError, ImportError, argparse.ArgumentTypeError)
 WORDS = "give given use set make choose move check take takes add lower enlarge report pause run mend got"
 WORDS += " remove refine order count may lies need needs needed allowed must cannot not"
-WORDS += " already only exists permission fill"
+WORDS += " let already only exists permission fill"
 ADVICE = re.compile(
     rf"\b({WORDS.replace(' ', '|')}|there is no|has no|is no|no body has|did you mean|no such file)\b", re.I
 )
@@ -62,12 +64,18 @@ def worker(attack, first, last, seed):
     say.write("ready\n")
     for stream in (1, 2):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream)
+    signal.signal(signal.SIGALRM, signal.default_int_handler)  # as Ctrl-C
     for number in range(first, last):
         with contextlib.suppress(OSError):
             os.chdir(tempfile.gettempdir())
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)
-            result = attack(number, seed)
+            signal.alarm(LONG)
+            try:
+                result = attack(number, seed)
+            except KeyboardInterrupt:  # 10**9 steps, say, which somebody may want
+                result = "?", "long", "it goes on until it is interrupted"
+            signal.alarm(0)
             os.chdir("/")
         say.write(json.dumps([number, *result], ensure_ascii=True) + "\n")
         say.flush()
@@ -123,8 +131,8 @@ def summary(results):
 
 
 def harmful(results):
-    """Results that are neither accepted nor refused in words."""
-    return [r for r in results if r[2] not in ("accepted", "refused")]
+    """Results that are neither accepted nor refused in words, and go on for ever whatever comes."""
+    return [r for r in results if r[2] not in ("accepted", "refused", "long")]
 
 
 def main(script, doc, prepared, program=(sys.executable,)):

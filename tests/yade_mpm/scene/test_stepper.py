@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A loop of one's own steps a scene through `scene.stepper`, with the same bits as `scene.run`."""
 
+import signal
+import time
+
 import numpy as np
 import pytest
 import yade_mpm as mpm
@@ -144,3 +147,26 @@ def test_an_engine_that_is_not_on_turn_is_refused():
         ValueError, match=r"do not leave that out \(dead\), and act in the order of scene.eng"
     ):
         scene.run(steps=2, progress=False)
+
+
+def test_ctrl_c_comes_through_between_two_steps():
+    one, other = falling(), falling()
+    one.prepare()
+    before = signal.signal(signal.SIGALRM, signal.default_int_handler)
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with pytest.raises(KeyboardInterrupt):
+            one.stepper.advance(10**9)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    atOnce(other, one.steps)
+    assert bits(one) == bits(other)
+
+
+def test_steps_end_behind_the_time_that_they_are_given():
+    one = falling()
+    one.prepare()
+    began = time.monotonic()
+    one.stepper.advance(10**9, seconds=0.3)
+    assert 0.3 <= time.monotonic() - began < 5 and one.steps > 0

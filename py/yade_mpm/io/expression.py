@@ -1,102 +1,36 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Expressions as text, for what a file may bring: they look at a scene, compute, and can do nothing else.
 
-The text is parsed by `ast` and walked here, never compiled: what is not named below does not exist. Arrays
-of a scene are given out read-only.
+The text is parsed by `ast` and walked here, never compiled: what `language` does not name does not exist.
+Arrays of a scene are given out read-only.
 """
 
 import ast
-import math
 import operator
 
 import numpy as np
 
-from ..base.attributes import Attributed
 from ..check import diagnostics
-from ..engine.contact import Contact
-from ..engine.prescribed import Prescribed
-from ..engine.rigidContact import RigidContact
-from ..particle.body import Body, BodyPart
-
-
-def _words(text):
-    return frozenset(text.split())
-
-
-# Parts of an expression looked at in one evaluation: a thousand bodies, a hundred parts for each.
-MOST_NODES = 100_000
-MOST_TEXT = 10_000  # characters
-MOST_BITS = 4096  # of a whole number; 10**10**10 would take minutes and all memory
-
-FUNCTIONS = {f.__name__: f for f in (abs, all, any, bool, float, int, len, max, min, round, sum)}
-
-NUMPY = _words(
-    "abs absolute all allclose any arccos arcsin arctan arctan2 argmax argmin argsort array asarray "
-    "average ceil clip concatenate cos cosh count_nonzero cross cumprod cumsum deg2rad degrees diff "
-    "divide dot einsum exp expm1 fabs floor fmax fmin hstack hypot inner interp isfinite isinf isnan "
-    "isclose log log10 log1p log2 logical_and logical_not logical_or logical_xor max maximum mean "
-    "median min minimum mod multiply nanmax nanmean nanmedian nanmin nanquantile nansum negative "
-    "percentile power prod ptp quantile rad2deg radians rint round searchsorted sign sin sinh sort sqrt "
-    "square squeeze stack std subtract sum take tan tanh trace trapz transpose true_divide trunc unique "
-    "var vstack where add linalg.norm linalg.det linalg.eigvalsh flatnonzero float64 int64 "
-    "bool_"
+from .language import (
+    ARRAY_ATTRIBUTES,
+    ARRAY_METHODS,
+    BINARY,
+    COMPARE,
+    CONSTANTS,
+    FUNCTIONS,
+    KINDS,
+    METHODS,
+    MOST_BITS,
+    MOST_NODES,
+    MOST_TEXT,
+    NODES,
+    NUMPY,
+    SCENE_ATTRIBUTES,
+    SCENE_METHODS,
+    UNARY,
+    isData,
+    readOnly,
 )
-CONSTANTS = {"pi": math.pi, "inf": math.inf, "nan": math.nan, "e": math.e, "newaxis": None}
-
-ARRAY_ATTRIBUTES = {"T", "shape", "size", "ndim", "real"}
-ARRAY_METHODS = _words(
-    "all any argmax argmin argsort clip copy cumprod cumsum diagonal dot flatten item max mean min prod "
-    "ptp ravel reshape round squeeze std sum swapaxes take tolist trace transpose var"
-)
-METHODS = {  # of what a scene is made of; none of them changes anything
-    Body: {"corners", "outline", "fields"},
-    Contact: {"forces", "forceOn", "forceImpulses", "contactTable", "frictions"},
-    RigidContact: {"contactTable", "frictions"},
-}
-KINDS = (
-    Body,
-    BodyPart,
-    Attributed,
-    Prescribed,
-)  # whose values may be looked at; Attributed: engines, materials, types
-SCENE_ATTRIBUTES = _words(
-    "time steps dt dtCritical dtStable stiffest dim lower upper cell bodies engines constraints "
-    "particleCount threads scheme"
-)
-SCENE_METHODS = {"nodePositions", "faceNodes"}
-
-BINARY = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.FloorDiv: operator.floordiv,
-    ast.Mod: operator.mod,
-    ast.Pow: operator.pow,
-    ast.MatMult: operator.matmul,
-    ast.BitAnd: operator.and_,
-    ast.BitOr: operator.or_,
-    ast.BitXor: operator.xor,
-}
-UNARY = {ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: operator.not_, ast.Invert: operator.invert}
-COMPARE = {
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-    ast.Is: operator.is_,
-    ast.IsNot: operator.is_not,
-    ast.In: lambda a, b: a in b,
-    ast.NotIn: lambda a, b: a not in b,
-}
-NODES = (
-    *(ast.Expression, ast.Constant, ast.Name, ast.Load, ast.Store, ast.Attribute, ast.Subscript, ast.Slice),
-    *(ast.Tuple, ast.List),
-    *(ast.BinOp, ast.UnaryOp, ast.BoolOp, ast.And, ast.Or, ast.Compare, ast.IfExp, ast.Call, ast.keyword),
-    *(ast.GeneratorExp, ast.ListComp, ast.comprehension, *BINARY, *UNARY, *COMPARE),
-)  # fmt: skip
 
 
 class Expression:
@@ -266,8 +200,8 @@ class _Evaluation:
             isKnown = isinstance(holder, KINDS) and name != "core"
         if not isKnown:
             self._refuse(f"'{name}' of a {type(holder).__name__} is not part of the language")
-        found = _readOnly(getattr(holder, name))
-        if not _isData(found):
+        found = readOnly(getattr(holder, name))
+        if not isData(found):
             self._refuse(f"'{name}' of a {type(holder).__name__} is not a value")
         return found
 
@@ -277,7 +211,7 @@ class _Evaluation:
         named = {k.arg: self.value(k.value, own) for k in node.keywords}
         if isinstance(function, np.ufunc) and len(given) > function.nin:
             self._refuse(f"np.{function.__name__} takes {function.nin} arguments")
-        return _readOnly(function(*given, **named))
+        return readOnly(function(*given, **named))
 
     def _function(self, node, own):
         name = _dotted(node)
@@ -288,10 +222,9 @@ class _Evaluation:
                 self._refuse(f"{name} is not part of the language")
             return operator.attrgetter(name[3:])(np)
         if name.startswith("diagnostics."):
-            found = getattr(diagnostics, name[12:], None)
-            if getattr(found, "__module__", None) != diagnostics.__name__:
+            if name[12:] not in diagnostics.__all__:
                 self._refuse(f"there is no {name}")
-            return found
+            return getattr(diagnostics, name[12:])
         if isinstance(node, ast.Name):
             self._refuse(f"'{name}' cannot be called")
         holder = self.value(node.value, own)
@@ -310,20 +243,3 @@ def _dotted(node):
     if isinstance(node, ast.Name):
         return node.id
     return f"{_dotted(node.value)}.{node.attr}" if isinstance(node, ast.Attribute) else ""
-
-
-def _readOnly(value):
-    """Arrays as views that cannot be written to: np.add(a, b, a) would change the scene."""
-    if isinstance(value, np.ndarray):
-        value = value.view()
-        value.flags.writeable = False
-    elif isinstance(value, tuple):
-        value = tuple(_readOnly(v) for v in value)
-    return value
-
-
-def _isData(value):
-    if isinstance(value, (list, tuple)):
-        return all(_isData(v) for v in value)
-    plain = (int, float, str, bool, type(None), np.ndarray, np.generic, dict)
-    return isinstance(value, (*plain, *KINDS))

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Mass, momentum and energy of a scene, and what is missing in their balance."""
+
+import numpy as np
+
+from ..engine.prescribed import Drive
+
+CARRIED = 0.1  # of a drive's velocity: a body whose mean velocity differs by less is carried along
+
+
+def mass(scene):
+    """Mass of all particles, sum m, Mg; without inertial scaling."""
+    return float(sum(body.mass.sum() for body in scene.bodies))
+
+
+def momentum(scene):
+    """Momentum, sum s m v, Mg m/s (dim,), with the inertial mass (s: inertiaScale of the body)."""
+    return sum(
+        (body.inertiaScale * np.array(body.core.motion()["momentum"]) for body in scene.bodies),
+        np.zeros(scene.dim),
+    )
+
+
+def kineticEnergy(scene):
+    """Kinetic energy, sum 1/2 s m v.v, kJ, with the inertial mass (s: inertiaScale of the body)."""
+    return float(sum(body.inertiaScale * body.core.motion()["kineticEnergy"] for body in scene.bodies))
+
+
+def freeKineticEnergy(scene):
+    """Kinetic energy that no drive prescribes, sum 1/2 s m |v - v_d|^2, kJ, with the inertial mass.
+
+    v_d is the velocity of the `Drive` that carries the body along, whole or by a part of it. A body stores
+    that energy whatever it meets; this is what is left. v_d is zero for other bodies, where several drives
+    differ, and where the body's mean velocity is more than 10 % of v_d off, as of a block that is pressed at
+    its top.
+    """
+    return float(sum(_freeEnergy(scene, body) for body in scene.bodies))
+
+
+def _freeEnergy(scene, body):
+    motion, translation = body.core.motion(), _translation(scene, body)
+    energy, momentum, mass = motion["kineticEnergy"], np.array(motion["momentum"]), body.mass.sum()
+    speed = np.linalg.norm(translation)
+    if speed > 0 and np.linalg.norm(momentum - mass * translation) <= CARRIED * mass * speed:
+        energy += translation @ (0.5 * mass * translation - momentum)
+    return body.inertiaScale * max(0.0, energy)  # a difference of nearly equal numbers
+
+
+def _translation(scene, body):
+    """Velocity (dim,), m/s, with which drives carry a body along now; zero where they differ."""
+    drives = [c for c in scene.constraints if isinstance(c, Drive) and c.core.active and c.part.body is body]
+    velocities = [np.nan_to_num(c.velocityAt(scene.time)) for c in drives]
+    alike = all(np.array_equal(v, velocities[0]) for v in velocities)
+    return velocities[0] if drives and alike else np.zeros(scene.dim)
+
+
+def internalWork(scene):
+    """Work of the stresses since the start, int sum V sigma : D dt, kJ: elastic energy and plastic
+    dissipation."""
+    return float(sum(body.core.internalWork for body in scene.bodies))
+
+
+def externalWork(scene):
+    """Work of gravity, body forces, boundary loads and prescribed motions since the start, kJ."""
+    energies = scene.core.energies
+    return float(energies["gravity"] + energies["loads"] + sum(c.work for c in scene.constraints))
+
+
+def dampedEnergy(scene):
+    """Energy taken out by local damping since the start, kJ."""
+    return float(scene.core.energies["damping"])
+
+
+def contactEnergy(scene):
+    """Energy lost to friction and impact between groups of bodies since the start, kJ."""
+    return float(scene.core.energies["contact"])
+
+
+def implicitEnergy(scene):
+    """Energy taken by the solution for implicit bodies since the start, 1/2 dt^2 sum (v.K v + a.M a), kJ."""
+    return float(scene.core.energies["implicit"])
+
+
+def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
+    """What is missing in the energy balance, W_ext - W_damp - W_contact - W_implicit - W_int - (E_kin -
+    E_kin,0), kJ.
+
+    Parameters
+    ----------
+    initialKineticEnergy : E_kin,0 at the start, kJ; default 0.
+    relative : divide by |W_ext| + W_damp + W_contact + W_implicit + |W_int| + E_kin + E_kin,0;
+        0 where all are zero.
+    kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
+
+    Positive: energy was lost in the transfers, in hourglass control or in conversions. Velocities belong to
+    the middle of steps, so dt/2 dE_kin/dt is always part of it; that oscillates and does not add up.
+    """
+    kinetic = kineticEnergy(scene) if kinetic is None else kinetic
+    external, internal, damped = (
+        externalWork(scene),
+        internalWork(scene),
+        dampedEnergy(scene) + contactEnergy(scene) + implicitEnergy(scene),
+    )
+    error = external - damped - internal - (kinetic - initialKineticEnergy)
+    if not relative:
+        return error
+    scale = abs(external) + damped + abs(internal) + kinetic + initialKineticEnergy
+    return error / scale if scale > 0 else 0.0
+
+
+def workDone(scene):
+    """Work done so far whatever its sign, |W_gravity| + |W_loads| + sum |W_c|, kJ; W_c: of one prescribed
+    motion.
+
+    Unlike `externalWork` it is no sum in which the work of gravity and of a drive may cancel: the scale of
+    energy ratios.
+    """
+    energies = scene.core.energies
+    return float(
+        abs(energies["gravity"]) + abs(energies["loads"]) + sum(abs(c.work) for c in scene.constraints)
+    )
+
+
+def kineticRatio(scene, kinetic=None):
+    """Kinetic energy over the work done, E_kin / `workDone`, -; nan before any work is done.
+
+    Parameters
+    ----------
+    kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
+
+    Small values (a few percent) mean that a run is quasi-static, see `yade_mpm.quasiStatic`.
+    """
+    done = workDone(scene)
+    kinetic = kineticEnergy(scene) if kinetic is None else kinetic
+    return kinetic / done if done > 0 else float("nan")

@@ -9,11 +9,12 @@ YADE is used through its Python interface only. An engine of ours is a PyRunner,
 """
 
 import json
+import math
 import os
 
 from ..scene.restoring import load
 from ..scene.scene import Scene
-from . import loop
+from . import checkpoints, loop
 from .bodies import Bodies
 from .coupling import Coupling
 from .display import Display
@@ -32,6 +33,7 @@ def attach(
     plot=False,
     callbacks=None,
     bodies=None,
+    checkpointPeriod=None,
 ):
     """Makes the engines of a scene engines of O.engines, before the NewtonIntegrator (at the end if there is
     none).
@@ -51,6 +53,11 @@ def attach(
     callbacks : as for `yade_mpm.load`, where the checkpoint needs functions; only without `scene`.
     bodies : `Bodies` of YADE that touch the scene, or a list of them; also other objects for `exchanges`.
         Default: those that the scene had when it was attached last (after O.load: as saved).
+
+    checkpointPeriod : s of wall time between checkpoints of YADE and the scene, from an engine at the head of
+        O.engines: ID.checkpoint-a.yade.gz and ID.checkpoint-b.yade.gz in turn (ID: O.tags["id"]), each with
+        ours beside it; O.load the newer one to go on. Default: as before under this label, or as saved, else
+        none.
 
     Returns the `Coupling`. A scene that was attached under the same label before is replaced.
 
@@ -95,13 +102,19 @@ def attach(
             "(scene.timing() still tells the time of each stage)"
         )
     bodies = None if bodies is None else _listed(bodies)
+    if checkpointPeriod is None:
+        before = loop.attached.get(label)
+        checkpointPeriod = before.checkpointPeriod if before else saved.get("checkpointPeriod")
+    _checkPeriod(checkpointPeriod)
     loop.wrapOmega(type(omega))
     loop.thread.waitForEnd()
     loop.errors.clear()
     if label in loop.attached:
         loop.attached.pop(label).letGo()
     coupling = Coupling(omega, scene, mpmSteps, demSteps, stages, label, bool(plot), saved, bodies)
-    loop.attached[label] = coupling
+    loop.attached[label], coupling.checkpointPeriod = coupling, checkpointPeriod
+    checkpoints.insert(omega, label, checkpointPeriod)
+    loop.defineCommands(omega.engines)
     loop.signals.install()
     return coupling
 
@@ -115,6 +128,15 @@ def _listed(bodies):
                 f"inYade.attach: bodies = {exchange!r}; give inYade.Bodies(contact, ids), or a list of them"
             )
     return bodies
+
+
+def _checkPeriod(period):
+    if period is not None and (
+        isinstance(period, bool) or not isinstance(period, (int, float)) or not 0 < period < math.inf
+    ):
+        raise ValueError(
+            f"inYade.attach: checkpointPeriod = {period!r} is not allowed; give a wall time in s, or None"
+        )
 
 
 def _count(name, value):

@@ -10,7 +10,7 @@ from ..io.files import checkWritable
 from ..scene.policy import LoopPolicy
 from ..scene.rescue import Rescue
 from ..scene.saving import save
-from . import loop
+from . import checkpoints, loop
 from .bodies import Bodies
 from .clock import Clock
 from .engineList import EngineList
@@ -37,6 +37,7 @@ class Coupling:
     criticalDt : s, O.dt above which a step is refused; infinite with scene.allowUnstable.
     runs : number of runs of YADE so far in which it acted.
     error : what ended the run, or None. The scene has to be attached anew then.
+    checkpointPeriod : s of wall time between checkpoints, as given to `attach`; None: there are none.
     stepsSaved : number of MPM steps that the last checkpoint holds.
     exchanges : list of objects with read(coupling) and apply(coupling), for coupling with bodies of YADE.
         `read` is called before the MPM takes its step or steps, when both sides are at the same time; `apply`
@@ -46,7 +47,7 @@ class Coupling:
     def __init__(self, omega, scene, mpmSteps, demSteps, stages, label, plot, saved, bodies):
         self._omega, self.scene, self.label, self.plot = omega, scene, label, plot
         self.mpmSteps, self.demSteps, self.stages = mpmSteps, demSteps, stages
-        self.error, self.runs = None, 0
+        self.error, self.runs, self.checkpointPeriod = None, 0, None
         isKept = bodies is None
         self.exchanges = _exchangesOf(scene) if isKept else bodies
         self._isAtWork = False  # on this scene
@@ -171,6 +172,7 @@ class Coupling:
         loop.thread.waitForEnd()
         self.flush()
         self._list.remove()
+        checkpoints.insert(self._omega, self.label, None)
         if loop.attached.get(self.label) is self:
             del loop.attached[self.label]
         self.letGo()
@@ -347,6 +349,7 @@ class Coupling:
         self.flush()
         bodies = [(self._chain.index(e.contact), e.spec()) for e in self.exchanges if isinstance(e, Bodies)]
         how = dict(mpmSteps=self.mpmSteps, demSteps=self.demSteps, stages=self.stages, bodies=bodies)
+        how["checkpointPeriod"] = self.checkpointPeriod
         noted = {"file": os.path.basename(name), **how, **self._clock.noted(), **self._timeStep.noted()}
         self._omega.tags[tagOf(self.label)] = json.dumps(noted)
         save(self.scene, name)

@@ -10,6 +10,7 @@ import functools
 import sys
 import weakref
 
+from . import checkpoints
 from .commands import define
 from .omegaDt import OmegaDt
 from .signals import Signals
@@ -198,9 +199,11 @@ class LoopOfYade:
 def _saving(method):
     @functools.wraps(method)
     def wrapped(self, file, *args, **keywords):
-        if attached and (self.running or isInStep()):
+        isBetween = isInStep() and not any(c.isInStep() for c in attached.values())
+        if attached and (self.running or isInStep()) and not isBetween:
             raise RuntimeError(
-                "O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() first"
+                "O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() first, or "
+                "save in a PyRunner before its engines"
             )
         thread.waitForEnd()
         for coupling in attached.values():
@@ -222,9 +225,22 @@ def _forgetting(method):
         kept.clear()
         errors.clear()
         method(self, *args, **keywords)
-        define(self.engines, act)
+        defineCommands(self.engines)
 
     return wrapped
+
+
+def defineCommands(engines):
+    """Makes the commands of engines of ours known: of engines of YADE that came from a file, too."""
+    define(engines, act)
+    checkpoints.define(engines, _saveInLoop)
+
+
+def _saveInLoop(letter):
+    """A checkpoint of everything, from an engine at the head of the loop; none without a scene."""
+    if attached and all(c.error is None for c in attached.values()):
+        yade = omega()
+        yade.save(f"{yade.tags['id']}.checkpoint-{letter}.yade.gz")
 
 
 def warn(message):
@@ -248,4 +264,4 @@ def _flushAll():
 
 if "yade" in sys.modules:  # errors of engines that come from O.load, before attach(), are raised too
     wrapOmega(type(sys.modules["yade"].O))
-    define(sys.modules["yade"].O.engines, act)
+    defineCommands(sys.modules["yade"].O.engines)

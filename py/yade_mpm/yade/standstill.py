@@ -32,8 +32,11 @@ class LoopThread:
         return True
 
     def isMine(self):
-        """Whether the caller is this thread."""
-        return self._number == threading.get_native_id()
+        """Whether the caller is this thread: in the first step of a run, before an engine of ours, it is the
+        only one that Python has not made."""
+        if self._number == threading.get_native_id():
+            return True
+        return isinstance(threading.current_thread(), threading._DummyThread)
 
     def waitForEnd(self):
         """Waits until the thread has ended; at once where that is the caller's own, or none is known."""

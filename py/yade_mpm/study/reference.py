@@ -8,6 +8,8 @@ complete. Units: Mg, m, s, kPa, per metre of thickness.
 import os
 import time
 
+import numpy as np
+
 import yade_mpm as mpm
 
 from ..io import plot
@@ -69,6 +71,11 @@ def press(a, scene, way, ramp, columns=None):
         "dampedShare": mpm.quasiStatic(history).dampedShare,
     }
     return summary, travel(history["time"], a.rate, ramp / a.rate), -history["drive.fy"], history
+
+
+def strain(body):
+    """Plastic shear strain of a body, for a picture: zero where nothing yields."""
+    return body.plasticShearStrain if body.name == "soil" else np.zeros(body.count)
 
 
 def compare(file, field, computed, exact, labels, window, start=0):

@@ -101,6 +101,7 @@ template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) 
     if (!state.search.isFound(scene))
         state.search.find(scene, {normals == "mass", separation, separation && constraints == "facets"});
     state.impulses.nodes.assign(state.search.nodes.size(), {});
+    state.impulses.sharesPressure = separation && constraints == "facets";
     return state;
 }
 

@@ -35,12 +35,14 @@ template <int Dim> class ContactImpulses {
   public:
     std::vector<NodeMotion<Dim>> nodes; // a row for each contact node of the search
     ImplicitSides<Dim> implicit;        // of the pair in work
+    bool sharesPressure = false;        // whether sites that stop the same approach share what that takes
 
     // lawOf(site): the friction law there.
     template <class LawOf>
     void solve(ContactSearch<Dim>& search, const ContactPair& pair, double dt, LawOf&& lawOf) {
         const double one = 1;
         const bool isCoupled = !implicit.isEmpty();
+        if (sharesPressure && !isCoupled) share(search, pair, dt, lawOf);
         for (int round = 0; round < (isCoupled ? mostCoupledRounds : mostRounds); ++round) {
             bool isDone = true;
             for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) {
@@ -99,18 +101,55 @@ template <int Dim> class ContactImpulses {
                 implicit.spread(nodes, pushed, (side == 0 ? -weight : weight) * more.all);
     }
 
+    // Relative velocities at a site between nodes with weights S, and its mobilities.
+    struct Relative {
+        Vec<Dim> mobility = Vec<Dim>::Zero(), startMobility = mobility, start = mobility, w = mobility;
+    };
+    // shares: for each node the sum of the weights with which sites push it; nullptr: a site is alone.
+    Relative relativeAt(const int* at, const double* S, int count, const double* shares) const {
+        Relative found;
+        for (int i = 0; i < count; ++i) {
+            const NodeMotion<Dim>& node = nodes[at[i]];
+            const double weight = S[i] * (shares ? shares[at[i]] : S[i]);
+            found.mobility += weight * node.mobility();
+            found.startMobility += weight * node.startMobility();
+            found.start += S[i] * (node.start[0] - node.start[1]);
+            found.w += S[i] * (node.v[0] - node.v[1]);
+        }
+        return found;
+    }
+
+    // Sites near each other stop the same approach. The first that is asked would take it all, and the others, which
+    // then do not press, would bear no adhesion and friction. So each first takes its share at once: what it took if
+    // all of them pushed alike (Jacobi's rule with the sums of the rows).
+    template <class LawOf>
+    void share(ContactSearch<Dim>& search, const ContactPair& pair, double dt, LawOf&& lawOf) {
+        const double one = 1;
+        shares_.assign(nodes.size(), 0.0);
+        const auto forSites = [&](auto&& visit) {
+            for (int i = int(pair.firstNode); i < int(pair.endNode); ++i)
+                if (!search.nodes[i].isLeftOut) visit(search.nodes[i], &i, &one, 1);
+            for (size_t i = pair.firstPoint; i < pair.endPoint; ++i)
+                visit(search.points[i], search.points[i].contact, search.points[i].S, search.points[i].size);
+        };
+        forSites([&](const ContactSite<Dim>&, const int* at, const double* S, int count) {
+            for (int i = 0; i < count; ++i) shares_[at[i]] += S[i];
+        });
+        forSites([&](ContactSite<Dim>& site, const int* at, const double* S, int count) {
+            const Relative r = relativeAt(at, S, count, shares_.data());
+            site.J = lawOf(site).template impulses<Dim>(site, dt, r.mobility, r.startMobility, r.start, r.w);
+        });
+        forSites([&](const ContactSite<Dim>& site, const int* at, const double* S, int count) {
+            for (int i = 0; i < count; ++i) give(at[i], site.J, S[i]);
+        });
+    }
+    std::vector<double> shares_;
+
     // The impulse at a site between nodes with weights S, anew, in view of what the others exchange. Returns
     // whether it has changed much.
     bool update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const int* at, const double* S,
                 int count) {
-        Vec<Dim> mobility = Vec<Dim>::Zero(), startMobility = mobility, start = mobility, w = mobility;
-        for (int i = 0; i < count; ++i) {
-            const NodeMotion<Dim>& node = nodes[at[i]];
-            mobility += S[i] * S[i] * node.mobility();
-            startMobility += S[i] * S[i] * node.startMobility();
-            start += S[i] * (node.start[0] - node.start[1]);
-            w += S[i] * (node.v[0] - node.v[1]);
-        }
+        auto [mobility, startMobility, start, w] = relativeAt(at, S, count, nullptr);
         if (count > 1 && !implicit.isEmpty()) mobility += implicit.mutualMobility(nodes, at, S, count);
         start += startMobility.cwiseProduct(site.J.agreeing);
         w += mobility.cwiseProduct(site.J.all);

@@ -39,11 +39,15 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     int node, field[2];
     Vec<Dim> position;
     NodalSurface<Dim> surface[2];
-    int edgeOf = -1;        // which of the two has an edge here that the normal is taken from
-    double weight = 0;      // m2, of the surface that normal and gap rest on
-    double owned = 0;       // m2, of the surface of a mesh here, by contact points
-    bool hasPoints = false; // contact points, which tell better how far the surfaces overlap
-    bool isLeftOut = false; // contact points do all that it would, or an implicit body only brushes it
+    int edgeOf = -1;         // which of the two has an edge here that the normal is taken from,
+    double sharpness = 0;    // and how much of one, up to 1
+    double shareOfBoxes = 0; // of the normal, where the other group is a mesh
+    double weight = 0;       // m2, of the surface that normal and gap rest on
+    double owned = 0;        // m2, of the surface of a mesh here, by contact points,
+    double gapOfPoints = 0;  // m3, their gaps times what they own,
+    double scaleOfOwned = 1; // and what they have of the surface where they do all, over what they own
+    bool hasPoints = false;  // contact points, which tell better how far the surfaces overlap
+    bool isLeftOut = false;  // contact points do all that it would, or an implicit body only brushes it
     bool acts = false, slides = false;    // with what it shares with contact points
     Vec<Dim> impulse = Vec<Dim>::Zero();  // kN s, on the second group in this step,
     Vec<Dim> friction = Vec<Dim>::Zero(); // and what of it is friction

@@ -12,6 +12,11 @@ constexpr double equallyFlat = 0.99;
 // Size of a sum of unit vectors below which it has no direction: two normals that cancel leave round-off,
 // 1e-16.
 constexpr double leastSum = 1e-6;
+// Flatness above which a surface is a plane: from an edge to a plane it counts as one more and more, as soil under the
+// tip of a pile is in between, and a normal that jumps is an impact. The same for the cosine between two normals that
+// face each other.
+constexpr double planeFlatness = 0.98;
+constexpr double facingFully = 0.05;
 // Part of a normal that is left where constraints hold both groups along the others; with less it has no
 // direction.
 constexpr double leastFree = 0.1;
@@ -31,6 +36,24 @@ template <int Dim> Vec<Dim> normalOfBoxes(const Vec<Dim> outward[2]) {
         if (const double a = outward[0][k], b = outward[1][k]; a * b > 0)
             sum[k] = std::abs(a) < std::abs(b) ? a : b;
     return unit<Dim>(sum, 0.0);
+}
+
+// From 0 to 1 as x goes from `first` to `last`.
+double rise(double x, double first, double last) {
+    return std::clamp((x - first) / (last - first), 0.0, 1.0);
+}
+
+// At an edge of a mesh boxes count as far as they are flatter, plane and face it; at a plane of symmetry if they are
+// flatter. Else boxes caught inside the mesh would hide the surface of the others.
+template <int Dim>
+double shareOfBoxes(const PairSearch<Dim>& pair, int node, double mesh, double boxes, double facing) {
+    if (!(boxes > 0)) return 0;
+    bool isHeld = false;
+    for (int k = 0; k < Dim; ++k) isHeld |= pair.areBothHeld(node, k);
+    if (isHeld) return mesh > equallyFlat * boxes ? 0 : 1;
+    const double alike = (1 - equallyFlat) * boxes;
+    return rise(boxes - mesh, alike, 2 * alike) * rise(boxes, edgeFlatness, planeFlatness) *
+           rise(facing, 0, facingFully);
 }
 
 // At an edge of one group the flatter surface of the other counts. Of equals the mesh counts, else their
@@ -54,16 +77,11 @@ template <int Dim> void setNormal(const PairSearch<Dim>& pair, ContactNode<Dim>&
     for (int side = 0; side < 2; ++side)
         counts[side] = size[side] > 0 && flatness[side] > equallyFlat * flattest;
     if (pair.isExplicit[0] != pair.isExplicit[1]) {
-        // Boxes count where they are flat and the mesh has an edge, or at a plane of symmetry.
         const int mesh = pair.isExplicit[0] ? 0 : 1;
-        bool isHeld = false;
-        for (int k = 0; k < Dim; ++k) isHeld |= pair.areBothHeld(contact.node, k);
-        // Else boxes caught inside the mesh hide the surface of the others.
-        const bool doFace = outward[0].dot(outward[1]) > 0;
-        if (counts[mesh] || (!isHeld && (!doFace || flatness[1 - mesh] < edgeFlatness))) {
-            counts[mesh] = size[mesh] > 0;
-            counts[1 - mesh] = !counts[mesh];
-        }
+        const double facing = outward[0].dot(outward[1]) / std::max(size[0] * size[1], 1e-300);
+        contact.shareOfBoxes = shareOfBoxes(pair, contact.node, flatness[mesh], flatness[1 - mesh], facing);
+        counts[mesh] = size[mesh] > 0 && contact.shareOfBoxes < 1;
+        counts[1 - mesh] = !counts[mesh];
     }
     Vec<Dim> sum = Vec<Dim>::Zero();
     for (int side = 0; side < 2; ++side)
@@ -71,8 +89,10 @@ template <int Dim> void setNormal(const PairSearch<Dim>& pair, ContactNode<Dim>&
     contact.normal = unit<Dim>(sum, leastSum);
     for (int side = 0; side < 2; ++side)
         if (counts[side] && pair.isExplicit[side] && !pair.isExplicit[1 - side] &&
-            flatness[side] < edgeFlatness)
+            flatness[side] < planeFlatness) {
             contact.edgeOf = side;
+            contact.sharpness = 1 - rise(flatness[side], edgeFlatness, planeFlatness);
+        }
 }
 
 template <int Dim> void setNormalByMass(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
@@ -163,8 +183,11 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
                 const int number = vertex.around.contact[corner];
                 if (number < 0 || (*pair.nodes)[number].edgeOf != side) continue;
                 const size_t i = number - pair.first;
-                const double closing = std::max(0.0, part.dot(approach[i].velocity) / area);
-                sum[i] += vertex.around.S[corner] * (closing + approach[i].least) * part;
+                const double closing =
+                    std::max(0.0, part.dot(approach[i].velocity) / area) + approach[i].least;
+                const double speed = approach[i].velocity.norm() + approach[i].least;
+                const double sharpness = (*pair.nodes)[number].sharpness;
+                sum[i] += vertex.around.S[corner] * (sharpness * closing + (1 - sharpness) * speed) * part;
             }
         });
     });
@@ -173,6 +196,13 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
         if (contact.edgeOf == side && !sum[i - pair.first].isZero(0))
             contact.normal = (side == 0 ? 1 : -1) * sum[i - pair.first].normalized();
     }
+}
+
+template <int Dim> void addBoxes(ContactNode<Dim>& contact, int boxes) {
+    if (contact.shareOfBoxes == 0 || contact.shareOfBoxes == 1) return;
+    const Vec<Dim> theirs = (boxes == 0 ? 1 : -1) * contact.surface[boxes].outward.normalized();
+    contact.normal =
+        unit<Dim>((1 - contact.shareOfBoxes) * contact.normal + contact.shareOfBoxes * theirs, leastSum);
 }
 
 // Where a constraint holds both groups along an axis they do not push each other along it: at a plane of
@@ -192,6 +222,8 @@ template <int Dim> void findNormals(PairSearch<Dim>& pair, const SearchRule& rul
     });
     for (int side = 0; side < 2; ++side)
         if (rule.turnsAtEdges) turnAtEdges(pair, side);
+    if (pair.isExplicit[0] != pair.isExplicit[1])
+        pair.forNodes([&](ContactNode<Dim>& contact) { addBoxes(contact, pair.isExplicit[0] ? 1 : 0); });
     if (pair.hasOutline[0] || pair.hasOutline[1])
         pair.forNodes([&](ContactNode<Dim>& contact) { straighten(pair, contact); });
 }

@@ -10,6 +10,9 @@ namespace {
 // Overlap that is let pass, in cells: planes then leave all to the nodes, and a rolling disc is no polygon of
 // its vertices.
 constexpr double toleratedOverlap = 0.01;
+// Gap in cells that is none where points do all: the vertices of loaded bodies do not lie on one plane, and those a
+// hair further away would bear no adhesion.
+constexpr double closedGap = 1e-3;
 // Distance of a vertex from the other surface, in cells, up to which it is a contact point: what is deeper
 // has crossed and is not pushed back.
 constexpr double furthest = 0.5;
@@ -90,14 +93,22 @@ double distanceOfMesh(const PairSearch<Dim>& pair, const typename PairSearch<Dim
     return (own.position - other->position).dot(facing);
 }
 
+template <int Dim> void close(ContactSite<Dim>& site, double cell) {
+    if (site.gap > 0) site.gap = std::max(site.gap - closedGap * cell, 0.0);
+}
+
 // The point takes its share of the facets from the nodes round it.
 template <int Dim>
-void takeFacets(PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own,
+void takeFacets(PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own, double cell,
                 ContactPoint<Dim>& point) {
+    close(point, cell);
     point.area = own.size;
     point.tolerated = 0;
-    for (int corner = 0; corner < own.around.size; ++corner)
-        (*pair.nodes)[own.around.contact[corner]].owned += own.around.S[corner] * own.size;
+    for (int corner = 0; corner < own.around.size; ++corner) {
+        ContactNode<Dim>& contact = (*pair.nodes)[own.around.contact[corner]];
+        contact.owned += own.around.S[corner] * own.size;
+        contact.gapOfPoints += own.around.S[corner] * own.size * point.gap;
+    }
 }
 
 // What a node has left of its area when points own the rest; with too little of it it does not act.
@@ -105,7 +116,21 @@ template <int Dim> void leaveTheRest(ContactNode<Dim>& contact) {
     if (!contact.hasPoints) return;
     const double all = std::max(contact.area, contact.weight);
     contact.isLeftOut = contact.owned > mostOwned * all;
+    if (contact.isLeftOut) {
+        contact.scaleOfOwned = contact.area / contact.owned;
+        contact.gap = contact.gapOfPoints / contact.owned;
+    }
     contact.area = std::max(0.0, contact.area - contact.owned);
+}
+
+// And the points take all of the surface at nodes that do not act.
+template <int Dim> void takeTheRest(PairSearch<Dim>& pair, ContactPoint<Dim>& point) {
+    const double size = point.area;
+    point.area = 0;
+    for (int corner = 0; corner < point.size; ++corner) {
+        const ContactNode<Dim>& contact = (*pair.nodes)[point.contact[corner]];
+        point.area += point.S[corner] * size * contact.scaleOfOwned;
+    }
 }
 
 template <int Dim> bool isBetweenContactNodes(const SurroundingNodes<Dim>& around) {
@@ -119,6 +144,7 @@ template <int Dim> bool isBetweenContactNodes(const SurroundingNodes<Dim>& aroun
 template <int Dim>
 void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<ContactPoint<Dim>>& points) {
     const SmoothVertices<Dim> vertices[2] = {{pair, 0}, {pair, 1}};
+    const size_t first = points.size();
     // Of two meshes only the finer one owns facets.
     const int coarser = vertices[0].bins.count() < vertices[1].bins.count() ? 0 : 1;
     for (int side = 0; side < 2; ++side)
@@ -137,10 +163,15 @@ void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<Conta
             if (std::abs(point.gap) > furthest * h) continue;
             static_cast<SurroundingNodes<Dim>&>(point) = own.around;
             for (int contact : point.contact) (*pair.nodes)[contact].hasPoints = true;
-            if (rule.ownsFacets) takeFacets(pair, own, point);
+            if (rule.ownsFacets) takeFacets(pair, own, h, point);
             points.push_back(point);
         }
-    if (rule.ownsFacets) pair.forNodes([](ContactNode<Dim>& contact) { leaveTheRest(contact); });
+    if (!rule.ownsFacets) return;
+    pair.forNodes([&](ContactNode<Dim>& contact) {
+        close(contact, pair.grid().meanSize(contact.node).minCoeff());
+        leaveTheRest(contact);
+    });
+    for (size_t i = first; i < points.size(); ++i) takeTheRest(pair, points[i]);
 }
 
 template void findPoints(PairSearch<2>&, const SearchRule&, std::vector<ContactPoint<2>>&);

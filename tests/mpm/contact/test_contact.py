@@ -8,7 +8,7 @@ from math import cos, radians, sin, tan
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm import box
+from yade_mpm import box, study
 
 PAIRS = ["uu", "ua", "au", "aa"]  # u: uGIMP, a: APDI,
 CUT = ["uc", "ac", "cc"]  # c: uGIMP that carries its outline
@@ -272,6 +272,15 @@ def test_adhesion_adds_its_stress_times_the_area_in_contact(pair, friction):
     )
 
 
+@pytest.mark.parametrize("pair", ["ua", "ac", "cc"])
+def test_facets_bear_adhesion_on_all_of_the_surface(pair):
+    """Vertices lie closer than nodes, so that some of them could stop what approaches alone, and the others
+    would bear nothing: 7 to 16 % were missing."""
+    scene, [drive], _ = drawn(mpm.Contact(adhesion=2.0, constraints="facets"), [pair])
+    run(scene, until=0.25)
+    assert means(scene, 0.05, lambda: drive.reaction[0]) == pytest.approx(2.0 * 0.6, rel=0.01)
+
+
 def test_adhesion_brakes_a_sliding_block():
     incline = Incline("ua", 0.0, adhesion=1.0)
     assert incline.acceleration() == pytest.approx(incline.expected(0.0, adhesion=1.0), rel=0.02)
@@ -369,7 +378,8 @@ def test_forces_on_two_groups_are_opposite_and_keep_the_momentum(constraints):
         assert np.abs(on.sum(axis=0)).max() <= 1e-12 * max(1e-300, np.abs(on).max())
         hits += on.any()
         assert first.mass @ first.velocity - own == pytest.approx(on[0] * scene.dt, abs=1e-9)
-        assert on.any() or second.position[:, 0].min() - first.position[:, 0].max() > 0.05 - 2 * scene.dt
+        # Where they part, the boxes' corner is still pressed in by a tenth of its size.
+        assert on.any() or second.position[:, 0].min() - first.position[:, 0].max() > 0.05 - 3 * scene.dt
     assert hits > 10
     assert mpm.diagnostics.momentum(scene) == pytest.approx(before, abs=1e-12)
     assert (first.mass @ first.velocity)[0] < 0  # they parted
@@ -390,7 +400,7 @@ def test_nothing_acts_before_surfaces_touch():
         assert contact.forceOn("a")[0] < 0, pair
 
 
-def workOnTheGap(pair, impactLoss):
+def workOnTheGap(pair, impactLoss, constraints="nodes"):
     """Work of the pressure on surfaces that part while they touch, over the work of the drive: soil that
     yields under a punch, which is pushed by its top: where it touches it springs back as it likes."""
     soil = mpm.MohrCoulombDruckerPrager(
@@ -401,7 +411,7 @@ def workOnTheGap(pair, impactLoss):
     scene.add("soil", box((0, 0), (3, 1)), soil, typeOf(pair[0], 0.1), group="soil", fbar=False)
     punch = scene.add("punch", box((1.3, 1), (1.7, 1.3)), elastic(), typeOf(pair[1], 0.1), group="punch")
     contact, drive = (
-        mpm.Contact(friction=0.3, impactLoss=impactLoss),
+        mpm.Contact(friction=0.3, impactLoss=impactLoss, constraints=constraints),
         mpm.Drive(punch.above(1.2), velocity=(0, -1.0), ramp=0.02),
     )
     scene.engines = chain(
@@ -424,6 +434,11 @@ def test_pressure_does_no_work_on_surfaces_that_touch(pair, bound, sprung):
     which that of the nodes is no exact measure: -0.9 % for "ua"."""
     assert abs(workOnTheGap(pair, impactLoss=1.0)) < bound
     assert workOnTheGap(pair, impactLoss=0.0) < sprung  # control: elastic impacts spring back
+
+
+def test_pressure_on_facets_does_no_work_either():
+    """Where vertices do all that a node would, its row tells their gap; with its own 28 % were counted."""
+    assert abs(workOnTheGap("ua", 1.0, "facets")) < 0.01
 
 
 def caughtInAPile(isDriven, pressure=0.0, dt=1e-4):
@@ -467,8 +482,33 @@ def test_normals_at_edges_do_not_depend_on_the_time_step():
         assert normals[0][x] == pytest.approx(normals[1][x], abs=1e-3)
 
 
+def normalsUnderATip(step):
+    """Normals at the two nodes under the tip of a pile in soil that lies lower on the right by `step`, m."""
+    scene = mpm.Scene((0, 0), (4.5, 4), 0.5, threads=1)
+    tip = mpm.Mesh(*study.wedgedColumn(2.25, 1.35, 0.5, 1.5, 90.0, 0.25))
+    pile = scene.add("pile", tip, elastic(1e3), mpm.APDI(), group="pile")
+    soil = scene.add("soil", box((0.5, 0.5), (4.0, 1.5)), elastic(1e3), mpm.UGIMP(perCell=2), group="soil")
+    soil.position[soil.position[:, 0] > 2.25, 1] -= step
+    pile.velocity = (0, -60.0)  # closes every gap in a step, so that the table has all nodes
+    contact = mpm.Contact(impactLoss=1.0)
+    scene.engines, scene.dt = chain(contact), 5e-3
+    run(scene, steps=1)
+    table = contact.contactTable()
+    nodes = [(table["node"][:, 0] == x) & (table["node"][:, 1] == 1.5) for x in (2.0, 2.5)]
+    return np.array([table["normal"][node][0, :2] for node in nodes])
+
+
+def test_the_normal_at_a_tip_follows_the_soil_without_a_jump():
+    """Flat soil gives the normal, soil that is no plane leaves it to the tip, and between the two it turns:
+    it jumped by 0.58 where the soil moved by a fiftieth of a cell."""
+    normals = np.array([normalsUnderATip(step) for step in np.arange(0, 0.22, 0.01)])
+    assert np.abs(np.diff(normals, axis=0)).max() < 0.1
+    assert np.abs(normals[0] - [0, -1]).max() < 1e-3
+    assert normals[-1][:, 0] == pytest.approx([-0.471, 0.471], abs=1e-3)  # the faces of the tip
+
+
 # --- a plate drawn from the ground ----------------------------------------------------------------------
-def pullOut(pair, wide, shift, friction=0.2, adhesion=0.0, squeeze=0.0, normals="surface"):
+def pullOut(pair, wide, shift, friction=0.2, adhesion=0.0, squeeze=0.0, constraints="nodes"):
     """Pull over its reference, and overlap in cells: a plate of `wide` cells through soil under K0 = 0.5;
     shift in cells.
 
@@ -484,7 +524,7 @@ def pullOut(pair, wide, shift, friction=0.2, adhesion=0.0, squeeze=0.0, normals=
     pile = scene.add("plate", plate, elastic(), typeOf(pair[1], h), group="plate")
     vertical = -2 * G * (bottom + D - soil.position[:, 1])
     soil.setStress(vertical[:, None, None] * np.diag([K0, 1, K0]) - np.diag([squeeze, 0, 0]))
-    contact = mpm.Contact(friction=friction, adhesion=adhesion, normals=normals)
+    contact = mpm.Contact(friction=friction, adhesion=adhesion, constraints=constraints)
     drive = mpm.Drive(pile, velocity=(0, 0.02), ramp=0.03)
     base = mpm.Drive(soil.below(bottom + 0.5 * h), velocity=(None, 0), name="base")
     scene.engines = chain(
@@ -527,6 +567,13 @@ def test_a_plate_of_one_cell_between_grid_lines_misses_half_of_its_friction():
     """A limit (doc/explanation/contact.md): its middle nodes see soil on both sides, whose normals cancel."""
     assert 0.3 < pullOut("aa", 1, 0.5)[0] < 0.7
     assert 0.3 < pullOut("ua", 1, 0.5)[0] < 0.7
+
+
+def test_a_plate_of_one_cell_between_grid_lines_in_a_mesh_has_its_friction_by_facets():
+    """Each of its faces has facets, with normals and gaps of their own. In soil of boxes, whose surface only
+    nodes see, half of it is missing still."""
+    assert pullOut("aa", 1, 0.5, constraints="facets")[0] == pytest.approx(1, abs=0.1)
+    assert 0.3 < pullOut("ua", 1, 0.5, constraints="facets")[0] < 0.7
 
 
 # --- the same bits --------------------------------------------------------------------------------------

@@ -13,7 +13,7 @@ import pytest
 import yade_mpm as mpm
 from yade_mpm.base.inChild import LostInChild, inChild
 from yade_mpm.geometry import meshInput
-from yade_mpm.io import checkpoint, pagedFile, recorder, results
+from yade_mpm.io import checkpoint, pagedFile, recorder, resultsFile
 
 ROOM = 1 << 30  # bytes
 
@@ -83,16 +83,16 @@ def test_a_checkpoint_that_crashes_hdf5_is_refused(monkeypatch):
         mpm.load("a.h5")
 
 
-def resultsFile():
+def written():
     with open("a.vtkhdf", "wb") as f:
         f.write(damagedFiles.results())
     return "a.vtkhdf"
 
 
 def test_a_file_of_results_that_crashes_hdf5_is_refused(monkeypatch):
-    file = mpm.read(resultsFile())
+    file = mpm.read(written())
     assert len(file) == 4 and file.history()["time"].shape == (3,)
-    monkeypatch.setattr(results, "_frame", lambda *_: ctypes.string_at(0))
+    monkeypatch.setattr(resultsFile, "frame", lambda *_: ctypes.string_at(0))
     with pytest.raises(ValueError, match=r"read: 'a.vtkhdf' is damaged: .*it crashed \(SIGSEGV\); give a"):
         file[0]
 
@@ -102,7 +102,7 @@ def test_a_file_of_results_that_crashes_hdf5_is_refused(monkeypatch):
     [([0, 1], 10**15, 2), ([0, 2**40], 10**4, 2), ([-1, 0], 10**4, 2), ([1, 0], 10**4, 2), ([0, 1], 0, 1)],
 )
 def test_a_journal_made_by_hand_writes_nowhere_else(pages, size, filled):
-    file, numbers = resultsFile(), np.array(pages, np.int64)
+    file, numbers = written(), np.array(pages, np.int64)
     with open("a.vtkhdf.journal", "wb") as f:
         f.write(pagedFile._journal(numbers, size, bytes(filled * pagedFile.PAGE)))
     with pytest.raises(ValueError, match="'a.vtkhdf.journal' is not as it was written, or of another file"):
@@ -113,7 +113,7 @@ def test_a_journal_made_by_hand_writes_nowhere_else(pages, size, filled):
 
 @pytest.mark.parametrize("at", [0, 8, 20, 5000, -1])
 def test_a_journal_with_another_bit_is_refused(at):
-    file = resultsFile()
+    file = written()
     content = bytearray(pagedFile._journal(np.array([0, 1]), 10**4, damagedFiles.results()[: 2 * 4096]))
     content[at] ^= 1
     with open("a.vtkhdf.journal", "wb") as f:

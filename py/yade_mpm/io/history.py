@@ -16,9 +16,8 @@ from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
 from . import quantities
 from .columns import Columns, namesOf
-from .files import appendWhole, checkWritable, replacing
-from .recorder import Recorder
-from .vtkhdf import extend
+from .files import checkWritable
+from .rowFiles import RowFiles
 
 FLUSH = 5.0  # s of wall time at most between writes
 
@@ -74,8 +73,7 @@ class History(Callback):
         self._before = {}  # name -> time of the last row, time integrals until then
         self._motions = {}  # name -> prescribed motion that bears it
         self._initialEnergy = None
-        self._header, self._inFile = None, 0  # of the CSV file as it is
-        self._recorder, self._inRecorder = None, 0
+        self._files = RowFiles(self._file)
         self._flushed = time.monotonic()
         self._isTold = False  # that rows have no room
         if state is not None:
@@ -229,8 +227,7 @@ class History(Callback):
         """Writes the rows that are not in the files yet."""
         self._flushed = time.monotonic()
         if self._count:
-            self._writeCSV()
-            self._writeRecorder()
+            self._files.write(self._data, self._units, self.label, self._scene.engines)
 
     # --- rows ---
     def _row(self, scene):
@@ -263,35 +260,6 @@ class History(Callback):
         for column in self._data.values():  # of motions that are gone
             if len(column) < self._count:
                 column.append(math.nan)
-
-    # --- files ---
-    def _writeCSV(self):
-        if self._file is None:
-            return
-        header = ",".join(f"{name} [{unit}]" if unit else name for name, unit in self._units.items())
-        if header == self._header:
-            appendWhole(self._file, self._lines(self._inFile).encode())
-        else:
-            with replacing(self._file) as part, open(part, "w", encoding="utf-8") as f:
-                f.write(header + "\n" + self._lines(0))
-        self._header, self._inFile = header, self._count
-
-    def _lines(self, first):
-        rows = zip(*(column[first:] for column in self._data.values()))
-        return "".join(",".join(map(str, row)) + "\n" for row in rows)
-
-    def _writeRecorder(self):
-        recorder = next((e for e in self._scene.engines if isinstance(e, Recorder) and e.isOpen), None)
-        if recorder is None:
-            return
-        if recorder is not self._recorder:
-            self._recorder, self._inRecorder = recorder, 0
-        with recorder.appending() as h5:
-            group = h5.require_group(f"history/{self.label}" if self.label else "history")
-            for name, column in self._data.items():
-                known = self._inRecorder if name in group else 0
-                extend(group, name, np.array(column[known:]), known, unit=self._units[name])
-        self._inRecorder = self._count
 
 
 def _asNumber(value):

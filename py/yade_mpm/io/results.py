@@ -7,11 +7,7 @@ from collections.abc import Mapping, Sequence
 import h5py
 import numpy as np
 
-from ..base.inChild import LostInChild, inChild
-from .checkpoint import READ_MEMORY, READ_SECONDS, READ_SPEED, READING
-from .frame import MEMBER, QUADRILATERAL
-
-MOST_EXPANSION = 64  # bytes of memory for one of a file, which may be compressed
+from . import resultsFile
 
 
 class Results(Sequence):
@@ -33,7 +29,7 @@ class Results(Sequence):
             raise FileNotFoundError(
                 f"read: there is no file '{os.path.abspath(self.file)}'; correct the name"
             )
-        names = self._asked(_names) if h5py.is_hdf5(self.file) else None
+        names = self._asked(resultsFile.names) if h5py.is_hdf5(self.file) else None
         if names is None:
             raise ValueError(
                 f"read: '{self.file}' is no file of a Recorder; give the .vtkhdf file of a run "
@@ -42,21 +38,7 @@ class Results(Sequence):
         self.bodies = names
 
     def _asked(self, work):
-        """What a function of the open file returns. HDF5 goes astray in damaged files: in a child, where that
-        is an error in words."""
-
-        def ask():
-            with h5py.File(self.file) as h5:
-                return work(h5)
-
-        size = os.path.getsize(self.file)
-        try:
-            return inChild(ask, READ_SECONDS + size / READ_SPEED, READ_MEMORY + MOST_EXPANSION * size)
-        except (LostInChild, ValueError, IndexError, *READING) as error:
-            raise ValueError(
-                f"read: '{self.file}' is damaged: {type(error).__name__}: {error}; give a whole file, or run "
-                "the scene again"
-            ) from error
+        return resultsFile.asked(self.file, work)
 
     times = property(lambda self: self._steps("Values"), doc="Scene times of the frames, s (N,).")
     steps = property(lambda self: self._steps("step"), doc="Numbers of steps of the frames (N,).")
@@ -67,7 +49,7 @@ class Results(Sequence):
     @property
     def units(self):
         """Dict name of a field -> unit."""
-        return self._asked(lambda h5: _units(h5["VTKHDF/CellData"]))
+        return self._asked(lambda h5: resultsFile.units(h5["VTKHDF/CellData"]))
 
     def history(self, label=""):
         """Columns of a `History` of the run as a dict name -> array; their units with `historyUnits`.
@@ -90,7 +72,7 @@ class Results(Sequence):
     def _history(self, label, of):
         if not isinstance(label, str):
             raise TypeError(f"Results: label = {label!r} of a history; give a string")
-        found = self._asked(lambda h5: _columns(h5, label, of))
+        found = self._asked(lambda h5: resultsFile.columns(h5, label, of))
         if found is None:
             raise ValueError(
                 f"Results: '{self.file}' has no history {label!r}; give the label of a History of the run"
@@ -104,7 +86,7 @@ class Results(Sequence):
         if isinstance(number, slice):
             return [self[k] for k in range(*number.indices(len(self)))]
         k = range(len(self))[number]
-        return ResultFrame(*self._asked(lambda h5: _frame(h5["VTKHDF"], k, self.bodies)))
+        return ResultFrame(*self._asked(lambda h5: resultsFile.frame(h5["VTKHDF"], k, self.bodies)))
 
     def at(self, time):
         """The frame nearest to a time.
@@ -236,46 +218,3 @@ def read(file):
     Returns `Results`.
     """
     return Results(file)
-
-
-def _names(h5):
-    """Names of the bodies; None: it is no file of a Recorder."""
-    names = h5["VTKHDF/CellData"].attrs.get("bodies") if "VTKHDF/CellData" in h5 else None
-    return None if names is None else [str(name) for name in names]
-
-
-def _units(cells):
-    units = {name: str(data.attrs.get("unit", "-")) for name, data in cells.items()}
-    return {name: unit for name, unit in units.items() if not name.startswith(MEMBER)}
-
-
-def _columns(h5, label, of):
-    """Columns of the history of a label; None: there is none."""
-    group = h5.get(f"history/{label}" if label else "history")
-    if group is None:
-        return None
-    return {name: of(data) for name, data in group.items() if isinstance(data, h5py.Dataset)}
-
-
-def _frame(root, k, bodies):
-    """What a `ResultFrame` is made of."""
-    steps, cells = root["Steps"], root["CellData"]
-    part = int(steps["PartOffsets"][k])
-    count, points = int(root["NumberOfCells"][part]), int(root["NumberOfPoints"][part])
-    where = _rows(root["Points"], steps["PointOffsets"][k], points)
-    ids = int(root["NumberOfConnectivityIds"][part])
-    corners = _rows(root["Connectivity"], steps["ConnectivityIdOffsets"][k], ids)
-    isFlat = count == 0 or root["Types"][int(steps["CellOffsets"][k])] == QUADRILATERAL
-    corners = corners.reshape(count, 4 if isFlat else 8)
-    used = np.bincount(corners.ravel(), minlength=points)
-    names = [name for name in cells if not name.startswith(MEMBER)]
-    data = {name: _rows(cells[name], steps["CellDataOffsets"][name][k], count) for name in names}
-    data = {name: v.reshape(-1, 3, 3) if v.shape[1:] == (9,) else v for name, v in data.items()}
-    units = _units(cells)
-    shared = (used[corners] > 1).any(axis=1)
-    time, step = float(steps["Values"][k]), int(steps["step"][k])
-    return time, step, bodies, where[corners], shared, data, units
-
-
-def _rows(array, first, count):
-    return array[int(first) : int(first) + count]

@@ -29,7 +29,7 @@ KINDS = (ValueError, TypeError, KeyError, IndexError, AttributeError, RuntimeErr
 KINDS += (NotImplementedError, ImportError, argparse.ArgumentTypeError)
 WORDS = "give given use set make choose move check take takes add lower enlarge report pause run mend got"
 WORDS += " remove refine order count may lies need needs needed allowed must cannot not"
-WORDS += " let already only exists permission fill"
+WORDS += " let continue already only exists permission fill"
 ADVICE = re.compile(
     rf"\b({WORDS.replace(' ', '|')}|there is no|has no|is no|no body has|did you mean|no such file)\b", re.I
 )
@@ -59,7 +59,6 @@ def worker(attack, first, last, seed):
     resource.setrlimit(resource.RLIMIT_AS, (here + MOST_MEMORY, here + MOST_MEMORY))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 28, 1 << 28))
-    warnings.simplefilter("ignore")
     say = os.fdopen(os.dup(1), "w")
     say.write("ready\n")
     for stream in (1, 2):
@@ -152,6 +151,7 @@ def main(script, doc, prepared, program=(sys.executable,)):
     if a.seed is None:
         a.seed = 1 if a.seconds is None else int(time.strftime("%y%m%d"))
     if a.worker:
+        warnings.simplefilter("ignore")
         worker(prepared(a.match), *a.worker, a.seed)
         return
     if a.only is not None:

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Engines of a checkpoint, with prescribed motions; callbacks come from the caller, or from a spec."""
+
+from ..base.attributes import keep
+from ..engine.callback import Callback, PyRunner
+from ..engine.engines import classes as engineClasses
+from ..engine.gridSolver import GridSolver
+from ..engine.prescribed import Drive, Hold
+from ..geometry.regions import regionFromSpec
+from ..particle.part import BodyPart
+from .restoringBodies import classOf
+
+
+def buildEngine(spec, scene, callbacks, permissions, file):
+    """The engine of an entry of a checkpoint; None: it is left out.
+
+    spec : the entry. callbacks : dict label -> function, those used are taken out. permissions :
+    `Permissions` of the file.
+    """
+    if spec["class"] == "GridSolver":
+        return _buildSolver(spec, scene)
+    if permissions.isText(spec) and (label := permissions.instead(spec)) is not None:
+        return _givenCallback({**spec, "callback": label}, callbacks, file)
+    if "spec" in spec:
+        if spec["class"] in ("Recorder", "History") and spec["spec"]["file"] is not None:
+            place = permissions.place(spec["spec"]["file"])
+            if place is None and spec["class"] == "Recorder":
+                return None
+            spec = {**spec, "spec": {**spec["spec"], "file": place}}
+        return _buildCallback(classOf({**engineClasses, **_callbackClasses()}, spec, file), spec)
+    if "callback" in spec:
+        return _givenCallback(spec, callbacks, file)
+    return classOf(engineClasses, spec, file)(**spec["attributes"])
+
+
+def _callbackClasses():
+    """Dict name -> class of everything derived from Callback."""
+    found, rest = {}, [Callback]
+    while rest:
+        cls = rest.pop()
+        found.setdefault(cls.__name__, cls)
+        rest.extend(cls.__subclasses__())
+    return found
+
+
+def _buildCallback(cls, spec):
+    engine = cls(**spec["spec"])
+    for name, value in spec["attributes"].items():
+        engine.core.set(name, value)
+    return engine
+
+
+def _givenCallback(spec, callbacks, file):
+    label, attributes = spec["callback"], spec["attributes"]
+    if label not in callbacks:
+        raise ValueError(
+            f"checkpoint '{file}' has the callback '{label}', which cannot be stored; give "
+            f"load(file, callbacks={{'{label}': function}}), or None in its place to leave it out"
+        )
+    given = callbacks.pop(label)
+    if given is None or isinstance(given, Callback):
+        return given
+    if spec["class"] != "PyRunner":
+        raise TypeError(
+            f"load: callbacks['{label}'] = {given!r}; give an engine of the class {spec['class']}"
+        )
+    return PyRunner(given, **attributes)
+
+
+def _buildSolver(spec, scene):
+    holds = []
+    for h in spec["hold"]:
+        where = h["where"] if isinstance(h["where"], str) else regionFromSpec(h["where"])
+        holds.append(_restored(Hold(where, h["velocity"], h["ramp"], h["name"]), h))
+    drives = [
+        _restored(Drive(_part(d, scene), d["velocity"], d["ramp"], d["name"]), d) for d in spec["drive"]
+    ]
+    solver = GridSolver(
+        roller=spec["roller"], fixed=spec["fixed"], hold=holds, drive=drives, **spec["attributes"]
+    )
+    for face, h in spec["faces"].items():
+        solver.faceHolds[face] = _restored(Hold(face, h["velocity"]), h)
+    return solver
+
+
+def _part(spec, scene):
+    return BodyPart(scene[spec["body"]], spec["lower"], spec["upper"], spec["ids"])
+
+
+def _restored(prescribed, spec):
+    for name, value in spec["state"].items():
+        setattr(prescribed.core, name, value)
+    keep(prescribed, hasBegun=spec["hasBegun"])
+    return prescribed

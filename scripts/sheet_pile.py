@@ -8,7 +8,8 @@ matched to the particles where they meet. Material constants, time step, damping
 ones (Takegawa, Higo, Uchiyama, Kiriyama, Michino); the geometry is not, it is this project's own. Units: Mg,
 m, s, kPa, per metre of thickness.
 
-    scripts/run sheet_pile               # the published model; with --remedies the run to trust
+    scripts/run sheet_pile               # the run to trust: soil that slips, F-bar, an implicit pile
+    scripts/run sheet_pile --published   # the literal set-up of the paper
     scripts/run sheet_pile_study --help  # every parameter; surface, stripes, another rate
     scripts/run sheet_pile_compare       # hybrid beside all uGIMP
 """
@@ -30,6 +31,8 @@ PUBLISHED |= dict(thickness=lambda a: cellsOf(a, 0.25) * a.cell)
 PUBLISHED |= dict(dt=lambda a: (8e-4 if a.implicit else 2e-4) * min(1.0, a.cell / 0.25))
 REMEDIES = dict(friction=0.3, tip=90.0, dilatancyLimit=0.05, split=1.3, fbar=True, undamped=True)
 REMEDIES |= dict(ramp=lambda a: 0.1 / a.rate)  # s: 0.05 m
+TRUSTED = REMEDIES | dict(implicit=True, graded=True)
+LITERAL = {name: PUBLISHED.get(name) for name in TRUSTED} | dict(implicit=False, graded=False, cell=0.25)
 DERIVED = dict(
     # Where soil and pile may slip they meet at grid lines: an odd number of cells across needs one more.
     width=lambda a: WIDTH + oddCell(a),
@@ -48,7 +51,9 @@ def refusal(a, given):
     return None
 
 
-PARAMETERS = mpm.Parameters(
+HOW = dict(derived=DERIVED, check=refusal, resume=("until",))
+HOW |= dict(smoke={"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0})
+MODEL = mpm.Parameters(  # of studies: the published model, and what may be changed in it
     "sheet_pile",
     __doc__,
     Parameter("types", "hybrid", "particle types of the soil", choices=study.TYPES),
@@ -59,11 +64,19 @@ PARAMETERS = mpm.Parameters(
     Parameter("implicit", False, "an implicit pile with its true inertia, and a step four times as long"),
     Parameter("graded", False, "cells that grow to 1 m outside of the uGIMP zone"),
     Parameter("remedies", False, "what mends the published model", sets=REMEDIES),
-    smoke={"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0},
     fixed=PUBLISHED,
-    derived=DERIVED,
-    check=refusal,
-    resume=("until",),
+    **HOW,
+)
+PARAMETERS = mpm.Parameters(
+    "sheet_pile",
+    __doc__,
+    MODEL["types"],
+    Parameter("cell", 0.125, "size of the grid's cells round the pile", unit="m", partOf=ZONE_WIDTH),
+    MODEL["rate"],
+    MODEL["until"],
+    Parameter("published", False, "the literal set-up of the paper", sets=LITERAL),
+    fixed=PUBLISHED | TRUSTED,
+    **HOW,
 )
 arguments = PARAMETERS.parse
 
@@ -146,7 +159,8 @@ def run(a):
     penetration.draw(f"{a.out}/sheet_pile.png", a, curve, moments, window)
     summary = {"resistance": study.atSteps(curve[0], curve[2]), "quasiStatic": certificate.asDict()}
     study.saveCurve(a.out, "resistance", {"penetration (m)": curve[0], "resistance (kN/m)": curve[2]})
-    print(certificate, "resistance in kN/m at m:", summary["resistance"], f"results in {a.out}/", sep="\n")
+    told = ", ".join(f"{depth} m: {force:.0f}" for depth, force in summary["resistance"].items())
+    print(certificate, f"resistance in kN/m at {told or 'no depth yet'}", f"results in {a.out}/", sep="\n")
     return run.save(summary), scene, history
 
 

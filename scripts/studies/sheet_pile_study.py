@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The sheet pile with every parameter of its model, and all that is measured of a run.
 
-The scene is that of scripts/sheet_pile.py, which has the choices that matter most; without options both are
-the published model. Besides: resistance at the base, surface, stripes of the mean stress
-(doc/explanation/sheet-pile.md), and with --rateCheck what twice the rate changes. Units: Mg, m, s, kPa, per
-metre of thickness.
+The scene is that of scripts/sheet_pile.py, here as the published model unless options say otherwise; that
+script runs it with --remedies --implicit --graded --cell 0.125. Besides: resistance at the base, surface,
+stripes of the mean stress (doc/explanation/sheet-pile.md), and with --rateCheck what twice the rate changes.
+Units: Mg, m, s, kPa, per metre of thickness.
 
     scripts/run sheet_pile_study --psi 0 --fbar
     scripts/run sheet_pile_study --types apdi --on-distortion convert
@@ -35,7 +35,7 @@ def refusal(a, given):
 
 
 LIMIT = "plastic volumetric strain from which on the soil dilates no more (default: none)"
-PARAMETERS = sheet_pile.PARAMETERS.extended(
+PARAMETERS = sheet_pile.MODEL.extended(
     "sheet_pile_study",
     __doc__,
     Parameter(
@@ -58,7 +58,7 @@ PARAMETERS = sheet_pile.PARAMETERS.extended(
     Parameter(
         "dt",
         sheet_pile.PUBLISHED["dt"],
-        "time step (default 2e-4, halved with the cell below 0.25 m)",
+        "time step (default 2e-4, implicit 8e-4; halved with the cell below 0.25 m)",
         unit="s",
         above=0,
     ),

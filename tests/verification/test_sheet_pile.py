@@ -17,6 +17,7 @@ import sheet_pile
 import sheet_pile_compare
 import sheet_pile_measures
 import sheet_pile_study
+from yade_mpm import diagnostics
 
 KEYS = {
     "arguments",
@@ -198,6 +199,28 @@ def test_a_particle_that_flies_off_is_isolated(one):
 
 def test_only_a_mesh_can_tell_whether_the_surface_is_single_valued(runs):
     assert [r[0]["surfaceSingleValued"] for r in runs[1:3]] == [True, None]
+
+
+# --- the run to trust ---------------------------------------------------------------------------------------
+def test_the_scene_runs_what_one_may_trust_unless_the_published_model_is_asked_for():
+    own = vars(sheet_pile.arguments([]))
+    words = ["--remedies", "--implicit", "--graded", "--cell", "0.125"]
+    trusted, published = (vars(sheet_pile_study.arguments(w)) for w in (words, []))
+    literal = vars(sheet_pile.arguments(["--published"]))
+    names = set(own) & set(trusted) - {"out", "remedies"}
+    assert {"friction", "tip", "fbar", "implicit", "graded", "cell", "dt", "ramp", "until"} <= names
+    assert {n: own[n] for n in names} == {n: trusted[n] for n in names}
+    assert {n: literal[n] for n in names} == {n: published[n] for n in names}
+
+
+@pytest.mark.slow
+def test_a_fine_implicit_pile_keeps_its_energy():
+    """0.4 m at h = 0.125 m. With contact on nodes that the pile only brushes its tip made energy."""
+    a = sheet_pile.arguments(["--until", "5", "--threads", "1"])
+    scene = sheet_pile.build(a)
+    scene.run(until=a.until, progress=False)
+    missing = diagnostics.energyError(scene) / diagnostics.externalWork(scene)
+    assert abs(missing) < 0.01 and scene["pile"].core.internalWork < 0.5
 
 
 # --- stripes ------------------------------------------------------------------------------------------------

@@ -90,6 +90,7 @@ class Stepper:
 
     def restore(self, isChecked, estimatedAt, estimatedVolumes, automaticDt):
         """State of a scene from a checkpoint: whether its time step was checked, and the last estimate."""
+        self.constraints = self._motions()  # whose work diagnostics count, also before the next run
         self._isStable, self._checkedState = isChecked, self._stabilityState()
         self.estimatedAt, self.estimatedVolumes = estimatedAt, estimatedVolumes
         self.automaticDt = automaticDt
@@ -110,11 +111,16 @@ class Stepper:
         self._isPrepared = True
         scene.changesNoted.look(scene)
 
+    def _motions(self):
+        """Prescribed motions of the engines, those of faces included."""
+        scene = self._scene
+        return [c for e in scene.engines if isinstance(e, GridSolver) for c in e.constraints(scene)]
+
     def _prepareChain(self):
         scene, engines = self._scene, self._scene.engines
         scene.putInOrder(engines)  # the list itself may have been changed since it was given
         chain.checkComplete(engines, scene.core.stageOrder, scene.scheme)
-        self.constraints = [c for e in engines if isinstance(e, GridSolver) for c in e.constraints(scene)]
+        self.constraints = self._motions()
         for part in [*engines, *self.constraints]:
             belongTo(scene, part)
         for constraint in self.constraints:

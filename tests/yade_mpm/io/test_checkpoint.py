@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 import yade_mpm.scene.scene
-from yade_mpm import box
+from yade_mpm import box, diagnostics
 from yade_mpm.io import checkpoint
 
 PERIOD = 20  # steps between estimates of the time step; the runs below cross several
@@ -225,6 +225,22 @@ def test_a_checkpoint_at_an_estimate_of_the_time_step_continues_bitwise(tmp_path
         loaded = mpm.load(tmp_path / f"{name}.h5", callbacks={"saving": None}, trust=True)
         run(loaded, PERIOD)
         assert loaded.dt == scene.dt and np.array_equal(loaded["near"].stress, scene["near"].stress)
+
+
+def test_the_energy_balance_is_there_before_the_next_run(tmp_path):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
+    block = scene.add(
+        "block", box((0, 0), (2, 1)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.UGIMP()
+    )
+    drive = mpm.Drive(block.above(0.75), velocity=(0, -0.05))
+    solver = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"), drive=drive)
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.run(steps=20, progress=False)
+    scene.save(tmp_path / "block.h5")
+    again = mpm.load(tmp_path / "block.h5")
+    assert diagnostics.energyError(again) == diagnostics.energyError(
+        scene
+    )  # the work of motions was left out
 
 
 def test_save_in_the_middle_of_a_step_is_refused(tmp_path):

@@ -8,8 +8,8 @@ bonded to it. Materials and rate are those of `sheet_pile`, with a limit of dila
 plane strain is run beside it: a wide sheet feels as much per metre of its width, a narrow one more, for its
 ends add to it. Units: Mg, m, s, kPa.
 
-    scripts/run sheet_pile_3d                        # some five minutes on two cores
-    scripts/run sheet_pile_3d --cell 0.5             # coarse: half a minute
+    scripts/run sheet_pile_3d                        # about five minutes on two cores
+    scripts/run sheet_pile_3d --cell 0.5             # coarse: a minute
     scripts/run study sheet_pile_3d width=1,2,4,8    # approaches plane strain
     scripts/run sheet_pile_3d --smoke
 """

@@ -46,6 +46,9 @@ def refusal(a, given):
     if not commandLine.isWhole(a.thickness / a.cell):
         refused = f"--thickness {a.thickness:g} with --cell {a.cell:g} is not allowed; give a whole number of"
         return f"{refused} cells, e.g. --thickness {cellsOf(a, a.thickness) * a.cell:g}"
+    if a.types == "apdi" and a.friction is not None:
+        lost = "the tip of the pile crosses the mesh of the soil, and contact is lost"
+        return f"--types apdi is not allowed where soil slips: {lost}; give --types hybrid, or no friction"
     if EMBEDDED + a.penetration > PILE_LENGTH - a.cell:
         return f"the pile of {PILE_LENGTH} m would vanish in the ground; lower --until or --rate"
     return None

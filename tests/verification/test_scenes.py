@@ -51,7 +51,15 @@ def run(name, *options, states=(), **constants):
 
 
 REFUSED = {  # of the scenes, which argument with which words
-    "sheet_pile": ["--until 0", "--cell -0.25", "--cell 0.3", "--cell nan", "--threads 0", "--threads 1.5"],
+    "sheet_pile": [
+        "--types apdi",
+        "--until 0",
+        "--cell -0.25",
+        "--cell 0.3",
+        "--cell nan",
+        "--threads 0",
+        "--threads 1.5",
+    ],
     "sheet_pile_study": [
         "--friction -1",
         "--ramp -1",

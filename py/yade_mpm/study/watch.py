@@ -15,12 +15,15 @@ from . import state
 
 LOOK = 0.05  # s between looks at the process
 GRACE = 20.0  # s that a case has to leave its checkpoint
+PACKAGES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 WATCHED = ("PYTHONPATH", "MPLBACKEND", "OMP_NUM_THREADS", "OMP_WAIT_POLICY")
 
 
 def environment():
-    """Variables that the process of a case needs, as they are here."""
-    return {name: os.environ[name] for name in WATCHED if name in os.environ}
+    """Variables that the process of a case needs, as they are here; it may work in another folder."""
+    variables = {name: os.environ[name] for name in WATCHED if name in os.environ}
+    folders = [PACKAGES, *filter(None, [variables.get("PYTHONPATH")])]
+    return {**variables, "PYTHONPATH": os.pathsep.join(folders)}
 
 
 def runCase(folder, stop, timeout=None, variables=None, cwd=None):

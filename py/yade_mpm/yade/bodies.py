@@ -4,6 +4,7 @@
 import operator
 import sys
 import weakref
+from collections import Counter
 
 import numpy as np
 
@@ -211,8 +212,10 @@ class Bodies:
         if bodyOf(self._O, number) is None:
             raise ValueError(f"inYade.Bodies: there is no body {number} in O.bodies")
 
-    def _shapes(self, number):
-        return shapesOf(self._O, self._O.bodies[number], self._facetThickness, self.plane)
+    def _shapes(self, number, mayBeMember=False):
+        """mayBeMember: of a clump, which then gets its forces by YADE."""
+        body = self._O.bodies[number]
+        return shapesOf(self._O, body, self._facetThickness, self.plane, mayBeMember)
 
     def _mass(self, number):
         return yieldingMass(self._O.bodies[number]) / self.thickness
@@ -228,7 +231,7 @@ class Bodies:
             rigid.shapeRow(k, shape)
             for k, number in enumerate(self.ids)
             if known is None or k in known
-            for shape in self._shapes(number)
+            for shape in self._shapes(number, mayBeMember=contact is not None)
         ]
 
     def _asMade(self, rows):
@@ -273,7 +276,7 @@ class Bodies:
                 self.ids.append(number)
                 self._states.append(None)
         there = [(k, n) for k, n in enumerate(self.ids) if bodyOf(self._O, n) is not None]
-        self.contact.replaceShapes([(k, shape) for k, n in there for shape in self._shapes(n)])
+        self.contact.replaceShapes([(k, shape) for k, n in there for shape in self._shapes(n, True)])
         self._connect()
         self.pairUp(scene)
         scene.stepper.noteChange(mayBeUnstable=False)
@@ -304,8 +307,15 @@ def _isSame(column, other):
 def _numbers(ids):
     """Numbers of bodies; a single one is what O.bodies.append returns for a single body."""
     try:
-        return [ids] if isinstance(ids, int) else [operator.index(i) for i in ids]
+        numbers = [ids] if isinstance(ids, int) else list(ids)
+        if any(isinstance(i, bool) for i in numbers):
+            raise TypeError
+        numbers = [operator.index(i) for i in numbers]
     except TypeError:
         raise TypeError(
             f"inYade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them"
         ) from None
+    twice = [number for number, times in Counter(numbers).items() if times > 1]
+    if twice:
+        raise ValueError(f"inYade.Bodies: body {twice[0]} is given twice, and would feel the soil twice")
+    return numbers

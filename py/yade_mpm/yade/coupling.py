@@ -54,7 +54,7 @@ class Coupling:
         self._isAtRisk = False  # whether an error may have left the scene in another state than it was
         self._isFresh = False  # whether a run has begun in which we have not acted yet
         self._isFirstCycle = False  # of a run
-        self._isGravityCompared = False
+        self._toldOfGravity = None  # how that of YADE differed, when it was compared last
         self.kept = self.exchanges[:] if isKept else []  # from the last time that the scene was attached
         self._list = EngineList(omega, label)
         self._refuseUnfit()
@@ -132,6 +132,11 @@ class Coupling:
                 self._timeStep.lookForSteppers()
                 self._timeStep.checkBefore()
 
+    def refuseLost(self):
+        """Behind a run: RuntimeError where O.engines has lost engines of ours."""
+        if self.error is None:
+            self._list.refuseLost()
+
     def noteRun(self):
         """Called in the first step of a run of YADE."""
         self._isFresh = True
@@ -147,11 +152,10 @@ class Coupling:
         checkExchanges(self)
         bodies = [e for e in self.exchanges if isinstance(e, Bodies)]
         self._list.check(haveBodies=bool(bodies))
-        if not self._isGravityCompared:
-            self._isGravityCompared = True
-            plane = bodies[0].plane if bodies else None
-            if (text := difference(self._omega.engines, self.scene, plane)) is not None:
-                loop.warn(f"warning: '{self.label}': {text}")
+        text = difference(self._omega.engines, self.scene, bodies[0].plane if bodies else None)
+        if text is not None and text != self._toldOfGravity:
+            loop.warn(f"warning: '{self.label}': {text}")
+        self._toldOfGravity = text
 
     def isInStep(self):
         """Whether YADE is in a step that the scene has begun; from YADE's thread."""
@@ -186,8 +190,8 @@ class Coupling:
 
     # --- the step ---------------------------------------------------------------------------------------
     def act(self, number):
-        """Takes the steps of the scene in this DEM step, or its stage `number`; an error is noted, never
-        raised."""
+        """Takes the steps of the scene in this DEM step, or its stage `number`; an error is noted, and raised
+        behind the step."""
         if self.error is not None:
             loop.beginStep(self._omega)
             if not loop.errors:
@@ -195,9 +199,12 @@ class Coupling:
                     RuntimeError(f"'{self.label}' was stopped by an error ({self.error}); attach it again")
                 )
             return
+        isNewStep = self._omega.iter != self._clock.iteration
+        if isNewStep and self._omega.subStep < 0:
+            raise RuntimeError(f"an engine of '{self.label}' acts in the loop of YADE only; call O.step()")
         self._isAtWork = True
         try:
-            if self._omega.iter != self._clock.iteration:
+            if isNewStep:
                 self._beginStep()
             if self._isMpmStep:
                 self._isAtRisk = True

@@ -56,15 +56,8 @@ class EngineList:
         ----------
         haveBodies : bool, whether bodies of YADE get forces from us in every step.
         """
+        self.refuseLost()
         given = self._omega.engines
-        missing = len(self.engines) - sum(map(self._isOurs, given))
-        if missing > 0:
-            raise RuntimeError(
-                f"O.engines has lost {missing} of the {len(self.engines)} engines of '{self._label}': it was "
-                "assigned "
-                f"after inYade.attach(); attach the scene again, behind that, or detach() it to go on "
-                "without it"
-            )
         places = [k for k, engine in enumerate(given) if self._isOurs(engine)]
         labels = [engine.label for engine in self.engines]
         found = [given[k].label for k in places]
@@ -77,6 +70,17 @@ class EngineList:
             self._checkPace(engine)
         if haveBodies:
             self._checkForces(given, places)
+
+    def refuseLost(self):
+        """RuntimeError where some of ours are gone."""
+        missing = len(self.engines) - sum(map(self._isOurs, self._omega.engines))
+        if missing > 0:
+            raise RuntimeError(
+                f"O.engines has lost {missing} of the {len(self.engines)} engines of '{self._label}': it was "
+                "assigned "
+                f"after inYade.attach(); attach the scene again, behind that, or detach() it to go on "
+                "without it"
+            )
 
     def _checkPace(self, engine):
         own = paceOf(engine)

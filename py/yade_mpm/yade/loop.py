@@ -105,11 +105,13 @@ def _afterRun(yade):
         coupling.flush()
     signals.afterRun()
     _raiseErrors()
+    for coupling in attached.values():
+        coupling.refuseLost()
 
 
 def act(label, number=None):
-    """What an engine of ours does: the whole step, or stage `number`. Never raises; an error pauses YADE and
-    is raised after the step."""
+    """What an engine of ours does: the whole step, or stage `number`. An error pauses YADE and is raised
+    after the step; RuntimeError where the user calls an engine by hand."""
     coupling = attached.get(label)
     if coupling is not None:
         coupling.act(number)

@@ -16,9 +16,9 @@ INSTEAD = {
 }  # what to do with shapes that cannot touch
 
 
-def shapesOf(omega, body, facetThickness, plane):
+def shapesOf(omega, body, facetThickness, plane, mayBeMember=False):
     """Shapes of a body of YADE in the frame of `frameOf`, in the axes of the scene."""
-    if body.isClumpMember:
+    if body.isClumpMember and not mayBeMember:
         raise ValueError(
             f"inYade.Bodies: body {body.id} stands in clump {body.clumpId}; give the number of the clump"
         )

@@ -45,6 +45,16 @@ say("grown", [before, contact.largestPenetration, contact.core.value("shapes")["
 
 O.reset()
 soil, contact, coupling = build()
+O.run(10, True)
+clump = O.bodies.clump([0, 1])
+O.bodies[0].shape.radius *= 1.05
+say("clumped", seen(3))
+O.save("clump.yade.gz"); O.run(5, True); say("clump on", bodies.digest(soil, [0, 1, clump]))
+O.load("clump.yade.gz"); coupling = inYade.attach(); soil = coupling.scene["soil"]
+O.run(5, True); say("clump loaded", bodies.digest(soil, [0, 1, clump]))
+
+O.reset()
+soil, contact, coupling = build()
 O.run(20, True)  # both have bounced off
 more = O.bodies.append(utils.sphere((0.4, 0.75, 0.5948), 0.1))
 state = O.bodies[more].state
@@ -86,3 +96,8 @@ def test_a_body_that_is_inserted_later_touches(change):
     assert ids == [2] and friction == 0.5 and momentum < 1e-12
     assert change["more on"] == change["more loaded"]
     assert "there is no body 99" in change["no body"] and "body 0 touches the soil already" in change["twice"]
+
+
+def test_bodies_that_become_members_of_a_clump_touch_as_before(change):
+    assert change["clumped"] == [0, 1]
+    assert change["clump on"] == change["clump loaded"], "bits after O.save and O.load"

@@ -84,6 +84,30 @@ def test_the_scene_as_one_engine_shows_its_engines(faces):
     assert "there is no engine 'Contact'" in faces["chain unknown"]
 
 
+def test_engines_called_by_hand_or_lost_in_a_run_are_told(tmp_path):
+    said, _ = run(
+        """
+empty()
+scene = hybrid(); soil = inYade.attach(scene)
+O.run(5, True)
+say("by hand", [fails(RuntimeError, O.engines[2]), O.iter, scene.steps, soil.error])
+O.run(5, True); say("goes on", [O.iter, scene.steps])
+O.run()
+while scene.steps < 20: time.sleep(0.001)
+O.engines = [e for e in O.engines if e not in soil.engines]
+while O.iter < scene.steps + 5 and O.running: time.sleep(0.001)
+say("lost", fails(RuntimeError, O.pause))
+inYade.attach(scene); O.run(5, True)
+say("attached again", scene.time == O.time + inYade.attach(scene).timeOffset)
+""",
+        tmp_path,
+    )
+    message, *state = said["by hand"]
+    assert "acts in the loop of YADE only; call O.step()" in message and state == [5, 5, None]
+    assert said["goes on"] == [10, 10]
+    assert "O.engines has lost" in said["lost"] and said["attached again"]
+
+
 ORDER = """
 import bodies
 soil, contact, coupling = bodies.build(True)
@@ -106,7 +130,8 @@ O.periodic = False
 scene.engines[2].gravity, newton.gravity = (0, 0, -9.81), (0, 0, -1.62)
 O.engines = [resetter, *ours, newton]
 inYade.attach(scene); O.run(1, True); O.run(1, True)
-newton.gravity = (0, 0, -9.81)
+newton.gravity = (0, 0, -3.3); O.run(1, True)
+newton.gravity = (0, 0, -9.81); O.run(1, True)
 inYade.attach(scene); O.run(1, True)
 """
 
@@ -125,3 +150,4 @@ def test_an_order_in_which_bodies_feel_nothing_is_refused(tmp_path):
     assert said["right"] == ["no error", 1] and said["others between"] == ["no error", 2]
     assert all("YADE's cell is periodic" in text for text in said["periodic"])
     assert err.count("warning: 'mpm': gravity differs: the NewtonIntegrator has (0, 0, -1.62)") == 1
+    assert err.count("gravity differs") == 2, "told again where it was changed"

@@ -497,6 +497,8 @@ O.bodies.append([utils.wall(0, 2, sense=0), utils.wall(0, 2, sense=1)])
 clump, members = O.bodies.appendClumped([utils.sphere((0, 0, 0), 1), utils.sphere((1, 0, 0), 1)])
 say("wall", fails(ValueError, lambda: inYade.Bodies(contact, [0])))
 say("nobody", fails(ValueError, lambda: inYade.Bodies(contact, [99])))
+say("twice", fails(ValueError, lambda: inYade.Bodies(contact, [1, 1])))
+say("bool", fails(TypeError, lambda: inYade.Bodies(contact, True)))
 say("member", fails(ValueError, lambda: inYade.Bodies(contact, members[:1])))
 say("thickness", fails(ValueError, lambda: inYade.Bodies(contact, [1], thickness=0)))
 say("plane", fails(ValueError, lambda: inYade.Bodies(contact, [1], plane="zx")))
@@ -505,6 +507,7 @@ say("shapes", len(contact.core.value("shapes")["kind"]))
 """,
         tmp_path,
     )
+    assert "body 1 is given twice" in said["twice"] and "ids = True; give numbers" in said["bool"]
     assert "sense 0; give 1 or -1" in said["wall"] and "no body 99" in said["nobody"]
     assert "give the number of the clump" in said["member"] and "thickness = 0" in said["thickness"]
     assert "plane = 'zx' is not allowed; give one of 'xy', 'xz', 'yz'" in said["plane"]

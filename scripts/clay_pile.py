@@ -67,8 +67,8 @@ def build(a):
 
 
 class Watch:
-    """Forces of contact on the pile, kN/m: at its tip, whose normal points down, and along its shaft; and how
-    much of the shaft is in contact, m."""
+    """Forces of contact on the pile, kN/m: along its shaft, at nodes whose normal does not point down, and the
+    rest, at its tip; and how much of the shaft is in contact, m."""
 
     def __init__(self, scene):
         self.contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
@@ -78,9 +78,11 @@ class Watch:
     def __call__(self, scene):
         table = self.contact.contactTable()
         isTip = np.abs(table["normal"][:, 1]) > np.sqrt(0.5)
-        upward = np.where(table["second"] == "pile", 1, -1) * table["force"][:, 1]
-        touches = ~isTip & np.any(table["force"] != 0, axis=1)
-        self.rows.append((upward[isTip].sum(), upward[~isTip].sum(), table["area"][touches].sum()))
+        force, normal = np.where(table["second"] == "pile", 1, -1)[:, None] * table["force"], table["normal"]
+        along = force - (force * normal).sum(axis=1)[:, None] * normal
+        shaft = along[~isTip, 1].sum()
+        touches = ~isTip & np.any(force != 0, axis=1)
+        self.rows.append((force[:, 1].sum() - shaft, shaft, table["area"][touches].sum()))
 
     def means(self, scene):
         """Tip, shaft and length since the last call."""

@@ -81,7 +81,7 @@ def test_control_nodes_make_a_pipe_too_large():
 
 # --- sheet pile -------------------------------------------------------------------------------------------
 def test_a_shaft_bears_its_adhesion_where_soil_touches():
-    """Clay stands away from the uppermost 0.8 m; tip and shaft together are what the drive gives."""
+    """Clay stands away from the uppermost half metre; tip and shaft together are what the drive gives."""
     summary = run("clay_pile", "--smoke", "--alpha", "0.5")
     assert 0.6 < summary["touchingOverLength"] < 0.9
     assert summary["shaftOverAdhesion"] / summary["touchingOverLength"] == pytest.approx(1, abs=0.05)

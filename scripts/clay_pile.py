@@ -67,7 +67,7 @@ def build(a):
 
 
 class Watch:
-    """Forces of contact on the pile, kN/m: along its shaft, at nodes whose normal does not point down, and the
+    """Forces of contact on the pile, kN/m: along its shaft, where normals do not point down, and the
     rest, at its tip; and how much of the shaft is in contact, m."""
 
     def __init__(self, scene):

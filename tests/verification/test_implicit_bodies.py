@@ -153,9 +153,9 @@ def dropped(implicit, dt):
 
 @pytest.mark.parametrize("dt, velocity, height", [(5e-5, 0.006, 3e-4), (5e-4, 0.04, 2e-3)])
 def test_an_implicit_block_hits_soil_like_the_explicit_one(dt, velocity, height):
-    """It falls with 3 m/s, is stopped and bounces off with 1.8 m/s. Tolerances: share of 3 m/s, and m."""
+    """It falls with 3 m/s, is stopped and bounces off with 1.4 m/s. Tolerances: share of 3 m/s, and m."""
     (high, fast), (y, v) = dropped(False, 5e-5), dropped(True, dt)
-    assert fast[-1] > 1.6  # control: it has bounced off
+    assert fast[-1] > 1.2  # control: it has bounced off
     assert v == pytest.approx(fast, abs=3 * velocity)
     assert y == pytest.approx(high, abs=height)
 

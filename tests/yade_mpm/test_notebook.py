@@ -47,6 +47,20 @@ def test_importing_plot_changes_no_setting_of_matplotlib():
     subprocess.run([sys.executable, "-c", program], check=True)
 
 
+def test_a_program_that_does_not_draw_does_not_wait_for_matplotlib():
+    code = (
+        "import sys; from yade_mpm import commandLine\n"
+        "def main():\n"
+        "    assert 'matplotlib' not in sys.modules\n"
+        "    import matplotlib.pyplot\n"
+        "    assert matplotlib.get_backend().lower() == 'agg'\n"
+        "    from yade_mpm import plot\n"
+        "    assert matplotlib.rcParams['savefig.dpi'] == plot.STYLE['savefig.dpi']\n"
+        "commandLine.run(main)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
 def test_a_picture_has_the_values_of_the_field_and_says_what_they_are(ran):
     scene, _, _ = ran
     axes = scene.plot("stress", "yy", limits=(-30, 0), arrows="velocity")

@@ -12,6 +12,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
 
+from ..base import program
 from .files import replacing
 
 STYLE = {
@@ -29,6 +30,10 @@ def drawToFiles():
     """For programs, not for notebooks: pictures go to files only (Agg), in the style of this project."""
     matplotlib.use("Agg")
     plt.rcParams.update(STYLE)
+
+
+if program.drawsToFiles:
+    drawToFiles()
 
 
 class Snapshot:

@@ -17,6 +17,7 @@ import re
 import sys
 from math import inf, isfinite
 
+from ..base import program
 from ..base.attributes import didYouMean
 from .resume import resumed
 
@@ -157,9 +158,7 @@ def run(main):
     """Calls the main function of a scene. What this package refuses or cannot go on with, and files that
     fail, end the program with their message and 1, Ctrl-C ends it with 130; any other error keeps its
     traceback. Pictures go to files, never to a screen."""
-    from ..io.plot import drawToFiles
-
-    drawToFiles()
+    _drawToFiles()
     try:
         main()
     except KeyboardInterrupt:
@@ -168,6 +167,18 @@ def run(main):
         if not (isinstance(error, OSError) or _isOfPackage(error)):
             raise
         raise SystemExit(f"{os.path.splitext(os.path.basename(sys.argv[0]))[0]}: {error}") from None
+
+
+def _drawToFiles():
+    """Pictures go to files. matplotlib, which takes longer to import than all else, is left to scenes that
+    draw."""
+    program.drawsToFiles = True
+    if "matplotlib.pyplot" in sys.modules:
+        from ..io.plot import drawToFiles
+
+        drawToFiles()
+    else:
+        os.environ["MPLBACKEND"] = "Agg"
 
 
 def _isOfPackage(error):

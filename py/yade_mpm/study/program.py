@@ -4,10 +4,12 @@
 import argparse
 import os
 import re
+import shutil
 import sys
 
 from . import cases, state
 from .commandLine import count, positive
+from .report import FINDINGS
 from .study import Study, findScene, parametersOf
 
 DOC = """Runs a scene for many cases: in parallel, each in a process of its own, resumable.
@@ -46,6 +48,7 @@ def parser():
     p.add_argument(
         "--show", type=lambda t: t.split(","), default=[], metavar="A,B", help="results in the report"
     )
+    p.add_argument("--findings", metavar="FILE", help="text that the report begins with, in paragraphs")
     p.add_argument("--report", action="store_true", help="run nothing, write table and report anew")
     yade = "write the cases as a table for yade-batch, and run nothing"
     p.add_argument("--yade-table", metavar="FILE", help=yade)
@@ -58,6 +61,8 @@ def main(words=None):
     axes = [w for w in words if re.match(r"[A-Za-z]\w*=", w)]
     a, sceneWords = parser().parse_known_args([w for w in words if w not in axes])
     file = findScene(a.scene)
+    if a.findings and not os.path.isfile(a.findings):
+        raise FileNotFoundError(f"--findings {a.findings}: there is no such file; correct the name")
     parameters = parametersOf(file)
     listed = _cases(a, axes, parameters)
     if a.yade_table:
@@ -65,6 +70,8 @@ def main(words=None):
         return
     out = a.out or os.path.join("results", "studies", parameters.scene)
     study = Study(file, listed, out, words=sceneWords, threads=a.threads, show=a.show)
+    if a.findings:
+        shutil.copyfile(a.findings, os.path.join(study.out, FINDINGS))
     if a.report:
         study.write()
     else:

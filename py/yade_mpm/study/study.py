@@ -86,6 +86,13 @@ class Study:
             self._add(identity.identity(a, source), a, isResumable=True, **more)
 
     def _add(self, name, arguments, **more):
+        taken = sorted(set(arguments) & set(collect.ABOUT))
+        if taken:
+            columns = ", ".join(collect.ABOUT)
+            raise ValueError(
+                f"study: a parameter is named '{taken[0]}', as a column of its table is ({columns}); give "
+                f"it another name"
+            )
         folder = os.path.join(self.out, "cases", name)
         if folder in self.folders:
             raise ValueError(

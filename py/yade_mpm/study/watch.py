@@ -36,7 +36,7 @@ def runCase(folder, stop, timeout=None, variables=None, cwd=None):
         return old
     if os.path.exists(stop):
         return state.write(folder, state.INTERRUPTED)
-    state.write(folder, state.WAITING)
+    state.write(folder, state.WAITING, started=time.time())
     began = time.monotonic()
     with open(os.path.join(folder, state.LOG), "ab") as log:
         process = subprocess.Popen(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from yade_mpm.io.files import saveJson
 from yade_mpm.study import collect, report, state
+from yade_mpm.study.program import main
 from yade_mpm.study.record import saveCurve
 from yade_mpm.study.study import Study
 
@@ -63,6 +64,32 @@ def test_the_report_stands_alone_and_its_links_lead_somewhere(out):
     assert "<script" not in page and not re.search(r'(src|href)="https?:', page)
     links = set(re.findall(r'(?:src|href)="(?!data:)([^"#]+)"', page))
     assert len(links) > 20 and all((out / link).exists() for link in links)
+
+
+HEADLINE = Path(__file__).parents[3] / "doc" / "_site" / "headline.html"
+
+
+def test_the_report_of_the_headline_is_shipped_with_its_findings():
+    page, findings = HEADLINE.read_text(), HEADLINE.parents[2] / "scripts" / "studies" / "headline.txt"
+    for paragraph in findings.read_text().strip().split("\n\n"):
+        assert f"<p>{paragraph}</p>" in page
+    assert page.count('<tr class="done">') == 24 and page.count("<svg") == 5
+    assert not re.search(r'(?:src|href)="(?!#|data:)', page)  # of files that are not there
+    shares = re.search(r'<td class="t">resistance.1.0</td>(.*?)</tr>', page)[1]
+    row = " | ".join(re.findall(r"<td>([\d.]+)</td>", shares)[:-1])
+    assert f"| resistance at 1 m | {row} |" in (HEADLINE.parents[1] / "howto" / "studies.md").read_text()
+
+
+def test_findings_of_a_file_are_in_the_report(out, tmp_path, capsys):
+    (tmp_path / "f.txt").write_text("It falls.")
+    words = ["gravity=5,10,15", "perCell=1,2", "end=well,sleeps", "--report", "--out", str(out)]
+    kept = (out / report.FINDINGS).read_text()
+    with pytest.raises(SystemExit):  # not all cases have ended well
+        main([str(SCENE), *words, "--findings", str(tmp_path / "f.txt")])
+    assert "<p>It falls.</p>" in (out / "report.html").read_text()
+    (out / report.FINDINGS).write_text(kept)
+    with pytest.raises(FileNotFoundError, match="--findings none.txt: there is no such file"):
+        main([str(SCENE), *words, "--findings", "none.txt"])
 
 
 def test_indices_of_the_made_up_results_are_in_it(out):

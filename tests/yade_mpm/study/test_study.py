@@ -109,6 +109,11 @@ def test_what_the_scene_does_not_allow_is_said_before_anything_runs(cases, messa
         Study(tmp_path / "none.py", [{}], tmp_path)
 
 
+def test_a_parameter_may_not_be_named_as_a_column_of_the_table(tmp_path):
+    with pytest.raises(ValueError, match="a parameter is named 'seconds', as a column of its table is"):
+        Study(lambda a: None, [{"seconds": 1.0}], tmp_path / "o")
+
+
 def test_functions_are_studied_too_with_the_bits_of_a_run_alone(tmp_path):
     import demo_scene
 

@@ -151,9 +151,11 @@ def dropped(implicit, dt):
     return np.array(rows).T
 
 
-@pytest.mark.parametrize("dt, velocity, height", [(5e-5, 0.006, 3e-4), (5e-4, 0.04, 2e-3)])
+@pytest.mark.parametrize("dt, velocity, height", [(5e-5, 0.006, 6e-4), (5e-4, 0.04, 2e-3)])
 def test_an_implicit_block_hits_soil_like_the_explicit_one(dt, velocity, height):
-    """It falls with 3 m/s, is stopped and bounces off with 1.4 m/s. Tolerances: share of 3 m/s, and m."""
+    """It falls with 3 m/s, is stopped and bounces off with 1.4 m/s. Tolerances: share of 3 m/s, and m.
+
+    The explicit block is 0.7 mm lower, too, where its step is a quarter; the two then differ by 0.1 mm."""
     (high, fast), (y, v) = dropped(False, 5e-5), dropped(True, dt)
     assert fast[-1] > 1.2  # control: it has bounced off
     assert v == pytest.approx(fast, abs=3 * velocity)

@@ -16,11 +16,11 @@ namespace mpm {
 
 namespace {
 
-// Per component; zero where a constraint holds it.
-template <int Dim> Vec<Dim> inverseMass(const NodalField<Dim>& field, int node) {
-    Vec<Dim> W;
+// Zero where a constraint holds it.
+template <int Dim> Mat<Dim> inverseMass(const NodalField<Dim>& field, int node) {
+    Mat<Dim> W = Mat<Dim>::Zero();
     for (int k = 0; k < Dim; ++k)
-        W[k] = field.holder[node][k] >= 0 ? 0 : 1 / field.sum[node][NodalField<Dim>::mass];
+        if (field.holder[node][k] < 0) W(k, k) = 1 / field.sum[node][NodalField<Dim>::mass];
     return W;
 }
 
@@ -109,7 +109,7 @@ template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) 
 // the node. answer: its inverse masses, with the sign of the impulse on it.
 template <int Dim>
 void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNode<Dim>& contact, int side,
-                     const Vec<Dim>& answer, const Impulses<Dim>& J) {
+                     const Mat<Dim>& answer, const Impulses<Dim>& J) {
     using NF = NodalField<Dim>;
     NF& field = scene.grid.fields[contact.field[side]];
     auto& motion = field.motion[contact.node];
@@ -117,9 +117,9 @@ void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNo
     const Vec<Dim> force = (side == 0 ? -1 : 1) / scene.dt * contact.impulse;
     double gained = 0;
     for (int k = 0; k < Dim; ++k) {
-        const double change = answer[k] * J.all[k];
+        const double change = answer.row(k) * J.all;
         gained += gravity[k] * change;
-        motion.set(Dim + k, motion[Dim + k] + answer[k] * contact.impulse[k] / scene.dt);
+        motion.set(Dim + k, motion[Dim + k] + answer.row(k).dot(contact.impulse) / scene.dt);
         motion.set(k, motion[k] + change);
         if (!scene.scheme->remapsSolution()) field.setVelocity(contact.node, k, motion[k]);
         const int holder = field.holder[contact.node][k];
@@ -191,14 +191,14 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
             for (int side = 0; side < 2; ++side) {
                 const int node = search.nodes[i].node;
                 const NF& field = scene.grid.fields[search.nodes[i].field[side]];
-                const Vec<Dim> W = inverseMass(field, node);
+                const Mat<Dim> W = inverseMass(field, node);
                 nodes[i].inverseMass[side] = nodes[i].startInverseMass[side] = W;
                 for (int k = 0; k < Dim; ++k) {
                     const double v = nodes[i].v[side][k] = field.motion[node][k];
-                    nodes[i].start[side][k] = W[k] > 0 ? W[k] * field.sum[node][NF::momentum + k] : v;
+                    nodes[i].start[side][k] = W(k, k) > 0 ? W(k, k) * field.sum[node][NF::momentum + k] : v;
                 }
             }
-        state.impulses.implicit.find(scene, search.nodes, pair, nodes, separation);
+        state.impulses.implicit.find(scene, search.nodes, pair, nodes);
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side)
                 if ((state.own[i].is[side] = nodes[i].responding[side] >= 0))
@@ -230,9 +230,9 @@ void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<D
         change<Dim>(scene, gravity, contact, side, sign * node.inverseMass[side], node.J);
     }
     const Vec<Dim> met = loss * node.J.agreeing;
-    const Vec<Dim> mobility = node.startMobility();
-    const Vec<Dim> startBefore = node.start[0] - node.start[1] + mobility.cwiseProduct(node.J.agreeing);
-    scene.energies.contact += met.dot(startBefore - 0.5 * mobility.cwiseProduct(met));
+    const Mat<Dim> mobility = node.startMobility();
+    const Vec<Dim> startBefore = node.start[0] - node.start[1] + mobility * node.J.agreeing;
+    scene.energies.contact += met.dot(startBefore - 0.5 * mobility * met);
     if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node.v[0] - node.v[1]);
 }
 

@@ -56,7 +56,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling {
         // What implicit bodies answer on their own side of each contact node, for velocities made anew.
         struct Own {
             bool is[2] = {false, false};
-            Vec<Dim> answer[2];
+            Mat<Dim> answer[2];
         };
         std::vector<Own> own;
     };
@@ -68,7 +68,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling {
     template <int Dim> void addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss);
     template <int Dim>
     static void change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNode<Dim>& contact, int side,
-                       const Vec<Dim>& answer, const Impulses<Dim>& J);
+                       const Mat<Dim>& answer, const Impulses<Dim>& J);
     template <int Dim>
     void exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<Dim>& contact,
                   const NodeMotion<Dim>& node);

@@ -9,12 +9,12 @@
 
 namespace mpm {
 
-// Two groups on a node: inverse masses per component, velocities at the start and of the solution, what they
-// have exchanged. A group answers an impulse by its inverse mass; zero where a constraint holds it.
+// Two groups on a node: inverse masses, velocities at the start and of the solution, what they have exchanged. A
+// group answers an impulse by its inverse mass; zero where a constraint holds it.
 template <int Dim> struct NodeMotion {
-    Vec<Dim> inverseMass[2], start[2], v[2];
-    Vec<Dim>
-        startInverseMass[2]; // of the node alone; of an implicit body inverseMass is its answer to impulses
+    Mat<Dim> inverseMass[2];      // of an implicit body: its answer to impulses
+    Mat<Dim> startInverseMass[2]; // of the node alone
+    Vec<Dim> start[2], v[2];
     Impulses<Dim> J;
     int responding[2] = {-1, -1}; // place in the response of implicit bodies, which then changes v; -1: none
 
@@ -23,12 +23,12 @@ template <int Dim> struct NodeMotion {
         J.agreeing += weight * more.agreeing;
         for (int side = 0; side < 2; ++side) {
             const double sign = side == 0 ? -weight : weight;
-            if (responding[side] < 0) v[side] += Vec<Dim>(sign * inverseMass[side]).cwiseProduct(more.all);
-            start[side] += Vec<Dim>(sign * startInverseMass[side]).cwiseProduct(more.agreeing);
+            if (responding[side] < 0) v[side] += sign * inverseMass[side] * more.all;
+            start[side] += sign * startInverseMass[side] * more.agreeing;
         }
     }
-    Vec<Dim> startMobility() const { return startInverseMass[0] + startInverseMass[1]; }
-    Vec<Dim> mobility() const { return inverseMass[0] + inverseMass[1]; }
+    Mat<Dim> startMobility() const { return startInverseMass[0] + startInverseMass[1]; }
+    Mat<Dim> mobility() const { return inverseMass[0] + inverseMass[1]; }
 };
 
 template <int Dim> class ContactImpulses {
@@ -69,7 +69,7 @@ template <int Dim> class ContactImpulses {
         double stopped = 0, answered = 0;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
             const NodeMotion<Dim>& node = nodes[i];
-            const Vec<Dim> change = implicit.isEmpty() ? Vec<Dim>(node.mobility().cwiseProduct(node.J.all))
+            const Vec<Dim> change = implicit.isEmpty() ? Vec<Dim>(node.mobility() * node.J.all)
                                                        : implicit.changeSince(i - pair.firstNode, node.v);
             stopped += node.J.all.dot(node.v[0] - node.v[1] + change);
             answered += node.J.all.dot(change);
@@ -103,7 +103,8 @@ template <int Dim> class ContactImpulses {
 
     // Relative velocities at a site between nodes with weights S, and its mobilities.
     struct Relative {
-        Vec<Dim> mobility = Vec<Dim>::Zero(), startMobility = mobility, start = mobility, w = mobility;
+        Mat<Dim> mobility = Mat<Dim>::Zero(), startMobility = mobility;
+        Vec<Dim> start = Vec<Dim>::Zero(), w = start;
     };
     // shares: for each node the sum of the weights with which sites push it; nullptr: a site is alone.
     Relative relativeAt(const int* at, const double* S, int count, const double* shares) const {
@@ -151,8 +152,8 @@ template <int Dim> class ContactImpulses {
                 int count) {
         auto [mobility, startMobility, start, w] = relativeAt(at, S, count, nullptr);
         if (count > 1 && !implicit.isEmpty()) mobility += implicit.mutualMobility(nodes, at, S, count);
-        start += startMobility.cwiseProduct(site.J.agreeing);
-        w += mobility.cwiseProduct(site.J.all);
+        start += startMobility * site.J.agreeing;
+        w += mobility * site.J.all;
         const Impulses<Dim> J = law.impulses<Dim>(site, dt, mobility, startMobility, start, w);
         const Impulses<Dim> more{J.all - site.J.all, J.agreeing - site.J.agreeing};
         site.J = J;

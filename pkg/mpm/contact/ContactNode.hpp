@@ -47,7 +47,7 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     double gapOfPoints = 0;  // m3, their gaps times what they own,
     double scaleOfOwned = 1; // and what they have of the surface where they do all, over what they own
     bool hasPoints = false;  // contact points, which tell better how far the surfaces overlap
-    bool isLeftOut = false;  // contact points do all that it would, or an implicit body only brushes it
+    bool isLeftOut = false;  // contact points do all that it would
     bool acts = false, slides = false;    // with what it shares with contact points
     Vec<Dim> impulse = Vec<Dim>::Zero();  // kN s, on the second group in this step,
     Vec<Dim> friction = Vec<Dim>::Zero(); // and what of it is friction

@@ -18,16 +18,16 @@ struct FrictionLaw {
     bool separation;   // false: surfaces hold together, gap or not
     double impactLoss; // -, part of the velocity with which groups meet that particles lose
 
-    // The impulses on the second group. mobility: of both groups together, per component; zero where they are
-    // held. start, w: relative velocities at the start and of the solution. startMobility: by the masses of the
-    // nodes alone, for the start; implicit bodies have another one in the solution.
+    // The impulses on the second group. mobility: of both groups together; zero where they are held. start, w:
+    // relative velocities at the start and of the solution. startMobility: by the masses of the nodes alone, for
+    // the start; implicit bodies have another one in the solution.
     template <int Dim>
-    Impulses<Dim> impulses(const ContactSite<Dim>& site, double dt, const Vec<Dim>& mobility,
-                           const Vec<Dim>& startMobility, const Vec<Dim>& start, const Vec<Dim>& w) const;
+    Impulses<Dim> impulses(const ContactSite<Dim>& site, double dt, const Mat<Dim>& mobility,
+                           const Mat<Dim>& startMobility, const Vec<Dim>& start, const Vec<Dim>& w) const;
 
   private:
     template <int Dim>
-    double stopping(const ContactSite<Dim>& site, const Vec<Dim>& mobility, const Vec<Dim>& w,
+    double stopping(const ContactSite<Dim>& site, const Mat<Dim>& mobility, const Vec<Dim>& w,
                     double dt) const;
 };
 
@@ -35,55 +35,57 @@ struct FrictionLaw {
 // impacts are lost, surfaces that pressed on each other in this step do not part either in the velocities
 // that are made anew: the pressure would give energy.
 template <int Dim>
-double FrictionLaw::stopping(const ContactSite<Dim>& site, const Vec<Dim>& mobility, const Vec<Dim>& w,
+double FrictionLaw::stopping(const ContactSite<Dim>& site, const Mat<Dim>& mobility, const Vec<Dim>& w,
                              double dt) const {
     const double excess =
         w.dot(site.normal) - (separation ? std::max(site.gap + site.tolerated, 0.0) / dt : 0);
-    const double alongNormal = site.normal.dot(mobility.cwiseProduct(site.normal));
+    const double alongNormal = site.normal.dot(mobility * site.normal);
     if (!(alongNormal > 0)) return 0;
     return (excess > 0 || !separation ? 1 : site.presses ? impactLoss : 0) * excess / alongNormal;
 }
 
 template <int Dim>
-Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, const Vec<Dim>& mobility,
-                                    const Vec<Dim>& startMobility, const Vec<Dim>& start,
+Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, const Mat<Dim>& mobility,
+                                    const Mat<Dim>& startMobility, const Vec<Dim>& start,
                                     const Vec<Dim>& w) const {
     Impulses<Dim> J;
     if (!separation && !slip) { // one body
+        J.all = site.J.all;
         for (int k = 0; k < Dim; ++k) {
-            if (!(mobility[k] > 0)) continue;
-            J.all[k] = w[k] / mobility[k];
-            J.agreeing[k] = start[k] / startMobility[k];
+            if (!(mobility(k, k) > 0)) continue;
+            J.all[k] = 0; // Gauss-Seidel, for the components of an implicit body answer each other
+            J.all[k] = (w[k] - mobility.row(k).dot(J.all)) / mobility(k, k);
+            J.agreeing[k] = start[k] / startMobility(k, k);
         }
         J.sticks = true;
         return J;
     }
     const Vec<Dim>& n = site.normal;
-    const double pushed = stopping(site, mobility, w, dt);
+    const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
+    const Vec<Dim> borneSoFar = across(site.J.all); // by friction, which moves an implicit body along n, too
+    const double pushed = stopping(site, mobility, Vec<Dim>(w - mobility * borneSoFar), dt);
     if (pushed == 0) return J;
     const double agreed = separation ? std::min(stopping(site, startMobility, start, dt), pushed)
                                      : stopping(site, startMobility, start, dt);
     J.all = pushed * n;
     J.agreeing = agreed * n;
-    const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
-    const Vec<Dim> slipping = across(w - mobility.cwiseProduct(J.all));
-    const Vec<Dim> slippingBefore = across(start - startMobility.cwiseProduct(J.agreeing));
-    const Vec<Dim> t = unit(slipping, 0.0);
-    const double along = t.dot(mobility.cwiseProduct(t)); // 0: constraints hold both
-    const double alongBefore = t.dot(startMobility.cwiseProduct(t));
+    const Vec<Dim> slipping = across(w - mobility * (J.all + borneSoFar));
+    const Vec<Dim> t = slipping.isZero(0) ? unit(borneSoFar, 0.0) : unit(slipping, 0.0);
+    const double along = t.dot(mobility * t); // 0: constraints hold both
     const double borne = adhesion * site.area * dt;
     J.sticks = t.isZero(0);
     if (J.sticks || !(along > 0 || slip)) return J;
     const double limit = friction * std::max(pushed - (1 - impactLoss) * agreed, 0.0) + borne;
-    J.sticks =
-        along > 0 && (!slip || (slipping.norm() <= along * (friction * std::max(pushed, 0.0) + borne) &&
-                                (slipping - (1 - impactLoss) * slippingBefore).norm() <= along * limit));
-    if (J.sticks) {
-        J.all += slipping / along;
-        J.agreeing += slippingBefore / alongBefore;
-    } else {
-        J.all += std::min(along > 0 ? slipping.norm() / along : limit, limit) * t;
+    if (!(along > 0)) {
+        J.all += limit * t;
+        return J;
     }
+    const Vec<Dim> stopped = borneSoFar + slipping / along;
+    const Vec<Dim> stoppedBefore = across(start - startMobility * J.agreeing) / t.dot(startMobility * t);
+    J.sticks = !slip || (stopped.norm() <= friction * std::max(pushed, 0.0) + borne &&
+                         (stopped - (1 - impactLoss) * stoppedBefore).norm() <= limit);
+    J.all += J.sticks ? stopped : Vec<Dim>(std::min(stopped.norm(), limit) * unit(stopped, 0.0));
+    if (J.sticks) J.agreeing += stoppedBefore;
     return J;
 }
 

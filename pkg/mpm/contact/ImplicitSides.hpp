@@ -12,10 +12,10 @@ template <int Dim> class ImplicitSides {
     bool isEmpty() const { return response_.isEmpty(); }
 
     // Finds those of a pair of groups, lets `nodes` know their places, and puts their own answers in the place of
-    // inverse masses. Where surfaces may part, what a body only brushes is left out.
+    // inverse masses.
     template <class Nodes>
-    void find(Scene<Dim>& scene, std::vector<ContactNode<Dim>>& contacts, const ContactPair& pair,
-              Nodes& nodes, bool mayPart) {
+    void find(Scene<Dim>& scene, const std::vector<ContactNode<Dim>>& contacts, const ContactPair& pair,
+              Nodes& nodes) {
         response_.clear();
         places_.clear();
         before_.clear();
@@ -25,7 +25,6 @@ template <int Dim> class ImplicitSides {
             for (int side = 0; side < 2; ++side) {
                 const int field = contacts[i].field[side], node = contacts[i].node;
                 if (!bodies->template moves<Dim>(field, node)) continue;
-                contacts[i].isLeftOut |= mayPart && bodies->brushes(scene, field, node);
                 nodes[i].responding[side] = int(response_.nodes.size());
                 response_.nodes.push_back({field, node});
                 places_.push_back({int(i), side});
@@ -33,7 +32,7 @@ template <int Dim> class ImplicitSides {
         if (isEmpty()) return;
         bodies->respond(scene, response_);
         for (size_t r = 0; r < places_.size(); ++r)
-            nodes[places_[r].contact].inverseMass[places_[r].side] = response_.onItself(int(r));
+            nodes[places_[r].contact].inverseMass[places_[r].side] = response_.of(int(r), int(r));
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             before_.push_back(nodes[i].v[0] - nodes[i].v[1]);
     }
@@ -51,13 +50,13 @@ template <int Dim> class ImplicitSides {
 
     // What the mobility of a site between nodes has beyond that of each of them.
     template <class Nodes>
-    Vec<Dim> mutualMobility(const Nodes& nodes, const int* at, const double* S, int count) const {
-        Vec<Dim> sum = Vec<Dim>::Zero();
+    Mat<Dim> mutualMobility(const Nodes& nodes, const int* at, const double* S, int count) const {
+        Mat<Dim> sum = Mat<Dim>::Zero();
         for (int i = 0; i < count; ++i)
             for (int j = 0; j < count; ++j)
                 for (int side = 0; side < 2 && i != j; ++side) {
                     const int a = nodes[at[i]].responding[side], b = nodes[at[j]].responding[side];
-                    if (a >= 0 && b >= 0) sum += S[i] * S[j] * response_.of(a, b).diagonal();
+                    if (a >= 0 && b >= 0) sum += S[i] * S[j] * response_.of(a, b);
                 }
         return sum;
     }
@@ -71,7 +70,7 @@ template <int Dim> class ImplicitSides {
             const auto& node = nodes[place.contact];
             const double sign = place.side == 0 ? -1 : 1;
             impulses.push_back(sign * node.J.all);
-            unfelt.push_back(sign * part * node.startInverseMass[place.side].cwiseProduct(node.J.agreeing));
+            unfelt.push_back(sign * part * node.startInverseMass[place.side] * node.J.agreeing);
         }
         scene.template find<ImplicitBodies>()->take(scene, response_, impulses, unfelt);
     }

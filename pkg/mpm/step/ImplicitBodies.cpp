@@ -135,15 +135,6 @@ template <int Dim> bool ImplicitBodies::moves(int field, int node) const {
     return owner[field][node] >= 0;
 }
 
-template <int Dim> bool ImplicitBodies::brushes(const Scene<Dim>& scene, int field, int node) const {
-    // Of the mass of the heaviest node: a face that is 0.14 of a cell beyond the nodes before. A share of 3e-4
-    // let a pile gain its own resistance in energy, 1e-3 did so later.
-    constexpr double least = 1e-2;
-    const State<Dim>& state = std::get<State<Dim>>(states_);
-    const double mass = scene.grid.fields[field].sum[node][NodalField<Dim>::mass];
-    return mass < least * state.systems[state.owner[field][node]].heaviest;
-}
-
 template <int Dim> void ImplicitBodies::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) {
     State<Dim>& state = std::get<State<Dim>>(states_);
     response.reset();
@@ -180,8 +171,6 @@ template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
 
 template void ImplicitBodies::finishMotion(Scene<2>&);
 template void ImplicitBodies::finishMotion(Scene<3>&);
-template bool ImplicitBodies::brushes(const Scene<2>&, int, int) const;
-template bool ImplicitBodies::brushes(const Scene<3>&, int, int) const;
 template bool ImplicitBodies::moves<2>(int, int) const;
 template bool ImplicitBodies::moves<3>(int, int) const;
 template void ImplicitBodies::respond(const Scene<2>&, ImpulseResponse<2>&);

@@ -18,9 +18,6 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
 
     // Whether an implicit body moves a node of a velocity field.
     template <int Dim> bool moves(int field, int node) const;
-    // Whether it only brushes such a node: its stiffness there has the square of its share, and impulses that
-    // strain it by any amount would balance each other.
-    template <int Dim> bool brushes(const Scene<Dim>& scene, int field, int node) const;
     // Fills in a response whose nodes, each of which an implicit body moves, are given.
     template <int Dim> void respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response);
     // Impulses on these nodes, in their order, and changes of their velocities that the particles do not take.

@@ -46,7 +46,6 @@ void ImplicitSystem<Dim>::assemble(const std::vector<const StrainedNodes<Dim>*>&
     mass_.assign(nodes.size(), 0.0);
     for (const auto* body : bodies)
         for (const auto& entry : body->entries) mass_[number[entry.node]] += entry.mass;
-    heaviest = *std::max_element(mass_.begin(), mass_.end());
     for (auto* vector : {&velocity_, &force_, &solved_}) vector->assign(stiffness_.padded(), 0.0);
 }
 

@@ -19,7 +19,6 @@ template <int Dim> class ImplicitSystem {
 
     int field; // velocity field
     std::vector<int> nodes;
-    double heaviest = 0; // Mg, of its bodies on the node where they have most
 
     // Into the order of the unknowns; each node is there once.
     void sortNodes(const Grid<Dim>& grid);

@@ -25,7 +25,6 @@ template <int Dim> class ImpulseResponse {
         return Part(values_.data() + size_t(Dim) * pushed * size() + Dim * node,
                     Eigen::OuterStride<>(size()));
     }
-    Vec<Dim> onItself(int node) const { return of(node, node).diagonal(); }
 
     void clear() {
         nodes.clear();

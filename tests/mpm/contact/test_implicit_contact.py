@@ -55,8 +55,7 @@ def test_momentum_is_kept_to_round_off(dim, impactLoss):
 
 def test_an_impact_is_that_of_the_explicit_body_whatever_the_step():
     """Mean velocities after the soft block has bounced off, by 2 m/s. With MUSL's velocity in the place of
-    the solved one, the explicit block of steel bounces 6 % more. Less energy is missing (3 to 5 %, explicit
-    7): nodes that the block only brushes bear nothing."""
+    the solved one, the explicit block of steel bounces 6 % more; the energy that is missing is alike."""
     found, missing = [], []
     for implicit, dt in ((False, 2e-5), (True, 1e-4), (True, 5e-4)):
         scene, lower, upper = thrown(implicit)
@@ -68,7 +67,7 @@ def test_an_impact_is_that_of_the_explicit_body_whatever_the_step():
     assert found[0][1] < -1.9  # control: they have met
     assert found[1] == pytest.approx(found[0], abs=0.15)
     assert found[2] == pytest.approx(found[1], abs=0.06)
-    assert all(0 < part < missing[0] + 0.02 for part in missing[1:])
+    assert missing[1:] == pytest.approx(missing[:1] * 2, abs=0.02)
 
 
 @pytest.mark.parametrize("kind", ["UGIMP", "APDI"])
@@ -141,38 +140,3 @@ def test_a_rigid_ball_bounces_off_an_implicit_block():
     together = -3 * mass / (mass + block.mass.sum())
     assert together < v[0, 1] - together <= (3 + together) * 1.05  # between a plastic and an elastic impact
     assert meanVelocity(block)[1] < -0.4
-
-
-def pressed(beyond):
-    """A strip of steel that is pressed into soil; its faces are `beyond` cells beyond lines of the grid.
-
-    Returns the part of the contact forces on the lines after these."""
-    scene = mpm.Scene((0, 0), (3, 3), CELL, threads=1)
-    hole, half = box((1.25, 1.0), (1.75, 2.5)), CELL * (1 + beyond)
-    points, cells = [], []
-    for row in range(13):
-        points += [(1.5 - half + half * column / 2, 1.0 + row * CELL / 2) for column in range(5)]
-        if row < 12:
-            cells += [(n, n + 1, n + 6, n + 5) for n in range(5 * row, 5 * row + 4)]
-    soil = mpm.LinearElastic(density=1.5, lame=SOFT)
-    scene.add("soil", box((0, 0), (3, 2)) - hole, soil, mpm.UGIMP(), group="soil")
-    steel = mpm.LinearElastic(density=7.85, lame=STEEL)
-    pile = scene.add(
-        "pile", mpm.Mesh(np.array(points), np.array(cells)), steel, mpm.APDI(), group="pile", implicit=True
-    )
-    drive = mpm.Drive(pile.above(2.25), velocity=(0, -0.05), ramp=0.02)
-    solver, contact = mpm.GridSolver(fixed="bottom", roller=("left", "right"), drive=drive), mpm.Contact()
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
-    scene.dt = 5e-4
-    scene.run(steps=200, progress=False)
-    table = contact.contactTable()
-    brushed = np.isin(table["node"][:, 0], (1.5 - 2 * CELL, 1.5 + 2 * CELL))
-    size = np.linalg.norm(table["force"], axis=1)
-    return size[brushed].sum() / size.sum()
-
-
-def test_nodes_that_an_implicit_body_only_brushes_are_left_out():
-    """Its stiffness there is that of a hair: impulses of any size balanced each other, and a sheet pile
-    gained 70 % of the work done (cells of 0.125 m, 1.5 m deep)."""
-    assert pressed(1e-2) < 1e-3  # 0.18 before
-    assert pressed(0.1) > 0.1  # control

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// The law of contact where an implicit body answers an impulse along one axis by a velocity along others, too.
+#include "mpm/contact/FrictionLaw.hpp"
+
+#include <gtest/gtest.h>
+
+namespace mpm {
+
+namespace {
+
+// The impulse after rounds of Gauss-Seidel at this one site, and the relative velocity it leaves of w.
+template <int Dim>
+std::pair<Vec<Dim>, Vec<Dim>> exchanged(const FrictionLaw& law, const Vec<Dim>& normal,
+                                        const Mat<Dim>& mobility, const Vec<Dim>& w) {
+    ContactSite<Dim> site;
+    site.normal = normal;
+    for (int round = 0; round < 200; ++round)
+        site.J = law.impulses<Dim>(site, 1e-3, mobility, Mat<Dim>::Identity(), Vec<Dim>::Zero(), w);
+    return {site.J.all, w - mobility * site.J.all};
+}
+
+const Mat<2> skew = (Mat<2>() << 2.0, 0.9, 0.9, 1.0).finished();
+const Mat<3> skewInSpace = (Mat<3>() << 2.0, 0.9, 0.5, 0.9, 1.0, 0.4, 0.5, 0.4, 1.5).finished();
+const Vec<2> tilted(0.6, 0.8), along(0.8, -0.6);
+
+} // namespace
+
+TEST(FrictionLaw, surfacesThatSlideNeitherCrossNorPartWhateverTheAnswer) {
+    for (const double friction : {0.0, 0.1, 0.3}) {
+        const FrictionLaw law{friction, 0, true, true, 1};
+        const auto [J, w] = exchanged<2>(law, tilted, skew, Vec<2>(1.5, 0.7));
+        EXPECT_GT(J.dot(tilted), 0.1);
+        EXPECT_NEAR(w.dot(tilted), 0, 1e-12);
+        EXPECT_NEAR(std::abs(J.dot(along)), friction * J.dot(tilted), 1e-12);
+        EXPECT_GE(w.dot(along) * J.dot(along), -1e-12); // friction brakes
+    }
+}
+
+TEST(FrictionLaw, surfacesThatStickDoNotMove) {
+    const FrictionLaw rough{2.0, 0, true, true, 1};
+    const auto [J, w] = exchanged<2>(rough, tilted, skew, Vec<2>(1.5, 0.7));
+    EXPECT_GT(J.norm(), 0.1);
+    EXPECT_NEAR(w.norm(), 0, 1e-12);
+    const auto [JInSpace, wInSpace] =
+        exchanged<3>(rough, Vec<3>(0.6, 0, 0.8), skewInSpace, Vec<3>(1.5, 0.7, 1));
+    EXPECT_GT(JInSpace.norm(), 0.1);
+    EXPECT_NEAR(wInSpace.norm(), 0, 1e-12);
+}
+
+TEST(FrictionLaw, oneBodyDoesNotMoveInItself) {
+    const auto [J, w] =
+        exchanged<3>({0, 0, false, false, 1}, Vec<3>::UnitX(), skewInSpace, Vec<3>(1.5, 0.7, -2));
+    EXPECT_GT(J.norm(), 0.1);
+    EXPECT_NEAR(w.norm(), 0, 1e-12);
+}
+
+} // namespace mpm

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// One thread does it all, so that the bits are the same for any number.
+// Threads share what is one by one, particles and columns of the response; all sums are made by one, so that the
+// bits are the same for any number.
 #include "mpm/step/ImplicitBodies.hpp"
 
 #include "mpm/step/GridSolver.hpp"
@@ -45,23 +46,22 @@ template <int Dim> void ImplicitBodies::clear(const Scene<Dim>& scene, State<Dim
     state.systems.clear();
 }
 
-// Of each body, the first one that it shares nodes with, over others.
-template <int Dim>
-std::vector<int> ImplicitBodies::groups(const std::vector<Body<Dim>*>& bodies, int fields,
-                                        State<Dim>& state) {
-    std::vector<int> group(bodies.size());
-    for (size_t b = 0; b < bodies.size(); ++b) group[b] = int(b);
+// Of each piece of a body, the first one that it shares nodes with, over others.
+template <int Dim> std::vector<int> ImplicitBodies::groups(int fields, State<Dim>& state) {
+    const auto& pieces = state.pieces;
+    std::vector<int> group(pieces.size());
+    for (size_t i = 0; i < pieces.size(); ++i) group[i] = int(i);
     for (int field = 0; field < fields; ++field) {
         const auto forEntries = [&](auto&& f) {
-            for (size_t b = 0; b < bodies.size(); ++b)
-                if (bodies[b]->velocityField == field)
-                    for (const auto& entry : state.strained[b].entries) f(int(b), entry.node);
+            for (size_t i = 0; i < pieces.size(); ++i)
+                if (pieces[i].body->velocityField == field)
+                    for (const auto& entry : pieces[i].strained.entries) f(int(i), entry.node);
         };
-        forEntries([&](int b, int node) {
+        forEntries([&](int i, int node) {
             int& owner = state.scratch[node];
-            if (owner < 0) owner = b;
-            if (group[owner] == group[b]) return;
-            const int from = std::max(group[owner], group[b]), to = std::min(group[owner], group[b]);
+            if (owner < 0) owner = i;
+            if (group[owner] == group[i]) return;
+            const int from = std::max(group[owner], group[i]), to = std::min(group[owner], group[i]);
             for (int& g : group)
                 if (g == from) g = to;
         });
@@ -70,7 +70,7 @@ std::vector<int> ImplicitBodies::groups(const std::vector<Body<Dim>*>& bodies, i
     return group;
 }
 
-// The system of some bodies, which move with one velocity field.
+// The system of some pieces of bodies, which move with one velocity field.
 template <int Dim>
 void ImplicitBodies::addSystem(const Grid<Dim>& grid, int field,
                                const std::vector<const StrainedNodes<Dim>*>& members, State<Dim>& state) {
@@ -94,27 +94,42 @@ void ImplicitBodies::withNumbers(State<Dim>& state, const ImplicitSystem<Dim>& s
     for (int node : system.nodes) state.scratch[node] = -1;
 }
 
-// Bodies that share a node belong to one system.
+// Cuts the bodies into pieces, each of which one thread looks at, and finds what strains them.
+template <int Dim> void ImplicitBodies::findPieces(Scene<Dim>& scene, State<Dim>& state) {
+    constexpr int most = 32; // particles; few enough that small bodies keep two threads busy
+    size_t count = 0;
+    for (auto& body : scene.bodies)
+        for (int begin = 0; body->isImplicit && begin < body->particles.size(); begin += most) {
+            if (state.pieces.size() == count) state.pieces.emplace_back();
+            auto& piece = state.pieces[count++];
+            piece.body = body.get();
+            piece.begin = begin;
+            piece.end = std::min(begin + most, body->particles.size());
+        }
+    state.pieces.resize(count);
+    const double least = scene.leastMass();
+    WorkPartition all;
+    all.set(int(count), [](int) { return 1.0; });
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        region.forPieces(all, [&](int i) {
+            auto& piece = state.pieces[i];
+            const auto& nodal = scene.grid.fields[piece.body->velocityField];
+            piece.strained.find(*piece.body, piece.begin, piece.end,
+                                [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
+        });
+    });
+}
+
+// What shares a node belongs to one system.
 template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim>& state) {
     clear(scene, state);
-    std::vector<Body<Dim>*> bodies;
-    for (auto& body : scene.bodies)
-        if (body->isImplicit && body->particles.size() > 0) bodies.push_back(body.get());
-    const double least = scene.leastMass();
-    state.strained.resize(bodies.size());
-    for (size_t b = 0; b < bodies.size(); ++b) {
-        const auto& nodal = scene.grid.fields[bodies[b]->velocityField];
-        state.strained[b].find(*bodies[b], state.scratch,
-                               [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
-    }
-    const std::vector<int> group = groups(bodies, int(scene.grid.fields.size()), state);
-    for (size_t first = 0; first < bodies.size(); ++first) {
-        if (group[first] != int(first)) continue;
-        std::vector<const StrainedNodes<Dim>*> members;
-        for (size_t b = first; b < bodies.size(); ++b)
-            if (group[b] == int(first)) members.push_back(&state.strained[b]);
-        addSystem(scene.grid, bodies[first]->velocityField, members, state);
-    }
+    findPieces(scene, state);
+    const std::vector<int> group = groups(int(scene.grid.fields.size()), state);
+    std::vector<std::vector<const StrainedNodes<Dim>*>> members(group.size());
+    for (size_t i = 0; i < group.size(); ++i) members[group[i]].push_back(&state.pieces[i].strained);
+    for (size_t first = 0; first < group.size(); ++first)
+        if (!members[first].empty())
+            addSystem(scene.grid, state.pieces[first].body->velocityField, members[first], state);
 }
 
 template <int Dim> void ImplicitBodies::act(Scene<Dim>& scene) {

@@ -34,9 +34,15 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     }
 
   private:
+    // Some particles of a body.
+    template <int Dim> struct Piece {
+        Body<Dim>* body;
+        int begin, end;
+        StrainedNodes<Dim> strained;
+    };
     template <int Dim> struct State {
         using Velocity = typename NodalField<Dim>::Velocity;
-        std::vector<StrainedNodes<Dim>> strained; // of each body that is implicit
+        std::vector<Piece<Dim>> pieces; // of all bodies that are implicit
         std::vector<ImplicitSystem<Dim>> systems;
         std::vector<int> scratch;                    // -1 for each node
         std::vector<std::vector<int>> owner;         // system of each node of a velocity field, -1: none
@@ -47,8 +53,8 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> void findSystems(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void clear(const Scene<Dim>& scene, State<Dim>& state);
-    template <int Dim>
-    std::vector<int> groups(const std::vector<Body<Dim>*>& bodies, int fields, State<Dim>& state);
+    template <int Dim> void findPieces(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> std::vector<int> groups(int fields, State<Dim>& state);
     template <int Dim>
     void addSystem(const Grid<Dim>& grid, int field, const std::vector<const StrainedNodes<Dim>*>& members,
                    State<Dim>& state);

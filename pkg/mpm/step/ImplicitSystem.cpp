@@ -140,17 +140,20 @@ void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>&
                 first = std::min(first, unknowns.back()[1]);
             }
     const NF& nodal = scene.grid.fields[field];
-    several_.resize(this->unknowns());
-    for (size_t begin = 0; begin < unknowns.size(); begin += most) {
-        const int count = int(std::min(unknowns.size() - begin, size_t(most)));
-        std::fill(several_.begin() + first, several_.end(), BandMatrix::Several::zero());
-        for (int l = 0; l < count; ++l)
-            if (const int i = unknowns[begin + l][1]; holderOf(nodal, i) < 0) several_[i].set(l, 1);
-        factor_.solveSeveral(several_.data(), first);
-        for (int l = 0; l < count; ++l)
-            for (const auto& [row, i] : unknowns)
-                response.column(unknowns[begin + l][0])[row] = several_[i][l];
-    }
+    WorkPartition columns;
+    columns.set(int(unknowns.size() + most - 1) / most, [](int) { return 1.0; });
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        std::vector<BandMatrix::Several> x(this->unknowns());
+        region.forPieces(columns, [&](int piece) {
+            const int begin = piece * most, count = std::min(int(unknowns.size()) - begin, most);
+            std::fill(x.begin() + first, x.end(), BandMatrix::Several::zero());
+            for (int l = 0; l < count; ++l)
+                if (const int i = unknowns[begin + l][1]; holderOf(nodal, i) < 0) x[i].set(l, 1);
+            factor_.solveSeveral(x.data(), first);
+            for (int l = 0; l < count; ++l)
+                for (const auto& [row, i] : unknowns) response.column(unknowns[begin + l][0])[row] = x[i][l];
+        });
+    });
 }
 
 template <int Dim>

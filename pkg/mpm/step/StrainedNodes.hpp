@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Which nodes strain each particle of a body, and how: the elastic energy of particle p that moves by u is
+// Which nodes strain some particles of a body, and how: the elastic energy of particle p that moves by u is
 //     1/2 V [lambda (tr e)^2 + 2 mu e : e] + 1/2 control sum_m |h_m|^2,
 //     e = sym sum_n u_n (x) g_n,  h_m = sum_n gamma_nm u_n.
 #pragma once
@@ -23,32 +23,28 @@ template <int Dim> class StrainedNodes {
     std::vector<Entry> entries;
     std::vector<Strained> particles;
 
-    // isIn(node): whether a node counts. place: scratch, -1 for every node on entry and exit.
-    template <class IsIn> void find(Body<Dim>& body, std::vector<int>& place, IsIn&& isIn) {
+    // Of particles first to last - 1, at most chunkSize. isIn(node): whether a node counts.
+    template <class IsIn> void find(Body<Dim>& body, int first, int last, IsIn&& isIn) {
         entries.clear();
-        particles.resize(body.particles.size());
+        particles.clear();
         double lambda[chunkSize], mu[chunkSize];
-        for (int p = 0; p < body.particles.size(); ++p) {
-            if (p % chunkSize == 0)
-                body.stiffness(p, std::min(p + chunkSize, body.particles.size()), lambda, mu);
+        body.stiffness(first, last, lambda, mu);
+        for (int p = first; p < last; ++p) {
             const double volume = body.particles.volume.plane()[p];
-            particles[p] = {int(entries.size()), 0, volume * lambda[p % chunkSize],
-                            volume * mu[p % chunkSize], 0};
-            findOf(body, p, place, isIn);
-            particles[p].end = int(entries.size());
+            particles.push_back(
+                {int(entries.size()), 0, volume * lambda[p - first], volume * mu[p - first], 0});
+            findOf(body, p, isIn);
+            particles.back().end = int(entries.size());
         }
-        for (const Entry& entry : entries) place[entry.node] = -1;
     }
 
   private:
-    template <class IsIn> void findOf(Body<Dim>& body, int p, std::vector<int>& place, IsIn&& isIn) {
+    template <class IsIn> void findOf(Body<Dim>& body, int p, IsIn&& isIn) {
+        Strained& particle = particles.back();
         const auto entryOf = [&](int node) -> Entry& {
-            int& at = place[node];
-            if (at < particles[p].begin) { // none yet, or of a particle before
-                at = int(entries.size());
-                entries.push_back({node, {}, {}, 0});
-            }
-            return entries[at];
+            for (size_t e = particle.begin; e < entries.size(); ++e)
+                if (entries[e].node == node) return entries[e];
+            return entries.emplace_back(Entry{node, {}, {}, 0});
         };
         const double mass = body.inertiaScale * body.particles.mass.plane()[p];
         body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
@@ -58,7 +54,7 @@ template <int Dim> class StrainedNodes {
             for (int k = 0; k < Dim; ++k) entry.g[k] += gradient[k];
         });
         if (const auto* mesh = body.domains->mesh())
-            particles[p].control = mesh->hourglassStiffness(p, [&](int node, const double* gamma) {
+            particle.control = mesh->hourglassStiffness(p, [&](int node, const double* gamma) {
                 if (!isIn(node)) return;
                 Entry& entry = entryOf(node);
                 for (int m = 0; m < patterns; ++m) entry.gamma[m] += gamma[m];

@@ -27,10 +27,12 @@ template <int Dim> class Mesh {
     virtual Field& vertexVelocities() = 0;
     // Node += share of a force on one vertex.
     virtual void addVertexForce(int vertex, const Vec<Dim>& force, typename NF::Sum* nodes) const = 0;
-    // What domain p resists its hourglass patterns with, kN/m (2D: per m): the same for all of them.
-    // each(node, gamma): what unit velocity of a node adds to the rate of each pattern, `patterns` numbers.
+    // What strains domain p: each(node, phi, gradient, gamma), a node once for each vertex that feels it. gamma:
+    // what unit velocity of the node adds to the rate of each hourglass pattern, `patterns` numbers. Returns what the
+    // domain resists these with, kN/m (2D: per m), the same for all.
     static constexpr int patterns = Dim == 2 ? 1 : 4;
-    virtual double hourglassStiffness(int p, const std::function<void(int, const double*)>& each) const = 0;
+    using EachStrain = std::function<void(int, double, const Vec<Dim>&, const double*)>;
+    virtual double strains(int p, const EachStrain& each) const = 0;
     // Longest edge of domain p, m, and what it was when the displacement was zero.
     virtual double longestEdge(int p) const = 0;
     virtual double initialEdge(int p) const = 0;

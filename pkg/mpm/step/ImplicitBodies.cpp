@@ -39,10 +39,7 @@ template <int Dim> void ImplicitBodies::clear(const Scene<Dim>& scene, State<Dim
     state.owner.resize(scene.grid.fields.size());
     for (auto& owner : state.owner) owner.resize(scene.grid.count, -1);
     for (auto& system : state.systems)
-        for (int node : system.nodes) {
-            state.velocity[system.field][node] = NodalField<Dim>::Velocity::zero();
-            state.owner[system.field][node] = -1;
-        }
+        for (int node : system.nodes) state.owner[system.field][node] = -1;
     state.systems.clear();
 }
 
@@ -94,6 +91,36 @@ void ImplicitBodies::withNumbers(State<Dim>& state, const ImplicitSystem<Dim>& s
     for (int node : system.nodes) state.scratch[node] = -1;
 }
 
+// Rows of nodes, along the last axis, that are held and move alike: what touches no others is not strained.
+template <int Dim>
+std::vector<char> findRigidRows(const Grid<Dim>& grid, const NodalField<Dim>& field, double least) {
+    std::vector<char> rows(grid.slabs(), 1);
+    const typename NodalField<Dim>::Motion* first = nullptr;
+    for (int slab = 0; slab < grid.slabs(); ++slab)
+        grid.forNodes(field, slab, [&](int node) {
+            if (!(field.sum[node][NodalField<Dim>::mass] > least)) return;
+            const auto& motion = field.motion[node];
+            bool isHeld = true, isAlike = true;
+            for (int k = 0; k < Dim; ++k) isHeld &= field.holder[node][k] >= 0;
+            if (isHeld && !first) first = &motion;
+            for (int k = 0; k < Dim && isHeld; ++k) isAlike &= motion[k] == (*first)[k];
+            rows[slab] &= isHeld && isAlike;
+        });
+    return rows;
+}
+
+// Whether all nodes that a particle may touch are in such rows.
+template <int Dim>
+bool isAmong(const Grid<Dim>& grid, const Body<Dim>& body, int p, const std::vector<char>& rows) {
+    constexpr int axis = Dim - 1;
+    const double edge = body.domains->mesh() ? body.domains->mesh()->longestEdge(p) : 0.0;
+    const int own = int(grid.inCells(body.particles.position.plane(axis)[p], axis));
+    const int reach = 1 + int(std::ceil(edge / grid.smallestCell()[axis]));
+    for (int row = std::max(0, own - reach); row <= std::min(grid.slabs() - 1, own + reach + 1); ++row)
+        if (!rows[row]) return false;
+    return true;
+}
+
 // Cuts the bodies into pieces, each of which one thread looks at, and finds what strains them.
 template <int Dim> void ImplicitBodies::findPieces(Scene<Dim>& scene, State<Dim>& state) {
     constexpr int most = 32; // particles; few enough that small bodies keep two threads busy
@@ -108,14 +135,20 @@ template <int Dim> void ImplicitBodies::findPieces(Scene<Dim>& scene, State<Dim>
         }
     state.pieces.resize(count);
     const double least = scene.leastMass();
+    state.rigidRows.clear();
+    for (const auto& field : scene.grid.fields)
+        state.rigidRows.push_back(findRigidRows(scene.grid, field, least));
     WorkPartition all;
     all.set(int(count), [](int) { return 1.0; });
     parallel(scene.threads, [&](ParallelRegion& region) {
         region.forPieces(all, [&](int i) {
             auto& piece = state.pieces[i];
             const auto& nodal = scene.grid.fields[piece.body->velocityField];
-            piece.strained.find(*piece.body, piece.begin, piece.end,
-                                [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
+            const auto& rows = state.rigidRows[piece.body->velocityField];
+            piece.strained.find(
+                *piece.body, piece.begin, piece.end,
+                [&](int p) { return !isAmong(scene.grid, *piece.body, p, rows); },
+                [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
         });
     });
 }
@@ -176,11 +209,16 @@ void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& respons
 
 template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
     State<Dim>& state = std::get<State<Dim>>(states_);
-    for (const auto& system : state.systems) {
-        const auto& motion = scene.grid.fields[system.field].motion;
-        for (int node : system.nodes)
-            for (int k = 0; k < Dim; ++k) state.velocity[system.field][node].set(k, motion[node][k]);
-        scene.energies.implicit += system.energyTaken(scene);
+    for (const auto& system : state.systems) scene.energies.implicit += system.energyTaken(scene);
+    for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
+        if (std::none_of(scene.bodies.begin(), scene.bodies.end(),
+                         [&](auto& body) { return body->isImplicit && body->velocityField == int(f); }))
+            continue;
+        const auto& field = scene.grid.fields[f];
+        for (int slab = 0; slab < scene.grid.slabs(); ++slab)
+            scene.grid.forNodes(field, slab, [&](int node) {
+                for (int k = 0; k < Dim; ++k) state.velocity[f][node].set(k, field.motion[node][k]);
+            });
     }
 }
 

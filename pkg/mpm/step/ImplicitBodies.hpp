@@ -44,9 +44,10 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
         using Velocity = typename NodalField<Dim>::Velocity;
         std::vector<Piece<Dim>> pieces; // of all bodies that are implicit
         std::vector<ImplicitSystem<Dim>> systems;
+        std::vector<std::vector<char>> rigidRows;    // of each velocity field: rows that are not strained
         std::vector<int> scratch;                    // -1 for each node
         std::vector<std::vector<int>> owner;         // system of each node of a velocity field, -1: none
-        std::vector<std::vector<Velocity>> velocity; // of the nodes of each velocity field, zero elsewhere
+        std::vector<std::vector<Velocity>> velocity; // of the nodes of each velocity field
     };
     std::tuple<State<2>, State<3>> states_;
 

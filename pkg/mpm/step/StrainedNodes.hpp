@@ -23,13 +23,15 @@ template <int Dim> class StrainedNodes {
     std::vector<Entry> entries;
     std::vector<Strained> particles;
 
-    // Of particles first to last - 1, at most chunkSize. isIn(node): whether a node counts.
-    template <class IsIn> void find(Body<Dim>& body, int first, int last, IsIn&& isIn) {
+    // Of particles first to last - 1, at most chunkSize, that are strained. isIn(node): whether a node counts.
+    template <class IsStrained, class IsIn>
+    void find(Body<Dim>& body, int first, int last, IsStrained&& isStrained, IsIn&& isIn) {
         entries.clear();
         particles.clear();
         double lambda[chunkSize], mu[chunkSize];
         body.stiffness(first, last, lambda, mu);
         for (int p = first; p < last; ++p) {
+            if (!isStrained(p)) continue;
             const double volume = body.particles.volume.plane()[p];
             particles.push_back(
                 {int(entries.size()), 0, volume * lambda[p - first], volume * mu[p - first], 0});
@@ -47,17 +49,18 @@ template <int Dim> class StrainedNodes {
             return entries.emplace_back(Entry{node, {}, {}, 0});
         };
         const double mass = body.inertiaScale * body.particles.mass.plane()[p];
-        body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
+        const auto add = [&](int node, double phi, const Vec<Dim>& gradient, const double* gamma) {
             if (!isIn(node)) return;
             Entry& entry = entryOf(node);
             entry.mass += phi * mass;
             for (int k = 0; k < Dim; ++k) entry.g[k] += gradient[k];
-        });
+            for (int m = 0; m < patterns && gamma; ++m) entry.gamma[m] += gamma[m];
+        };
         if (const auto* mesh = body.domains->mesh())
-            particle.control = mesh->hourglassStiffness(p, [&](int node, const double* gamma) {
-                if (!isIn(node)) return;
-                Entry& entry = entryOf(node);
-                for (int m = 0; m < patterns; ++m) entry.gamma[m] += gamma[m];
+            particle.control = mesh->strains(p, add);
+        else
+            body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
+                add(node, phi, gradient, nullptr);
             });
     }
 };

@@ -82,19 +82,20 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
                 nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + part * S * force[k]);
         });
     }
-    double hourglassStiffness(int p, const std::function<void(int, const double*)>& each) const override {
+    double strains(int p, const typename Mesh<Dim>::EachStrain& each) const override {
         constexpr int patterns = Mesh<Dim>::patterns;
-        const ClosedShape<Dim> shape(mesh_.cornerNumbersOf(p));
+        const auto corner = mesh_.cornerNumbersOf(p);
+        const ClosedShape<Dim> closed(corner);
+        const Shape<Dim> shape(corner);
         for (int a = 0; a < NC; ++a) {
-            double gamma[patterns];
-            for (int m = 0; m < patterns; ++m) gamma[m] = HourglassControl<Dim>::gamma(shape, m, a);
+            double gamma[patterns], given[patterns];
+            for (int m = 0; m < patterns; ++m) gamma[m] = HourglassControl<Dim>::gamma(closed, m, a);
             Base::forNodes(mesh_.corner[NC * p + a], [&](int node, double part, double S) {
-                double given[patterns];
                 for (int m = 0; m < patterns; ++m) given[m] = part * S * gamma[m];
-                each(node, given);
+                each(node, part * shape.w[a] * S, Vec<Dim>(part * S * shape.g[a]), given);
             });
         }
-        return hourglass_.stiffnessOf(p, shape);
+        return hourglass_.stiffnessOf(p, closed);
     }
     double longestEdge(int p) const override {
         return std::sqrt(mesh_.longestSquare(p, mesh_.vertices.position));

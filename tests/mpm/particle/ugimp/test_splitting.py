@@ -179,3 +179,12 @@ def test_a_torn_block_keeps_mass_and_momentum(dim):
 def test_a_limit_of_one_or_less_is_refused():
     with pytest.raises(ValueError, match=r"UGIMP: splitAt = 1 is not allowed; give a number in \(1, inf\)"):
         mpm.UGIMP(splitAt=1)
+
+
+def test_no_particle_is_cut_to_less_than_a_32nd():
+    _, soil = body(splitAt=1.3)
+    mass = soil.mass.max()
+    for cut in range(8):
+        deform(soil, np.diag([1.31 * 2.0**cut, 0.5**cut]), 2)
+        soil.core.splitStretched()
+    assert soil.mass == pytest.approx(mass / 32)

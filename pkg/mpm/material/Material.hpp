@@ -51,6 +51,14 @@ class MPM_PUBLIC Material : public Configurable {
     // Whether the stress is bounded by a yield surface: particles of the material then lock without F-bar.
     virtual bool yields() const { return false; }
 
+    // The state variable that tells by how much soil stands open and bears nothing until it has closed, by its
+    // place in stateVariables(); -1: none. F-bar shares it in a cell.
+    virtual int opening() const { return -1; }
+    // F-bar has changed the mean stress of each of a run of particles, while their volume stays: what the elastic
+    // strain of one has gained, its plastic strain has lost to others of the cell. Laws with such a strain book it.
+    virtual void mixed(const MaterialPoints<2>&, const double* /*change*/) const {}
+    virtual void mixed(const MaterialPoints<3>&, const double* /*change*/) const {}
+
     // Lame constants {lambda, mu} of the elastic response, kPa, of particles at rest without stress.
     virtual std::array<double, 2> lame() const = 0;
     // The same for each of a run of particles as they stand; a law whose stiffness follows the stress

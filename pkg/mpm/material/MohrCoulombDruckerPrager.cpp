@@ -245,7 +245,20 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         return all;
     }
     bool yields() const override { return true; }
+    int opening() const override { return closing_ && !std::isinf(mostMeanStress()) ? 2 : -1; }
     std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
+    void mixed(const MaterialPoints<2>& points, const double* change) const override {
+        exchangeVolume(points, change);
+    }
+    void mixed(const MaterialPoints<3>& points, const double* change) const override {
+        exchangeVolume(points, change);
+    }
+    void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const override {
+        stiffnessOfOpen(points, lambda, mu);
+    }
+    void stiffness(const MaterialPoints<3>& points, double* lambda, double* mu) const override {
+        stiffnessOfOpen(points, lambda, mu);
+    }
 
     void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
         strengthAtMeanStress(points, strength);
@@ -261,7 +274,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         trialStress(constants_.lambda, constants_.mu, points);
-        if (closing_) {
+        if (opening() >= 0) {
             closeUp(constants_, points);
             openUp(constants_, points);
         }
@@ -270,6 +283,21 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
 
   private:
+    template <int Dim> void exchangeVolume(const MaterialPoints<Dim>& points, const double* change) const {
+        for (int i = 0; i < points.count; ++i) points.state[1][i] -= change[i] * constants_.bulkCompliance;
+    }
+
+    // Soil that stands open has no stiffness until it has closed, and its full density then. It counts with as much
+    // less as it is lighter, so that waves in it are as fast as in all soil: the critical step does not follow dust.
+    template <int Dim>
+    void stiffnessOfOpen(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
+        for (int i = 0; i < points.count; ++i) {
+            const double part = opening() >= 0 ? std::exp(-points.state[opening()][i]) : 1.0;
+            lambda[i] = part * elasticity_.lambda();
+            mu[i] = part * elasticity_.mu();
+        }
+    }
+
     template <int Dim> void strengthAtMeanStress(const MaterialPoints<Dim>& points, double* strength) const {
         for (int i = 0; i < points.count; ++i) {
             const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
@@ -277,6 +305,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         }
     }
 
+    double mostMeanStress() const { return std::min(constants_.apex, constants_.tensionCutOff); }
     double beta() const;
     double limitOfDilatancy() const;
 

@@ -4,6 +4,7 @@
 
 #include "mpm/material/Material.hpp"
 #include "mpm/particle/Domains.hpp"
+#include "mpm/scene/CellAverage.hpp"
 
 namespace mpm {
 
@@ -18,6 +19,7 @@ template <int Dim> class Body {
     bool isDamped = true;           // whether the local damping of the scene acts on it
     bool isImplicit = false;        // whether its elastic forces enter the solution (step/ImplicitBodies.hpp)
     bool fbar = false;              // one increment of volumetric strain and one linear mean stress per cell
+    CellAverage<Dim> cellAverage;   // for fbar; as the particles lie at the start of the step
     std::string group = "main";     // bodies of one group stick together; between groups there may be contact
     int velocityField = 0;          // which of the grid's velocity fields the body moves with
     Body* convertsTo = nullptr;     // takes the particles of domains that became too distorted

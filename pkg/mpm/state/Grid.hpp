@@ -165,6 +165,23 @@ template <int Dim> class Grid {
     }
     const GridLines& lines(int axis) const { return lines_[axis]; } // of a graded grid
 
+    // Adds to each of some places' numbers what the line below it along an axis counts: cell numbers, once this was
+    // done for all axes. Places outside of the grid (or not a number: found out later) go to the outermost cells.
+    void addCells(int axis, const double* x, int count, int* number) const {
+        const int last = nodes[axis] - 2, stride = strides[axis];
+        if (isGraded_) {
+            const GridLines& lines = lines_[axis];
+            for (int i = 0; i < count; ++i)
+                number[i] += std::min(std::max(1, lines.below(x[i])), last) * stride;
+        } else {
+            const double origin = lower[axis], cell = cell_[axis];
+            for (int i = 0; i < count; ++i) {
+                const double inCells = std::max(1.0, (x[i] - origin) / cell + ghost);
+                number[i] += int(std::min(inCells, double(last))) * stride;
+            }
+        }
+    }
+
     double line(int axis, int number) const {
         return isGraded_ ? lines_[axis].position(number) : lower[axis] + (number - ghost) * cell_[axis];
     }

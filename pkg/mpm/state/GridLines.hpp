@@ -28,7 +28,10 @@ class GridLines {
         for (int i = ghosts; i > 0; --i) x_.push_back(inside.front() - i * first);
         x_.insert(x_.end(), inside.begin(), inside.end());
         for (int i = 1; i <= ghosts; ++i) x_.push_back(inside.back() + i * last);
-        for (size_t i = 0; i + 1 < x_.size(); ++i) size_.push_back(x_[i + 1] - x_[i]);
+        for (size_t i = 0; i + 1 < x_.size(); ++i) {
+            size_.push_back(x_[i + 1] - x_[i]);
+            overSize_.push_back(1 / size_.back());
+        }
         smallest_ = *std::min_element(size_.begin(), size_.end());
         largest_ = *std::max_element(size_.begin(), size_.end());
         fillBins(axis);
@@ -47,11 +50,15 @@ class GridLines {
 
     // Beyond the last line the outermost cell goes on; not a number stays that.
     MPM_INLINE double inCells(double x) const {
+        const int line = below(x);
+        return line + (x - x_[line]) * overSize_[line];
+    }
+    // The line below a place, or the outermost one beyond that has a cell; the first for not a number.
+    MPM_INLINE int below(double x) const {
         const double place = (x - x_[0]) * perBin_;
         const int bin = place > 0 ? int(place < lastBin_ ? place : lastBin_) : 0;
-        const int below = lineOf_[bin];
-        const int line = below + (below < lastCell_ && x >= x_[below + 1]);
-        return line + (x - x_[line]) / size_[line];
+        const int line = lineOf_[bin];
+        return line + (line < lastCell_ && x >= x_[line + 1]);
     }
 
   private:
@@ -71,7 +78,7 @@ class GridLines {
             }
     }
 
-    std::vector<double> x_, size_;
+    std::vector<double> x_, size_, overSize_;
     double smallest_ = 0, largest_ = 0, perBin_ = 0, lastBin_ = 0;
     int lastCell_ = 0;
     std::vector<int> lineOf_; // the last line before each bin

@@ -115,6 +115,17 @@ template <int Dim> struct NodalField {
     // The part of each slab that particles touched in this step: a box in the other axes.
     struct Extent {
         Index<Dim> first, last; // inclusive; first > last: none
+
+        Extent() {
+            first.fill(1 << 30);
+            last.fill(-(1 << 30));
+        }
+        void include(const Extent& other) {
+            for (int k = 0; k < Dim; ++k) {
+                first[k] = std::min(first[k], other.first[k]);
+                last[k] = std::max(last[k], other.last[k]);
+            }
+        }
     };
     std::vector<Extent> extents;
     WorkPartition partition; // of the slabs, by the number of their touched nodes
@@ -127,12 +138,7 @@ template <int Dim> struct NodalField {
         extents.resize(slabs);
         forgetExtents();
     }
-    void forgetExtents() {
-        Extent none;
-        none.first.fill(1 << 30);
-        none.last.fill(-(1 << 30));
-        std::fill(extents.begin(), extents.end(), none);
-    }
+    void forgetExtents() { std::fill(extents.begin(), extents.end(), Extent()); }
     void partitionNodes() {
         partition.set(int(extents.size()), [&](int slab) {
             double n = 1;

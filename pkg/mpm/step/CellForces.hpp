@@ -9,7 +9,7 @@
 // such conjugate: with their forces, noise in an uneven cover grew at any step.)
 #pragma once
 
-#include "mpm/step/CellAverage.hpp"
+#include "mpm/scene/Body.hpp"
 
 namespace mpm {
 
@@ -17,24 +17,29 @@ class CellForces {
   public:
     // Takes the part that acts by cells out of what the particles of a body give in addSum(); called by all
     // threads.
-    template <int Dim> void takeOut(ParallelRegion& region, Body<Dim>& body, const Grid<Dim>& grid) {
+    template <int Dim> void takeOut(ParallelRegion& region, Body<Dim>& body) {
         const int n = body.particles.size();
-        average_.start(region, n, grid);
+        auto& cells = body.cellAverage;
         region.once([&] {
             for (int k = 0; k < Dim; ++k) diagonal_[k].resize(n);
         });
         const double* stress[3];
         for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
         region.chunks(n, [&](int begin, int end) {
-            average_.locate(body.particles, grid, begin, end);
-            for (int p = begin; p < end; ++p)
-                average_.values()[p] = (stress[0][p] + stress[1][p] + stress[2][p]) / 3;
+            double* mean = cells.values();
+            for (int p = begin; p < end; ++p) mean[p] = (stress[0][p] + stress[1][p] + stress[2][p]) / 3;
         });
-        average_.template sum<false>(region, body.particles);
-        average_.findInside(region, grid);
+        cells.template average<false>(
+            region, body.particles.volume.plane(), body.particles, [&](int c, auto& cell) {
+                const double whole = cell.edges.prod(), outside = 1 - cell.inside;
+                const double volume = cell.inside * whole + outside * cell.weight;
+                cells.actByCell(c, (cell.inside * volume * cell.mean) * cell.edges.cwiseInverse());
+                cell.byParticles = outside * volume / cell.weight * cell.mean;
+            });
         region.chunks(n, [&](int begin, int end) {
+            const double* mean = cells.values();
             for (int p = begin; p < end; ++p) {
-                const double by = average_.actingByParticle(p) - average_.values()[p];
+                const double by = cells.cellOf(p).byParticles - mean[p];
                 for (int k = 0; k < Dim; ++k) diagonal_[k][p] = stress[k][p] + by;
             }
         });
@@ -44,18 +49,15 @@ class CellForces {
     }
 
     // Adds it to the nodes; called by all threads.
-    template <int Dim, class ForNodes>
-    void add(ParallelRegion& region, Body<Dim>& body, Grid<Dim>& grid, ForNodes&& forNodes) {
+    template <int Dim> void add(ParallelRegion& region, Body<Dim>& body, Grid<Dim>& grid) {
         region.once([&] { body.domains->diagonal = {}; });
         auto* sum = grid.fields[body.velocityField].sum.data();
-        forNodes([&](int node) {
-            const Vec<Dim> force = average_.force(grid, node);
+        body.cellAverage.forForces(region, grid, [&](int node, const Vec<Dim>& force) {
             for (int k = 0; k < Dim; ++k) NodalField<Dim>::addForce(sum[node], k, force[k]);
         });
     }
 
   private:
-    CellAverage average_;
     std::vector<double> diagonal_[3]; // of the stress that acts by the particles, kPa
 };
 

@@ -2,7 +2,6 @@
 // Step 5: velocity gradient, deformation, volume, stress, and the vertices of the domains.
 #include "mpm/base/parallel/OrderedSum.hpp"
 #include "mpm/scene/Scene.hpp"
-#include "mpm/step/CellAverage.hpp"
 #include "mpm/step/Conversion.hpp"
 #include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/StressUpdate.hpp"
@@ -50,13 +49,15 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 });
         }
         for (const auto& field : scene.grid.fields) field.velocities(); // may throw, and not in the region
+        lacksCells_.clear(); // of bodies whose F-bar was switched on in mid-step
+        for (const auto& body : scene.bodies)
+            lacksCells_.push_back(body->fbar && !body->cellAverage.isLocated(body->particles.size()));
         if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->finishMotion(scene);
         parallel(scene.threads, [&](ParallelRegion& region) {
             for (auto& body : scene.bodies)
                 if (auto* mesh = body->domains->mesh())
                     mesh->takeVelocity(region, strainingVelocity(scene, *body));
-            for (size_t b = 0; b < scene.bodies.size(); ++b)
-                update(region, scene, *scene.bodies[b], partitions_[b], work_[b]);
+            for (size_t b = 0; b < scene.bodies.size(); ++b) update(region, scene, *scene.bodies[b], int(b));
             region.wait();
             if (scene.scheme->stressFirst)
                 sumOnNodes(region, scene, &cells_);
@@ -74,8 +75,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
   private:
     std::vector<OrderedSum> work_;          // of the stresses, per body
     std::vector<WorkPartition> partitions_; // of the chunks of its particles
-    CellAverage average_;                   // of the body at hand
-    std::vector<CellForces> cells_;         // of each body
+    std::vector<char> lacksCells_;
+    std::vector<CellForces> cells_; // of each body
 
     // Of the nodes. What was solved for is what an implicit body is strained by, whatever the scheme: with another
     // velocity its stiffness would not be symmetric.
@@ -87,9 +88,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     }
 
     // The threads do not wait for each other at the end.
-    template <int Dim>
-    void update(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, const WorkPartition& partition,
-                OrderedSum& work) {
+    template <int Dim> void update(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, int number) {
+        OrderedSum& work = work_[number];
         const auto* nodes = strainingVelocity(scene, body);
         const int n = body.particles.size();
         std::vector<double*> state(body.particles.state.size());
@@ -99,17 +99,19 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         // The volume of a domain is that between its vertices; boxes have what the stress sees.
         const bool follows = body.fbar && body.domains->boxes();
         const auto rest = [&](int begin, int end) {
-            follows ? deform<true>(body.particles, scene.dt, begin, end, average_.values())
+            follows ? deform<true>(body.particles, scene.dt, begin, end, body.cellAverage.values())
                     : deform<false>(body.particles, scene.dt, begin, end, nullptr);
             body.domains->volumes(begin, end);
             work.of(begin) = updateStress(body, scene.dt, begin, end, state.data(),
-                                          body.fbar ? average_.values() : nullptr, follows);
+                                          body.fbar ? body.cellAverage.values() : nullptr, follows);
         };
         if (!body.fbar)
-            return region.chunksNoWait(n, partition, [&](int begin, int end) {
+            return region.chunksNoWait(n, partitions_[number], [&](int begin, int end) {
                 gradient(begin, end);
                 rest(begin, end);
             });
+        if (lacksCells_[number])
+            body.cellAverage.locate(region, body.particles, scene.grid, body.domains->boxes());
         updateFbar(region, scene, body, gradient, rest);
     }
 
@@ -117,36 +119,82 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     template <int Dim, class Gradient, class Rest>
     void updateFbar(ParallelRegion& region, const Scene<Dim>& scene, Body<Dim>& body, Gradient&& gradient,
                     Rest&& rest) {
+        auto& cells = body.cellAverage;
         const int n = body.particles.size();
+        const double dt = scene.dt;
         Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
         const bool hasBoxes = body.domains->boxes();
         const auto* nodes = scene.grid.fields[body.velocityField].velocities();
-        average_.start(region, n, scene.grid);
-        double* change = average_.values();
+        double* value = cells.values();
+        const double* volume = body.particles.volume.plane();
         region.chunks(n, [&](int begin, int end) {
             gradient(begin, end);
-            average_.locate(body.particles, scene.grid, begin, end);
-            hasBoxes ? volumeRates<Dim>(L, scene.dt, begin, end, change)
-                     : traces(L, Dim, begin, end, change + begin);
-        });
-        average_.sum<false>(region, body.particles);
-        if (hasBoxes) average_.findInside(region, scene.grid);
-        region.chunks(n, [&](int begin, int end) {
-            if (hasBoxes) {
-                average_.toRates(scene.grid, nodes, scene.dt, begin, end);
-                toTraces<Dim>(L, scene.dt, begin, end, change);
-            } else {
-                average_.toMeans(begin, end);
+            if (cells.areAlone(begin)) {
+                std::fill(value + begin, value + end, 0.0);
+                return rest(begin, end);
             }
-            rest(begin, end);
-            traces(stress, 3, begin, end, change + begin);
+            hasBoxes ? volumeRates<Dim>(L, dt, begin, end, value) : traces(L, Dim, begin, end, value + begin);
         });
-        average_.sum<true>(region, body.particles);
+        cells.template average<false>(region, volume, body.particles, [&](int number, auto& cell) {
+            const double s = cell.inside;
+            if (hasBoxes && s > 0)
+                cell.mean = s * cells.growth(scene.grid, nodes, dt, number, cell.edges) + (1 - s) * cell.mean;
+        });
         region.chunks(n, [&](int begin, int end) {
-            average_.toLinear(body.particles, begin, end);
-            for (int k = 0; k < 3; ++k)
-                for (int p = begin; p < end; ++p) stress.plane(4 * k)[p] += change[p] / 3;
+            if (cells.areAlone(begin)) return;
+            for (int p = begin; p < end; ++p) value[p] = cells.cellOf(p).mean - value[p];
+            if (hasBoxes) toTraces<Dim>(L, dt, begin, end, value);
+            rest(begin, end);
         });
+        if (body.material->opening() >= 0) shareOpening(region, body);
+        region.chunks(n, [&](int begin, int end) {
+            if (!cells.areAlone(begin)) traces(stress, 3, begin, end, value + begin);
+        });
+        cells.template average<true>(region, volume, body.particles, [](int, auto&) {});
+        cells.findSlopes(region, scene.grid);
+        std::vector<double*> state(body.particles.state.size());
+        region.chunks(n, [&](int begin, int end) {
+            if (!cells.areAlone(begin)) takeLinear(body, dt, begin, end, state.data());
+        });
+        region.once([&] { cells.forget(); });
+    }
+
+    // All particles of a cell take part in its change of volume, so all of them stand open by as much as the cell
+    // does: o = -ln(sum V exp(-o)/sum V), with V exp(-o) the volume that is left once it has closed.
+    template <int Dim> static void shareOpening(ParallelRegion& region, Body<Dim>& body) {
+        constexpr double roundOff = 1e-13;
+        auto& cells = body.cellAverage;
+        const int n = body.particles.size();
+        double *opening = body.particles.state[body.material->opening()].plane(), *share = cells.values();
+        region.chunks(n, [&](int begin, int end) {
+            for (int p = begin; p < end; ++p) share[p] = opening[p] > 0 ? std::exp(-opening[p]) : 1.0;
+        });
+        cells.template average<false>(region, body.particles.volume.plane(), body.particles,
+                                      [](int, auto&) {});
+        region.chunks(n, [&](int begin, int end) {
+            if (cells.areAlone(begin)) return;
+            for (int p = begin; p < end; ++p) {
+                const double mean = cells.cellOf(p).mean;
+                opening[p] = mean < 1 - roundOff ? -std::log(mean) : 0;
+            }
+        });
+    }
+
+    // The mean stress of particles [begin, end) becomes linear in their cells.
+    template <int Dim>
+    static void takeLinear(Body<Dim>& body, double dt, int begin, int end, double** state) {
+        const double* x[Dim];
+        double *stress[3], *value = body.cellAverage.values(); // traces, then changes of the mean
+        for (int k = 0; k < Dim; ++k) x[k] = body.particles.position.plane(k);
+        for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
+        for (int p = begin; p < end; ++p) {
+            const auto& cell = body.cellAverage.cellOf(p);
+            double change = cell.mean - value[p];
+            for (int k = 0; k < Dim; ++k) change += cell.slope[k] * (x[k][p] - cell.centre[k]);
+            value[p] = change / 3;
+            for (int k = 0; k < 3; ++k) stress[k][p] += value[p];
+        }
+        body.material->mixed(body.points(begin, end, dt, state), value + begin);
     }
 };
 

@@ -11,7 +11,7 @@
 #pragma once
 
 #include "mpm/scene/Scene.hpp"
-#include "mpm/step/cover.hpp"
+#include "mpm/state/cover.hpp"
 
 namespace mpm {
 
@@ -77,21 +77,23 @@ class EvenCover {
             const double volume = body.particles.volume.plane()[p];
             const Vec<Dim> x = vectorAt<Dim>(body.particles.position, p);
             // A domain of a mesh stands for a box of its volume.
-            const Vec<Dim> half = boxes ? boxes->halfSize()
-                                        : Vec<Dim>(Vec<Dim>::Constant(0.5 * std::pow(volume, 1.0 / Dim))
-                                                       .cwiseMin(0.5 * grid.sizeAt(x)));
+            const Vec<Dim> half =
+                boxes ? boxes->halfSize()
+                      : Vec<Dim>(Vec<Dim>::Constant(0.5 * (Dim == 2 ? std::sqrt(volume) : std::cbrt(volume)))
+                                     .cwiseMin(0.5 * grid.sizeAt(x)));
             Shares<Dim>(grid, x, half).each(grid, -1, [&](int c, double part, bool) {
                 cover_[c] += part * volume;
             });
         }
     }
 
-    // In place of the volumes, in a second array: the neighbours ask for them.
     template <int Dim> void findExcess(const Grid<Dim>& grid) {
+        for (int c = 0; c < grid.count; ++c)
+            if (cover_[c] != 0) cover_[c] /= grid.edges(c).prod();
         excess_.assign(grid.count, 0.0);
         for (int c = 0; c < grid.count; ++c) {
             if (cover_[c] == 0) continue;
-            const double excess = cover_[c] / grid.edges(c).prod() - 1;
+            const double excess = cover_[c] - 1;
             excess_[c] = excess > 0 ? excess : excess * insideBy(grid, c, [&](int n) { return cover_[n]; });
         }
     }
@@ -128,7 +130,7 @@ class EvenCover {
     }
 
     std::vector<double> cover_,
-        excess_; // of each cell: volume of the boxes in it; f - 1 or what counts of it
+        excess_; // of each cell: volume of the boxes in it, then f; f - 1 or what counts of it
 };
 
 } // namespace mpm

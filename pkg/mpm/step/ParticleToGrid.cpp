@@ -25,6 +25,7 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
         parallel(scene.threads, [&](ParallelRegion& region) {
             locateParticles(region, scene);
             if (region.failed()) return;
+            locateCells(region, scene);
             sumOnNodes(region, scene, scene.scheme->stressFirst ? nullptr : &cells_);
         });
         for (auto& field : scene.grid.fields) field.straining = NodalField<Dim>::Straining::nothing;

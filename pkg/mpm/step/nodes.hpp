@@ -32,6 +32,12 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
     } while (scene.sorted);
 }
 
+// Which particles are in which cell, for the bodies with F-bar.
+template <int Dim> void locateCells(ParallelRegion& region, Scene<Dim>& scene) {
+    for (auto& body : scene.bodies)
+        if (body->fbar) body->cellAverage.locate(region, body->particles, scene.grid, body->domains->boxes());
+}
+
 // Sums of mass, momentum and force on the nodes, from the particles where locate() found them.
 // Hourglass control is a force here. Under MUSL and USF it also enters the velocity that moves the vertices
 // (VelocityRemap): that is a sum over particles, which cannot hold a pattern of single domains, so
@@ -48,11 +54,9 @@ void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForce
         auto& body = *scene.bodies[b];
         auto& field = scene.grid.fields[body.velocityField];
         const bool actsByCells = withForce && body.fbar && body.domains->boxes();
-        if (actsByCells) (*cells)[b].takeOut(region, body, scene.grid);
+        if (actsByCells) (*cells)[b].takeOut(region, body);
         body.domains->addSum(region, field.sum.data(), body.inertiaScale, withForce);
-        if (actsByCells)
-            (*cells)[b].add(region, body, scene.grid,
-                            [&](auto&& f) { forActiveNodes(region, scene, field, f); });
+        if (actsByCells) (*cells)[b].add(region, body, scene.grid);
     }
 }
 

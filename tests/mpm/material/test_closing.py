@@ -67,3 +67,19 @@ def collapsed(closing):
     ]
     scene.run(until=0.8, progress=False)
     return sand.volume.sum() / sand.initialVolume.sum()
+
+
+def test_open_soil_does_not_shorten_the_critical_step():
+    """It is as much lighter as its volume grew, and has no stiffness until it has closed."""
+    steps = {}
+    for opened in (False, True):
+        scene = mpm.Scene((0, 0), (1, 1), 0.25)
+        sand = scene.add(
+            "sand", box((0, 0), (1, 0.5)), mpm.MohrCoulombDruckerPrager(**SAND, closing=True), mpm.UGIMP()
+        )
+        if opened:
+            sand.opening[:] = np.log(9)
+            sand.volume = 9 * sand.initialVolume
+            sand.deformationGradient = np.diag([3.0, 3.0, 1.0])
+        steps[opened] = scene.criticalTimeStep()
+    assert steps[True] == pytest.approx(steps[False], rel=1e-6)

@@ -231,6 +231,7 @@ def shearedBlock(limit):
         mpm.box((1, 0), (3, 2)),
         soil(cohesion=200, dilatancyLimit=limit),
         mpm.APDI(size=0.25, onDistortion="convert"),
+        fbar=False,  # it exchanges elastic against plastic volume within a cell
     )
     top = mpm.Drive(body.above(1.7), velocity=(2.0, 0.0))
     scene.engines = [

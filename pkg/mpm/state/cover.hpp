@@ -9,14 +9,13 @@
 namespace mpm {
 
 // From 0 at the surface of a body to 1 inside of it, by the least cover of the rows of cells before and beyond a
-// cell along each axis: volume over that of the cell, the cells across weighted with 1/4, 1/2, 1/4. About one
-// inside the material, a half where one neighbour is empty, zero at a flat surface, and what the next row has
-// below that. What is outside of the grid, behind its walls, does not count.
-template <int Dim, class Volume> double insideBy(const Grid<Dim>& grid, int number, Volume&& volumeOf) {
+// cell along each axis, the cells across weighted with 1/4, 1/2, 1/4. About one inside the material, a half where
+// one neighbour is empty, zero at a flat surface, and what the next row has below that. What is outside of the
+// grid, behind its walls, does not count. coverOf(cell): the volume of the material in it over its own.
+template <int Dim, class Cover> double insideBy(const Grid<Dim>& grid, int number, Cover&& coverOf) {
     constexpr double surface = 0.25, inside = 0.5;
     constexpr int rows = Dim == 2 ? 3 : 9, order[3] = {0, -1, 1}; // the cell itself first
     const Index<Dim> index = grid.indices(number);
-    const double whole = grid.edges(number).prod(), enough = inside * whole;
     const auto isInGrid = [&](int k, int step) {
         const int at = index[k] + step - grid.ghost;
         return at >= 0 && at < grid.cells[k];
@@ -26,7 +25,7 @@ template <int Dim, class Volume> double insideBy(const Grid<Dim>& grid, int numb
         for (int side : {-1, 1}) {
             if (!isInGrid(axis, side)) continue;
             double sum = 0, weights = 0;
-            for (int n = 0; n < rows && sum < enough; ++n) { // most cells need one or two of a row
+            for (int n = 0; n < rows && sum < inside; ++n) { // most cells need one or two of a row
                 int other = number + side * grid.strides[axis];
                 double weight = 1;
                 for (int k = 0, rest = n; k < Dim; ++k) {
@@ -37,12 +36,9 @@ template <int Dim, class Volume> double insideBy(const Grid<Dim>& grid, int numb
                     weight *= !isInGrid(k, step) ? 0 : step == 0 ? 0.5 : 0.25;
                 }
                 weights += weight;
-                if (!(weight > 0)) continue;
-                double volume = volumeOf(other);
-                if (grid.isGraded()) volume *= whole / grid.edges(other).prod();
-                sum += weight * volume;
+                if (weight > 0) sum += weight * coverOf(other);
             }
-            if (sum < enough) least = std::min(least, sum / (weights * whole));
+            if (sum < inside) least = std::min(least, sum / weights);
         }
     return std::clamp((least - surface) / (inside - surface), 0.0, 1.0);
 }

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// F-bar: one increment of volumetric strain per cell of the grid and body, and one mean stress that is linear
+// in it. tr L of a particle is replaced by its volume-weighted mean over the particles whose centres are in
+// the same cell (de Souza Neto et al. 1996; for MPM Coombs et al. 2018), and after the stress update the mean
+// stress by that of the cell and the slopes towards its neighbours. Without the latter the operator is not
+// symmetric: mean stresses of yielding particles with friction part within a cell, and nothing brings them
+// back. Without slopes the mean stress would be a staircase of cells.
+//
+// Boxes do not cover a cell evenly once they have flowed, and then sum V tr L over the particles is not what
+// flows through the faces of the cells. Where material fills the cells all round, share s, the cell itself is
+// the point of integration (doc/explanation/volumes.md):
+//     r_c = s (V_c' - V_c)/(V_c dt) + (1 - s) sum V_p r_p / sum V_p,   r_p = (det(I + dt L_p) - 1)/dt
+// with V_c' the volume between the corners of the cell as they move, and its mean stress acts by the cell, see
+// step/CellForces.hpp. Determinants, for traces miss what fast rotation adds: 1 + (dt w)^2.
+//
+// Which particles are in a cell, and s, are those of the start of the step, for rates and forces alike: the
+// elastic operator is symmetric only if both have the same.
+#pragma once
+
+#include "mpm/base/parallel/ParallelRegion.hpp"
+#include "mpm/particle/apdi/APDIShape.hpp"
+#include "mpm/state/Particles.hpp"
+#include "mpm/state/cover.hpp"
+
+namespace mpm {
+
+template <int Dim> class CellAverage {
+  public:
+    struct Cell {
+        long round = 0;                // of locate() in which it had particles
+        Vec<Dim> edges;                // m
+        double volume = 0, inside = 0; // of the particles in it; 1 inside the material, 0 at its surface
+        double weight = 0, mean = 0;   // of its particles, and their mean, when average() was called
+        double byParticles = 0;        // what of the mean acts by the particles
+        Vec<Dim> centre, slope;        // of the particles; of the mean, 1/m
+    };
+
+    // Which particles are in which cell; called by all threads, and so is all that takes a region.
+    void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
+                bool findsInside) {
+        const int n = particles.size();
+        region.once([&] { start(n, grid); });
+        region.chunks(n, [&](int begin, int end) { findCells(particles, grid, begin, end); });
+        region.once([&] { divide(); });
+        if (!findsInside) findAlone(region, grid);
+        const double* volume = particles.volume.plane();
+        forOwn(region, [&](int firstSlab, int endSlab) {
+            for (int slab = firstSlab; slab < endSlab; ++slab) clear(slab);
+            forParticles(firstSlab, endSlab, [&](int p, Cell& cell) {
+                if (cell.round != round_) enter(grid, cell_[p], cell);
+                cell.volume += volume[p];
+            });
+            forOccupied(firstSlab, endSlab,
+                        [&](int c, Cell& cell) { cover_[c] = cell.volume / cell.edges.prod(); });
+        });
+        if (!findsInside) return;
+        forOwnCells(region, [&](int c, Cell& cell) {
+            cell.inside = insideBy(grid, c, [&](int other) { return cover_[other]; });
+        });
+    }
+    // Whether locate() was called in this step; update() is the last to ask.
+    bool isLocated(int particles) const { return located_ && int(cell_.size()) == particles; }
+    void forget() { located_ = false; }
+
+    // Of each particle: the value to be averaged.
+    double* values() { return value_.data(); }
+    const Cell& cellOf(int p) const { return cells_[cell_[p]]; }
+    // Whether the particles from `begin` on, a chunk, are one in each cell, and those in the cells beside, too: none
+    // of them takes or gives anything. Known for domains of meshes only.
+    bool areAlone(int begin) const { return alone_[begin / chunkSize]; }
+
+    // Means of the values, weighted with a volume of each particle, in their order; withCentres: also the centre
+    // of the particles. finish(number, cell) for each cell. What is alone is left out.
+    template <bool withCentres, class Finish>
+    void average(ParallelRegion& region, const double* volume, const Particles<Dim>& particles,
+                 Finish&& finish) {
+        const double* x[Dim];
+        for (int k = 0; k < Dim; ++k) x[k] = particles.position.plane(k);
+        forOwn(region, [&](int firstSlab, int endSlab) {
+            forOccupied(firstSlab, endSlab, [&](int, Cell& cell) {
+                cell.weight = cell.mean = 0;
+                if (withCentres) cell.centre.setZero();
+            });
+            forParticles(firstSlab, endSlab, [&](int p, Cell& cell) {
+                cell.weight += volume[p];
+                cell.mean += volume[p] * value_[p];
+                for (int k = 0; k < Dim && withCentres; ++k) cell.centre[k] += volume[p] * x[k][p];
+            });
+            forOccupied(firstSlab, endSlab, [&](int c, Cell& cell) {
+                if (cell.weight == 0) return; // its particles are alone
+                cell.mean /= cell.weight;
+                if (withCentres) cell.centre /= cell.weight;
+                finish(c, cell);
+            });
+        });
+    }
+
+    // Along each axis the mean of the slopes to both neighbours, and at most twice the smaller one: no value in
+    // an evenly filled cell is beyond those of the neighbours (the monotonised central difference of van Leer
+    // 1977). Zero at an extremum and where a neighbour is empty.
+    void findSlopes(ParallelRegion& region, const Grid<Dim>& grid) {
+        forOwnCells(region, [&](int number, Cell& cell) {
+            for (int k = 0; k < Dim; ++k)
+                cell.slope[k] =
+                    slope(cells_[number - grid.strides[k]], cell, cells_[number + grid.strides[k]], k);
+        });
+    }
+
+    // (V' - V_c)/(V_c dt), V' the volume between the corners of a cell after they moved for dt.
+    template <class Velocity>
+    static double growth(const Grid<Dim>& grid, const Velocity* nodes, double dt, int number,
+                         const Vec<Dim>& edges) {
+        CornerNumbers<Dim> x;
+        for (int a = 0; a < corners<Dim>; ++a) {
+            int node = number;
+            for (int k = 0; k < Dim; ++k) node += cornerSign(a, k) > 0 ? grid.strides[k] : 0;
+            for (int k = 0; k < Dim; ++k)
+                x[k][a] = 0.5 * cornerSign(a, k) + dt * nodes[node][k] / edges[k]; // in cells
+        }
+        return (ClosedShape<Dim>(x).volume - 1) / dt;
+    }
+
+    // What of the mean of a cell acts by the cell, times its face across each axis.
+    void actByCell(int number, const Vec<Dim>& acting) {
+        for (int k = 0; k < Dim; ++k) acting_[k][number] = acting[k];
+    }
+    // f(node, -sum_c acting_c grad phi_ic) for the nodes around cells with particles, grad phi_ic the mean of the
+    // gradient of the hat function over the cell.
+    template <class F> void forForces(ParallelRegion& region, const Grid<Dim>& grid, F&& f) const {
+        forOwn(region, [&](int firstSlab, int endSlab) {
+            for (int slab = firstSlab; slab < endSlab; ++slab) {
+                Extent extent = extents_[slab];
+                if (slab > 0) extent.include(extents_[slab - 1]);
+                for (int k = 0; k < Dim - 1; ++k) ++extent.last[k];
+                grid.forNodes(extent, slab, [&](int node) { f(node, force(grid, node)); });
+            }
+        });
+    }
+
+  private:
+    using Extent = typename NodalField<Dim>::Extent;
+    struct Range {
+        int first, last;
+    };
+    struct Count {
+        long round = 0;
+        int particles = 0;
+    };
+
+    void start(int particles, const Grid<Dim>& grid) {
+        ++round_;
+        located_ = true;
+        slabSize_ = grid.strides[Dim - 1];
+        cell_.resize(particles);
+        value_.resize(particles);
+        cells_.resize(grid.count);
+        cover_.resize(grid.count);
+        for (auto& component : acting_) component.resize(grid.count);
+        occupied_.resize(grid.slabs());
+        extents_.resize(grid.slabs());
+        slabsOf_.resize(chunksOf(particles));
+        alone_.assign(chunksOf(particles), 0);
+    }
+
+    // Of particles [begin, end), a chunk.
+    void findCells(const Particles<Dim>& particles, const Grid<Dim>& grid, int begin, int end) {
+        std::fill(cell_.begin() + begin, cell_.begin() + end, 0);
+        for (int k = 0; k < Dim; ++k)
+            grid.addCells(k, particles.position.plane(k) + begin, end - begin, cell_.data() + begin);
+        const auto extremes = std::minmax_element(cell_.begin() + begin, cell_.begin() + end);
+        slabsOf_[begin / chunkSize] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
+    }
+
+    void findAlone(ParallelRegion& region, const Grid<Dim>& grid) {
+        const int n = int(cell_.size());
+        region.once([&] { count_.resize(grid.count); });
+        forOwn(region, [&](int firstSlab, int endSlab) {
+            forNumbers(firstSlab, endSlab, [&](int p) {
+                Count& count = count_[cell_[p]];
+                count.particles = count.round == round_ ? count.particles + 1 : 1;
+                count.round = round_;
+            });
+        });
+        const auto hasMore = [&](int number) {
+            return count_[number].round == round_ && count_[number].particles > 1;
+        };
+        region.chunks(n, [&](int begin, int end) {
+            for (int p = begin; p < end; ++p) {
+                bool isBesideMore = hasMore(cell_[p]);
+                for (int k = 0; k < Dim; ++k)
+                    isBesideMore |=
+                        hasMore(cell_[p] - grid.strides[k]) || hasMore(cell_[p] + grid.strides[k]);
+                if (isBesideMore) return;
+            }
+            alone_[begin / chunkSize] = 1;
+        });
+    }
+
+    // The slabs among the threads.
+    void divide() {
+        std::vector<int> inSlab(occupied_.size(), 0);
+        for (const Range& slabs : slabsOf_) ++inSlab[(slabs.first + slabs.last) / 2];
+        partition_.set(int(inSlab.size()), [&](int slab) { return inSlab[slab]; });
+    }
+
+    void clear(int slab) {
+        for (int c : occupied_[slab]) {
+            cover_[c] = 0;
+            for (auto& component : acting_) component[c] = 0;
+        }
+        occupied_[slab].clear();
+        extents_[slab] = Extent();
+    }
+
+    void enter(const Grid<Dim>& grid, int number, Cell& cell) {
+        cell.round = round_;
+        cell.edges = grid.edges(number);
+        cell.volume = cell.inside = cell.mean = 0;
+        cell.centre.setZero();
+        cell.slope.setZero();
+        occupied_[number / slabSize_].push_back(number);
+        Extent only;
+        only.first = only.last = grid.indices(number);
+        extents_[number / slabSize_].include(only);
+    }
+
+    // f(first slab, end) on each thread with the slabs that it owns.
+    template <class F> void forOwn(ParallelRegion& region, F&& f) const { region.forOwnRange(partition_, f); }
+
+    // f(particle, its cell) for those in some slabs, in their order, but for what is alone.
+    template <class F> void forParticles(int firstSlab, int endSlab, F&& f) {
+        forNumbers(firstSlab, endSlab, [&](int p) { f(p, cells_[cell_[p]]); });
+    }
+    template <class F> void forNumbers(int firstSlab, int endSlab, F&& f) const {
+        const int first = firstSlab * slabSize_, end = endSlab * slabSize_, count = int(cell_.size());
+        for (int c = 0; c < int(slabsOf_.size()); ++c) {
+            if (slabsOf_[c].last < firstSlab || slabsOf_[c].first >= endSlab || alone_[c]) continue;
+            for (int p = c * chunkSize; p < std::min(count, (c + 1) * chunkSize); ++p)
+                if (cell_[p] >= first && cell_[p] < end) f(p);
+        }
+    }
+
+    template <class F> void forOccupied(int firstSlab, int endSlab, F&& f) {
+        for (int slab = firstSlab; slab < endSlab; ++slab)
+            for (int c : occupied_[slab]) f(c, cells_[c]);
+    }
+    template <class F> void forOwnCells(ParallelRegion& region, F&& f) {
+        forOwn(region, [&](int firstSlab, int endSlab) { forOccupied(firstSlab, endSlab, f); });
+    }
+
+    double slope(const Cell& before, const Cell& cell, const Cell& after, int axis) const {
+        if (before.round != round_ || after.round != round_) return 0;
+        const auto between = [&](const Cell& a, const Cell& b) {
+            return (b.mean - a.mean) / std::max(b.centre[axis] - a.centre[axis], 0.5 * cell.edges[axis]);
+        };
+        if (before.weight == 0 || after.weight == 0 || cell.weight == 0) return 0;
+        const double left = between(before, cell), right = between(cell, after),
+                     central = 0.5 * (left + right);
+        if (left * right <= 0) return 0;
+        return std::copysign(std::min({std::abs(central), 2 * std::abs(left), 2 * std::abs(right)}), central);
+    }
+
+    Vec<Dim> force(const Grid<Dim>& grid, int node) const {
+        Vec<Dim> sum = Vec<Dim>::Zero();
+        for (int a = 0; a < corners<Dim>; ++a) { // the node is corner a of the cell
+            int number = node;
+            for (int k = 0; k < Dim; ++k) number -= cornerSign(a, k) > 0 ? grid.strides[k] : 0;
+            if (number < 0) continue;
+            for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * acting_[k][number];
+        }
+        return sum / (corners<Dim> / 2);
+    }
+
+    int slabSize_ = 0; // nodes in a slab of the grid
+    long round_ = 0;   // number of calls of locate() so far
+    bool located_ = false;
+    std::vector<int> cell_; // of each particle
+    std::vector<double> value_;
+    std::vector<Cell> cells_;
+    std::vector<double> cover_;              // of each cell of the grid: volume of the particles over its own
+    std::vector<double> acting_[Dim];        // of each cell, see actByCell()
+    std::vector<std::vector<int>> occupied_; // cells with particles, of each slab
+    std::vector<Extent> extents_;            // of these
+    std::vector<Range> slabsOf_;             // of each chunk
+    std::vector<char> alone_;                // of each chunk
+    std::vector<Count> count_;               // of particles in each cell, for meshes
+    WorkPartition partition_;                // of the slabs
+};
+
+} // namespace mpm

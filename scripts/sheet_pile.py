@@ -26,11 +26,11 @@ GRAVITY, K0 = 9.81, 0.43  # m/s2, -
 SOLVER = dict(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed="bottom")
 # Options of sheet_pile_study; an explicit pile allows 2e-4 s at 0.25 m.
 PUBLISHED = dict(cohesion=8.5, phi=30.0, psi=10.0, tip=180.0, ramp=0.0, flip=1.0, on_distortion="stop")
-PUBLISHED |= dict(dilatancyLimit=None, split=None, fbar=False, undamped=False)
+PUBLISHED |= dict(dilatancyLimit=None, split=None, fbar=False, undamped=False, closing=False)
 PUBLISHED |= dict(thickness=lambda a: cellsOf(a, 0.25) * a.cell)
-PUBLISHED |= dict(dt=lambda a: (8e-4 if a.implicit else 2e-4) * min(1.0, a.cell / 0.25))
+PUBLISHED |= dict(dt=lambda a: stepOf(a))
 REMEDIES = dict(friction=0.3, tip=90.0, dilatancyLimit=0.05, split=1.3, fbar=True, undamped=True)
-REMEDIES |= dict(ramp=lambda a: 0.1 / a.rate)  # s: 0.05 m
+REMEDIES |= dict(closing=True, ramp=lambda a: 0.1 / a.rate)  # s: 0.05 m
 TRUSTED = REMEDIES | dict(implicit=True, graded=True)
 LITERAL = {name: PUBLISHED.get(name) for name in TRUSTED} | dict(implicit=False, graded=False, cell=0.25)
 DERIVED = dict(
@@ -89,6 +89,12 @@ def cellsOf(a, length):
     return max(1, int(length / a.cell + 1e-9))
 
 
+def stepOf(a):
+    """Time step (s) that soil and contact bear, with a margin; an explicit pile asks for less."""
+    step, cell = (8e-4, 0.125) if a.implicit else (2e-4, 0.25)
+    return step * min(1.0, a.cell / cell)
+
+
 def oddCell(a):
     return a.cell if a.friction is not None and round(a.thickness / a.cell) % 2 else 0.0
 
@@ -101,7 +107,12 @@ def ground(a):
     zone = box(((a.width - a.zoneWidth) / 2, DEPTH - zoneDepth), ((a.width + a.zoneWidth) / 2, DEPTH)) - shaft
     angles = dict(frictionAngle=radians(a.phi), dilatancyAngle=radians(a.psi))
     sand = mpm.MohrCoulombDruckerPrager(
-        density=1.53, lame=(9.48e3, 6.31e3), cohesion=a.cohesion, dilatancyLimit=a.dilatancyLimit, **angles
+        density=1.53,
+        lame=(9.48e3, 6.31e3),
+        cohesion=a.cohesion,
+        dilatancyLimit=a.dilatancyLimit,
+        closing=a.closing,
+        **angles,
     )
     beside = a.zoneWidth / 2 + 2 * a.cell
     even = ((a.width / 2 - beside, DEPTH - zoneDepth - 2 * a.cell), (a.width / 2 + beside, DEPTH + FREE))

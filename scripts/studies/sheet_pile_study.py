@@ -51,6 +51,7 @@ PARAMETERS = sheet_pile.MODEL.extended(
     Parameter("psi", 10.0, "dilatancy angle", unit="degrees", least=0, most=30),
     Parameter("dilatancyLimit", None, LIMIT, least=0),
     Parameter("tip", 180.0, "wedge of the pile; needs --friction", unit="degrees", least=30, most=180),
+    Parameter("closing", False, "soil that opened closes before it bears pressure again"),
     Parameter("undamped", False, "no local damping in the pile, which it brakes as it vibrates"),
     Parameter("split", None, "cut uGIMP particles in two at this stretch (default: never)", above=1),
     Parameter("fbar", False, "against locking: cell-mean volumetric strain, mean stress linear in a cell"),
@@ -58,7 +59,7 @@ PARAMETERS = sheet_pile.MODEL.extended(
     Parameter(
         "dt",
         sheet_pile.PUBLISHED["dt"],
-        "time step (default 2e-4, implicit 8e-4; halved with the cell below 0.25 m)",
+        "time step (default 2e-4, implicit 8e-4; halved with the cell below 0.25, implicit 0.125 m)",
         unit="s",
         above=0,
     ),

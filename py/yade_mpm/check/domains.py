@@ -79,6 +79,21 @@ def locking(body):
     )
 
 
+def opened(body):
+    """Tells of soil that does not dilate and has gained volume, as text; or None."""
+    given = body.material.attributes()
+    if not body.count or given.get("closing", True) or given.get("dilatancyAngle", 1.0) > 0:
+        return None
+    growth = body.volume.sum() / body.initialVolume.sum() - 1
+    if growth <= limits.OPENED_VOLUME:
+        return None
+    return (
+        f"body '{body.name}' has gained {100 * growth:.3g} % of volume, though its soil does not dilate: it "
+        "opened at the tip of its yield surface, and bears pressure again before it has closed; give "
+        f"{type(body.material).__name__}(closing=True)"
+    )
+
+
 def checkFields(body):
     """Refuses values that are not finite, and mass or volume that is not positive."""
     for ofDomains in (False, True):

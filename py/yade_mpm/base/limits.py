@@ -17,3 +17,9 @@ POOR_QUALITY = 0.2
 # the interface moves; from 1.5 on the run warns. The sheet pile reaches 1.39; a column errs in stress by up
 # to 15 % at 1.5 and 42 % at 2 (doc/explanation/sheet-pile.md).
 INTERFACE_BUILD, INTERFACE_WARN, INTERFACE_RUN = 1 + 1e-9, 1.5, 2.0
+# Plastic shear strain that counts as flow, and the share of a body that may flow without F-bar unsaid: slopes
+# and cuts that stand with a margin stay below (doc/explanation/volumes.md).
+FLOW_STRAIN, FLOW_SHARE = 1e-3, 0.01
+# Growth of a body of soil that does not dilate from which on a run tells that it has opened: columns of sand
+# gain 2.5 to 50 % in a collapse, elasticity and noise well below 1 % (doc/explanation/volumes.md).
+OPENED_VOLUME = 0.02

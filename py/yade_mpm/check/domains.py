@@ -65,6 +65,35 @@ def distortion(scene):
     )
 
 
+def locking(body):
+    """What is wrong with a body that flows without F-bar, as text; or None."""
+    if body.fbar or not body.count or "plasticShearStrain" not in body.fieldNames:
+        return None
+    share = np.mean(body.plasticShearStrain > limits.FLOW_STRAIN)
+    if share <= limits.FLOW_SHARE:
+        return None
+    return (
+        f"body '{body.name}' yields without F-bar: {100 * share:.3g} % of its particles have a plastic shear "
+        f"strain above {100 * limits.FLOW_STRAIN:g} %, and soil that locks is too strong, on the unsafe side "
+        "(slopes, cuts and footings by 5 to 20 %); leave fbar=False out, unless the bare form is meant"
+    )
+
+
+def opened(body):
+    """Tells of soil that does not dilate and has gained volume, as text; or None."""
+    given = body.material.attributes()
+    if not body.count or given.get("closing", True) or given.get("dilatancyAngle", 1.0) > 0:
+        return None
+    growth = body.volume.sum() / body.initialVolume.sum() - 1
+    if growth <= limits.OPENED_VOLUME:
+        return None
+    return (
+        f"body '{body.name}' has gained {100 * growth:.3g} % of volume, though its soil does not dilate: it "
+        "opened at the tip of its yield surface, and bears pressure again before it has closed; give "
+        f"{type(body.material).__name__}(closing=True)"
+    )
+
+
 def checkFields(body):
     """Refuses values that are not finite, and mass or volume that is not positive."""
     for ofDomains in (False, True):

@@ -217,6 +217,8 @@ class Body(Guarded):
     def vertices(self):
         """Positions of the vertices of meshed domains, m (Nv, dim); a view: `body.vertices += x` moves them.
 
+        Volume, deformation gradient and stress stay as they are: for another shape give `scene.add` a mesh.
+
         Particles stay where they are: to move a body before its first step, move `body.position` and
         `body.reference` as well; or add it where it belongs.
         """

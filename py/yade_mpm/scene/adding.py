@@ -21,8 +21,8 @@ class Bodies(tuple):
     def __getattr__(self, name):
         if name in ("append", "clear", "extend", "insert", "pop", "remove"):
             raise AttributeError(
-                f"Scene: bodies has no {name}(); bodies come by scene.add(...) and stay: build the scene "
-                f"without it"
+                f"Scene: bodies has no {name}(); bodies come by scene.add(...), and scene.remove(body) takes "
+                f"the particles of one out"
             )
         raise AttributeError(f"Scene: bodies has no attribute '{name}'; it is a tuple of Body")
 
@@ -71,7 +71,7 @@ def _added(scene, name, region, material, type, options):
         for other in scene.bodies[:-1]:
             checkOverlap(other.name, *_innerBoxes(other), name, *_innerBoxes(body))
     except Exception:
-        _drop(scene, body)
+        drop(scene, body)
         raise
     if type.core.converts:
         addConverted(scene, body)
@@ -88,7 +88,7 @@ def newBody(scene, name, material, type, region, inertiaScale, fbar, group, impl
         body.inertiaScale, body.fbar, body.group = inertiaScale, fbar, group
         body.implicit = implicit
     except Exception:
-        _drop(scene, body)
+        drop(scene, body)
         raise
     material.markUsed(name)
     type.markUsed(name)
@@ -136,7 +136,7 @@ def _checkInside(scene, name, geometry):
         )
 
 
-def _drop(scene, body):
+def drop(scene, body):
     """Takes back the body added last; whoever still has it finds it empty, not dangling."""
     scene._bodies.pop()
     scene.core.dropBody()

@@ -5,7 +5,7 @@ import math
 import time
 
 from ..base import limits
-from ..check.domains import checkFields, checkInterface, distortion
+from ..check.domains import checkFields, checkInterface, distortion, locking, opened
 
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
 
@@ -82,7 +82,7 @@ class LoopPolicy:
                 raise RuntimeError(f"step {self._scene.steps}: {error}") from error
 
     def lookAtDomains(self, longest):
-        """Warns, once each, of long edges beside uGIMP and of distorted domains.
+        """Warns, once each, of long edges beside uGIMP, of distorted domains, of bodies that lock or opened.
 
         Parameters
         ----------
@@ -90,6 +90,8 @@ class LoopPolicy:
         """
         scene = self._scene
         faults = {"interface": checkInterface(scene, longest), "distortion": distortion(scene)}
+        for body in scene.bodies:
+            faults |= {f"locking of {body.name}": locking(body), f"opening of {body.name}": opened(body)}
         for what, fault in faults.items():
             if fault is not None and what not in scene.warnedOf:
                 scene.warnedOf.add(what)

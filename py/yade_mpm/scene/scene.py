@@ -19,6 +19,7 @@ from .grading import linesOf
 from .grid import cellSize, corner, makeCore
 from .holder import Holder
 from .nodes import GHOSTS, cellSizeAt, faceNodes, nodePositions, nodesInside
+from .removing import remove
 from .running import handOver, pause, refuseDuringStep, refuseMidStep, refuseWhileRunning, run, step, wait
 from .saving import save
 from .settling import settle, unbalancedForce
@@ -51,7 +52,7 @@ class Scene(Guarded):
     ----------
     lower, upper, cell, dim : of the grid; with a grading, cell is the smallest along each axis.
     isGraded : bool, whether cells differ.
-    bodies : tuple of Body, in the order in which they were added; none can be taken out.
+    bodies : tuple of Body, in the order in which they were added; `remove` empties one.
     allowUnstable : bool, whether dt may exceed the longest stable step; default False.
     dtCritical : s, 2/omega_max of the grid, or the longest stable step if that is shorter (USL), as estimated
         last; None before. Implicit bodies count with their mass alone: they do not limit the step;
@@ -75,7 +76,7 @@ class Scene(Guarded):
     _instead = "scene.save(file) keeps it, mpm.load(file) makes another one"
 
     # Methods that have a file of their own.
-    add = add
+    add, remove = add, remove
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside
     cellSizeAt = cellSizeAt
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce

@@ -11,7 +11,7 @@ travel, movingAverage, atSteps, scatter     curves over the way of a driven body
 addGround, TYPES                            ground of uGIMP, of APDI, or of both
 quadrilaterals, wedgedColumn                structured meshes
 
-Modules to import by name: `commandLine`, `penetration`, `reference`, `surface`.
+Modules to import by name: `commandLine`, `penetration`, `reference`, `stability`, `surface`.
 """
 
 import sys as _sys

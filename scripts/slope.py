@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A slope fails: its factor of safety by strength reduction beside the published one.
+
+Plane strain, the first example of Griffiths & Lane 1999 (Geotechnique 49, 387-403): a homogeneous slope of
+2:1 and the height H on a firm base, phi = 20 degrees, c = 0.05 gamma H, psi = 0, E = 100 MPa, nu = 0.3. They
+find 1.4, where the slope does not come to rest any more; Bishop & Morgenstern's charts have 1.38. Cohesion
+and tan(phi) are divided by a factor that is bisected; each trial is a run of seconds in which gravity grows
+from zero. Without F-bar soil locks and the slope stands far too long (`--noFbar`).
+
+Units: Mg, m, s, kPa, per metre of thickness.
+
+    scripts/run slope                       # hybrid, cells of 0.5 m
+    scripts/run slope --types ugimp --noFbar
+    scripts/run slope --factor 1.5          # this factor alone
+"""
+
+import yade_mpm as mpm
+from yade_mpm import Parameter, commandLine, polygon, study
+from yade_mpm.study import reference, stability
+
+HEIGHT, UNIT_WEIGHT, COHESION, PHI = 10.0, 20.0, 10.0, 20.0  # m, kN/m3, kPa (0.05 gamma H), degrees
+YOUNG, POISSON = 1e5, 0.3  # kPa, -
+CREST, TOE = 12.0, 32.0  # m: where the face begins and ends
+PUBLISHED, BETWEEN = 1.4, (1.0, 2.0)
+RAMP, HOLD = 1.0, 2.0  # s
+
+PARAMETERS = mpm.Parameters(
+    "slope",
+    __doc__,
+    Parameter("cell", 0.5, "size of the grid's cells", unit="m", partOf=2.0),
+    *stability.PARAMETERS,
+    smoke={"cell": 1.0, "within": 0.05},
+)
+arguments = PARAMETERS.parse
+
+
+def build(a, factor):
+    """The slope with its strength divided by a factor, before gravity."""
+    scene = mpm.Scene((0, 0), (TOE + 4.0, HEIGHT + 2.0), a.cell, threads=a.threads)
+    elastic = dict(density=UNIT_WEIGHT / stability.GRAVITY, young=YOUNG, poisson=POISSON)
+    soil = stability.soil(factor, COHESION, PHI, **elastic)
+    outline = polygon([(0, 0), (TOE, 0), (CREST, HEIGHT), (0, HEIGHT)])
+    zone = polygon([(4, 0), (TOE, 0), (CREST, HEIGHT), (4, HEIGHT)])  # what slides
+    study.addGround(scene, "soil", outline, zone, soil, a.types, fbar=not a.noFbar)
+    return scene
+
+
+def run(a):
+    """Bisects the factor; returns (summary, scene that fails, trials)."""
+    summary, *rest = stability.reduce(a, lambda factor: build(a, factor), BETWEEN, RAMP, HOLD)
+    return summary | {"reference": PUBLISHED}, *rest
+
+
+def draw(a, scene, trials, file):
+    stability.draw(scene, trials, HEIGHT, {"Griffiths & Lane": (PUBLISHED - 0.005, PUBLISHED + 0.005)}, file)
+
+
+def tell(a, s):
+    return stability.tell(a, s, f"Griffiths & Lane: {PUBLISHED}")
+
+
+def main():
+    reference.main(PARAMETERS, run, draw, tell)
+
+
+if __name__ == "__main__":
+    commandLine.run(main)

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A slope (scripts/slope.py) and a vertical cut (scripts/cut.py) fail at their factors of safety: 1.4
+(Griffiths & Lane 1999), and what limit analysis says of the cut. Controls: without F-bar both are too strong
+by far, and weaker soil has a smaller factor."""
+
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
+PUBLISHED = 1.4
+KINDS = "ugimp", "hybrid", "apdi"
+slow = pytest.mark.slow
+
+
+def script(name):
+    """A fresh copy of a scene, so that a test may change its constants."""
+    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def run(name, *options, **constants):
+    """Summary of a scene with the given command line, and with constants of the script changed."""
+    module = script(name)
+    for constant, value in constants.items():
+        assert hasattr(module, constant)
+        setattr(module, constant, value)
+    return module.run(module.arguments([*options, "--threads", "1"]))[0]
+
+
+def test_the_reference_of_the_cut_is_limit_analysis():
+    cut = script("cut")
+    assert [cut.criticalHeight(1.0, n) for n in cut.NUMBERS] == pytest.approx([3.70, 3.76], abs=0.01)
+    low, high = cut.bounds(3.0)
+    assert cut.criticalHeight(low, cut.NUMBERS[0]) == pytest.approx(3.0)
+    assert 1.15 < low < high < 1.18
+
+
+def test_the_slope_fails_at_its_factor_of_safety():
+    """Cells of 1 m, ten in the height."""
+    summary = run("slope", "--smoke")
+    assert summary["factor"] == pytest.approx(PUBLISHED, rel=0.04)
+    assert summary["stands"] < summary["factor"] < summary["fails"]
+
+
+def test_control_without_fbar_the_slope_stands_too_long():
+    assert run("slope", "--smoke", "--noFbar", "--factor", "1.5")["stands"]
+    assert not run("slope", "--smoke", "--factor", "1.5")["stands"]
+
+
+def test_control_weaker_soil_has_a_smaller_factor():
+    summary = run("slope", "--smoke", COHESION=6.0)  # c/(gamma H) = 0.03
+    assert summary["factor"] < 0.9 * PUBLISHED
+
+
+def test_the_coarse_cut_fails_a_little_late_and_without_fbar_far_too_late():
+    """Six cells in the height; limit analysis 1.15 to 1.17."""
+    low, high = script("cut").bounds(3.0)
+    assert low < run("cut", "--smoke")["factor"] < 1.13 * high
+    assert run("cut", "--smoke", "--noFbar", "--factor", "1.5")["stands"]
+
+
+def test_where_the_factor_cannot_lie_is_an_error():
+    with pytest.raises(RuntimeError, match="factor of safety lies beyond 3, where it fails; look at single"):
+        run("slope", "--smoke", BETWEEN=(3.0, 4.0))
+
+
+@slow
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("cell, within", [("1", 0.04), ("0.5", 0.03)])
+def test_slopes_of_every_type(kind, cell, within):
+    options = "--types", kind, "--cell", cell, "--within", "0.03"
+    assert run("slope", *options)["factor"] == pytest.approx(PUBLISHED, rel=within)
+
+
+@slow
+@pytest.mark.parametrize("kind", KINDS)
+def test_cuts_of_every_type_come_nearer_with_the_cell(kind):
+    low, high = script("cut").bounds(3.0)
+    factors = [run("cut", "--types", kind, "--cell", cell)["factor"] for cell in ("0.5", "0.25")]
+    errors = np.array(factors) / high - 1
+    assert 0 < errors[1] < 0.6 * errors[0] and errors[1] < 0.06

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Soil that flows without F-bar is warned of, once for each body."""
+
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box
+
+CLAY = dict(density=2.0, young=5e3, poisson=0.3, cohesion=10.0, frictionAngle=0.0)
+
+
+def sheared(rate=1.0, material=None, **more):
+    """Two blocks that shear at a rate, 1/s, for a hundredth of a second, twice."""
+    scene = mpm.Scene((0, 0), (8, 4), 0.5, threads=1)
+    clay = material or mpm.MohrCoulombDruckerPrager(**CLAY)
+    for name, left in (("one", 1), ("other", 5)):
+        body = scene.add(name, box((left, 1), (left + 2, 3)), clay, mpm.UGIMP(perCell=2), **more)
+        body.velocity[:, 0] = rate * body.position[:, 1]
+    for until in (0.01, 0.02):
+        scene.run(until=until, progress=False)
+    return scene
+
+
+def told(capsys):
+    return [line for line in capsys.readouterr().err.splitlines() if "without F-bar" in line]
+
+
+def test_each_body_that_flows_without_fbar_is_told_of_once(capsys):
+    sheared(fbar=False)
+    lines = told(capsys)
+    assert len(lines) == 2
+    for line, name in zip(lines, ("one", "other")):
+        assert f"body '{name}' yields without F-bar: " in line
+        assert "too strong, on the unsafe side" in line and "leave fbar=False out" in line
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {},
+        {"fbar": False, "rate": 0.1},
+        {"fbar": False, "material": mpm.LinearElastic(density=2.0, young=5e3, poisson=0.3)},
+    ],
+)
+def test_control_with_fbar_far_from_yield_or_elastic_nothing_is_said(given, capsys):
+    sheared(**given)
+    assert told(capsys) == []

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Bodies that are taken out of a scene between two runs, as in an excavation."""
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box
+
+ELASTIC = dict(density=2.0, young=2e4, poisson=0.3)
+
+
+def ground(type_=None, **more):
+    """Two layers of a metre under gravity, in equilibrium."""
+    scene = mpm.Scene((0, 0), (4, 3), 0.5, threads=1)
+    soil = mpm.LinearElastic(**ELASTIC)
+    for name, bottom in (("lower", 0), ("upper", 1)):
+        layer = box((0, bottom), (4, bottom + 1))
+        scene.add(name, layer, soil, type_ or mpm.UGIMP(perCell=2), **more)
+    scene.initialStress(surface=2, K0=0.3 / 0.7)
+    solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.7, roller=("left", "right"), fixed="bottom")
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    return scene
+
+
+def vertical(scene):
+    """Mean vertical stress of the lower layer, kPa."""
+    return scene["lower"].stress[:, 1, 1].mean()
+
+
+@pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.5)])
+def test_what_is_left_bears_its_own_weight_alone(type_):
+    scene = ground(type_)
+    scene.run(steps=20, progress=False)
+    assert vertical(scene) == pytest.approx(-2 * 9.81 * 1.5, rel=0.01)
+    scene.remove(scene["upper"])
+    scene.run(until=1.0, progress=False)
+    assert vertical(scene) == pytest.approx(-2 * 9.81 * 0.5, rel=0.03)
+    assert scene["upper"].count == 0 and scene.particleCount == scene["lower"].count
+    assert mpm.diagnostics.mass(scene) == pytest.approx(2.0 * 4)
+
+
+def test_control_without_removal_the_stress_stays():
+    scene = ground()
+    scene.run(until=1.0, progress=False)
+    assert vertical(scene) == pytest.approx(-2 * 9.81 * 1.5, rel=0.01)
+
+
+@pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.5)])
+def test_a_checkpoint_without_the_body_continues_with_the_same_bits(type_, tmp_path):
+    scene = ground(type_)
+    scene.run(steps=20, progress=False)
+    scene.remove(scene["upper"])
+    scene.run(steps=20, progress=False)
+    scene.save(tmp_path / "after.h5")
+    other = mpm.load(tmp_path / "after.h5")
+    for one in (scene, other):
+        one.run(steps=20, progress=False)
+    assert [b.name for b in other.bodies] == ["lower", "upper"] and other["upper"].count == 0
+    assert np.array_equal(scene["lower"].stress, other["lower"].stress)
+
+
+def test_the_weight_of_a_removed_body_counts_no_more():
+    scene = ground()
+    scene.remove(scene["upper"])
+    scene.initialStress(surface=1, K0=0.3 / 0.7)
+    assert vertical(scene) == pytest.approx(-2 * 9.81 * 0.5)
+
+
+def test_a_group_of_contact_may_become_empty():
+    scene = mpm.Scene((0, 0), (4, 3), 0.5, threads=1)
+    soil = mpm.LinearElastic(**ELASTIC)
+    lower = scene.add("lower", box((0, 0), (4, 1)), soil, mpm.APDI(size=0.5), group="lower")
+    upper = scene.add("upper", box((1, 1), (3, 2)), soil, mpm.APDI(size=0.5), group="upper")
+    solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.5, roller=("left", "right"), fixed="bottom")
+    stages = [mpm.ParticleToGrid(), solver, mpm.Contact(friction=0.3)]
+    scene.engines = [*stages, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.run(steps=50, progress=False)
+    scene.remove(upper)
+    scene.run(steps=50, progress=False)
+    assert np.isfinite(lower.stress).all() and upper.count == 0
+
+
+def test_what_still_has_the_body_is_told():
+    scene = ground(mpm.APDI(size=0.5))
+    upper = scene["upper"]
+    load = mpm.BoundaryLoad(upper, where=box((0, 1.9), (4, 2.1)), pressure=1.0)
+    chain = list(scene.engines)
+    scene.engines = [chain[0], load, *chain[1:]]
+    with pytest.raises(ValueError, match="body 'upper': remove: a BoundaryLoad is for it; take that out of"):
+        scene.remove(upper)
+    drive = mpm.Drive(upper, velocity=(0, -0.1), name="press")
+    solver = mpm.GridSolver(drive=drive, fixed="bottom")
+    scene.engines = [chain[0], solver, *chain[2:]]
+    with pytest.raises(ValueError, match="a Drive 'press' is for it; take that out of the GridSolver"):
+        scene.remove(upper)
+    scene.engines = [chain[0], mpm.RigidContact(), *chain[1:]]
+    with pytest.raises(ValueError, match="RigidContact knows what touches by the number of its particle"):
+        scene.remove(upper)
+    with pytest.raises(ValueError, match="body 'upper': remove: it is not a body of this scene"):
+        ground().remove(upper)
+    with pytest.raises(TypeError, match="give a body"):
+        scene.remove("upper")
+    assert upper.count == 16
+
+
+def test_no_body_goes_in_the_middle_of_a_step():
+    scene = ground()
+    told = []
+
+    def remove():
+        with pytest.raises(RuntimeError, match="remove"):
+            scene.remove(scene["upper"])
+        told.append(True)
+
+    scene.engines = [*scene.engines, mpm.PyRunner(remove, iterPeriod=1)]
+    scene.run(steps=1, progress=False)
+    assert told and scene["upper"].count

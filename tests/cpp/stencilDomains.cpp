@@ -59,6 +59,7 @@ template <int Dim> class Sample {
             particles.mass.plane()[p] = 1.6 * particles.volume.plane()[p];
             for (int k = 0; k < Dim; ++k) particles.velocity.plane(k)[p] = normal(random);
             for (int c = 0; c < 9; ++c) particles.stress.plane(c)[p] = normal(random);
+            for (int c = 0; c < Dim * Dim; ++c) particles.velocityGradient.plane(c)[p] = normal(random);
         }
     }
 };
@@ -191,6 +192,21 @@ TEST(StencilDomains, UGIMPMovesWithTheNodesAsItsKernelSays) {
 TEST(StencilDomains, UGIMPTakesTheGradientThatItsKernelSays) {
     compare<2>(gradients<2>);
     compare<3>(gradients<3>);
+}
+
+// The sums of nodalSums() and moved(), with velocities that are linear around the particles.
+template <int Dim> std::vector<double> affine(Sample<Dim>& sample) {
+    dynamic_cast<AffineVelocity&>(*sample.domains).isAffine = true;
+    std::vector<double> all = nodalSums(sample);
+    const std::vector<double> afterwards = moved(sample);
+    all.insert(all.end(), afterwards.begin(), afterwards.end());
+    append(all, sample.particles, sample.particles.velocityGradient);
+    return all;
+}
+
+TEST(StencilDomains, UGIMPGivesLinearVelocitiesAsItsKernelSays) {
+    compare<2>(affine<2>);
+    compare<3>(affine<3>);
 }
 
 TEST(StencilDomains, UGIMPHasTheWeightsOfItsKernel) {

@@ -15,6 +15,7 @@
 // doc/development/adding-a-particle-type.md goes on from here.
 #pragma once
 
+#include "mpm/particle/AffineVelocity.hpp"
 #include "mpm/particle/LatticeType.hpp"
 #include "mpm/particle/Transfers.hpp"
 
@@ -25,7 +26,8 @@ template <int nodes> struct AxisWeights {
     double S[nodes], G[nodes];
 };
 
-template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim> {
+template <int Dim, class Kernel>
+class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim>, public AffineVelocity {
     static_assert(Kernel::support >= 2, "a kernel needs two nodes per axis or more for its derivatives");
     static_assert(Kernel::support <= BlockOrder<Dim>::largestSupport,
                   "the kernel reaches more nodes per axis than threads keep apart, see BlockOrder");
@@ -92,19 +94,13 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
               const Move& how) override {
         forParticles(region, [&](int p, int block) {
             if (nodes) damped_[block] += gather(nodes, p, how);
+            if (nodes && isAffine) gatherGradient(nodes, p);
             if (momentum) scatter(momentum, p, how.inertiaScale);
         });
     }
 
     void takeGradient(int begin, int end, const typename NF::Velocity* nodes, double) override {
-        for (int p = begin; p < end; ++p) {
-            Mat<Dim> L = Mat<Dim>::Zero();
-            stencil(p, [&](int node, double, const Vec<Dim>& gradient) {
-                for (int i = 0; i < Dim; ++i) L.row(i) += nodes[node][i] * gradient.transpose();
-            });
-            for (int i = 0; i < Dim; ++i)
-                for (int j = 0; j < Dim; ++j) particles.velocityGradient.plane(Dim * i + j)[p] = L(i, j);
-        }
+        for (int p = begin; p < end; ++p) gatherGradient(nodes, p);
     }
 
     void volumes(int begin, int end) override { Base::volumesFromGradient(begin, end); }
@@ -220,6 +216,24 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
             add(nodes[node], NF::mass, phi * inertia);
             add(nodes[node], NF::weightMass, phi * m);
         });
+        if (isAffine) scatterSlope(nodes, p, inertia);
+    }
+
+    // Momentum of node += phi m L (x_i - x_p), x_p where locate() found the particle.
+    template <class Node> void scatterSlope(Node* nodes, int p, double inertia) const {
+        const Mat<Dim> slope = inertia * gradientOf(particles, p);
+        stencil(p, [&](int node, double phi, const Vec<Dim>&) {
+            const Vec<Dim> momentum = phi * slope * arm(p, node);
+            for (int k = 0; k < Dim; ++k) add(nodes[node], k, momentum[k]);
+        });
+    }
+
+    // From particle p, where locate() found it, to a node that it reaches, m.
+    Vec<Dim> arm(int p, int node) const {
+        Vec<Dim> arm;
+        for (int k = Dim - 1, rest = node - cell_[p]; k >= 0; rest %= grid.strides[k--])
+            arm[k] = (rest / grid.strides[k] - local_.plane(k)[p]) * grid.smallestCell()[k];
+        return arm;
     }
 
     // node += - V tensor grad phi, of which the upper triangle is read (planes 3 i + j)
@@ -250,12 +264,22 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
         return Planes(particles).move(p, 1, how, [&](int k, int) { return motion[k]; });
     }
 
+    template <class Node> void gatherGradient(const Node* nodes, int p) {
+        Mat<Dim> L = Mat<Dim>::Zero();
+        stencil(p, [&](int node, double, const Vec<Dim>& gradient) {
+            for (int i = 0; i < Dim; ++i) L.row(i) += nodes[node][i] * gradient.transpose();
+        });
+        for (int i = 0; i < Dim; ++i)
+            for (int j = 0; j < Dim; ++j) particles.velocityGradient.plane(Dim * i + j)[p] = L(i, j);
+    }
+
     void scatter(typename NF::Velocity* nodes, int p, double inertiaScale) const {
-        const Vec<Dim> momentum =
-            inertiaScale * particles.mass.plane()[p] * vectorAt<Dim>(particles.velocity, p);
+        const double inertia = inertiaScale * particles.mass.plane()[p];
+        const Vec<Dim> momentum = inertia * vectorAt<Dim>(particles.velocity, p);
         stencil(p, [&](int node, double phi, const Vec<Dim>&) {
             for (int k = 0; k < Dim; ++k) add(nodes[node], k, phi * momentum[k]);
         });
+        if (isAffine) scatterSlope(nodes, p, inertia);
     }
 };
 

@@ -2,6 +2,7 @@
 // Domains that are too distorted to go on with: they end the run, or become uGIMP particles.
 #pragma once
 
+#include "mpm/particle/AffineVelocity.hpp"
 #include "mpm/scene/Scene.hpp"
 
 #include <Eigen/LU>
@@ -38,11 +39,12 @@ template <int Dim> void convert(Body<Dim>& to, Body<Dim>& from, const std::vecto
         for (int c = 0; c < 9; ++c) F[c] = target.deformationGradient.plane(c)[p];
         const double J = Eigen::Map<const Mat<3>>(F).determinant();
         if (J > 0) target.initialVolume.plane()[p] = target.volume.plane()[p] / J;
+        const Vec<Dim> offset = pieces[i].position - vectorAt<Dim>(target.position, p);
         for (int k = 0; k < Dim; ++k) {
-            const double shift = pieces[i].position[k] - target.position.plane(k)[p];
-            target.position.plane(k)[p] += shift;
-            target.reference.plane(k)[p] += shift;
+            target.position.plane(k)[p] += offset[k];
+            target.reference.plane(k)[p] += offset[k];
         }
+        if (isAffine(*from.domains)) followOffset(target, p, offset);
     }
     from.domains->distortion()->remove(gone);
     from.converted += int(gone.size());

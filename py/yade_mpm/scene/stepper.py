@@ -21,8 +21,8 @@ UNLIMITED = 1e9  # s of wall time: no limit
 SLICE = 0.1  # s of wall time between looks at signals
 
 BLENDS = {
-    "GridSolver": "damping",
-    "GridToParticle": "flip",
+    "GridSolver": ("damping",),
+    "GridToParticle": ("flip", "transfer"),
 }  # of engines, that the longest stable step depends on
 
 
@@ -227,7 +227,7 @@ class Stepper:
         """What the critical step depends on and may be changed between runs."""
         scene = self._scene
         bodies = [(tuple(b.material.lameConstants), b.inertiaScale, b.implicit) for b in scene.bodies]
-        blends = [getattr(e, BLENDS[type(e).__name__]) for e in scene.engines if type(e).__name__ in BLENDS]
+        blends = [getattr(e, a) for e in scene.engines for a in BLENDS.get(type(e).__name__, ())]
         return scene.givenDt, scene.allowUnstable, bodies, blends
 
     # --- steps ----------------------------------------------------------------------------------------

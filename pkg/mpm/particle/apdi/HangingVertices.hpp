@@ -47,6 +47,15 @@ class HangingVertices {
             if (slaves[s] >= begin) f(s, slaves[s]);
     }
 
+    bool isSlave(int v) const { return std::binary_search(slaves.begin(), slaves.end(), v); }
+
+    // f(master, slave, weight) for the masters among vertices [begin, end).
+    template <class F> void shares(int begin, int end, F&& f) const {
+        for (size_t i = firstShare_[begin / chunkSize]; i < shares_.size() && shares_[i].master < end; ++i)
+            if (const Share& share = shares_[i]; share.master >= begin)
+                f(share.master, share.slave, share.weight);
+    }
+
     // Of a plane of numbers at the vertices, the weighted mean over the masters of slave number s.
     double mean(int s, const double* x) const {
         double sum = 0;

@@ -2,16 +2,18 @@
 // The transfers of APDI, in two stages: particle <-> vertex <-> grid. Domains are treated in batches.
 #pragma once
 
+#include "mpm/particle/AffineVelocity.hpp"
 #include "mpm/particle/Transfers.hpp"
 #include "mpm/particle/apdi/CarriedByVertices.hpp"
 #include "mpm/particle/apdi/DomainPieces.hpp"
 #include "mpm/particle/apdi/DomainQuality.hpp"
+#include "mpm/particle/apdi/SlopesAtVertices.hpp"
 
 #include <atomic>
 
 namespace mpm {
 
-template <int Dim> class MeshTransfers : public Transfers<Dim> {
+template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVelocity {
   public:
     using Base = Transfers<Dim>;
     using Base::particles, Base::grid, Base::order, Base::damped_;
@@ -25,6 +27,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     void restored() override {
         mesh_.restored();
         carried_.resize(mesh_.vertices.size());
+        slopes_.resize(mesh_.vertices.size());
         skew_.resize(particles.size());
         hourglass_.restored();
         hourglass_.resize(particles.size());
@@ -59,6 +62,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
         const bool hasBodyForce = particles.hasBodyForce && withForce;
         const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
         if (!isCleared_) carried_.clear(region);
+        if (isAffine) slopes_.clear(region);
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
             const Shapes d(batch, mesh_.vertices.position, skew_);
             GivenByDomains<Dim> given;
@@ -82,8 +86,12 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
                                    [&](int a, int k, int p)
                                        MPM_INLINE_LAMBDA { return d.w[a][p] * given.bodyForce[k][p]; });
             }
+            if (isAffine)
+                slopes_.take(batch, d.w, q, mesh_.vertices.position, inertiaScale,
+                             carried_.template planes<Dim>(Carried::momentum));
         });
         carried_.toNodes(region, mesh_.vertices, nodes, withForce, 1 / inertiaScale);
+        if (isAffine) slopes_.toNodes(region, mesh_.vertices, nodes);
     }
 
     // Nodes -> vertices -> domains, and back with what the domains have then. The forces of hourglass control
@@ -92,6 +100,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
               const Move& how) override {
         const Planes q(particles);
         isCleared_ = false;
+        if (momentum && isAffine) slopes_.clear(region);
         if (momentum) carried_.startMomentum(region, mesh_.vertices, how.dt);
         nodes ? carried_.takeMotion(region, mesh_.vertices, nodes) : region.wait();
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int piece) {
@@ -104,6 +113,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
                     for (int a = 0; a < NC; ++a) sum += d.w[a][p] * at.x[a][k][p];
                     return sum;
                 });
+                if (isAffine) gradients<false>(batch, 0, carried_.template planes<Dim>(Carried::motion));
             }
             if (momentum) {
                 double given[Dim + 1][Batch<Dim>::most];
@@ -111,9 +121,13 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
                 batch.addToCorners(carried_.template planes<Dim>(Carried::control),
                                    [&](int a, int k, int p)
                                        MPM_INLINE_LAMBDA { return d.w[a][p] * given[k][p]; });
+                if (isAffine)
+                    slopes_.take(batch, d.w, q, mesh_.vertices.position, how.inertiaScale,
+                                 carried_.template planes<Dim>(Carried::control));
             }
         });
         if (momentum) carried_.momentumToNodes(region, mesh_.vertices, momentum);
+        if (momentum && isAffine) slopes_.toNodes(region, mesh_.vertices, momentum);
     }
 
     // With the gradient comes the volume after the step: the polygon area (polyhedron volume) itself; J V0
@@ -121,7 +135,8 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     // memory.
     void takeGradient(int begin, int end, const typename NF::Velocity*, double dt) override {
         mesh_.forBatches(begin, end, [&](const Batch<Dim>& batch) {
-            dt > 0 ? gradients<true>(batch, dt) : gradients<false>(batch, 0);
+            const auto velocity = vectorPlanes<Dim>(mesh_.vertices.velocity);
+            dt > 0 ? gradients<true>(batch, dt, velocity) : gradients<false>(batch, 0, velocity);
         });
     }
 
@@ -204,6 +219,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     DomainMesh<Dim> mesh_;
     HourglassControl<Dim> hourglass_;
     CarriedByVertices<Dim> carried_;
+    SlopesAtVertices<Dim> slopes_; // where velocities are affine
     Field skew_{
         "skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
     DomainPieces<Dim> pieces_;
@@ -215,12 +231,13 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
 
     // moves: and the volume after the step. Not asked in the loop: its stores would be masked ones, which are
     // slow.
-    template <bool moves> void gradients(const Batch<Dim>& batch, double dt) {
+    template <bool moves, class Number>
+    void gradients(const Batch<Dim>& batch, double dt, const std::array<Number*, Dim>& velocityPlanes) {
         double *volume = particles.volume.plane(), *L[Dim * Dim];
         for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
         const int first = batch.first, count = batch.count;
         const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(mesh_.vertices.position)),
-            V(batch, vectorPlanes<Dim>(mesh_.vertices.velocity));
+            V(batch, velocityPlanes);
         double quality[Batch<Dim>::most];
         auto one = [&](int p) MPM_INLINE_LAMBDA {
             const ClosedShape<Dim> shape(X.at(p));

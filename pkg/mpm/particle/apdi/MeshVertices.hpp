@@ -186,6 +186,14 @@ template <int Dim> class MeshVertices {
         });
     }
 
+    // f(begin, end) for vertices with consecutive numbers; those that share nodes take turns.
+    template <class F> void forBlocks(ParallelRegion& region, F&& f) const {
+        region.forColoured(order_.coloured, [&](int b) {
+            for (int i = order_.start[b]; i < order_.start[b + 1]; i = rowEnd_[i])
+                f(order_.order[i], order_.order[i] + rowEnd_[i] - i);
+        });
+    }
+
     void advance(ParallelRegion& region, double dt) {
         region.chunksNoWait(size(), [&](int begin, int end) {
             for (int k = 0; k < Dim; ++k)
@@ -218,6 +226,24 @@ template <int Dim> class MeshVertices {
         template <class F> void operator()(int v, F&& f) const {
             const auto S = weights(v);
             for (int n = 0; n < NC; ++n) f(cell[v] + offset[n], S[n]);
+        }
+    };
+
+    // f(node, S, x) for the nodes around vertex `at`, x from vertex `of`, m.
+    struct Arms : Hat {
+        const MeshVertices& mesh;
+
+        explicit Arms(const MeshVertices& m) : Hat(m), mesh(m) {}
+        template <class F> void operator()(int at, int of, F&& f) const {
+            const auto S = Hat::weights(at);
+            const Vec<Dim> edges = mesh.grid_.edges(Hat::cell[at]);
+            for (int n = 0; n < NC; ++n) {
+                Vec<Dim> arm;
+                for (int k = 0; k < Dim; ++k)
+                    arm[k] = ((n >> k & 1) - Hat::local[k][at]) * edges[k] + mesh.position.plane(k)[at] -
+                             mesh.position.plane(k)[of];
+                f(Hat::cell[at] + Hat::offset[n], S[n], arm);
+            }
         }
     };
 

@@ -29,7 +29,12 @@ PARTICLES_PER_THREAD = 1000  # a block of 2000 is 1.5 times as fast on two (doc/
 
 
 class Scene(Guarded):
-    """Everything a run works on.
+    """A grid, the bodies on it, the engines of a step, and a clock: everything a run works on.
+
+        scene = mpm.Scene(lower=(0, 0), upper=(4, 2), cell=0.25)
+        scene.add("block", mpm.box((0, 0), (1, 1)), material, mpm.UGIMP(perCell=2))
+        scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom")
+        scene.run(until=1.0)
 
     Parameters
     ----------

@@ -79,7 +79,7 @@ def items(docstring):
 
 
 def marked(text):
-    """Text with what reStructuredText would take for a mark escaped, outside of backticks; pages are links."""
+    """Text with what reStructuredText takes for a mark escaped, outside of backticks; pages are links."""
     parts = re.split(r"(`[^`]*`)", text)
     return "".join(
         p if k % 2 else PAGE.sub(r":doc:`/doc/\1`", MARKS.sub(r"\\\1", p)) for k, p in enumerate(parts)

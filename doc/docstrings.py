@@ -17,6 +17,7 @@ refuseWhileRunning row spec stepsToCall
 """.split()  # noqa: SIM905
 NO_FACE = ("replacing", "shapeRow", "Shape", "drawDomains")  # in public modules, but not for users
 HEAD = re.compile(r"^(\**\w+(?:, \**\w+)*) ?: (.*)$")
+PAGE = re.compile(r"\bdoc/([\w/-]+)\.md\b")
 MARKS = re.compile(r"(?<![\\`])([*|]|\b_(?=\W|$))")
 
 
@@ -47,7 +48,9 @@ def asNumpydoc(lines):
         elif section and HEAD.match(line):
             name, text = HEAD.match(line).groups()
             k, rest = _indented(lines, k + 1)
-            out += [name.replace("*", r"\*"), *("    " + marked(t) for t in [text, *rest])]
+            names = name.split(", ") if section == "Attributes" else [name]  # those of Parameters it splits
+            for one in names:
+                out += [one.replace("*", r"\*"), *("    " + marked(t) for t in [text, *rest])]
         elif section and line.strip():  # text behind the section
             section = None
             out += ["", *_CLOSE]
@@ -76,9 +79,11 @@ def items(docstring):
 
 
 def marked(text):
-    """Text in which what reStructuredText would take for a mark is escaped, outside of backticks."""
+    """Text with what reStructuredText takes for a mark escaped, outside of backticks; pages are links."""
     parts = re.split(r"(`[^`]*`)", text)
-    return "".join(p if k % 2 else MARKS.sub(r"\\\1", p) for k, p in enumerate(parts))
+    return "".join(
+        p if k % 2 else PAGE.sub(r":doc:`/doc/\1`", MARKS.sub(r"\\\1", p)) for k, p in enumerate(parts)
+    )
 
 
 def _indented(lines, k):

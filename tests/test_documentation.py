@@ -40,6 +40,51 @@ def test_files_that_a_page_names_are_there(page):
     assert [name for name in missing if not (toBeWritten and name.startswith(toBeWritten))] == []
 
 
+# Abbreviations of the method, which no reader needs to know.
+ABBREVIATIONS = (
+    "APDI",
+    "uGIMP",
+    "MCDP",
+    "MUSL",
+    "USF",
+    "USL",
+    "FLIP",
+    "F-bar",
+    "CPDI",
+    "MLS-MPM",
+    "hourglass",
+)
+ABBREVIATION = re.compile(rf"(?<![\w-])({'|'.join(ABBREVIATIONS)})(?![\w-])")
+READ_BY_USERS = [
+    page
+    for folder in ("tutorial", "howto", "explanation")
+    for page in sorted((ROOT / "doc" / folder).glob("*.md"))
+] + [ROOT / "README.md"]
+
+
+def firstWord(text):
+    """Place of the first abbreviation of a page outside of code, formulas, pictures and headings; or None."""
+    hidden = r"^---\n.*?^---$|^```.*?^```|`[^`]*`|\$[^$]*\$|!\[[^]]*\]\([^)]*\)|^#.*?$|^    .*?$"
+    bare = re.sub(hidden, lambda found: " " * len(found[0]), text, flags=re.M | re.S)
+    found = ABBREVIATION.search(bare)
+    return found and found.start()
+
+
+@pytest.mark.parametrize("page", READ_BY_USERS, ids=lambda page: str(page.relative_to(ROOT)))
+def test_the_first_abbreviation_of_a_page_leads_to_the_glossary(page):
+    text = page.read_text()
+    place = firstWord(text)
+    if place is not None:
+        end = text.find("\n\n", place)  # of the paragraph
+        assert "notation.md#glossary)" in text[:end], text[place : place + 80]
+
+
+def test_every_abbreviation_is_in_the_glossary():
+    glossary = (ROOT / "doc" / "reference" / "notation.md").read_text().split("## Glossary")[1]
+    explained = " ".join(re.findall(r"^\| ([^|]+) \|", glossary, re.M))
+    assert [word for word in ABBREVIATIONS if word not in explained] == []
+
+
 def test_every_picture_is_shown():
     shown = {
         (page.parent / name).resolve()

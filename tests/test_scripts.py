@@ -64,7 +64,7 @@ def test_a_study_runs_at_the_root_too_and_finds_the_scenes(checkout, name):
     study = 'import demo\nif __name__ == "__main__":\n    print("study")\n'
     (checkout / "scripts" / "studies" / "many.py").write_text('"""Many runs."""\n' + study)
     assert run(checkout, name, cwd=checkout).stdout == f"[] {checkout} {checkout}/build/python\nstudy\n"
-    assert "many                 Many runs." in run(checkout, cwd=checkout).stdout
+    assert f"{'many':23} Many runs." in run(checkout, cwd=checkout).stdout
 
 
 @onDebian
@@ -73,9 +73,18 @@ def test_what_is_not_there_is_named_and_the_scenes_listed(checkout):
     assert (
         wrong.returncode == 2
         and "there is no scene 'dmeo'" in wrong.stderr
-        and "demo                 Tells where it runs." in wrong.stderr
+        and f"{'demo':23} Tells where it runs." in wrong.stderr
     )
     assert "demo  " in run(checkout, cwd=checkout).stdout
+
+
+@onDebian
+def test_scenes_come_first_then_those_inside_yade_then_tools(checkout):
+    for name in ("yade_one", "bench", "study"):
+        (checkout / "scripts" / f"{name}.py").write_text(WHERE)
+    listed = run(checkout, cwd=checkout).stdout.split("Scenes:")[1].split()
+    order = ["demo", "Inside", "yade_one", "Tools:", "bench", "study"]
+    assert [word for word in listed if word in order] == order
 
 
 ENDS = {  # of a scene: its main function, the exit code, what it says last

@@ -107,3 +107,11 @@ def test_control_a_parameter_that_is_not_explained_is_found():
         """
 
     assert unexplained(push) == ["direction"]
+
+
+def test_attributes_of_one_line_are_items_of_their_own_and_pages_are_links():
+    lines = docstrings.asNumpydoc(
+        ["A.", "", "Attributes", "----------", "low, high : m, see doc/howto/yade.md."]
+    )
+    link = "    m, see :doc:`/doc/howto/yade`."
+    assert lines[-4:] == ["low", link, "high", link]

@@ -124,6 +124,24 @@ def test_errors_in_callbacks_of_users_pass_as_they_are():
     assert frames.count("clear") == 1, "of all that guard the surface, one stays in the traceback"
 
 
+def test_an_error_in_words_ends_at_the_line_of_the_user(monkeypatch):
+    def lengthOf(call):
+        with pytest.raises(ValueError) as caught:
+            call()
+        return len(traceback.extract_tb(caught.tb))
+
+    def callsBack():
+        smallScene(mpm.PyRunner(lambda s: box((1, 1), (0, 0)), iterPeriod=1)).run(steps=1)
+
+    def wrong():
+        mpm.Scene((0, 0), (3, 2), 0.7)
+
+    whole = lengthOf(wrong)
+    monkeypatch.delenv("YADE_MPM_TRACEBACKS")
+    assert lengthOf(wrong) == 3 < whole  # this call, the wrong line, the surface
+    assert lengthOf(callsBack) > 3  # the callback is the user's: the way to it stays
+
+
 def test_errors_in_a_class_of_the_user_pass_as_they_are():
     class Odd:
         def __float__(self):

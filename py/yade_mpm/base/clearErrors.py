@@ -4,11 +4,15 @@
 What the package and the solver refuse says so already. A TypeError of Python, NumPy or Boost.Python, for an
 argument that nobody thought of, does not: at the public surface it becomes one that does, with the first one
 as its cause. Errors in code of the user, such as callbacks, pass as they are.
+
+An error in words ends its traceback at the user's own line, which it tells what to do about.
+YADE_MPM_TRACEBACKS=whole in the environment shows all of it, for work on the package.
 """
 
 import dis
 import functools
 import inspect
+import os
 import sys
 from dataclasses import FrozenInstanceError
 
@@ -63,13 +67,17 @@ def _clear(function, name, owner=None):
 
     @functools.wraps(function)
     def clear(*arguments, **named):
+        __tracebackhide__ = True  # IPython and pytest leave this function out
         try:
             return function(*arguments, **named)
         except Exception as error:
             frame = sys._getframe()
             _hide(frame.f_code, error.__traceback__)
             # The package itself needs no words: whoever called it from outside has better ones.
-            if _library(frame.f_back) == PACKAGE or not _isFromInside(error):
+            if _library(frame.f_back) == PACKAGE:
+                raise
+            if not _isFromInside(error):
+                _endHere(error.__traceback__)
                 raise
             raise wordsFor(error, function, name, owner, arguments, named) from error
 
@@ -84,6 +92,15 @@ def _hide(code, traceback):
             traceback.tb_next = traceback.tb_next.tb_next
         else:
             traceback = traceback.tb_next
+
+
+def _endHere(traceback):
+    """Takes what is further in out of a traceback, unless code of the user is there."""
+    inner, step = set(), traceback
+    while (step := step.tb_next) is not None:
+        inner.add(_library(step.tb_frame))
+    if inner <= LIBRARIES and os.environ.get("YADE_MPM_TRACEBACKS") != "whole":
+        traceback.tb_next = None
 
 
 def _library(frame):

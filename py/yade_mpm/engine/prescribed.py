@@ -117,7 +117,7 @@ class Drive(Prescribed):
 
     Parameters
     ----------
-    part : part of a body: `body.above(y)`, `body.below(y)` (looked up anew in every step),
+    part : part of a body: `body.above(y)`, `body.below(y)` (looked up again in every step),
         `body.inside(region)`, `body.all()`, or a body.
     velocity : m/s, one component per axis; None leaves a direction free.
     ramp : s, time over which the velocity grows from zero; default 0.

@@ -85,7 +85,12 @@ class Results(Sequence):
     def __getitem__(self, number):
         if isinstance(number, slice):
             return [self[k] for k in range(*number.indices(len(self)))]
-        k = range(len(self))[number]
+        try:
+            k = range(len(self))[number]
+        except IndexError:
+            raise IndexError(
+                f"there is no frame {number}; there are {len(self)}, from 0 on, and -1 is the last"
+            ) from None
         return ResultFrame(*self._asked(lambda h5: resultsFile.frame(h5["VTKHDF"], k, self.bodies)))
 
     def at(self, time):

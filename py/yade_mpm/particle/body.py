@@ -318,7 +318,7 @@ class Body(Guarded):
 
     # --- parts, for driving ---
     def above(self, height):
-        """Part of the body above a height, looked up anew in every step.
+        """Part of the body above a height, looked up again in every step.
 
         Parameters
         ----------
@@ -327,7 +327,7 @@ class Body(Guarded):
         return BodyPart(self, lower=height)
 
     def below(self, height):
-        """Part of the body below a height, looked up anew in every step.
+        """Part of the body below a height, looked up again in every step.
 
         Parameters
         ----------

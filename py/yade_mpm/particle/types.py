@@ -86,7 +86,7 @@ class MeshedType(ParticleType):
     matched = property(lambda self: self._matched, doc="Body that the neighbouring domains are refined to.")
 
     def geometry(self, region, scene, name):
-        """Mesh of a region, of (points, cells), or of a mesh file, which is numbered anew in rows."""
+        """Mesh of a region, of (points, cells), or of a mesh file, which is renumbered in rows."""
         if isinstance(region, Mesh):
             return checkMesh(name, region)
         if isinstance(region, (str, bytes)) or hasattr(region, "__fspath__"):

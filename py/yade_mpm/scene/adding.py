@@ -34,7 +34,7 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=None, group=
     ----------
     name : str, used in messages, results and checkpoints.
     region : Region; for APDI also (points (Nv, dim), cells (Nc, 4 or 8)), a Mesh, or the name of a mesh file.
-        Domains are in the order of the cells; those of a file are numbered anew in rows, for speed:
+        Domains are in the order of the cells; those of a file are renumbered in rows, for speed:
         `body.mesh.cellNumbers` tells which cell each is.
     material : Material, e.g. mpm.LinearElastic(...).
     type : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).

@@ -11,7 +11,7 @@ SHARE = 0.01  # of the wall time of a run that checkpoints may take
 
 
 class LoopPolicy:
-    """Looks at the domains, estimates the critical step anew, saves, and lets callbacks stop the loop.
+    """Looks at the domains, estimates the critical step again, saves, and lets callbacks stop the loop.
 
     A loop calls `beforeSteps`, takes at most `stepsToNext` steps, and calls `afterSteps`.
 

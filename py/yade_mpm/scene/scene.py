@@ -30,7 +30,12 @@ PARTICLES_PER_THREAD = 1000  # a block of 2000 is 1.5 times as fast on two (doc/
 
 
 class Scene(Guarded):
-    """Everything a run works on.
+    """A grid, the bodies on it, the engines of a step, and a clock: everything a run works on.
+
+        scene = mpm.Scene(lower=(0, 0), upper=(4, 2), cell=0.25)
+        scene.add("block", mpm.box((0, 0), (1, 1)), material, mpm.UGIMP(perCell=2))
+        scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom")
+        scene.run(until=1.0)
 
     Parameters
     ----------
@@ -40,8 +45,8 @@ class Scene(Guarded):
     grading : `Grading`, whose cells grow outside of a box; or a sequence with the positions of the lines of
         nodes across each axis, m (None: equal cells along that axis; `cell` may be left out where none is
         equal). Default: all cells are equal. See doc/explanation/graded-grids.md.
-    scheme : "MUSL" (default), "USF" or "USL": when the stress is updated in a step (Sulsky et al. 1995;
-        Bardenhagen 2002).
+    scheme : "MUSL" (modified update stress last, the default), "USF" (update stress first) or "USL" (update
+        stress last): when the stress is updated in a step (Sulsky et al. 1995; Bardenhagen 2002).
     threads : number of threads; default: one for every 1000 particles, at most OMP_NUM_THREADS, and a single
         one while a run finds that faster, as it is beside other jobs. The results are the same bits for any
         number.
@@ -237,7 +242,7 @@ class Scene(Guarded):
     # --- time step and threads ------------------------------------------------------------------------
     @property
     def dt(self):
-        """Time step, s. Left out: 0.8 (USL: 0.5) of the critical step, estimated anew every 5000 steps."""
+        """Time step, s. Left out: 0.8 (USL: 0.6) of the critical step, estimated again every 5000 steps."""
         return self._dt if self._dt is not None else (self.core.dt or None)
 
     @dt.setter

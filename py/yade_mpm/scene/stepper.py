@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Steps of a scene for whoever owns the clock: `Scene.run`, `Scene.step`, or the loop of another program."""
+"""Steps of a scene, for the loop that owns the clock: `Scene.run`, `Scene.step`, or another program."""
 
 import functools
 import math
@@ -38,7 +38,7 @@ class Stepper:
             scene.stepper.advance(10)
 
     or engine by engine, with `act` for each of `scene.engines` and `endStep` behind the last stage.
-    `LoopPolicy` tells such a loop when to look at the domains and to estimate the critical step anew.
+    `LoopPolicy` tells such a loop when to look at the domains and to estimate the critical step again.
 
     Attributes
     ----------

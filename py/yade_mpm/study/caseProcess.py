@@ -121,6 +121,8 @@ def _callFunctions(folder, case):
         except (ValueError, OSError) as error:
             print(f"the checkpoint cannot be continued, the case begins anew: {error}", file=sys.stderr)
     scene = scene or build(a)
+    if scene is None and (results or case["until"] is not None):
+        raise TypeError(f"{build.__name__} returned None; end it with `return scene`")
     if case["until"] is not None:
         scene.run(until=case["until"], checkpointFile=checkpoint, progress=False)
     found = results(scene) if results else {}

@@ -13,6 +13,8 @@ from .watch import GRACE, environment, runCase
 
 LOOK = 0.1  # s between looks at what has ended
 LOCAL = "127.0.0.1:0"  # this machine alone, any free port
+# Dask looks at what its threads do a hundred times per second, which takes 2 % of a processor; ours wait.
+SELDOM = {"distributed.worker.profile.interval": "1s", "distributed.worker.profile.cycle": "60s"}
 MEMORY = 1.0  # GiB that a case may need, unless told otherwise
 
 
@@ -36,15 +38,16 @@ def cluster(scheduler=None, jobs=1):
         with distributed.Client(scheduler, timeout=20) as client:
             yield client
         return
-    local = distributed.LocalCluster(
-        n_workers=1,
-        threads_per_worker=jobs,
-        processes=False,
-        memory_limit=0,  # cases are processes of their own
-        dashboard_address=LOCAL,  # Dask serves its dashboard in any case; nobody else may see it
-        worker_dashboard_address=LOCAL,
-        silence_logs=50,  # what a worker says when its study is interrupted is of no use
-    )
+    with needed("dask", "a study").config.set(SELDOM):
+        local = distributed.LocalCluster(
+            n_workers=1,
+            threads_per_worker=jobs,
+            processes=False,
+            memory_limit=0,  # cases are processes of their own
+            dashboard_address=LOCAL,  # Dask serves its dashboard in any case; nobody else may see it
+            worker_dashboard_address=LOCAL,
+            silence_logs=50,  # what a worker says when its study is interrupted is of no use
+        )
     with local, distributed.Client(local) as client:
         yield client
 

@@ -25,8 +25,13 @@ def _grid(rows, columns, size=(3.0, 2.4)):
     return figure, figure.subplots(rows, columns, squeeze=False)
 
 
-def curves(named):
-    """Curves of all cases in one picture. named : dict label -> (names of x and y, numbers (n, 2))."""
+def curves(named, varied=None):
+    """Curves of all cases: with a legend of few, coloured by each parameter where they are many.
+
+    named : dict label -> (names of x and y, numbers (n, 2)). varied : dict parameter -> values in that order.
+    """
+    if len(named) > LEGEND and varied:
+        return _curvesByParameter(list(named.values()), varied)
     figure, ((axes,),) = _grid(1, 1, (6.4, 3.8))
     colours = mpl.colormaps["viridis"](np.linspace(0, 0.9, max(2, len(named))))
     if len(named) <= 10:
@@ -37,6 +42,27 @@ def curves(named):
     if 1 < len(named) <= LEGEND:
         axes.legend(fontsize=7)
     return svg(figure)
+
+
+def _curvesByParameter(curves, varied):
+    columns = min(2, len(varied))
+    figure, grid = _grid(-(-len(varied) // columns), columns, (4.4, 3.2))
+    for axes in grid.flat[len(varied) :]:
+        axes.set_axis_off()
+    for axes, (name, values) in zip(grid.flat, varied.items()):
+        index, labels = groups(values)
+        colours = mpl.colormaps["viridis"](np.linspace(0, 0.9, len(labels)))
+        for ((x, y), points), k in zip(curves, index):
+            axes.plot(*points.T, color=colours[k], lw=0.9)
+            axes.set(xlabel=x, ylabel=y)
+        shown = range(len(labels)) if len(labels) <= LEGEND else (0, len(labels) // 2, len(labels) - 1)
+        lines = [axes.plot([], [], color=colours[k], label=_short(labels[k]))[0] for k in shown]
+        axes.legend(handles=lines, title=name, fontsize=7, title_fontsize=8)
+    return svg(figure)
+
+
+def _short(label):
+    return label if isinstance(label, str) else f"{label:.4g}"
 
 
 def effects(frame, parameters, results):

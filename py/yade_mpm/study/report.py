@@ -15,6 +15,7 @@ from .sensitivity import firstOrder
 
 RESULTS, EFFECTS, MAPS, SHOWN = 8, 4, 3, 60  # columns, rows of effects, heat maps, cases with a picture
 SAMPLE = 8  # cases at least for indices
+COLOURED = 4  # parameters at most by which curves are coloured
 FINDINGS = "findings.txt"  # beside the report: paragraphs that it begins with
 STYLE = """
 body{font:16px/1.45 system-ui,sans-serif;margin:0 auto;max-width:70rem;padding:1rem;color:#222}
@@ -35,7 +36,7 @@ def write(study, frame):
     varied = [name for name in study.varied if name in frame.columns]
     found = _results(study, done)
     parts = [_head(study, frame), _findings(study), _table(study, frame, varied, found)]
-    parts += [_failures(study, frame), _curves(study), _effects(done, varied, found)]
+    parts += [_failures(study, frame), _curves(study, frame, varied), _effects(done, varied, found)]
     parts += [_indices(done, varied, found), _maps(done, varied, found), _cards(study)]
     text = page(f"Study of {study.name}", "".join(p for p in parts if p))
     with replacing(os.path.join(study.out, "report.html")) as part, open(part, "w") as opened:
@@ -120,14 +121,20 @@ def _failures(study, frame):
     return "<h2>Failures</h2>" + "".join(parts) if parts else ""
 
 
-def _curves(study):
-    named = {}
-    for folder in study.folders:
+def _curves(study, frame, varied):
+    named, rows = {}, {}
+    for row, folder in enumerate(study.folders):
         if state.read(folder)["state"] == state.DONE:
             for file in sorted(glob(os.path.join(literal(folder), "curve_*.csv"))):
                 name = os.path.basename(file)[len("curve_") : -len(".csv")]
-                named.setdefault(name, {})[study.labels[folder]] = _readCurve(file)
-    return "".join(f"<h2>{escape(name)}</h2>{pictures.curves(own)}" for name, own in named.items())
+                label = study.labels[folder]
+                named.setdefault(name, {})[label] = _readCurve(file)
+                rows.setdefault(name, {})[label] = row
+    parts = []
+    for name, own in named.items():
+        values = {p: list(frame[p].iloc[list(rows[name].values())]) for p in varied[:COLOURED]}
+        parts.append(f"<h2>{escape(name)}</h2>{pictures.curves(own, values)}")
+    return "".join(parts)
 
 
 def _readCurve(file):

@@ -49,7 +49,7 @@ class Bodies:
     Functions are not saved: what they have returned holds after O.load.
 
     O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. After
-    O.load `inYade.attach` makes it anew. Raises ValueError for a body that is not there, is of another shape
+    O.load `inYade.attach` makes it again. Raises ValueError for a body that is not there, is of another shape
     or stands in a clump, for a wall with sense 0, for friction and adhesion that are no numbers, and for a
     contact that has other rigid bodies already; TypeError for a contact, numbers or laws that are none.
     RuntimeError at the beginning of a run where two of them serve one contact, or where the scene does not

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from yade_mpm.io.files import saveJson
-from yade_mpm.study import collect, report, state
+from yade_mpm.study import collect, pictures, report, state
 from yade_mpm.study.program import main
 from yade_mpm.study.record import saveCurve
 from yade_mpm.study.study import Study
@@ -57,6 +57,27 @@ def test_the_report_marks_failures_and_shows_all_that_was_found(out):
     ):
         assert f"<h2>{head}</h2>" in page
     assert "Twice &amp; more." in page
+
+
+def test_many_curves_are_coloured_by_each_parameter(tmp_path):
+    axes = {"gravity": [5.0, 10.0, 15.0, 20.0], "perCell": [1, 2], "end": ["well", "sleeps"]}
+    study = Study(SCENE, axes, tmp_path)
+    for folder, case in zip(study.folders, study.cases):
+        saveCurve(
+            folder, "load", {"depth (m)": np.arange(3.0), "load (kN)": case["gravity"] * np.arange(3.0)}
+        )
+        saveJson(f"{folder}/summary.json", {"load": case["gravity"]})
+        state.write(folder, state.DONE, seconds=1.0)
+    study.write()
+    picture = (tmp_path / "report.html").read_text().split("<h2>load</h2>")[1].split("</svg>")[0]
+    texts = re.findall(r"<!-- (.*?) -->", picture)
+    assert [
+        t for t in ("gravity", "perCell", "end", "5", "20", "1", "well", "sleeps") if t not in texts
+    ] == []
+    values = {"gravity": [case["gravity"] for case in study.cases]}
+    curves = {str(k): (("x", "y"), np.zeros((2, 2))) for k in range(16)}
+    colours = re.findall(r"stroke: (#\w+); stroke-width: 0.9", pictures.curves(curves, values))
+    assert [len(set(colours[k : k + 4])) for k in range(0, 16, 4)] == [1] * 4 and len(set(colours)) == 4
 
 
 def test_the_report_stands_alone_and_its_links_lead_somewhere(out):

@@ -131,6 +131,14 @@ def test_functions_are_studied_too_with_the_bits_of_a_run_alone(tmp_path):
     assert mpm.study(demo_scene.build, axes, results, **how).equals(table)
 
 
+def test_a_build_that_forgets_to_return_its_scene_is_told(tmp_path):
+    def build(a):
+        mpm.Scene((0, 0), (1, 1), 0.25)
+
+    table = mpm.study(build, {"x": [1]}, lambda scene: {"n": scene.steps}, out=tmp_path, jobs=1, quiet=True)
+    assert table["message"][0] == "TypeError: build returned None; end it with `return scene`"
+
+
 def test_a_command_line_runs_a_study(tmp_path, capsys, monkeypatch):
     (tmp_path / "t.csv").write_text("gravity\n5\n10\n")
     words = [str(SCENE), "--table", "t.csv", "perCell=1,2", "--until", "0.02", "--out", "o", "--jobs", "3"]

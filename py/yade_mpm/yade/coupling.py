@@ -344,8 +344,11 @@ class Coupling:
             if isinstance(engine, Callback) and engine.isBound:
                 engine.flush()
 
-    def saveBeside(self, file):
-        """Writes our checkpoint that goes with a file of O.save, and notes in O.tags what attach() needs."""
+    def saveBeside(self, file, isBeside=True):
+        """Writes our checkpoint that goes with a file of O.save, and notes in O.tags what attach() needs.
+
+        isBeside : bool, whether YADE's own file stands in the same folder, wherever that goes.
+        """
         if self.error is not None:
             raise RuntimeError(
                 f"O.save: '{self.label}' was stopped by an error ({self.error}); detach() it to save YADE "
@@ -357,7 +360,7 @@ class Coupling:
         bodies = [(self._chain.index(e.contact), e.spec()) for e in self.exchanges if isinstance(e, Bodies)]
         how = dict(mpmSteps=self.mpmSteps, demSteps=self.demSteps, stages=self.stages, bodies=bodies)
         how["checkpointPeriod"] = self.checkpointPeriod
-        noted = {"file": os.path.basename(name), **how, **self._clock.noted(), **self._timeStep.noted()}
+        noted = {"file": os.path.basename(name) if isBeside else name, **how, **self._clock.noted(), **self._timeStep.noted()}
         self._omega.tags[tagOf(self.label)] = json.dumps(noted)
         save(self.scene, name)
         self.stepsSaved = self.scene.steps

@@ -23,7 +23,9 @@ ORDER = [
     {"contact", "check"},
     {"coupling"},
     {"python"},
+    {"yade"},
 ]
+FOLDERS = "mpm", "coupling", "python", "yade"
 LEVEL = {room: level for level, rooms in enumerate(ORDER) for room in rooms}
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 BINDINGS = re.compile(r"Python\.h|boost/python.*|python\.hpp")
@@ -57,7 +59,7 @@ def wrongArrows(files):
 
 
 def sources():
-    found = [p for folder in ("mpm", "coupling", "python") for p in (ROOT / "pkg" / folder).rglob("*.[ch]pp")]
+    found = [p for folder in FOLDERS for p in (ROOT / "pkg" / folder).rglob("*.[ch]pp")]
     return {str(p.relative_to(ROOT / "pkg")): p.read_text() for p in found}
 
 
@@ -65,6 +67,14 @@ def test_no_include_runs_against_the_order():
     files = sources()
     assert len(files) > 30
     assert wrongArrows(files) == []
+
+
+def test_the_plugin_for_yade_shares_only_the_tables_with_the_solver():
+    """It is compiled with other flags: any other type of the solver would be laid out in another way."""
+    own = {name: INCLUDE.findall(text) for name, text in sources().items() if name.startswith("yade/")}
+    shared = {path for paths in own.values() for path in paths if path.split("/")[0] in FOLDERS}
+    assert {path for path in shared if not path.startswith("yade/")} == {"coupling/HostTables.hpp"}
+    assert INCLUDE.findall((ROOT / "pkg/coupling/HostTables.hpp").read_text()) == []
 
 
 def test_no_file_of_the_solver_includes_itself_through_others():

@@ -6,6 +6,7 @@
 // numbers lie. They are copied as doubles, because the host may align Eigen's types in another way.
 // Everything else is read as a sequence of numbers.
 #include "coupling/BodyExchange.hpp"
+#include "coupling/TableBodies.hpp"
 #include "python.hpp"
 
 namespace mpm::python {
@@ -88,6 +89,12 @@ Eigen::Quaterniond quaternionFrom(const bp::object& wxyz) {
     return {q[0], q[1], q[2], q[3]};
 }
 
+Mat<3> axesFrom(const bp::object& frame) {
+    Mat<3> axes;
+    for (int k = 0; k < 9; ++k) axes(k / 3, k % 3) = bp::extract<double>(frame[k / 3][k % 3]);
+    return axes;
+}
+
 // What all bodies of a host share: its forces, with addF and addT(id, vector, isPermanent), as functions of
 // the class, so that there is nothing to look up or to bind; and the vector that they are called with.
 struct HostForces {
@@ -149,9 +156,20 @@ std::shared_ptr<BodyExchange> makeExchange(std::shared_ptr<RigidContact> contact
         bodies.push_back(std::make_unique<PythonBody>(shared, states[b], ids[b]));
         turned.push_back(quaternionFrom(turns[b]));
     }
-    Mat<3> axes;
-    for (int k = 0; k < 9; ++k) axes(k / 3, k % 3) = bp::extract<double>(frame[k / 3][k % 3]);
-    return std::make_shared<BodyExchange>(std::move(contact), std::move(bodies), turned, axes);
+    return std::make_shared<BodyExchange>(std::move(contact), std::move(bodies), turned, axesFrom(frame));
+}
+
+// The same with bodies that a plugin of the host hands out.
+std::shared_ptr<BodyExchange> makeNativeExchange(std::shared_ptr<RigidContact> contact,
+                                                 std::shared_ptr<TableBodies> table, const bp::object& frame,
+                                                 const bp::object& turns) {
+    std::vector<std::unique_ptr<HostBody>> bodies;
+    std::vector<Eigen::Quaterniond> turned;
+    for (long b = 0; b < bp::len(turns); ++b) {
+        bodies.push_back(std::make_unique<TableBody>(table, int(b)));
+        turned.push_back(quaternionFrom(turns[b]));
+    }
+    return std::make_shared<BodyExchange>(std::move(contact), std::move(bodies), turned, axesFrom(frame));
 }
 
 // iter, dt: of the host's step that begins.
@@ -167,6 +185,7 @@ void apply(BodyExchange& exchange, long iter, double dt, double duration) {
 void exposeExchange() {
     bp::class_<BodyExchange, std::shared_ptr<BodyExchange>, boost::noncopyable>("BodyExchange", bp::no_init)
         .def("__init__", bp::make_constructor(makeExchange))
+        .def("__init__", bp::make_constructor(makeNativeExchange))
         .def("read", read)
         .def("apply", apply)
         .add_property("seen", &BodyExchange::seen);

@@ -36,6 +36,7 @@ BOOST_PYTHON_MODULE(_core) {
     exposeEngines();
     exposeContact();
     exposeExchange();
+    exposeGranted();
     exposeThreadState();
     exposeScenes();
 }

@@ -101,6 +101,7 @@ void exposeBodies();
 void exposeEngines();
 void exposeContact();
 void exposeExchange();
+void exposeGranted();
 void exposeThreadState();
 void exposeScenes();
 

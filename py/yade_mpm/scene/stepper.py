@@ -47,6 +47,7 @@ class Stepper:
     estimatedVolumes : dict, largest volume of a particle over its initial one at that time, by body.
     automaticDt : float, s, step that was chosen last where nobody has given dt; None before.
     acting : Engine, callback that is at work or has failed at it; None between them.
+    onChange : function without argument that is called when something of the scene has changed; default None.
     """
 
     def __init__(self, scene):
@@ -55,7 +56,7 @@ class Stepper:
         self._isPrepared, self._isStable = False, False
         self._fullDt = None  # in a step that is shorter
         self._checkedState = None  # what the critical step was checked for
-        self.constraints, self.acting = [], None
+        self.constraints, self.acting, self.onChange = [], None, None
         self.estimatedAt, self.estimatedVolumes, self.automaticDt = -1, {}, None
 
     # --- readiness ------------------------------------------------------------------------------------
@@ -87,6 +88,8 @@ class Stepper:
         self._isPrepared = False
         if mayBeUnstable:
             self._isStable = False
+        if self.onChange is not None:
+            self.onChange()
 
     def restore(self, isChecked, estimatedAt, estimatedVolumes, automaticDt):
         """State of a scene from a checkpoint: whether its time step was checked, and the last estimate."""

@@ -5,7 +5,8 @@
     soil = inYade.attach(scene)   # adds engines before the NewtonIntegrator, chooses O.dt
     O.run(1000, True)
 
-YADE is used through its Python interface only. An engine of ours is a PyRunner, see `runners`.
+YADE is used through its Python interface. An engine of ours is a PyRunner, see `runners`; with the plugin, of
+a subclass that takes steps without Python, see `grants`.
 """
 
 import json

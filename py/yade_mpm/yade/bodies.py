@@ -11,7 +11,8 @@ import numpy as np
 from .. import _core
 from ..engine import rigid
 from ..engine.rigidContact import RigidContact
-from . import loop
+from . import loop, native
+from .grants import revokeAll
 from .grids import Element, NodeForces, isElement
 from .pairs import Laws, materialOf
 from .plane import Plane
@@ -99,7 +100,7 @@ class Bodies:
         hosted.setdefault(contact, weakref.WeakSet()).add(self)
         self._states = [None] * len(self.ids)
         self._connect()
-        self._cycles, self._run, self._isWeighed = 0, None, False
+        self._lookAt, self._run, self._isWeighed = 0, None, False
         if isNew:
             self._exchange.read(-2, 0.0, 0.0, 1, True)  # in no step
 
@@ -138,10 +139,13 @@ class Bodies:
                 "exchanges (after O.load, inYade.attach() has brought it back)"
             )
         isNewRun = coupling.runs != self._run
-        isEvery = isNewRun or self._cycles % EVERY == 0  # someone may have moved a body by hand
+        steps = coupling.scene.steps
+        isEvery = isNewRun or steps >= self._lookAt  # someone may have moved a body by hand
+        if isEvery:
+            self._lookAt = steps + EVERY * coupling.mpmSteps
         if self._waiting or self._watch.hasChanged(isNewRun):
             self._follow(coupling.scene)
-        self._run, self._cycles = coupling.runs, self._cycles + 1
+        self._run = coupling.runs
         duration, self._saved = coupling.scene.dt * coupling.mpmSteps, None
         self._exchange.read(self._O.iter, loop.dt.now(self._O), duration, coupling.mpmSteps, isEvery)
 
@@ -149,6 +153,17 @@ class Bodies:
         """In every DEM step: mean force and moment of the cycle's MPM steps to the bodies."""
         duration = coupling.scene.dt * coupling.mpmSteps / self.thickness
         self._exchange.apply(self._O.iter, loop.dt.now(self._O), duration)
+
+    def cyclesToLook(self, coupling):
+        """Cycles before all states are read again."""
+        return (self._lookAt - coupling.scene.steps - 1) // coupling.mpmSteps
+
+    def nativePart(self):
+        """What reads and pushes the bodies without Python: exchange, bodies and thickness; None where Python
+        is needed."""
+        if self._table is None or self._waiting:
+            return None
+        return self._exchange, self._table, self.thickness
 
     def warnOfDensities(self, scene):
         """Once, of a body that is far denser than the soil: YADE's own material has 1000, which are kg/m3."""
@@ -198,6 +213,7 @@ class Bodies:
                 raise ValueError(f"inYade.Bodies: body {number} touches the soil already")
             self._shapes(number)
         self._waiting += [(number, self._lawsOf(number, friction)) for number in numbers]
+        revokeAll()
 
     def pairUp(self, scene):
         """Tells the contact friction and adhesion of pairs of materials, where they go by a rule."""
@@ -255,15 +271,15 @@ class Bodies:
         ]
         elements = {n: state for n, state in zip(self.ids, self._states) if isinstance(state, Element)}
         still = self.plane.turnToScene((0, 0, 0, 1))
-        turns = [still if b is None else self.plane.turnToScene(frameOf(b)) for b in bodies]
-        self._exchange = _core.BodyExchange(
-            self.contact.core,
-            [_nowhere if state is None else state for state in self._states],
-            self.ids,
-            NodeForces(self._O.forces, elements) if elements else self._O.forces,
-            self.plane.frame.tolist(),
-            [turn.tolist() for turn in turns],
-        )
+        turns = [(still if b is None else self.plane.turnToScene(frameOf(b))).tolist() for b in bodies]
+        states = [_nowhere if state is None else state for state in self._states]
+        axes = self.plane.frame.tolist()
+        self._table = None if elements else native.tableOf(self.ids, states)
+        if self._table is not None:
+            self._exchange = _core.BodyExchange(self.contact.core, self._table, axes, turns)
+        else:
+            forces = NodeForces(self._O.forces, elements) if elements else self._O.forces
+            self._exchange = _core.BodyExchange(self.contact.core, states, self.ids, forces, axes, turns)
         self._watch = Watch(self._O, self.ids)
 
     def _follow(self, scene):

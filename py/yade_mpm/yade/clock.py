@@ -11,6 +11,7 @@ class Clock:
     scene : Scene
     mpmSteps, demSteps : int, one of the two is 1.
     saved : dict with what was noted at O.save under "cycleEnd", "end" and "timeOffset"; empty otherwise.
+    grants : Grants, steps that are taken without asking; as if they had been noted here.
 
     Attributes
     ----------
@@ -20,14 +21,27 @@ class Clock:
     timeOffset : s, scene.time - O.time.
     """
 
-    def __init__(self, omega, scene, mpmSteps, demSteps, saved):
+    def __init__(self, omega, scene, mpmSteps, demSteps, saved, grants):
         self._omega, self._scene, self._mpmSteps, self._demSteps = omega, scene, mpmSteps, demSteps
-        self.iteration, self._before = None, None
-        self.cycleEnd = saved.get("cycleEnd", omega.iter)
-        self.end = saved.get("end", scene.time)
+        self._grants = grants
+        self._iteration, self._before, self._granted = None, None, grants.lastStep
+        self._cycleEnd = saved.get("cycleEnd", omega.iter)
+        self._end = saved.get("end", scene.time)
         self.timeOffset = saved.get("timeOffset", scene.time - omega.time)
         self._stepsSeen, self._timeSeen = None, None
         self.noteSteps()
+
+    iteration = property(lambda self: self._caughtUp()._iteration)
+    cycleEnd = property(lambda self: self._caughtUp()._cycleEnd)
+    end = property(lambda self: self._caughtUp()._end)
+
+    def _caughtUp(self):
+        """Itself, with the steps that were granted since."""
+        last = self._grants.lastStep
+        if last != self._granted:
+            self._granted = self._iteration = last
+            self._cycleEnd, self._end, self._stepsSeen = last + 1, self._grants.end, None
+        return self
 
     isAtCycleEnd = property(
         lambda self: self.iteration >= self.cycleEnd, doc="Whether the scene steps in this DEM step."
@@ -39,7 +53,7 @@ class Clock:
 
     def noteStep(self):
         """Notes the DEM step that begins."""
-        self._before, self.iteration = self.iteration, self._omega.iter
+        self._before, self._iteration = self.iteration, self._omega.iter
 
     def refuseStepBack(self):
         """Raises RuntimeError where YADE was set back behind the present cycle."""
@@ -53,6 +67,8 @@ class Clock:
     def refuseForeignSteps(self, label):
         """Raises RuntimeError where the scene has taken steps outside of YADE."""
         scene = self._scene
+        if self._stepsSeen is None:  # those of a grant
+            self.noteSteps()
         if (scene.steps, scene.time) != (self._stepsSeen, self._timeSeen):
             raise RuntimeError(
                 f"the scene '{label}' has taken steps outside of YADE (it is at step {scene.steps}, YADE "
@@ -73,12 +89,13 @@ class Clock:
         end = self._omega.time
         for _ in range(self._demSteps):  # as YADE adds up
             end += dt
-        self.end = end + self.timeOffset
-        self.cycleEnd = self.iteration + self._demSteps
+        self._end = end + self.timeOffset
+        self._cycleEnd = self.iteration + self._demSteps
 
     def iterationOf(self, step):
         """Iteration of YADE that belongs to an MPM step that was taken."""
-        return self.cycleEnd - (self._stepsSeen - step) * self._demSteps // self._mpmSteps
+        end, seen = self.cycleEnd, self._stepsSeen
+        return end - ((self._scene.steps if seen is None else seen) - step) * self._demSteps // self._mpmSteps
 
     def noted(self):
         """Dict of what goes with a file of O.save, of plain types."""

@@ -15,6 +15,7 @@ from .bodies import Bodies
 from .clock import Clock
 from .engineList import EngineList
 from .exchanges import checkExchanges, checkRead
+from .grants import Grants
 from .gravity import difference
 from .output import PlotRows, checkpointOf, tagOf, tagRecorders
 from .results import Energies, Materials, interactionsOf, unbalancedForce
@@ -67,13 +68,16 @@ class Coupling:
         self._energies = Energies(omega, scene, label)
         self._rows = PlotRows(self._chain, areAllNew=bool(saved))
         tagRecorders(self._chain, omega.tags)
-        self._clock = Clock(omega, scene, mpmSteps, demSteps, saved)
+        self._grants = Grants(scene, mpmSteps, demSteps)
+        self._clock = Clock(omega, scene, mpmSteps, demSteps, saved, self._grants)
         self._isMpmStep = False  # whether it acts in this DEM step
         self._timeStep = TimeStep(omega, scene, mpmSteps, demSteps, label, saved)
         if self._clock.cycleEnd <= omega.iter:
             self._timeStep.govern()
         self._list.make(scene, stages, loop.act)
         self._stages = Stages(scene, self._list.engines, self._endStep)
+        self._grants.serve(self._list.engines)
+        scene.stepper.onChange = self._grants.revoke
         self.stepsSaved = scene.steps
         if isKept:
             self.exchanges += [Bodies(self._chain[place], **spec) for place, spec in saved.get("bodies", ())]
@@ -184,6 +188,8 @@ class Coupling:
     def letGo(self):
         """Gives O.dt and the scene back, and notes the exchanges for `attach`."""
         loop.kept[self.scene] = list(self.exchanges)
+        self._grants.release()
+        self.scene.stepper.onChange = None
         self._timeStep.release()
         if self.scene.loop is self._loop:
             self.scene.handOver(None)
@@ -204,6 +210,7 @@ class Coupling:
             raise RuntimeError(f"an engine of '{self.label}' acts in the loop of YADE only; call O.step()")
         self._isAtWork = True
         try:
+            self._throwOfGranted()
             if isNewStep:
                 self._beginStep()
             if self._isMpmStep:
@@ -216,9 +223,15 @@ class Coupling:
             self._fail(error)
         self._isAtWork = False
 
+    def _throwOfGranted(self):
+        """Raises what has gone wrong in a step that was granted."""
+        self._isAtRisk = True
+        self._grants.throwError()
+
     def _beginStep(self):
         """Once in every DEM step, before anything else of ours."""
         self._isAtRisk = False
+        self._grants.noteStep()
         self._clock.noteStep()
         if self._stages.isOpen:  # the last stage was switched off during the step
             self._stages.close()
@@ -285,12 +298,21 @@ class Coupling:
         stepper.setTime(self._clock.end)  # the sum of MPM steps may differ by rounding
         self._clock.noteSteps()
         self._apply()
+        self._grant(lastStage=-1)
 
     def _endStep(self):
         """The end of a step that was taken stage by stage."""
         self.scene.stepper.endStep(self._clock.end)
         self._clock.noteSteps()
         self._apply()
+        self._grant(lastStage=self._stages.last)
+
+    def _grant(self, lastStage):
+        """The steps in which nothing is due may be taken without us."""
+        looks = [e.cyclesToLook(self) for e in self.exchanges if isinstance(e, Bodies)]
+        steps = (self._policy.stepsToNext() - 1) // self.mpmSteps
+        steps = min(steps, self._energies.stepsToNext(), *looks) if self.error is None else 0
+        self._grants.grant(steps, self._clock, self._timeStep.dt, lastStage, self.exchanges)
 
     def _apply(self):
         for exchange in self.exchanges:
@@ -344,8 +366,11 @@ class Coupling:
             if isinstance(engine, Callback) and engine.isBound:
                 engine.flush()
 
-    def saveBeside(self, file):
-        """Writes our checkpoint that goes with a file of O.save, and notes in O.tags what attach() needs."""
+    def saveBeside(self, file, isBeside=True):
+        """Writes our checkpoint that goes with a file of O.save, and notes in O.tags what attach() needs.
+
+        isBeside : bool, whether YADE's own file stands in the same folder, wherever that goes.
+        """
         if self.error is not None:
             raise RuntimeError(
                 f"O.save: '{self.label}' was stopped by an error ({self.error}); detach() it to save YADE "
@@ -357,7 +382,8 @@ class Coupling:
         bodies = [(self._chain.index(e.contact), e.spec()) for e in self.exchanges if isinstance(e, Bodies)]
         how = dict(mpmSteps=self.mpmSteps, demSteps=self.demSteps, stages=self.stages, bodies=bodies)
         how["checkpointPeriod"] = self.checkpointPeriod
-        noted = {"file": os.path.basename(name), **how, **self._clock.noted(), **self._timeStep.noted()}
+        how["file"] = os.path.basename(name) if isBeside else name
+        noted = {**how, **self._clock.noted(), **self._timeStep.noted()}
         self._omega.tags[tagOf(self.label)] = json.dumps(noted)
         save(self.scene, name)
         self.stepsSaved = self.scene.steps

@@ -38,7 +38,7 @@ class EngineList:
         if isStaged:
             chain = scene.engines
             commands = [commandOf(self._label, k) for k in range(len(chain))]
-            parts = zip(chain, self._names(chain), commands)
+            parts = zip(chain, self._names(chain), commands, range(len(chain)))
         else:
             parts = [(Chain(scene), self._label, commandOf(self._label))]
         self.engines = [runnerOf(*part) for part in parts]

@@ -45,11 +45,17 @@ _originals = {}  # name -> method of Omega
 
 
 def wrapOmega(Omega):
-    """Once: run, step, wait and pause raise our errors, save writes our checkpoints too, load and reset
-    forget what was attached; O.dt takes effect at the next step."""
+    """Once: run, step, wait and pause raise our errors, save and saveTmp write our checkpoints too, load and
+    reset forget what was attached; O.dt takes effect at the next step."""
     if _originals:
         return
-    wrappers = (_ENDS_RUN, _endingRun), (("pause",), _pausing), (("save",), _saving), (_FORGETS, _forgetting)
+    wrappers = (
+        (_ENDS_RUN, _endingRun),
+        (("pause",), _pausing),
+        (("save",), _saving),
+        (("saveTmp",), _savingInMemory),
+        (_FORGETS, _forgetting),
+    )
     for names, wrapper in wrappers:
         for name in names:
             if hasattr(Omega, name):
@@ -201,18 +207,33 @@ class LoopOfYade:
 def _saving(method):
     @functools.wraps(method)
     def wrapped(self, file, *args, **keywords):
-        isBetween = isInStep() and not any(c.isInStep() for c in attached.values())
-        if attached and (self.running or isInStep()) and not isBetween:
-            raise RuntimeError(
-                "O.save: YADE is running, and the MPM scene is in the middle of a step; O.pause() first, or "
-                "save in a PyRunner before its engines"
-            )
-        thread.waitForEnd()
-        for coupling in attached.values():
-            coupling.saveBeside(file)
+        _saveBeside(self, "save", lambda: file)
         return method(self, file, *args, **keywords)
 
     return wrapped
+
+
+def _savingInMemory(method):
+    """YADE's part stays in memory, ours is a file in the folder that YADE deletes when it ends."""
+
+    @functools.wraps(method)
+    def wrapped(self, *args, **keywords):
+        _saveBeside(self, "saveTmp", self.tmpFilename, isBeside=False)
+        return method(self, *args, **keywords)
+
+    return wrapped
+
+
+def _saveBeside(yade, name, file, isBeside=True):
+    isBetween = isInStep() and not any(c.isInStep() for c in attached.values())
+    if attached and (yade.running or isInStep()) and not isBetween:
+        raise RuntimeError(
+            f"O.{name}: YADE is running, and the MPM scene is in the middle of a step; O.pause() first, or "
+            "save in a PyRunner before its engines"
+        )
+    thread.waitForEnd()
+    for coupling in attached.values():
+        coupling.saveBeside(file(), isBeside)
 
 
 def _forgetting(method):
@@ -258,7 +279,10 @@ def _raiseErrors():
 
 
 @atexit.register
-def _flushAll():
+def _endAll():
+    """Who leaves while YADE runs leaves behind a step: Python's end would cut its thread off and abort."""
+    if attached and not isInStep():
+        standStill(omega())
     for coupling in attached.values():
         if coupling.error is None and not omega().running:
             coupling.flush()

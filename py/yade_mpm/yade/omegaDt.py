@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """O.dt, which may be set at any time: what comes in the middle of a step waits for the next one."""
 
+from .grants import revokeAll
+
 
 class OmegaDt:
     """YADE's time step.
@@ -33,6 +35,7 @@ class OmegaDt:
             else:
                 check(value)
                 self._asked = value
+                revokeAll()
 
         def read(yade):
             return self.now(yade) if self._asked is None else self._asked

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Results where a user of YADE looks for them: interactions, energies, materials, unbalanced force."""
 
+import math
 from collections.abc import Sequence
 from types import SimpleNamespace
 
@@ -70,6 +71,10 @@ class Energies:
 
     def __init__(self, omega, scene, label):
         self._omega, self._scene, self._label, self._lookAt = omega, scene, label, 0
+
+    def stepsToNext(self):
+        """DEM steps before the next look."""
+        return self._lookAt - self._omega.iter - 1 if self._omega.trackEnergy else math.inf
 
     def note(self, isDue=False):
         """Writes the rows every 100 steps, or now."""

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Engines of a scene as objects in O.engines: PyRunners whose attributes are those of the engines.
 
-O.engines holds the very objects. YADE sees a PyRunner that acts in every step; Python sees `GridSolver` with
-`gravity` and `damping`.
+O.engines holds the very objects. YADE sees a PyRunner (MpmEngine, with the plugin) that acts in every step;
+Python sees `GridSolver` with `gravity` and `damping`.
 """
 
 import functools
+
+from .grants import revokeAll
+from .native import baseOfEngines
 
 OWN = "label", "dead", "ompThreads"  # attributes that YADE gives to every engine, and users may set
 PACE = {
@@ -21,9 +24,9 @@ PACE = {
 @functools.cache
 def baseOfRunners():
     """The class `MpmEngine`, a PyRunner of YADE."""
-    from yade.wrapper import PyRunner
+    base = baseOfEngines()
 
-    class MpmEngine(PyRunner):
+    class MpmEngine(base):
         """An engine of a scene in O.engines; `engine` is the engine itself.
 
         Attributes are those of the engine, besides `label`, `dead`, `ompThreads`, `execTime` and `execCount`
@@ -31,8 +34,9 @@ def baseOfRunners():
         where it has any, as `History`, and cannot be set else.
         """
 
-        def __init__(self, engine, label, command):
-            PyRunner.__init__(self, label=label, command=command, updateGlobals=False, **PACE)
+        def __init__(self, engine, label, command, stage):
+            native = {} if stage is None or not hasattr(base, "stage") else {"stage": stage}
+            base.__init__(self, label=label, command=command, updateGlobals=False, **native, **PACE)
             self.__dict__["engine"] = engine
 
         def __getattribute__(self, name):
@@ -47,8 +51,9 @@ def baseOfRunners():
 
         def __setattr__(self, name, value):
             if name in OWN:
-                PyRunner.__setattr__(self, name, value)
-            elif name in _namesOf(self.engine) or not hasattr(PyRunner, name):
+                base.__setattr__(self, name, value)
+                revokeAll()
+            elif name in _namesOf(self.engine) or not hasattr(base, name):
                 setattr(self.engine, name, value)
             else:
                 raise AttributeError(
@@ -61,7 +66,7 @@ def baseOfRunners():
 
         def dict(self):
             """Attributes and their values; those of the engine, and label, dead and ompThreads of YADE's."""
-            own = PyRunner.dict(self)
+            own = base.dict(self)
             return {**{name: own[name] for name in OWN}, **_attributesOf(self.engine, _namesOf(self.engine))}
 
         def __repr__(self):
@@ -72,9 +77,12 @@ def baseOfRunners():
     return MpmEngine
 
 
-def runnerOf(engine, label, command):
-    """The engine of YADE that lets an engine of a scene act; its class has the same name."""
-    return _classOf(type(engine))(engine, label, command)
+def runnerOf(engine, label, command, stage=None):
+    """The engine of YADE that lets an engine of a scene act; its class has the same name.
+
+    stage : number of the engine in the chain; None for the whole scene.
+    """
+    return _classOf(type(engine))(engine, label, command, stage)
 
 
 @functools.cache

@@ -20,7 +20,7 @@ class Stages:
         self._endStep = endStep
         self._acts = [scene.stepper.actOf(e) for e in self._chain]
         self._isStage = [not isinstance(e, Callback) for e in self._chain]
-        self._last = -1  # number of the last stage of this step
+        self.last = -1  # number of the last stage of this step
         self.isOpen = False  # whether a step is between its stages
 
     def act(self, number):
@@ -28,8 +28,8 @@ class Stages:
         it."""
         if self._isStage[number]:
             if not self.isOpen:
-                self.isOpen, self._last = True, self._lastLiving(number)
-            isLast = number >= self._last
+                self.isOpen, self.last = True, self._lastLiving(number)
+            isLast = number >= self.last
         else:
             isLast = False
         stepper = self._stepper

@@ -11,6 +11,7 @@ import threading
 import time
 
 from .. import _core
+from .grants import revokeAll
 
 LOOK_PERIOD = 2e-4  # s between looks at a thread that is about to end
 
@@ -44,6 +45,7 @@ class LoopThread:
             while os.path.exists(f"/proc/self/task/{self._number}"):
                 time.sleep(LOOK_PERIOD)
         self._number = None
+        revokeAll()  # the next run has another thread, or is the caller's next step
 
     def pause(self, yade, pause):
         """Pauses YADE from inside a step, and waits until it has taken notice; another thread calls it.
@@ -53,7 +55,9 @@ class LoopThread:
         yade : O of YADE.
         pause : function of O, YADE's own.
         """
-        self._isPauseAsked, first = True, yade.iter
+        self._isPauseAsked = True
+        revokeAll()
+        first = yade.iter
         try:
             while yade.running:
                 time.sleep(LOOK_PERIOD)

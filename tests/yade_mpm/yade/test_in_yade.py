@@ -275,6 +275,29 @@ def test_habits_of_yade(tmp_path):
     assert len((tmp_path / "out.csv").read_text().splitlines()) == 16
 
 
+IN_MEMORY = """
+empty()
+soil = inYade.attach(hybrid())
+O.run(30, True); O.saveTmp(); O.saveTmp("later")
+O.run(30, True); on = bits(soil.scene)
+O.loadTmp(); soil = inYade.attach(); at = O.iter
+O.run(30, True)
+say("on", [at, O.iter, bits(soil.scene) == on])
+O.reload(); soil = inYade.attach(); say("reloaded", O.iter)
+O.loadTmp("later"); soil = inYade.attach(); say("later", O.iter)
+O.run()
+say("running", fails(RuntimeError, O.saveTmp))
+"""
+
+
+def test_what_is_saved_in_memory_comes_back_with_the_scene(tmp_path):
+    said, _ = run(IN_MEMORY, tmp_path)
+    assert said["on"] == [30, 60, True]
+    assert said["reloaded"] == said["later"] == 30
+    assert "O.saveTmp: YADE is running" in said["running"]
+    assert not list(tmp_path.glob("*.h5"))
+
+
 SAVE = """
 O.bodies.append(utils.sphere((10, 10, 10), 1.0)); empty()
 scene = hybrid(mpm.History(iterPeriod=10, file="out.csv"))

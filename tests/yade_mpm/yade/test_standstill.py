@@ -73,6 +73,10 @@ def wrongs(folder, tries, *names):
     return said["wrong"]
 
 
+def test_who_leaves_while_yade_runs_leaves_behind_a_step(tmp_path):
+    end(start("empty(); inYade.attach(hybrid()); O.run(); time.sleep(0.1)", tmp_path))  # exit code 0
+
+
 def test_the_step_under_way_is_waited_for(tmp_path):
     assert wrongs(tmp_path, QUICK, *TRIES) == []
 

@@ -270,3 +270,16 @@ def test_a_description_with_anything_in_any_place_is_refused_or_loads(tmp_path):
         except MemoryError:
             refused += 1
     assert refused > 25
+
+
+def test_fields_of_vertices_have_a_row_for_each():
+    """Half of the velocities were taken, and the solver read and wrote behind them."""
+    makeScene().save("a.h5")
+    with h5py.File("a.h5", "r+") as h5:
+        group = h5["bodies/1/domains"]
+        half = group["vertexVelocity"][:][::2]
+        del group["vertexVelocity"]
+        group["vertexVelocity"] = half
+    checkpoint.seal("a.h5")
+    with pytest.raises(ValueError, match="vertexVelocity has .* rows for .* vertices; use an older one"):
+        mpm.load("a.h5")

@@ -44,7 +44,11 @@ template <int Dim> struct Bind {
     // The body added last, if it cannot be made after all.
     static void dropBody(S& scene) { scene.bodies.pop_back(); }
     static void convertTo(S& scene, const std::string& from, const std::string& to) {
-        scene.body(from)->convertsTo = scene.body(to);
+        Body<Dim>&source = *scene.body(from), &target = *scene.body(to);
+        require(source.domains->distortion() && target.domains->boxes() && source.material == target.material,
+                "body '", from, "': convertTo: '", to, "' cannot take over its domains; give a body of ",
+                "mpm.UGIMP() with the same material, to one of mpm.APDI()");
+        source.convertsTo = &target;
     }
     // Domains become particles of another body, whatever their shape.
     static void convertDomains(S& scene, const std::string& from, const std::string& to,

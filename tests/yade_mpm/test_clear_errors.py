@@ -39,9 +39,9 @@ def nested(depth):
             ["Scene.add: missing a required argument: 'material'; give (name, region, material, type, "],
         ),
         (
-            lambda: smallScene().stepper.advance("a"),
+            lambda: smallScene().stepper.estimateCriticalStep("a"),
             TypeError,
-            ["Stepper.advance: steps = 'a' is not allowed (ArgumentError: the solver does not take Sce"],
+            ["estimateCriticalStep: tolerance = 'a' is not allowed (ArgumentError: the solver does not ta"],
         ),
         (
             lambda: mpm.UGIMP(perCell=nested(5000)),
@@ -51,7 +51,7 @@ def nested(depth):
         (
             lambda: smallScene()["block"].convertTo(3),
             TypeError,
-            ["Body.convertTo: other = 3 is not allowed (AttributeError: 'int' object has no att"],
+            ["body 'block': convertTo: other = 3; give a body of this scene"],
         ),
         (
             lambda: mpm.quasiStatic(5),

@@ -11,6 +11,10 @@ namespace mpm {
 
 template <int Dim> void Scene<Dim>::prepare() {
     require(!bodies.empty(), "Scene: there is no body; add one with scene.add(name, region, material, type)");
+    for (const auto& body : bodies)
+        require(
+            !body->domains->distortion() || !body->type->converts() || body->convertsTo, "body '", body->name,
+            "': onDistortion = 'convert', and no body takes over its domains; give it one with convertTo");
     driven.clear();
     separateGroups();
     for (auto& field : grid.fields) field.holder.assign(grid.count, NodalField<Dim>::free());

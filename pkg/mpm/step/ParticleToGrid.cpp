@@ -23,6 +23,7 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
             if (auto* boxes = body->domains->boxes(); boxes && boxes->splitStretched()) body->massesChanged();
         even_.act(scene);
         parallel(scene.threads, [&](ParallelRegion& region) {
+            for (auto& body : scene.bodies) refuseNoMatter(region, *body, scene.step);
             locateParticles(region, scene);
             if (region.failed()) return;
             locateCells(region, scene);
@@ -33,6 +34,23 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
     }
 
   private:
+    // A callback may have written what no matter has, and the next stress update would hide it.
+    template <int Dim> static void refuseNoMatter(ParallelRegion& region, Body<Dim>& body, long step) {
+        const double *mass = body.particles.mass.plane(), *volume = body.particles.volume.plane();
+        region.chunksNoWait(body.particles.size(), [&](int begin, int end) {
+            int64_t right = 0; // as wide as the numbers: in vectors
+            for (int p = begin; p < end; ++p) right += (mass[p] > 0) & (volume[p] > 0);
+            if (right == end - begin) return;
+            const auto isWrong = [&](int p) { return !(mass[p] > 0 && volume[p] > 0); };
+            int p = begin;
+            while (!isWrong(p)) ++p;
+            const bool isMass = !(mass[p] > 0);
+            throw RunError(message("step ", step, ": body '", body.name, "': ", isMass ? "mass" : "volume",
+                                   " = ", isMass ? mass[p] : volume[p], " of entry ", p,
+                                   " is not positive; mend it"));
+        });
+    }
+
     std::vector<double> drivenMass_;
     std::vector<CellForces> cells_; // of each body
     EvenCover even_;

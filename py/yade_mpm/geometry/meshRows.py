@@ -13,6 +13,7 @@ from itertools import permutations, product
 import numpy as np
 
 from .mesh import CORNERS, Mesh
+from .meshChecks import checkMesh
 
 
 class _Cube:
@@ -59,13 +60,18 @@ def inRows(mesh):
     Corner 0 of a cell may be another one than before, its corners go round as before. The first row goes
     along the first axis through the lowest cell. scene.add does this with the name of a mesh file; meshes
     from arrays keep their numbers: scene.add("soil", inRows(meshFromArrays(points, cells, "soil")), material,
-    APDI()). Raises TypeError for anything but a Mesh.
+    APDI()). Raises TypeError for anything but a Mesh, ValueError for one that is not in order.
     """
     if not isinstance(mesh, Mesh):
         raise TypeError(
             f"inRows: got a {type(mesh).__name__}; give a Mesh, as meshFromArrays(points, cells, name) and "
             "meshFromFile(path, name) return it"
         )
+    return rowByRow(checkMesh("inRows", mesh))
+
+
+def rowByRow(mesh):
+    """The same as `inRows`, of a mesh that was checked."""
     order, points, cells = _rows(mesh.points, mesh.cells)
     numbers = np.empty(len(points), int)
     numbers[points] = np.arange(len(points))

@@ -162,6 +162,11 @@ class Recorder(Callback):
     def appending(self):
         """The open file, as h5py.File; what is written appears in it at the end, all or nothing."""
         with naming(self._file), appendingTo(self._path) as h5:
+            if h5.attrs.get("run") != self._run or len(h5["VTKHDF/Steps/Values"]) != self._frames:
+                raise RuntimeError(
+                    f"Recorder: '{self._file}' is not as this run has left it: another run, or scene, writes "
+                    "to it; give each a file of its own"
+                )
             yield h5
 
     @staticmethod

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Where the rows of a History go: a CSV file, and the file of a Recorder."""
 
+import os
+
 import numpy as np
 
 from .files import appendWhole, replacing
@@ -18,7 +20,8 @@ class RowFiles:
 
     def __init__(self, file):
         self._file = file
-        self._header, self._inFile = None, 0  # of the CSV file as it is
+        self._header, self._inFile = None, 0  # of the CSV file as it is,
+        self._size = None  # and its bytes: one that somebody has changed, or taken away, is written anew
         self._recorder, self._inRecorder = None, 0
 
     def write(self, data, units, label, engines):
@@ -37,12 +40,12 @@ class RowFiles:
 
     def _writeCSV(self, data, units):
         header = ",".join(f"{name} [{unit}]" if unit else name for name, unit in units.items())
-        if header == self._header:
+        if header == self._header and _sizeOf(self._file) == self._size:
             appendWhole(self._file, _lines(data, self._inFile).encode())
         else:
             with replacing(self._file) as part, open(part, "w", encoding="utf-8") as f:
                 f.write(header + "\n" + _lines(data, 0))
-        self._header, self._inFile = header, _count(data)
+        self._header, self._inFile, self._size = header, _count(data), _sizeOf(self._file)
 
     def _writeInto(self, recorder, data, units, label):
         if recorder is not self._recorder:
@@ -53,6 +56,10 @@ class RowFiles:
                 known = self._inRecorder if name in group else 0
                 extend(group, name, np.array(column[known:]), known, unit=units[name])
         self._inRecorder = _count(data)
+
+
+def _sizeOf(file):
+    return os.path.getsize(file) if os.path.exists(file) else None
 
 
 def _count(data):

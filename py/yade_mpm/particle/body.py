@@ -169,6 +169,7 @@ class Body(Guarded):
     def group(self, value):
         if not (isinstance(value, str) and value):
             raise ValueError(f"body '{self.name}': group = {value!r}; give a name, e.g. 'pile'")
+        self._scene.refuseDuringStep("group")
         self.core.group = value
         self._scene.stepper.noteChange()
 
@@ -205,7 +206,9 @@ class Body(Guarded):
 
     @implicit.setter
     def implicit(self, value):
-        self.core.isImplicit = _flag(self, "implicit", value)
+        value = _flag(self, "implicit", value)
+        self._scene.refuseDuringStep("implicit")
+        self.core.isImplicit = value
         self._scene.stepper.noteChange()
 
     @property
@@ -279,8 +282,13 @@ class Body(Guarded):
 
         Parameters
         ----------
-        other : Body of uGIMP particles; it may be empty so far.
+        other : Body of uGIMP particles of the same scene and material; it may be empty so far.
+
+        Raises TypeError and ValueError for another one, and for a body without domains.
         """
+        self._scene.refuseDuringStep("convertTo")
+        if not (isinstance(other, Body) and any(other is body for body in self._scene.bodies)):
+            raise TypeError(f"body '{self.name}': convertTo: other = {other!r}; give a body of this scene")
         self._scene.core.convertTo(self.name, other.name)
         self._convertsTo = other.name
 

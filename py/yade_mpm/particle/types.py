@@ -14,7 +14,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.meshChecks import checkMesh
 from ..geometry.meshing import meshRegion, refineNear
 from ..geometry.meshInput import meshFromArrays, meshFromFile
-from ..geometry.meshRows import inRows
+from ..geometry.meshRows import rowByRow
 from ..geometry.region import Region
 
 
@@ -90,7 +90,7 @@ class MeshedType(ParticleType):
         if isinstance(region, Mesh):
             return checkMesh(name, region)
         if isinstance(region, (str, bytes)) or hasattr(region, "__fspath__"):
-            return inRows(meshFromFile(region, name))
+            return rowByRow(meshFromFile(region, name))
         if isinstance(region, tuple) and len(region) == 2:
             return meshFromArrays(*region, name)
         if not isinstance(region, Region):

@@ -23,8 +23,9 @@ class BackgroundRun(Run):
         self.error = None
         self._thread = threading.Thread(target=self._work, name="yade_mpm run", daemon=True)
         self._process = os.getpid()  # a child made by fork has no such thread
-        # Not Thread.join: interrupted by Ctrl-C it takes a thread that steps on for finished (bpo-45274).
-        self._isOver, self._over = False, threading.Event()
+        # A bare lock, held while it goes on. Not Thread.join: interrupted by Ctrl-C it takes a thread that
+        # steps on for finished (bpo-45274). Nor an Event: interrupted twice it releases a lock that it lacks.
+        self._isOver, self._over = False, threading.Lock()
         self._before = {}  # signal -> handler
 
     def start(self):
@@ -32,6 +33,7 @@ class BackgroundRun(Run):
         if threading.current_thread() is threading.main_thread():
             self._before = catchSignals(self._terminate, self.saveSoon, ENDING)
         atexit.register(self._leave)
+        self._over.acquire()
         self._thread.start()
 
     def _work(self):
@@ -42,7 +44,7 @@ class BackgroundRun(Run):
             self.error = error
         atexit.unregister(self._leave)
         self._isOver = True  # first: the handler of a signal looks at nothing else
-        self._over.set()
+        self._over.release()
 
     def isAlive(self):
         """Whether it goes on."""
@@ -62,7 +64,8 @@ class BackgroundRun(Run):
         presses = 0
         while self.isAlive():
             try:
-                self._over.wait(LOOK)
+                if self._over.acquire(timeout=LOOK):
+                    self._over.release()
             except KeyboardInterrupt:
                 presses += 1
                 self.interrupt(signal.SIGINT)

@@ -43,6 +43,7 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
 
     Raises ValueError when nothing lies below the surface or layers of different weight need a call each.
     """
+    scene.refuseWhileRunning("initialStress")
     for name, value in dict(surface=surface, K0=K0, gravity=gravity, unitWeight=unitWeight).items():
         _checkNumber(name, value)
     for body in bodies or ():

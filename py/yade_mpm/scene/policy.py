@@ -57,9 +57,9 @@ class LoopPolicy:
         """Steps until something is due, or a callback may have been called, which may want to stop the
         loop."""
         scene = self._scene
-        calls = (engine.stepsToCall(scene) for engine in scene.engines)
+        calls = [engine.stepsToCall(scene) for engine in scene.engines]
         due = min(self._checkAt, self._estimateAt, self._lookAt)
-        return min(due - scene.steps, *calls)
+        return min([due - scene.steps, *calls])
 
     def afterSteps(self):
         """Writes a checkpoint where that is due; a file that cannot be written makes a warning."""

@@ -92,12 +92,13 @@ def _fill(body, names, ofDomains, stored, file):
         values = _stored(stored, "domains" if ofDomains else "particles", name, body, file)
         if view.dtype != values.dtype:
             raise ValueError(
-                f"checkpoint '{file}': {name} of '{body.name}' holds {values.dtype} instead of {view.dtype}"
+                f"checkpoint '{file}': {name} of '{body.name}' holds {values.dtype} instead of {view.dtype}; "
+                "use an older one"
             )
         if view.shape != values.shape:
             raise ValueError(
                 f"checkpoint '{file}': {name} of '{body.name}' has the shape {values.shape} instead of "
-                f"{view.shape}"
+                f"{view.shape}; use an older one"
             )
         view[...] = values
 

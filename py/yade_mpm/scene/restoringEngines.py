@@ -9,6 +9,7 @@ from ..engine.prescribed import Drive, Hold
 from ..geometry.regions import regionFromSpec
 from ..particle.part import BodyPart
 from .restoringBodies import classOf
+from .saving import CONSTRAINT_STATE
 
 
 def buildEngine(spec, scene, callbacks, permissions, file):
@@ -30,12 +31,17 @@ def buildEngine(spec, scene, callbacks, permissions, file):
         return _buildCallback(classOf({**engineClasses, **_callbackClasses()}, spec, file), spec)
     if "callback" in spec:
         return _givenCallback(spec, callbacks, file)
-    return classOf(engineClasses, spec, file)(**spec["attributes"])
+    cls = classOf(engineClasses, spec, file)
+    if issubclass(cls, Callback):  # whose arguments nobody has looked at, a text that runs among them
+        raise ValueError(
+            f"checkpoint '{file}' has a {spec['class']} without what it was made from; use another"
+        )
+    return cls(**spec["attributes"])
 
 
 def _callbackClasses():
     """Dict name -> class of everything derived from Callback."""
-    found, rest = {}, [Callback]
+    found, rest = {}, Callback.__subclasses__()
     while rest:
         cls = rest.pop()
         found.setdefault(cls.__name__, cls)
@@ -89,6 +95,8 @@ def _part(spec, scene):
 
 def _restored(prescribed, spec):
     for name, value in spec["state"].items():
+        if name not in CONSTRAINT_STATE:  # nodes, say, which the solver would go by
+            raise ValueError(f"the state of '{prescribed.name}' has '{name}', which is none of it")
         setattr(prescribed.core, name, value)
     keep(prescribed, hasBegun=spec["hasBegun"])
     return prescribed

@@ -130,6 +130,8 @@ class Run:
             scene.notedSignals.handTo(self)
         policy = LoopPolicy(scene, self.progress.say, self._saveMeanwhile, self.checkpointPeriod)
         while self.stepsLeft() > 0 and self.signal is None and not self._isStopped:
+            if not scene.stepper.isPrepared:  # as a callback has left it
+                scene.stepper.prepare()
             policy.beforeSteps()
             pace.look()
             self._advance(min(self.stepsLeft(), policy.stepsToNext()))

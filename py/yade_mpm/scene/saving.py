@@ -12,7 +12,7 @@ from ..engine.gridSolver import GridSolver
 from ..io import checkpoint
 from .permissions import relativeTo
 
-_CONSTRAINT_STATE = (
+CONSTRAINT_STATE = (
     "work",
     "began",
     "active",
@@ -166,7 +166,7 @@ def _describeEngine(engine, number):
 
 def _describePrescribed(prescribed):
     core = prescribed.core
-    state = {name: getattr(core, name) for name in _CONSTRAINT_STATE}
+    state = {name: getattr(core, name) for name in CONSTRAINT_STATE}
     return {
         "velocity": list(prescribed.velocity),
         "ramp": prescribed.ramp,

@@ -87,7 +87,7 @@ class Scene(Guarded):
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce
     run, step, pause, wait = run, step, pause, wait
     _convert = convert  # for Body.convert
-    handOver, refuseWhileRunning = handOver, refuseWhileRunning
+    handOver, refuseWhileRunning, refuseDuringStep = handOver, refuseWhileRunning, refuseDuringStep
     plot, _repr_html_ = display.plot, display.html
 
     def __init__(self, lower, upper, cell=None, scheme="MUSL", threads=None, grading=None):
@@ -322,12 +322,16 @@ class Scene(Guarded):
     # --- running --------------------------------------------------------------------------------------
     def prepare(self):
         """Checks the scene and makes it ready to step; `run` does it."""
-        self.stepper.prepare()
+        refuseDuringStep(self, "prepare")
+        with self.holder.held("prepare"):
+            self.stepper.prepare()
 
     def checkTimeStep(self):
         """Estimates the critical step; takes 0.8 of it if dt was left out, refuses a dt above it
         otherwise."""
-        self.stepper.checkTimeStep()
+        refuseDuringStep(self, "checkTimeStep")
+        with self.holder.held("checkTimeStep"):
+            self.stepper.checkTimeStep()
 
     def isMidStep(self):
         """Whether a callback is at work between two stages of a step, where the state is neither old nor

@@ -4,6 +4,7 @@
 import functools
 import math
 import time
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from ..engine import chain
 from ..engine.callback import Callback
 from ..engine.engine import belongTo
 from ..engine.gridSolver import GridSolver
+from ..geometry.numbers import isNumber
 
 UNLIMITED = 1e9  # s of wall time: no limit
 SLICE = 0.1  # s of wall time between looks at signals
@@ -54,6 +56,7 @@ class Stepper:
         self._scene = scene
         self._chain = None  # engines that the core has
         self._isPrepared, self._isStable = False, False
+        self._isStepping = False  # whether the solver is at work, or calls back
         self._fullDt = None  # in a step that is shorter
         self._checkedState = None  # what the critical step was checked for
         self.constraints, self.acting, self.onChange = [], None, None
@@ -63,15 +66,21 @@ class Stepper:
     @property
     def isReady(self):
         """Whether the scene can step as it stands; if not, `prepare` it."""
-        return self._isPrepared and self._chain == self._scene.engines and self.isChecked
+        return self.isPrepared and self.isChecked
 
     @property
     def isPrepared(self):
-        """Whether nothing was noted since `prepare` that calls for it again.
+        """Whether nothing was noted since `prepare` that calls for it again, and the engines are the same.
 
         Quicker than isReady, which also looks at what materials and bodies are like now.
         """
-        return self._isPrepared
+        return self._isPrepared and self._chain == self._scene.engines
+
+    def _refuseUnprepared(self, what):
+        if not self.isPrepared:
+            raise RuntimeError(
+                f"Stepper.{what}: the scene is not prepared, or has changed since; call scene.prepare() first"
+            )
 
     @property
     def isChecked(self):
@@ -121,6 +130,10 @@ class Stepper:
 
     def _prepareChain(self):
         scene, engines = self._scene, self._scene.engines
+        if self._isStepping and engines != self._chain:
+            raise RuntimeError(
+                "Scene: a step is going on; a callback cannot change the engines: pause() first"
+            )
         scene.putInOrder(engines)  # the list itself may have been changed since it was given
         chain.checkComplete(engines, scene.core.stageOrder, scene.scheme)
         self.constraints = self._motions()
@@ -145,7 +158,9 @@ class Stepper:
 
     @dt.setter
     def dt(self, value):
-        self._scene.core.dt = value
+        if not (isNumber(value) and 0 < value < math.inf):
+            raise ValueError(f"Stepper: dt = {value!r} s is not allowed; give a positive number")
+        self._scene.core.dt = float(value)
 
     fullDt = property(
         lambda self: self._fullDt or self.dt, doc="Length of the steps, s; of those at the end of a run, too."
@@ -241,11 +256,22 @@ class Stepper:
         ----------
         steps : int, how many at most.
         seconds : float, s of wall time after which to return behind a step; default: no limit.
+
+        Raises RuntimeError for a scene that is not prepared as it stands, in a callback, and where another
+        thread is at work with the scene; and what a step raises.
         """
-        began, advance = time.monotonic(), self._scene.core.advance
-        taken = advance(steps, min(seconds, SLICE))
-        while taken < steps and (left := seconds - (time.monotonic() - began)) > 0:
-            taken += advance(steps - taken, min(left, SLICE))
+        self._refuseUnprepared("advance")
+        isWhole = isinstance(steps, (int, np.integer)) and not isinstance(steps, bool)
+        if not (isWhole and steps >= 0 and isNumber(seconds)):
+            raise ValueError(
+                f"Stepper.advance: steps = {steps!r}, seconds = {seconds!r} is not allowed; give a whole "
+                "number from 0 on, and a wall time in s"
+            )
+        with self._alone("advance"):
+            began, advance = time.monotonic(), self._scene.core.advance
+            taken = advance(steps, min(seconds, SLICE))
+            while taken < steps and (left := seconds - (time.monotonic() - began)) > 0:
+                taken += advance(steps - taken, min(left, SLICE))
 
     def advanceShort(self, dt):
         """Takes one step that is shorter than the others, s."""
@@ -258,14 +284,29 @@ class Stepper:
     def act(self, engine):
         """Lets one engine of the chain act; the clock stands still until `endStep`.
 
-        Raises ValueError for an engine that is not in the chain as it was prepared, or not yet on turn.
+        Raises ValueError for an engine that is not in the chain as it was prepared, or not yet on turn, and
+        RuntimeError as `advance`.
         """
         if not any(engine is other for other in self._chain or ()):
             raise ValueError(
                 f"Stepper.act: {engine!r} is not in the chain as it was prepared; call scene.prepare() and "
                 "give one of scene.engines"
             )
-        self._scene.core.actAlone(engine.core)
+        self._refuseUnprepared("act")
+        with self._alone("act"):
+            self._scene.core.actAlone(engine.core)
+
+    @contextmanager
+    def _alone(self, what):
+        """One thread at a time steps the scene, and never from within a step."""
+        with self._scene.holder.held(what):
+            if self._isStepping:
+                raise RuntimeError(f"Stepper.{what}: a step is going on; a callback cannot step the scene")
+            self._isStepping = True
+            try:
+                yield
+            finally:
+                self._isStepping = False
 
     def actOf(self, engine):
         """A function that lets one engine of the chain act, for those who call it in every step."""
@@ -273,11 +314,11 @@ class Stepper:
 
     def endStep(self, time):
         """The end of a step that was taken engine by engine; sets the clock, s."""
-        self._scene.core.endStep(time)
+        self._scene.core.endStep(_asTime("endStep", time))
 
     def setTime(self, time):
         """Sets the clock between two steps, s: to that of the program that owns it."""
-        self._scene.core.time = time
+        self._scene.core.time = _asTime("setTime", time)
 
     def isMidStep(self):
         """Whether a callback is at work between two stages of a step, where the state is neither old nor
@@ -290,6 +331,12 @@ class Stepper:
         done = [e for e in stages if e in before]
         changes = [e for e in done if type(e).__name__ != "ParticleToGrid"]
         return bool(changes) and len(done) < len(stages)
+
+
+def _asTime(what, time):
+    if not (isNumber(time) and 0 <= time < math.inf):
+        raise ValueError(f"Stepper.{what}: time = {time!r} is not allowed; give zero or a positive time, s")
+    return float(time)
 
 
 def largestVolumes(scene):

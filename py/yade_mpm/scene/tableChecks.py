@@ -21,6 +21,9 @@ def checkTables(body, count, stored):
     for name, table in tables.items():
         _require(table.ndim == 1, f"{name} has {table.ndim} dimensions")
     points = len(domains["vertexPosition"]) if "vertexPosition" in domains else count
+    for name, field in domains.items():
+        isWhole = not name.startswith("vertex") or len(field) == points
+        _require(isWhole, f"{name} has {len(field)} rows for {points} vertices")
     _checkGroups(tables.get("blockStart"), tables.get("blockOrder"), points)
     if "corners" in tables:
         corners = 2 ** body.core.fields(False)[1]["shape"][0]

@@ -77,6 +77,10 @@ def test_a_shuffled_block_gets_its_rows_back(counts):
 def test_what_is_no_mesh_is_refused():
     with pytest.raises(TypeError, match="inRows: got a tuple; give a Mesh, as meshFromArrays"):
         mpm.inRows(block((2, 2)))
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    with pytest.raises(ValueError, match="'inRows': cell 0 names vertices"):
+        mpm.inRows(mpm.Mesh(square, [[0, 1, 2, 2**30]]))
+    assert mpm.inRows(mpm.Mesh(square, [[0, 1, 2, 3]])).cells.tolist() == [[0, 1, 3, 2]]  # lists will do
 
 
 def star(n):

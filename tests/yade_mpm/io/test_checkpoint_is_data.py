@@ -56,6 +56,35 @@ def test_text_runs_only_if_the_caller_says_so_and_is_shown(tmp_path):
         mpm.load("a.h5", trust=1)
 
 
+@pytest.mark.parametrize("name", ["PyRunner", "Recorder", "History", "Callback"])
+def test_a_callback_is_made_from_nothing_but_what_was_looked_at(name):
+    """Text among the attributes of a PyRunner ran without trust."""
+    makeScene().save("a.h5")
+    attributes = dict(command="open('ran', 'w').close()", file="../ran", iterPeriod=1)
+    kept = {"PyRunner": ["command", "iterPeriod"], "Recorder": ["file", "iterPeriod"]}.get(
+        name, ["iterPeriod"]
+    )
+    engine = {"class": name, "attributes": {key: attributes[key] for key in kept}}
+    describedAnew("a.h5", lambda spec: spec["engines"].append(engine))
+    with pytest.raises(ValueError, match="checkpoint 'a.h5' (has a PyRunner without|needs the class)"):
+        mpm.load("a.h5").run(steps=2)
+    assert not os.path.exists("ran") and not os.path.exists("../ran")
+
+
+@pytest.mark.parametrize("state", [dict(nodes=[2**30]), dict(lower=[]), dict(velocity=[]), dict(body="none")])
+def test_the_state_of_a_motion_is_nothing_that_the_solver_goes_by(state):
+    """Numbers of nodes from the file were written to as they came."""
+    scene = makeScene()
+    solver = mpm.GridSolver(drive=mpm.Drive(scene["boxes"], (0, 0.1)), fixed="bottom")
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.run(steps=1, progress=False)
+    scene.save("a.h5")
+    mpm.load("a.h5").run(steps=1, progress=False)  # control
+    describedAnew("a.h5", lambda spec: spec["engines"][1]["drive"][0]["state"].update(state))
+    with pytest.raises(ValueError, match="the state of 'drive' has '.*', which is none of it"):
+        mpm.load("a.h5")
+
+
 @pytest.mark.parametrize("trust", [False, True])
 def test_a_column_that_a_file_brings_is_an_expression_and_no_python(trust):
     makeScene(mpm.History(iterPeriod=1, columns={"a": "scene.time"})).save("a.h5")
@@ -241,3 +270,16 @@ def test_a_description_with_anything_in_any_place_is_refused_or_loads(tmp_path):
         except MemoryError:
             refused += 1
     assert refused > 25
+
+
+def test_fields_of_vertices_have_a_row_for_each():
+    """Half of the velocities were taken, and the solver read and wrote behind them."""
+    makeScene().save("a.h5")
+    with h5py.File("a.h5", "r+") as h5:
+        group = h5["bodies/1/domains"]
+        half = group["vertexVelocity"][:][::2]
+        del group["vertexVelocity"]
+        group["vertexVelocity"] = half
+    checkpoint.seal("a.h5")
+    with pytest.raises(ValueError, match="vertexVelocity has .* rows for .* vertices; use an older one"):
+        mpm.load("a.h5")

@@ -66,6 +66,21 @@ def test_rows_come_every_period_in_steps_or_time():
     assert list(byTime["step"]) == [30, 60, 90]
 
 
+@pytest.mark.parametrize("loss", ["gone", "replaced"])
+def test_a_table_that_somebody_took_away_or_changed_is_written_anew(loss, tmp_path):
+    """Rows went behind those of another scene, or nowhere."""
+    history = mpm.History(iterPeriod=10, file=str(tmp_path / "a.csv"))
+    scene = runWith(history)
+    if loss == "gone":
+        os.remove(history.file)
+    else:
+        with pytest.warns(UserWarning, match="the first row replaces"):
+            runWith(mpm.History(iterPeriod=20, file=history.file))
+    scene.run(steps=20, progress=False)
+    header, rows = readCSV(history.file)
+    assert [row[header.index("step [-]")] for row in rows] == list(range(10, 121, 10))
+
+
 def test_columns_are_the_diagnostics_of_the_scene():
     history = mpm.History(iterPeriod=50)
     scene = runWith(history)

@@ -175,6 +175,21 @@ def test_cells_are_written_once_while_they_stay_the_same(tmp_path):
         assert len(h5["VTKHDF/Points"]) == 4 * h5["VTKHDF/NumberOfPoints"][0]
 
 
+def test_two_scenes_do_not_mix_their_frames_in_one_file(tmp_path):
+    """Their frames alternated, and times went back."""
+    file = str(tmp_path / "a.vtkhdf")
+    one, other = makeScene(), makeScene()
+    for scene in (one, other):
+        scene.engines = chain(mpm.Recorder(file, iterPeriod=5))
+    one.run(steps=10, progress=False)
+    with pytest.warns(UserWarning, match="the first step replaces"):
+        other.run(steps=10, progress=False)
+    with pytest.raises(RuntimeError, match="is not as this run has left it: another run, or scene, writes"):
+        one.run(steps=10, progress=False)
+    other.run(steps=10, progress=False)
+    assert len(mpm.read(file)) == 5
+
+
 def test_a_converted_domain_becomes_boxes_in_the_next_frame(tmp_path):
     scene = makeScene(onDistortion="convert")
     scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=1, bodies=["low"]))

@@ -106,3 +106,20 @@ def test_what_cannot_be_converted_is_refused(region, kind, message):
     with pytest.raises((TypeError, ValueError), match=message):
         one["soil"].convert(region, kind)
     assert len(one.bodies) == 1
+
+
+def test_what_cannot_take_over_domains_is_refused():
+    """Nobody looked, not even in a checkpoint: the solver would have read fields that are not there."""
+    one, elsewhere = scene(), scene()
+    soil = one["soil"]
+    other = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
+    places = [box((3, y), (3.5, y + 0.5)) for y in (0, 1)]
+    boxes = one.add("boxes", places[0], soil.material, mpm.UGIMP())
+    elastic = one.add("elastic", places[1], other, mpm.UGIMP())
+    for body, target in ((soil, soil), (soil, elastic), (boxes, boxes)):
+        with pytest.raises(ValueError, match="cannot take over its domains; give a body of mpm.UGIMP()"):
+            body.convertTo(target)
+    with pytest.raises(TypeError, match="give a body of this scene"):
+        soil.convertTo(elsewhere["soil"])
+    soil.convertTo(boxes)
+    assert soil.convertsTo == "boxes"

@@ -3,6 +3,7 @@
 
 import multiprocessing
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -65,6 +66,72 @@ def test_two_threads_cannot_run_one_scene(capsys):
     assert scene.steps == 5
     scene.run(steps=5, progress=False)
     assert scene.steps == 10
+
+
+def test_two_threads_cannot_step_one_scene():
+    """The process ended: an error in one of them came through the solver's threads of the other."""
+    scene, told = makeScene(), []
+    scene["soft"].velocity = (0, 0)
+    scene.prepare()
+
+    def step():
+        try:
+            scene.stepper.advance(3000)
+        except RuntimeError as error:
+            told.append(str(error))
+
+    threads = [threading.Thread(target=step) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert scene.steps == 3000 * (3 - len(told))
+    assert all("at work with the scene" in text for text in told), told
+
+
+def test_a_run_in_the_background_keeps_its_chain_and_its_bodies():
+    scene = makeScene()
+    scene.run(steps=10**9, background=True, progress=False)
+    for action in (
+        scene.prepare,
+        scene.checkTimeStep,
+        lambda: scene.stepper.advance(1),
+        lambda: scene.stepper.act(scene.engines[0]),
+        lambda: setattr(scene["soft"], "implicit", True),
+        lambda: setattr(scene["soft"], "group", "other"),
+        lambda: scene.initialStress(1.6, K0=0.5),
+    ):
+        with pytest.raises(RuntimeError, match="a run is going on in the background|is at work with the sce"):
+            action()
+    scene.pause()
+    assert not scene["soft"].implicit and scene["soft"].group == "main"
+
+
+def test_interrupts_at_any_moment_of_wait_are_nothing_but_interrupts(monkeypatch):
+    """Two close to each other made it end with "release unlocked lock", while the run went on."""
+    scene, count = makeScene(), 0
+    scene["soft"].velocity = (0, 0)
+    scene.run(steps=10**9, background=True, progress=False)
+    monkeypatch.setattr(scene.loop, "interrupt", lambda number: None)
+    wait = type(scene.loop).wait.__code__
+
+    def interrupt(number, frame):
+        while frame is not None and frame.f_code is not wait:
+            frame = frame.f_back
+        if frame is not None:
+            raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 1e-3, 2e-4)
+    try:
+        while count < 100:
+            with pytest.raises(KeyboardInterrupt):
+                scene.loop.wait()
+            count += 1
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    scene.pause()
 
 
 def stressOf(threads=2):

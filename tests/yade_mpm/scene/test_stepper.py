@@ -149,6 +149,99 @@ def test_an_engine_that_is_not_on_turn_is_refused():
         scene.run(steps=2, progress=False)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda s: s.add("late", box((0, 1), (0.5, 1.5)), s["block"].material, mpm.UGIMP()),
+        lambda s: setattr(s["block"], "group", "other"),
+        lambda s: s.engines.append(mpm.PyRunner("pass", iterPeriod=1)),
+    ],
+)
+def test_a_scene_that_is_not_prepared_as_it_stands_is_not_stepped(change):
+    """It went on with the chain and the groups of before; a scene never prepared took no step."""
+    scene, told = falling(), "the scene is not prepared, or has changed since"
+    with pytest.raises(RuntimeError, match=f"Stepper.advance: {told}"):
+        scene.stepper.advance(1)
+    scene.prepare()
+    scene.stepper.advance(1)
+    change(scene)
+    with pytest.raises(RuntimeError, match=f"Stepper.advance: {told}"):
+        scene.stepper.advance(1)
+    with pytest.raises(RuntimeError, match=f"Stepper.act: {told}"):
+        scene.stepper.act(scene.engines[0])
+    scene.prepare()
+    scene.stepper.advance(1)
+    assert scene.steps == 2
+
+
+@pytest.mark.parametrize(
+    "action",
+    [
+        lambda s: s.stepper.advance(1),
+        lambda s: s.stepper.act(s.engines[-1]),
+        lambda s: s.prepare(),
+        lambda s: s.checkTimeStep(),
+        lambda s: setattr(s["block"], "implicit", True),
+        lambda s: setattr(s["block"], "group", "other"),
+        lambda s: s["block"].convertTo(s["block"]),
+        lambda s: [s.engines.pop(), s.criticalTimeStep()],
+    ],
+)
+def test_a_callback_cannot_step_the_scene_nor_change_what_a_step_is_made_of(action):
+    scene = falling()
+    scene.engines = [*scene.engines, mpm.PyRunner(action, iterPeriod=1)]
+    with pytest.raises(RuntimeError, match="a step is going on"):
+        scene.run(steps=3, progress=False)
+
+
+def test_what_a_callback_does_to_the_list_of_engines_counts_from_the_next_step():
+    """The run went on with the engines of before, and their list said something else."""
+    scene = falling()
+    history = mpm.History(iterPeriod=1)
+    runner = mpm.PyRunner(lambda s: s.engines.append(history) if s.steps == 2 else None, iterPeriod=1)
+    scene.engines = [*scene.engines, runner]
+    scene.run(steps=5, progress=False)
+    assert history["step"].tolist() == [3, 4, 5]
+    scene.engines[-1] = mpm.PyRunner(lambda s: s.engines.clear(), iterPeriod=1)
+    with pytest.raises(ValueError, match="missing among the engines"):
+        scene.run(steps=3, progress=False)
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, "1", None])
+def test_clocks_and_steps_that_cannot_be_are_refused(value):
+    scene = falling()
+    scene.prepare()
+    for what, change in {
+        "dt": lambda: setattr(scene.stepper, "dt", value),
+        "setTime": lambda: scene.stepper.setTime(value),
+        "endStep": lambda: scene.stepper.endStep(value),
+        "advance": lambda: scene.stepper.advance(value),
+    }.items():
+        with pytest.raises(ValueError, match=f"Stepper.*{what}.*is not allowed; give"):
+            change()
+    assert (scene.time, scene.steps) == (0, 0)
+
+
+@pytest.mark.parametrize("field", ["mass", "volume"])
+@pytest.mark.parametrize("way", ["callback", "loop"])
+def test_particles_without_matter_end_the_next_step(field, way):
+    """The next stress update hid a volume of -1; the forces of one step had the wrong sign."""
+    scene = falling()
+
+    def change(scene):
+        if scene.steps == 2:
+            getattr(scene["block"], field)[3] = -1.0
+
+    if way == "callback":
+        scene.engines = [*scene.engines, mpm.PyRunner(change, iterPeriod=1)]
+    with pytest.raises(RuntimeError, match=rf"step 2: body 'block': {field} = -1 of entry 3 is not positive"):
+        if way == "callback":
+            scene.run(steps=10, progress=False)
+        for _ in range(10):
+            scene.step()
+            change(scene)
+
+
 def test_ctrl_c_comes_through_between_two_steps():
     one, other = falling(), falling()
     one.prepare()

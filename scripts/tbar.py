@@ -41,7 +41,7 @@ PARAMETERS = mpm.Parameters(
     Parameter("depth", 1.0, "how far the bar is pulled, diameters", above=0.2),
     Parameter("rate", 0.3, "of the bar", unit="m/s", above=0),
     reference.FBAR,
-    Parameter("constraints", "nodes", "as of Contact", choices=("nodes", "facets")),
+    reference.CONSTRAINTS,
     smoke={"cells": 8, "extent": 6, "depth": 0.5},
 )
 arguments = PARAMETERS.parse

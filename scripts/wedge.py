@@ -22,7 +22,7 @@ Units: Mg, m, s, kPa, per metre of thickness.
 
     scripts/run wedge                       # psi = 45 degrees, cells of 0.1 m
     scripts/run wedge --psi 30 --cell 0.2
-    scripts/run wedge --phi 20 --constraints facets
+    scripts/run wedge --phi 20
 """
 
 from math import acos, cos, degrees, exp, pi, radians, sin, tan
@@ -46,7 +46,7 @@ PARAMETERS = mpm.Parameters(
     Parameter("depth", lambda a: 8 * a.cell, "of the tip at the end (default: 8 cells)", unit="m", above=0),
     Parameter("rate", 0.1, "of the wedge", unit="m/s", above=0),
     reference.FBAR,
-    Parameter("constraints", "nodes", "as of Contact", choices=("nodes", "facets")),
+    reference.CONSTRAINTS,
     smoke={"cell": 0.2, "depth": 1.2, "rate": 0.3},
 )
 arguments = PARAMETERS.parse

@@ -115,7 +115,7 @@ class Contact(_Contact):
     slip: bool
     impactLoss: float
     normals: Literal['surface', 'mass']
-    constraints: Literal['nodes', 'facets']
+    constraints: Literal['auto', 'nodes', 'facets']
     pairs: Any
     frictionWork: float
     impulses: float | Sequence[float]
@@ -130,7 +130,7 @@ class Contact(_Contact):
         slip: bool = True,
         impactLoss: float = 0.0,
         normals: Literal['surface', 'mass'] = 'surface',
-        constraints: Literal['nodes', 'facets'] = 'nodes',
+        constraints: Literal['auto', 'nodes', 'facets'] = 'auto',
         pairs: Any = (),
         frictionWork: float = 0.0,
         impulses: float | Sequence[float] = (),

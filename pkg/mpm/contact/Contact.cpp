@@ -59,12 +59,14 @@ std::vector<Parameter> Contact::attributes() {
          {"surface", "mass"}},
         {"constraints",
          "",
-         "What may not cross. 'nodes': nodes of both groups, and vertices of meshes between them. 'facets': each "
-         "facet\n"
-         "of a mesh belongs to a vertex or to nodes, never to both; for curved bodies in soil that flows round them.",
+         "What may not cross. 'nodes': nodes of both groups, and vertices of meshes between them. 'facets': "
+         "each facet\n"
+         "of a mesh belongs to a vertex or to nodes, never to both; else curved and inclined bodies are "
+         "too large.\n"
+         "'auto': facets of a mesh against boxes that carry no outline, nodes for all other pairs.",
          &constraints,
          {},
-         {"nodes", "facets"}},
+         {"auto", "nodes", "facets"}},
         {"pairs", "", "Friction and adhesion of pairs of groups that differ; made by pair().",
          recordsOf(pairs)},
         {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
@@ -96,12 +98,17 @@ FrictionLaw Contact::lawOf(int a, int b) const {
     return {friction, adhesion, slip, separation, impactLoss};
 }
 
+OwnedFacets Contact::ownedFacets() const {
+    if (!separation || constraints == "nodes") return OwnedFacets::none;
+    if (constraints == "facets") return OwnedFacets::all;
+    return normals == "mass" ? OwnedFacets::none : OwnedFacets::ofMeshesOnBoxes;
+}
+
 template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     if (!state.search.isFound(scene))
-        state.search.find(scene, {normals == "mass", separation, separation && constraints == "facets"});
+        state.search.find(scene, {normals == "mass", separation, ownedFacets()});
     state.impulses.nodes.assign(state.search.nodes.size(), {});
-    state.impulses.sharesPressure = separation && constraints == "facets";
     return state;
 }
 

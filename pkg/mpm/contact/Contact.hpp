@@ -11,7 +11,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling {
   public:
     double friction = 0, adhesion = 0, impactLoss = 0, frictionWork = 0;
     bool separation = true, slip = true;
-    std::string normals = "surface", constraints = "nodes";
+    std::string normals = "surface", constraints = "auto";
     struct PairLaw { // of two groups, by their numbers
         int first = 0, second = 0;
         double friction = 0, adhesion = 0;
@@ -63,6 +63,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling {
     std::tuple<State<2>, State<3>> states_;
 
     template <int Dim> void check(Scene<Dim>& scene);
+    OwnedFacets ownedFacets() const;
     template <int Dim> State<Dim>& found(const Scene<Dim>& scene);
     template <int Dim> void tie(Scene<Dim>& scene);
     template <int Dim> void addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss);

@@ -35,14 +35,13 @@ template <int Dim> class ContactImpulses {
   public:
     std::vector<NodeMotion<Dim>> nodes; // a row for each contact node of the search
     ImplicitSides<Dim> implicit;        // of the pair in work
-    bool sharesPressure = false;        // whether sites that stop the same approach share what that takes
 
     // lawOf(site): the friction law there.
     template <class LawOf>
     void solve(ContactSearch<Dim>& search, const ContactPair& pair, double dt, LawOf&& lawOf) {
         const double one = 1;
         const bool isCoupled = !implicit.isEmpty();
-        if (sharesPressure && !isCoupled) share(search, pair, dt, lawOf);
+        if (pair.ownsFacets && !isCoupled) share(search, pair, dt, lawOf);
         for (int round = 0; round < (isCoupled ? mostCoupledRounds : mostRounds); ++round) {
             Rounded all;
             for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) {

@@ -80,6 +80,7 @@ struct ContactRecord {
 // Contact nodes and points of one pair of groups: from first to one before end.
 struct ContactPair {
     size_t firstNode, endNode, firstPoint, endPoint;
+    bool ownsFacets; // see OwnedFacets
 };
 
 } // namespace mpm

@@ -44,12 +44,14 @@ template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, const 
                 pair_.isExplicit[side] = isExplicit_[field];
                 pair_.hasOutline[side] = hasOutline_[field];
             }
+            pair_.ownsFacets = rule.owned == OwnedFacets::all ||
+                               (rule.owned == OwnedFacets::ofMeshesOnBoxes && pair_.isMeshOnBoxes());
             if (!findNodes(pair_)) continue;
             findSurfaces(pair_);
             findNormals(pair_, rule);
             findGaps(pair_);
-            findPoints(pair_, rule, points);
-            pairs.push_back({pair_.first, nodes.size(), firstPoint, points.size()});
+            findPoints(pair_, points);
+            pairs.push_back({pair_.first, nodes.size(), firstPoint, points.size(), pair_.ownsFacets});
         }
 }
 

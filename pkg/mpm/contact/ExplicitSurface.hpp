@@ -20,6 +20,7 @@ template <int Dim> class ExplicitSurface {
         Vec<Dim> position, outward; // m; m2, area vector of its part of the facets,
         double size, extent;        // m2, the size of that vector, and the area of the part
         SurroundingNodes<Dim> around;
+        Vec<Dim> across = Vec<Dim>::Zero(); // m2, of the part: facets of a mesh that stand across an axis
 
         // What a surface has left of its area when its directions are added up: 1 for a plane, less at an
         // edge.
@@ -54,6 +55,9 @@ template <int Dim> class ExplicitSurface {
     std::vector<int> firstAt_;  // and where they begin
     std::vector<int> place_;    // of each vertex in `near`, -1: not there
     int particles_ = -1;        // when it was found
+
+    // Of an area vector, the part along an axis from which on the facet stands across it.
+    static constexpr double standsAcross = 1 - 1e-9;
 
     static Vec<Dim> areaOf(const Field& X, const typename BoundaryFacets<Dim>::Facet& facet) {
         return areaVector<Dim>([&](int a) { return vectorAt<Dim>(X, facet[a]); });
@@ -91,7 +95,10 @@ template <int Dim> class ExplicitSurface {
             for (int i = firstAt_[v]; i < firstAt_[v + 1]; ++i) {
                 const Vec<Dim> part = areaOf(X, facets_.facets[facetsAt_[i]]) / facets_.size;
                 vertex.outward += part;
-                vertex.extent += part.norm();
+                const double area = part.norm();
+                vertex.extent += area;
+                for (int k = 0; k < Dim; ++k)
+                    if (std::abs(part[k]) > standsAcross * area) vertex.across[k] += area;
             }
             vertex.size = vertex.outward.norm();
             place_[v] = int(near.size());

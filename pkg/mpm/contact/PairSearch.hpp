@@ -13,11 +13,14 @@ namespace mpm {
 // directions are added up: 1 for a plane, 0.71 at a right edge.
 constexpr double edgeFlatness = 0.9;
 
+// Where each facet of a mesh belongs to a contact point or to nodes, never to both.
+enum class OwnedFacets { none, ofMeshesOnBoxes, all };
+
 // How contact is searched for.
 struct SearchRule {
     bool normalsByMass; // from the gradient of the nodal mass instead of the surfaces
     bool turnsAtEdges;  // normals towards where an edge of a mesh moves; not where surfaces cannot part
-    bool ownsFacets;    // each facet of a mesh belongs to a contact point or to nodes, never to both
+    OwnedFacets owned;
 };
 
 template <int Dim> struct PairSearch {
@@ -29,6 +32,7 @@ template <int Dim> struct PairSearch {
     int field[2];                                   // numbers of the groups
     bool isExplicit[2];                             // whether their surface is explicit altogether
     bool hasOutline[2];                             // whether they have boxes that carry an outline
+    bool ownsFacets;                                // see OwnedFacets
 
     NearbyNodes<Dim> nearby;
     NearbyBoxes<Dim> boxes[2];
@@ -42,6 +46,9 @@ template <int Dim> struct PairSearch {
     bool areBothHeld(int node, int axis) const {
         return fieldOf(0).holder[node][axis] >= 0 && fieldOf(1).holder[node][axis] >= 0;
     }
+
+    // Whether one of them is of meshes alone, and the other has boxes whose surface only the nodes see.
+    bool isMeshOnBoxes() const { return isExplicit[0] != isExplicit[1] && !hasOutline[0] && !hasOutline[1]; }
 
     // f(contact node) for those of this pair.
     template <class F> void forNodes(F&& f) const {
@@ -70,7 +77,6 @@ template <int Dim> void findNormals(PairSearch<Dim>& pair, const SearchRule& rul
 // Gaps and areas.
 template <int Dim> void findGaps(PairSearch<Dim>& pair);
 // Vertices of meshes between the nodes.
-template <int Dim>
-void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<ContactPoint<Dim>>& points);
+template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points);
 
 } // namespace mpm

@@ -23,47 +23,91 @@ constexpr double leastFacingArea = 0.4;
 // they own half of it.
 constexpr double mostOwned = 0.75;
 
+// Distance in cells from a plane of symmetry up to which a vertex lies on it.
+constexpr double onPlane = 1e-6;
+
+// Whether a vertex lies on a plane of symmetry across an axis: constraints hold both groups there.
+template <int Dim>
+bool isOnPlane(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& vertex, int axis) {
+    const Grid<Dim>& grid = pair.grid();
+    return vertex.across[axis] > 0 && pair.areBothHeld(vertex.node, axis) &&
+           std::abs(vertex.position[axis] - grid.nodePosition(vertex.node)[axis]) <
+               onPlane * grid.sizeAt(vertex.position)[axis];
+}
+
+// Facets on a plane of symmetry are no surface: the surface goes on beyond.
+template <int Dim>
+typename PairSearch<Dim>::Vertex withoutPlanes(const PairSearch<Dim>& pair,
+                                               typename PairSearch<Dim>::Vertex vertex) {
+    for (int k = 0; k < Dim; ++k) {
+        if (!isOnPlane(pair, vertex, k)) continue;
+        vertex.outward[k] = 0;
+        vertex.extent -= vertex.across[k];
+    }
+    vertex.size = vertex.outward.norm();
+    return vertex;
+}
+
 // Vertices at the surface of a mesh that are near and at no edge, by their nearest node.
 template <int Dim> struct SmoothVertices {
     using Vertex = typename PairSearch<Dim>::Vertex;
-    std::vector<const Vertex*> all;
+    std::vector<Vertex> all;
     std::vector<int> bin;
     Bins bins;
 
     SmoothVertices(PairSearch<Dim>& pair, int side) {
         if (!pair.isExplicit[side]) return;
         pair.forSurfaces(side, [&](const Body<Dim>&, const ExplicitSurface<Dim>& surface) {
-            for (const Vertex& vertex : surface.near) {
+            for (const Vertex& near : surface.near) {
+                const Vertex vertex = pair.ownsFacets ? withoutPlanes(pair, near) : near;
                 if (!vertex.isFlatter(edgeFlatness)) continue;
-                all.push_back(&vertex);
+                all.push_back(vertex);
                 bin.push_back(pair.nearby.number(vertex.node));
             }
         });
         bins.fill(pair.nearby.size(), bin);
     }
     bool isEmpty() const { return all.empty(); }
-    const Vertex& at(int place) const { return *all[bins.point(place)]; }
+    const Vertex& at(int place) const { return all[bins.point(place)]; }
 };
 
-// Distance of a vertex from boxes, along its normal: from where the nodes round it see them, if that is a
-// plane. farAway: it is not. isRound: boxes whose faces lie oblique to the vertex are a plane, too.
+// Boxes as a node sees them, less those faces of them that lie on a plane of symmetry.
+template <int Dim> struct SeenBoxes {
+    Vec<Dim> outward;
+    Mat<Dim> moment;
+};
 template <int Dim>
-double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own, int side,
-                       bool isRound) {
+SeenBoxes<Dim> boxesAt(const PairSearch<Dim>& pair, const ContactNode<Dim>& contact, int side) {
+    SeenBoxes<Dim> seen{contact.surface[side].outward, contact.surface[side].moment};
+    for (int k = 0; k < Dim && pair.ownsFacets; ++k)
+        if (pair.areBothHeld(contact.node, k)) {
+            seen.outward[k] = 0;
+            seen.moment.col(k).setZero();
+        }
+    return seen;
+}
+
+// Distance of a vertex from boxes, along its normal: from where the nodes round it see them, if that is a
+// plane. farAway: it is not. Where points own facets boxes whose faces lie oblique to the vertex are a plane,
+// too.
+template <int Dim>
+double distanceOfBoxes(const PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& own, int side) {
     const Vec<Dim> n = own.normal();
-    double facing = 0, all = 0, distance = 0;
+    double facing = 0, all = 0, distance = 0, part = 1; // part: of a surface that is on this side of planes
+    for (int k = 0; k < Dim && pair.ownsFacets; ++k)
+        if (isOnPlane(pair, own, k)) part *= 0.5;
     for (int corner = 0; corner < own.around.size; ++corner) {
         if (own.around.contact[corner] < 0) continue;
         const ContactNode<Dim>& contact = (*pair.nodes)[own.around.contact[corner]];
-        const NodalSurface<Dim>& boxes = contact.surface[1 - side];
+        const auto [outward, moment] = boxesAt(pair, contact, 1 - side);
         const double S = own.around.S[corner];
-        const double area = -S * boxes.outward.dot(n);
+        const double area = -S * outward.dot(n);
         facing += area;
-        all += S * (isRound ? boxes.outward.norm() : boxes.outward.template lpNorm<1>());
-        distance += area * (contact.position - own.position).dot(n) - S * n.dot(boxes.moment * n);
+        all += S * (pair.ownsFacets ? outward.norm() : outward.template lpNorm<1>());
+        distance += area * (contact.position - own.position).dot(n) - S * n.dot(moment * n);
     }
     const double face = std::pow(pair.grid().sizeAt(own.position).minCoeff(), Dim - 1);
-    const bool isPlane = facing > leastFacingArea * face && facing > edgeFlatness * all;
+    const bool isPlane = facing > leastFacingArea * part * face && facing > edgeFlatness * all;
     return isPlane ? distance / facing : farAway;
 }
 
@@ -139,18 +183,27 @@ template <int Dim> bool isBetweenContactNodes(const SurroundingNodes<Dim>& aroun
     return areAll;
 }
 
+// Of a vertex on a grid line, as on the upper of two planes of symmetry, the nodes on one side feel nothing:
+// a neighbour stands for those that are none of contact.
+template <int Dim> SurroundingNodes<Dim> withFeeling(SurroundingNodes<Dim> around) {
+    for (int corner = 0; corner < around.size; ++corner)
+        for (int k = 0; k < Dim && around.contact[corner] < 0 && around.S[corner] == 0; ++k)
+            around.contact[corner] = around.contact[corner ^ 1 << k];
+    return around;
+}
+
 } // namespace
 
-template <int Dim>
-void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<ContactPoint<Dim>>& points) {
+template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points) {
     const SmoothVertices<Dim> vertices[2] = {{pair, 0}, {pair, 1}};
     const size_t first = points.size();
     // Of two meshes only the finer one owns facets.
     const int coarser = vertices[0].bins.count() < vertices[1].bins.count() ? 0 : 1;
     for (int side = 0; side < 2; ++side)
         for (int v = 0; v < vertices[side].bins.count(); ++v) {
-            if (rule.ownsFacets && side == coarser && !vertices[1 - side].isEmpty()) break;
-            const auto& own = vertices[side].at(v);
+            if (pair.ownsFacets && side == coarser && !vertices[1 - side].isEmpty()) break;
+            auto own = vertices[side].at(v);
+            if (pair.ownsFacets) own.around = withFeeling<Dim>(own.around);
             if (!isBetweenContactNodes<Dim>(own.around)) continue;
             const double h = pair.grid().sizeAt(own.position).minCoeff();
             ContactPoint<Dim> point;
@@ -158,15 +211,15 @@ void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<Conta
             point.tolerated = toleratedOverlap * h;
             point.gap = pair.isExplicit[1 - side]
                             ? distanceOfMesh(pair, own, vertices[1 - side], point.normal)
-                            : distanceOfBoxes(pair, own, side, rule.ownsFacets);
+                            : distanceOfBoxes(pair, own, side);
             if (side == 1) point.normal = -point.normal;
             if (std::abs(point.gap) > furthest * h) continue;
             static_cast<SurroundingNodes<Dim>&>(point) = own.around;
             for (int contact : point.contact) (*pair.nodes)[contact].hasPoints = true;
-            if (rule.ownsFacets) takeFacets(pair, own, h, point);
+            if (pair.ownsFacets) takeFacets(pair, own, h, point);
             points.push_back(point);
         }
-    if (!rule.ownsFacets) return;
+    if (!pair.ownsFacets) return;
     pair.forNodes([&](ContactNode<Dim>& contact) {
         close(contact, pair.grid().meanSize(contact.node).minCoeff());
         leaveTheRest(contact);
@@ -174,7 +227,7 @@ void findPoints(PairSearch<Dim>& pair, const SearchRule& rule, std::vector<Conta
     for (size_t i = first; i < points.size(); ++i) takeTheRest(pair, points[i]);
 }
 
-template void findPoints(PairSearch<2>&, const SearchRule&, std::vector<ContactPoint<2>>&);
-template void findPoints(PairSearch<3>&, const SearchRule&, std::vector<ContactPoint<3>>&);
+template void findPoints(PairSearch<2>&, std::vector<ContactPoint<2>>&);
+template void findPoints(PairSearch<3>&, std::vector<ContactPoint<3>>&);
 
 } // namespace mpm

@@ -23,7 +23,7 @@ ROWS = 400  # of a history
 
 RATE = mpm.Parameter("rate", 0.1, "of the body", unit="m/s", above=0)
 FBAR = mpm.Parameter("noFbar", False, "without F-bar: the soil locks")
-CONSTRAINTS = mpm.Parameter("constraints", "facets", "as of Contact", choices=("nodes", "facets"))
+CONSTRAINTS = mpm.Parameter("constraints", "auto", "as of Contact", choices=("auto", "nodes", "facets"))
 
 
 def clay(**changes):

@@ -576,6 +576,47 @@ def test_a_plate_of_one_cell_between_grid_lines_in_a_mesh_has_its_friction_by_fa
     assert 0.3 < pullOut("ua", 1, 0.5, constraints="facets")[0] < 0.7
 
 
+# --- nodes or facets ------------------------------------------------------------------------------------
+@pytest.mark.parametrize(
+    "pair, chosen",
+    [("ua", "facets"), ("au", "facets"), ("uu", "nodes"), ("aa", "nodes"), ("uc", "nodes"), ("ac", "nodes")],
+)
+def test_facets_hold_where_a_mesh_meets_boxes_and_nodes_elsewhere(pair, chosen):
+    """A user who chooses nothing gets a T-bar of the right size, and elastic bodies that meet as before."""
+
+    def pushed(**law):
+        return run(drawn(mpm.Contact(friction=0.3, **law), [pair])[0], steps=60)
+
+    assert same(pushed(), pushed(constraints=chosen))
+    other = pushed(constraints={"facets": "nodes", "nodes": "facets"}[chosen])
+    assert not same(pushed(), other)  # control
+
+
+def test_half_a_body_presses_as_the_whole_one_does():
+    """Facets on a plane of symmetry are no surface: the last vertex of a mesh on such a plane is none at an
+    edge. While it was one, the pressure on the axis of a cylinder was half of Hertz's."""
+
+    def forces(left):
+        scene = mpm.Scene((left, 0), (1, 1), 0.1, threads=1)
+        scene.add("base", box((left, 0), (1, 0.3)), elastic(1e3), mpm.UGIMP(perCell=2), group="base")
+        x, t = np.meshgrid(np.arange(0.4 * left, 0.41, 0.05), np.linspace(0, 1, 5), indexing="ij")
+        lens = study.quadrilaterals(x, 0.301 + 0.2 * x**2 + 0.2 * t)
+        scene.add("lens", lens, elastic(1e3), mpm.APDI(), group="lens").velocity = (0, -1.0)
+        contact = mpm.Contact(impactLoss=1.0)
+        scene.engines = chain(contact, damping=0.1, fixed="bottom", roller=("left", "right"))
+        scene.dt, force = 5e-4, np.zeros(21)
+        for _ in range(30):
+            run(scene, steps=1)
+            table = contact.contactTable()
+            np.add.at(force, np.round(10 + 10 * table["node"][:, 0]).astype(int), table["force"][:, 1])
+        return force
+
+    whole, half = forces(-1), forces(0)
+    half[10] *= 2  # which has half a node on the axis
+    assert whole[10] > 0.2 * whole.sum() / 3  # control: it presses there
+    assert half[10:13] == pytest.approx(whole[10:13], abs=0.03 * whole.max())
+
+
 # --- the same bits --------------------------------------------------------------------------------------
 def bits(scene):
     return [

@@ -14,7 +14,6 @@ class MpmEngine : public PyRunner {
   public:
     ~MpmEngine() override { follow(0); }
 
-    bool isActivated() override { return true; } // in every step
     void action() override;
 
     // Takes granted steps from now on. address: of a mpm::StepTable; 0: none.

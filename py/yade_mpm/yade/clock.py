@@ -39,8 +39,9 @@ class Clock:
         """Itself, with the steps that were granted since."""
         last = self._grants.lastStep
         if last != self._granted:
-            self._granted = self._iteration = last
-            self._cycleEnd, self._end, self._stepsSeen = last + 1, self._grants.end, None
+            self._stepsSeen += (last - self._iteration) * self._mpmSteps
+            self._timeSeen = self._end = self._grants.end
+            self._granted, self._iteration, self._cycleEnd = last, last, last + 1
         return self
 
     isAtCycleEnd = property(
@@ -67,8 +68,6 @@ class Clock:
     def refuseForeignSteps(self, label):
         """Raises RuntimeError where the scene has taken steps outside of YADE."""
         scene = self._scene
-        if self._stepsSeen is None:  # those of a grant
-            self.noteSteps()
         if (scene.steps, scene.time) != (self._stepsSeen, self._timeSeen):
             raise RuntimeError(
                 f"the scene '{label}' has taken steps outside of YADE (it is at step {scene.steps}, YADE "
@@ -94,8 +93,7 @@ class Clock:
 
     def iterationOf(self, step):
         """Iteration of YADE that belongs to an MPM step that was taken."""
-        end, seen = self.cycleEnd, self._stepsSeen
-        return end - ((self._scene.steps if seen is None else seen) - step) * self._demSteps // self._mpmSteps
+        return self.cycleEnd - (self._stepsSeen - step) * self._demSteps // self._mpmSteps
 
     def noted(self):
         """Dict of what goes with a file of O.save, of plain types."""

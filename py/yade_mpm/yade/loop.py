@@ -10,7 +10,7 @@ import functools
 import sys
 import weakref
 
-from . import checkpoints
+from . import checkpoints, native
 from .commands import define
 from .omegaDt import OmegaDt
 from .signals import Signals
@@ -289,5 +289,6 @@ def _endAll():
 
 
 if "yade" in sys.modules:  # errors of engines that come from O.load, before attach(), are raised too
+    native.plugin()  # so that O.load knows its engines
     wrapOmega(type(sys.modules["yade"].O))
     defineCommands(sys.modules["yade"].O.engines)

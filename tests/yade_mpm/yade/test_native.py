@@ -139,8 +139,6 @@ def test_its_engines_are_saved_as_what_they_are(tmp_path):
 
 
 OTHER = """
-import yade.config
-{change}
 def load():
     from yade_mpm import _yade
     _yade.registerEngines()
@@ -158,7 +156,7 @@ REFUSED = {
 
 @pytest.mark.parametrize("change", REFUSED)
 def test_it_refuses_a_yade_of_another_version_or_flags(tmp_path, change):
-    said, err = run(OTHER.format(change=change), tmp_path)
+    said, err = run(OTHER, tmp_path, first=f"import yade.config\n{change}\n")
     assert "was built for another YADE than the one that runs: " + REFUSED[change] in said["refused"]
     assert said["goes on"] == [5, False]
     assert "warning: yade_mpm's plugin was built for another YADE" in err

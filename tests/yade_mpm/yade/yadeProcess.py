@@ -33,8 +33,8 @@ def empty(*before): O.engines = [ForceResetter(), *before, NewtonIntegrator()]
 """
 
 
-def start(script, folder, command=("yade", "-n", "-x")):
-    (folder / "script.py").write_text(PRELUDE.format(folders=FOLDERS) + script)
+def start(script, folder, command=("yade", "-n", "-x"), first=""):
+    (folder / "script.py").write_text(first + PRELUDE.format(folders=FOLDERS) + script)
     package = os.path.dirname(os.path.dirname(mpm.__file__))
     environment = dict(os.environ, PYTHONPATH=package, MPLBACKEND="Agg", OMP_NUM_THREADS="1")
     return subprocess.Popen(

@@ -127,7 +127,7 @@ def test_a_stress_that_is_no_number_ends_the_run_with_its_error(kind, dim):
 
 
 def test_all_soil_of_a_cell_stands_open_by_as_much():
-    """The solid volume of the cell stays, so it closes when that fills it, and bears pressure from then on."""
+    """The solid volume of the cell stays: it closes when that fills it, and bears pressure from then on."""
     scene = mpm.Scene((0, 0), (1, 1), CELL)
     sand = mpm.MohrCoulombDruckerPrager(**(STRONG | dict(cohesion=5.0, frictionAngle=0.5)), closing=True)
     body = scene.add("sand", mpm.box((0, 0), (1, CELL)), sand, mpm.UGIMP(perCell=2))

@@ -132,26 +132,32 @@ void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>&
                                   const std::vector<int>& number) {
     constexpr int most = BandMatrix::lanes;
     std::vector<std::array<int, 2>> unknowns; // of the response, and of the system
-    int first = this->unknowns();
     for (size_t i = 0; i < response.nodes.size(); ++i)
         for (int k = 0; k < Dim; ++k)
-            if (const auto [at, node] = response.nodes[i]; at == field && number[node] >= 0) {
+            if (const auto [at, node] = response.nodes[i]; at == field && number[node] >= 0)
                 unknowns.push_back({int(Dim * i) + k, Dim * number[node] + k});
-                first = std::min(first, unknowns.back()[1]);
-            }
+    std::sort(unknowns.begin(), unknowns.end(), [](auto& a, auto& b) { return a[1] < b[1]; });
     const NF& nodal = scene.grid.fields[field];
     WorkPartition columns;
-    columns.set(int(unknowns.size() + most - 1) / most, [](int) { return 1.0; });
+    columns.set(int(unknowns.size() + most - 1) / most,
+                [&](int piece) { return double(this->unknowns() - unknowns[piece * most][1]); });
     parallel(scene.threads, [&](ParallelRegion& region) {
         std::vector<BandMatrix::Several> x(this->unknowns());
+        // The answer is symmetric: of each column the rows from its own unknown on are asked for, the others are
+        // columns of others.
         region.forPieces(columns, [&](int piece) {
-            const int begin = piece * most, count = std::min(int(unknowns.size()) - begin, most);
+            const int begin = piece * most, end = std::min(int(unknowns.size()), begin + most);
+            const int first = unknowns[begin][1];
             std::fill(x.begin() + first, x.end(), BandMatrix::Several::zero());
-            for (int l = 0; l < count; ++l)
-                if (const int i = unknowns[begin + l][1]; holderOf(nodal, i) < 0) x[i].set(l, 1);
+            for (int c = begin; c < end; ++c)
+                if (const int i = unknowns[c][1]; holderOf(nodal, i) < 0) x[i].set(c - begin, 1);
             factor_.solveSeveral(x.data(), first);
-            for (int l = 0; l < count; ++l)
-                for (const auto& [row, i] : unknowns) response.column(unknowns[begin + l][0])[row] = x[i][l];
+            for (int c = begin; c < end; ++c)
+                for (int r = begin; r < int(unknowns.size()); ++r) {
+                    const double answer = x[unknowns[r][1]][c - begin];
+                    response.column(unknowns[c][0])[unknowns[r][0]] = answer;
+                    if (r >= end) response.column(unknowns[r][0])[unknowns[c][0]] = answer;
+                }
         });
     });
 }

@@ -142,7 +142,7 @@ def dropped(implicit, dt):
     scene.initialStress(surface=1.0, K0=0.43, gravity=9.81)
     block.stress[...], block.velocity = 0, (0, -3)
     solver = mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom")
-    contact = mpm.Contact(friction=0.3, impactLoss=1.0)
+    contact = mpm.Contact(friction=0.3, impactLoss=1.0, constraints="nodes")
     scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
     scene.dt, rows = dt, []
     for end in np.linspace(0.005, 0.06, 12):

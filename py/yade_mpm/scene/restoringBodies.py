@@ -61,7 +61,10 @@ def _buildBody(scene, entry, stored, material, kind, file):
     _fill(body, [f["name"] for f in core.fields(True)], True, stored, file)
     for name in core.tables():
         core.setTable(name, np.ascontiguousarray(_stored(stored, "tables", name, body, file), np.int32))
-    core.restored()
+    try:
+        core.restored()
+    except RuntimeError as error:  # particles where the grid is not
+        raise ValueError(f"'{file}' is damaged: {error}") from error
     core.converted, core.internalWork = entry["converted"], entry["internalWork"]
     core.largestInertialMass = entry["largestInertialMass"]
     if kind.core.isMeshed and body.converted == 0:

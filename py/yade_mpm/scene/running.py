@@ -119,6 +119,7 @@ def refuseWhileRunning(scene, what):
 
 
 def refuseDuringStep(scene, what):
+    """Raises RuntimeError where the scene runs, or a step of it is going on. what : str, of the caller."""
     scene.refuseWhileRunning(what)
     if scene.stepper.acting is not None:
         raise RuntimeError(

@@ -24,7 +24,7 @@ def chain(*more, dim=2):
     return [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), *more]
 
 
-def makeScene(dim=2, onDistortion="stop"):
+def makeScene(dim=2, onDistortion="stop", perCell=2):
     """An elastic APDI block below a c-phi uGIMP block."""
     flat = (0, 0) if dim == 2 else (0, 0, 0)
     wide = (2, 1) if dim == 2 else (2, 1, 1)
@@ -35,7 +35,7 @@ def makeScene(dim=2, onDistortion="stop"):
     )
     scene.add("low", box(flat, wide), elastic, mpm.APDI(size=0.5, onDistortion=onDistortion))
     high = ((0.5, 1), (1.5, 1.5)) if dim == 2 else ((0.5, 0, 1), (1.5, 1, 1.5))
-    scene.add("high", box(*high), soil, mpm.UGIMP(perCell=2))
+    scene.add("high", box(*high), soil, mpm.UGIMP(perCell=perCell))
     scene.dt = 1e-3
     return scene
 
@@ -454,8 +454,8 @@ class Killed(BaseException):
 def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(
     tmp_path, monkeypatch, survived
 ):
-    """Kills the writer before its write number `survived` + 1 of a frame."""
-    scene, file = makeScene(), tmp_path / "a.h5"
+    """Kills the writer before its write number `survived` + 1 of a frame that takes new pages of the file."""
+    scene, file = makeScene(perCell=8), tmp_path / "a.h5"
     scene.engines = chain(mpm.Recorder(file, iterPeriod=10))
     scene.run(steps=20, progress=False)
     shutil.copy(file, tmp_path / "before.h5")
@@ -477,14 +477,14 @@ def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(
     if not hadJournal:
         assertSameContent(file, tmp_path / "before.h5")
         return
-    expected = runAndWatch(makeScene(), tmp_path / "whole.h5", steps=30)
+    expected = runAndWatch(makeScene(perCell=8), tmp_path / "whole.h5", steps=30)
     assertSameFrames(readWithH5py(file), expected)
     assertSameContent(file, tmp_path / "whole.h5")
 
 
 def test_the_journal_is_what_saves_a_killed_writer(tmp_path, monkeypatch):
     """The control of the test above: between two writes the file alone is not what it should be."""
-    scene, file = makeScene(), tmp_path / "a.h5"
+    scene, file = makeScene(perCell=8), tmp_path / "a.h5"
     scene.engines = chain(mpm.Recorder(file, iterPeriod=10))
     scene.run(steps=20, progress=False)
     count, write = [0], pagedFile._writeAll

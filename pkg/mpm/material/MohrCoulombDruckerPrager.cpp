@@ -287,14 +287,16 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         for (int i = 0; i < points.count; ++i) points.state[1][i] -= change[i] * constants_.bulkCompliance;
     }
 
-    // Soil that stands open has no stiffness until it has closed, and its full density then. It counts with as much
-    // less as it is lighter, so that waves in it are as fast as in all soil: the critical step does not follow dust.
+    // Soil that stands open has no bulk stiffness until it has closed, and its full density then; at the apex it has
+    // no shear stiffness either. It counts with as much less as it is lighter, so that waves in it are as fast as in
+    // all soil: the critical step does not follow dust.
     template <int Dim>
     void stiffnessOfOpen(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
+        const bool isApex = mostMeanStress() == constants_.apex;
         for (int i = 0; i < points.count; ++i) {
             const double part = opening() >= 0 ? std::exp(-points.state[opening()][i]) : 1.0;
-            lambda[i] = part * elasticity_.lambda();
-            mu[i] = part * elasticity_.mu();
+            mu[i] = (isApex ? part : 1.0) * elasticity_.mu();
+            lambda[i] = part * elasticity_.bulk() - 2.0 / 3 * mu[i];
         }
     }
 

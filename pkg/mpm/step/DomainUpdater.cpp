@@ -67,6 +67,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
             scene.bodies[b]->internalWork += work_[b].total();
+            scene.bodies[b]->cellAverage.forget();
             refuseDistortion(scene, *scene.bodies[b]);
         }
         if (!scene.scheme->stressFirst) convertDistorted(scene);
@@ -156,7 +157,6 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         region.chunks(n, [&](int begin, int end) {
             if (!cells.areAlone(begin)) takeLinear(body, dt, begin, end, state.data());
         });
-        region.once([&] { cells.forget(); });
     }
 
     // All particles of a cell take part in its change of volume, so all of them stand open by as much as the cell

@@ -91,34 +91,22 @@ void ImplicitBodies::withNumbers(State<Dim>& state, const ImplicitSystem<Dim>& s
     for (int node : system.nodes) state.scratch[node] = -1;
 }
 
-// Rows of nodes, along the last axis, that are held and move alike: what touches no others is not strained.
-template <int Dim>
-std::vector<char> findRigidRows(const Grid<Dim>& grid, const NodalField<Dim>& field, double least) {
-    std::vector<char> rows(grid.slabs(), 1);
-    const typename NodalField<Dim>::Motion* first = nullptr;
-    for (int slab = 0; slab < grid.slabs(); ++slab)
-        grid.forNodes(field, slab, [&](int node) {
-            if (!(field.sum[node][NodalField<Dim>::mass] > least)) return;
-            const auto& motion = field.motion[node];
-            bool isHeld = true, isAlike = true;
-            for (int k = 0; k < Dim; ++k) isHeld &= field.holder[node][k] >= 0;
-            if (isHeld && !first) first = &motion;
-            for (int k = 0; k < Dim && isHeld; ++k) isAlike &= motion[k] == (*first)[k];
-            rows[slab] &= isHeld && isAlike;
-        });
-    return rows;
+template <int Dim> double inertialMass(const Body<Dim>& body, int p) {
+    return body.inertiaScale * body.particles.mass.plane()[p];
 }
 
-// Whether all nodes that a particle may touch are in such rows.
-template <int Dim>
-bool isAmong(const Grid<Dim>& grid, const Body<Dim>& body, int p, const std::vector<char>& rows) {
-    constexpr int axis = Dim - 1;
-    const double edge = body.domains->mesh() ? body.domains->mesh()->longestEdge(p) : 0.0;
-    const int own = int(grid.inCells(body.particles.position.plane(axis)[p], axis));
-    const int reach = 1 + int(std::ceil(edge / grid.smallestCell()[axis]));
-    for (int row = std::max(0, own - reach); row <= std::min(grid.slabs() - 1, own + reach + 1); ++row)
-        if (!rows[row]) return false;
-    return true;
+// Of the acceleration.
+template <int Dim> double squareOf(const typename NodalField<Dim>::Motion& motion) {
+    double sum = 0;
+    for (int k = 0; k < Dim; ++k)
+        sum += motion[NodalField<Dim>::acceleration + k] * motion[NodalField<Dim>::acceleration + k];
+    return sum;
+}
+
+// Whether an implicit body moves with a velocity field.
+template <int Dim> bool hasBodies(const Scene<Dim>& scene, int field) {
+    return std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                       [&](auto& body) { return body->isImplicit && body->velocityField == field; });
 }
 
 // Cuts the bodies into pieces, each of which one thread looks at, and finds what strains them.
@@ -135,9 +123,9 @@ template <int Dim> void ImplicitBodies::findPieces(Scene<Dim>& scene, State<Dim>
         }
     state.pieces.resize(count);
     const double least = scene.leastMass();
-    state.rigidRows.clear();
-    for (const auto& field : scene.grid.fields)
-        state.rigidRows.push_back(findRigidRows(scene.grid, field, least));
+    state.rigidRows.resize(scene.grid.fields.size());
+    for (size_t f = 0; f < scene.grid.fields.size(); ++f)
+        if (hasBodies(scene, int(f))) state.rigidRows[f].find(scene.grid, scene.grid.fields[f], least);
     WorkPartition all;
     all.set(int(count), [](int) { return 1.0; });
     parallel(scene.threads, [&](ParallelRegion& region) {
@@ -145,9 +133,14 @@ template <int Dim> void ImplicitBodies::findPieces(Scene<Dim>& scene, State<Dim>
             auto& piece = state.pieces[i];
             const auto& nodal = scene.grid.fields[piece.body->velocityField];
             const auto& rows = state.rigidRows[piece.body->velocityField];
+            piece.heldSquares = 0;
             piece.strained.find(
                 *piece.body, piece.begin, piece.end,
-                [&](int p) { return !isAmong(scene.grid, *piece.body, p, rows); },
+                [&](int p) {
+                    const auto* motion = rows.motionOf(scene.grid, *piece.body, p);
+                    if (motion) piece.heldSquares += inertialMass(*piece.body, p) * squareOf<Dim>(*motion);
+                    return !motion;
+                },
                 [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
         });
     });
@@ -159,7 +152,8 @@ template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim
     findPieces(scene, state);
     const std::vector<int> group = groups(int(scene.grid.fields.size()), state);
     std::vector<std::vector<const StrainedNodes<Dim>*>> members(group.size());
-    for (size_t i = 0; i < group.size(); ++i) members[group[i]].push_back(&state.pieces[i].strained);
+    for (size_t i = 0; i < group.size(); ++i)
+        if (!state.pieces[i].strained.entries.empty()) members[group[i]].push_back(&state.pieces[i].strained);
     for (size_t first = 0; first < group.size(); ++first)
         if (!members[first].empty())
             addSystem(scene.grid, state.pieces[first].body->velocityField, members[first], state);
@@ -210,10 +204,10 @@ void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& respons
 template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
     State<Dim>& state = std::get<State<Dim>>(states_);
     for (const auto& system : state.systems) scene.energies.implicit += system.energyTaken(scene);
+    for (const auto& piece : state.pieces) // of what is held and not strained, as of the nodes of a system
+        scene.energies.implicit += 0.5 * scene.dt * scene.dt * piece.heldSquares;
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
-        if (std::none_of(scene.bodies.begin(), scene.bodies.end(),
-                         [&](auto& body) { return body->isImplicit && body->velocityField == int(f); }))
-            continue;
+        if (!hasBodies(scene, int(f))) continue;
         const auto& field = scene.grid.fields[f];
         for (int slab = 0; slab < scene.grid.slabs(); ++slab)
             scene.grid.forNodes(field, slab, [&](int node) {

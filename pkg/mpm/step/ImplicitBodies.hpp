@@ -4,6 +4,7 @@
 #pragma once
 
 #include "mpm/step/ImplicitSystem.hpp"
+#include "mpm/step/RigidRows.hpp"
 
 namespace mpm {
 
@@ -39,12 +40,13 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
         Body<Dim>* body;
         int begin, end;
         StrainedNodes<Dim> strained;
+        double heldSquares; // mass times square of the acceleration of what is held and not strained, kN m/s2
     };
     template <int Dim> struct State {
         using Velocity = typename NodalField<Dim>::Velocity;
         std::vector<Piece<Dim>> pieces; // of all bodies that are implicit
         std::vector<ImplicitSystem<Dim>> systems;
-        std::vector<std::vector<char>> rigidRows;    // of each velocity field: rows that are not strained
+        std::vector<RigidRows<Dim>> rigidRows;       // of each velocity field with implicit bodies
         std::vector<int> scratch;                    // -1 for each node
         std::vector<std::vector<int>> owner;         // system of each node of a velocity field, -1: none
         std::vector<std::vector<Velocity>> velocity; // of the nodes of each velocity field

@@ -136,6 +136,7 @@ void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>&
         for (int k = 0; k < Dim; ++k)
             if (const auto [at, node] = response.nodes[i]; at == field && number[node] >= 0)
                 unknowns.push_back({int(Dim * i) + k, Dim * number[node] + k});
+    if (unknowns.empty()) return;
     std::sort(unknowns.begin(), unknowns.end(), [](auto& a, auto& b) { return a[1] < b[1]; });
     const NF& nodal = scene.grid.fields[field];
     WorkPartition columns;

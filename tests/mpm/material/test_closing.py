@@ -86,3 +86,19 @@ def test_open_soil_does_not_shorten_the_critical_step():
             sand.deformationGradient = np.diag([3.0, 3.0, 1.0])
         steps[opened] = scene.criticalTimeStep()
     assert steps[True] == pytest.approx(steps[False], rel=1e-6)
+
+
+def test_soil_open_at_a_cut_off_keeps_its_shear_stiffness():
+    """Below the apex it bears shear, so light soil there asks for shorter steps."""
+    steps = {}
+    for cutOff in (None, 0.0):
+        law = {**SAND, "cohesion": 5.0, "tensionCutOff": cutOff}
+        scene = mpm.Scene((0, 0), (1, 1), 0.25)
+        sand = scene.add(
+            "sand", box((0, 0), (1, 0.5)), mpm.MohrCoulombDruckerPrager(**law, closing=True), mpm.UGIMP()
+        )
+        sand.opening[:] = np.log(9)
+        sand.volume = 9 * sand.initialVolume
+        sand.deformationGradient = np.diag([3.0, 3.0, 1.0])
+        steps[cutOff] = scene.criticalTimeStep()
+    assert steps[0.0] < 0.7 * steps[None]

@@ -295,3 +295,24 @@ def test_restart_continues_bitwise(tmp_path):
     other.run(steps=15, progress=False)
     assert state(other) == state(scene)
     assert diagnostics.implicitEnergy(other) == diagnostics.implicitEnergy(scene) > 0
+
+
+@pytest.mark.parametrize("hasBase", [False, True])
+def test_what_is_driven_and_not_strained_is_booked_too(hasBase):
+    """A ramp of ten steps; with a fixed base elsewhere other rows are held at rest."""
+    scene = mpm.Scene((0, 0), (3, 6), 0.25)
+    steel = mpm.LinearElastic(density=7.85, lame=(4.2e7, 2.8e7))
+    pile = scene.add("pile", mpm.box((1.25, 1), (1.75, 5)), steel, mpm.UGIMP(), implicit=True)
+    if hasBase:
+        scene.add("far", mpm.box((0, 0), (0.25, 0.25)), steel, mpm.UGIMP(), implicit=True)
+    drive = mpm.Drive(pile.above(2.0), velocity=(0, 0.5), ramp=0.02)
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(drive=drive, **({"fixed": "bottom"} if hasBase else {})),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    scene.dt = 2e-3
+    scene.run(steps=30, progress=False)
+    assert mpm.diagnostics.implicitEnergy(scene) > 0.1
+    assert abs(mpm.diagnostics.energyError(scene)) < 1e-5 * mpm.diagnostics.externalWork(scene)

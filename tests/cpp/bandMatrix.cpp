@@ -54,6 +54,13 @@ TEST_P(Bands, solveLikeDenseOnes) {
     for (int l = 0; l < 8; ++l)
         for (int i = first; i < n; ++i)
             EXPECT_NEAR(several[i][l], inverse(i, first + l % (n - first)), 1e-13);
+
+    const int stride = n + 3;
+    std::vector<double> all(size_t(n) * stride);
+    factor.invert(first, all.data(), stride);
+    for (int i = first; i < n; ++i)
+        for (int j = first; j < n; ++j)
+            EXPECT_NEAR(all[size_t(i - first) * stride + j - first], inverse(i, j), 1e-13);
 }
 
 TEST_P(Bands, tellWhenTheyAreNotPositive) {

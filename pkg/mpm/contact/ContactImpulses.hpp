@@ -56,8 +56,9 @@ template <int Dim> class ContactImpulses {
                     break; // what shares a node stays together: nothing crosses between nodes
                 all += update(point, law, dt, point.contact, point.S, point.size);
             }
-            if (all.isDone()) return;
+            if (all.isDone()) break;
         }
+        implicit.tell(nodes);
     }
 
     // Energy, kJ, that a pair takes from the motion of the nodes: J . w - J . mobility J / 2, w from before
@@ -80,6 +81,7 @@ template <int Dim> class ContactImpulses {
             give(int(i), Impulses<Dim>(nodes[i].J), part - 1);
             search.nodes[i].J.scale(part);
         }
+        implicit.tell(nodes);
         for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) search.points[i].J.scale(part);
         return 0.5 * part * stopped;
     }
@@ -108,7 +110,7 @@ template <int Dim> class ContactImpulses {
         nodes[i].take(more, weight);
         for (int side = 0; side < 2; ++side)
             if (const int pushed = nodes[i].responding[side]; pushed >= 0)
-                implicit.spread(nodes, pushed, (side == 0 ? -weight : weight) * more.all);
+                implicit.spread(pushed, (side == 0 ? -weight : weight) * more.all);
     }
 
     // Relative velocities at a site between nodes with weights S, and its mobilities.
@@ -125,9 +127,17 @@ template <int Dim> class ContactImpulses {
             found.mobility += weight * node.mobility();
             found.startMobility += weight * node.startMobility();
             found.start += S[i] * (node.start[0] - node.start[1]);
-            found.w += S[i] * (node.v[0] - node.v[1]);
+            found.w += S[i] * velocityAt(node);
         }
         return found;
+    }
+    // Of the first group against the second.
+    Vec<Dim> velocityAt(const NodeMotion<Dim>& node) const {
+        const auto of = [&](int side) {
+            const int place = node.responding[side];
+            return place < 0 ? node.v[side] : implicit.velocity(place);
+        };
+        return of(0) - of(1);
     }
 
     // Sites near each other stop the same approach. The first that is asked would take it all, and the others, which
@@ -159,6 +169,11 @@ template <int Dim> class ContactImpulses {
     // The impulse at a site between nodes with weights S, anew, in view of what the others exchange.
     Rounded update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const int* at, const double* S,
                    int count) {
+        if (site.J.all.isZero(0)) {
+            Vec<Dim> w = Vec<Dim>::Zero();
+            for (int i = 0; i < count; ++i) w += S[i] * velocityAt(nodes[at[i]]);
+            if (law.isApart(site, dt, w)) return {};
+        }
         auto [mobility, startMobility, start, w] = relativeAt(at, S, count, nullptr);
         if (count > 1 && !implicit.isEmpty()) mobility += implicit.mutualMobility(nodes, at, S, count);
         start += startMobility * site.J.agreeing;

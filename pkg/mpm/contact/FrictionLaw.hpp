@@ -25,7 +25,16 @@ struct FrictionLaw {
     Impulses<Dim> impulses(const ContactSite<Dim>& site, double dt, const Mat<Dim>& mobility,
                            const Mat<Dim>& startMobility, const Vec<Dim>& start, const Vec<Dim>& w) const;
 
+    // Whether there is no impulse where there was none, for the relative velocity w of the solution.
+    template <int Dim> bool isApart(const ContactSite<Dim>& site, double dt, const Vec<Dim>& w) const {
+        return separation && !site.presses && !(excess(site, w, dt) > 0);
+    }
+
   private:
+    // What of the approach is faster than the gap allows in a step.
+    template <int Dim> double excess(const ContactSite<Dim>& site, const Vec<Dim>& w, double dt) const {
+        return w.dot(site.normal) - (separation ? std::max(site.gap + site.tolerated, 0.0) / dt : 0);
+    }
     template <int Dim>
     double stopping(const ContactSite<Dim>& site, const Mat<Dim>& mobility, const Vec<Dim>& w,
                     double dt) const;
@@ -37,8 +46,7 @@ struct FrictionLaw {
 template <int Dim>
 double FrictionLaw::stopping(const ContactSite<Dim>& site, const Mat<Dim>& mobility, const Vec<Dim>& w,
                              double dt) const {
-    const double excess =
-        w.dot(site.normal) - (separation ? std::max(site.gap + site.tolerated, 0.0) / dt : 0);
+    const double excess = this->excess(site, w, dt);
     const double alongNormal = site.normal.dot(mobility * site.normal);
     if (!(alongNormal > 0)) return 0;
     return (excess > 0 || !separation ? 1 : site.presses ? impactLoss : 0) * excess / alongNormal;

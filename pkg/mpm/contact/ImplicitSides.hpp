@@ -31,18 +31,35 @@ template <int Dim> class ImplicitSides {
             }
         if (isEmpty()) return;
         bodies->respond(scene, response_);
-        for (size_t r = 0; r < places_.size(); ++r)
-            nodes[places_[r].contact].inverseMass[places_[r].side] = response_.of(int(r), int(r));
+        velocity_.assign(response_.size(), 0.0);
+        for (size_t r = 0; r < places_.size(); ++r) {
+            auto& node = nodes[places_[r].contact];
+            node.inverseMass[places_[r].side] = response_.of(int(r), int(r));
+            for (int k = 0; k < Dim; ++k) velocity_[response_.rows[r] + k] = node.v[places_[r].side][k];
+        }
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             before_.push_back(nodes[i].v[0] - nodes[i].v[1]);
     }
 
-    void clear() { response_.clear(); }
+    void clear() {
+        response_.clear();
+        places_.clear();
+    }
 
-    // An impulse on one of them.
-    template <class Nodes> void spread(Nodes& nodes, int pushed, const Vec<Dim>& impulse) const {
+    // An impulse on one of them. Their velocities are kept here, one behind the other, until told to the nodes.
+    void spread(int pushed, const Vec<Dim>& impulse) {
+        double* v = velocity_.data();
+        for (int k = 0; k < Dim; ++k) {
+            const double *column = response_.column(response_.rows[pushed] + k), J = impulse[k];
+            for (int i = 0; i < response_.size(); ++i) v[i] += J * column[i];
+        }
+    }
+    Vec<Dim> velocity(int place) const {
+        return Eigen::Map<const Vec<Dim>>(velocity_.data() + response_.rows[place]);
+    }
+    template <class Nodes> void tell(Nodes& nodes) const {
         for (size_t r = 0; r < places_.size(); ++r)
-            nodes[places_[r].contact].v[places_[r].side] += response_.of(int(r), pushed) * impulse;
+            nodes[places_[r].contact].v[places_[r].side] = velocity(int(r));
     }
 
     // Change of the relative velocity at contact node number i of the pair.
@@ -81,6 +98,7 @@ template <int Dim> class ImplicitSides {
     };
     ImpulseResponse<Dim> response_;
     std::vector<Place> places_;
+    std::vector<double> velocity_; // of the rows of the response, m/s
     std::vector<Vec<Dim>> before_; // relative velocities of the contact nodes of the pair
 };
 

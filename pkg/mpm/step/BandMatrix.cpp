@@ -29,6 +29,14 @@ MPM_INLINE double dot(const double* x, const double* y, int count) {
     return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
 }
 
+// y -= factors[0..3] * four rows that follow each other, from entry `begin` to one before `end`.
+MPM_INLINE void subtractRows(double* __restrict y, const double* rows, int stride, const double* factors,
+                             int begin, int end) {
+    const double *a = rows, *b = a + stride, *c = b + stride, *d = c + stride;
+    const double p = factors[0], q = factors[1], r = factors[2], s = factors[3];
+    for (int j = begin; j < end; ++j) y[j] -= (p * a[j] + q * b[j]) + (r * c[j] + s * d[j]);
+}
+
 } // namespace
 
 void BandMatrix::reset(int size, int band) {
@@ -135,6 +143,36 @@ void BandMatrix::solveSeveral(Several* x, int first) const {
         even += odd;
         x[j] = c[0] * even;
     }
+}
+
+// Back substitution of L^T Z = L^-1, whose right side has no entries above the diagonal: each row of Z follows from
+// the next ones, and what is left of the diagonal by symmetry (Takahashi, Fagan & Chin 1973). In strips of columns,
+// the last first, so that the rows in work stay in the cache.
+void BandMatrix::invert(int first, double* inverse, int stride) const {
+    constexpr int strip = 128;
+    const int n = size_ - first;
+    const auto row = [&](int i) { return inverse + std::size_t(i) * stride; };
+    for (int end = n; end > 0; end -= std::min(strip, end))
+        for (int i = end - 1; i >= 0; --i) {
+            const double* c = column(first + i);
+            const int count = std::min(band_, n - 1 - i), begin = std::max(i + 1, end - strip);
+            double* own = row(i);
+            std::fill(own + begin, own + end, 0.0);
+            int k = 1;
+            for (; k + 3 <= count; k += 4) // fewer passes over the row
+                subtractRows(own, row(i + k), stride, c + k, begin, end);
+            for (; k <= count; ++k)
+                for (int j = begin; j < end; ++j) own[j] -= c[k] * row(i + k)[j];
+            for (int j = begin; j < end; ++j) own[j] *= c[0];
+            if (i < end - strip) continue;
+            double below = 0;
+            for (k = 1; k <= count; ++k) below += c[k] * own[i + k];
+            own[i] = c[0] * (c[0] - below);
+            for (k = 1; k <= count; ++k) row(i + k)[i] = own[i + k]; // the next rows ask for it
+        }
+    for (int begin = 0; begin < n; begin += width) // block by block, or each number were a line of memory
+        for (int i = begin + band_ + 1; i < n; ++i)
+            for (int j = begin; j < std::min(begin + width, i - band_); ++j) row(i)[j] = row(j)[i];
 }
 
 } // namespace mpm

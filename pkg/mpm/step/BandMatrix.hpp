@@ -39,6 +39,8 @@ class BandMatrix {
     // The same for as many vectors at once, where all before unknown `first` are zero and not asked for.
     using Several = Pack<lanes>;
     void solveSeveral(Several* x, int first) const;
+    // The part of the inverse from unknown `first` on, in rows `stride` numbers apart.
+    void invert(int first, double* inverse, int stride) const;
 
   private:
     static constexpr int block = 32;  // columns that are factorised at a time where the band is wide

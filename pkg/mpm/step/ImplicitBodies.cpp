@@ -179,9 +179,12 @@ template <int Dim> bool ImplicitBodies::moves(int field, int node) const {
 
 template <int Dim> void ImplicitBodies::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) {
     State<Dim>& state = std::get<State<Dim>>(states_);
-    response.reset();
+    response.rows.resize(response.nodes.size());
+    int size = 0;
     for (auto& system : state.systems)
-        withNumbers(state, system, [&] { system.respond(scene, response, state.scratch); });
+        withNumbers(state, system, [&] { size += system.placeRows(response, size, state.scratch); });
+    response.setSize(size, state.systems.size() == 1);
+    for (auto& system : state.systems) system.respond(scene, response);
 }
 
 template <int Dim>

@@ -128,36 +128,63 @@ double ImplicitSystem<Dim>::change(Scene<Dim>& scene, const Vec<Dim>& gravity, i
 }
 
 template <int Dim>
-void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response,
-                                  const std::vector<int>& number) {
-    constexpr int most = BandMatrix::lanes;
-    std::vector<std::array<int, 2>> unknowns; // of the response, and of the system
+int ImplicitSystem<Dim>::placeRows(ImpulseResponse<Dim>& response, int begin,
+                                   const std::vector<int>& number) {
+    asked_.clear();
     for (size_t i = 0; i < response.nodes.size(); ++i)
-        for (int k = 0; k < Dim; ++k)
-            if (const auto [at, node] = response.nodes[i]; at == field && number[node] >= 0)
-                unknowns.push_back({int(Dim * i) + k, Dim * number[node] + k});
-    if (unknowns.empty()) return;
-    std::sort(unknowns.begin(), unknowns.end(), [](auto& a, auto& b) { return a[1] < b[1]; });
+        if (const auto [at, node] = response.nodes[i]; at == field && number[node] >= 0)
+            asked_.push_back({number[node], int(i)});
+    std::sort(asked_.begin(), asked_.end());
+    if (asked_.empty()) return 0;
+    const int all = int(nodes.size()) - asked_.front()[0];
+    asksForAll_ =
+        2 * int(asked_.size()) >= all; // the inverse takes half of the multiplications of all columns
+    for (size_t i = 0; i < asked_.size(); ++i)
+        response.rows[asked_[i][1]] = begin + Dim * (asksForAll_ ? asked_[i][0] - asked_.front()[0] : int(i));
+    return Dim * (asksForAll_ ? all : int(asked_.size()));
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) {
+    if (asked_.empty()) return;
+    asksForAll_ ? respondByInverse(scene, response) : respondByColumns(scene, response);
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::respondByInverse(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) const {
+    const NF& nodal = scene.grid.fields[field];
+    const int first = Dim * asked_.front()[0], begin = response.rows[asked_.front()[1]];
+    factor_.invert(first, response.column(begin) + begin, response.size());
+    for (int i = first; i < unknowns(); ++i) // alone in its row and column
+        if (holderOf(nodal, i) >= 0) response.column(begin + i - first)[begin + i - first] = 0;
+}
+
+template <int Dim>
+void ImplicitSystem<Dim>::respondByColumns(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) const {
+    constexpr int most = BandMatrix::lanes;
+    std::vector<std::array<int, 2>> unknowns; // of the system, and of the response
+    for (const auto [number, i] : asked_)
+        for (int k = 0; k < Dim; ++k) unknowns.push_back({Dim * number + k, response.rows[i] + k});
     const NF& nodal = scene.grid.fields[field];
     WorkPartition columns;
     columns.set(int(unknowns.size() + most - 1) / most,
-                [&](int piece) { return double(this->unknowns() - unknowns[piece * most][1]); });
+                [&](int piece) { return double(this->unknowns() - unknowns[piece * most][0]); });
     parallel(scene.threads, [&](ParallelRegion& region) {
         std::vector<BandMatrix::Several> x(this->unknowns());
         // The answer is symmetric: of each column the rows from its own unknown on are asked for, the others are
         // columns of others.
         region.forPieces(columns, [&](int piece) {
             const int begin = piece * most, end = std::min(int(unknowns.size()), begin + most);
-            const int first = unknowns[begin][1];
+            const int first = unknowns[begin][0];
             std::fill(x.begin() + first, x.end(), BandMatrix::Several::zero());
             for (int c = begin; c < end; ++c)
-                if (const int i = unknowns[c][1]; holderOf(nodal, i) < 0) x[i].set(c - begin, 1);
+                if (const int i = unknowns[c][0]; holderOf(nodal, i) < 0) x[i].set(c - begin, 1);
             factor_.solveSeveral(x.data(), first);
             for (int c = begin; c < end; ++c)
                 for (int r = begin; r < int(unknowns.size()); ++r) {
-                    const double answer = x[unknowns[r][1]][c - begin];
-                    response.column(unknowns[c][0])[unknowns[r][0]] = answer;
-                    if (r >= end) response.column(unknowns[r][0])[unknowns[c][0]] = answer;
+                    const double answer = x[unknowns[r][0]][c - begin];
+                    response.column(unknowns[c][1])[unknowns[r][1]] = answer;
+                    if (r >= end) response.column(unknowns[r][1])[unknowns[c][1]] = answer;
                 }
         });
     });

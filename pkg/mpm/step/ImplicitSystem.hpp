@@ -34,8 +34,11 @@ template <int Dim> class ImplicitSystem {
     // Replaces the explicit motion of the nodes; returns whether the matrix is positive definite.
     bool solve(Scene<Dim>& scene, const Vec<Dim>& gravity);
 
-    // Columns of the nodes of a response that belong to the system. number: of these nodes in it, -1: others.
-    void respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, const std::vector<int>& number);
+    // Gives those nodes of a response that belong to the system rows from `begin` on, and returns how many. number:
+    // of these nodes in it, -1: others.
+    int placeRows(ImpulseResponse<Dim>& response, int begin, const std::vector<int>& number);
+    // Fills in what belongs to these rows.
+    void respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response);
     // Adds what impulses on nodes change in the motion of all.
     void take(Scene<Dim>& scene, const Vec<Dim>& gravity, const std::vector<Impulse>& impulses,
               const std::vector<int>& number);
@@ -49,7 +52,9 @@ template <int Dim> class ImplicitSystem {
     BandMatrix stiffness_, factor_;
     std::vector<double> velocity_, force_, solved_, unfelt_; // of the unknowns, and zeros behind them
     std::vector<std::pair<int, const typename StrainedNodes<Dim>::Entry*>> order_; // of the particle in work
-    std::vector<double> mass_; // of the bodies alone, on each node
+    std::vector<double> mass_;              // of the bodies alone, on each node
+    std::vector<std::array<int, 2>> asked_; // nodes of the response: number here, and there
+    bool asksForAll_ = false;               // nearly all of them: by the inverse, not column by column
 
     short holderOf(const NF& nodal, int unknown) const {
         return nodal.holder[nodes[unknown / Dim]][unknown % Dim];
@@ -58,6 +63,8 @@ template <int Dim> class ImplicitSystem {
     double change(Scene<Dim>& scene, const Vec<Dim>& gravity, int unknown, double v, double a) const;
     void add(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,
              const std::vector<int>& number);
+    void respondByInverse(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) const;
+    void respondByColumns(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) const;
     void react(Scene<Dim>& scene, int unknown, double force, double v) const;
 };
 

@@ -16,25 +16,32 @@ template <int Dim> class ImpulseResponse {
     };
     std::vector<Node> nodes; // those that respond: a row and a column each
 
+    std::vector<int> rows; // of each, the first of its rows in the matrix, in which it has columns, too
+
     bool isEmpty() const { return nodes.empty(); }
-    int size() const { return Dim * int(nodes.size()); }
+    int size() const { return size_; } // of the matrix; some of its rows may belong to other nodes
 
     // Velocity of a node per impulse on another one, or on itself, 1/Mg; zero between bodies that share no node.
     using Part = Eigen::Map<const Mat<Dim>, 0, Eigen::OuterStride<>>;
     Part of(int node, int pushed) const {
-        return Part(values_.data() + size_t(Dim) * pushed * size() + Dim * node,
-                    Eigen::OuterStride<>(size()));
+        return Part(column(rows[pushed]) + rows[node], Eigen::OuterStride<>(size_));
     }
+    const double* column(int unknown) const { return values_.data() + size_t(unknown) * size_; }
+    double* column(int unknown) { return values_.data() + size_t(unknown) * size_; }
 
     void clear() {
         nodes.clear();
-        values_.clear();
+        rows.clear();
+        size_ = 0;
     }
-    // For nodes to be given columns.
-    void reset() { values_.assign(size_t(size()) * size(), 0.0); }
-    double* column(int unknown) { return values_.data() + size_t(unknown) * size(); }
+    // For nodes to be given rows, and columns. What is not zero has to be written.
+    void setSize(int size, bool isFilled) {
+        size_ = size;
+        isFilled ? values_.resize(size_t(size) * size) : values_.assign(size_t(size) * size, 0.0);
+    }
 
   private:
+    int size_ = 0;
     std::vector<double> values_; // column by column
 };
 

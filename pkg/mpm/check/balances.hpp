@@ -50,7 +50,7 @@ template <int Dim> double nodalEnergy(const Scene<Dim>& scene) {
 struct Balance {
     double inertia = 0;  // sum of |m a| over the nodes, kN
     int nodes = 0;       // that have mass
-    double stressed = 0; // sum of V |sigma| over the particles, kJ
+    double stressed = 0; // sum of V |sigma| / h over the particles, kN, h the smallest edge of the cell
 };
 template <int Dim> Balance balanceOf(const Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
@@ -71,7 +71,8 @@ template <int Dim> Balance balanceOf(const Scene<Dim>& scene) {
             for (int i = 0; i < Dim; ++i)
                 for (int j = 0; j < Dim; ++j)
                     square += std::pow(q.stress.plane(3 * std::min(i, j) + std::max(i, j))[p], 2);
-            balance.stressed += q.volume.plane()[p] * std::sqrt(square);
+            const double h = scene.grid.sizeAt(vectorAt<Dim>(q.position, p)).minCoeff();
+            balance.stressed += q.volume.plane()[p] * std::sqrt(square) / h;
         }
     }
     return balance;

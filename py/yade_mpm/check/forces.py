@@ -56,17 +56,8 @@ def unbalancedRatio(scene):
     balance = scene.core.balance()
     if not balance["nodes"]:
         return float("nan")
-    scale = balance["stressed"] / float(np.min(scene.cell))
-    if scene.isGraded:
-        scale = sum(_stressed(scene, body) for body in scene.bodies)
-    inertia = balance["inertia"]
+    scale, inertia = balance["stressed"], balance["inertia"]
     return inertia / scale if scale > 0 else float("inf" if inertia > 0 else "nan")
-
-
-def _stressed(scene, body):
-    """sum V_p |sigma_p| / h of a body, kN."""
-    norms = np.linalg.norm(body.stress[:, : scene.dim, : scene.dim], axis=(1, 2))
-    return float((body.volume * norms / scene.cellSizeAt(body.position).min(axis=1)).sum())
 
 
 def sectionForce(body, height, thickness=None):

@@ -16,8 +16,9 @@ def volumeRatio(scene):
         return float("nan")
     shape = np.array([len(x) - 1 for x in scene.lines])
     index = np.clip(np.nan_to_num(index).astype(int), 0, shape - 1)
-    volume = np.zeros(shape)
-    np.add.at(volume, tuple(index.T), np.concatenate([b.volume for b in scene.bodies]))
+    volumes = np.concatenate([b.volume for b in scene.bodies])
+    number = np.ravel_multi_index(tuple(index.T), shape)
+    volume = np.bincount(number, volumes, np.prod(shape)).reshape(shape)
     inside = volume > 0
     for axis in range(scene.dim):
         around = np.pad(inside, [(int(k == axis),) * 2 for k in range(scene.dim)], constant_values=True)

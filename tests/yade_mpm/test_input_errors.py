@@ -88,6 +88,11 @@ def cases(*rows):
         "'young', 'poisson')",
         lambda: mpm.LinearElastic(densty=1.0, lame=LAME),
     ),
+    (
+        "History: period is an argument of History(...) and cannot be set afterwards; make another one, or "
+        "set one of 'iterPeriod', 'virtPeriod'",
+        lambda: setattr(mpm.History(period=1.0), "period", 2.0),
+    ),
     ("poisson = 0.6 ... (-1, 0.5)", lambda: mpm.LinearElastic(density=1, young=1e3, poisson=0.6)),
     ("poisson = 0.5 ...  (-1, 0.5)", lambda: mpm.LinearElastic(density=1, young=1e3, poisson=0.5)),
     (

@@ -99,6 +99,12 @@ class Attributed:
                 for n in inspect.signature(type(self).__init__).parameters
                 if n not in ("self", "attributes")
             ]
+            if name in taken:
+                kind, others = type(self).__name__, ", ".join(map(repr, self.attributeNames()))
+                raise ValueError(
+                    f"{kind}: {name} is an argument of {kind}(...) and cannot be set afterwards; make "
+                    f"another one, or set one of {others}"
+                )
             known = [*taken, *self.attributeNames()]
             raise ValueError(
                 f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, known)} "

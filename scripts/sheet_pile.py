@@ -93,8 +93,9 @@ def stepOf(a):
     """Time step (s) that soil and contact bear, with a margin; an explicit pile asks for less."""
     if not a.implicit:
         return 2e-4 * min(1.0, a.cell / 0.25)
-    soil = 4.8e-3 * a.cell  # 0.6 of the critical step at the start, which falls
-    return soil if a.friction is None else min(8e-4, soil)  # contact takes more work with longer ones
+    if a.friction is None:
+        return 4.8e-3 * a.cell  # 0.6 of the critical step at the start, which falls
+    return 8e-4 * min(1.0, a.cell / 0.125)
 
 
 def oddCell(a):

@@ -12,7 +12,7 @@ STRENGTH, SHEAR, POISSON = 10.0, 1000.0, 0.49  # kPa, kPa, -
 STIR, REACH = 200.0, 0.5  # of the body force: 1/s2, m2
 
 
-def stirred(cell, fbar=True, scheme="MUSL", dt=None, dim=2, height=None, core=None):
+def stirred(cell, fbar=True, scheme="MUSL", dt=None, dim=2, height=None, core=None, halves=False):
     """The box and its bodies before the first step.
 
     In 3D a slab of one cell, stirred in its plane, or with a height, m, one that is twisted: less and less
@@ -31,7 +31,12 @@ def stirred(cell, fbar=True, scheme="MUSL", dt=None, dim=2, height=None, core=No
     )
     whole = box((0,) * dim, size)
     inside = box((SIZE / 2 - core,) * 2, (SIZE / 2 + core,) * 2) if core else whole
-    bodies = [scene.add("clay", inside, clay, mpm.UGIMP(perCell=2), fbar=fbar)]
+    if halves:
+        left = box((0,) * dim, (SIZE / 2, *size[1:]))
+        parts = {"left": left, "right": whole - left}
+    else:
+        parts = {"clay": inside}
+    bodies = [scene.add(name, part, clay, mpm.UGIMP(perCell=2), fbar=fbar) for name, part in parts.items()]
     if core:
         ring = mpm.APDI(size=cell, matched=bodies[0])
         bodies.append(scene.add("ring", whole - inside, clay, ring, fbar=fbar))
@@ -114,9 +119,22 @@ def test_volume_and_pressure_stay_in_a_twisted_slab_of_four_cells():
     stays(*stirred(0.25, dim=3, height=1.0), 0.5, moved=1.0, pressure=0.01, volume=2e-5, ratio=0.01)
 
 
-def test_beside_a_ring_of_meshed_clay_some_pressure_is_lost():
-    """3.4 % here and 2.6 % with cells half as large: short of the 3 % and of the 1e-4 that are asked."""
-    stays(*stirred(0.2, core=1.6), 0.3, moved=1, pressure=0.045, volume=2e-4, ratio=0.03)
+@pytest.mark.parametrize("cell", [0.2, pytest.param(0.1, marks=pytest.mark.slow)])
+def test_volume_and_pressure_stay_beside_a_ring_of_meshed_clay(cell):
+    """Cells at the interface lie inside of the material. While boxes took it for a surface, 3.1 % of the
+    pressure was lost and 1.2e-4 of the volume gained."""
+    stays(*stirred(cell, core=1.6), 0.3, moved=1, pressure=0.02, volume=1e-4, ratio=0.02)
+
+
+def test_two_bonded_bodies_of_boxes_keep_volume_and_pressure_as_one():
+    """They share the cells that turn in the middle. While each took the other for its surface a fifth
+    of the pressure was lost."""
+    stays(*stirred(0.2, halves=True), 0.3, moved=1, pressure=0.01, volume=5e-5, ratio=0.01)
+
+
+def test_where_the_interface_itself_flows_pressure_is_lost():
+    """17 % here, short of the 3 % that are asked (40 % while the interface was taken for a surface)."""
+    stays(*stirred(0.2, core=1.2), 0.3, moved=1, pressure=0.2, volume=1e-3, ratio=0.05)
 
 
 @pytest.mark.slow

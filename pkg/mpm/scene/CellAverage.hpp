@@ -30,19 +30,21 @@ template <int Dim> class CellAverage {
         long round = 0;                // of locate() in which it had particles
         Vec<Dim> edges;                // m
         double volume = 0, inside = 0; // of the particles in it; 1 inside the material, 0 at its surface
+        double share = 1;              // of the volume of all bodies in it
         double weight = 0, mean = 0;   // of its particles, and their mean, when average() was called
         double byParticles = 0;        // what of the mean acts by the particles
         Vec<Dim> centre, slope;        // of the particles; of the mean, 1/m
     };
 
     // Which particles are in which cell; called by all threads, and so is all that takes a region.
+    // mayBeAlone: particles may be one in each cell, as domains of meshes are.
     void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
-                bool findsInside) {
+                bool mayBeAlone) {
         const int n = particles.size();
         region.once([&] { start(n, grid); });
         region.chunks(n, [&](int begin, int end) { findCells(particles, grid, begin, end); });
         region.once([&] { divide(); });
-        if (!findsInside) findAlone(region, grid);
+        if (mayBeAlone) findAlone(region, grid);
         const double* volume = particles.volume.plane();
         forOwn(region, [&](int firstSlab, int endSlab) {
             for (int slab = firstSlab; slab < endSlab; ++slab) clear(slab);
@@ -53,9 +55,18 @@ template <int Dim> class CellAverage {
             forOccupied(firstSlab, endSlab,
                         [&](int c, Cell& cell) { cover_[c] = cell.volume / cell.edges.prod(); });
         });
-        if (!findsInside) return;
+    }
+    // How far each cell lies inside the material, and what share of it is this body's. others: the bodies that
+    // move with this one, located, too.
+    void findInside(ParallelRegion& region, const Grid<Dim>& grid, const std::vector<CellAverage*>& others) {
+        const auto cover = [&](int c) {
+            double sum = cover_[c];
+            for (const CellAverage* other : others) sum += other->coverOf(c);
+            return sum;
+        };
         forOwnCells(region, [&](int c, Cell& cell) {
-            cell.inside = insideBy(grid, c, [&](int other) { return cover_[other]; });
+            cell.inside = insideBy(grid, c, cover);
+            cell.share = cover_[c] / cover(c);
         });
     }
     // Whether locate() was called in this step; update() is the last to ask.
@@ -139,6 +150,13 @@ template <int Dim> class CellAverage {
 
   private:
     using Extent = typename NodalField<Dim>::Extent;
+
+    // Volume of the particles in a cell over its own; what is alone in it fills it, more or less.
+    double coverOf(int number) const {
+        if (cover_[number] > 0 || count_.empty()) return cover_[number];
+        return count_[number].round == round_;
+    }
+
     struct Range {
         int first, last;
     };

@@ -31,7 +31,7 @@ class CellForces {
         });
         cells.template average<false>(
             region, body.particles.volume.plane(), body.particles, [&](int c, auto& cell) {
-                const double whole = cell.edges.prod(), outside = 1 - cell.inside;
+                const double whole = cell.share * cell.edges.prod(), outside = 1 - cell.inside;
                 const double volume = cell.inside * whole + outside * cell.weight;
                 cells.actByCell(c, (cell.inside * volume * cell.mean) * cell.edges.cwiseInverse());
                 cell.byParticles = outside * volume / cell.weight * cell.mean;

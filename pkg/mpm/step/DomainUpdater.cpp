@@ -111,8 +111,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 gradient(begin, end);
                 rest(begin, end);
             });
-        if (lacksCells_[number])
-            body.cellAverage.locate(region, body.particles, scene.grid, body.domains->boxes());
+        if (lacksCells_[number]) {
+            body.cellAverage.locate(region, body.particles, scene.grid, !body.domains->boxes());
+            findInside(region, scene, body);
+        }
         updateFbar(region, scene, body, gradient, rest);
     }
 

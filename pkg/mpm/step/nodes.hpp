@@ -32,10 +32,22 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
     } while (scene.sorted);
 }
 
-// Which particles are in which cell, for the bodies with F-bar.
+template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& scene, Body<Dim>& body) {
+    if (!body.fbar || !body.domains->boxes()) return;
+    std::vector<CellAverage<Dim>*> others;
+    for (auto& other : scene.bodies)
+        if (other.get() != &body && other->fbar && other->velocityField == body.velocityField)
+            others.push_back(&other->cellAverage);
+    body.cellAverage.findInside(region, scene.grid, others);
+}
+
+// Which particles are in which cell, for the bodies with F-bar, and how far inside of the material the cells of
+// boxes lie: of all these bodies that move together, for a bonded neighbour is no surface.
 template <int Dim> void locateCells(ParallelRegion& region, Scene<Dim>& scene) {
     for (auto& body : scene.bodies)
-        if (body->fbar) body->cellAverage.locate(region, body->particles, scene.grid, body->domains->boxes());
+        if (body->fbar)
+            body->cellAverage.locate(region, body->particles, scene.grid, !body->domains->boxes());
+    for (auto& body : scene.bodies) findInside(region, scene, *body);
 }
 
 // Sums of mass, momentum and force on the nodes, from the particles where locate() found them.

@@ -242,6 +242,16 @@ def test_particles_without_matter_end_the_next_step(field, way):
             change(scene)
 
 
+def test_what_the_last_step_of_a_run_has_left_is_looked_at():
+    """A body that its neighbour blew away had volumes below zero, and the run had gone well."""
+    scene = mpm.Scene((0, 0), (4, 4), 0.5)
+    elastic = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
+    boxes = scene.add("boxes", box((1, 1), (2, 2)), elastic, mpm.UGIMP())
+    scene.add("mesh", box((2, 1), (3, 2)), elastic, mpm.APDI(size=0.5, matched=boxes)).stretchZZ = 1e30
+    with pytest.raises(RuntimeError, match="step 2: body 'boxes': volume = -.* is not positive; mend it"):
+        scene.run(steps=2, progress=False)
+
+
 def test_ctrl_c_comes_through_between_two_steps():
     one, other = falling(), falling()
     one.prepare()

@@ -126,6 +126,15 @@ def test_another_program_that_has_the_scene_is_asked():
     assert scene.steps == 1 and not scene.running
 
 
+@pytest.mark.parametrize("loop", [mpm.UGIMP, 1, "a", object()])
+def test_what_is_no_loop_is_not_given_the_scene(loop):
+    """It was taken, and everything else then failed for want of isAlive."""
+    scene = falling()
+    with pytest.raises(TypeError, match="handOver: loop = .* is not allowed; give an object with isAlive"):
+        scene.handOver(loop)
+    scene.step()
+
+
 def test_an_engine_that_is_not_on_turn_is_refused():
     """Without the particles' places in the grid it went round for ever, or crashed."""
     scene = falling()

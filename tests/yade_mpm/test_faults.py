@@ -2,6 +2,7 @@
 """Killed, out of disk, or sent signals: a run goes on from its checkpoint to the same bits, and nothing older
 than that is lost. A few of each here, a hundred of them with --slow."""
 
+import contextlib
 import os
 import random
 import re
@@ -17,7 +18,8 @@ import yade_mpm as mpm
 
 ENVIRONMENT = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
 ENVIRONMENT["OMP_NUM_THREADS"] = "1"
-PATIENCE = 120  # s for one run
+SIZE = 4 << 20  # bytes of the small disk
+PATIENCE = 600  # s for one run, also on a machine that has little time for it
 MOST_STARTS = 60  # of a run, until it is at its end
 
 
@@ -110,9 +112,45 @@ def killed(rng, seconds):
     return one.wait()
 
 
+def room(rng):
+    """Bytes: from a few to what all but the last rows and frames need."""
+    return rng.choice([100, 4096, rng.randrange(2**16), rng.randrange(2**20)])
+
+
+def limited(rng, seconds):
+    """A limit on the size of files."""
+    return endedInWords(Fallen("--limit", str(room(rng))))
+
+
 def outOfDisk(rng, seconds):
-    """A limit on the size of files: from a few bytes to what all but the last rows and frames need."""
-    one = Fallen("--limit", str(rng.choice([100, 4096, rng.randrange(2**16), rng.randrange(2**20)])))
+    """No room on the disk but for some bytes, to which old files do not count."""
+    disk = os.statvfs(".")
+    with open("filler", "wb") as file:
+        os.posix_fallocate(file.fileno(), 0, max(1, disk.f_bavail * disk.f_frsize - room(rng)))
+    try:
+        return endedInWords(Fallen())
+    finally:
+        os.remove("filler")
+
+
+@contextlib.contextmanager
+def smallDisk(folder):
+    """The working folder is on a disk of its own; skipped where none can be made."""
+    folder = folder / "small"
+    folder.mkdir()
+    before, options = os.getcwd(), ["-t", "tmpfs", "-o", f"size={SIZE}", "tmpfs", str(folder)]
+    if os.geteuid() != 0 or subprocess.run(["mount", *options], capture_output=True).returncode != 0:
+        pytest.skip("a disk of its own needs the right to mount one")
+    try:
+        os.chdir(folder)
+        yield
+    finally:
+        os.chdir(before)
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def endedInWords(one):
+    """A start of the victim that has ended without a signal, and has told what it could not write."""
     one.wait()
     assert one.code >= 0, f"it ended by a signal, {-one.code}"
     if one.code:
@@ -129,16 +167,22 @@ def signalled(rng, seconds):
     return one.wait()
 
 
-BLOWS = {"killed": killed, "out of disk": outOfDisk, "signalled": signalled}
+BLOWS = {"killed": killed, "limited": limited, "out of disk": outOfDisk, "signalled": signalled}
+COUNTS = {"killed": 100, "limited": 50, "out of disk": 50, "signalled": 50}
+
+
+def bearThem(undisturbed, count, name, folder):
+    with smallDisk(folder) if name == "out of disk" else contextlib.nullcontext():
+        return bear(undisturbed, count, BLOWS[name])
 
 
 @pytest.mark.parametrize("name", BLOWS)
-def test_a_run_survives_a_few(undisturbed, name):
-    bear(undisturbed, 1, BLOWS[name])
+def test_a_run_survives_a_few(undisturbed, name, tmp_path):
+    bearThem(undisturbed, 1, name, tmp_path)
 
 
 @pytest.mark.slow  # 10 minutes
-@pytest.mark.parametrize("name, count", [("killed", 100), ("out of disk", 50), ("signalled", 50)])
-def test_a_run_survives_many(undisturbed, name, count):
-    fallen = bear(undisturbed, count, BLOWS[name])
+@pytest.mark.parametrize("name, count", COUNTS.items())
+def test_a_run_survives_many(undisturbed, name, count, tmp_path):
+    fallen = bearThem(undisturbed, count, name, tmp_path)
     print(name, len(fallen), "starts, of which to the end:", sum(one.code == 0 for one in fallen))

@@ -2,14 +2,13 @@
 """What every mesh must be before the solver takes it: the one place where that is checked."""
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from .mesh import FACETS, MAX_MASTERS, Mesh
 from .numbers import formatPoint
+from .overlap import overlappingCell
 
 MOST_VERTICES = 2**31 - 1  # the solver numbers them by 32 bits
-NEAREST = 9  # balls looked at around each; where none overlap, six touch a ball of their size, and it is one
-OFF_ITS_MASTERS = 1e-6  # of the size of the mesh; round-off is 1e-15
+OFF_ITS_MASTERS = 1e-6  # of the size of the mesh, hence cells may overlap by as much; round-off is 1e-15
 
 
 def checkMesh(name, mesh):
@@ -123,7 +122,7 @@ def _checkPlaces(name, points, slaves, masters, weights):
 
 
 def _refuseOverlap(name, points, cells):
-    """Refuses cells that lie on each other: as facets that they share tell, and balls inside of them."""
+    """Refuses cells that lie on each other: as facets that they share tell, and planes between them."""
     table = FACETS[points.shape[1]]
     facets = cells[:, table].reshape(-1, len(table[0]))
     owners = np.repeat(np.arange(len(cells)), len(table))
@@ -134,7 +133,8 @@ def _refuseOverlap(name, points, cells):
     if not len(twice):
         twice = _sameSide(facets, owners, index.ravel(), counts)
     if not len(twice):
-        twice = _overlappingBalls(points, cells)
+        one = overlappingCell(points, cells, OFF_ITS_MASTERS * np.ptp(points, axis=0).max())
+        twice = [] if one is None else [one]
     if len(twice):
         place = formatPoint(points[cells[twice[0]]].mean(axis=0).round(9))
         raise ValueError(
@@ -153,41 +153,6 @@ def _sameSide(facets, owners, index, counts):
     following = np.take_along_axis(second, ((start + 1) % facets.shape[1])[:, None], axis=1)[:, 0]
     isSame = following == first[:, 1] if facets.shape[1] > 2 else (first == second).all(axis=1)
     return owners[pairs[isSame, 1]]
-
-
-def _overlappingBalls(points, cells):
-    """Cells in which a ball lies that overlaps one in another cell; by classes of size."""
-    centres, radii = points[cells].mean(axis=1), _inscribedRadii(points, cells)
-    classes = np.floor(np.log2(radii / radii.min())).astype(int)
-    found = []
-    for one in np.unique(classes):
-        large, others = np.flatnonzero(classes == one), np.flatnonzero(classes <= one)
-        tree, reach = cKDTree(centres[large]), 2 * radii[large].max()
-        count = min(NEAREST, len(large))
-        distance, place = tree.query(centres[others], k=range(1, count + 1), distance_upper_bound=reach)
-        isThere = place < len(large)
-        partner = large[np.where(isThere, place, 0)]
-        isOther = isThere & (partner != others[:, None])
-        touching = radii[others][:, None] + radii[partner]
-        found.append(others[(isOther & (distance < (1 - 1e-6) * touching)).any(axis=1)])
-    return np.concatenate(found)
-
-
-def _inscribedRadii(points, cells):
-    """Radius of a ball around the centre of each cell that is inside of it, for cells that are convex."""
-    centres = points[cells].mean(axis=1)
-    dim, radii = points.shape[1], np.full(len(cells), np.inf)
-    for facet in FACETS[dim]:
-        triples = (
-            [facet] if dim == 2 else [[facet[k], facet[(k + 1) % 4], facet[(k + 2) % 4]] for k in range(4)]
-        )
-        for triple in triples:
-            start, *others = (points[cells[:, k]] for k in triple)
-            along = [other - start for other in others]
-            normal = along[0][:, ::-1] * (1, -1) if dim == 2 else np.cross(*along)
-            size = np.maximum(np.linalg.norm(normal, axis=1), 1e-300)
-            radii = np.minimum(radii, np.abs(np.einsum("cd,cd->c", centres - start, normal)) / size)
-    return np.maximum(radii, 1e-12 * np.ptp(points, axis=0).max())
 
 
 def _require(isRight, complaint):

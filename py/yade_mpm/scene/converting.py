@@ -60,7 +60,7 @@ def _checked(scene, body, region, type):
     numbers = np.flatnonzero(region.contains(body.position))
     if len(numbers) == 0:
         what = "domain" if isinstance(body.type, MeshedType) else "particle"
-        raise ValueError(f"{who}: no {what} has its centre in the region")
+        raise ValueError(f"{who}: no {what} has its centre in the region; give a larger one")
     return numbers
 
 

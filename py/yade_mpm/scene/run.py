@@ -7,7 +7,6 @@ import sys
 import threading
 
 from ..base.attributes import keep
-from ..engine.callback import PyRunner
 from .pace import Pace
 from .policy import LoopPolicy
 from .progress import Progress
@@ -141,8 +140,7 @@ class Run:
         self._saveIfWanted()
         scene.core.threads = scene.threads
         policy.lookAtDomains(math.inf)
-        if any(isinstance(e, PyRunner) and not e.dead for e in scene.engines):  # which may write to fields
-            policy.lookAtFields()
+        policy.lookAtFields()  # also what the last step has left, which no other one looks at
 
     def _saveMeanwhile(self):
         """For what leaves no time to save: power that fails, a killed process."""

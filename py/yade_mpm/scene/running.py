@@ -94,6 +94,12 @@ def handOver(scene, loop):
     loop : object with isAlive(), whether steps may be going on; isThisThread(), whether the caller is a
         callback of them; stop() and wait(). None: nobody has the scene.
     """
+    lacks = [n for n in ("isAlive", "isThisThread", "stop", "wait") if not callable(getattr(loop, n, None))]
+    if loop is not None and (lacks or isinstance(loop, type)):
+        raise TypeError(
+            f"Scene.handOver: loop = {loop!r} is not allowed; give an object with isAlive(), "
+            "isThisThread(), stop() and wait(), or None"
+        )
     scene._loop = loop
 
 

@@ -28,6 +28,17 @@ BLENDS = {
 }  # of engines, that the longest stable step depends on
 
 
+def _holding(method):
+    """A method that is refused where another thread is at work with the scene."""
+
+    @functools.wraps(method)
+    def held(self, *args, **named):
+        with self._scene.holder.held(f"Stepper.{method.__name__}"):
+            return method(self, *args, **named)
+
+    return held
+
+
 class Stepper:
     """Makes a scene ready to step, and takes its steps; `scene.stepper`.
 
@@ -100,6 +111,7 @@ class Stepper:
         if self.onChange is not None:
             self.onChange()
 
+    @_holding
     def restore(self, isChecked, estimatedAt, estimatedVolumes, automaticDt):
         """State of a scene from a checkpoint: whether its time step was checked, and the last estimate."""
         self.constraints = self._motions()  # whose work diagnostics count, also before the next run
@@ -107,6 +119,7 @@ class Stepper:
         self.estimatedAt, self.estimatedVolumes = estimatedAt, estimatedVolumes
         self.automaticDt = automaticDt
 
+    @_holding
     def prepare(self):
         """Checks the scene and gives the chain to the solver; see `Scene.run` for what is refused."""
         scene = self._scene
@@ -157,6 +170,7 @@ class Stepper:
         return self._scene.core.dt
 
     @dt.setter
+    @_holding
     def dt(self, value):
         if not (isNumber(value) and 0 < value < math.inf):
             raise ValueError(f"Stepper: dt = {value!r} s is not allowed; give a positive number")
@@ -166,6 +180,7 @@ class Stepper:
         lambda self: self._fullDt or self.dt, doc="Length of the steps, s; of those at the end of a run, too."
     )
 
+    @_holding
     def checkTimeStep(self):
         """Estimates the critical step; takes a share of it if dt was left out, refuses a dt above it
         otherwise."""
@@ -199,6 +214,7 @@ class Stepper:
         """The step follows the estimate just made; growth counts from here."""
         self.estimatedAt, self.estimatedVolumes = self._scene.steps, largestVolumes(self._scene)
 
+    @_holding
     def estimateCriticalStep(self, tolerance=1e-4, iterations=300, asIfExplicit=False):
         """Critical step of the scene as it stands, s; sets scene.dtCritical and scene.stiffest.
 
@@ -226,6 +242,7 @@ class Stepper:
         now, then = largestVolumes(self._scene), self.estimatedVolumes
         return max([1.0, *(now[name] / then.get(name, now[name]) for name in now)])
 
+    @_holding
     def takeSafeDt(self, growth=1.0):
         """Steps by the share of the critical step that is taken where nobody has given dt, from now on.
 
@@ -301,7 +318,9 @@ class Stepper:
         """One thread at a time steps the scene, and never from within a step."""
         with self._scene.holder.held(what):
             if self._isStepping:
-                raise RuntimeError(f"Stepper.{what}: a step is going on; a callback cannot step the scene")
+                raise RuntimeError(
+                    f"Stepper.{what}: a step is going on; a callback cannot step the scene, nor set its clock"
+                )
             self._isStepping = True
             try:
                 yield
@@ -310,15 +329,26 @@ class Stepper:
 
     def actOf(self, engine):
         """A function that lets one engine of the chain act, for those who call it in every step."""
-        return functools.partial(self._scene.core.actAlone, engine.core)
+        actAlone, core = self._scene.core.actAlone, engine.core
+        refuseOthers = self._scene.holder.refuseOthers
+
+        def act():
+            refuseOthers("Stepper.act")
+            actAlone(core)
+
+        return act
 
     def endStep(self, time):
         """The end of a step that was taken engine by engine; sets the clock, s."""
-        self._scene.core.endStep(_asTime("endStep", time))
+        time = _asTime("endStep", time)
+        with self._alone("endStep"):
+            self._scene.core.endStep(time)
 
     def setTime(self, time):
         """Sets the clock between two steps, s: to that of the program that owns it."""
-        self._scene.core.time = _asTime("setTime", time)
+        time = _asTime("setTime", time)
+        with self._alone("setTime"):
+            self._scene.core.time = time
 
     def isMidStep(self):
         """Whether a callback is at work between two stages of a step, where the state is neither old nor

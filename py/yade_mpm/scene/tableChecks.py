@@ -21,19 +21,30 @@ def checkTables(body, count, stored):
     for name, table in tables.items():
         _require(table.ndim == 1, f"{name} has {table.ndim} dimensions")
     points = len(domains["vertexPosition"]) if "vertexPosition" in domains else count
-    for name, field in domains.items():
-        isWhole = not name.startswith("vertex") or len(field) == points
-        _require(isWhole, f"{name} has {len(field)} rows for {points} vertices")
+    dim = body.core.fields(False)[1]["shape"][0]
+    _checkRows(domains, points, count, dim)
     _checkGroups(tables.get("blockStart"), tables.get("blockOrder"), points)
     if "corners" in tables:
-        corners = 2 ** body.core.fields(False)[1]["shape"][0]
-        _require(tables["corners"].size == corners * count, f"corners has {tables['corners'].size} numbers")
+        _require(tables["corners"].size == 2**dim * count, f"corners has {tables['corners'].size} numbers")
         checkRange("corners", tables["corners"], 0, points)
         checkHanging(points, tables["slaves"], tables["masters"], domains.get("masterWeight"))
     if "runsWhenSorted" in tables:
         _require(tables["runsWhenSorted"].shape == (1,), "runsWhenSorted is not one number")
         checkRange("runsWhenSorted", tables["runsWhenSorted"], 0, max(1, points) + 1)
     _checkNumbers(count, stored)
+
+
+def _checkRows(domains, points, count, dim):
+    """Fields with a row for each vertex, domain, facet of the outline or axis have just as many."""
+    facets = len(domains.get("outlineCarrier", ()))
+    for name, field in domains.items():
+        whose = {"hourglassReference": (count, "domains"), "halfSize": (dim, "axes")}.get(name)
+        if name.startswith("vertex"):
+            whose = points, "vertices"
+        elif name.startswith("outline"):
+            whose = facets, "facets"
+        if whose:
+            _require(len(field) == whose[0], f"{name} has {len(field)} rows for {whose[0]} {whose[1]}")
 
 
 def _checkGroups(start, order, points):

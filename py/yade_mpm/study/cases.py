@@ -10,6 +10,7 @@ import numpy as np
 from scipy.stats import qmc
 
 DEFAULTS = ("", "*")  # what a table may have in place of a value that is the scene's default
+LONGEST = 1000  # characters of a cell
 DESCRIPTION = "description"  # a column that names cases, as YADE's tables have
 
 
@@ -19,13 +20,16 @@ def readTable(file, parameters):
 
     parameters : Parameters of the scene, which say what is allowed. ValueError names file, line and column.
     """
-    with open(file, encoding="utf-8") as opened:
-        lines = [(n, line.strip()) for n, line in enumerate(opened, 1)]
+    try:
+        with open(file, encoding="utf-8") as opened:
+            lines = [(n, line.strip()) for n, line in enumerate(opened, 1)]
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{file}: it is no text in UTF-8 ({error.reason}); save it as such") from None
     lines = [(n, line) for n, line in lines if line and not line.startswith("#")]
     if len(lines) < 2:
         raise ValueError(f"{file}: there is no case in it; give a line of names and a line for each case")
     isCsv = "," in lines[0][1]
-    rows = [(n, next(csv.reader([line])) if isCsv else shlex.split(line, comments=True)) for n, line in lines]
+    rows = [(n, _columns(f"{file}, line {n}", line, isCsv)) for n, line in lines]
     names = [name.strip() for name in rows[0][1]]
     cases, above = [], [""] * len(names)
     for number, row in rows[1:]:
@@ -37,6 +41,17 @@ def readTable(file, parameters):
         row = above = [old if text.strip() == "=" else text.strip() for text, old in zip(row, above)]
         cases.append(_read(f"{file}, line {number}", parameters, zip(names, row)))
     return cases
+
+
+def _columns(where, line, isCsv):
+    try:
+        row = next(csv.reader([line])) if isCsv else shlex.split(line, comments=True)
+    except (csv.Error, ValueError) as error:  # such as a quote that does not end
+        raise ValueError(f"{where}: {error}; mend the line") from None
+    longest = max(map(len, row), default=0)
+    if longest > LONGEST:
+        raise ValueError(f"{where}: a cell has {longest} characters; mend the line")
+    return row
 
 
 def _read(where, parameters, texts):

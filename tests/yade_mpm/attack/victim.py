@@ -18,7 +18,7 @@ from yade_mpm import box
 from yade_mpm.io import history
 from yade_mpm.scene import policy
 
-STEPS, PIECE = 600, 60
+STEPS, PIECE = 240, 40
 FILES = ("saved.h5", "rescued.h5", "rescued.failed.h5")
 
 

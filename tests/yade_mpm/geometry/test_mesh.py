@@ -4,6 +4,7 @@ import pytest
 import yade_mpm as mpm
 from yade_mpm.geometry.lattice import latticePoints
 from yade_mpm.geometry.mesh import boundaryFacets, cellVolumes, cornerJacobians
+from yade_mpm.geometry.meshChecks import checkMesh
 from yade_mpm.geometry.meshing import meshRegion, refineNear
 from yade_mpm.geometry.meshInput import meshFromArrays, meshFromFile
 from yade_mpm.geometry.regions import box, sphere
@@ -347,6 +348,57 @@ def test_a_mesh_that_would_lead_the_solver_astray_is_refused(mesh, told):
     mass."""
     with pytest.raises(ValueError, match=f"'m': .*{told}"):
         added(mesh)
+
+
+def bars(dim, *places):
+    """Mesh of boxes, lower and upper corner each, that share no vertex."""
+    corners = CORNERS[dim]
+    points = np.concatenate([np.add(low, corners * np.subtract(high, low)) for low, high in places])
+    return points, np.arange(len(points)).reshape(-1, len(corners))
+
+
+CROSSING = {
+    "2D": bars(2, ((0, 0.9), (2, 1)), ((0.4, 0), (0.5, 2))),
+    "along": bars(2, ((0, 0), (1, 0.01)), ((0.95, 0), (1.95, 0.01))),
+    "corner in a wide one": bars(2, ((0, 0), (2, 2)), ((1.9, 1.9), (1.95, 1.91))),
+    "3D": bars(3, ((0, 0.9, 0.9), (2, 1, 1)), ((0.4, 0, 0.95), (0.5, 2, 1.05))),
+    "plates": bars(3, ((0, 0, 0.9), (2, 2, 0.95)), ((0.9, 0, 0), (0.95, 2, 2))),
+}
+
+
+@pytest.mark.parametrize("name", CROSSING)
+@pytest.mark.parametrize("angle", [0, 0.3])
+def test_thin_cells_that_cross_are_found(name, angle):
+    """Balls around their centres, which were looked at before, are apart."""
+    points, cells = CROSSING[name]
+    turn = np.eye(points.shape[1])
+    turn[:2, :2] = [(np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle))]
+    with pytest.raises(ValueError, match="'m': cell 1 at .* lies on another one"):
+        checkMesh("m", mpm.Mesh(points @ turn, cells))
+
+
+@pytest.mark.parametrize("dim, cells", [(2, 12), (3, 5)])
+@pytest.mark.parametrize("seed", range(5))
+def test_distorted_meshes_and_thin_cells_side_by_side_are_taken(dim, cells, seed):
+    """Warped facets, cells of 1 to 50, and thin ones that touch; in 3D one mesh in its own frame, one
+    turned."""
+    random = np.random.default_rng(seed)
+    whole = meshOf(dim, cells)
+    edge = 1 / cells
+    isInside = ((whole.points > 0.5 * edge) & (whole.points < 1 - 0.5 * edge)).all(axis=1)
+    moved = whole.points + 0.22 * edge * random.uniform(-1, 1, whole.points.shape) * isInside[:, None]
+    turn = np.linalg.qr(random.normal(size=(dim, dim)))[0]
+    for points in (moved, whole.points * ((1, 0.02, 0.3)[:dim]) @ (turn * np.sign(np.linalg.det(turn)))):
+        assert len(checkMesh("m", mpm.Mesh(points, whole.cells)).cells) == cells**dim
+
+
+def meshOf(dim, cells):
+    """A unit cube of boxes that share vertices."""
+    points, corners = bars(
+        dim, *((np.array(i) / cells, (np.array(i) + 1) / cells) for i in np.ndindex(*[cells] * dim))
+    )
+    shared, number = np.unique(points.round(9), axis=0, return_inverse=True)
+    return mpm.Mesh(shared, number.ravel()[corners])
 
 
 def test_cells_on_each_other_are_found_in_3d_and_meshes_of_regions_have_none():

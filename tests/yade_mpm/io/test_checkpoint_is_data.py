@@ -272,14 +272,21 @@ def test_a_description_with_anything_in_any_place_is_refused_or_loads(tmp_path):
     assert refused > 25
 
 
-def test_fields_of_vertices_have_a_row_for_each():
-    """Half of the velocities were taken, and the solver read and wrote behind them."""
+@pytest.mark.parametrize(
+    "name, what",
+    [
+        ("1/domains/vertexVelocity", "vertices"),
+        ("1/domains/hourglassReference", "domains"),
+        ("0/domains/halfSize", "axes"),
+        ("2/domains/outlineCarrier", "facets"),
+        ("2/domains/outlineOffset", "facets"),
+        ("2/domains/outlineArea", "facets"),
+    ],
+)
+@pytest.mark.parametrize("change", [lambda v: v[::2], lambda v: np.concatenate([v, v]), lambda v: v[:0]])
+def test_fields_have_a_row_for_each_of_what_they_tell(name, what, change):
+    """Half of the velocities of vertices were taken, and the solver read and wrote behind them."""
     makeScene().save("a.h5")
-    with h5py.File("a.h5", "r+") as h5:
-        group = h5["bodies/1/domains"]
-        half = group["vertexVelocity"][:][::2]
-        del group["vertexVelocity"]
-        group["vertexVelocity"] = half
-    checkpoint.seal("a.h5")
-    with pytest.raises(ValueError, match="vertexVelocity has .* rows for .* vertices; use an older one"):
+    damagedArray(f"bodies/{name}", change)
+    with pytest.raises(ValueError, match=f"has .* rows for .* {what}; use an older one"):
         mpm.load("a.h5")

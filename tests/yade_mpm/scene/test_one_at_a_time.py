@@ -100,10 +100,20 @@ def test_a_run_in_the_background_keeps_its_chain_and_its_bodies():
         lambda: setattr(scene["soft"], "implicit", True),
         lambda: setattr(scene["soft"], "group", "other"),
         lambda: scene.initialStress(1.6, K0=0.5),
+        scene.stepper.prepare,
+        scene.stepper.checkTimeStep,
+        scene.stepper.estimateCriticalStep,
+        scene.stepper.takeSafeDt,
+        scene.stepper.actOf(scene.engines[0]),
+        lambda: scene.stepper.setTime(99.0),
+        lambda: scene.stepper.endStep(99.0),
+        lambda: setattr(scene.stepper, "dt", 1e-9),
+        lambda: scene.stepper.restore(True, 0, {}, 1e-9),
     ):
         with pytest.raises(RuntimeError, match="a run is going on in the background|is at work with the sce"):
             action()
     scene.pause()
+    assert scene.time < 99 and scene.stepper.dt > 1e-6
     assert not scene["soft"].implicit and scene["soft"].group == "main"
 
 

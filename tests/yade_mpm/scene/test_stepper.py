@@ -126,6 +126,15 @@ def test_another_program_that_has_the_scene_is_asked():
     assert scene.steps == 1 and not scene.running
 
 
+@pytest.mark.parametrize("loop", [mpm.UGIMP, 1, "a", object()])
+def test_what_is_no_loop_is_not_given_the_scene(loop):
+    """It was taken, and everything else then failed for want of isAlive."""
+    scene = falling()
+    with pytest.raises(TypeError, match="handOver: loop = .* is not allowed; give an object with isAlive"):
+        scene.handOver(loop)
+    scene.step()
+
+
 def test_an_engine_that_is_not_on_turn_is_refused():
     """Without the particles' places in the grid it went round for ever, or crashed."""
     scene = falling()
@@ -240,6 +249,16 @@ def test_particles_without_matter_end_the_next_step(field, way):
         for _ in range(10):
             scene.step()
             change(scene)
+
+
+def test_what_the_last_step_of_a_run_has_left_is_looked_at():
+    """A body that its neighbour blew away had volumes below zero, and the run had gone well."""
+    scene = mpm.Scene((0, 0), (4, 4), 0.5)
+    elastic = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
+    boxes = scene.add("boxes", box((1, 1), (2, 2)), elastic, mpm.UGIMP())
+    scene.add("mesh", box((2, 1), (3, 2)), elastic, mpm.APDI(size=0.5, matched=boxes)).stretchZZ = 1e30
+    with pytest.raises(RuntimeError, match="step 2: body 'boxes': volume = -.* is not positive; mend it"):
+        scene.run(steps=2, progress=False)
 
 
 def test_ctrl_c_comes_through_between_two_steps():

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Cases of a study from tables, grids and samples."""
 
+import re
+
 import numpy as np
 import pytest
 from yade_mpm import Parameter, Parameters
@@ -106,4 +108,19 @@ def test_a_table_written_for_yade_is_read_as_it_was(tmp_path):
 def test_a_wrong_table_is_told_with_its_line(tmp_path, text, message):
     (tmp_path / "t.csv").write_text(text)
     with pytest.raises(ValueError, match=message):
+        cases.readTable(tmp_path / "t.csv", PARAMETERS)
+
+
+@pytest.mark.parametrize(
+    "content, message",
+    [
+        (b"phi\n0.3 \xff\n", "it is no text in UTF-8 (invalid start byte); save it as such"),
+        (b"phi  v\n0.3 'a\n", "line 2: No closing quotation; mend the line"),
+        (b"phi,v\n0.3," + b"9" * 2000 + b"\n", "line 2: a cell has 2000 characters; mend the line"),
+    ],
+    ids=["bytes", "quote", "long cell"],
+)
+def test_a_table_that_is_damaged_is_refused_by_its_name(tmp_path, content, message):
+    (tmp_path / "t.csv").write_bytes(content)
+    with pytest.raises(ValueError, match=f"t.csv.*{re.escape(message)}"):
         cases.readTable(tmp_path / "t.csv", PARAMETERS)

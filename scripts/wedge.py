@@ -97,7 +97,7 @@ def build(a):
     drained = dict(lame=(1.5 * SHEAR, SHEAR), **angles) if a.phi else {}  # Poisson's ratio 0.3
     reference.addSoil(scene, box((-half, -height), (half, 0)), a, **drained)
     mesh = wedgedColumn(0.0, 0.0, 2 * wide, rise, 2 * a.psi, 0.5 * a.cell)
-    walls = dict(damping=0.05, roller=("left", "right"), fixed="bottom")
+    walls = dict(roller=("left", "right"), fixed="bottom")
     reference.drive(scene, "wedge", mesh, a, RAMP, **walls)
     return scene
 

@@ -83,8 +83,10 @@ def test_a_rough_tbar_meets_a_third_more():
 # --- wedge ------------------------------------------------------------------------------------------------
 @slow
 def test_a_wedge_follows_hill():
-    summary = run("wedge")
-    assert abs(summary["error"]) < 0.07
+    """To six cells. The smoke run, three times as fast, is 4.6 % high."""
+    full = ["--cell", "0.1", "--rate", "0.1", "--depth", "0.6"]
+    summary = run("wedge", *full)
+    assert abs(summary["error"]) < 0.03
     assert abs(summary["offsetInCells"]) < 0.8
-    assert summary["lip"] == pytest.approx(summary["exactLip"], abs=0.05)
-    assert byNodes("wedge")["error"] > 0.08  # control
+    assert summary["lip"] == pytest.approx(summary["exactLip"], abs=0.02)
+    assert run("wedge", *full, "--constraints", "nodes")["error"] > 0.04  # control

@@ -100,7 +100,7 @@ def test_a_deep_tip_is_that_of_a_strip():
 # --- wedge in soil with friction ------------------------------------------------------------------------
 @slow
 def test_a_wedge_in_soil_with_friction():
-    summary = run("wedge", "--smoke", "--phi", "20")
-    assert abs(summary["error"]) < 0.13
+    summary = run("wedge", "--rate", "0.1", "--cell", "0.1", "--depth", "0.6", "--phi", "20")
+    assert abs(summary["error"]) < 0.08
     assert abs(summary["offsetInCells"]) < 0.5
     assert summary["lip"] > 0.6  # 0.42 without friction

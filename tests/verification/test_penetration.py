@@ -81,12 +81,22 @@ def test_a_rough_tbar_meets_a_third_more():
 
 
 # --- wedge ------------------------------------------------------------------------------------------------
+FULL = ["--cell", "0.1", "--rate", "0.1", "--depth", "0.6"]  # to six cells
+
+
 @slow
-def test_a_wedge_follows_hill():
-    """To six cells. The smoke run, three times as fast, is 4.6 % high."""
-    full = ["--cell", "0.1", "--rate", "0.1", "--depth", "0.6"]
-    summary = run("wedge", *full)
+@pytest.mark.parametrize("kind", ["ugimp", "hybrid"])
+def test_a_wedge_follows_hill(kind):
+    """The smoke run, three times as fast, is 4.6 % high."""
+    summary = run("wedge", *FULL, "--types", kind)
     assert abs(summary["error"]) < 0.03
     assert abs(summary["offsetInCells"]) < 0.8
     assert summary["lip"] == pytest.approx(summary["exactLip"], abs=0.02)
-    assert run("wedge", *full, "--constraints", "nodes")["error"] > 0.04  # control
+    if kind == "ugimp":
+        assert run("wedge", *FULL, "--constraints", "nodes")["error"] > 0.04  # control
+
+
+@slow
+@pytest.mark.parametrize("kind", ["ugimp", "hybrid"])
+def test_control_without_fbar_a_wedge_meets_too_much(kind):
+    assert run("wedge", *FULL, "--types", kind, "--noFbar")["error"] > 0.12

@@ -15,6 +15,7 @@ import yade_mpm as mpm
 from ..io import plot
 from ..io.files import saveJson
 from .curves import travel
+from .ground import addGround
 from .record import record
 
 STRENGTH, SHEAR, POISSON, DENSITY = 10.0, 1000.0, 0.49, 1.5  # kPa, kPa, -, Mg/m3 (inertia only)
@@ -32,10 +33,19 @@ def clay(**changes):
     return mpm.MohrCoulombDruckerPrager(**given | changes)
 
 
-def addSoil(scene, region, a, **changes):
-    """Adds the body "soil" of uGIMP, weightless. a : arguments with `noFbar`; changes : as of `clay`."""
-    boxes = mpm.UGIMP(perCell=2, splitAt=1.3)
-    return scene.add("soil", region, clay(**changes), boxes, fbar=not a.noFbar, group="soil")
+def addSoil(scene, region, a, zone=None, types="ugimp", **changes):
+    """Adds weightless soil, of the types of `addGround`, and returns the body that flows.
+
+    a : arguments with `noFbar`. zone : what flows (None: all). changes : as of `clay`.
+    """
+    more = dict(splitAt=1.3, fbar=not a.noFbar, group="soil")
+    addGround(scene, "soil", region, zone or region, clay(**changes), types, **more)
+    return soilOf(scene)
+
+
+def soilOf(scene):
+    """The body of soil that flows."""
+    return next(body for body in scene.bodies if body.name in ("soil", "near soil"))
 
 
 def drive(scene, name, mesh, a, ramp, adhesion=0.0, friction=0.0, **solver):
@@ -75,7 +85,7 @@ def press(a, scene, way, ramp, columns=None):
 
 def strain(body):
     """Plastic shear strain of a body, for a picture: zero where nothing yields."""
-    return body.plasticShearStrain if body.name == "soil" else np.zeros(body.count)
+    return body.plasticShearStrain if body.name.endswith("soil") else np.zeros(body.count)
 
 
 def compare(file, field, computed, exact, labels, window, start=0):

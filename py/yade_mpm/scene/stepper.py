@@ -60,7 +60,8 @@ class Stepper:
     estimatedVolumes : dict, largest volume of a particle over its initial one at that time, by body.
     automaticDt : float, s, step that was chosen last where nobody has given dt; None before.
     acting : Engine, callback that is at work or has failed at it; None between them.
-    onChange : function without argument that is called when something of the scene has changed; default None.
+    onChange : function without argument that is called when something of the scene has changed; default None;
+        TypeError for what cannot be called.
     """
 
     def __init__(self, scene):
@@ -70,8 +71,18 @@ class Stepper:
         self._isStepping = False  # whether the solver is at work, or calls back
         self._fullDt = None  # in a step that is shorter
         self._checkedState = None  # what the critical step was checked for
-        self.constraints, self.acting, self.onChange = [], None, None
+        self.constraints, self.acting, self._onChange = [], None, None
         self.estimatedAt, self.estimatedVolumes, self.automaticDt = -1, {}, None
+
+    @property
+    def onChange(self):
+        return self._onChange
+
+    @onChange.setter
+    def onChange(self, function):
+        if not (function is None or callable(function)):
+            raise TypeError(f"Stepper: onChange = {function!r} is not allowed; give a function, or None")
+        self._onChange = function
 
     # --- readiness ------------------------------------------------------------------------------------
     @property

@@ -29,7 +29,7 @@ KINDS = (ValueError, TypeError, KeyError, IndexError, AttributeError, RuntimeErr
 KINDS += (NotImplementedError, ImportError, argparse.ArgumentTypeError)
 WORDS = "give given use set make choose move check take takes add lower enlarge report pause run mend got"
 WORDS += " remove refine order count may lies need needs needed allowed must cannot not"
-WORDS += " let continue already only exists permission fill"
+WORDS += " subtract let continue already only exists permission fill"
 ADVICE = re.compile(
     rf"\b({WORDS.replace(' ', '|')}|there is no|has no|is no|no body has|did you mean|no such file)\b", re.I
 )

@@ -132,6 +132,11 @@ def test_what_is_no_loop_is_not_given_the_scene(loop):
     scene = falling()
     with pytest.raises(TypeError, match="handOver: loop = .* is not allowed; give an object with isAlive"):
         scene.handOver(loop)
+    if not callable(loop):
+        with pytest.raises(
+            TypeError, match="Stepper: onChange = .* is not allowed; give a function, or None"
+        ):
+            scene.stepper.onChange = loop
     scene.step()
 
 

@@ -2,7 +2,6 @@
 """What every mesh must be before the solver takes it: the one place where that is checked."""
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from .mesh import FACETS, MAX_MASTERS, Mesh
 from .numbers import formatPoint
@@ -157,6 +156,8 @@ def _sameSide(facets, owners, index, counts):
 
 def _overlappingBalls(points, cells):
     """Cells in which a ball lies that overlaps one in another cell; by classes of size."""
+    from scipy.spatial import cKDTree  # late: 0.1 s, and few need it
+
     centres, radii = points[cells].mean(axis=1), _inscribedRadii(points, cells)
     classes = np.floor(np.log2(radii / radii.min())).astype(int)
     found = []

@@ -51,9 +51,17 @@ def waitFor(condition, seconds=PATIENCE):
 
 
 def isUnderWay():
-    """One case is finished, another one has just begun its steps."""
-    logs = [f.read_text() for f in Path("o/cases").glob("*/log.txt")]
-    return state.DONE in states() and sum("particles; " in log for log in logs) > states().count(state.DONE)
+    """One case is finished, and one that began after that has been at its steps for half a second."""
+    cases = {f.parent: json.loads(f.read_text()) for f in Path("o/cases").glob("*/state.json")}
+    ended = min((at["ended"] for at in cases.values() if at["state"] == state.DONE), default=None)
+    return ended is not None and any(
+        at["state"] == state.RUNNING and at["began"] > ended and isStepping(folder / "log.txt")
+        for folder, at in cases.items()
+    )
+
+
+def isStepping(log):
+    return "particles; " in log.read_text() and time.time() > log.stat().st_mtime + 0.5
 
 
 def running():

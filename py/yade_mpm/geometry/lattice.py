@@ -8,7 +8,6 @@ neighbour or leave a gap; it is refused here, before anything runs.
 from itertools import product
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from .numbers import formatNumber, formatPoint
 from .outline import outlineFacets
@@ -67,6 +66,8 @@ def cutOutline(region, lower, upper, spacing, name, numbers, centroids):
     each facet the row of its cell (K,), where its middle is from the centroid (K, dim), m, and its outward
     area vector (K, dim), m2 (2D: m).
     """
+    from scipy.spatial import cKDTree  # late: 0.1 s, and few need it
+
     spacing = asSpacing(spacing, region.dim, name)
     lower, upper = _asGrid(lower, upper, region, name)
     block = _cellsRound(region, lower, upper, spacing, name)

@@ -11,7 +11,6 @@ exactly. Corners of the outline within a cell are cut off.
 from itertools import product
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 # of the spacing; corners are asked that far inside their cell, so that outlines on the lattice lie between
 # cells
@@ -170,6 +169,8 @@ def _shifted(values, k, side, shape):
 def _joined(rows, middles, outwards, small):
     """Facets, those smaller than `small` joined to the next that faces the same way: their direction is not
     well known."""
+    from scipy.spatial import cKDTree  # late: 0.1 s, and few need it
+
     size = np.linalg.norm(outwards, axis=1)
     large, few = size >= small, np.flatnonzero(size < small)
     if not large.any():

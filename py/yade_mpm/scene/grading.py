@@ -2,7 +2,6 @@
 """Graded grids: cells that grow away from a box, or lines where the user wants them."""
 
 import numpy as np
-from scipy.optimize import brentq
 
 from ..geometry.numbers import isNumber, numbers, requireFinite
 from ..geometry.region import Region
@@ -140,6 +139,8 @@ def _unlessEqual(lines, cell):
 
 def _outward(length, cell, growth, largest):
     """Distances of the lines from the box, for cells that grow from one to the next and fill a length, m."""
+    from scipy.optimize import brentq  # late: 0.1 s, and few need it
+
     if length < 0.5 * cell:
         return np.zeros(0)
 

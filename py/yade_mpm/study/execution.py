@@ -11,10 +11,17 @@ from . import state
 from .optional import needed
 from .watch import GRACE, environment, runCase
 
-LOOK = 0.1  # s between looks at what has ended
+LOOK = 0.25  # s between looks at what has ended
 LOCAL = "127.0.0.1:0"  # this machine alone, any free port
-# Dask looks at what its threads do a hundred times per second, which takes 2 % of a processor; ours wait.
-SELDOM = {"distributed.worker.profile.interval": "1s", "distributed.worker.profile.cycle": "60s"}
+# Dask looks at its threads, its event loops and the load of its workers two to a hundred times per second,
+# which takes 3 % of a processor; ours wait.
+SELDOM = {
+    "distributed.worker.profile.interval": "1s",
+    "distributed.worker.profile.cycle": "60s",
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "2s",
+    "distributed.scheduler.work-stealing": False,
+}
 MEMORY = 1.0  # GiB that a case may need, unless told otherwise
 
 

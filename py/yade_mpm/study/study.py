@@ -13,7 +13,7 @@ from . import collect, execution, identity, report, state
 from .live import Live
 from .optional import needed
 
-REPORT_SHARE = 30.0  # a report that took a second to write is not written again for thirty
+REPORT_SHARE = 60.0  # a report that took a second to write is not written again for a minute
 REPORT_PAUSE = 2.0  # s at least
 
 

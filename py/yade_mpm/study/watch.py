@@ -13,7 +13,8 @@ import time
 
 from . import state
 
-LOOK = 0.05  # s between looks at the process
+LOOK = (0.05, 0.5)  # s between looks at the process, at least and at most
+LATE = 0.02  # of its time, by which the end of a case may be noticed late
 GRACE = 20.0  # s that a case has to leave its checkpoint
 PACKAGES = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 WATCHED = ("PYTHONPATH", "MPLBACKEND", "OMP_NUM_THREADS", "OMP_WAIT_POLICY")
@@ -63,6 +64,7 @@ def runCase(folder, stop, timeout=None, variables=None, cwd=None):
 
 def _wait(process, stop, until):
     """Waits for the end; returns TIMED_OUT or INTERRUPTED where the process was ended for that."""
+    began = time.monotonic()
     while process.poll() is None:
         why = state.INTERRUPTED if os.path.exists(stop) else None
         if until is not None and time.monotonic() > until:
@@ -70,7 +72,7 @@ def _wait(process, stop, until):
         if why:
             _end(process)
             return why
-        time.sleep(LOOK)
+        time.sleep(min(max(LOOK[0], LATE * (time.monotonic() - began)), LOOK[1]))
     return None
 
 

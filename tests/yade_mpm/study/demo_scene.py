@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A scene for tests of studies: a block that falls, and ways to fail."""
 
+import argparse
 import os
 import signal
 import time
@@ -34,6 +35,15 @@ def build(a):
         mpm.DomainUpdater(),
     ]
     scene.dt = 0.001
+    return scene
+
+
+def busy(a):
+    """A case that takes as long as a.work tells, s of a processor."""
+    began = time.process_time()
+    scene = build(argparse.Namespace(perCell=2, speed=0, gravity=10))
+    while time.process_time() < began + a.work:
+        pass
     return scene
 
 

@@ -4,28 +4,16 @@ cost no more each than few. Processor time, so that other load on the machine ch
 
 import json
 import resource
-import time
 from pathlib import Path
 
+import demo_scene
 import numpy as np
 import pytest
-import yade_mpm as mpm
 from yade_mpm.study import execution, state
 from yade_mpm.study.study import Study
 
 SCENE = Path(__file__).with_name("demo_scene.py")
 CASES, JOBS, WORK = 20, 2, 3.0  # work of a case, s of a processor
-
-
-def build(a):
-    """A case that takes as long as it is told, of processor time."""
-    a.began = time.process_time()
-    scene = mpm.Scene((0, 0), (1, 1), 0.25, threads=1)
-    rubber = mpm.LinearElastic(density=1, lame=(100, 100))
-    scene.add("block", mpm.box((0.25, 0.5), (0.75, 0.75)), rubber, mpm.UGIMP(perCell=2))
-    while time.process_time() < a.began + a.work:
-        pass
-    return scene
 
 
 def processorSeconds(who):
@@ -35,7 +23,7 @@ def processorSeconds(who):
 
 @pytest.mark.slow
 def test_two_cores_have_work_and_a_case_costs_less_than_a_second(tmp_path):
-    study = Study(build, [{"work": WORK, "number": i} for i in range(CASES)], tmp_path / "o")
+    study = Study(demo_scene.busy, [{"work": WORK, "number": i} for i in range(CASES)], tmp_path / "o")
     before = [processorSeconds(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
     frame = study.run(jobs=JOBS, quiet=True)
     own, cases = (

@@ -151,3 +151,19 @@ def test_an_order_in_which_bodies_feel_nothing_is_refused(tmp_path):
     assert all("YADE's cell is periodic" in text for text in said["periodic"])
     assert err.count("warning: 'mpm': gravity differs: the NewtonIntegrator has (0, 0, -1.62)") == 1
     assert err.count("gravity differs") == 2, "told again where it was changed"
+
+
+def test_another_scene_of_yade_is_not_run_without_its_soil(tmp_path):
+    said, _ = run(
+        """
+empty()
+scene = hybrid(); inYade.attach(scene)
+O.run(5, True)
+O.switchScene(); say("other", [fails(RuntimeError, lambda: O.run(2, True)), O.iter])
+O.switchScene(); O.run(2, True); say("back", [O.iter, scene.steps])
+""",
+        tmp_path,
+    )
+    message, iteration = said["other"]
+    assert "after O.switchScene(), switch back" in message and iteration == 0
+    assert said["back"] == [7, 7]

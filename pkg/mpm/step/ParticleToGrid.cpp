@@ -45,9 +45,12 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
             int p = begin;
             while (!isWrong(p)) ++p;
             const bool isMass = !(mass[p] > 0);
-            throw RunError(message("step ", step, ": body '", body.name, "': ", isMass ? "mass" : "volume",
-                                   " = ", isMass ? mass[p] : volume[p], " of entry ", p,
-                                   " is not positive; mend it"));
+            throw RunError(
+                message("step ", step, ": body '", body.name, "': ", isMass ? "mass" : "volume", " = ",
+                        isMass ? mass[p] : volume[p], " of entry ", p,
+                        " is not positive. Either something has written it, or the particle was "
+                        "turned inside out: then look at the last frames, and lower dt (fbar=True, "
+                        "closing=True and splitAt keep soil whole that flows far)"));
         });
     }
 

@@ -193,6 +193,8 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     ContactSearch<Dim>& search = state.search;
     auto& nodes = state.impulses.nodes;
     state.own.assign(search.nodes.size(), {});
+    state.starts.clear();
+    const bool mayBeThree = search.pairs.size() > 1; // groups on a node
     for (const ContactPair& pair : search.pairs) {
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side) {
@@ -204,6 +206,9 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                     const double v = nodes[i].v[side][k] = field.motion[node][k];
                     nodes[i].start[side][k] = W(k, k) > 0 ? W(k, k) * field.sum[node][NF::momentum + k] : v;
                 }
+                if (!mayBeThree) continue;
+                const auto started = state.starts.find({search.nodes[i].field[side], node});
+                if (started != state.starts.end()) nodes[i].start[side] = started->second;
             }
         state.impulses.implicit.find(scene, search.nodes, pair, nodes);
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
@@ -219,6 +224,9 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
         addFriction<Dim>(search, pair, loss());
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             exchange(scene, gravity, search.nodes[i], nodes[i]);
+        for (size_t i = pair.firstNode; i < pair.endNode && mayBeThree; ++i)
+            for (int side = 0; side < 2; ++side)
+                state.starts[{search.nodes[i].field[side], search.nodes[i].node}] = nodes[i].start[side];
         state.impulses.implicit.give(scene, nodes, 1 - loss());
     }
 }

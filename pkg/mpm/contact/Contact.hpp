@@ -5,6 +5,8 @@
 #include "mpm/contact/ContactImpulses.hpp"
 #include "mpm/scene/Scene.hpp"
 
+#include <map>
+
 namespace mpm {
 
 class Contact : public EngineOf<Contact>, public VelocityCoupling {
@@ -59,6 +61,8 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling {
             Mat<Dim> answer[2];
         };
         std::vector<Own> own;
+        // Of a group on a node, by their numbers: the velocity of the start as the pairs so far have left it.
+        std::map<std::pair<int, int>, Vec<Dim>> starts;
     };
     std::tuple<State<2>, State<3>> states_;
 

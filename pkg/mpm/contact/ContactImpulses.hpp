@@ -16,7 +16,8 @@ template <int Dim> struct NodeMotion {
     Mat<Dim> startInverseMass[2]; // of the node alone
     Vec<Dim> start[2], v[2];
     Impulses<Dim> J;
-    int responding[2] = {-1, -1}; // place in the response of implicit bodies, which then changes v; -1: none
+    // Place in the response of implicit bodies, -1: none. ImplicitSides has v then, until it tells the nodes.
+    int responding[2] = {-1, -1};
 
     void take(const Impulses<Dim>& more, double weight) {
         J.all += weight * more.all;
@@ -169,7 +170,7 @@ template <int Dim> class ContactImpulses {
     // The impulse at a site between nodes with weights S, anew, in view of what the others exchange.
     Rounded update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const int* at, const double* S,
                    int count) {
-        if (site.J.all.isZero(0)) {
+        if (site.J.all.isZero(0)) { // and so nothing makes it agree
             Vec<Dim> w = Vec<Dim>::Zero();
             for (int i = 0; i < count; ++i) w += S[i] * velocityAt(nodes[at[i]]);
             if (law.isApart(site, dt, w)) return {};

@@ -164,13 +164,13 @@ void BandMatrix::invert(int first, double* inverse, int stride) const {
             for (; k <= count; ++k)
                 for (int j = begin; j < end; ++j) own[j] -= c[k] * row(i + k)[j];
             for (int j = begin; j < end; ++j) own[j] *= c[0];
-            if (i < end - strip) continue;
+            if (i < end - strip) continue; // the strip has no part of the diagonal there
             double below = 0;
             for (k = 1; k <= count; ++k) below += c[k] * own[i + k];
             own[i] = c[0] * (c[0] - below);
             for (k = 1; k <= count; ++k) row(i + k)[i] = own[i + k]; // the next rows ask for it
         }
-    for (int begin = 0; begin < n; begin += width) // block by block, or each number were a line of memory
+    for (int begin = 0; begin < n; begin += width) // block by block: numbers of a column are lines apart
         for (int i = begin + band_ + 1; i < n; ++i)
             for (int j = begin; j < std::min(begin + width, i - band_); ++j) row(i)[j] = row(j)[i];
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Threads share what is one by one, particles and columns of the response; all sums are made by one, so that the
+// Threads share what is one by one, particles and single columns of the response; all sums are made by one, so that the
 // bits are the same for any number.
 #include "mpm/step/ImplicitBodies.hpp"
 
@@ -183,7 +183,8 @@ template <int Dim> void ImplicitBodies::respond(const Scene<Dim>& scene, Impulse
     int size = 0;
     for (auto& system : state.systems)
         withNumbers(state, system, [&] { size += system.placeRows(response, size, state.scratch); });
-    response.setSize(size, state.systems.size() == 1);
+    response.setSize(size);
+    if (state.systems.size() > 1) response.clearValues(); // between systems, which write their own rows alone
     for (auto& system : state.systems) system.respond(scene, response);
 }
 

@@ -137,17 +137,20 @@ int ImplicitSystem<Dim>::placeRows(ImpulseResponse<Dim>& response, int begin,
     std::sort(asked_.begin(), asked_.end());
     if (asked_.empty()) return 0;
     const int all = int(nodes.size()) - asked_.front()[0];
-    asksForAll_ =
+    byInverse_ =
         2 * int(asked_.size()) >= all; // the inverse takes half of the multiplications of all columns
     for (size_t i = 0; i < asked_.size(); ++i)
-        response.rows[asked_[i][1]] = begin + Dim * (asksForAll_ ? asked_[i][0] - asked_.front()[0] : int(i));
-    return Dim * (asksForAll_ ? all : int(asked_.size()));
+        response.rows[asked_[i][1]] = begin + Dim * (byInverse_ ? asked_[i][0] - asked_.front()[0] : int(i));
+    return Dim * (byInverse_ ? all : int(asked_.size()));
 }
 
 template <int Dim>
 void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) {
     if (asked_.empty()) return;
-    asksForAll_ ? respondByInverse(scene, response) : respondByColumns(scene, response);
+    if (byInverse_)
+        respondByInverse(scene, response);
+    else
+        respondByColumns(scene, response);
 }
 
 template <int Dim>

@@ -37,7 +37,7 @@ template <int Dim> class ImplicitSystem {
     // Gives those nodes of a response that belong to the system rows from `begin` on, and returns how many. number:
     // of these nodes in it, -1: others.
     int placeRows(ImpulseResponse<Dim>& response, int begin, const std::vector<int>& number);
-    // Fills in what belongs to these rows.
+    // Fills in all that belongs to these rows, zeros too.
     void respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response);
     // Adds what impulses on nodes change in the motion of all.
     void take(Scene<Dim>& scene, const Vec<Dim>& gravity, const std::vector<Impulse>& impulses,
@@ -54,7 +54,7 @@ template <int Dim> class ImplicitSystem {
     std::vector<std::pair<int, const typename StrainedNodes<Dim>::Entry*>> order_; // of the particle in work
     std::vector<double> mass_;              // of the bodies alone, on each node
     std::vector<std::array<int, 2>> asked_; // nodes of the response: number here, and there
-    bool asksForAll_ = false;               // nearly all of them: by the inverse, not column by column
+    bool byInverse_ = false; // at least half of the nodes from the first on: not column by column
 
     short holderOf(const NF& nodal, int unknown) const {
         return nodal.holder[nodes[unknown / Dim]][unknown % Dim];

@@ -5,6 +5,7 @@
 
 #include "mpm/base/types.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace mpm {
@@ -34,11 +35,12 @@ template <int Dim> class ImpulseResponse {
         rows.clear();
         size_ = 0;
     }
-    // For nodes to be given rows, and columns. What is not zero has to be written.
-    void setSize(int size, bool isFilled) {
+    // For nodes to be given rows, and columns. All values have to be written.
+    void setSize(int size) {
         size_ = size;
-        isFilled ? values_.resize(size_t(size) * size) : values_.assign(size_t(size) * size, 0.0);
+        values_.resize(size_t(size) * size);
     }
+    void clearValues() { std::fill(values_.begin(), values_.end(), 0.0); }
 
   private:
     int size_ = 0;

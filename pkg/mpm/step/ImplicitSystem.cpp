@@ -137,8 +137,9 @@ int ImplicitSystem<Dim>::placeRows(ImpulseResponse<Dim>& response, int begin,
     std::sort(asked_.begin(), asked_.end());
     if (asked_.empty()) return 0;
     const int all = int(nodes.size()) - asked_.front()[0];
-    byInverse_ =
-        2 * int(asked_.size()) >= all; // the inverse takes half of the multiplications of all columns
+    // The inverse takes half of the multiplications of all columns, but one thread makes it.
+    constexpr int mostByInverse = 1500; // unknowns
+    byInverse_ = 2 * int(asked_.size()) >= all && Dim * all <= mostByInverse;
     for (size_t i = 0; i < asked_.size(); ++i)
         response.rows[asked_[i][1]] = begin + Dim * (byInverse_ ? asked_[i][0] - asked_.front()[0] : int(i));
     return Dim * (byInverse_ ? all : int(asked_.size()));

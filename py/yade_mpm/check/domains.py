@@ -75,7 +75,7 @@ def locking(body):
     return (
         f"body '{body.name}' yields without F-bar: {100 * share:.3g} % of its particles have a plastic shear "
         f"strain above {100 * limits.FLOW_STRAIN:g} %, and soil that locks is too strong, on the unsafe side "
-        "(slopes, cuts and footings by 5 to 20 %); leave fbar=False out, unless the bare form is meant"
+        "(slopes, cuts and footings by 5 to 40 %); leave fbar=False out, unless the bare form is meant"
     )
 
 

@@ -6,6 +6,7 @@ import time
 
 from ..base import limits
 from ..check.domains import checkFields, checkInterface, distortion, locking, opened
+from ..engine.callback import Callback
 
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
 
@@ -13,7 +14,8 @@ SHARE = 0.01  # of the wall time of a run that checkpoints may take
 class LoopPolicy:
     """Looks at the domains, estimates the critical step again, saves, and lets callbacks stop the loop.
 
-    A loop calls `beforeSteps`, takes at most `stepsToNext` steps, and calls `afterSteps`.
+    A loop calls `beforeSteps`, takes at most `stepsToNext` steps, and calls `afterSteps`. What is due follows
+    from the number of steps: a loop that is cut in pieces, each with a policy of its own, does the same.
 
     Parameters
     ----------
@@ -62,7 +64,10 @@ class LoopPolicy:
         return min([due - scene.steps, *calls])
 
     def afterSteps(self):
-        """Writes a checkpoint where that is due; a file that cannot be written makes a warning."""
+        """Follows what callbacks have changed, and writes a checkpoint where that is due; a file that cannot
+        be written makes a warning."""
+        if any(isinstance(engine, Callback) for engine in self._scene.engines):
+            self.followChanges()
         began = time.monotonic()
         if began < self._saveAt:
             return
@@ -72,6 +77,25 @@ class LoopPolicy:
             self._say(f"warning: step {self._scene.steps}: {error}; the run goes on")
         now = time.monotonic()
         self._saveAt = now + max(self._savePeriod, (now - began) / SHARE)
+
+    def followChanges(self):
+        """Finds the step that suits what callbacks have changed: stiffness, inertia, damping, flip, transfer.
+
+        The critical step is estimated where the scene may have become much stiffer, or nothing bounds the
+        change. A small one shortens an automatic step by its bound, and counts for a given one only where it
+        passes that: changes in every step are cheap. Returns whether the step may be another one.
+        """
+        stepper, given = self._scene.stepper, self._scene.givenDt
+        if not stepper.isPrepared or stepper.isChecked:
+            return False  # what is not prepared is checked when it is
+        growth = stepper.stiffening()
+        longest = (self._scene.dtStable or 0.0) / math.sqrt(growth)
+        if not stepper.isBounded or growth >= limits.DT_GROWTH or (given is not None and given > longest):
+            self._estimate()
+        elif given is None:
+            stepper.takeSafeDt(growth)
+        stepper.noteChecked()
+        return True
 
     def lookAtFields(self):
         """Ends the run by RuntimeError where a field holds what no matter has, as a callback may leave it."""
@@ -98,11 +122,11 @@ class LoopPolicy:
                 self._say(f"warning: step {scene.steps}: {fault}")
 
     def _followGrowth(self):
-        """Estimates where particles have grown since the last time; before that is due, a step that was left
-        out becomes shorter. Returns whether either was done."""
+        """Estimates where particles have grown, or were cut, since the last time; before that is due, a step
+        that was left out becomes shorter. Returns whether either was done."""
         stepper = self._scene.stepper
         growth = stepper.stiffening()
-        if growth < limits.DT_GROWTH or not self._scene.dtCritical:
+        if max(growth, stepper.refining()) < limits.DT_GROWTH or not self._scene.dtCritical:
             return False
         if self._scene.steps >= stepper.estimatedAt + limits.DT_LEAST_PERIOD:
             self._estimate()

@@ -96,7 +96,7 @@ def _build(spec, arrays, callbacks, permissions, file):
     scene.core.dt, scene.core.time, scene.core.step = spec["currentDt"], spec["time"], spec["steps"]
     scene.core.energies = spec["energies"]
     scene.stepper.restore(
-        spec["checked"], spec["estimatedAt"], spec.get("estimatedVolumes", {}), spec.get("automaticDt")
+        spec["checked"], spec["estimatedAt"], spec.get("estimatedStiffness", {}), spec.get("automaticDt")
     )
     scene.changesNoted.restore(scene, spec.get("changes", []))
     _warn(scene, spec, file)

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Methods of a scene about its runs: to begin, pause and wait for them, and what is refused meanwhile."""
 
+import sys
+
 import numpy as np
 
 from ..geometry.numbers import isNumber
 from ..io.files import checkWritable
 from .background import BackgroundRun
+from .policy import LoopPolicy
 from .run import Run
 from .saving import refuseResults
 
@@ -33,11 +36,13 @@ def run(
     checkpointPeriod : float, s of wall time after which the state is saved there anyway, for power that fails
         or a killed process; default 600; None: not. Saving takes at most a hundredth of the run.
 
-    Before the first step the scene is checked: ValueError for a time step above the critical one (unless
-    `allowUnstable`), an interface that is too coarse, or constraints that hold nothing. During the run
-    RuntimeError for particles outside the grid, distorted domains and an interface that has become too
-    coarse, after the state was saved. KeyboardInterrupt and SystemExit after Ctrl-C and SIGTERM or SIGHUP,
-    likewise. SIGUSR1, which batch systems send before their limit, saves the state, and the run goes on.
+    Before the first step the scene is checked: ValueError for a time step above the longest stable one
+    (`dtStable`, unless `allowUnstable`), an interface that is too coarse, or constraints that hold nothing.
+    During the run RuntimeError for particles outside the grid, distorted domains and an interface that has
+    become too coarse, after the state was saved. KeyboardInterrupt and SystemExit after Ctrl-C and SIGTERM or
+    SIGHUP, likewise. SIGUSR1, which batch systems send before their limit, saves the state, and the run goes
+    on. A dt that was left out follows the state (doc/explanation/time-step.md); a given one that has become
+    too long is warned of.
     """
     scene.refuseWhileRunning("run")
     with scene.holder.held("run"):
@@ -73,17 +78,29 @@ def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
 
 
 def step(scene):
-    """Takes one step. The critical step is estimated before the first one only."""
+    """Takes one step: a loop of them gives the same bits as a run of as many, and an automatic time step
+    follows the state likewise.
+
+    Raises what `run` does. Domains and fields are looked at now and then, as in a run, but not behind each
+    step; nothing is saved.
+    """
     scene.refuseWhileRunning("step")
     if scene.stepper.acting is not None:
         raise RuntimeError("step: a step is going on; a callback cannot step the scene")
     with scene.holder.held("step"):
         if not scene.stepper.isReady:
             scene.prepare()
+        policy = LoopPolicy(scene, _say)
+        policy.beforeSteps()
         try:
             scene.stepper.advance(1)
         finally:
             scene.stepper.acting = None
+        policy.afterSteps()
+
+
+def _say(message):
+    print(message, file=sys.stderr)
 
 
 def handOver(scene, loop):

@@ -91,7 +91,7 @@ def describe(scene):
         "stiffest": scene.stiffest,
         "checked": scene.stepper.isChecked,
         "estimatedAt": scene.stepper.estimatedAt,
-        "estimatedVolumes": scene.stepper.estimatedVolumes,
+        "estimatedStiffness": scene.stepper.estimatedStiffness,
         "automaticDt": scene.stepper.automaticDt,
         "time": scene.time,
         "steps": scene.steps,

@@ -24,8 +24,8 @@ SLICE = 0.1  # s of wall time between looks at signals
 
 BLENDS = {
     "GridSolver": ("damping",),
-    "GridToParticle": ("flip", "transfer"),
-}  # of engines, that the longest stable step depends on
+    "GridToParticle": ("flip",),
+}  # of engines, numbers that the longest stable step depends on
 
 
 def _holding(method):
@@ -57,7 +57,7 @@ class Stepper:
     ----------
     constraints : list of prescribed motions that are in force, those of faces included.
     estimatedAt : int, step at which the critical step was estimated last; -1: never.
-    estimatedVolumes : dict, largest volume of a particle over its initial one at that time, by body.
+    estimatedStiffness : dict, what `stiffnesses` gave at that time.
     automaticDt : float, s, step that was chosen last where nobody has given dt; None before.
     acting : Engine, callback that is at work or has failed at it; None between them.
     onChange : function without argument that is called when something of the scene has changed; default None;
@@ -72,7 +72,7 @@ class Stepper:
         self._fullDt = None  # in a step that is shorter
         self._checkedState = None  # what the critical step was checked for
         self.constraints, self.acting, self._onChange = [], None, None
-        self.estimatedAt, self.estimatedVolumes, self.automaticDt = -1, {}, None
+        self.estimatedAt, self.estimatedStiffness, self.automaticDt = -1, {}, None
 
     @property
     def onChange(self):
@@ -123,11 +123,11 @@ class Stepper:
             self.onChange()
 
     @_holding
-    def restore(self, isChecked, estimatedAt, estimatedVolumes, automaticDt):
+    def restore(self, isChecked, estimatedAt, estimatedStiffness, automaticDt):
         """State of a scene from a checkpoint: whether its time step was checked, and the last estimate."""
         self.constraints = self._motions()  # whose work diagnostics count, also before the next run
         self._isStable, self._checkedState = isChecked, self._stabilityState()
-        self.estimatedAt, self.estimatedVolumes = estimatedAt, estimatedVolumes
+        self.estimatedAt, self.estimatedStiffness = estimatedAt, estimatedStiffness
         self.automaticDt = automaticDt
 
     @_holding
@@ -193,8 +193,8 @@ class Stepper:
 
     @_holding
     def checkTimeStep(self):
-        """Estimates the critical step; takes a share of it if dt was left out, refuses a dt above it
-        otherwise."""
+        """Estimates the critical step; takes a share of it if dt was left out, refuses a dt above the longest
+        stable step otherwise."""
         scene, given = self._scene, self._scene.givenDt
         scene.core.threads = scene.threads
         isAllowed = given is not None and scene.allowUnstable
@@ -215,7 +215,6 @@ class Stepper:
         else:
             self.dt = given
         self.noteEstimate()
-        self._isStable, self._checkedState = True, self._stabilityState()
 
     def _leftOut(self):
         names = [f"'{body.name}'" for body in self._scene.bodies if body.implicit]
@@ -223,7 +222,12 @@ class Stepper:
 
     def noteEstimate(self):
         """The step follows the estimate just made; growth counts from here."""
-        self.estimatedAt, self.estimatedVolumes = self._scene.steps, largestVolumes(self._scene)
+        self.estimatedAt, self.estimatedStiffness = self._scene.steps, stiffnesses(self._scene)
+        self.noteChecked()
+
+    def noteChecked(self):
+        """The time step suits the scene as it stands."""
+        self._isStable, self._checkedState = True, self._stabilityState()
 
     @_holding
     def estimateCriticalStep(self, tolerance=1e-4, iterations=300, asIfExplicit=False):
@@ -245,13 +249,23 @@ class Stepper:
         return scene.dtCritical
 
     def stiffening(self):
-        """Bound on what the square of the fastest frequency has grown by since the last estimate.
+        """Bound on what the square of the fastest frequency has grown by since the last estimate, 1 at least.
 
-        The stiffness of a particle grows with its volume while its mass stays, and so does at most that of
-        the whole: the largest ratio over the bodies of the largest V/V0 now and then, 1 at least.
+        Each particle adds V (K A + mu B) / m to that of the whole, with A and B that have no negative
+        eigenvalue: none can grow by more than the largest ratio, now to then, of K V/V0 and of mu V/V0.
         """
-        now, then = largestVolumes(self._scene), self.estimatedVolumes
-        return max([1.0, *(now[name] / then.get(name, now[name]) for name in now)])
+        return max([1.0, *(growth for bulk, shear, _ in self._ratios() for growth in (bulk, shear))])
+
+    def refining(self):
+        """What the number of particles has grown by since the last estimate, where most; 1 at least."""
+        return max([1.0, *(count for _, _, count in self._ratios())])
+
+    def _ratios(self):
+        """Of `stiffnesses`, now to then, for each body that there was."""
+        then = self.estimatedStiffness
+        for name, now in stiffnesses(self._scene).items():
+            if name in then:
+                yield [b / a if a > 0 else 1.0 if b == 0 else math.inf for b, a in zip(now, then[name])]
 
     @_holding
     def takeSafeDt(self, growth=1.0):
@@ -269,12 +283,21 @@ class Stepper:
         """The share of the critical step that is taken where nobody has given dt, s."""
         return limits.DT_SAFETY[self._scene.scheme] * self._scene.dtCritical
 
+    @property
+    def isBounded(self):
+        """Whether `stiffening` bounds all that has changed since the time step was checked."""
+        return self._isStable and self._checkedState[1:] == self._stabilityState()[1:]
+
     def _stabilityState(self):
-        """What the critical step depends on and may be changed between runs."""
+        """What the critical step depends on and may be changed between steps; first what `stiffening`
+        bounds."""
         scene = self._scene
-        bodies = [(tuple(b.material.lameConstants), b.inertiaScale, b.implicit) for b in scene.bodies]
-        blends = [getattr(e, a) for e in scene.engines for a in BLENDS.get(type(e).__name__, ())]
-        return scene.givenDt, scene.allowUnstable, bodies, blends
+        stages = [e for e in scene.engines if not isinstance(e, Callback)]
+        numbers = [(tuple(b.material.lameConstants), b.inertiaScale) for b in scene.bodies]
+        numbers += [getattr(e, name) for e in stages for name in BLENDS.get(type(e).__name__, ())]
+        kinds = [(type(e).__name__, e.dead) for e in stages]
+        kinds += [e.transfer for e in stages if type(e).__name__ == "GridToParticle"]
+        return numbers, kinds, [b.implicit for b in scene.bodies], scene.givenDt, scene.allowUnstable
 
     # --- steps ----------------------------------------------------------------------------------------
     def advance(self, steps, seconds=UNLIMITED):
@@ -380,6 +403,18 @@ def _asTime(what, time):
     return float(time)
 
 
-def largestVolumes(scene):
-    """The largest volume of a particle over its initial one, by the name of the body."""
-    return {b.name: float(np.max(b.volume / b.initialVolume, initial=0)) or 1.0 for b in scene.bodies}
+def stiffnesses(scene):
+    """What the square of the fastest frequency is proportional to: by the name of a body the bulk and the
+    shear modulus, kPa, times the largest V/V0, over the factor on inertia, with flip and damping; and the
+    number of particles."""
+    blend = 1.0
+    for engine in scene.engines:
+        kind = type(engine).__name__
+        blend *= 1 + engine.damping if kind == "GridSolver" else 1.0
+        blend *= 2 / (1 + engine.flip) if kind == "GridToParticle" else 1.0
+    found = {}
+    for body in scene.bodies:
+        (lame, mu), V, V0 = body.material.lameConstants, body.volume, body.initialVolume
+        factor = blend * (float(np.max(V / V0, initial=0)) or 1.0) / body.inertiaScale
+        found[body.name] = [factor * (lame + 2 / 3 * mu), factor * mu, float(body.count)]
+    return found

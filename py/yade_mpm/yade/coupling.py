@@ -264,9 +264,10 @@ class Coupling:
     def _dueChecks(self):
         """What is due between steps; an error there is the scene's, not a mistake of the user."""
         self._isAtRisk = True
+        isChanged = self._policy.followChanges()
         isEstimated = self._policy.beforeSteps()
         self._isAtRisk = False
-        return isEstimated
+        return isChanged or isEstimated
 
     def _checkScene(self):
         scene = self.scene

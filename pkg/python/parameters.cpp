@@ -149,10 +149,13 @@ void set(Configurable& object, const std::string& name, const bp::object& value)
     object.set(name, plain);
 }
 
-// Back to "not given", for numbers.
+// Back to "not given", for numbers and flags that may be so.
 void clear(Configurable& object, const std::string& name) {
-    for (const Parameter& p : object.parameters())
-        if (auto number = std::get_if<double*>(&p.target); number && p.name == name) **number = notGiven;
+    for (const Parameter& p : object.parameters()) {
+        if (p.name != name) continue;
+        if (auto number = std::get_if<double*>(&p.target)) **number = notGiven;
+        if (auto flag = std::get_if<std::optional<bool>*>(&p.target)) (*flag)->reset();
+    }
 }
 
 bp::object value(Configurable& object, const std::string& name) {

@@ -73,11 +73,13 @@ struct Assign {
         if (!p.range.contains(*i)) refuse(p.range.text());
         *target = *i;
     }
-    void operator()(bool* target) const {
+    template <class Flag> void assignFlag(Flag* target) const {
         auto b = as<bool>(given);
         if (!b) refuse("True or False");
         *target = *b;
     }
+    void operator()(bool* target) const { assignFlag(target); }
+    void operator()(std::optional<bool>* target) const { assignFlag(target); }
     void operator()(std::string* target) const {
         auto s = as<std::string>(given);
         if (!s) refuse(p.choices.empty() ? "a string" : "one of " + joined(p.choices));
@@ -106,6 +108,7 @@ struct Assign {
 
 struct Current {
     template <class T> Value operator()(T* target) const { return *target; }
+    Value operator()(std::optional<bool>* target) const { return *target ? Value(**target) : notGiven; }
     Value operator()(const std::shared_ptr<Records>& target) const { return target->columns(); }
 };
 

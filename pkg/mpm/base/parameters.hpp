@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -34,7 +35,9 @@ struct MPM_PUBLIC Range {
 
 struct MPM_PUBLIC Parameter {
     std::string name, unit, doc;
-    std::variant<bool*, int*, double*, std::string*, std::vector<double>*, std::shared_ptr<Records>> target;
+    std::variant<bool*, std::optional<bool>*, int*, double*, std::string*, std::vector<double>*,
+                 std::shared_ptr<Records>>
+        target;
     Range range = {};
     std::vector<std::string> choices = {}; // for strings
     bool isAngle = false;                  // a value that looks like degrees is refused with a hint

@@ -48,6 +48,7 @@ template <int Dim> BeyondYield beyondYield(const Body<Dim>& body, double toleran
     BeyondYield found;
     const Particles<Dim>& particles = body.particles;
     PointsAtRest<Dim> copy(int(particles.state.size()));
+    copy.points.hasFbar = body.fbar;
     for (int first = 0; first < particles.size() && !copy.state.empty(); first += copy.most) {
         const int count = std::min(copy.most, particles.size() - first);
         copy.take(particles, first, count);

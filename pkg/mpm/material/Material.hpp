@@ -32,6 +32,7 @@ template <int Dim> struct MaterialPoints {
         *initialVolume;   // after the step, and of the initial configuration: J is their ratio
     double* stress[9];    // in: at the start of the step; out: at its end
     double* const* state; // state[k][p]: state variable k, see Material::stateVariables
+    bool hasFbar;         // whether all particles of a cell take its change of volume
 };
 
 struct StateVariable {
@@ -54,6 +55,10 @@ class MPM_PUBLIC Material : public Configurable {
     // The state variable that tells by how much soil stands open and bears nothing until it has closed, by its
     // place in stateVariables(); -1: none. F-bar shares it in a cell.
     virtual int opening() const { return -1; }
+    // F-bar has changed the opening of each of a run of particles, and the volume of boxes with it: laws whose plastic
+    // strain counts the opening book it.
+    virtual void shared(const MaterialPoints<2>&, const double* /*change*/) const {}
+    virtual void shared(const MaterialPoints<3>&, const double* /*change*/) const {}
     // F-bar has changed the mean stress of each of a run of particles, while their volume stays: what the elastic
     // strain of one has gained, its plastic strain has lost to others of the cell. Laws with such a strain book it.
     virtual void mixed(const MaterialPoints<2>&, const double* /*change*/) const {}

@@ -185,8 +185,9 @@ the apex. A tension cut-off then lowers the mean stress alone, and its volume ch
 beta is 0 once the plastic volumetric strain is dilatancyLimit, or ln((1 + e_c)/(1 + e_0)) by the void ratios
 (incompressible grains). The step that reaches the limit is split there. Opening at the apex and at the tension
 cut-off is not dilatancy: it counts, for soil that opened is loose, but it is never held back, for the stress
-could not come back to the yield surface. With `closing` the opening is a variable of state, and compression
-uses it up at constant mean stress before the soil bears pressure: what parted and meets again has its volume.
+could not come back to the yield surface. With `closing`, the default in bodies with F-bar, the opening is a
+variable of state, and compression uses it up at constant mean stress before the soil bears pressure: what
+parted and meets again has its volume. `closing=False` is the elastic-perfectly plastic law.
 
 Source: the definition is this project's; Drucker & Prager 1952, Q. Appl. Math. 10, 157-165; Hughes & Winget
 1980, Int. J. Numer. Methods Eng. 15, 1862-1867; the limit: the dilatancy cut-off of the
@@ -228,7 +229,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         all.push_back(
             {"closing", "",
              "whether soil that has opened, at the apex or the tension cut-off, closes before it bears "
-             "pressure again",
+             "pressure again; not given: in bodies with F-bar",
              &closing_});
         return all;
     }
@@ -238,14 +239,20 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         std::vector<StateVariable> all{
             {"plasticShearStrain", "-", "accumulated plastic shear strain, sum of sqrt(2/3 de:de)"},
             {"plasticVolumetricStrain", "-", "plastic volumetric strain, dilation positive"}};
-        if (closing_)
+        if (closing_.value_or(true))
             all.push_back(
                 {"opening", "-",
                  "volumetric strain by which the soil stands open, at the apex or the tension cut-off"});
         return all;
     }
     bool yields() const override { return true; }
-    int opening() const override { return closing_ && !std::isinf(mostMeanStress()) ? 2 : -1; }
+    int opening() const override { return closing_.value_or(true) && !std::isinf(mostMeanStress()) ? 2 : -1; }
+    void shared(const MaterialPoints<2>& points, const double* change) const override {
+        bookOpening(points, change);
+    }
+    void shared(const MaterialPoints<3>& points, const double* change) const override {
+        bookOpening(points, change);
+    }
     std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
     void mixed(const MaterialPoints<2>& points, const double* change) const override {
         exchangeVolume(points, change);
@@ -274,7 +281,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         trialStress(constants_.lambda, constants_.mu, points);
-        if (opening() >= 0) {
+        if (closes(points.hasFbar)) {
             closeUp(constants_, points);
             openUp(constants_, points);
         }
@@ -283,6 +290,11 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
 
   private:
+    bool closes(bool hasFbar) const { return opening() >= 0 && closing_.value_or(hasFbar); }
+
+    template <int Dim> void bookOpening(const MaterialPoints<Dim>& points, const double* change) const {
+        for (int i = 0; i < points.count; ++i) points.state[1][i] += change[i];
+    }
     template <int Dim> void exchangeVolume(const MaterialPoints<Dim>& points, const double* change) const {
         for (int i = 0; i < points.count; ++i) points.state[1][i] -= change[i] * constants_.bulkCompliance;
     }
@@ -294,7 +306,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     void stiffnessOfOpen(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
         const bool isApex = mostMeanStress() == constants_.apex;
         for (int i = 0; i < points.count; ++i) {
-            const double part = opening() >= 0 ? std::exp(-points.state[opening()][i]) : 1.0;
+            const double part = closes(points.hasFbar) ? std::exp(-points.state[opening()][i]) : 1.0;
             mu[i] = (isApex ? part : 1.0) * elasticity_.mu();
             lambda[i] = part * elasticity_.bulk() - 2.0 / 3 * mu[i];
         }
@@ -316,7 +328,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     std::string coneFit_ = "planeStrain";
     double tensionCutOff_ = notGiven, dilatancyLimit_ = notGiven;
     double initialVoidRatio_ = notGiven, criticalVoidRatio_ = notGiven;
-    bool closing_ = false;
+    std::optional<bool> closing_; // not given: where there is F-bar
     Constants constants_{};
 };
 

@@ -70,6 +70,7 @@ template <int Dim> class Body {
         MaterialPoints<Dim> points{};
         points.count = end - begin;
         points.dt = dt;
+        points.hasFbar = fbar;
         points.volume = particles.volume.plane() + begin;
         points.initialVolume = particles.initialVolume.plane() + begin;
         for (int c = 0; c < Dim * Dim; ++c)

@@ -149,7 +149,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             if (hasBoxes) toTraces<Dim>(L, dt, begin, end, value);
             rest(begin, end);
         });
-        if (body.material->opening() >= 0) shareOpening(region, body);
+        if (body.material->opening() >= 0) shareOpening(region, body, dt);
         region.chunks(n, [&](int begin, int end) {
             if (!cells.areAlone(begin)) traces(stress, 3, begin, end, value + begin);
         });
@@ -162,8 +162,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     }
 
     // All particles of a cell take part in its change of volume, so all of them stand open by as much as the cell
-    // does: o = -ln(sum V exp(-o)/sum V), with V exp(-o) the volume that is left once it has closed.
-    template <int Dim> static void shareOpening(ParallelRegion& region, Body<Dim>& body) {
+    // does: o = -ln(sum V exp(-o)/sum V), with V exp(-o) the volume that is left once it has closed. Boxes keep
+    // theirs: what one gains of the opening, its volume grows by, and the sum over the cell stays. (Without that the
+    // volumes of single boxes drifted, to 0.2 and 1.8 of the initial ones, and those of cells that closed with them.)
+    template <int Dim> static void shareOpening(ParallelRegion& region, Body<Dim>& body, double dt) {
         constexpr double roundOff = 1e-13;
         auto& cells = body.cellAverage;
         const int n = body.particles.size();
@@ -175,11 +177,28 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                                       [](int, auto&) {});
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
+            bool isChanged = false;
             for (int p = begin; p < end; ++p) {
-                const double mean = cells.cellOf(p).mean;
-                opening[p] = mean < 1 - roundOff ? -std::log(mean) : 0;
+                const double mean = cells.cellOf(p).mean, now = mean < 1 - roundOff ? -std::log(mean) : 0;
+                share[p] = now - opening[p];
+                isChanged |= share[p] != 0;
+                opening[p] = now;
             }
+            if (isChanged && body.domains->boxes()) dilate(body, dt, begin, end, share);
         });
+    }
+
+    // The logarithmic volume of particles [begin, end) changes by what they have gained of the opening.
+    template <int Dim>
+    static void dilate(Body<Dim>& body, double dt, int begin, int end, const double* change) {
+        for (int p = begin; p < end; ++p) {
+            const double edges = std::exp(change[p] / Dim);
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j) body.particles.deformationGradient.plane(3 * i + j)[p] *= edges;
+        }
+        body.domains->volumes(begin, end);
+        std::vector<double*> state(body.particles.state.size());
+        body.material->shared(body.points(begin, end, dt, state.data()), change + begin);
     }
 
     // The mean stress of particles [begin, end) becomes linear in their cells.

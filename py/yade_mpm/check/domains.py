@@ -82,15 +82,16 @@ def locking(body):
 def opened(body):
     """Tells of soil that does not dilate and has gained volume, as text; or None."""
     given = body.material.attributes()
-    if not body.count or given.get("closing", True) or given.get("dilatancyAngle", 1.0) > 0:
+    mayClose = "closing" in body.material.attributeNames()
+    if not (body.count and mayClose) or given.get("closing", body.fbar) or given["dilatancyAngle"] > 0:
         return None
     growth = body.volume.sum() / body.initialVolume.sum() - 1
     if growth <= limits.OPENED_VOLUME:
         return None
     return (
         f"body '{body.name}' has gained {100 * growth:.3g} % of volume, though its soil does not dilate: it "
-        "opened at the tip of its yield surface, and bears pressure again before it has closed; give "
-        f"{type(body.material).__name__}(closing=True)"
+        "opened at the tip of its yield surface, and bears pressure again before it has closed; leave "
+        f"closing=False of {type(body.material).__name__} out, or give closing=True"
     )
 
 

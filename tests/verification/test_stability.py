@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yade_mpm as mpm
+from yade_mpm.study import stability
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 PUBLISHED = 1.4
@@ -55,6 +57,24 @@ def test_control_without_fbar_the_slope_stands_too_long():
 def test_control_weaker_soil_has_a_smaller_factor():
     summary = run("slope", "--smoke", COHESION=6.0)  # c/(gamma H) = 0.03
     assert summary["factor"] < 0.9 * PUBLISHED
+
+
+def block(cohesion):
+    """A block of 1 m of soil, beside a wall and free on the other side."""
+    scene = mpm.Scene((0, 0), (6, 1.5), 0.25, threads=1)
+    soil = stability.soil(1.0, cohesion, 30.0, density=1.8, young=5e3, poisson=0.3)
+    scene.add("soil", mpm.box((0, 0), (1, 1)), soil, mpm.UGIMP())
+    return scene
+
+
+@pytest.mark.parametrize("isSeen", [True, False], ids=["", "control"])
+def test_a_heap_that_has_come_down_and_rests_has_failed(isSeen, monkeypatch):
+    """It counted as standing, for it moved no more at the end; control: only growth counts."""
+    if not isSeen:
+        monkeypatch.setattr(stability, "FALLEN", np.inf)
+    fails, moved = stability.trial(block(0.01), ramp=0.3, hold=10.0)
+    assert fails == isSeen and moved > 1
+    assert not stability.trial(block(20.0), ramp=0.3, hold=1.0)[0]
 
 
 def test_the_coarse_cut_fails_a_little_late_and_without_fbar_far_too_late():

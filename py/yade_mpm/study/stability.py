@@ -2,7 +2,8 @@
 """Factor of safety of ground by strength reduction: what divides cohesion and tan(phi) until it moves on.
 
 Every trial is a scene of its own. Gravity grows from zero, then the ground is watched: it fails where in the
-last quarter of that time its largest displacement still grows (velocities of single particles tell nothing:
+last quarter of that time its largest displacement still grows, or is a large part of its height: it has come
+down then, and may rest (velocities of single particles tell nothing:
 where soil yields at rest, some swing against their neighbours, which nodes do not feel).
 
 To import by name, `from yade_mpm.study import stability`.
@@ -21,6 +22,7 @@ from .record import record
 
 GRAVITY, DAMPING = 9.81, 0.3  # m/s2, -
 STILL = 0.02  # growth of the largest displacement in the last quarter that is none
+FALLEN = 0.2  # displacement over the height of the ground at which it has come down
 RAISE_EVERY = 10  # steps between two increments of gravity
 
 PARAMETERS = (
@@ -47,11 +49,13 @@ def trial(scene, ramp, hold):
 
     stages = mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()
     scene.engines = [mpm.PyRunner(raiseGravity, iterPeriod=RAISE_EVERY), *stages]
+    heights = np.concatenate([b.reference[:, -1] for b in scene.bodies])
     moved = []
     for share in (0.75, 1.0):
         scene.run(until=ramp + share * hold, progress=False)
         moved.append(max(np.linalg.norm(b.displacement, axis=1).max() for b in scene.bodies if b.count))
-    return bool(moved[1] > (1 + STILL) * moved[0]), float(moved[1])
+    hasFallen = moved[1] > FALLEN * np.ptp(heights)
+    return bool(hasFallen or moved[1] > (1 + STILL) * moved[0]), float(moved[1])
 
 
 def reduce(a, build, between, ramp, hold):

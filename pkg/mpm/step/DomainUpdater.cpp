@@ -7,6 +7,8 @@
 #include "mpm/step/StressUpdate.hpp"
 #include "mpm/step/nodes.hpp"
 
+#include <algorithm>
+
 namespace mpm {
 
 namespace {
@@ -78,6 +80,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     std::vector<WorkPartition> partitions_; // of the chunks of its particles
     std::vector<char> lacksCells_;
     std::vector<CellForces> cells_; // of each body
+    bool isOpen_ = false;           // whether any particle of the body at hand is
 
     // Of the nodes. What was solved for is what an implicit body is strained by, whatever the scheme: with another
     // velocity its stiffness would not be symmetric.
@@ -165,11 +168,13 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // does: o = -ln(sum V exp(-o)/sum V), with V exp(-o) the volume that is left once it has closed. Boxes keep
     // theirs: what one gains of the opening, its volume grows by, and the sum over the cell stays. (Without that the
     // volumes of single boxes drifted, to 0.2 and 1.8 of the initial ones, and those of cells that closed with them.)
-    template <int Dim> static void shareOpening(ParallelRegion& region, Body<Dim>& body, double dt) {
+    template <int Dim> void shareOpening(ParallelRegion& region, Body<Dim>& body, double dt) {
         constexpr double roundOff = 1e-13;
         auto& cells = body.cellAverage;
         const int n = body.particles.size();
         double *opening = body.particles.state[body.material->opening()].plane(), *share = cells.values();
+        region.once([&] { isOpen_ = std::any_of(opening, opening + n, [](double o) { return o > 0; }); });
+        if (!isOpen_) return;
         region.chunks(n, [&](int begin, int end) {
             for (int p = begin; p < end; ++p) share[p] = opening[p] > 0 ? std::exp(-opening[p]) : 1.0;
         });

@@ -215,12 +215,14 @@ def _isBent(scene, body, gravity):
     """Whether something acts on a body along its thinnest axis."""
     axis = _thinnest(body)[2]
     solver = scene.gridSolver("prepare")
-    tractions = [np.reshape(e.traction, (-1,)) for e in scene.engines if isinstance(e, BoundaryLoad)]
+    loads = [e for e in scene.engines if isinstance(e, BoundaryLoad) and e.body == body.name]
+    hasForce = "bodyForce" in body.fieldNames and body.bodyForce[:, axis].any()
     motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
     return bool(
         (gravity and gravity[axis])
         or np.ptp(body.velocity[:, axis]) > 0
-        or any(len(t) and t[axis] for t in tractions)
+        or hasForce
+        or any(load.pushes(body, axis) for load in loads)
         or any(motions)
     )
 

@@ -11,6 +11,7 @@ from ..particle.body import Body
 from .contact import Contact
 from .engine import generated
 
+ROUNDOFF = 1e-9  # of the area of all facets
 PROBE = 0.05  # edges of a facet in front of which material of another body is looked for
 _TABLES = ("facets", "pressureTable", "tractionTable")
 
@@ -97,6 +98,15 @@ pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the la
         )
         self._leftOut = self.facets[isBonded]
         self._assign("facets", self.facets[~isBonded])
+
+    def pushes(self, body, axis):
+        """Whether its force on a body has, at any time, a part along an axis that does not balance itself."""
+        times, areas = self.pressureTable, _outward(body.vertices[_vertices(body.cells, self.facets)])
+        sizes = np.linalg.norm(areas, axis=1)
+        hasPressure = self.pressure or (times.size and times[:, 1:].any())
+        isOneSided = abs(areas[:, axis].sum()) > ROUNDOFF * sizes.sum()
+        tractions = [*np.reshape(self.traction, (-1, body.scene.dim)), *self.tractionTable[:, 1:]]
+        return bool(hasPressure and isOneSided or any(t[axis] for t in tractions))
 
     # --- facets and tables as arrays ------------------------------------------------------------------
     def _assign(self, name, value):
@@ -197,16 +207,19 @@ def _vertices(cells, pairs):
 
 def _probes(corners):
     """Points in front of facets, half way between their centre and their corners (N, 2 or 4, dim)."""
-    centre = corners.mean(axis=1, keepdims=True)
+    centre, outward = corners.mean(axis=1, keepdims=True), _outward(corners)
+    size = np.linalg.norm(outward, axis=1)
+    reach = size if corners.shape[1] == 2 else np.sqrt(size)
+    outward *= (PROBE * reach / size)[:, None]
+    return centre + 0.5 * (corners - centre) + outward[:, None]
+
+
+def _outward(corners):
+    """Area of facets times their outward normal, m or m2 (N, dim)."""
     if corners.shape[1] == 2:
         edge = corners[:, 1] - corners[:, 0]
-        outward = np.stack([edge[:, 1], -edge[:, 0]], axis=1)
-        reach = np.linalg.norm(edge, axis=1)
-    else:
-        outward = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        reach = np.sqrt(0.5 * np.linalg.norm(outward, axis=1))
-    outward *= (PROBE * reach / np.linalg.norm(outward, axis=1))[:, None]
-    return centre + 0.5 * (corners - centre) + outward[:, None]
+        return np.stack([edge[:, 1], -edge[:, 0]], axis=1)
+    return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
 
 
 def _facetNumber(cell, facet):

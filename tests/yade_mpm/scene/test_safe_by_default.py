@@ -114,6 +114,34 @@ def beam(height=0.5, perCell=1, **solver):
     return scene
 
 
+@pytest.mark.parametrize(
+    "where, load, isBent",
+    [
+        (box((0, 2.4), (4, 2.6)), dict(pressure=1.0), True),
+        (box((0, 2.4), (4, 2.6)), dict(pressureTable=[[0, 0], [1, 5]]), True),
+        (box((0, 2.4), (4, 2.6)), dict(tractionTable=[[0, 0, 0], [1, 0, -5]]), True),
+        (box((0, 2.4), (4, 2.6)), dict(traction=(0, -1)), True),
+        (box((3.9, 2), (4.1, 2.5)), dict(pressure=1.0), False),  # at the end
+        (box((3.9, 2), (4.1, 2.5)), dict(tractionTable=[[0, 0, 0], [1, 5, 0]]), False),
+        (None, dict(pressure=1.0), False),  # all round
+    ],
+)
+def test_loads_across_a_beam_alone_bend_it_and_axial_ones_do_not(where, load, isBent):
+    scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
+    body = scene.add("beam", box((0, 2), (4, 2.5)), mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
+    pushing = mpm.BoundaryLoad(body, where=where, **load)
+    solver = mpm.GridSolver(fixed="left")
+    scene.engines = [mpm.ParticleToGrid(), pushing, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    assert len(warned(scene)) == isBent
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_body_force_across_a_beam_alone_bends_it(axis):
+    scene = beam(fixed="left")
+    scene["beam"].bodyForce[:, axis] = 1.0
+    assert len(warned(scene)) == (axis == 1)
+
+
 def test_a_beam_alone_of_one_particle_across_is_warned_of_where_something_bends_it():
     (text,) = warned(beam(gravity=(0, -9.81), fixed="left"))
     assert text.startswith("body 'beam' is one particle wide: its bending stiffness is wrong")

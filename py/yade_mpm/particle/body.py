@@ -220,7 +220,8 @@ class Body(Guarded):
     def vertices(self):
         """Positions of the vertices of meshed domains, m (Nv, dim); a view: `body.vertices += x` moves them.
 
-        Volume, deformation gradient and stress stay as they are: for another shape give `scene.add` a mesh.
+        Deformation gradient, stress and mass stay as they are; volumes are those between the vertices again
+        from the next step on. For another shape give `scene.add` a mesh.
 
         Particles stay where they are: to move a body before its first step, move `body.position` and
         `body.reference` as well; or add it where it belongs.

@@ -6,8 +6,8 @@ Plane strain, weightless, half of the problem: 20 x 10 m of ground, footing of h
 left, with rollers at the sides and a fixed base. G = 0.1 GPa, K = 0.2 GPa, c = 0.1 MPa. Exact limit q = c Nc
 with Nc = (Nq - 1) cot(phi), Nq = exp(pi tan(phi)) tan2(45 + phi/2); q = (2 + pi) c = 514.16 kPa for phi = 0
 (Prandtl 1920). Isochoric plastic flow locks the particles of one cell: the load is 5 to 20 % too high.
-`--fbar` averages the volumetric strain over a cell, which mends that. With `--phi` the ground dilates by psi
-= phi: only for associated flow is the limit load a theorem.
+F-bar averages the volumetric strain over a cell, which mends that; `--noFbar` shows it. With `--phi` the
+ground dilates by psi = phi: only for associated flow is the limit load a theorem.
 
 The footing is held grid nodes of the surface. The velocity falls to zero over the cell beside the last one;
 the edge of the footing is taken as the middle of that cell; cells of 6 m / (an odd number) put it at a = 3 m.
@@ -21,9 +21,9 @@ much. With 0.5 it carries at most 1.6 % at 0.02 m/s, with 0.3 APDI at phi = 20 h
 
 Units: Mg, m, s, kPa, per metre of thickness.
 
-    scripts/run footing --fbar                      # hybrid, cells of 2/9 m
-    scripts/run footing --fbar --types ugimp --cell 0.4
-    scripts/run footing_study --fbar --widths       # without assuming where the edge is
+    scripts/run footing                             # hybrid, cells of 2/9 m
+    scripts/run footing --types ugimp --cell 0.4
+    scripts/run footing_study --widths              # without assuming where the edge is
     scripts/run footing_study --compare             # without and with F-bar in one picture
 """
 
@@ -44,7 +44,7 @@ PARAMETERS = mpm.Parameters(
     __doc__,
     Parameter("types", "hybrid", "particle types", choices=study.TYPES),
     Parameter("phi", 0.0, "friction and dilatancy", unit="degrees", least=0, below=60),
-    Parameter("fbar", False, "against locking: cell-mean volumetric strain"),
+    Parameter("noFbar", False, "without F-bar: the ground locks and carries too much"),
     Parameter("cell", 2 / 9, "size of the grid's cells", unit="m", partOf=DEPTH),
     Parameter("rate", 0.02, "settlement rate", unit="m/s", above=0),
     # The limit load belongs to small settlements: at half a cell boxes under the edge pass to free nodes.
@@ -57,6 +57,7 @@ PARAMETERS = mpm.Parameters(
     ),
     smoke={"cell": 2 / 3, "rate": 0.04, "settlement": 0.12},
     fixed={"halfWidth": 3.0, "damping": 0.5},
+    derived={"fbar": lambda a: not a.noFbar},
 )
 arguments = PARAMETERS.parse
 

@@ -5,7 +5,7 @@
 the footing reaches beyond its last held node. --compare: both with and without F-bar. Scene:
 scripts/footing.py.
 
-    scripts/run footing_study --fbar --types ugimp --widths
+    scripts/run footing_study --types ugimp --widths
     scripts/run footing_study --compare
 """
 
@@ -18,8 +18,8 @@ from yade_mpm import Parameter, commandLine, files
 
 def refusal(a, given):
     """What is wrong with the arguments, or None."""
-    if a.compare and "fbar" in given:
-        return "--fbar has no meaning beside --compare: it runs without and with F-bar"
+    if a.compare and "noFbar" in given:
+        return "--noFbar has no meaning beside --compare: it runs without and with F-bar"
     least, most = (0.5 / 0.6 if a.widths else 0.5) * a.cell, footing.WIDTH - a.cell
     if not least <= a.halfWidth < most:
         return f"--halfWidth {a.halfWidth:g} is not allowed; give {least:g} to below {most:g}"

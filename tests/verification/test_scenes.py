@@ -109,7 +109,7 @@ def refusal(name, words, capsys):
     [
         ("sheet_pile_study", "--types apdi --split 1.3", "--split"),
         ("sheet_pile_study", "--types ugimp --on-distortion convert", "--on-distortion"),
-        ("footing_study", "--compare --fbar", "--fbar"),
+        ("footing_study", "--compare --noFbar", "--noFbar"),
     ],
 )
 def test_arguments_that_would_have_no_effect_are_refused(name, words, ignored, capsys):
@@ -206,7 +206,7 @@ def test_control_a_narrow_plate_concentrates_more():
     ],
 )
 def test_footing_fails_at_the_load_of_prandtl(options, tolerance):
-    summary = run("footing", "--fbar", *options)
+    summary = run("footing", *options)
     assert summary["effectiveHalfWidth"] == pytest.approx(3.0)
     assert summary["reference"] == pytest.approx(PRANDTL_20 if "20" in options else PRANDTL)
     assert summary["pressure"] == pytest.approx(summary["reference"], rel=tolerance)
@@ -221,7 +221,7 @@ def test_footing_of_ugimp_on_clay_loses_its_edge_beyond_half_a_cell():
     settlement 0.12 of a cell
     beyond)."""
     footing, study = scene("footing"), scene("footing_study")
-    a = study.arguments(["--fbar", "--types", "ugimp", "--settlement", "0.12"])
+    a = study.arguments(["--types", "ugimp", "--settlement", "0.12"])
     pressure = footing.run(a)[0]["pressure"]
     limit, overhang = study.compareWidths(a, pressure)
     assert 0.96 * PRANDTL < pressure < 0.975 * PRANDTL
@@ -245,7 +245,7 @@ def test_the_load_grows_with_the_width_of_the_footing_as_prandtl_says(kind, with
     volumes, 2.3 % before), where the plain reading misses by up to 6.5 %. uGIMP reaches a sixth of a cell
     beyond the last node, not half of it; APDI by 0.47 of it where hourglass control carried what soil does
     not."""
-    error, overhang = byWidths("--fbar", "--types", kind, "--phi", phi)
+    error, overhang = byWidths("--types", kind, "--phi", phi)
     assert abs(error) < within
     assert overhang == pytest.approx(reach, abs=0.1)
 
@@ -253,23 +253,29 @@ def test_the_load_grows_with_the_width_of_the_footing_as_prandtl_says(kind, with
 def test_control_without_fbar_the_locked_edge_reaches_beyond_a_cell():
     """Locking shows as overhang, not in the growth of the load: it sits at the edge, where the ground is
     sheared most."""
-    assert byWidths("--types", "ugimp")[1] > 1.0
+    assert byWidths("--noFbar", "--types", "ugimp")[1] > 1.0
 
 
 @pytest.mark.parametrize("kind", ["ugimp", "apdi", "hybrid"])
 def test_footing_locks_without_fbar(kind):
-    assert run("footing", "--smoke", "--types", kind)["pressure"] > 1.12 * PRANDTL
+    assert run("footing", "--noFbar", "--smoke", "--types", kind)["pressure"] > 1.12 * PRANDTL
 
 
 @slow
 @pytest.mark.parametrize("kind", ["ugimp", "apdi", "hybrid"])
 def test_footing_without_fbar_is_too_strong_by_5_to_15_per_cent(kind):
-    assert 1.05 * PRANDTL < run("footing", "--types", kind, "--cell", "0.4")["pressure"] < 1.15 * PRANDTL
+    summary = run("footing", "--noFbar", "--types", kind, "--cell", "0.4")
+    assert 1.05 * PRANDTL < summary["pressure"] < 1.15 * PRANDTL
+
+
+BARE = "--noFbar", "--noClosing"  # the published column
 
 
 # --- D18 ------------------------------------------------------------------------------------------------
 def test_column_runs_out_alike_with_meshed_core():
-    plain, hybrid = (run("column_collapse", "--smoke", "--types", kind) for kind in ("ugimp", "hybrid"))
+    plain, hybrid = (
+        run("column_collapse", *BARE, "--smoke", "--types", kind) for kind in ("ugimp", "hybrid")
+    )
     assert hybrid["runout"] == pytest.approx(plain["runout"], rel=0.05)
     assert hybrid["unmovedTop"] == pytest.approx(plain["unmovedTop"], abs=0.011)  # a cell
     for summary in (plain, hybrid):
@@ -279,8 +285,8 @@ def test_column_runs_out_alike_with_meshed_core():
 
 def test_control_column_of_rougher_bars_runs_less_far():
     usual, rougher = (
-        run("column_collapse", "--smoke"),
-        run("column_collapse", "--smoke", FRICTION=np.radians(25)),
+        run("column_collapse", *BARE, "--smoke"),
+        run("column_collapse", *BARE, "--smoke", FRICTION=np.radians(25)),
     )
     assert rougher["runout"] < 0.9 * usual["runout"]
 
@@ -293,18 +299,18 @@ def test_with_fbar_and_closing_higher_columns_end_as_measured(kind, height):
     form gains 27 and 48 %."""
     a = height / 0.2
     options = "--types", kind, "--cell", "0.02", "--height", str(height), "--threads", "1"
-    summary = run("column_collapse", *options, "--fbar", "--closing")
+    summary = run("column_collapse", *options)
     assert summary["heightRatio"] == pytest.approx(1.42 * a ** (2 / 3), rel=0.12)
     assert 0.65 < summary["runout"] / (3.25 * a**0.96 if a < 1.5 else 3.80 * a**0.73) < 1
     assert abs(summary["volumeGain"]) < 0.02
     if kind == "ugimp":
-        assert run("column_collapse", *options)["volumeGain"] > 0.2  # control
+        assert run("column_collapse", *options, *BARE)["volumeGain"] > 0.2  # control
 
 
 @slow
 def test_column_runs_out_alike_on_two_grids():
     summaries = [
-        run("column_collapse", "--types", kind, "--cell", cell)
+        run("column_collapse", *BARE, "--types", kind, "--cell", cell)
         for kind in ("ugimp", "hybrid")
         for cell in ("0.01", "0.005")
     ]

@@ -12,6 +12,7 @@ import handMadeFiles
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from yade_mpm.base import inChild as childs
 from yade_mpm.base.inChild import LostInChild, inChild
 from yade_mpm.geometry import meshInput
 from yade_mpm.io import checkpoint, pagedFile, recorder, resultsFile
@@ -49,10 +50,20 @@ def test_a_child_that_crashes_hangs_or_eats_does_no_harm():
     with pytest.raises(LostInChild, match="it is not ready in time"):
         here(lambda: time.sleep(100), seconds=0.3)
     assert time.monotonic() - began < 10
+    with pytest.raises(LostInChild, match="it is not ready in time"):
+        here(lambda: [None for _ in iter(int, 1)], seconds=0.3)  # goes round for ever
     with pytest.raises(MemoryError):
         here(lambda: bytearray(2 * ROOM))
     with pytest.raises(ChildProcessError):
         os.waitpid(-1, os.WNOHANG)  # none is left behind
+
+
+def test_a_child_that_is_kept_waiting_has_time(monkeypatch):
+    """Beside other jobs a file was refused that reads in a second."""
+    here(lambda: time.sleep(0.6), seconds=0.2)
+    monkeypatch.setattr(childs, "WAITING", 1)
+    with pytest.raises(LostInChild, match="it is not ready in time"):
+        here(lambda: time.sleep(0.6), seconds=0.2)
 
 
 def test_handlers_of_the_parent_are_not_those_of_the_child():

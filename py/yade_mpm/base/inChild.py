@@ -12,6 +12,8 @@ import time
 import warnings
 
 PIECE = 1 << 20  # bytes read at once
+WAITING = 6  # s that a child may take for each second of its processor time: other jobs, slow disks
+NOT_READY = "it is not ready in time"
 
 
 class LostInChild(RuntimeError):
@@ -24,7 +26,8 @@ def inChild(work, seconds, memory):
     Parameters
     ----------
     work : function without arguments; what it returns must be picklable.
-    seconds : float, s of wall time after which the child is ended.
+    seconds : float, s of its processor time, or WAITING times as many of wall time, after which the child is
+        ended.
     memory : int, bytes that it may take besides those that this process has.
 
     Raises LostInChild for a child that crashes, or is not ready in time.
@@ -34,10 +37,10 @@ def inChild(work, seconds, memory):
         warnings.simplefilter("ignore", DeprecationWarning)
         child = os.fork()
     if child == 0:
-        _workInChild(work, writing, memory)
+        _workInChild(work, writing, seconds, memory)
     os.close(writing)
     try:
-        told = _readAll(reading, time.monotonic() + seconds)
+        told = _readAll(reading, time.monotonic() + WAITING * seconds)
     except BaseException:  # LostInChild, and a Ctrl-C of the user
         os.kill(child, signal.SIGKILL)
         raise
@@ -46,6 +49,8 @@ def inChild(work, seconds, memory):
         status = os.waitpid(child, 0)[1]
     if status != 0:
         code = os.waitstatus_to_exitcode(status)
+        if code == -signal.SIGPROF:
+            raise LostInChild(NOT_READY)
         raise LostInChild(f"it crashed ({signal.Signals(-code).name if code < 0 else f'exit code {code}'})")
     result, error = pickle.loads(told)
     if error is not None:
@@ -53,12 +58,13 @@ def inChild(work, seconds, memory):
     return result
 
 
-def _workInChild(work, writing, memory):
+def _workInChild(work, writing, seconds, memory):
     """Never returns."""
     code = 1
     try:
-        for number in (signal.SIGINT, signal.SIGTERM):  # handlers of a run are not its own
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGPROF):  # handlers of a run are not its own
             signal.signal(number, signal.SIG_DFL)
+        signal.setitimer(signal.ITIMER_PROF, seconds)  # ends what goes round for ever
         faulthandler.disable()
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         _limitMemory(memory)
@@ -93,7 +99,7 @@ def _readAll(number, deadline):
     while True:
         left = deadline - time.monotonic()
         if left <= 0 or not select.select([number], [], [], left)[0]:
-            raise LostInChild("it is not ready in time")
+            raise LostInChild(NOT_READY)
         piece = os.read(number, PIECE)
         if not piece:
             return told

@@ -19,7 +19,7 @@ from ..base.inChild import LostInChild, inChild
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
-from .checkpoint import READ_MEMORY, READ_SECONDS, READING
+from .checkpoint import READ_MEMORY, READ_SECONDS, READ_SPEED, READING
 from .files import checkWritable, fillWhole, naming, temporaryBeside
 from .frame import DERIVED, Frame
 from .pagedFile import PagedFile, appendingTo, journalOf, recover, removeIfThere
@@ -241,9 +241,9 @@ class Recorder(Callback):
 
     def _lookFirst(self, steps):
         """Cuts the file in a child process, where nothing is written: HDF5 goes astray in damaged files."""
-        room = READ_MEMORY + os.path.getsize(self._file)
+        size = os.path.getsize(self._file)
         try:
-            inChild(lambda: self._lookAt(steps), READ_SECONDS, room)
+            inChild(lambda: self._lookAt(steps), READ_SECONDS + size / READ_SPEED, READ_MEMORY + size)
         except (LostInChild, *READING) as error:
             raise ValueError(
                 f"Recorder: '{self._file}' is damaged: {type(error).__name__}: {error}; move it away, and "

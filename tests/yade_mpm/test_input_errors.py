@@ -1122,19 +1122,21 @@ def changed(change, **options):
         ).run(steps=1),
     ),
     (
-        "body 'block': velocity holds a value that is not finite (entry 3); mend it",
+        "body 'block': velocity = nan of entry 3 (particle ... at ( ... is not finite, and only finite "
+        "numbers are allowed; set it before the next step",
         lambda: changed(lambda s: s["block"].velocity.__setitem__((3, 1), nan)).run(steps=1),
     ),
     (
-        "body 'block': bodyForce holds a value that is not finite",
+        "body 'block': bodyForce = nan of entry 0 (particle ... at ( ... is not finite",
         lambda: changed(lambda s: s["block"].bodyForce.fill(nan)).run(steps=1),
     ),
     (
-        "body 'block': vertexPosition holds a value that is not finite",
+        "body 'block': vertexPosition = inf of entry 0 is not finite",
         lambda: changed(lambda s: s["block"].vertices.fill(inf), type=mpm.APDI()).run(steps=1),
     ),
     (
-        "body 'block': mass = -1 of entry 2 is not positive; mend it",
+        "body 'block': mass = -1 of entry 2 (particle ... at ( ... is not positive, and only positive "
+        "numbers are allowed; set it before the next step",
         lambda: changed(lambda s: s["block"].mass.__setitem__(2, -1)).run(steps=1),
     ),
     (

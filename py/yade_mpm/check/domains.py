@@ -95,28 +95,48 @@ def opened(body):
     )
 
 
-def checkFields(body):
-    """Refuses values that are not finite, and mass or volume that is not positive."""
+BY_HAND = "set it before the next step"
+OF_THE_RUN = (
+    "either something has written it, or the particle was torn or turned inside out in the run: look at the "
+    "last frames, lower dt or the loads (fbar=True, closing=True and splitAt keep soil whole that flows "
+    "far), and go on from an older checkpoint"
+)
+
+
+def checkFields(body, remedy=BY_HAND):
+    """Refuses values that are not finite, and mass or volume that is not positive.
+
+    Parameters
+    ----------
+    body : Body
+    remedy : str, what to do about them; default: what is right for values that were set between runs.
+    """
     for ofDomains in (False, True):
         for name in (field["name"] for field in body.core.fields(ofDomains)):
             if name != "bodyForce" or body.core.hasBodyForce:
-                _checkField(body, name, np.asarray(body.core.view(name, ofDomains)))
+                _checkField(body, name, np.asarray(body.core.view(name, ofDomains)), remedy)
 
 
-def _checkField(body, name, values):
+def _checkField(body, name, values, remedy):
     if name == "stress" and body.scene.dim == 2 and values[:, 2, :2].any():
         raise ValueError(
             f"body '{body.name}': stress has shear out of the plane, which plane strain does not have; "
             f"set its components xz and yz to zero, or make a 3D scene"
         )
-    isFinite = np.isfinite(values)
-    if not isFinite.all():
-        number = np.argwhere(~isFinite)[0][0]
+    isWrong, allowed = ~np.isfinite(values), "finite"
+    if not isWrong.any() and name in ("mass", "volume", "initialVolume"):
+        isWrong, allowed = values <= 0, "positive"
+    if isWrong.any():
+        at = tuple(np.argwhere(isWrong)[0])
+        who = f"entry {at[0]}{_ofParticle(body, name, at[0])}"
         raise ValueError(
-            f"body '{body.name}': {name} holds a value that is not finite (entry {number}); mend it"
+            f"body '{body.name}': {name} = {values[at]:g} of {who} is not {allowed}, and "
+            f"only {allowed} numbers are allowed; {remedy}"
         )
-    if name in ("mass", "volume", "initialVolume") and not (values > 0).all():
-        raise ValueError(
-            f"body '{body.name}': {name} = {values.min():g} of entry {values.argmin()} is not positive; mend "
-            "it"
-        )
+
+
+def _ofParticle(body, name, entry):
+    """Which particle an entry is, as text; of a vertex nothing."""
+    if name not in body.fieldNames:
+        return ""
+    return f" (particle {body.id[entry]} at {placeText(body.position[entry])})"

@@ -5,7 +5,7 @@ import math
 import time
 
 from ..base import limits
-from ..check.domains import checkFields, checkInterface, distortion, locking, opened
+from ..check.domains import OF_THE_RUN, checkFields, checkInterface, distortion, locking, opened
 from ..engine.callback import Callback
 
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
@@ -101,7 +101,7 @@ class LoopPolicy:
         """Ends the run by RuntimeError where a field holds what no matter has, as a callback may leave it."""
         for body in self._scene.bodies:
             try:
-                checkFields(body)
+                checkFields(body, OF_THE_RUN)
             except ValueError as error:
                 raise RuntimeError(f"step {self._scene.steps}: {error}") from error
 

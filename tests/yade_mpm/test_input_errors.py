@@ -363,6 +363,7 @@ def test_particle_types_refuse(message, make, kind):
         "criticalTimeStep: tolerance = 0.0001, iterations = 0 is not allowed",
         lambda: oneBody().criticalTimeStep(iterations=0),
     ),
+    ("nodesInside: ... is 3D and the scene 2D", lambda: emptyScene().nodesInside(mpm.sphere((0, 0, 0), 1))),
     ("nodesInside: 'left' is not a region", lambda: emptyScene().nodesInside("left"), TypeError),
     ("Scene: 3 is not an engine", lambda: setattr(emptyScene(), "engines", [3]), TypeError),
     ("there is no body named 'pile'; bodies: block", lambda: oneBody()["pile"], KeyError),

@@ -65,8 +65,12 @@ def nodesInside(scene, region):
     ----------
     region : Region, its boundary included.
 
-    Raises TypeError for anything but a region.
+    Raises TypeError for anything but a region, ValueError for one of the other dimension.
     """
     if not isinstance(region, Region):
         raise TypeError(f"nodesInside: {region!r} is not a region, e.g. box((0, 0), (1, 1))")
+    if region.dim != scene.dim:
+        raise ValueError(
+            f"nodesInside: {region!r} is {region.dim}D and the scene {scene.dim}D; give one of the scene's"
+        )
     return np.flatnonzero(region.contains(scene.nodePositions()))

@@ -174,6 +174,8 @@ bp::list parameters(Configurable& object) {
         d["default"] = value(object, p.name);
         d["isVector"] = std::holds_alternative<std::vector<double>*>(p.target);
         d["isNumber"] = std::holds_alternative<double*>(p.target) || std::holds_alternative<int*>(p.target);
+        d["isFlag"] =
+            std::holds_alternative<bool*>(p.target) || std::holds_alternative<std::optional<bool>*>(p.target);
         d["allowed"] = p.range.text();
         d["choices"] = listOf(p.choices);
         all.append(d);

@@ -235,7 +235,7 @@ class MohrCoulombDruckerPrager(Material):
     dilatancyLimit: float | None
     initialVoidRatio: float | None
     criticalVoidRatio: float | None
-    closing: Any
+    closing: bool | None
     def __init__(
         self,
         *,
@@ -251,7 +251,7 @@ class MohrCoulombDruckerPrager(Material):
         dilatancyLimit: float | None = None,
         initialVoidRatio: float | None = None,
         criticalVoidRatio: float | None = None,
-        closing: Any = None,
+        closing: bool | None = None,
     ) -> None: ...
 
 

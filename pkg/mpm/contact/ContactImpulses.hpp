@@ -43,8 +43,8 @@ template <int Dim> class ContactImpulses {
         const double one = 1;
         const bool isCoupled = !implicit.isEmpty();
         if (pair.ownsFacets && !isCoupled) share(search, pair, dt, lawOf);
-        const bool isOnce = !isCoupled && pair.firstPoint == pair.endPoint; // no node sees another one
-        const int most = isOnce ? 1 : isCoupled ? mostCoupledRounds : mostRounds;
+        const bool hasPoints = pair.firstPoint < pair.endPoint; // else no node sees another one
+        const int most = isCoupled ? mostCoupledRounds : hasPoints ? mostRounds : 1;
         before_.assign(pair.endNode - pair.firstNode, Vec<Dim>::Zero());
         for (int round = 0; round < most; ++round) {
             for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) {
@@ -58,7 +58,7 @@ template <int Dim> class ContactImpulses {
                     break; // what shares a node stays together: nothing crosses between nodes
                 update(point, law, dt, point.contact, point.S, point.size);
             }
-            if (isOnce || isDone(pair)) break;
+            if (round + 1 < most && isDone(pair)) break;
         }
         implicit.tell(nodes);
     }

@@ -128,6 +128,26 @@ Largest largestOfProduct(const std::vector<double>& mass, Stiffness&& stiffness,
     return largest;
 }
 
+// Boxes a little wider than they are, for as long as this lives: nodes on the far side of a line of the grid
+// that boxes end at take part, as they do from the first step that moves such a box.
+template <int Dim> class Widened {
+  public:
+    explicit Widened(Scene<Dim>& scene) {
+        for (auto& body : scene.bodies)
+            if (auto* boxes = body->domains->boxes()) {
+                was_.emplace_back(boxes, boxes->halfSize());
+                boxes->setHalfSize((1 + 1e-9) * boxes->halfSize());
+            }
+    }
+    ~Widened() {
+        for (auto& [boxes, half] : was_) boxes->setHalfSize(half);
+    }
+    Widened(const Widened&) = delete;
+
+  private:
+    std::vector<std::pair<EqualBoxes<Dim>*, Vec<Dim>>> was_;
+};
+
 template <int Dim>
 double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double tolerance, int most) {
     auto law = scene.scheme->stepLaw;
@@ -150,6 +170,15 @@ double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double to
     return 2 / std::sqrt(square);
 }
 
+// Without a remap of velocities a node that boxes barely reach strains them as much as any other: the step is
+// up to 39 % shorter, however small the overlap.
+template <int Dim>
+double longestStableOfWidened(Scene<Dim>& scene, bool explicitAlone, double tolerance, int most) {
+    const Widened<Dim> widened(scene);
+    ElasticOperator<Dim> K(scene, explicitAlone);
+    return longestStable(scene, K, tolerance, most);
+}
+
 } // namespace
 
 template <int Dim>
@@ -163,7 +192,9 @@ CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance, int most, boo
     result.stiffest = K.stiffest();
     if (!(grid.value > 0)) return result;
     result.ofGrid = 2 / std::sqrt(grid.value);
-    result.longestStable = longestStable(scene, K, tolerance, most);
+    result.longestStable = scene.scheme->remaps
+                               ? longestStable(scene, K, tolerance, most)
+                               : longestStableOfWidened(scene, !asIfExplicit, tolerance, most);
     result.dt = std::min(result.ofGrid, result.longestStable);
     return result;
 }

@@ -10,7 +10,8 @@ namespace mpm {
 template <int Dim> class EqualBoxes {
   public:
     virtual Vec<Dim> halfSize() const = 0; // half edges, m
-    virtual void grown() = 0;              // after particles were appended
+    virtual void setHalfSize(const Vec<Dim>& half) = 0;
+    virtual void grown() = 0; // after particles were appended
     // Cuts particles that are too long in two; returns whether there were any.
     virtual bool splitStretched() { return false; }
     // The surface of the region that the boxes were cut from; nullptr where boxes are whole.

@@ -121,6 +121,7 @@ class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim>, public Aff
 
     EqualBoxes<Dim>* boxes() override { return this; }
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
+    void setHalfSize(const Vec<Dim>& half) override { Eigen::Map<Vec<Dim>>(half_.plane()) = half; }
     void grown() override { group(); }
 
   protected:

@@ -227,6 +227,28 @@ def test_a_checkpoint_at_an_estimate_of_the_time_step_continues_bitwise(tmp_path
         assert loaded.dt == scene.dt and np.array_equal(loaded["near"].stress, scene["near"].stress)
 
 
+@pytest.mark.parametrize("type", [mpm.UGIMP(perCell=2), mpm.APDI(size=0.125)], ids=["UGIMP", "APDI"])
+def test_a_checkpoint_before_every_step_continues_bitwise(tmp_path, type):
+    """So also in the step in which the points leave the block of the grid that they were grouped by."""
+    scene = mpm.Scene((0, 0), (2, 8), 0.25)
+    body = scene.add(
+        "flying", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, young=1e3, poisson=0.3), type
+    )
+    body.velocity = (2.0, 16.0)
+    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    groups = []
+    while scene.steps < 50:
+        scene.save(tmp_path / "before.h5")
+        loaded = mpm.load(tmp_path / "before.h5")
+        for one in (scene, loaded):
+            one.run(steps=1, progress=False)
+        scene.save(tmp_path / "one.h5")
+        loaded.save(tmp_path / "other.h5")
+        assert differences(bitsOf(tmp_path / "one.h5"), bitsOf(tmp_path / "other.h5")) == [], scene.steps
+        groups.append(tuple(scene["flying"].core.tables()["blockStart"]))
+    assert len(set(groups)) > 1, "the points were grouped anew"
+
+
 def test_the_energy_balance_is_there_before_the_next_run(tmp_path):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
     block = scene.add(

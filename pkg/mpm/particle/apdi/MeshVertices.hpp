@@ -71,25 +71,13 @@ template <int Dim> class MeshVertices {
 
     // Vertices stay where they are in memory; only the list of those of a block is made anew.
     void resort() {
-        if (order_.isReady()) {
-            for (int v = 0; v < size(); v += hasLeft_[v / chunkSize] ? 1 : chunkSize)
-                if (hasLeft_[v / chunkSize]) order_.extend(block_[v], grid_, cell_[v]);
-            std::fill(hasLeft_.begin(), hasLeft_.end(), 0);
-            if (!order_.broken(grid_)) return;
-            group();
-        }
-        order_.prepare(grid_, 2);
-        block_.resize(size());
-        rowEnd_.resize(size());
-        for (int b = 0; b < order_.blocks(); ++b) {
-            order_.inspect(b, grid_, cell_);
-            for (int i = order_.start[b + 1] - 1; i >= order_.start[b]; --i) {
-                const int v = order_.order[i];
-                block_[v] = b;
-                rowEnd_[i] =
-                    i + 1 < order_.start[b + 1] && order_.order[i + 1] == v + 1 ? rowEnd_[i + 1] : i + 1;
-            }
-        }
+        if (!order_.isReady()) prepare(); // the list of a checkpoint, too, may be broken in this step
+        for (int v = 0; v < size(); v += hasLeft_[v / chunkSize] ? 1 : chunkSize)
+            if (hasLeft_[v / chunkSize]) order_.extend(block_[v], grid_, cell_[v]);
+        std::fill(hasLeft_.begin(), hasLeft_.end(), 0);
+        if (!order_.broken(grid_)) return;
+        group();
+        prepare();
     }
 
     // unpack(values, count, plane) puts what vertices take into planes, a few at a time: they do not leave
@@ -269,6 +257,22 @@ template <int Dim> class MeshVertices {
             for (int i = 0; i < count; ++i) set(i);
         }
     };
+
+    // What follows from the list of vertices of a block.
+    void prepare() {
+        order_.prepare(grid_, 2);
+        block_.resize(size());
+        rowEnd_.resize(size());
+        for (int b = 0; b < order_.blocks(); ++b) {
+            order_.inspect(b, grid_, cell_);
+            for (int i = order_.start[b + 1] - 1; i >= order_.start[b]; --i) {
+                const int v = order_.order[i];
+                block_[v] = b;
+                rowEnd_[i] =
+                    i + 1 < order_.start[b + 1] && order_.order[i + 1] == v + 1 ? rowEnd_[i + 1] : i + 1;
+            }
+        }
+    }
 
     const Grid<Dim>& grid_;
     BlockOrder<Dim>& order_;

@@ -6,16 +6,16 @@ import numpy as np
 
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.contact import Contact
-from ..engine.prescribed import FACES, Drive
+from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..material.materials import MaterialPoint
+from .bending import tooThin
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
 ANGLES = 5, 85  # degrees; no coefficient of friction is that large
 SLOWEST = 30  # m/s; compression waves in the softest soils are faster
 FASTEST = 2e4  # m/s; compression waves in diamond: 1.8e4
 STIFFER = 10  # a body is a structure in softer ones from this ratio of shear moduli on
-SLENDER = 4  # and bends from this ratio of its extents on
 ROUNDOFF = 1e-6  # relative, of a stress
 # cells, of a rigid body with the soil; with the default stiffness p/kappa is less under 0.5 % of rho c^2
 OVERLAP = 0.02
@@ -39,9 +39,8 @@ def likelyMistakes(scene, gravity):
         yield from _beyondYield(body)
         isStructure = body.count and body.material.lameConstants[1] > STIFFER * softest
         isAlone = body.count == scene.particleCount
-        mayBend = isStructure or (isAlone and _isBent(scene, body, gravity))
-        if mayBend and not _isCarried(scene, body):
-            yield from _bending(body)
+        if isStructure or isAlone:
+            yield from tooThin(scene, body, gravity, isBent=isStructure)
     if scene.geostaticGravity is not None and not np.isclose(
         scene.geostaticGravity, -gravity[-1] if gravity else 0
     ):
@@ -190,55 +189,3 @@ def _bearableK0(material, vertical, up):
             good, bad = (middle, bad) if bears(middle) else (good, middle)
         ends.append(far if bears(far) else good)
     return ends
-
-
-def _thinnest(body):
-    """Lower and upper corner of the box around a body, m, and the axis along which that is thinnest."""
-    corners = body.corners().reshape(-1, body.scene.dim)
-    lower, upper = corners.min(axis=0), corners.max(axis=0)
-    return lower, upper, int((upper - lower).argmin())
-
-
-def _isCarried(scene, body):
-    """Whether a face of the grid holds a body along its thinnest axis: also half of one, by symmetry."""
-    lower, upper, axis = _thinnest(body)
-    solver = scene.gridSolver("prepare")
-    for face in {*solver.roller, *solver.fixed}:
-        across, side = FACES[scene.dim][face]
-        gap = lower[axis] - scene.lower[axis] if side == 0 else scene.upper[axis] - upper[axis]
-        if across == axis and gap < scene.cellSizeAt([lower if side == 0 else upper])[0, axis]:
-            return True
-    return False
-
-
-def _isBent(scene, body, gravity):
-    """Whether something acts on a body along its thinnest axis."""
-    axis = _thinnest(body)[2]
-    solver = scene.gridSolver("prepare")
-    loads = [e for e in scene.engines if isinstance(e, BoundaryLoad) and e.body == body.name]
-    hasForce = "bodyForce" in body.fieldNames and body.bodyForce[:, axis].any()
-    motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
-    return bool(
-        (gravity and gravity[axis])
-        or np.ptp(body.velocity[:, axis]) > 0
-        or hasForce
-        or any(load.pushes(body, axis) for load in loads)
-        or any(motions)
-    )
-
-
-def _bending(body):
-    """A slender body whose bending stiffness is that of the grid, not its own."""
-    lower, upper, axis = _thinnest(body)
-    extents = upper - lower
-    thin, cell = extents[axis], body.scene.cellSizeAt(body.position).max(axis=0)[axis]
-    if extents.max() < SLENDER * thin:
-        return
-    faults = ["one particle wide"] if np.ptp(body.position[:, axis]) < 1e-6 * thin else []
-    faults += [f"thinner than a cell ({thin:.3g} of {cell:.3g} m)"] if thin < (1 - 1e-6) * cell else []
-    if faults:
-        yield (
-            f"body '{body.name}' is {' and '.join(faults)}: its bending stiffness is wrong, by a factor and "
-            "more; give two particles or more across it and a cell no larger than its thickness, half of it "
-            "for bending (doc/explanation/sheet-pile.md)"
-        )

@@ -11,7 +11,6 @@ from ..particle.body import Body
 from .contact import Contact
 from .engine import generated
 
-ROUNDOFF = 1e-9  # of the area of all facets
 PROBE = 0.05  # edges of a facet in front of which material of another body is looked for
 _TABLES = ("facets", "pressureTable", "tractionTable")
 
@@ -99,14 +98,21 @@ pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the la
         self._leftOut = self.facets[isBonded]
         self._assign("facets", self.facets[~isBonded])
 
-    def pushes(self, body, axis):
-        """Whether its force on a body has, at any time, a part along an axis that does not balance itself."""
-        times, areas = self.pressureTable, _outward(body.vertices[_vertices(body.cells, self.facets)])
-        sizes = np.linalg.norm(areas, axis=1)
-        hasPressure = self.pressure or (times.size and times[:, 1:].any())
-        isOneSided = abs(areas[:, axis].sum()) > ROUNDOFF * sizes.sum()
-        tractions = [*np.reshape(self.traction, (-1, body.scene.dim)), *self.tractionTable[:, 1:]]
-        return bool(hasPressure and isOneSided or any(t[axis] for t in tractions))
+    def forces(self, body, time):
+        """Centres of the facets, m, and the forces on them, kN, at a time, s, without the ramp (N, dim)."""
+        corners = body.vertices[_vertices(body.cells, self.facets)]
+        areas, (pressures, tractions) = _outward(corners), (self.pressureTable, self.tractionTable)
+        pressure = np.interp(time, *pressures.T) if pressures.size else self.pressure
+        traction = np.array(self.traction if len(self.traction) else np.zeros(body.scene.dim))
+        if tractions.size:
+            traction = np.array([np.interp(time, tractions[:, 0], column) for column in tractions[:, 1:].T])
+        sizes = np.linalg.norm(areas, axis=1, keepdims=True)
+        return corners.mean(axis=1), sizes * traction - pressure * areas
+
+    @property
+    def times(self):
+        """Times between which the load is linear, s."""
+        return [t for table in (self.pressureTable, self.tractionTable) for t in table[:, 0]]
 
     # --- facets and tables as arrays ------------------------------------------------------------------
     def _assign(self, name, value):

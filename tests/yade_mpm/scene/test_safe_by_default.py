@@ -135,6 +135,47 @@ def test_loads_across_a_beam_alone_bend_it_and_axial_ones_do_not(where, load, is
     assert len(warned(scene)) == isBent
 
 
+TOP, BELOW = box((0, 2.4), (4, 2.6)), box((0, 1.9), (4, 2.1))
+
+
+@pytest.mark.parametrize(
+    "loads, isBent",
+    [
+        ([(TOP, dict(pressure=1.0)), (BELOW, dict(pressure=1.0))], False),
+        ([(TOP, dict(pressure=1.0)), (BELOW, dict(pressure=2.0))], True),
+        ([(TOP, dict(traction=(1, 0))), (BELOW, dict(traction=(-1, 0)))], True),  # a moment without a force
+        ([(box((0, 2.4), (2, 2.6)) + box((2, 1.9), (4, 2.1)), dict(pressure=1.0))], True),  # and another one
+        ([(TOP, dict(pressureTable=[[0, 1], [1, 1]])), (BELOW, dict(pressureTable=[[0, 1], [1, 2]]))], True),
+    ],
+)
+def test_loads_that_balance_each_other_bend_a_beam_if_they_have_a_moment(loads, isBent):
+    scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
+    body = scene.add("beam", box((0, 2), (4, 2.5)), mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
+    pushing = [mpm.BoundaryLoad(body, where=where, **load) for where, load in loads]
+    solver = mpm.GridSolver(fixed="left")
+    scene.engines = [mpm.ParticleToGrid(), *pushing, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    assert len(warned(scene)) == isBent
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_square_section_bends_both_ways(axis):
+    scene = mpm.Scene((0, 0, 0), (6, 3, 4), 0.5, threads=1)
+    region = box((0, 1, 2), (4, 1.5, 2.5))
+    body = scene.add("beam", region, mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
+    force = np.eye(3)[axis]
+    pushing = mpm.BoundaryLoad(body, where=box((3.9, 0, 0), (4.1, 3, 4)), traction=force)
+    solver = mpm.GridSolver(fixed="left")
+    scene.engines = [mpm.ParticleToGrid(), pushing, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    assert len(warned(scene)) == (axis > 0)
+
+
+@pytest.mark.parametrize("solver, isBent", [(dict(fixed="left"), True), ({}, False)])
+def test_a_beam_that_flies_across_bends_where_it_is_held(solver, isBent):
+    scene = beam(**solver)
+    scene["beam"].velocity[:, 1] = 1.0
+    assert len(warned(scene)) == isBent
+
+
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_body_force_across_a_beam_alone_bends_it(axis):
     scene = beam(fixed="left")

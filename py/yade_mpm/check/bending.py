@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Slender bodies whose bending stiffness is that of the grid, not their own."""
+
+import numpy as np
+
+from ..engine.boundaryLoad import BoundaryLoad
+from ..engine.prescribed import FACES
+
+SLENDER = 4  # a body bends from this ratio of its extents on
+ROUNDOFF = 1e-9  # of the largest moment that the loads could have
+
+
+def tooThin(scene, body, gravity, isBent):
+    """Yields a text if a body is too thin for the grid and bends.
+
+    gravity : of the solver, m/s2. isBent : whether it bends whatever acts on it, as a structure in soil does.
+    """
+    corners = body.corners().reshape(-1, scene.dim)
+    lower, upper = corners.min(axis=0), corners.max(axis=0)
+    extents = upper - lower
+    if extents.max() < SLENDER * extents.min():
+        return
+    for axis in np.flatnonzero(extents < (1 + 1e-6) * extents.min()):
+        faults = _faults(body, axis, extents[axis])
+        if not faults or _isCarried(scene, lower, upper, axis):
+            continue
+        if isBent or _isBent(scene, body, axis, gravity, lower, upper):
+            yield (
+                f"body '{body.name}' is {' and '.join(faults)}: its bending stiffness is wrong, by a factor "
+                "and more; give two particles or more across it and a cell no larger than its thickness, "
+                "half of it for bending (doc/explanation/sheet-pile.md)"
+            )
+            return
+
+
+def _faults(body, axis, thin):
+    """What is wrong with a body across an axis."""
+    cell = body.scene.cellSizeAt(body.position).max(axis=0)[axis]
+    faults = ["one particle wide"] if np.ptp(body.position[:, axis]) < 1e-6 * thin else []
+    return faults + (
+        [f"thinner than a cell ({thin:.3g} of {cell:.3g} m)"] if thin < (1 - 1e-6) * cell else []
+    )
+
+
+def _facesBeside(scene, faces, lower, upper):
+    """Axes of the faces of the grid that are less than a cell away from a box."""
+    axes = []
+    for face in faces:
+        across, side = FACES[scene.dim][face]
+        gap = (lower - scene.lower, scene.upper - upper)[side][across]
+        if gap < scene.cellSizeAt([(lower, upper)[side]])[0, across]:
+            axes.append(across)
+    return axes
+
+
+def _isCarried(scene, lower, upper, axis):
+    """Whether a face of the grid holds a body along an axis all over: also half of one, by symmetry."""
+    solver = scene.gridSolver("prepare")
+    return axis in _facesBeside(scene, {*solver.roller, *solver.fixed}, lower, upper)
+
+
+def _isBent(scene, body, axis, gravity, lower, upper):
+    """Whether something acts on a body across an axis: weight, a motion, or loads with a bending moment."""
+    solver = scene.gridSolver("prepare")
+    motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
+    isHeld = 0.0 in motions or len(_facesBeside(scene, solver.fixed, lower, upper)) > 0
+    across = body.velocity[:, axis]
+    loads = [e for e in scene.engines if isinstance(e, BoundaryLoad) and e.body == body.name]
+    return bool(
+        (gravity and gravity[axis])
+        or np.ptp(across) > 0
+        or (isHeld and across.any())
+        or ("bodyForce" in body.fieldNames and body.bodyForce[:, axis].any())
+        or any(motions)
+        or any(_hasMoment(body, loads, time, axis, (lower, upper)) for time in _times(loads))
+    )
+
+
+def _times(loads):
+    """Times between which loads are linear, s; none without loads."""
+    return {0.0, *(t for load in loads for t in load.times)} if loads else ()
+
+
+def _hasMoment(body, loads, time, axis, ends):
+    """Whether the loads on a body, together, bend it somewhere along another axis.
+
+    The moment at a cut is that of the forces on one side of it, M(s) = sum (F_a (x_s - s) - F_s x_a).
+    """
+    x, F = (np.concatenate(parts) for parts in zip(*(load.forces(body, time) for load in loads)))
+    middle = np.mean(ends, axis=0)
+    x, ends = x - middle, ends - middle
+    least = ROUNDOFF * np.abs(F).sum() * np.abs(ends).max()
+    for s in {*range(body.scene.dim)} - {axis}:
+        cuts = np.unique(np.concatenate((x[:, s], ends[:, s])).round(9))[:, None]
+        moments = F[:, axis] * (x[:, s] - cuts) - F[:, s] * x[:, axis]
+        for isBeyond in (x[:, s] > cuts, x[:, s] < cuts):
+            if (np.abs((moments * isBeyond).sum(axis=1)) > least).any():
+                return True
+    return False

@@ -67,8 +67,8 @@ template <int Dim> class Transfers : public Domains<Dim> {
             message("step ", Base::step, ": ", what, " ", number, " of '", Base::bodyName, "' at ", place(x),
                     x.allFinite() ? " is outside the grid " : " has no finite position; grid ",
                     place(Base::grid.lower), " to ", place(Base::grid.upper),
-                    "; enlarge the grid, hold the body with boundary conditions, or lower dt (soil that has "
-                    "fallen apart may need closing=True of its material)"));
+                    "; enlarge the grid, hold the body with boundary conditions, or lower dt (soil without "
+                    "closing or F-bar falls apart)"));
     }
 
     // Lowest nodes of the supports of points [begin, end), which start at floor(c - offset) in each

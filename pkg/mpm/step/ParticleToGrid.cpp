@@ -49,8 +49,8 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
                 message("step ", step, ": body '", body.name, "': ", isMass ? "mass" : "volume", " = ",
                         isMass ? mass[p] : volume[p], " of entry ", p,
                         " is not positive. Either something has written it, or the particle was "
-                        "turned inside out: then look at the last frames, and lower dt (fbar=True, "
-                        "closing=True and splitAt keep soil whole that flows far)"));
+                        "turned inside out: then look at the last frames, and lower dt (F-bar, closing "
+                        "and splitAt keep soil whole that flows far)"));
         });
     }
 

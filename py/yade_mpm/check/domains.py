@@ -98,7 +98,7 @@ def opened(body):
 BY_HAND = "set it before the next step"
 OF_THE_RUN = (
     "either something has written it, or the particle was torn or turned inside out in the run: look at the "
-    "last frames, lower dt or the loads (fbar=True, closing=True and splitAt keep soil whole that flows "
+    "last frames, lower dt or the loads (F-bar, closing and splitAt keep soil whole that flows "
     "far), and go on from an older checkpoint"
 )
 

@@ -125,7 +125,7 @@ def orders(scene):
     [
         ("hybrid", "MUSL", 200),
         ("hybrid", "USF", 40),
-        ("solid", "USL", 30),
+        ("solid", "USL", 40),
         ("solid", "MUSL", 60),
         ("shaken", "MUSL", 1000),
         pytest.param("shaken", "MUSL", 10000, marks=pytest.mark.slow),

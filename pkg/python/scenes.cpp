@@ -158,6 +158,13 @@ template <int Dim> struct Bind {
         d["stressed"] = found.stressed;
         return d;
     }
+    static bp::dict innerVolumes(const S& scene) {
+        const InnerVolumes inner = mpm::innerVolumes(scene);
+        bp::dict d;
+        d["particles"] = inner.particles;
+        d["cells"] = inner.cells;
+        return d;
+    }
     // What the nodes that particles touch were given by the last ParticleToGrid, and what the solution made
     // of it: lists by name, an entry for each node.
     static bp::dict nodalValues(const S& scene) {
@@ -235,6 +242,7 @@ template <int Dim> struct Bind {
             .def("criticalTimeStep", critical)
             .def("interfaceFault", interfaceFault)
             .def("balance", balance)
+            .def("innerVolumes", innerVolumes)
             .def("nodalTotals", totals)
             .def("nodalEnergy", nodalEnergy<Dim>)
             .def("nodalValues", nodalValues);

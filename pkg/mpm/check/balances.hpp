@@ -128,4 +128,41 @@ template <int Dim> int invertedParticles(const Body<Dim>& body) {
     return count;
 }
 
+// Volume of the particles in the cells that lie inside the material, and of these cells, m3 (2D: m2): those that
+// hold a particle's centre, as all cells around them do; what is outside of the grid does not count.
+struct InnerVolumes {
+    double particles = 0, cells = 0;
+};
+template <int Dim> InnerVolumes innerVolumes(const Scene<Dim>& scene) {
+    constexpr int around = Dim == 2 ? 9 : 27;
+    const Grid<Dim>& grid = scene.grid;
+    std::vector<double> volume(grid.count, 0.0);
+    std::vector<int> cell;
+    for (const auto& body : scene.bodies) {
+        const auto& q = body->particles;
+        cell.assign(q.size(), 0);
+        for (int k = 0; k < Dim; ++k) grid.addCells(k, q.position.plane(k), q.size(), cell.data());
+        for (int p = 0; p < q.size(); ++p) volume[cell[p]] += q.volume.plane()[p];
+    }
+    const auto isEmpty = [&](int number, const Index<Dim>& index, int neighbour) {
+        for (int k = 0; k < Dim; ++k, neighbour /= 3) {
+            const int step = neighbour % 3 - 1, at = index[k] + step - grid.ghost;
+            if (at < 0 || at >= grid.cells[k]) return false;
+            number += step * grid.strides[k];
+        }
+        return volume[number] == 0;
+    };
+    InnerVolumes inner;
+    for (int c = 0; c < grid.count; ++c) {
+        bool isInside = volume[c] > 0;
+        if (!isInside) continue;
+        const Index<Dim> index = grid.indices(c);
+        for (int n = 0; n < around && isInside; ++n) isInside = !isEmpty(c, index, n);
+        if (!isInside) continue;
+        inner.particles += volume[c];
+        inner.cells += grid.edges(c).prod();
+    }
+    return inner;
+}
+
 } // namespace mpm

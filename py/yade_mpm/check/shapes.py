@@ -11,34 +11,8 @@ def volumeRatio(scene):
     grid does not count. One as long as particles have the volume of the space that they fill; nan without
     such a cell.
     """
-    index = np.concatenate([_cellNumbers(scene, b.position) for b in scene.bodies] or [[]])
-    if not len(index):
-        return float("nan")
-    shape = np.array([len(x) - 1 for x in scene.lines])
-    index = np.clip(np.nan_to_num(index).astype(int), 0, shape - 1)
-    volumes = np.concatenate([b.volume for b in scene.bodies])
-    number = np.ravel_multi_index(tuple(index.T), shape)
-    volume = np.bincount(number, volumes, np.prod(shape)).reshape(shape)
-    inside = volume > 0
-    for axis in range(scene.dim):
-        around = np.pad(inside, [(int(k == axis),) * 2 for k in range(scene.dim)], constant_values=True)
-        n = shape[axis]
-        inside = inside & around.take(range(n), axis) & around.take(range(2, n + 2), axis)
-    if not inside.any():
-        return float("nan")
-    if scene.isGraded:
-        edges = np.meshgrid(*map(np.diff, scene.lines), indexing="ij")
-        return float(volume[inside].sum() / np.prod(edges, axis=0)[inside].sum())
-    return float(volume[inside].mean() / np.prod(np.broadcast_to(scene.cell, (scene.dim,))))
-
-
-def _cellNumbers(scene, points):
-    """Numbers of the cells of points along each axis (N, dim), from zero at the lower faces."""
-    if not scene.isGraded:
-        return np.floor((points - scene.lower) / scene.cell)
-    return np.stack(
-        [np.searchsorted(x, points[:, k], "right") - 1.0 for k, x in enumerate(scene.lines)], axis=1
-    )
+    inner = scene.core.innerVolumes()
+    return inner["particles"] / inner["cells"] if inner["cells"] else float("nan")
 
 
 def minJacobian(scene):

@@ -135,6 +135,25 @@ def test_kinetic_ratio_is_nan_before_any_work_and_falls_as_a_column_settles():
     assert 0 <= d.kineticRatio(scene) < 1e-3 < 0.1 < early
 
 
+@pytest.mark.parametrize("grading", [None, 1.2])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_volume_ratio_is_that_of_the_cells_inside(dim, grading):
+    """Five cells each way from a corner of the grid, with one empty: what is beside it or at the surface does
+    not count, and the walls of the grid are none."""
+    even = mpm.Grading(((0,) * dim, (2,) * dim), grading, 1.0) if grading else None
+    scene = mpm.Scene((0,) * dim, (4,) * dim, 0.25, grading=even)
+    region = box((0,) * dim, (1.25,) * dim) - box((0,) * dim, (0.25,) * dim)
+    body = scene.add("block", region, mpm.LinearElastic(density=1, young=1e3, poisson=0.3), mpm.UGIMP())
+    cell = np.floor(body.position / 0.25).astype(int)
+    inside = (cell < 4).all(axis=1) & (cell > 1).any(axis=1)
+    body.volume[inside] *= 1.1
+    body.volume[~inside] *= 3.0
+    assert mpm.diagnostics.volumeRatio(scene) == pytest.approx(1.1)
+    body.position[:] += 0.25  # now one row of empty cells before it: two cells and more from there
+    assert mpm.diagnostics.volumeRatio(scene) == pytest.approx(1.1)
+    assert np.isnan(mpm.diagnostics.volumeRatio(mpm.Scene((0,) * dim, (1,) * dim, 0.5)))
+
+
 @pytest.mark.parametrize("dim", [2, 3])
 def test_corner_jacobians_of_a_box_are_its_volume_and_a_mirrored_one_is_negative(dim):
     unit = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)

@@ -210,7 +210,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                 const auto started = state.starts.find({search.nodes[i].field[side], node});
                 if (started != state.starts.end()) nodes[i].start[side] = started->second;
             }
-        state.impulses.implicit.find(scene, search.nodes, pair, nodes);
+        state.impulses.implicit.find(scene, search, pair, nodes);
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side)
                 if ((state.own[i].is[side] = nodes[i].responding[side] >= 0))

@@ -46,17 +46,22 @@ template <int Dim> class ContactImpulses {
         const bool hasPoints = pair.firstPoint < pair.endPoint; // else no node sees another one
         const int most = isCoupled ? mostCoupledRounds : hasPoints ? mostRounds : 1;
         before_.assign(pair.endNode - pair.firstNode, Vec<Dim>::Zero());
+        const auto updateNode = [&](int i) {
+            if (!search.nodes[i].isLeftOut) update(search.nodes[i], lawOf(search.nodes[i]), dt, &i, &one, 1);
+        };
+        const auto updatePoint = [&](int i) {
+            ContactPoint<Dim>& point = search.points[i];
+            const FrictionLaw law = lawOf(point);
+            // Else what shares a node stays together, and nothing crosses between nodes.
+            if (law.separation) update(point, law, dt, point.contact, point.S, point.size);
+        };
         for (int round = 0; round < most; ++round) {
-            for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) {
-                if (search.nodes[i].isLeftOut) continue;
-                update(search.nodes[i], lawOf(search.nodes[i]), dt, &i, &one, 1);
-            }
-            for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) {
-                ContactPoint<Dim>& point = search.points[i];
-                const FrictionLaw law = lawOf(point);
-                if (!law.separation)
-                    break; // what shares a node stays together: nothing crosses between nodes
-                update(point, law, dt, point.contact, point.S, point.size);
+            if (isCoupled)
+                for (const auto& site : implicit.sites())
+                    site.node >= 0 ? updateNode(site.node) : updatePoint(site.point);
+            else {
+                for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) updateNode(i);
+                for (int i = int(pair.firstPoint); i < int(pair.endPoint); ++i) updatePoint(i);
             }
             if (round + 1 < most && isDone(pair)) break;
         }
@@ -116,7 +121,7 @@ template <int Dim> class ContactImpulses {
         nodes[i].take(more, weight);
         for (int side = 0; side < 2; ++side)
             if (const int pushed = nodes[i].responding[side]; pushed >= 0)
-                implicit.spread(pushed, (side == 0 ? -weight : weight) * more.all);
+                implicit.push(pushed, (side == 0 ? -weight : weight) * more.all);
     }
 
     // Relative velocities at a site between nodes with weights S, and its mobilities.
@@ -175,6 +180,7 @@ template <int Dim> class ContactImpulses {
     // The impulse at a site between nodes with weights S, anew, in view of what the others exchange.
     void update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const int* at, const double* S,
                 int count) {
+        if (!implicit.isEmpty()) implicit.goTo(nodes, at, count);
         if (site.J.all.isZero(0)) { // and so nothing makes it agree
             Vec<Dim> w = Vec<Dim>::Zero();
             for (int i = 0; i < count; ++i) w += S[i] * velocityAt(nodes[at[i]]);

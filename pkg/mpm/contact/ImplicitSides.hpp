@@ -2,7 +2,7 @@
 // The sides of contact nodes that implicit bodies move. An impulse on one of them moves the others, too.
 #pragma once
 
-#include "mpm/contact/ContactNode.hpp"
+#include "mpm/contact/ContactSearch.hpp"
 #include "mpm/step/ImplicitBodies.hpp"
 
 namespace mpm {
@@ -14,28 +14,27 @@ template <int Dim> class ImplicitSides {
     // Finds those of a pair of groups, lets `nodes` know their places, and puts their own answers in the place of
     // inverse masses.
     template <class Nodes>
-    void find(Scene<Dim>& scene, const std::vector<ContactNode<Dim>>& contacts, const ContactPair& pair,
-              Nodes& nodes) {
-        response_.clear();
-        places_.clear();
+    void find(Scene<Dim>& scene, const ContactSearch<Dim>& search, const ContactPair& pair, Nodes& nodes) {
+        clear();
+        start_.clear();
         before_.clear();
         auto* bodies = scene.template find<ImplicitBodies>();
         if (!bodies) return;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side) {
-                const int field = contacts[i].field[side], node = contacts[i].node;
+                const int field = search.nodes[i].field[side], node = search.nodes[i].node;
                 if (!bodies->template moves<Dim>(field, node)) continue;
                 nodes[i].responding[side] = int(response_.nodes.size());
                 response_.nodes.push_back({field, node});
                 places_.push_back({int(i), side});
             }
         if (isEmpty()) return;
-        bodies->respond(scene, response_);
-        velocity_.assign(response_.size(), 0.0);
+        bodies->place(response_);
+        bodies->start(scene, response_, order(search, pair, nodes));
         for (size_t r = 0; r < places_.size(); ++r) {
             auto& node = nodes[places_[r].contact];
             node.inverseMass[places_[r].side] = response_.of(int(r), int(r));
-            for (int k = 0; k < Dim; ++k) velocity_[response_.rows[r] + k] = node.v[places_[r].side][k];
+            start_.push_back(node.v[places_[r].side]);
         }
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             before_.push_back(nodes[i].v[0] - nodes[i].v[1]);
@@ -46,18 +45,23 @@ template <int Dim> class ImplicitSides {
         places_.clear();
     }
 
-    // An impulse on one of them. Their velocities are kept here, one behind the other, until told to the nodes.
-    void spread(int pushed, const Vec<Dim>& impulse) {
-        double* v = velocity_.data();
-        for (int k = 0; k < Dim; ++k) {
-            const double *column = response_.column(response_.rows[pushed] + k), J = impulse[k];
-            for (int i = 0; i < response_.size(); ++i) v[i] += J * column[i];
-        }
+    // A site of contact of the pair: a node, or else a point.
+    struct Site {
+        int node, point;
+        int lowest; // unknown of its nodes
+    };
+    // All of them, in the order in which one comes by them on the way along a body.
+    const std::vector<Site>& sites() const { return sites_; }
+    // One is at a site between these nodes now: their velocities are those of all impulses so far.
+    template <class Nodes> void goTo(const Nodes& nodes, const int* at, int count) {
+        forBodies(nodes, at, count, [&](int body, int lowest, int) { response_.bodies[body].goTo(lowest); });
     }
-    Vec<Dim> velocity(int place) const {
-        return Eigen::Map<const Vec<Dim>>(velocity_.data() + response_.rows[place]);
-    }
-    template <class Nodes> void tell(Nodes& nodes) const {
+    void push(int place, const Vec<Dim>& impulse) { response_.push(place, impulse); }
+    Vec<Dim> velocity(int place) const { return start_[place] + response_.velocity(place); }
+    // Their velocities are kept here until told to the nodes.
+    template <class Nodes> void tell(Nodes& nodes) {
+        if (isEmpty()) return;
+        for (const auto& asked : response_.nodes) response_.bodies[asked.body].restart();
         for (size_t r = 0; r < places_.size(); ++r)
             nodes[places_[r].contact].v[places_[r].side] = velocity(int(r));
     }
@@ -98,8 +102,49 @@ template <int Dim> class ImplicitSides {
     };
     ImpulseResponse<Dim> response_;
     std::vector<Place> places_;
-    std::vector<double> velocity_; // of the rows of the response, m/s
+    std::vector<Site> sites_;
+    std::vector<Vec<Dim>> start_;  // velocities of those that respond before all impulses, m/s
     std::vector<Vec<Dim>> before_; // relative velocities of the contact nodes of the pair
+
+    // f(body, lowest, highest unknown) for the bodies that move some nodes.
+    template <class Nodes, class F>
+    void forBodies(const Nodes& nodes, const int* at, int count, F&& f) const {
+        for (int i = 0; i < count; ++i)
+            for (int side = 0; side < 2; ++side) {
+                const int place = nodes[at[i]].responding[side];
+                if (place < 0) continue;
+                const int body = response_.nodes[place].body;
+                int lowest = response_.nodes[place].unknown, highest = lowest;
+                for (int j = 0; j < count; ++j)
+                    for (int other : nodes[at[j]].responding)
+                        if (other >= 0 && response_.nodes[other].body == body) {
+                            lowest = std::min(lowest, response_.nodes[other].unknown);
+                            highest = std::max(highest, response_.nodes[other].unknown);
+                        }
+                f(body, lowest, highest);
+            }
+    }
+    // Puts the sites in order; returns a bound on how far apart the unknowns of one are.
+    template <class Nodes>
+    int order(const ContactSearch<Dim>& search, const ContactPair& pair, const Nodes& nodes) {
+        sites_.clear();
+        int span = Dim;
+        const auto add = [&](int node, int point, const int* at, int count) {
+            Site site{node, point, -1};
+            forBodies(nodes, at, count, [&](int, int lowest, int highest) {
+                span = std::max(span, highest - lowest + Dim);
+                site.lowest = std::max(site.lowest, lowest);
+            });
+            sites_.push_back(site);
+        };
+        for (int i = int(pair.firstNode); i < int(pair.endNode); ++i)
+            if (!search.nodes[i].isLeftOut) add(i, -1, &i, 1);
+        for (int i = int(pair.firstPoint); i < int(pair.endPoint); ++i)
+            add(-1, i, search.points[i].contact, search.points[i].size);
+        std::stable_sort(sites_.begin(), sites_.end(),
+                         [](const Site& a, const Site& b) { return a.lowest > b.lowest; });
+        return span;
+    }
 };
 
 } // namespace mpm

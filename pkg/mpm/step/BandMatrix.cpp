@@ -29,14 +29,6 @@ MPM_INLINE double dot(const double* x, const double* y, int count) {
     return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
 }
 
-// y -= factors[0..3] * four rows that follow each other, from entry `begin` to one before `end`.
-MPM_INLINE void subtractRows(double* __restrict y, const double* rows, int stride, const double* factors,
-                             int begin, int end) {
-    const double *a = rows, *b = a + stride, *c = b + stride, *d = c + stride;
-    const double p = factors[0], q = factors[1], r = factors[2], s = factors[3];
-    for (int j = begin; j < end; ++j) y[j] -= (p * a[j] + q * b[j]) + (r * c[j] + s * d[j]);
-}
-
 } // namespace
 
 void BandMatrix::reset(int size, int band) {
@@ -110,69 +102,39 @@ bool BandMatrix::factoriseBlocks() {
     return true;
 }
 
-void BandMatrix::solve(double* x) const {
-    for (int j = 0; j < size_; ++j) {
+void BandMatrix::solve(double* x, int first) const {
+    for (int j = first; j < size_; ++j) {
         const double* c = column(j);
         x[j] *= c[0];
         add(-x[j], c + 1, x + j + 1, band_);
     }
-    for (int j = size_ - 1; j >= 0; --j) {
+    for (int j = size_ - 1; j >= first; --j) {
         const double* c = column(j);
         x[j] = (x[j] - dot(c + 1, x + j + 1, band_)) * c[0];
     }
 }
 
-void BandMatrix::solveSeveral(Several* x, int first) const {
-    for (int j = first; j < size_; ++j) {
-        const double* c = column(j);
-        const Several own = c[0] * x[j];
-        x[j] = own;
-        const int count = std::min(band_, size_ - 1 - j);
-        for (int i = 1; i <= count; ++i) x[j + i].add(-c[i], own);
-    }
-    for (int j = size_ - 1; j >= first; --j) {
-        const double* c = column(j);
-        Several even = x[j], odd = Several::zero(); // two sums, for each waits for its last summand
-        const int count = std::min(band_, size_ - 1 - j);
-        int i = 1;
-        for (; i < count; i += 2) {
-            even.add(-c[i], x[j + i]);
-            odd.add(-c[i + 1], x[j + i + 1]);
-        }
-        if (i == count) even.add(-c[i], x[j + i]);
-        even += odd;
-        x[j] = c[0] * even;
-    }
+double BandMatrix::substituted(int j, const double* x) const {
+    const double* c = column(j);
+    return -dot(c + 1, x + j + 1, band_) * c[0];
 }
 
 // Back substitution of L^T Z = L^-1, whose right side has no entries above the diagonal: each row of Z follows from
-// the next ones, and what is left of the diagonal by symmetry (Takahashi, Fagan & Chin 1973). In strips of columns,
-// the last first, so that the rows in work stay in the cache.
-void BandMatrix::invert(int first, double* inverse, int stride) const {
-    constexpr int strip = 128;
+// the next ones, of which those below the diagonal are known by symmetry (Takahashi, Fagan & Chin 1973).
+void BandMatrix::invertNearDiagonal(int first, int reach, std::vector<double>& inverse) const {
     const int n = size_ - first;
-    const auto row = [&](int i) { return inverse + std::size_t(i) * stride; };
-    for (int end = n; end > 0; end -= std::min(strip, end))
-        for (int i = end - 1; i >= 0; --i) {
-            const double* c = column(first + i);
-            const int count = std::min(band_, n - 1 - i), begin = std::max(i + 1, end - strip);
-            double* own = row(i);
-            std::fill(own + begin, own + end, 0.0);
-            int k = 1;
-            for (; k + 3 <= count; k += 4) // fewer passes over the row
-                subtractRows(own, row(i + k), stride, c + k, begin, end);
-            for (; k <= count; ++k)
-                for (int j = begin; j < end; ++j) own[j] -= c[k] * row(i + k)[j];
-            for (int j = begin; j < end; ++j) own[j] *= c[0];
-            if (i < end - strip) continue; // the strip has no part of the diagonal there
-            double below = 0;
-            for (k = 1; k <= count; ++k) below += c[k] * own[i + k];
-            own[i] = c[0] * (c[0] - below);
-            for (k = 1; k <= count; ++k) row(i + k)[i] = own[i + k]; // the next rows ask for it
-        }
-    for (int begin = 0; begin < n; begin += width) // block by block: numbers of a column are lines apart
-        for (int i = begin + band_ + 1; i < n; ++i)
-            for (int j = begin; j < std::min(begin + width, i - band_); ++j) row(i)[j] = row(j)[i];
+    inverse.assign(std::size_t(n + reach) * reach + lanes, 0.0);
+    const auto row = [&](int i) { return inverse.data() + std::size_t(i) * reach; };
+    std::vector<double> own(roundedUp(reach) + lanes);
+    for (int i = n - 1; i >= 0; --i) {
+        const double* c = column(first + i);
+        std::fill(own.begin(), own.end(), 0.0);
+        for (int k = 1; k <= band_; ++k) add(c[k], row(i + k), own.data() + k, reach - k);
+        for (int d = 1; d < band_; ++d) own[d] += dot(c + d + 1, row(i + d) + 1, band_ - d);
+        for (int d = 1; d < reach; ++d) own[d] *= -c[0];
+        own[0] = c[0] * (c[0] - dot(c + 1, own.data() + 1, band_));
+        std::copy_n(own.begin(), reach, row(i));
+    }
 }
 
 } // namespace mpm

@@ -3,8 +3,6 @@
 // on the library that is installed, and for bands of some twenty it is no faster.
 #pragma once
 
-#include "mpm/base/simd/Pack.hpp"
-
 #include <cstddef>
 #include <vector>
 
@@ -18,6 +16,7 @@ class BandMatrix {
     void reset(int size, int band);
 
     int size() const { return size_; }
+    int band() const { return band_; }
     // Vectors have so many entries; those from size() on are zero.
     int padded() const { return size_ + band_ + lanes; }
 
@@ -35,12 +34,13 @@ class BandMatrix {
     // The lower triangle becomes L of L L^T, with inverse numbers on the diagonal; returns false where the
     // matrix is not positive definite.
     bool factorise();
-    void solve(double* x) const; // x <- L^-T L^-1 x
-    // The same for as many vectors at once, where all before unknown `first` are zero and not asked for.
-    using Several = Pack<lanes>;
-    void solveSeveral(Several* x, int first) const;
-    // The part of the inverse from unknown `first` on, in rows `stride` numbers apart.
-    void invert(int first, double* inverse, int stride) const;
+    // x <- L^-T L^-1 x, where all before unknown `first` are zero and not asked for.
+    void solve(double* x, int first = 0) const;
+    // Of L^T x = 0 above the diagonal, x_j from the unknowns behind it.
+    double substituted(int j, const double* x) const;
+    // The entries of the inverse from unknown `first` on, less than `reach` from the diagonal, in rows from the
+    // diagonal on; reach is more than the band.
+    void invertNearDiagonal(int first, int reach, std::vector<double>& inverse) const;
 
   private:
     static constexpr int block = 32;  // columns that are factorised at a time where the band is wide

@@ -177,15 +177,23 @@ template <int Dim> bool ImplicitBodies::moves(int field, int node) const {
     return owner[field][node] >= 0;
 }
 
-template <int Dim> void ImplicitBodies::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) {
+template <int Dim> void ImplicitBodies::place(ImpulseResponse<Dim>& response) {
     State<Dim>& state = std::get<State<Dim>>(states_);
-    response.rows.resize(response.nodes.size());
-    int size = 0;
-    for (auto& system : state.systems)
-        withNumbers(state, system, [&] { size += system.placeRows(response, size, state.scratch); });
-    response.setSize(size);
-    if (state.systems.size() > 1) response.clearValues(); // between systems, which write their own rows alone
-    for (auto& system : state.systems) system.respond(scene, response);
+    response.bodies.resize(state.systems.size());
+    for (size_t s = 0; s < state.systems.size(); ++s)
+        withNumbers(state, state.systems[s],
+                    [&] { state.systems[s].place(response, int(s), state.scratch); });
+}
+
+template <int Dim>
+void ImplicitBodies::start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span) const {
+    const auto& systems = std::get<State<Dim>>(states_).systems;
+    for (size_t s = 0; s < systems.size(); ++s) {
+        int first = systems[s].unknowns();
+        for (const auto& asked : response.nodes)
+            if (asked.body == int(s)) first = std::min(first, asked.unknown);
+        if (first < systems[s].unknowns()) systems[s].start(scene, response.bodies[s], first, span);
+    }
 }
 
 template <int Dim>
@@ -196,9 +204,8 @@ void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& respons
     for (auto& system : state.systems) {
         std::vector<typename ImplicitSystem<Dim>::Impulse> impulses;
         for (size_t i = 0; i < response.nodes.size(); ++i) {
-            const auto [field, node] = response.nodes[i];
-            if (&system == &state.systems[state.owner[field][node]])
-                impulses.push_back({node, given[i], unfelt[i]});
+            const auto& asked = response.nodes[i];
+            if (&system == &state.systems[asked.body]) impulses.push_back({asked.node, given[i], unfelt[i]});
         }
         if (impulses.empty()) continue;
         withNumbers(state, system, [&] { system.take(scene, gravity, impulses, state.scratch); });
@@ -224,8 +231,10 @@ template void ImplicitBodies::finishMotion(Scene<2>&);
 template void ImplicitBodies::finishMotion(Scene<3>&);
 template bool ImplicitBodies::moves<2>(int, int) const;
 template bool ImplicitBodies::moves<3>(int, int) const;
-template void ImplicitBodies::respond(const Scene<2>&, ImpulseResponse<2>&);
-template void ImplicitBodies::respond(const Scene<3>&, ImpulseResponse<3>&);
+template void ImplicitBodies::place(ImpulseResponse<2>&);
+template void ImplicitBodies::place(ImpulseResponse<3>&);
+template void ImplicitBodies::start(const Scene<2>&, ImpulseResponse<2>&, int) const;
+template void ImplicitBodies::start(const Scene<3>&, ImpulseResponse<3>&, int) const;
 template void ImplicitBodies::take(Scene<2>&, const ImpulseResponse<2>&, const std::vector<Vec<2>>&,
                                    const std::vector<Vec<2>>&);
 template void ImplicitBodies::take(Scene<3>&, const ImpulseResponse<3>&, const std::vector<Vec<3>>&,

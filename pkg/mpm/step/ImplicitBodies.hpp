@@ -19,8 +19,10 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
 
     // Whether an implicit body moves a node of a velocity field.
     template <int Dim> bool moves(int field, int node) const;
-    // Fills in a response whose nodes, each of which an implicit body moves, are given.
-    template <int Dim> void respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response);
+    // Of a response whose nodes, each of which an implicit body moves, are given: tells these their unknowns, and
+    // starts a way along each body; sites of contact have unknowns less than `span` apart.
+    template <int Dim> void place(ImpulseResponse<Dim>& response);
+    template <int Dim> void start(const Scene<Dim>& scene, ImpulseResponse<Dim>& response, int span) const;
     // Impulses on these nodes, in their order, and changes of their velocities that the particles do not take.
     template <int Dim>
     void take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response, const std::vector<Vec<Dim>>& impulses,

@@ -128,70 +128,19 @@ double ImplicitSystem<Dim>::change(Scene<Dim>& scene, const Vec<Dim>& gravity, i
 }
 
 template <int Dim>
-int ImplicitSystem<Dim>::placeRows(ImpulseResponse<Dim>& response, int begin,
-                                   const std::vector<int>& number) {
-    asked_.clear();
-    for (size_t i = 0; i < response.nodes.size(); ++i)
-        if (const auto [at, node] = response.nodes[i]; at == field && number[node] >= 0)
-            asked_.push_back({number[node], int(i)});
-    std::sort(asked_.begin(), asked_.end());
-    if (asked_.empty()) return 0;
-    const int all = int(nodes.size()) - asked_.front()[0];
-    // The inverse takes half of the multiplications of all columns, but one thread makes it.
-    constexpr int mostByInverse = 1500; // unknowns
-    byInverse_ = 2 * int(asked_.size()) >= all && Dim * all <= mostByInverse;
-    for (size_t i = 0; i < asked_.size(); ++i)
-        response.rows[asked_[i][1]] = begin + Dim * (byInverse_ ? asked_[i][0] - asked_.front()[0] : int(i));
-    return Dim * (byInverse_ ? all : int(asked_.size()));
+void ImplicitSystem<Dim>::place(ImpulseResponse<Dim>& response, int body,
+                                const std::vector<int>& number) const {
+    for (auto& asked : response.nodes)
+        if (asked.field == field && number[asked.node] >= 0) {
+            asked.body = body;
+            asked.unknown = Dim * number[asked.node];
+        }
 }
 
 template <int Dim>
-void ImplicitSystem<Dim>::respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) {
-    if (asked_.empty()) return;
-    if (byInverse_)
-        respondByInverse(scene, response);
-    else
-        respondByColumns(scene, response);
-}
-
-template <int Dim>
-void ImplicitSystem<Dim>::respondByInverse(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) const {
+void ImplicitSystem<Dim>::start(const Scene<Dim>& scene, ImpulseSweep& sweep, int first, int span) const {
     const NF& nodal = scene.grid.fields[field];
-    const int first = Dim * asked_.front()[0], begin = response.rows[asked_.front()[1]];
-    factor_.invert(first, response.column(begin) + begin, response.size());
-    for (int i = first; i < unknowns(); ++i) // alone in its row and column
-        if (holderOf(nodal, i) >= 0) response.column(begin + i - first)[begin + i - first] = 0;
-}
-
-template <int Dim>
-void ImplicitSystem<Dim>::respondByColumns(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) const {
-    constexpr int most = BandMatrix::lanes;
-    std::vector<std::array<int, 2>> unknowns; // of the system, and of the response
-    for (const auto [number, i] : asked_)
-        for (int k = 0; k < Dim; ++k) unknowns.push_back({Dim * number + k, response.rows[i] + k});
-    const NF& nodal = scene.grid.fields[field];
-    WorkPartition columns;
-    columns.set(int(unknowns.size() + most - 1) / most,
-                [&](int piece) { return double(this->unknowns() - unknowns[piece * most][0]); });
-    parallel(scene.threads, [&](ParallelRegion& region) {
-        std::vector<BandMatrix::Several> x(this->unknowns());
-        // The answer is symmetric: of each column the rows from its own unknown on are asked for, the others are
-        // columns of others.
-        region.forPieces(columns, [&](int piece) {
-            const int begin = piece * most, end = std::min(int(unknowns.size()), begin + most);
-            const int first = unknowns[begin][0];
-            std::fill(x.begin() + first, x.end(), BandMatrix::Several::zero());
-            for (int c = begin; c < end; ++c)
-                if (const int i = unknowns[c][0]; holderOf(nodal, i) < 0) x[i].set(c - begin, 1);
-            factor_.solveSeveral(x.data(), first);
-            for (int c = begin; c < end; ++c)
-                for (int r = begin; r < int(unknowns.size()); ++r) {
-                    const double answer = x[unknowns[r][0]][c - begin];
-                    response.column(unknowns[c][1])[unknowns[r][1]] = answer;
-                    if (r >= end) response.column(unknowns[r][1])[unknowns[c][1]] = answer;
-                }
-        });
-    });
+    sweep.start(factor_, first, span, [&](int unknown) { return holderOf(nodal, unknown) >= 0; });
 }
 
 template <int Dim>

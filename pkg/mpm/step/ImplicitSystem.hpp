@@ -34,11 +34,10 @@ template <int Dim> class ImplicitSystem {
     // Replaces the explicit motion of the nodes; returns whether the matrix is positive definite.
     bool solve(Scene<Dim>& scene, const Vec<Dim>& gravity);
 
-    // Gives those nodes of a response that belong to the system rows from `begin` on, and returns how many. number:
-    // of these nodes in it, -1: others.
-    int placeRows(ImpulseResponse<Dim>& response, int begin, const std::vector<int>& number);
-    // Fills in all that belongs to these rows, zeros too.
-    void respond(const Scene<Dim>& scene, ImpulseResponse<Dim>& response);
+    // Tells those nodes of a response that belong to the system, number `body`, their unknowns. number: of nodes.
+    void place(ImpulseResponse<Dim>& response, int body, const std::vector<int>& number) const;
+    // Starts a way along it from the last unknown to `first`; a site of contact has unknowns less than `span` apart.
+    void start(const Scene<Dim>& scene, ImpulseSweep& sweep, int first, int span) const;
     // Adds what impulses on nodes change in the motion of all.
     void take(Scene<Dim>& scene, const Vec<Dim>& gravity, const std::vector<Impulse>& impulses,
               const std::vector<int>& number);
@@ -52,9 +51,7 @@ template <int Dim> class ImplicitSystem {
     BandMatrix stiffness_, factor_;
     std::vector<double> velocity_, force_, solved_, unfelt_; // of the unknowns, and zeros behind them
     std::vector<std::pair<int, const typename StrainedNodes<Dim>::Entry*>> order_; // of the particle in work
-    std::vector<double> mass_;              // of the bodies alone, on each node
-    std::vector<std::array<int, 2>> asked_; // nodes of the response: number here, and there
-    bool byInverse_ = false; // at least half of the nodes from the first on: not column by column
+    std::vector<double> mass_; // of the bodies alone, on each node
 
     short holderOf(const NF& nodal, int unknown) const {
         return nodal.holder[nodes[unknown / Dim]][unknown % Dim];
@@ -63,8 +60,6 @@ template <int Dim> class ImplicitSystem {
     double change(Scene<Dim>& scene, const Vec<Dim>& gravity, int unknown, double v, double a) const;
     void add(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,
              const std::vector<int>& number);
-    void respondByInverse(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) const;
-    void respondByColumns(const Scene<Dim>& scene, ImpulseResponse<Dim>& response) const;
     void react(Scene<Dim>& scene, int unknown, double force, double v) const;
 };
 

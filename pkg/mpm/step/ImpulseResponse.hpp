@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // What implicit bodies answer to impulses on some of their nodes: an impulse on one moves them all, for the
-// bodies are stiff. It is the part of the inverse of M + dt^2 K that belongs to these nodes (Delassus matrix).
+// bodies are stiff.
 #pragma once
 
 #include "mpm/base/types.hpp"
-
-#include <algorithm>
-#include <vector>
+#include "mpm/step/ImpulseSweep.hpp"
 
 namespace mpm {
 
@@ -14,37 +12,32 @@ template <int Dim> class ImpulseResponse {
   public:
     struct Node {
         int field, node;
+        int body = -1,
+            unknown = 0; // which of those that are solved for together, and the first of its unknowns
     };
-    std::vector<Node> nodes; // those that respond: a row and a column each
-
-    std::vector<int> rows; // of each, the first of its rows in the matrix, in which it has columns, too
+    std::vector<Node> nodes;          // those that respond
+    std::vector<ImpulseSweep> bodies; // along each
 
     bool isEmpty() const { return nodes.empty(); }
-    int size() const { return size_; } // of the matrix; some of its rows may belong to other nodes
+    void clear() { nodes.clear(); }
 
     // Velocity of a node per impulse on another one, or on itself, 1/Mg; zero between bodies that share no node.
-    using Part = Eigen::Map<const Mat<Dim>, 0, Eigen::OuterStride<>>;
-    Part of(int node, int pushed) const {
-        return Part(column(rows[pushed]) + rows[node], Eigen::OuterStride<>(size_));
+    // The nodes are of one site.
+    Mat<Dim> of(int node, int pushed) const {
+        Mat<Dim> answer = Mat<Dim>::Zero();
+        const Node &a = nodes[node], &b = nodes[pushed];
+        for (int i = 0; i < Dim && a.body == b.body; ++i)
+            for (int k = 0; k < Dim; ++k) answer(i, k) = bodies[a.body].answer(a.unknown + i, b.unknown + k);
+        return answer;
     }
-    const double* column(int unknown) const { return values_.data() + size_t(unknown) * size_; }
-    double* column(int unknown) { return values_.data() + size_t(unknown) * size_; }
-
-    void clear() {
-        nodes.clear();
-        rows.clear();
-        size_ = 0;
+    void push(int node, const Vec<Dim>& impulse) {
+        for (int k = 0; k < Dim; ++k) bodies[nodes[node].body].push(nodes[node].unknown + k, impulse[k]);
     }
-    // For nodes to be given rows, and columns. All values have to be written.
-    void setSize(int size) {
-        size_ = size;
-        values_.resize(size_t(size) * size);
+    Vec<Dim> velocity(int node) const { // what impulses made it
+        Vec<Dim> v;
+        for (int k = 0; k < Dim; ++k) v[k] = bodies[nodes[node].body].velocity(nodes[node].unknown + k);
+        return v;
     }
-    void clearValues() { std::fill(values_.begin(), values_.end(), 0.0); }
-
-  private:
-    int size_ = 0;
-    std::vector<double> values_; // column by column
 };
 
 } // namespace mpm

@@ -34,7 +34,7 @@ from yade_mpm import Parameter, box, commandLine, files, plot, study
 
 WIDTH, UNTIL = 0.2, 0.8  # m; s, of a column of 0.1 m
 YOUNG, POISSON, DENSITY = 5840.0, 0.3, 2.04  # kPa, -, Mg/m3
-FRICTION, GRAVITY, K0 = radians(19.8), 9.81, 0.6
+GRAVITY, K0 = 9.81, 0.6
 STILL = ((0, 0.08, 0.06), (0.08, 0.12, 0.04), (0.12, 0.14, 0.02))  # m: from, to, height; meshed in the hybrid
 MOVED = 1e-3  # m: less is unmoved
 
@@ -58,6 +58,7 @@ PARAMETERS = mpm.Parameters(
     __doc__,
     Parameter("types", "ugimp", "particle types", choices=("ugimp", "hybrid", "apdi")),
     Parameter("height", 0.1, "of the column", unit="m", least=0.1, most=1),
+    Parameter("phi", 19.8, "angle of friction", unit="degrees", above=0, below=90),
     Parameter("noFbar", False, "without F-bar: bars that flow lock"),
     Parameter("noClosing", False, "bars that parted bear pressure again before they have closed up"),
     Parameter("cell", 0.005, "size of the grid's cells; hybrid: 0.02 m over one", unit="m", partOf=0.04),
@@ -79,7 +80,7 @@ def build(a):
         young=YOUNG,
         poisson=POISSON,
         cohesion=0.0,
-        frictionAngle=FRICTION,
+        frictionAngle=radians(a.phi),
         dilatancyAngle=0.0,
         closing=a.closing,
     )

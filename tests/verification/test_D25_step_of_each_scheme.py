@@ -7,7 +7,7 @@ Set-up: a free elastic block of 2 x 2 cells with random velocities of 1e-6 m/s, 
 Reference: eigenvalues of M^-1 (A K + 2 K_h) for MUSL and USF, of M^-1 (2 - A) K for USL, from dense
 matrices that
 are put together here from the plain weights; A = C M^-1, C the consistent mass. Of uGIMP on the lines of
-the grid under USL it is that of a block that has grown over them on all sides by 0.02 mm.
+the grid under USL, and up to 0.1 mm beside them, it is that of a block that has grown over them on all sides.
 Tolerance: 1 % (dense solve); with hourglass control of meshes under MUSL and USF the estimate adds two
 largest
 eigenvalues, and is up to 6 % short with the default control, 26 % with full control, never long. Runs: at
@@ -100,6 +100,20 @@ def denseStep(scene, scheme):
     return 2 / np.sqrt(eigvals(overM[:, None] * operator).real.max())
 
 
+@pytest.mark.parametrize("perCell", [2, 3, 4])
+def test_usl_counts_nodes_that_boxes_reach_with_the_next_motion(perCell):
+    """A block that ends a hair before the lines of the grid, as any compression leaves it: the step was told
+    up to 1.65 times too long. Runs at 0.95 of what is told are bounded."""
+    told = []
+    for shrink in (0, 1e-8, 1e-5):
+        scene, body = block(mpm.UGIMP(perCell=perCell), 0, "USL")
+        body.position -= shrink * (body.position - 0.75)
+        told.append(longestStable(scene))
+        body.velocity *= 1e4  # 1e-2 m/s
+        assert growth(scene, body, 0.95 * told[-1], steps=400) < 2
+    assert told == pytest.approx([told[0]] * 3, rel=1e-2)
+
+
 SHORT = {
     "APDI h/2": 0.94,
     "APDI h": 0.94,
@@ -131,8 +145,8 @@ def test_step_is_that_of_the_dense_one_step_map(name, scheme):
         scene, _ = block(TYPES[name], shift, scheme)
         least = SHORT.get(name, 0.99) if scheme != "USL" else 0.99
         told = longestStable(scene)
-        if shift == 0 and scheme == "USL" and name.startswith("uGIMP"):
-            scene["block"].position += 1e-4 * (scene["block"].position - 0.75)
+        if shift < 1e-3 and scheme == "USL" and name.startswith("uGIMP"):
+            scene["block"].position += 2e-3 * (scene["block"].position - 0.75)
         assert least < told / denseStep(scene, scheme) < 1.01, shift
 
 
@@ -218,7 +232,7 @@ def test_between_estimates_growth_shortens_the_step(monkeypatch, growth):
     before = scene.dt
     monkeypatch.setattr(type(scene.stepper), "stiffening", lambda stepper: growth)
     scene.run(steps=60, progress=False)
-    expected = before if growth < 2 else limits.DT_STABLE * scene.dtStable / np.sqrt(growth)
+    expected = before if growth < 2 else limits.DT_STABLE[scene.scheme] * scene.dtStable / np.sqrt(growth)
     assert scene.dt == pytest.approx(expected, rel=1e-12)
 
 

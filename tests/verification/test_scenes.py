@@ -286,7 +286,7 @@ def test_column_runs_out_alike_with_meshed_core():
 def test_control_column_of_rougher_bars_runs_less_far():
     usual, rougher = (
         run("column_collapse", *BARE, "--smoke"),
-        run("column_collapse", *BARE, "--smoke", FRICTION=np.radians(25)),
+        run("column_collapse", *BARE, "--smoke", "--phi", "25"),
     )
     assert rougher["runout"] < 0.9 * usual["runout"]
 

@@ -128,15 +128,15 @@ Largest largestOfProduct(const std::vector<double>& mass, Stiffness&& stiffness,
     return largest;
 }
 
-// Boxes a little wider than they are, for as long as this lives: nodes on the far side of a line of the grid
-// that boxes end at take part, as they do from the first step that moves such a box.
+// Boxes wider by a part of a cell than they are, for as long as this lives: nodes on the far side of a line of the
+// grid that boxes end at, or just before, take part, as they do from the first step that moves such a box across.
 template <int Dim> class Widened {
   public:
     explicit Widened(Scene<Dim>& scene) {
         for (auto& body : scene.bodies)
             if (auto* boxes = body->domains->boxes()) {
                 was_.emplace_back(boxes, boxes->halfSize());
-                boxes->setHalfSize((1 + 1e-9) * boxes->halfSize());
+                boxes->setHalfSize(boxes->halfSize() + 0.002 * scene.grid.smallestCell());
             }
     }
     ~Widened() {

@@ -65,35 +65,36 @@ def _isBent(scene, body, axis, gravity, lower, upper):
     motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
     isHeld = 0.0 in motions or len(_facesBeside(scene, solver.fixed, lower, upper)) > 0
     across = body.velocity[:, axis]
-    loads = [e for e in scene.engines if isinstance(e, BoundaryLoad) and e.body == body.name]
+    loads = [e for e in scene.engines if isinstance(e, BoundaryLoad) and e.body == body.name and not e.dead]
     return bool(
         (gravity and gravity[axis])
         or np.ptp(across) > 0
         or (isHeld and across.any())
         or ("bodyForce" in body.fieldNames and body.bodyForce[:, axis].any())
         or any(motions)
-        or any(_hasMoment(body, loads, time, axis, (lower, upper)) for time in _times(loads))
+        or (loads and not body.converted and _haveMoment(body, loads, axis, np.array([lower, upper])))
     )
 
 
-def _times(loads):
-    """Times between which loads are linear, s; none without loads."""
-    return {0.0, *(t for load in loads for t in load.times)} if loads else ()
-
-
-def _hasMoment(body, loads, time, axis, ends):
-    """Whether the loads on a body, together, bend it somewhere along another axis.
+def _haveMoment(body, loads, axis, ends):
+    """Whether the loads on a body, together and at any time, bend it somewhere along another axis.
 
     The moment at a cut is that of the forces on one side of it, M(s) = sum (F_a (x_s - s) - F_s x_a).
     """
-    x, F = (np.concatenate(parts) for parts in zip(*(load.forces(body, time) for load in loads)))
-    middle = np.mean(ends, axis=0)
-    x, ends = x - middle, ends - middle
-    least = ROUNDOFF * np.abs(F).sum() * np.abs(ends).max()
+    units = [load.unitForces(body) for load in loads]
+    times = np.unique(np.concatenate([load.times for load in loads]))
+    values = [load.valuesAt(times, body.scene.dim) for load in loads]
+    middle = ends.mean(axis=0)
     for s in {*range(body.scene.dim)} - {axis}:
-        cuts = np.unique(np.concatenate((x[:, s], ends[:, s])).round(9))[:, None]
-        moments = F[:, axis] * (x[:, s] - cuts) - F[:, s] * x[:, axis]
-        for isBeyond in (x[:, s] > cuts, x[:, s] < cuts):
-            if (np.abs((moments * isBeyond).sum(axis=1)) > least).any():
-                return True
+        places = np.concatenate([ends[:, s], *(x[:, s] for x, _ in units)]) - middle[s]
+        cuts = np.unique(places.round(9))[:, None]
+        moments, largest = 0.0, 0.0
+        for (x, forces), value in zip(units, values):
+            x = x - middle
+            at = forces[..., axis][:, None] * (x[:, s] - cuts) - (forces[..., s] * x[:, axis])[:, None]
+            sides = np.stack([x[:, s] > cuts, x[:, s] < cuts])
+            moments = moments + np.tensordot(value, np.einsum("ucf,vcf->uvc", at, sides), 1)
+            largest += np.abs(value) @ np.linalg.norm(forces, axis=2).sum(axis=1)
+        if (np.abs(moments).max(axis=(1, 2)) > ROUNDOFF * largest * np.abs(ends - middle).max()).any():
+            return True
     return False

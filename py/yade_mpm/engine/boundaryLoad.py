@@ -98,21 +98,28 @@ pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the la
         self._leftOut = self.facets[isBonded]
         self._assign("facets", self.facets[~isBonded])
 
-    def forces(self, body, time):
-        """Centres of the facets, m, and the forces on them, kN, at a time, s, without the ramp (N, dim)."""
+    def unitForces(self, body):
+        """Centres of the facets, m (N, dim), and the forces on them, kN, under a pressure of 1 kPa and under
+        tractions of 1 kPa along each axis (1 + dim, N, dim). For bodies without converted domains."""
         corners = body.vertices[_vertices(body.cells, self.facets)]
-        areas, (pressures, tractions) = _outward(corners), (self.pressureTable, self.tractionTable)
-        pressure = np.interp(time, *pressures.T) if pressures.size else self.pressure
-        traction = np.array(self.traction if len(self.traction) else np.zeros(body.scene.dim))
-        if tractions.size:
-            traction = np.array([np.interp(time, tractions[:, 0], column) for column in tractions[:, 1:].T])
-        sizes = np.linalg.norm(areas, axis=1, keepdims=True)
-        return corners.mean(axis=1), sizes * traction - pressure * areas
+        areas = _outward(corners)
+        along = np.linalg.norm(areas, axis=1)[:, None] * np.eye(body.scene.dim)[:, None]
+        return corners.mean(axis=1), np.concatenate((-areas[None], along))
+
+    def valuesAt(self, times, dim):
+        """Pressure and tractions at times (s), without the ramp, kPa (len(times), 1 + dim)."""
+        values = np.zeros((len(times), 1 + dim))
+        values[:, 0] = self.pressure or 0.0
+        values[:, 1:] = self.traction if len(self.traction) else 0.0
+        for first, table in ((0, self.pressureTable), (1, self.tractionTable)):
+            for k, column in enumerate(table[:, 1:].T if len(table) else ()):
+                values[:, first + k] = np.interp(times, table[:, 0], column)
+        return values
 
     @property
     def times(self):
         """Times between which the load is linear, s."""
-        return [t for table in (self.pressureTable, self.tractionTable) for t in table[:, 0]]
+        return [0.0, *(t for table in (self.pressureTable, self.tractionTable) for t in table[:, 0])]
 
     # --- facets and tables as arrays ------------------------------------------------------------------
     def _assign(self, name, value):

@@ -236,9 +236,9 @@ class Body(Guarded):
     def cells(self):
         """Corner numbers of every meshed domain (N, 4 or 8), counter-clockwise, VTK order."""
         corners = self.core.corners()
-        return (
-            None if corners is None else np.frombuffer(corners, np.int32).astype(int).reshape(self.count, -1)
-        )
+        if corners is None:
+            return None
+        return np.frombuffer(corners, np.int32).astype(int).reshape(self.count, 2**self._scene.dim)
 
     def corners(self):
         """Corner positions of every domain, m (N, 4 or 8, dim): of the mesh, or of the box around each

@@ -242,7 +242,7 @@ class Scene(Guarded):
     # --- time step and threads ------------------------------------------------------------------------
     @property
     def dt(self):
-        """Time step, s. Left out: 0.8 (USL: 0.65) of the critical step, which is estimated again every 5000
+        """Time step, s. Left out: 0.8 (USL: 0.55) of the critical step, which is estimated again every 5000
         steps and where stiffness has grown by a quarter: particles that grow or are cut, constants that a
         callback changes (doc/explanation/time-step.md)."""
         return self._dt if self._dt is not None else (self.core.dt or None)

@@ -275,7 +275,7 @@ class Stepper:
         ----------
         growth : float, of the square of the fastest frequency since the estimate, -; default 1.
         """
-        longest = limits.DT_STABLE * self._scene.dtStable / math.sqrt(growth)
+        longest = limits.DT_STABLE[self._scene.scheme] * self._scene.dtStable / math.sqrt(growth)
         self.automaticDt = min(self.safeDt(), longest)
         self.dt = self.automaticDt
 

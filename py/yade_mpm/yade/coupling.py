@@ -34,7 +34,7 @@ class Coupling:
     plot : whether new rows of histories go to yade.plot.
     timeOffset : s, scene.time - O.time; 0 unless one of the two clocks was ahead when the scene was attached.
     maxDt : s, largest O.dt that the scene wants: its own step (scene.dt, or a share of the critical step:
-        0.8, USL 0.65) times mpmSteps / demSteps.
+        0.8, USL 0.55) times mpmSteps / demSteps.
     criticalDt : s, O.dt above which a step is refused; infinite with scene.allowUnstable.
     runs : number of runs of YADE so far in which it acted.
     error : what ended the run, or None. Attach the scene again then.

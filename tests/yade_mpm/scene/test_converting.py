@@ -123,3 +123,15 @@ def test_what_cannot_take_over_domains_is_refused():
         soil.convertTo(elsewhere["soil"])
     soil.convertTo(boxes)
     assert soil.convertsTo == "boxes"
+
+
+def test_a_mesh_that_became_boxes_entirely_is_recorded(tmp_path):
+    scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
+    soft = mpm.LinearElastic(density=1.0, young=1e3, poisson=0.3)
+    body = scene.add("soft", box((0.5, 0.5), (1.5, 1.5)), soft, mpm.APDI(size=0.5))
+    scene.engines = [*scene.engines, mpm.Recorder(str(tmp_path / "a.vtkhdf"), iterPeriod=1)]
+    scene.run(steps=1, progress=False)
+    body.convert(box((0, 0), (2, 2)), mpm.UGIMP(perCell=2))
+    scene.run(steps=2, progress=False)
+    assert body.count == 0 and body.cells.shape == (0, 4) and body.corners().shape == (0, 4, 2)
+    assert len(mpm.read(str(tmp_path / "a.vtkhdf"))) >= 2

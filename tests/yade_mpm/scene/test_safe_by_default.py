@@ -1,5 +1,6 @@
 """What a user might do without knowing: it works, or is refused before anything has changed."""
 
+import time
 import warnings
 
 import numpy as np
@@ -155,6 +156,32 @@ def test_loads_that_balance_each_other_bend_a_beam_if_they_have_a_moment(loads, 
     solver = mpm.GridSolver(fixed="left")
     scene.engines = [mpm.ParticleToGrid(), *pushing, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     assert len(warned(scene)) == isBent
+
+
+def loadedBeam(**load):
+    scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
+    body = scene.add("beam", box((0, 2), (4, 2.5)), mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
+    pushing = mpm.BoundaryLoad(body, where=TOP, **load)
+    solver = mpm.GridSolver(fixed="left")
+    scene.engines = [mpm.ParticleToGrid(), pushing, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    return scene, body
+
+
+def test_a_load_that_is_off_bends_nothing_and_one_on_boxes_is_no_error():
+    assert warned(loadedBeam(pressure=1.0, dead=True)[0]) == []
+    scene, body = loadedBeam(pressure=1.0)
+    body.convert(box((2, 2), (4, 2.5)), mpm.UGIMP(perCell=1))
+    scene.remove(scene.bodies[-1])
+    warned(scene)
+
+
+def test_a_long_table_of_a_load_is_looked_at_in_no_time():
+    rows = np.column_stack((np.arange(20000), np.zeros(20000)))
+    rows[-1, 1] = 1.0
+    scene, _ = loadedBeam(pressureTable=rows)
+    began = time.process_time()
+    assert len(warned(scene)) == 1
+    assert time.process_time() - began < 2  # 150 s when each row was looked at alone
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

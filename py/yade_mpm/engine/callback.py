@@ -8,7 +8,7 @@ import weakref
 import numpy as np
 
 from .. import _core
-from ..base.attributes import plain
+from ..base.attributes import keep, plain
 from .engine import NO_CALL, Engine
 
 
@@ -32,9 +32,9 @@ class Callback(Engine):
         self._scene = scene
 
     def _call(self):
-        self._scene.stepper.acting = self
+        keep(self._scene.stepper, acting=self)
         self.act(self._scene)
-        self._scene.stepper.acting = None
+        keep(self._scene.stepper, acting=None)
 
     def stepsToCall(self, scene):
         dt, steps = scene.core.dt, NO_CALL

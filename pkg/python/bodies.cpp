@@ -119,7 +119,8 @@ template <int Dim> struct Bind {
     }
     // Weights of a particle by the plain definition: (node position, phi, gradient) each.
     static bp::list weights(B& body, int p) {
-        require(p >= 0 && p < body.particles.size(), "weights: particle ", p, " does not exist");
+        require(p >= 0 && p < body.particles.size(), "body '", body.name, "': weights: particle = ", p,
+                " is not allowed; give a number from 0 to ", body.particles.size() - 1);
         ParallelRegion region;
         body.domains->locate(region);
         region.rethrow();

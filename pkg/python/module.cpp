@@ -23,6 +23,8 @@ BOOST_PYTHON_MODULE(_core) {
         [](const mpm::InputError& e) { raise(PyExc_ValueError, e); });
     bp::register_exception_translator<mpm::RunError>(
         [](const mpm::RunError& e) { raise(PyExc_RuntimeError, e); });
+    bp::register_exception_translator<mpm::MemoryError>(
+        [](const mpm::MemoryError& e) { raise(PyExc_MemoryError, e); });
     bp::class_<ArrayView>("ArrayView", bp::no_init)
         .add_property("__array_interface__", &ArrayView::interface);
     bp::def("availableThreads", omp_get_max_threads);

@@ -366,8 +366,12 @@ def test_particle_types_refuse(message, make, kind):
     ("nodesInside: ... is 3D and the scene 2D", lambda: emptyScene().nodesInside(mpm.sphere((0, 0, 0), 1))),
     ("nodesInside: 'left' is not a region", lambda: emptyScene().nodesInside("left"), TypeError),
     ("Scene: 3 is not an engine", lambda: setattr(emptyScene(), "engines", [3]), TypeError),
-    ("there is no body named 'pile'; bodies: block", lambda: oneBody()["pile"], KeyError),
-    ("there is no face 'front'; faces are left, right, bottom, top", lambda: emptyScene().faceNodes("front")),
+    ("Scene: there is no body named 'pile'; bodies: block", lambda: oneBody()["pile"], KeyError),
+    ("box: lower = range(0, 1000000000) must have 2 or 3", lambda: mpm.box(range(10**9), (1, 1))),
+    (
+        "Scene: there is no face 'front'; faces are left, right, bottom, top",
+        lambda: emptyScene().faceNodes("front"),
+    ),
 )
 def test_the_scene_refuses(message, make, kind):
     refused(message, make, kind)
@@ -510,7 +514,10 @@ QUAD = [(0.5, 0.5), (1, 0.5), (1, 1), (0.5, 1)]
         "body 'block': no particle is in that region; move or widen it",
         lambda: oneBody()["block"].inside(box((2, 2), (3, 3))),
     ),
-    ("weights: particle 99 does not exist", lambda: oneBody()["block"].weights(99)),
+    (
+        "body 'block': weights: particle = 99 is not allowed; give a number from 0 to 15",
+        lambda: oneBody()["block"].weights(99),
+    ),
 )
 def test_bodies_refuse(message, make, kind):
     refused(message, make, kind)
@@ -568,7 +575,10 @@ def test_a_refused_body_leaves_the_scene_as_it_was():
         "Hold: no grid node is inside box((0.1, 0.1), (0.2, 0.2)); make it reach a node",
         lambda: withSolver(hold=mpm.Hold(box((0.1, 0.1), (0.2, 0.2)), (0, 0))).prepare(),
     ),
-    ("there is no face 'front'", lambda: withSolver(hold=mpm.Hold("front", (0, 0))).prepare()),
+    (
+        "Scene: there is no face 'front'; faces are",
+        lambda: withSolver(hold=mpm.Hold("front", (0, 0))).prepare(),
+    ),
     (
         "Hold: ramp = -1 is not allowed; give zero or a positive time in s",
         lambda: mpm.Hold("left", (0, 0), ramp=-1),
@@ -577,8 +587,8 @@ def test_a_refused_body_leaves_the_scene_as_it_was():
     ("Hold: name = 5; give a string", lambda: mpm.Hold("left", (0, 0), name=5), TypeError),
     ("Drive: part = 'pile'; give a body or a part of one", lambda: mpm.Drive("pile", (0, 0)), TypeError),
     (
-        "Drive: no particle of 'block' is in the driven part, <part of 'block': above 1 m>; its particles "
-        "are at heights from 0.125 to 0.875 m",
+        "Drive: no particle of 'block' is in the driven part, <part of 'block': above 1 m>, but at "
+        "heights from 0.125 to 0.875 m; give a part there",
         lambda: driven(lambda block: block.above(1)).run(steps=1),
     ),
     (
@@ -620,7 +630,11 @@ def test_a_refused_body_leaves_the_scene_as_it_was():
     ("BoundaryLoad: traction has 3 components; give 2", lambda: loaded(traction=(0, 0, 1)).prepare()),
     ("PyRunner: command = 3; give a function or a string", lambda: mpm.PyRunner(3, iterPeriod=1), TypeError),
     ("PyRunner: give iterPeriod (steps) or virtPeriod (s)", lambda: mpm.PyRunner("pass")),
-    ("invalid syntax ... PyRunner", lambda: mpm.PyRunner("x = ", iterPeriod=1), SyntaxError),
+    (
+        "PyRunner: command = 'x = ' is not allowed: invalid syntax; give Python, or a function",
+        lambda: mpm.PyRunner("x = ", iterPeriod=1),
+        SyntaxError,
+    ),
     ("iterPeriod = 1.5 is not allowed; give a whole number", lambda: mpm.PyRunner("pass", iterPeriod=1.5)),
     ("iterPeriod = -1 is not allowed", lambda: mpm.PyRunner("pass", iterPeriod=-1)),
     ("virtPeriod = nan is not allowed", lambda: mpm.PyRunner("pass", virtPeriod=nan)),
@@ -1179,7 +1193,7 @@ def changed(change, **options):
     ),
     ("initialStress: the bodies weigh", lambda: layers().initialStress(4.0, K0=0.5)),
     (
-        "settle: there is no GridSolver among the engines",
+        "settle: there is no GridSolver among the engines; add one",
         lambda: changed(lambda s: setattr(s, "engines", [mpm.ParticleToGrid()])).settle(),
     ),
     (

@@ -20,6 +20,11 @@ struct MPM_PUBLIC RunError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// What does not fit into memory: Python sees a MemoryError.
+struct MPM_PUBLIC MemoryError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
 template <class... Parts> std::string message(const Parts&... parts) {
     std::ostringstream out;
     out.precision(6);

@@ -6,6 +6,7 @@
 // nodes wide along each axis but the first, along which it is as long as the grid.
 #pragma once
 
+#include "mpm/base/freeMemory.hpp"
 #include "mpm/base/require.hpp"
 #include "mpm/state/GridLines.hpp"
 #include "mpm/state/NodalField.hpp"
@@ -62,7 +63,14 @@ template <int Dim> class Grid {
     int count = 0;
     std::vector<NodalField<Dim>> fields;
 
+    // Raises MemoryError, and changes nothing, where they do not fit into memory.
     void setFields(int n) {
+        const int more = n - int(fields.size());
+        if (more > 0)
+            requireMemory(double(more) * count * NodalField<Dim>::bytesOfNode,
+                          message("Scene: the ", count, " nodes of the grid",
+                                  fields.empty() ? "" : " for the groups that Contact has besides the first"),
+                          "give a larger cell or a smaller grid, or end other programs");
         fields.resize(n);
         for (auto& field : fields)
             if (int(field.sum.size()) != count) field.setSize(count, slabs());

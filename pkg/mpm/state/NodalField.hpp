@@ -90,10 +90,10 @@ template <int Dim> struct NodalField {
     void setVelocity(int node, int k, double v) { straining_[node].set(k, v); }
     double velocityOf(int node, int k) const { return straining_[node][k]; }
     const Velocity* velocities() const {
-        require(straining == Straining::velocity,
-                "the nodes hold no velocity that strains the particles: VelocityRemap (MUSL, USF) or "
-                "GridSolver "
-                "(USL) is left out; set dead=False, or leave DomainUpdater out, too");
+        require(
+            straining == Straining::velocity,
+            "DomainUpdater: the nodes hold no velocity that strains the particles, for VelocityRemap "
+            "(MUSL, USF) or GridSolver (USL) is left out; set dead=False, or leave DomainUpdater out, too");
         return straining_.data();
     }
 
@@ -101,6 +101,7 @@ template <int Dim> struct NodalField {
     // Scene::prepare(), driven ones anew in every step by ParticleToGrid (see step/Driving.hpp).
     using Holders = std::array<short, Dim>;
     std::vector<Holders> holder;
+    static constexpr size_t bytesOfNode = sizeof(Sum) + sizeof(Motion) + sizeof(Velocity) + sizeof(Holders);
     static Holders free() {
         Holders none;
         none.fill(-1);

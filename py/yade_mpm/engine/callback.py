@@ -8,7 +8,8 @@ import weakref
 import numpy as np
 
 from .. import _core
-from ..base.attributes import plain
+from ..base.attributes import keep, plain
+from ..base.wording import shown
 from .engine import NO_CALL, Engine
 
 
@@ -32,9 +33,9 @@ class Callback(Engine):
         self._scene = scene
 
     def _call(self):
-        self._scene.stepper.acting = self
+        keep(self._scene.stepper, acting=self)
         self.act(self._scene)
-        self._scene.stepper.acting = None
+        keep(self._scene.stepper, acting=None)
 
     def stepsToCall(self, scene):
         dt, steps = scene.core.dt, NO_CALL
@@ -69,7 +70,7 @@ class PyRunner(Callback):
             raise ValueError("PyRunner: give iterPeriod (steps) or virtPeriod (s)")
         super().__init__(iterPeriod, virtPeriod, **attributes)
         self._command = command
-        self._code = compile(command, "<PyRunner>", "exec") if isinstance(command, str) else None
+        self._code = _compiled(command) if isinstance(command, str) else None
         self._wantsScene = callable(command) and _takesArgument(command)
 
     command = property(lambda self: self._command, doc="What is called.")
@@ -87,6 +88,14 @@ class PyRunner(Callback):
             self._command(scene)
         else:
             self._command()
+
+
+def _compiled(text):
+    try:
+        return compile(text, "<PyRunner>", "exec")
+    except SyntaxError as error:
+        said = f"PyRunner: command = {shown(text)} is not allowed: {error.msg}; give Python, or a function"
+        raise SyntaxError(said, error.args[1]) from None
 
 
 def _takesArgument(function):

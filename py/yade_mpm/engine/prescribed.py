@@ -151,9 +151,8 @@ class Drive(Prescribed):
                 (heights > self.core.lower[self.dim - 1]) & (heights <= self.core.upper[self.dim - 1])
             ).any():
                 raise ValueError(
-                    f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}; its "
-                    "particles are at "
-                    f"heights from {heights.min():g} to {heights.max():g} m"
+                    f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}, but "
+                    f"at heights from {heights.min():g} to {heights.max():g} m; give a part there"
                 )
         super().bind(scene)
 

@@ -199,11 +199,11 @@ def _strides(counts):
 def _asBoxes(positions, halfSize):
     positions, halfSize = np.asarray(positions, float), np.asarray(halfSize, float)
     if positions.ndim != 2 or positions.shape[1] not in (2, 3):
-        raise ValueError(f"positions has shape {positions.shape}; (N, 2) or (N, 3) is needed")
+        raise ValueError(f"positions has shape {positions.shape}; give (N, 2) or (N, 3)")
     if halfSize.shape not in ((), positions.shape[1:], positions.shape):
         raise ValueError(
-            f"halfSize has shape {halfSize.shape}; one number, {positions.shape[1:]} "
-            f"or {positions.shape} is needed"
+            f"halfSize has shape {halfSize.shape}; give one number, {positions.shape[1:]} "
+            f"or {positions.shape}"
         )
     return positions, np.broadcast_to(halfSize, positions.shape)
 

@@ -125,7 +125,9 @@ def _asArrays(points, cells, name):
         )
     bad = np.flatnonzero(~np.all(np.isfinite(points), axis=1))
     if len(bad):
-        raise ValueError(f"'{name}': point {bad[0]} at {formatPoint(points[bad[0]])} is not finite")
+        raise ValueError(
+            f"'{name}': point {bad[0]} at {formatPoint(points[bad[0]])} is not finite; give numbers"
+        )
     return points, cells.astype(int)
 
 

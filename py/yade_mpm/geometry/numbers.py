@@ -51,9 +51,10 @@ def requireFinite(who, what, array):
 
 
 def vector(who, what, value, dim=None):
-    array = numbers(who, what, value)
     allowed = (2, 3) if dim is None else (dim,)
-    if array.ndim != 1 or len(array) not in allowed:
+    isLong = isinstance(value, range) and value[max(allowed) :]  # as an array, range(10**9) would fill memory
+    array = None if isLong else numbers(who, what, value)
+    if isLong or array.ndim != 1 or len(array) not in allowed:
         raise ValueError(f"{who}: {what} = {value!r} must have {' or '.join(map(str, allowed))} coordinates")
     requireFinite(who, what, array)
     return array

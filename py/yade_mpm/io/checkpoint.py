@@ -98,7 +98,7 @@ def read(file):
     FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or of another format.
     """
     if not os.path.isfile(file):
-        raise FileNotFoundError(f"checkpoint '{file}' does not exist")
+        raise FileNotFoundError(f"load: checkpoint '{file}' does not exist; correct the name")
     if not h5py.is_hdf5(file):
         raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
     if _saysItIsSealed(file) and not _isSealed(file):

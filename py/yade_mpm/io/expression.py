@@ -10,6 +10,7 @@ import operator
 
 import numpy as np
 
+from ..base.wording import shown
 from ..check import diagnostics
 from .language import (
     ARRAY_ATTRIBUTES,
@@ -49,6 +50,9 @@ class Expression:
             self._refuse(f"it has {len(text)} characters, and {MOST_TEXT} are allowed")
         try:
             self._tree = ast.parse(text, f"<{who}>", "eval")
+        except SyntaxError as error:
+            said = f"{who} = {shown(text)} is not allowed: {error.msg}; give an expression, or a function"
+            raise SyntaxError(said, error.args[1]) from None
         except (RecursionError, MemoryError, ValueError):  # ValueError: a null character
             self._refuse("it is nested too deeply, or holds characters that no text has")
         self._check()

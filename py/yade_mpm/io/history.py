@@ -103,7 +103,7 @@ class History(Callback):
                 "longer"
             )
         if name not in self._data:
-            raise KeyError(f"there is no column '{name}'; columns: {', '.join(self._data)}")
+            raise KeyError(f"History: there is no column {name!r}; columns: {', '.join(self._data)}")
         return np.array(self._data[name])
 
     def keys(self):

@@ -5,6 +5,7 @@
 scenes or times. Nothing here changes the settings of matplotlib but `drawToFiles`, which programs call.
 """
 
+import itertools
 import os
 
 import matplotlib
@@ -147,8 +148,8 @@ def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
     vertical : one above the other; default False.
     """
     n = len(snapshots)
-    windows = window if isinstance(window, list) else [window] * n
-    left, right, bottom, top = windows[0]
+    windows = window if isinstance(window, list) else itertools.repeat(window)
+    left, right, bottom, top = window[0] if isinstance(window, list) else window
     high = (top - bottom) / (right - left)
     if vertical:
         figure, axes = plt.subplots(

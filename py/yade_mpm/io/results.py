@@ -89,7 +89,7 @@ class Results(Sequence):
             k = range(len(self))[number]
         except IndexError:
             raise IndexError(
-                f"there is no frame {number}; there are {len(self)}, from 0 on, and -1 is the last"
+                f"Results: there is no frame {number}; there are {len(self)}, from 0 on, and -1 is the last"
             ) from None
         return ResultFrame(*self._asked(lambda h5: resultsFile.frame(h5["VTKHDF"], k, self.bodies)))
 
@@ -143,7 +143,7 @@ class ResultFrame(Mapping):
 
     def __getitem__(self, name):
         if name not in self._data:
-            raise KeyError(f"there is no field '{name}'; fields: {', '.join(self._data)}")
+            raise KeyError(f"ResultFrame: there is no field {name!r}; fields: {', '.join(self._data)}")
         return self._data[name]
 
     def __iter__(self):
@@ -162,7 +162,7 @@ class ResultFrame(Mapping):
         name : of the body.
         """
         if name not in self.bodies:
-            raise KeyError(f"there is no body '{name}'; bodies: {', '.join(self.bodies)}")
+            raise KeyError(f"ResultFrame: there is no body {name!r}; bodies: {', '.join(self.bodies)}")
         rows = self["body"] == self.bodies.index(name)
         data = {field: values[rows] for field, values in self._data.items()}
         return ResultFrame(

@@ -256,7 +256,8 @@ class Body(Guarded):
         now.
 
         Returns the middles of its facets, m (K, dim), and their outward area vectors, m2 (2D: m) (K, dim);
-        None for other bodies.
+        None for other bodies. Raises ValueError where a particle that carries some has a deformationGradient
+        that cannot be inverted.
         """
         if "outlineCarrier" not in [f["name"] for f in self.core.fields(True)]:
             return None
@@ -266,7 +267,14 @@ class Body(Guarded):
         order = np.argsort(self.id)
         p = order[np.searchsorted(self.id, carrier, sorter=order)]
         F = self.deformationGradient[p, : self._scene.dim, : self._scene.dim]
-        grown = np.linalg.det(F)[:, None] * np.linalg.solve(F.transpose(0, 2, 1), area[..., None])[..., 0]
+        J = np.linalg.det(F)
+        if not J.all():
+            flat = self.id[p[np.argmin(abs(J))]]
+            raise ValueError(
+                f"body '{self.name}': outline: deformationGradient of particle {flat} has the determinant "
+                "0, and only positive ones are allowed; set it, or take an older checkpoint"
+            )
+        grown = J[:, None] * np.linalg.solve(F.transpose(0, 2, 1), area[..., None])[..., 0]
         return self.position[p] + np.einsum("pij,pj->pi", F, offset), grown
 
     def weights(self, particle):

@@ -62,7 +62,9 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=None, group=
 def _added(scene, name, region, material, type, options):
     geometry = type.geometry(region, scene, name)
     if not isinstance(geometry, tuple) and geometry.dim != scene.dim:
-        raise ValueError(f"body '{name}': the mesh is {geometry.dim}D, the scene {scene.dim}D")
+        raise ValueError(
+            f"body '{name}': the mesh is {geometry.dim}D, the scene {scene.dim}D; give one in {scene.dim}D"
+        )
     _checkInside(scene, name, geometry)
     region = region if isinstance(region, Region) else None
     body = newBody(scene, name, material, type, region, *options)

@@ -56,7 +56,9 @@ def _checked(scene, body, region, type):
         edge = "without size and matched: the domains are as large as the boxes"
         raise ValueError(f"{who}: {type!r} is not allowed; give mpm.APDI(), {edge}")
     if region.dim != scene.dim:
-        raise ValueError(f"{who}: the region is {region.dim}D, the scene {scene.dim}D")
+        raise ValueError(
+            f"{who}: the region is {region.dim}D, the scene {scene.dim}D; give one in {scene.dim}D"
+        )
     numbers = np.flatnonzero(region.contains(body.position))
     if len(numbers) == 0:
         what = "domain" if isinstance(body.type, MeshedType) else "particle"

@@ -13,7 +13,9 @@ def makeCore(lower, upper, cell, lines=None):
         if lines is not None:
             return make([np.ascontiguousarray(x, float) for x in lines])
         return make(list(lower), list(upper), list(cell))
-    except MemoryError:
+    except MemoryError as error:
+        if getattr(error, "isFromSolver", False):  # in words already
+            raise
         count = np.prod((upper - lower) / cell if lines is None else [len(x) - 1 for x in lines])
         raise MemoryError(
             f"Scene: the {count:.3g} cells of the grid do not fit into memory; give a larger cell or a "

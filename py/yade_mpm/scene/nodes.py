@@ -49,7 +49,7 @@ def faceNodes(scene, face):
     Raises ValueError for a face that the grid does not have.
     """
     if face not in FACES[scene.dim]:
-        raise ValueError(f"there is no face '{face}'; faces are {', '.join(FACES[scene.dim])}")
+        raise ValueError(f"Scene: there is no face {face!r}; faces are {', '.join(FACES[scene.dim])}")
     axis, side = FACES[scene.dim][face]
     x = scene.nodePositions()[:, axis]
     tolerance = 1e-6 * scene.cell[axis]

@@ -109,7 +109,7 @@ class Run:
             self.rescue.flushAnyway()
             raise
         finally:
-            self.scene.stepper.acting = None
+            keep(self.scene.stepper, acting=None)
             self.progress.close()
             for number, handler in handlers.items():
                 signal.signal(number, handler or signal.SIG_DFL)

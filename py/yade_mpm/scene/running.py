@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 
+from ..base.attributes import keep
 from ..geometry.numbers import isNumber
 from ..io.files import checkWritable
 from .background import BackgroundRun
@@ -95,7 +96,7 @@ def step(scene):
         try:
             scene.stepper.advance(1)
         finally:
-            scene.stepper.acting = None
+            keep(scene.stepper, acting=None)
         policy.afterSteps()
 
 

@@ -51,7 +51,7 @@ class Scene(Guarded):
         one while a run finds that faster, as it is beside other jobs. The results are the same bits for any
         number.
 
-    Raises ValueError for a grid that is not made of whole cells.
+    Raises ValueError for a grid that is not made of whole cells, MemoryError for one that does not fit.
 
     Attributes
     ----------
@@ -141,7 +141,9 @@ class Scene(Guarded):
         for body in self.bodies:
             if body.name == name:
                 return body
-        raise KeyError(f"there is no body named '{name}'; bodies: {', '.join(b.name for b in self.bodies)}")
+        raise KeyError(
+            f"Scene: there is no body named {name!r}; bodies: {', '.join(b.name for b in self.bodies)}"
+        )
 
     @property
     def bodies(self):
@@ -220,7 +222,7 @@ class Scene(Guarded):
         for engine in self.engines:
             if isinstance(engine, GridSolver):
                 return engine
-        raise ValueError(f"{who}: there is no GridSolver among the engines")
+        raise ValueError(f"{who}: there is no GridSolver among the engines; add one to scene.engines")
 
     @property
     def scheme(self):

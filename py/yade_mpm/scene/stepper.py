@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Steps of a scene, for the loop that owns the clock: `Scene.run`, `Scene.step`, or another program."""
 
+import copy
 import functools
 import math
 import time
@@ -9,7 +10,7 @@ from contextlib import contextmanager
 import numpy as np
 
 from ..base import limits
-from ..base.attributes import keep
+from ..base.attributes import Guarded, keep
 from ..base.warn import warnUser
 from ..check.domains import checkFields, checkInterface
 from ..check.mistakes import likelyMistakes
@@ -39,7 +40,7 @@ def _holding(method):
     return held
 
 
-class Stepper:
+class Stepper(Guarded):
     """Makes a scene ready to step, and takes its steps; `scene.stepper`.
 
     A loop of your own prepares once, then steps as long as the scene stays ready:
@@ -60,9 +61,12 @@ class Stepper:
     estimatedStiffness : dict, what `stiffnesses` gave at that time.
     automaticDt : float, s, step that was chosen last where nobody has given dt; None before.
     acting : Engine, callback that is at work or has failed at it; None between them.
+        These five can be read, not set.
     onChange : function without argument that is called when something of the scene has changed; default None;
         TypeError for what cannot be called.
     """
+
+    _instead = "use that of another scene"
 
     def __init__(self, scene):
         self._scene = scene
@@ -71,8 +75,11 @@ class Stepper:
         self._isStepping = False  # whether the solver is at work, or calls back
         self._fullDt = None  # in a step that is shorter
         self._checkedState = None  # what the critical step was checked for
-        self.constraints, self.acting, self._onChange = [], None, None
-        self.estimatedAt, self.estimatedStiffness, self.automaticDt = -1, {}, None
+        self._onChange, self._constraints, self._estimatedStiffness = None, [], {}
+        keep(self, acting=None, estimatedAt=-1, automaticDt=None)
+
+    constraints = property(lambda self: list(self._constraints))
+    estimatedStiffness = property(lambda self: copy.deepcopy(self._estimatedStiffness))
 
     @property
     def onChange(self):
@@ -124,11 +131,34 @@ class Stepper:
 
     @_holding
     def restore(self, isChecked, estimatedAt, estimatedStiffness, automaticDt):
-        """State of a scene from a checkpoint: whether its time step was checked, and the last estimate."""
-        self.constraints = self._motions()  # whose work diagnostics count, also before the next run
+        """State of a scene from a checkpoint: whether its time step was checked, and the last estimate.
+
+        Raises ValueError for what no scene has: isChecked is True or False, estimatedAt a step up to the
+        present one or -1, the others as the attributes of these names.
+        """
+        self._refuseUnlike(isChecked, estimatedAt, estimatedStiffness, automaticDt)
+        self._constraints = self._motions()  # whose work diagnostics count, also before the next run
         self._isStable, self._checkedState = isChecked, self._stabilityState()
-        self.estimatedAt, self.estimatedStiffness = estimatedAt, estimatedStiffness
-        self.automaticDt = automaticDt
+        self._estimatedStiffness = copy.deepcopy(estimatedStiffness)
+        keep(self, estimatedAt=estimatedAt, automaticDt=automaticDt)
+
+    def _refuseUnlike(self, isChecked, estimatedAt, estimatedStiffness, automaticDt):
+        """Refuses an estimate that the scene cannot have had."""
+        steps, isWhole = self._scene.steps, isinstance(estimatedAt, int) and not isinstance(estimatedAt, bool)
+        areStiffnesses = isinstance(estimatedStiffness, dict) and all(
+            isinstance(three, list)
+            and len(three) == 3
+            and all(isNumber(x) and 0 <= x < math.inf for x in three)
+            for three in estimatedStiffness.values()
+        )
+        isLength = automaticDt is None or isNumber(automaticDt) and 0 < automaticDt < math.inf
+        _require(isinstance(isChecked, bool), "isChecked", isChecked, "True or False")
+        _require(
+            isWhole and -1 <= estimatedAt <= steps, "estimatedAt", estimatedAt, f"-1, or a step to {steps}"
+        )
+        threes = "lists of three numbers from 0 on by the name of a body"
+        _require(areStiffnesses, "estimatedStiffness", estimatedStiffness, threes)
+        _require(isLength, "automaticDt", automaticDt, "a positive time in s, or None")
 
     @_holding
     def prepare(self):
@@ -160,14 +190,14 @@ class Stepper:
             )
         scene.putInOrder(engines)  # the list itself may have been changed since it was given
         chain.checkComplete(engines, scene.core.stageOrder, scene.scheme)
-        self.constraints = self._motions()
-        for part in [*engines, *self.constraints]:
+        self._constraints = self._motions()
+        for part in [*engines, *self._constraints]:
             belongTo(scene, part)
-        for constraint in self.constraints:
+        for constraint in self._constraints:
             constraint.bind(scene)
         for engine in sorted(engines, key=lambda e: isinstance(e, Callback)):  # which look at the others
             engine.bind(scene)
-        scene.core.setConstraints([c.core for c in self.constraints])
+        scene.core.setConstraints([c.core for c in self._constraints])
         scene.core.setEngines([e.core for e in engines])
         scene.core.prepare()
         self._chain = list(engines)
@@ -222,7 +252,8 @@ class Stepper:
 
     def noteEstimate(self):
         """The step follows the estimate just made; growth counts from here."""
-        self.estimatedAt, self.estimatedStiffness = self._scene.steps, stiffnesses(self._scene)
+        self._estimatedStiffness = stiffnesses(self._scene)
+        keep(self, estimatedAt=self._scene.steps)
         self.noteChecked()
 
     def noteChecked(self):
@@ -262,7 +293,7 @@ class Stepper:
 
     def _ratios(self):
         """Of `stiffnesses`, now to then, for each body that there was."""
-        then = self.estimatedStiffness
+        then = self._estimatedStiffness
         for name, now in stiffnesses(self._scene).items():
             if name in then:
                 yield [b / a if a > 0 else 1.0 if b == 0 else math.inf for b, a in zip(now, then[name])]
@@ -276,7 +307,7 @@ class Stepper:
         growth : float, of the square of the fastest frequency since the estimate, -; default 1.
         """
         longest = limits.DT_STABLE[self._scene.scheme] * self._scene.dtStable / math.sqrt(growth)
-        self.automaticDt = min(self.safeDt(), longest)
+        keep(self, automaticDt=min(self.safeDt(), longest))
         self.dt = self.automaticDt
 
     def safeDt(self):
@@ -395,6 +426,11 @@ class Stepper:
         done = [e for e in stages if e in before]
         changes = [e for e in done if type(e).__name__ != "ParticleToGrid"]
         return bool(changes) and len(done) < len(stages)
+
+
+def _require(isRight, name, value, allowed):
+    if not isRight:
+        raise ValueError(f"Stepper.restore: {name} = {value!r} is not allowed; give {allowed}")
 
 
 def _asTime(what, time):

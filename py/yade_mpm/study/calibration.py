@@ -140,7 +140,9 @@ class _Search:
         if state.read(folder)["state"] != state.DONE:
             return np.full_like(self.measured, np.nan)
         if not os.path.exists(file):
-            raise ValueError(f"calibrate: the scene has left no curve '{self.curve}' in {folder}")
+            raise ValueError(
+                f"calibrate: the scene has left no curve '{self.curve}' in {folder}; let it call saveCurve"
+            )
         x, y = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2).T
         if x.min() > self.x[0] + 1e-9 * np.ptp(x) or x.max() < self.x[-1] - 1e-9 * np.ptp(x):
             raise ValueError(

@@ -96,7 +96,8 @@ class Study:
         folder = os.path.join(self.out, "cases", name)
         if folder in self.folders:
             raise ValueError(
-                f"study: cases {self.folders.index(folder) + 1} and {len(self.folders) + 1} are the same"
+                f"study: cases {self.folders.index(folder) + 1} and {len(self.folders) + 1} are the same; "
+                "give each once"
             )
         os.makedirs(folder, exist_ok=True)
         about = dict(identity=name, code=identity.codeVersion(), arguments=arguments, threads=self.threads)
@@ -216,7 +217,7 @@ def findScene(name):
         file = os.path.join(folder, f"{name}.py")
         if folder and os.path.isfile(file):
             return os.path.abspath(file)
-    raise FileNotFoundError(f"there is no scene '{name}'; give its file")
+    raise FileNotFoundError(f"study: there is no scene '{name}'; give its file")
 
 
 def parametersOf(file):

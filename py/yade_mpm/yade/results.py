@@ -101,7 +101,9 @@ class Materials(Sequence):
         for body in self._bodies:
             if body.name == key:
                 return body.material
-        raise KeyError(f"there is no body '{key}'; bodies: {', '.join(b.name for b in self._bodies)}")
+        raise KeyError(
+            f"materials: there is no body {key!r}; bodies: {', '.join(b.name for b in self._bodies)}"
+        )
 
     def __repr__(self):
         return "\n".join(f"{body.name}: {body.material!r}" for body in self._bodies)

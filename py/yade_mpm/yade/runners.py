@@ -131,11 +131,15 @@ class Chain:
     def __getattr__(self, name):
         engines = self.attributes() if name != "scene" else {}
         if name not in engines:
-            raise AttributeError(f"there is no engine '{name}' in the scene; it has {', '.join(engines)}")
+            raise AttributeError(
+                f"yadeMpm: there is no engine '{name}' in the scene; it has {', '.join(engines)}"
+            )
         return engines[name]
 
     def __setattr__(self, name, value):
-        raise AttributeError(f"the scene as one engine has no attribute {name}; set those of its engines")
+        raise AttributeError(
+            f"yadeMpm: the scene as one engine has no attribute {name}; set those of its engines"
+        )
 
     def __dir__(self):
         return [*super().__dir__(), *self.attributeNames()]

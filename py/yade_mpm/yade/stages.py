@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A step of a scene that YADE takes engine by engine."""
 
+from ..base.attributes import keep
 from ..engine.callback import Callback
 from .runners import isDead
 
@@ -33,23 +34,25 @@ class Stages:
         else:
             isLast = False
         stepper = self._stepper
-        stepper.acting = self._chain[number] if self.isOpen else None
+        keep(stepper, acting=self._chain[number] if self.isOpen else None)
         try:
             self._acts[number]()
         finally:
             if isLast:  # also when it raises: what ends a step at its last stage has made all of it
                 self.close()
         if self.isOpen:
-            stepper.acting = self._chain[number + 1]
+            keep(stepper, acting=self._chain[number + 1])
 
     def close(self):
         """Ends the step."""
-        self.isOpen, self._stepper.acting = False, None
+        self.isOpen = False
+        keep(self._stepper, acting=None)
         self._endStep()
 
     def abandon(self):
         """Leaves the step as an error left it."""
-        self.isOpen, self._stepper.acting = False, None
+        self.isOpen = False
+        keep(self._stepper, acting=None)
 
     def _lastLiving(self, first):
         """Number of the last stage that lives, from one of them on."""

@@ -26,7 +26,7 @@ MOST_MEMORY = 8 << 30  # bytes
 LONGEST = 2000  # characters of an error
 # Errors that users know, of their own making; others are from the inside.
 KINDS = (ValueError, TypeError, KeyError, IndexError, AttributeError, RuntimeError, MemoryError, SystemExit)
-KINDS += (NotImplementedError, ImportError, argparse.ArgumentTypeError)
+KINDS += (NotImplementedError, ImportError, SyntaxError, argparse.ArgumentTypeError)
 WORDS = "give given use set make choose move check take takes add lower enlarge report pause run mend got"
 WORDS += " remove refine order count may lies need needs needed allowed must cannot not"
 WORDS += " subtract let continue already only exists permission fill"
@@ -72,6 +72,7 @@ def worker(attack, first, last, seed):
             signal.setitimer(signal.ITIMER_PROF, LONG)
             try:
                 result = attack(number, seed)
+                signal.setitimer(signal.ITIMER_PROF, 0)  # inside: it may have rung at the end of attack()
             except KeyboardInterrupt:  # 10**9 steps, say, which somebody may want
                 result = "?", "long", "it goes on until it is interrupted"
             signal.setitimer(signal.ITIMER_PROF, 0)

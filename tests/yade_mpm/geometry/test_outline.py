@@ -95,6 +95,15 @@ def test_the_outline_moves_with_the_deformation_of_its_particles(dim):
     assert turned == pytest.approx(areas @ np.linalg.inv(small) * np.linalg.det(small), abs=1e-12)
 
 
+def test_the_outline_of_a_particle_without_volume_is_refused():
+    _, body = scene(disc((2.1, 1.9), 0.8))
+    body.deformationGradient[...] = 0
+    with pytest.raises(
+        ValueError, match="body 'body': outline: deformationGradient of particle .* determinant 0"
+    ):
+        body.outline()
+
+
 def pressed(angle, isTurned=True):
     """A wedge with an underside that slopes by `angle`, turned level, 0.01 above a base: normals and gaps
     that contact finds."""

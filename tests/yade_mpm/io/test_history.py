@@ -463,7 +463,11 @@ def test_a_second_history_needs_a_label():
             TypeError,
             "= '1, 2'; give a function of the scene$",
         ),
-        (dict(iterPeriod=5, columns={"a": "1 +"}), SyntaxError, ""),
+        (
+            dict(iterPeriod=5, columns={"a": "1 +"}),
+            SyntaxError,
+            "History: column 'a' = '1 .' is not allowed: .*; give",
+        ),
     ],
 )
 def test_wrong_arguments_are_refused(arguments, error, text):
@@ -496,5 +500,5 @@ def test_a_column_that_gives_no_number_ends_the_run_and_is_named(column, told):
 def test_an_unknown_column_names_the_known_ones():
     history = mpm.History(iterPeriod=5)
     runWith(history, steps=5)
-    with pytest.raises(KeyError, match="there is no column 'drive'; columns: time, step"):
+    with pytest.raises(KeyError, match="History: there is no column 'drive'; columns: time, step"):
         history["drive"]

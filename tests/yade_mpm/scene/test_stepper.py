@@ -3,6 +3,7 @@
 
 import signal
 import time
+from math import nan
 
 import numpy as np
 import pytest
@@ -264,6 +265,48 @@ def test_what_the_last_step_of_a_run_has_left_is_looked_at():
     scene.add("mesh", box((2, 1), (3, 2)), elastic, mpm.APDI(size=0.5, matched=boxes)).stretchZZ = 1e30
     with pytest.raises(RuntimeError, match="step 2: body 'boxes': volume = -.* is not positive"):
         scene.run(steps=2, progress=False)
+
+
+@pytest.mark.parametrize(
+    "name", ["constraints", "acting", "estimatedAt", "estimatedStiffness", "automaticDt"]
+)
+def test_what_a_stepper_knows_is_read_only(name):
+    """`acting` that was set by hand stopped a run with an error of Python."""
+    scene = falling()
+    scene.run(steps=2, progress=False)
+    before = getattr(scene.stepper, name)
+    with pytest.raises(AttributeError, match=f"Stepper: {name} can be read, not set"):
+        setattr(scene.stepper, name, 7)
+    if isinstance(before, (list, dict)):
+        assert before
+        getattr(scene.stepper, name).clear()
+    assert getattr(scene.stepper, name) == before
+    scene.run(steps=2, progress=False)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"isChecked": 1},
+        {"estimatedAt": "a"},
+        {"estimatedAt": -2},
+        {"estimatedAt": 3},
+        {"estimatedStiffness": [1.0]},
+        {"estimatedStiffness": {"block": 1.0}},
+        {"estimatedStiffness": {"block": [1.0, 1.0]}},
+        {"estimatedStiffness": {"block": [1.0, nan, 1.0]}},
+        {"automaticDt": 0.0},
+        {"automaticDt": "0.1"},
+    ],
+)
+def test_an_estimate_that_no_scene_has_is_not_restored(wrong):
+    scene = falling()
+    scene.run(steps=2, progress=False)
+    stepper, three = scene.stepper, [1e4, 1e3, 16.0]
+    right = {"isChecked": True, "estimatedAt": 2, "estimatedStiffness": {"block": three}, "automaticDt": None}
+    stepper.restore(**right)
+    with pytest.raises(ValueError, match=f"Stepper.restore: .*{next(iter(wrong))} = .* is not allowed; give"):
+        stepper.restore(**{**right, **wrong})
 
 
 def test_ctrl_c_comes_through_between_two_steps():

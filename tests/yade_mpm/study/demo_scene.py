@@ -3,6 +3,7 @@
 
 import argparse
 import os
+import select
 import signal
 import time
 from pathlib import Path
@@ -18,9 +19,13 @@ PARAMETERS = mpm.Parameters(
     Parameter("perCell", 2, "boxes", least=1, whole=True),
     Parameter("until", 0.1, "end", unit="s", above=0),
     Parameter("pause", 0.0, "of every tenth step", unit="s", least=0),
+    Parameter("held", False, "waits before its end while there is a file holdGRAVITY, or for a signal"),
     Parameter("end", "well", choices=("well", "raises", "refused", "nan", "killed", "silent", "sleeps")),
     resume=("until",),
 )
+
+
+HEAR, TELL = os.pipe()  # of signals that have come
 
 
 def build(a):
@@ -49,10 +54,18 @@ def busy(a):
 
 def recorded(a):
     scene = build(a)
-    slow = mpm.PyRunner(lambda: time.sleep(a.pause), iterPeriod=10, label="slow")
+    slow = mpm.PyRunner(lambda scene: pause(a, scene), iterPeriod=10, label="slow")
     history = mpm.History(period=a.until / 20, file=f"{a.out}/history.csv")
     scene.engines = [*scene.engines, history, slow]
     return scene
+
+
+def pause(a, scene):
+    """What a case does every tenth step."""
+    time.sleep(a.pause)
+    if a.held and scene.time > 0.8 * a.until:
+        while os.path.exists(f"hold{a.gravity:g}") and not select.select([HEAR], [], [], 0.05)[0]:
+            pass  # after a signal, the run ends when this returns
 
 
 def fail(how):
@@ -66,16 +79,18 @@ def fail(how):
     if how == "silent":
         os._exit(3)
     if how == "sleeps":
-        time.sleep(60)
+        time.sleep(600)
 
 
 def main():
     a = PARAMETERS.parse()
+    os.set_blocking(TELL, False)
+    signal.set_wakeup_fd(TELL)
     with open(Path(a.out).parents[1] / "started", "a") as started:
         started.write("x")
     print("hello of", a.end)
     fail(a.end)
-    run = study.Run(a, lambda: recorded(a), {"slow": lambda: time.sleep(a.pause)})
+    run = study.Run(a, lambda: recorded(a), {"slow": lambda scene: pause(a, scene)})
     scene, history = run.finish()
     height = float(scene["block"].position[:, 1].mean())
     columns = {"time (s)": history["time"], "kinetic energy (kJ)": history["kineticEnergy"]}

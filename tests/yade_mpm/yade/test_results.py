@@ -55,7 +55,7 @@ def test_results_stand_where_a_user_of_yade_looks(tmp_path):
     assert {"mpm_internalWork", "mpm_damped", "mpm_contact", "mpm_externalWork"} < set(energy)
     byName, byNumber, number, text, missing = said["materials"]
     assert byName and byNumber and number == 1 and text.startswith("soil: NeoHookean(")
-    assert "there is no body 'sand'; bodies: soil" in missing
+    assert "materials: there is no body 'sand'; bodies: soil" in missing
     assert said["loaded"] and not said["moved on"]
 
 

@@ -32,7 +32,9 @@ PUBLISHED |= dict(dt=lambda a: stepOf(a))
 REMEDIES = dict(friction=0.3, tip=90.0, dilatancyLimit=0.05, split=1.3, fbar=True, undamped=True)
 REMEDIES |= dict(closing=True, ramp=lambda a: 0.1 / a.rate)  # s: 0.05 m
 TRUSTED = REMEDIES | dict(implicit=True, graded=True)
-LITERAL = {name: PUBLISHED.get(name) for name in TRUSTED} | dict(implicit=False, graded=False, cell=0.25)
+LITERAL = {name: PUBLISHED.get(name) for name in TRUSTED} | dict(
+    implicit=False, graded=False, cell=0.25, rate=0.1
+)
 DERIVED = dict(
     # Where soil and pile may slip they meet at grid lines: an odd number of cells across needs one more.
     width=lambda a: WIDTH + oddCell(a),
@@ -75,7 +77,7 @@ PARAMETERS = mpm.Parameters(
     __doc__,
     MODEL["types"],
     Parameter("cell", 0.125, "size of the grid's cells round the pile", unit="m", partOf=ZONE_WIDTH),
-    MODEL["rate"],
+    Parameter("rate", 0.2, "of the pile; published 0.01", unit="m/s", above=0),
     MODEL["until"],
     Parameter("published", False, "the literal set-up of the paper", sets=LITERAL),
     fixed=PUBLISHED | TRUSTED,

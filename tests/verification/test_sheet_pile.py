@@ -205,7 +205,7 @@ def test_only_a_mesh_can_tell_whether_the_surface_is_single_valued(runs):
 # --- the run to trust ---------------------------------------------------------------------------------------
 def test_the_scene_runs_what_one_may_trust_unless_the_published_model_is_asked_for():
     own = vars(sheet_pile.arguments([]))
-    words = ["--remedies", "--implicit", "--graded", "--cell", "0.125"]
+    words = ["--remedies", "--implicit", "--graded", "--cell", "0.125", "--rate", "0.2"]
     trusted, published = (vars(sheet_pile_study.arguments(w)) for w in (words, []))
     literal = vars(sheet_pile.arguments(["--published"]))
     names = set(own) & set(trusted) - {"out", "remedies"}

@@ -85,8 +85,8 @@ def meshOnLines(region, scene, size, name):
             ends[:, axis] += np.array([np.floor(steps), np.ceil(steps)]) * size[axis]
             below, above = unfolding.fold(ends)[:, axis]
             raise ValueError(
-                f"'{name}': edge {'xyz'[axis]} = {x:.9g} is not on a line of the mesh, which follows the "
-                f"graded grid; move it to {below:.9g} or {above:.9g}, or change size or grading"
+                f"body '{name}': edge {'xyz'[axis]} = {x:.9g} is not on a line of the mesh, which follows "
+                f"the graded grid; move it to {below:.9g} or {above:.9g}, or change size or grading"
             )
     upper = np.array([x[-1] for x in unfolding.even])
     return meshRegion(_Unfolded(region, unfolding), scene.lower, upper, size, name)

@@ -112,7 +112,7 @@ def _cellsRound(region, lower, upper, spacing, name):
 def _notEmpty(cells, region, spacing, name):
     if not len(cells):
         raise ValueError(
-            f"'{name}': empty body: {region!r} holds no centre of a lattice of spacing "
+            f"body '{name}': empty body: {region!r} holds no centre of a lattice of spacing "
             f"{_formatSpacing(spacing)}; enlarge the region or lower the spacing"
         )
     return cells
@@ -212,7 +212,7 @@ def _asGrid(lower, upper, region, name):
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     if lower.shape != (region.dim,) or upper.shape != (region.dim,):
         raise ValueError(
-            f"'{name}': {region!r} is {region.dim}D, but the grid corners have shapes "
+            f"body '{name}': {region!r} is {region.dim}D, but the grid corners have shapes "
             f"{lower.shape} and {upper.shape}; give both the same number of coordinates"
         )
     return lower, upper
@@ -224,7 +224,7 @@ def _requireInside(region, lower, upper, spacing, name):
     if np.any(start < lower - slack) or np.any(end > upper + slack):
         grid = f"box({formatPoint(lower)}, {formatPoint(upper)})"
         raise ValueError(
-            f"'{name}': the region reaches outside the grid: it spans {formatPoint(start)} to "
+            f"body '{name}': the region reaches outside the grid: it spans {formatPoint(start)} to "
             f"{formatPoint(end)}, the grid is {grid}; shrink it or cut it with '& {grid}'"
         )
 
@@ -235,7 +235,7 @@ def _requireMultiple(axis, coordinate, anchor, spacing, name):
         return
     below, above = (f"{anchor + k * spacing:.9g}" for k in (np.floor(steps), np.ceil(steps)))
     raise ValueError(
-        f"'{name}': edge {'xyz'[axis]} = {coordinate:.9g} is not a multiple of the spacing "
+        f"body '{name}': edge {'xyz'[axis]} = {coordinate:.9g} is not a multiple of the spacing "
         f"{spacing:.9g} from the grid corner {anchor:.9g}; move it to {below} or {above}, "
         "or change the spacing"
     )

@@ -22,7 +22,7 @@ def checkMesh(name, mesh):
     corners = 2 ** points.shape[1]
     _require(
         cells.ndim == 2 and cells.shape[1] == corners and len(cells),
-        f"'{name}': cells has the shape {cells.shape}; give ({corners} vertices each), and one or more",
+        f"mesh '{name}': cells has the shape {cells.shape}; give ({corners} vertices each), and one or more",
     )
     checkIndices(name, points, cells)
     slaves, masters = (_integers(name, what, getattr(mesh, what)) for what in ("slaves", "masters"))
@@ -30,7 +30,7 @@ def checkMesh(name, mesh):
     try:
         checkHanging(len(points), slaves, masters, weights)
     except ValueError as error:
-        raise ValueError(f"'{name}': {error}; see mpm.Mesh for what hanging vertices need") from None
+        raise ValueError(f"mesh '{name}': {error}; see mpm.Mesh for what hanging vertices need") from None
     _checkPlaces(name, points, slaves, masters, weights)
     _refuseOverlap(name, points, cells)
     return Mesh(points, cells, slaves, masters, weights, mesh.cellNumbers)
@@ -42,7 +42,7 @@ def checkIndices(name, points, cells):
     if np.any(outside):
         k = np.flatnonzero(outside)[0]
         raise ValueError(
-            f"'{name}': cell {k} names vertices {cells[k].tolist()}, but the points are "
+            f"mesh '{name}': cell {k} names vertices {cells[k].tolist()}, but the points are "
             f"numbered 0 to {len(points) - 1}; count from zero"
         )
 
@@ -90,18 +90,20 @@ def _points(name, points):
     try:
         points = np.array(points, float)
     except (TypeError, ValueError):
-        raise ValueError(f"'{name}': points is not made of numbers; give (Nv, 2) or (Nv, 3), m") from None
+        raise ValueError(
+            f"mesh '{name}': points is no array of numbers; give (Nv, 2) or (Nv, 3), m"
+        ) from None
     isRight = points.ndim == 2 and points.shape[1] in (2, 3) and 0 < len(points) <= MOST_VERTICES
-    _require(isRight, f"'{name}': points has the shape {points.shape}; give (Nv, 2) or (Nv, 3), m")
+    _require(isRight, f"mesh '{name}': points has the shape {points.shape}; give (Nv, 2) or (Nv, 3), m")
     bad = np.flatnonzero(~np.all(np.isfinite(points), axis=1))
-    _require(not len(bad), f"'{name}': point {bad[:1].tolist()} is not finite; mend it")
+    _require(not len(bad), f"mesh '{name}': point {bad[:1].tolist()} is not finite; mend it")
     return points
 
 
 def _integers(name, what, values):
     values = np.array(values)
     isRight = values.dtype.kind in "iu" or values.size == 0
-    _require(isRight, f"'{name}': {what} has the type {values.dtype}; give vertex numbers (int)")
+    _require(isRight, f"mesh '{name}': {what} has the type {values.dtype}; give vertex numbers (int)")
     return values.astype(int)
 
 
@@ -115,9 +117,8 @@ def _checkPlaces(name, points, slaves, masters, weights):
     worst = int(np.argmax(away))
     _require(
         away[worst] <= OFF_ITS_MASTERS * np.ptp(points, axis=0).max(),
-        f"'{name}': slave {slaves[worst]} at {formatPoint(points[slaves[worst]])} is {away[worst]:.3g} m "
-        "away from the "
-        f"weighted mean of its masters; correct the weights or the point",
+        f"mesh '{name}': slave {slaves[worst]} at {formatPoint(points[slaves[worst]])} is {away[worst]:.3g} "
+        f"m away from the weighted mean of its masters; correct the weights or the point",
     )
 
 
@@ -138,7 +139,7 @@ def _refuseOverlap(name, points, cells):
     if len(twice):
         place = formatPoint(points[cells[twice[0]]].mean(axis=0).round(9))
         raise ValueError(
-            f"'{name}': cell {twice[0]} at {place} lies on another one; each place may be covered once: "
+            f"mesh '{name}': cell {twice[0]} at {place} lies on another one; each place may be covered once: "
             "remove cells that "
             f"are twice there"
         )

@@ -67,11 +67,11 @@ def meshFromFile(path, name):
         import meshio
     except ImportError as error:
         raise ImportError(
-            f"'{name}': reading {path} needs the meshio package; install it or use meshFromArrays"
+            f"mesh '{name}': reading {path} needs the meshio package; install it or use meshFromArrays"
         ) from error
     if not os.path.exists(path):  # meshio would leave the program
         raise FileNotFoundError(
-            f"'{name}': there is no mesh file '{os.path.abspath(os.fsdecode(path))}'; correct the name"
+            f"mesh '{name}': there is no mesh file '{os.path.abspath(os.fsdecode(path))}'; correct the name"
         )
     points, cells = _readMesh(meshio, path, name)
     dim = max((cellsDim for _, cellsDim, _ in cells), default=0)
@@ -79,7 +79,7 @@ def meshFromFile(path, name):
     others = sorted({kind for kind, cellsDim, _ in cells if cellsDim == dim and kind != wanted})
     if wanted is None or others:
         raise ValueError(
-            f"'{name}': {path} holds cells of type {', '.join(others) or 'none'}; "
+            f"mesh '{name}': {path} holds cells of type {', '.join(others) or 'none'}; "
             "only quad (2D) or hexahedron (3D) cells, of 4 or 8 vertices, are allowed"
         )
     return meshFromArrays(points, np.concatenate([c for kind, _, c in cells if kind == wanted]), name)
@@ -99,7 +99,7 @@ def _readMesh(meshio, path, name):
             read, READ_SECONDS + size * READ_SECONDS_PER_BYTE, READ_MEMORY + READ_MEMORY_PER_BYTE * size
         )
     except (Exception, SystemExit) as error:
-        raise ValueError(f"'{name}': {path} is not a mesh file that meshio can read: {error}") from error
+        raise ValueError(f"mesh '{name}': {path} is not a mesh file that meshio can read: {error}") from error
 
 
 def _asArrays(points, cells, name):
@@ -107,26 +107,26 @@ def _asArrays(points, cells, name):
     hasShape = cells.ndim == 2 and cells.shape[1] in (4, 8) and len(cells)
     if not hasShape or not np.issubdtype(cells.dtype, np.integer):
         raise ValueError(
-            f"'{name}': cells has shape {cells.shape} and type {cells.dtype}; "
-            "(Nc, 4) or (Nc, 8) vertex numbers (int) are needed"
+            f"mesh '{name}': cells has shape {cells.shape} and type {cells.dtype}; "
+            "give (Nc, 4) or (Nc, 8) vertex numbers (int)"
         )
     dim = 2 if cells.shape[1] == 4 else 3
     if points.ndim == 2 and points.shape[1] == 3 and dim == 2:
         if np.any(np.abs(points[:, 2]) > 1e-12 * np.max(np.abs(points))):
             raise ValueError(
-                f"'{name}': quadrilaterals must lie in the plane z = 0, but z reaches "
+                f"mesh '{name}': quadrilaterals must lie in the plane z = 0, but z reaches "
                 f"{np.max(np.abs(points[:, 2])):.9g}; use hexahedra in 3D"
             )
         points = points[:, :2]
     if points.ndim != 2 or points.shape[1] != dim:
         raise ValueError(
-            f"'{name}': points has shape {points.shape}, but cells of {cells.shape[1]} vertices "
+            f"mesh '{name}': points has shape {points.shape}, but cells of {cells.shape[1]} vertices "
             f"need (Nv, {dim})"
         )
     bad = np.flatnonzero(~np.all(np.isfinite(points), axis=1))
     if len(bad):
         raise ValueError(
-            f"'{name}': point {bad[0]} at {formatPoint(points[bad[0]])} is not finite; give numbers"
+            f"mesh '{name}': point {bad[0]} at {formatPoint(points[bad[0]])} is not finite; give numbers"
         )
     return points, cells.astype(int)
 
@@ -135,4 +135,4 @@ def _refuseCells(isBad, points, cells, name, complaint):
     if np.any(isBad):
         k = np.flatnonzero(isBad)[0]
         place = formatPoint(points[cells[k]].mean(axis=0).round(9))
-        raise ValueError(f"'{name}': cell {k} at {place} {complaint} ({np.sum(isBad)} such cells)")
+        raise ValueError(f"mesh '{name}': cell {k} at {place} {complaint} ({np.sum(isBad)} such cells)")

@@ -14,7 +14,7 @@ class Polygon(Primitive):
         self._points = numbers("polygon", "points", points)
         if self._points.ndim != 2 or self._points.shape[1] != 2 or len(self._points) < 3:
             raise ValueError(
-                f"polygon: points has shape {self._points.shape}; at least three points (x, y) are needed"
+                f"polygon: points has shape {self._points.shape}; give at least three points (x, y)"
             )
         requireFinite("polygon", "points", self._points)
         _requireSimple(self._points)

@@ -137,7 +137,7 @@ def test_first_near_agrees_with_all_pairs(dim, reach):
 def test_positions_and_half_sizes_of_the_wrong_shape_are_refused():
     with pytest.raises(ValueError, match=r"positions has shape \(3,\)"):
         firstNear([0, 0, 0], 1, np.zeros((1, 3)), 1, 0)
-    with pytest.raises(ValueError, match=r"halfSize has shape \(3,\); one number, \(2,\) or \(4, 2\)"):
+    with pytest.raises(ValueError, match=r"halfSize has shape \(3,\); give one number, \(2,\) or \(4, 2\)"):
         firstNear(np.zeros((4, 2)), np.ones(3), np.zeros((1, 2)), 1, 0)
 
 

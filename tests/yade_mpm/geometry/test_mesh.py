@@ -210,7 +210,7 @@ def quads(**moved):
         ),
         (quads(), [(0, 1, 4, -1)], "count from zero"),
         (quads(p1=(np.nan, 0)), QUADS[1], r"'soil': point 1 at \(nan, 0\) is not finite"),
-        (quads(), [(0, 1, 4)], r"cells has shape \(1, 3\) and type int64; \(Nc, 4\) or \(Nc, 8\)"),
+        (quads(), [(0, 1, 4)], r"cells has shape \(1, 3\) and type int64; give \(Nc, 4\) or \(Nc, 8\)"),
         (quads(), [(0.0, 1.0, 4.0, 3.0)], "type float64"),
         (quads(), np.zeros((0, 4), int), r"cells has shape \(0, 4\)"),
         (quads(), HEX[1], r"points has shape \(6, 2\), but cells of 8 vertices need \(Nv, 3\)"),

@@ -4,9 +4,8 @@
 
 #include <Eigen/LU>
 
-#include <gtest/gtest.h>
-
 #include <cmath>
+#include <gtest/gtest.h>
 
 namespace mpm {
 

@@ -48,7 +48,9 @@ class ImpulseSweep {
         const auto [lower, upper] = std::minmax(unknown, pushed);
         return inverse_[at(lower) + upper - lower];
     }
-    double velocity(int unknown) const { return whole_[unknown] + more_[unknown]; } // what impulses made it, m/s
+    double velocity(int unknown) const {
+        return whole_[unknown] + more_[unknown];
+    } // what impulses made it, m/s
     void push(int unknown, double impulse) {
         if (inverse_[at(unknown)] == 0) return;
         given_[unknown] += impulse;
@@ -76,11 +78,12 @@ class ImpulseSweep {
   private:
     const BandMatrix* factor_ = nullptr;
     int first_ = 0, span_ = 0, reach_ = 0;
-    int place_ = 0;            // velocities less than reach_ from here on are known
-    bool isAllKnown_ = true;   // else impulses were given elsewhere
-    bool isUntouched_ = true;  // since restart()
-    std::vector<double> given_, whole_, more_; // impulses, kN s; velocities: of those until restart(), and since
-    std::vector<double> inverse_;              // of A, row by row from the diagonal on
+    int place_ = 0;           // velocities less than reach_ from here on are known
+    bool isAllKnown_ = true;  // else impulses were given elsewhere
+    bool isUntouched_ = true; // since restart()
+    std::vector<double> given_, whole_,
+        more_;                    // impulses, kN s; velocities: of those until restart(), and since
+    std::vector<double> inverse_; // of A, row by row from the diagonal on
 
     std::size_t at(int row) const { return std::size_t(row - first_) * reach_; }
 };

@@ -78,12 +78,12 @@ class ImpulseSweep {
   private:
     const BandMatrix* factor_ = nullptr;
     int first_ = 0, span_ = 0, reach_ = 0;
-    int place_ = 0;           // velocities less than reach_ from here on are known
-    bool isAllKnown_ = true;  // else impulses were given elsewhere
-    bool isUntouched_ = true; // since restart()
-    std::vector<double> given_, whole_,
-        more_;                    // impulses, kN s; velocities: of those until restart(), and since
-    std::vector<double> inverse_; // of A, row by row from the diagonal on
+    int place_ = 0;                    // velocities less than reach_ from here on are known
+    bool isAllKnown_ = true;           // else impulses were given elsewhere
+    bool isUntouched_ = true;          // since restart()
+    std::vector<double> given_;        // impulses, kN s
+    std::vector<double> whole_, more_; // velocities by those until restart(), and since, m/s
+    std::vector<double> inverse_;      // of A, row by row from the diagonal on
 
     std::size_t at(int row) const { return std::size_t(row - first_) * reach_; }
 };

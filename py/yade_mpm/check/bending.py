@@ -83,6 +83,7 @@ def _haveMoment(body, loads, axis, ends):
     """
     units = [load.unitForces(body) for load in loads]
     times = np.unique(np.concatenate([load.times for load in loads]))
+    times = np.concatenate((times, (times[1:] + times[:-1]) / 2))  # a ramped table is quadratic between them
     values = [load.valuesAt(times, body.scene.dim) for load in loads]
     middle = ends.mean(axis=0)
     for s in {*range(body.scene.dim)} - {axis}:

@@ -107,19 +107,23 @@ pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the la
         return corners.mean(axis=1), np.concatenate((-areas[None], along))
 
     def valuesAt(self, times, dim):
-        """Pressure and tractions at times (s), without the ramp, kPa (len(times), 1 + dim)."""
+        """Pressure and tractions at times (s), kPa (len(times), 1 + dim)."""
         values = np.zeros((len(times), 1 + dim))
         values[:, 0] = self.pressure or 0.0
         values[:, 1:] = self.traction if len(self.traction) else 0.0
         for first, table in ((0, self.pressureTable), (1, self.tractionTable)):
             for k, column in enumerate(table[:, 1:].T if len(table) else ()):
                 values[:, first + k] = np.interp(times, table[:, 0], column)
-        return values
+        return values * np.minimum(1.0, times / self.ramp)[:, None] if self.ramp else values
 
     @property
     def times(self):
-        """Times between which the load is linear, s."""
-        return [0.0, *(t for table in (self.pressureTable, self.tractionTable) for t in table[:, 0])]
+        """Times between which the load is linear, with a ramp and a table quadratic, s."""
+        return [
+            0.0,
+            self.ramp,
+            *(t for table in (self.pressureTable, self.tractionTable) for t in table[:, 0]),
+        ]
 
     # --- facets and tables as arrays ------------------------------------------------------------------
     def _assign(self, name, value):

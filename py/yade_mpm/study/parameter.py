@@ -2,9 +2,12 @@
 """One parameter of a scene: its name, default, unit, range and choices."""
 
 import argparse
+from itertools import islice
 from math import inf, isfinite
 
 from .commandLine import partOf
+
+MOST_CHOICES = 1000
 
 
 class Parameter:
@@ -17,14 +20,14 @@ class Parameter:
         follows from others. A switch has the default False and takes no value on the command line.
     help : str, what it is.
     unit : str, default "": none.
-    choices : allowed texts or numbers, default: any.
+    choices : allowed texts or numbers, at most 1000; default: any.
     above, least, most, below : float, ends of the range; above and below are not included. Default: none.
     partOf : float, length of which the value must be a whole part, such as a cell that has to fit into it.
     whole : bool, only whole numbers; default False.
     several : bool, takes several values, and the default is a list; default False.
     sets : dict, of a switch: defaults of other parameters while it is on.
 
-    Raises ValueError where the default is outside of the range.
+    Raises ValueError where the default is outside of the range, and for too many choices.
     """
 
     def __init__(
@@ -45,11 +48,20 @@ class Parameter:
         sets=None,
     ):
         self.name, self.default, self.help, self.unit = name, default, help, unit
-        self.choices = None if choices is None else tuple(choices)
+        self.choices = None if choices is None else self._chosen(choices)
         self.above, self.least, self.most, self.below = above, least, most, below
         self.partOf, self.whole, self.several, self.sets = partOf, whole, several, dict(sets or {})
         if not (self.isSwitch or default is None or callable(default)):
             self._checkDefault()
+
+    def _chosen(self, choices):
+        few = tuple(islice(choices, MOST_CHOICES + 1))
+        if len(few) > MOST_CHOICES:
+            raise ValueError(
+                f"Parameter {self.name}: more than {MOST_CHOICES} choices; give a range by `least` and "
+                "`most`, with whole=True where only whole numbers are allowed"
+            )
+        return few
 
     def _checkDefault(self):
         try:

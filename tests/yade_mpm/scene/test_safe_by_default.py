@@ -147,6 +147,16 @@ TOP, BELOW = box((0, 2.4), (4, 2.6)), box((0, 1.9), (4, 2.1))
         ([(TOP, dict(traction=(1, 0))), (BELOW, dict(traction=(-1, 0)))], True),  # a moment without a force
         ([(box((0, 2.4), (2, 2.6)) + box((2, 1.9), (4, 2.1)), dict(pressure=1.0))], True),  # and another one
         ([(TOP, dict(pressureTable=[[0, 1], [1, 1]])), (BELOW, dict(pressureTable=[[0, 1], [1, 2]]))], True),
+        ([(TOP, dict(pressure=1.0, ramp=1.0)), (BELOW, dict(pressure=1.0, ramp=1.0))], False),
+        ([(TOP, dict(pressure=1.0, ramp=1.0)), (BELOW, dict(pressure=1.0))], True),
+        # equal at 0 s, 1 s and from then on, but one is quadratic in between
+        (
+            [
+                (TOP, dict(pressureTable=[[0, 0], [1, 1]], ramp=1.0)),
+                (BELOW, dict(pressureTable=[[0, 0], [1, 1]])),
+            ],
+            True,
+        ),
     ],
 )
 def test_loads_that_balance_each_other_bend_a_beam_if_they_have_a_moment(loads, isBent):

@@ -84,6 +84,11 @@ def test_a_default_outside_of_its_range_is_refused():
         Parameters("demo", "", smoke={"cells": 1})
 
 
+def test_choices_without_end_are_refused():
+    with pytest.raises(ValueError, match="Parameter n: more than 1000 choices; give a range by `least` and"):
+        Parameter("n", 1, choices=range(10**9))
+
+
 def test_help_tells_default_unit_and_range():
     text = " ".join(parameters().parser().format_help().split())
     assert "--phi degrees friction; degrees; a number from 0 to below 60 (default 30)" in text

@@ -145,15 +145,13 @@ class Drive(Prescribed):
     def bind(self, scene):
         if not any(self.part.body is b for b in scene.bodies):
             raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
-        if not self.hasBegun and self.part.ids is None:
+        if not self.hasBegun and self.part.ids is None and not np.any(self.part.has()):
             heights = self.part.body.position[:, -1]
-            if not (
-                (heights > self.core.lower[self.dim - 1]) & (heights <= self.core.upper[self.dim - 1])
-            ).any():
-                raise ValueError(
-                    f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}, but "
-                    f"at heights from {heights.min():g} to {heights.max():g} m; give a part there"
-                )
+            at = f"at heights from {heights.min():g} to {heights.max():g} m" if len(heights) else "it has none"
+            raise ValueError(
+                f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}, but {at}; "
+                "give a part that has some"
+            )
         super().bind(scene)
 
 

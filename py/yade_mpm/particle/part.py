@@ -25,6 +25,15 @@ class BodyPart:
         if ids is not None and len(self.ids) == 0:
             raise ValueError(f"body '{body.name}': no particle is in that region; move or widen it")
 
+    def has(self):
+        """Which particles of the body are in it now (count,), bool."""
+        if self.ids is not None:
+            return np.isin(self.body.id, self.ids)
+        lower = -np.inf if self.lower is None else self.lower
+        upper = np.inf if self.upper is None else self.upper
+        heights = self.body.position[:, -1]
+        return (heights > lower) & (heights <= upper)
+
     def __repr__(self):
         limits = [
             f"{side} {height:g} m"

@@ -4,6 +4,9 @@
 import numpy as np
 
 from ..base.attributes import keep
+from ..base.warn import warnUser
+from ..engine.boundaryLoad import BoundaryLoad
+from ..engine.gridSolver import GridSolver
 from ..geometry.region import Region
 from ..geometry.regions import box
 from ..particle.types import Boxes, MeshedType, ParticleType, classes
@@ -18,6 +21,7 @@ def convert(scene, body, region, type, tolerance):
     refuseDuringStep(scene, "convert")
     refuseMidStep(scene, "convert")
     numbers = _checked(scene, body, region, type)
+    _warnOfLost(scene, body, numbers)
     name = _freeName(scene, f"{body.name} ({type.__class__.__name__})")
     way = toBoxes if isinstance(body.type, MeshedType) else toMesh
     with scene.holder.held("convert"):
@@ -64,6 +68,24 @@ def _checked(scene, body, region, type):
         what = "domain" if isinstance(body.type, MeshedType) else "particle"
         raise ValueError(f"{who}: no {what} has its centre in the region; give a larger one")
     return numbers
+
+
+def _warnOfLost(scene, body, numbers):
+    """Tells which loads and drives will not act on the particles `numbers` of a body any more."""
+    lost = []
+    for engine in scene.engines:
+        if isinstance(engine, BoundaryLoad) and engine.body == body.name:
+            count = np.isin(engine.facets[:, 0], body.id[numbers]).sum()
+            lost += [f"{count} of {len(engine.facets)} facets of a BoundaryLoad"] if count else []
+        for drive in engine.drives if isinstance(engine, GridSolver) else ():
+            has = drive.part.has() if drive.part.body is body else np.zeros(body.count, bool)
+            count = has[numbers].sum()
+            lost += [f"{count} of {has.sum()} particles of the Drive '{drive.name}'"] if count else []
+    if lost:
+        warnUser(
+            f"body '{body.name}': convert: {' and '.join(lost)} are converted, and it acts on them no more; "
+            "drive or load the new body, or leave these particles out of the region"
+        )
 
 
 def _aCell(scene):

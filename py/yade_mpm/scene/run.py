@@ -137,10 +137,16 @@ class Run:
             self.progress.update()
             policy.afterSteps()
             self._saveIfWanted()
+        self._endOnTime()
         self._saveIfWanted()
         scene.core.threads = scene.threads
         policy.lookAtDomains(math.inf)
         policy.lookAtFields()  # also what the last step has left, which no other one looks at
+
+    def _endOnTime(self):
+        """Where the time, a sum of steps, misses the end by roundoff: so that loops over `until` end."""
+        if self.until is not None and self.stepsLeft() == 0:
+            self.scene.stepper.setTime(self.until)
 
     def _saveMeanwhile(self):
         """For what leaves no time to save: power that fails, a killed process."""

@@ -135,3 +135,23 @@ def test_a_mesh_that_became_boxes_entirely_is_recorded(tmp_path):
     scene.run(steps=2, progress=False)
     assert body.count == 0 and body.cells.shape == (0, 4) and body.corners().shape == (0, 4, 2)
     assert len(mpm.read(str(tmp_path / "a.vtkhdf"))) >= 2
+
+
+def test_loads_and_drives_of_what_is_converted_are_told():
+    scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
+    soft = mpm.LinearElastic(density=1.0, young=1e3, poisson=0.3)
+    body = scene.add("soft", box((0.5, 0.5), (1.5, 1.5)), soft, mpm.APDI(size=0.5))
+    load = mpm.BoundaryLoad(body, box((0, 1.4), (2, 1.6)), pressure=1.0)
+    solver = mpm.GridSolver(fixed="bottom", drive=mpm.Drive(body.below(1.0), velocity=(0, 0)))
+    scene.engines = [mpm.ParticleToGrid(), load, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.run(steps=1, progress=False)
+    told = "convert: 1 of 2 facets of a BoundaryLoad and 1 of 2 particles of the Drive 'drive' are converted"
+    with pytest.warns(UserWarning, match=told):
+        body.convert(box((0, 0), (1, 2)), mpm.UGIMP(perCell=1))
+    with pytest.warns(UserWarning, match="convert: 1 of 2 facets of a BoundaryLoad are converted"):
+        body.convert(box((1, 1), (2, 2)), mpm.UGIMP(perCell=1))
+    body.convert(box((0, 0), (2, 2)), mpm.UGIMP(perCell=1))
+    solver = mpm.GridSolver(drive=mpm.Drive(body, velocity=(0, 0)))
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    with pytest.raises(ValueError, match="Drive: no particle of 'soft' is in the driven part, .* it has none"):
+        scene.run(steps=1, progress=False)

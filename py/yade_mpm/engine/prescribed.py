@@ -147,10 +147,12 @@ class Drive(Prescribed):
             raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
         if not self.hasBegun and self.part.ids is None and not np.any(self.part.has()):
             heights = self.part.body.position[:, -1]
-            at = f"at heights from {heights.min():g} to {heights.max():g} m" if len(heights) else "it has none"
+            at = (
+                f"at heights from {heights.min():g} to {heights.max():g} m" if len(heights) else "it has none"
+            )
             raise ValueError(
-                f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}, but {at}; "
-                "give a part that has some"
+                f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}, but "
+                f"{at}; give a part that has some"
             )
         super().bind(scene)
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.attributes import keep
+from ..base.warn import warnUser
 from ..particle.body import Body
 
 
@@ -25,6 +26,11 @@ class Layer:
         isWithin = (points > self.lower - tolerance)[:, :-1] & (points < self.upper + tolerance)[:, :-1]
         return np.where(isUnder & isWithin.all(axis=1), self.weight * (self.upper[-1] - self.lower[-1]), 0.0)
 
+    def isUnder(self, points):
+        """Which points (N, dim) stand straight above its top."""
+        isWithin = (points > self.lower)[:, :-1] & (points < self.upper)[:, :-1]
+        return isWithin.all(axis=1) & (points[:, -1] > self.upper[-1])
+
 
 def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None):
     """Geostatic stress below a level surface: sigma_v = -q - gamma z, sigma_h = K0 sigma_v, z the depth.
@@ -41,7 +47,9 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
     bodies : list of Body; default: all that do not rise above the surface.
     unitWeight : float, kN/m3, gamma; default: density of each body times gravity.
 
-    Raises ValueError when nothing lies below the surface or layers of different weight need a call each.
+    Warns where a layer stands on another one but reaches below its top, as inclined layers do: what it weighs
+    there does not count. Raises ValueError when nothing lies below the surface or layers of different weight
+    need a call each.
     """
     scene.refuseWhileRunning("initialStress")
     for name, value in dict(surface=surface, K0=K0, gravity=gravity, unitWeight=unitWeight).items():
@@ -80,6 +88,20 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
         if added.any():
             body.setStress(body.stress + _stress(added, layer.K0, scene.dim))
     layers.update(made)
+    _warnOfInclined(scene, layers, made)
+
+
+def _warnOfInclined(scene, layers, made):
+    for name, below in layers.items():
+        for other, above in layers.items():
+            top = below.upper[-1]
+            isInclined = above.lower[-1] < top - 1e-6 * (top - below.lower[-1])
+            if isInclined and {name, other} & set(made) and below.isUnder(scene[other].position).any():
+                warnUser(
+                    f"initialStress: '{other}' stands on '{name}', but reaches from {above.lower[-1]:g} to "
+                    f"{above.upper[-1]:g} m, below its top of {top:g} m: its weight is left out there, for "
+                    "layers have to be level; set body.stress, or let gravity grow and settle"
+                )
 
 
 def _stress(vertical, K0, dim):

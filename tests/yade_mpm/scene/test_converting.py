@@ -153,5 +153,7 @@ def test_loads_and_drives_of_what_is_converted_are_told():
     body.convert(box((0, 0), (2, 2)), mpm.UGIMP(perCell=1))
     solver = mpm.GridSolver(drive=mpm.Drive(body, velocity=(0, 0)))
     scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
-    with pytest.raises(ValueError, match="Drive: no particle of 'soft' is in the driven part, .* it has none"):
+    with pytest.raises(
+        ValueError, match="Drive: no particle of 'soft' is in the driven part, .* it has none"
+    ):
         scene.run(steps=1, progress=False)

@@ -95,6 +95,27 @@ def test_layer_by_layer_the_overburden_stays(order):
     assert lower.stress[:, 0, 0] == pytest.approx(0.5 * vertical, rel=1e-12)
 
 
+def inclined(lift):
+    scene = mpm.Scene((0, 0), (4, 4), 0.5, threads=1)
+    below, above = [(0, 0), (4, 0), (4, 2 - lift), (0, 2)], [(0, 2), (4, 2 - lift), (4, 3), (0, 3)]
+    bodies = [
+        scene.add(
+            name, mpm.polygon(points), mpm.LinearElastic(density=2, lame=(1e4, 1e4)), mpm.UGIMP(cut=True)
+        )
+        for name, points in (("lower", below), ("upper", above))
+    ]
+    for body, surface in zip(bodies, (2, 3)):
+        scene.initialStress(surface=surface, K0=0.5, bodies=[body])
+
+
+def test_layers_that_are_not_level_are_told():
+    with pytest.warns(UserWarning, match="'upper' stands on 'lower', but reaches from 1.01"):
+        inclined(1.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        inclined(0.0)
+
+
 # --- beams ----------------------------------------------------------------------------------------------
 def warned(scene):
     with warnings.catch_warnings(record=True) as caught:

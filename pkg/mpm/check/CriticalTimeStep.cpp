@@ -160,11 +160,7 @@ double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double to
         for (size_t i = 0; i < y.size(); ++i) y[i] = law.direct * x[i] + law.mapped * y[i];
     };
     double square = largestOfProduct(K.mass(), stiffness, mobility, tolerance, most).value;
-    if (law.control > 0 && K.hasControl()) {
-        const auto control = [&](auto& x, auto& y) { K.applyControl(x, y); };
-        constexpr double enough = 0.01; // it is a small part of the sum
-        square += law.control * largestEigenvalue(K.mass(), control, enough, most).value;
-    }
+    square += law.control * K.largestOfControl();
     // A mode that loses momentum but not force (flip < 1); a force that local damping strengthens while it slows.
     square *= 2 / (1 + flipOf(scene)) * (1 + dampingOf(scene));
     return 2 / std::sqrt(square);

@@ -66,29 +66,18 @@ template <int Dim> void ElasticOperator<Dim>::apply(const std::vector<double>& x
     const Exchanged exchanged(*this);
     take(x);
     parallel(scene_.threads, [&](ParallelRegion& region) { strain(region); });
-    parallel(scene_.threads, [&](ParallelRegion& region) { sumForces(region, false); });
+    parallel(scene_.threads, [&](ParallelRegion& region) { sumForces(region); });
     readForces(y);
 }
 
-template <int Dim>
-void ElasticOperator<Dim>::applyControl(const std::vector<double>& x, std::vector<double>& y) {
-    const Exchanged exchanged(*this);
-    take(x);
-    for (Field& stress : stress_) std::fill(stress.plane(), stress.plane() + stress.bytes() / 8, 0.0);
-    parallel(scene_.threads, [&](ParallelRegion& region) {
-        for (auto& body : scene_.bodies)
-            if (auto* mesh = body->domains->mesh())
-                mesh->takeVelocity(region, velocity_[body->velocityField].data());
-    });
-    parallel(scene_.threads, [&](ParallelRegion& region) { sumForces(region, true); });
-    readForces(y);
-}
-
-template <int Dim> bool ElasticOperator<Dim>::hasControl() const {
-    bool any = false;
-    for (size_t b = 0; b < scene_.bodies.size(); ++b)
-        any |= isIn_[b] && scene_.bodies[b]->domains->mesh() != nullptr;
-    return any;
+template <int Dim> double ElasticOperator<Dim>::largestOfControl() const {
+    double largest = 0;
+    for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+        const auto& body = *scene_.bodies[b];
+        auto* mesh = body.domains->mesh();
+        if (isIn_[b] && mesh) largest = std::max(largest, mesh->fastestPattern() / body.inertiaScale);
+    }
+    return largest;
 }
 
 template <int Dim>
@@ -112,10 +101,10 @@ void ElasticOperator<Dim>::passThroughParticles(const std::vector<double>& x, st
         y[i] = velocity_[dofs_[i].field][dofs_[i].node][dofs_[i].axis] / mass_[i];
 }
 
-template <int Dim> void ElasticOperator<Dim>::sumForces(ParallelRegion& region, bool controlAlone) {
+template <int Dim> void ElasticOperator<Dim>::sumForces(ParallelRegion& region) {
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
         auto& body = *scene_.bodies[b];
-        if (!isIn_[b] || (controlAlone && !body.domains->mesh())) continue; // boxes have none
+        if (!isIn_[b]) continue;
         const double* planes[9];
         for (int c = 0; c < 9; ++c) planes[c] = stress_[b].plane(c);
         body.domains->addForce(region, force_[body.velocityField].data(), planes);

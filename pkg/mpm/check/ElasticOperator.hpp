@@ -20,9 +20,9 @@ template <int Dim> class ElasticOperator {
 
     // y = M^-1 K x, x a velocity (m/s) and y in m/s2 per s.
     void apply(const std::vector<double>& x, std::vector<double>& y);
-    // The same with the stiffness K_h of hourglass control alone.
-    void applyControl(const std::vector<double>& x, std::vector<double>& y);
-    bool hasControl() const;
+    // A bound on the largest eigenvalue of M^-1 K_h, K_h the stiffness of hourglass control alone, wherever the
+    // particles lie in the grid.
+    double largestOfControl() const;
 
     // y = M^-1 C x: what is left of a nodal velocity that the particles take and give back; C is the
     // consistent mass.
@@ -57,7 +57,7 @@ template <int Dim> class ElasticOperator {
 
     void findDofs();
     void take(const std::vector<double>& x);
-    void sumForces(ParallelRegion& region, bool controlAlone);
+    void sumForces(ParallelRegion& region);
     void readForces(std::vector<double>& y) const;
     void strain(ParallelRegion& region);
     static void elasticStress(Body<Dim>& body, Field& stress, int begin, int end);

@@ -33,6 +33,9 @@ template <int Dim> class Mesh {
     static constexpr int patterns = Dim == 2 ? 1 : 4;
     using EachStrain = std::function<void(int, double, const Vec<Dim>&, const double*)>;
     virtual double strains(int p, const EachStrain& each) const = 0;
+    // Bound on the squared frequency of hourglass patterns under their control, 1/s2 (inertiaScale = 1), wherever the
+    // mesh lies in the grid.
+    virtual double fastestPattern() = 0;
     // Longest edge of domain p, m, and what it was when the displacement was zero.
     virtual double longestEdge(int p) const = 0;
     virtual double initialEdge(int p) const = 0;

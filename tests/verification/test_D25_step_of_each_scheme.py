@@ -162,7 +162,7 @@ def test_runs_agree_within_five_percent(tmp_path, monkeypatch, name, scheme):
 
 @pytest.mark.parametrize("hourglass", [0.05, 0.5, 1])
 def test_the_step_of_a_mesh_holds_wherever_it_goes(hourglass):
-    """A mesh with edges of a cell, half way between the lines of the grid at first, drifts onto them. The step
+    """A mesh with edges of a cell drifts from half way between the lines of the grid onto them. The step
     by itself was up to 1.4 times the longest stable one there: vibrations grew by 1e9 within 4500 steps."""
     scene, body = block(mpm.APDI(size=0.25, hourglass=hourglass), 0.135, "MUSL")
     scene.criticalTimeStep()

@@ -112,6 +112,17 @@ def test_usl_counts_nodes_that_boxes_reach_with_the_next_motion(perCell):
     assert told == pytest.approx([told[0]] * 3, rel=1e-2)
 
 
+@pytest.mark.parametrize("perCell", [2, 4])
+def test_affine_velocities_count_such_nodes_too(perCell):
+    told = []
+    for shift in (0, 1e-4):
+        scene, body = block(mpm.UGIMP(perCell=perCell), shift, "MUSL")
+        scene.engines[2].transfer = "affine"
+        told.append(longestStable(scene))
+        assert growth(scene, body, 0.95 * told[-1], steps=2000) < 2
+    assert told[0] == pytest.approx(told[1], rel=0.01)
+
+
 SHORT = {
     "APDI h/2": 0.98,
     "APDI h": 0.88,
@@ -260,3 +271,17 @@ def test_stiffening_is_the_largest_growth_of_a_volume():
     assert scene.stepper.stiffening() == pytest.approx(then, rel=1e-3)
     scene["sand"].volume[3] = 7 * scene["sand"].initialVolume[3]
     assert scene.stepper.stiffening() == pytest.approx(7, rel=1e-3)
+
+
+def test_the_step_follows_a_body_into_finer_cells():
+    """The step was that of the coarse cells it started in for 5000 steps: 1.27 of the longest stable one."""
+    scene = mpm.Scene((0, 0), (8, 8), 0.125, "USL", threads=1, grading=mpm.Grading(box((5, 5), (8, 8)), 1.2))
+    start = round(scene.lines[0][2] / 0.0625) * 0.0625
+    place = box((start, start), (start + 1, start + 1))
+    body = scene.add("block", place, mpm.LinearElastic(**d25.SOIL), mpm.UGIMP(perCell=2))
+    body.velocity[:] = 10
+    shares = []
+    while body.position.max() < 7.5:
+        scene.run(steps=20, progress=False)
+        shares.append(scene.dt / scene.core.criticalTimeStep(1e-4, 300, False)["longestStable"])
+    assert max(shares) < 0.8 and scene.steps > 500

@@ -5,6 +5,7 @@ import numpy as np
 
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.prescribed import FACES
+from ..engine.rigidContact import RigidContact
 
 SLENDER = 4  # a body bends from this ratio of its extents on
 ROUNDOFF = 1e-9  # of the largest moment that the loads could have
@@ -60,7 +61,7 @@ def _isCarried(scene, lower, upper, axis):
 
 
 def _isBent(scene, body, axis, gravity, lower, upper):
-    """Whether something acts on a body across an axis: weight, a motion, or loads with a bending moment."""
+    """Whether something may bend a body across an axis: weight, motions, rigid bodies, moments of loads."""
     solver = scene.gridSolver("prepare")
     motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
     isHeld = 0.0 in motions or len(_facesBeside(scene, solver.fixed, lower, upper)) > 0
@@ -72,6 +73,7 @@ def _isBent(scene, body, axis, gravity, lower, upper):
         or (isHeld and across.any())
         or ("bodyForce" in body.fieldNames and body.bodyForce[:, axis].any())
         or any(motions)
+        or any(isinstance(e, RigidContact) and not e.dead for e in scene.engines)
         or (loads and not body.converted and _haveMoment(body, loads, axis, np.array([lower, upper])))
     )
 

@@ -38,7 +38,7 @@ def likelyMistakes(scene, gravity):
         yield from _units(body, gravity)
         yield from _beyondYield(body)
         isStructure = body.count and body.material.lameConstants[1] > STIFFER * softest
-        isAlone = body.count == scene.particleCount
+        isAlone = body.count and not any(_touch(body, o) for o in scene.bodies if o.count and o is not body)
         if isStructure or isAlone:
             yield from tooThin(scene, body, gravity, isBent=isStructure)
     if scene.geostaticGravity is not None and not np.isclose(
@@ -66,6 +66,14 @@ def likelyMistakes(scene, gravity):
                 "tangent, "
                 f"{np.tan(np.radians(friction)):.3g}, if it is one"
             )
+
+
+def _touch(one, other):
+    """Whether the boxes round two bodies are less than a cell apart."""
+    room = one.scene.cellSizeAt(one.position).max(axis=0)
+    ends = [(b.corners().reshape(-1, b.scene.dim)) for b in (one, other)]
+    (low, high), (otherLow, otherHigh) = [(c.min(axis=0), c.max(axis=0)) for c in ends]
+    return bool((low < otherHigh + room).all() and (otherLow < high + room).all())
 
 
 def _overlap(scene, contact):

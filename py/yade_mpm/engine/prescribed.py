@@ -148,11 +148,11 @@ class Drive(Prescribed):
         if not self.hasBegun and self.part.ids is None and not np.any(self.part.has()):
             heights = self.part.body.position[:, -1]
             at = (
-                f"at heights from {heights.min():g} to {heights.max():g} m" if len(heights) else "it has none"
+                f"at heights from {heights.min():g} to {heights.max():g} m" if len(heights) else "it is empty"
             )
             raise ValueError(
                 f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}, but "
-                f"{at}; give a part that has some"
+                f"{at}; give a part there"
             )
         super().bind(scene)
 

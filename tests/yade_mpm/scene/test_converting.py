@@ -154,6 +154,6 @@ def test_loads_and_drives_of_what_is_converted_are_told():
     solver = mpm.GridSolver(drive=mpm.Drive(body, velocity=(0, 0)))
     scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     with pytest.raises(
-        ValueError, match="Drive: no particle of 'soft' is in the driven part, .* it has none"
+        ValueError, match="Drive: no particle of 'soft' is in the driven part, .* it is empty"
     ):
         scene.run(steps=1, progress=False)

@@ -251,6 +251,19 @@ def test_a_beam_alone_of_one_particle_across_is_warned_of_where_something_bends_
     assert len(warned(pushed)) == 1
 
 
+def test_a_beam_that_rigid_bodies_may_hit_and_one_far_from_another_are_alone():
+    struck = beam(fixed="left")
+    ball = mpm.RigidContact()
+    ball.addBody(mpm.rigid.Sphere(0.2), friction=0.4, position=(3.0, 3.0), velocity=(0, -1.0))
+    assert warned(struck) == []
+    struck.engines = [struck.engines[0], ball, *struck.engines[1:]]
+    assert len(warned(struck)) == 1
+    for x, isAlone in ((5.0, True), (4.0, False)):
+        two = beam(gravity=(0, -9.81), fixed="left")
+        two.add("other", box((x, 2), (6, 4)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP())
+        assert len(warned(two)) == isAlone
+
+
 def test_a_column_of_one_particle_between_rollers_is_no_beam():
     scene = mpm.Scene((0, 0), (0.5, 6), 0.5, threads=1)
     scene.add("column", box((0, 0), (0.5, 4)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP(perCell=1))

@@ -28,7 +28,7 @@ template <int Dim> std::vector<Vec<Dim>> points(const bp::object& array) {
     return all;
 }
 
-template <int Dim> struct Bind {
+template <int Dim> struct BindBody {
     using B = Body<Dim>;
 
     static Field& fieldOf(B& body, const std::string& name, bool domain) {
@@ -252,8 +252,8 @@ template <int Dim> bp::list facetCorners() {
 
 void exposeBodies() {
     bp::def("facetCorners", +[](int dim) { return dim == 2 ? facetCorners<2>() : facetCorners<3>(); });
-    Bind<2>::expose("Body2");
-    Bind<3>::expose("Body3");
+    BindBody<2>::expose("Body2");
+    BindBody<3>::expose("Body3");
 }
 
 } // namespace mpm::python

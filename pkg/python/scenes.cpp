@@ -21,7 +21,7 @@ template <class Vector> bp::tuple tupleOf(const Vector& v) {
     return bp::tuple(l);
 }
 
-template <int Dim> struct Bind {
+template <int Dim> struct BindScene {
     using S = Scene<Dim>;
     using ByReference = bp::return_internal_reference<>;
 
@@ -252,8 +252,8 @@ template <int Dim> struct Bind {
 } // namespace
 
 void exposeScenes() {
-    Bind<2>::expose("Scene2");
-    Bind<3>::expose("Scene3");
+    BindScene<2>::expose("Scene2");
+    BindScene<3>::expose("Scene3");
 }
 
 } // namespace mpm::python

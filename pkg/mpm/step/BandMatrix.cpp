@@ -12,20 +12,20 @@ namespace mpm {
 
 namespace {
 
-constexpr int width = BandMatrix::lanes;
+constexpr int lanes = BandMatrix::lanes;
 
-int roundedUp(int count) { return (count + width - 1) / width * width; }
+int roundedUp(int count) { return (count + lanes - 1) / lanes * lanes; }
 
-// y += factor * x, and beyond the end up to the next multiple of the width.
+// y += factor * x, and beyond the end up to the next multiple of the lanes.
 MPM_INLINE void add(double factor, const double* x, double* y, int count) {
-    for (int i = 0; i < count; i += width)
-        for (int l = 0; l < width; ++l) y[i + l] += factor * x[i + l];
+    for (int i = 0; i < count; i += lanes)
+        for (int l = 0; l < lanes; ++l) y[i + l] += factor * x[i + l];
 }
 
 MPM_INLINE double dot(const double* x, const double* y, int count) {
-    double sum[width] = {0, 0, 0, 0, 0, 0, 0, 0};
-    for (int i = 0; i < count; i += width)
-        for (int l = 0; l < width; ++l) sum[l] += x[i + l] * y[i + l];
+    double sum[lanes] = {0, 0, 0, 0, 0, 0, 0, 0};
+    for (int i = 0; i < count; i += lanes)
+        for (int l = 0; l < lanes; ++l) sum[l] += x[i + l] * y[i + l];
     return ((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]));
 }
 

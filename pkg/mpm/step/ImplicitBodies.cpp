@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Threads share what is one by one, particles and single columns of the response; all sums are made by one, so that the
-// bits are the same for any number.
+// Threads share what is one by one, the particles; all sums are made by one, so that the bits are the same for any
+// number.
 #include "mpm/step/ImplicitBodies.hpp"
 
 #include "mpm/step/GridSolver.hpp"

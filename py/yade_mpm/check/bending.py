@@ -7,12 +7,45 @@ from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.prescribed import FACES
 from ..engine.rigidContact import RigidContact
 
+STIFFER = 10  # a body is a structure in softer ones from this ratio of shear moduli on
 SLENDER = 4  # a body bends from this ratio of its extents on
 ROUNDOFF = 1e-9  # of the largest moment that the loads could have
 
 
-def tooThin(scene, body, gravity, isBent):
-    """Yields a text if a body is too thin for the grid and bends.
+def thinBeams(scene):
+    """Yields (name, text) for bodies that are too thin for the grid and bend: structures in softer soil, and
+    bodies alone on which something acts across."""
+    gravity = scene.gridSolver("prepare").gravity
+    softest = min((b.material.lameConstants[1] for b in scene.bodies), default=0.0)
+    for body in scene.bodies:
+        isStructure = body.count and body.material.lameConstants[1] > STIFFER * softest
+        isAlone = body.count and not any(_touch(body, o) for o in scene.bodies if o.count and o is not body)
+        if isStructure or isAlone:
+            yield from _tooThin(scene, body, gravity, isBent=isStructure)
+
+
+def actions(scene):
+    """What may bend bodies, to see when it changes: gravity, motions and loads."""
+    solver = scene.gridSolver("prepare")
+    found = [list(solver.gravity or ()), *(list(m.velocity) for m in (*solver.hold, *solver.drives))]
+    for engine in scene.engines:
+        if isinstance(engine, (BoundaryLoad, RigidContact)):
+            found.append((type(engine).__name__, engine.dead))
+        if isinstance(engine, BoundaryLoad):
+            found.append([None if len(engine.pressureTable) else engine.pressure, *engine.traction])
+    return repr(found)
+
+
+def _touch(one, other):
+    """Whether the boxes round two bodies are less than a cell apart."""
+    room = one.scene.cellSizeAt(one.position).max(axis=0)
+    ends = [(b.corners().reshape(-1, b.scene.dim)) for b in (one, other)]
+    (low, high), (otherLow, otherHigh) = [(c.min(axis=0), c.max(axis=0)) for c in ends]
+    return bool((low < otherHigh + room).all() and (otherLow < high + room).all())
+
+
+def _tooThin(scene, body, gravity, isBent):
+    """Yields (name, text) if a body is too thin for the grid and bends.
 
     gravity : of the solver, m/s2. isBent : whether it bends whatever acts on it, as a structure in soil does.
     """
@@ -27,9 +60,10 @@ def tooThin(scene, body, gravity, isBent):
             continue
         if isBent or _isBent(scene, body, axis, gravity, lower, upper):
             yield (
+                body.name,
                 f"body '{body.name}' is {' and '.join(faults)}: its bending stiffness is wrong, by a factor "
                 "and more; give two particles or more across it and a cell no larger than its thickness, "
-                "half of it for bending (doc/explanation/sheet-pile.md)"
+                "half of it for bending (doc/explanation/sheet-pile.md)",
             )
             return
 

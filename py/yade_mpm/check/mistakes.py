@@ -9,13 +9,11 @@ from ..engine.contact import Contact
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..material.materials import MaterialPoint
-from .bending import tooThin
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
 ANGLES = 5, 85  # degrees; no coefficient of friction is that large
 SLOWEST = 30  # m/s; compression waves in the softest soils are faster
 FASTEST = 2e4  # m/s; compression waves in diamond: 1.8e4
-STIFFER = 10  # a body is a structure in softer ones from this ratio of shear moduli on
 ROUNDOFF = 1e-6  # relative, of a stress
 # cells, of a rigid body with the soil; with the default stiffness p/kappa is less under 0.5 % of rho c^2
 OVERLAP = 0.02
@@ -33,14 +31,9 @@ def likelyMistakes(scene, gravity):
             "Scene: scheme = 'USF' is first order in time, for vertices move before the solution and "
             "particles after it; take MUSL, or look whether half the time step changes the results"
         )
-    softest = min((b.material.lameConstants[1] for b in scene.bodies), default=0.0)
     for body in scene.bodies:
         yield from _units(body, gravity)
         yield from _beyondYield(body)
-        isStructure = body.count and body.material.lameConstants[1] > STIFFER * softest
-        isAlone = body.count and not any(_touch(body, o) for o in scene.bodies if o.count and o is not body)
-        if isStructure or isAlone:
-            yield from tooThin(scene, body, gravity, isBent=isStructure)
     if scene.geostaticGravity is not None and not np.isclose(
         scene.geostaticGravity, -gravity[-1] if gravity else 0
     ):
@@ -66,14 +59,6 @@ def likelyMistakes(scene, gravity):
                 "tangent, "
                 f"{np.tan(np.radians(friction)):.3g}, if it is one"
             )
-
-
-def _touch(one, other):
-    """Whether the boxes round two bodies are less than a cell apart."""
-    room = one.scene.cellSizeAt(one.position).max(axis=0)
-    ends = [(b.corners().reshape(-1, b.scene.dim)) for b in (one, other)]
-    (low, high), (otherLow, otherHigh) = [(c.min(axis=0), c.max(axis=0)) for c in ends]
-    return bool((low < otherHigh + room).all() and (otherLow < high + room).all())
 
 
 def _overlap(scene, contact):

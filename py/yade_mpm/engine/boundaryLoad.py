@@ -172,15 +172,16 @@ def _checkArguments(body, where, loadsBonded, attributes):
             )
         if {name, f"{name}Table"} <= set(attributes):
             raise ValueError(f"BoundaryLoad: {name} and {name}Table are given; give one of the two")
-    if body.mesh is None:
-        raise ValueError(
-            f"BoundaryLoad: '{body.name}' "
-            + (
-                "lost its first mesh when domains were converted; make loads before that"
-                if body.type.core.isMeshed
-                else "has no boundary facets; loads need an APDI body"
-            )
-        )
+    if body.mesh is None or not body.count:
+        raise ValueError(f"BoundaryLoad: '{body.name}' {_whyNoFacets(body)}")
+
+
+def _whyNoFacets(body):
+    if not body.type.core.isMeshed:
+        return "has no boundary facets; loads need an APDI body"
+    if body.count:
+        return "lost its first mesh when domains were converted; make loads before that"
+    return "has no domains left, they were converted; make loads before that"
 
 
 def _rows(name, value):

@@ -36,7 +36,7 @@ class Body(Guarded):
     count = property(lambda self: self.core.count, doc="Number of particles.")
     converted = property(lambda self: self.core.converted, doc="Domains converted to uGIMP particles so far.")
     minJacobian = property(
-        lambda self: self.core.minJacobian,
+        lambda self: self.core.minJacobian if self.count else np.nan,
         doc="Smallest corner Jacobian of the domains over their initial volume; nan for uGIMP.",
     )
     hourglassAmplitude = property(

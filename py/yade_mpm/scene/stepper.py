@@ -12,6 +12,7 @@ import numpy as np
 from ..base import limits
 from ..base.attributes import Guarded, keep
 from ..base.warn import warnUser
+from ..check.bending import actions, thinBeams
 from ..check.domains import checkFields, checkInterface
 from ..check.mistakes import likelyMistakes
 from ..engine import chain
@@ -76,6 +77,7 @@ class Stepper(Guarded):
         self._fullDt = None  # in a step that is shorter
         self._checkedState = None  # what the critical step was checked for
         self._onChange, self._constraints, self._estimatedStiffness = None, [], {}
+        self._actions = None  # what may bend bodies, as it was when this was looked at
         keep(self, acting=None, estimatedAt=-1, automaticDt=None)
 
     constraints = property(lambda self: list(self._constraints))
@@ -170,12 +172,24 @@ class Stepper(Guarded):
         if scene.steps == 0:
             for mistake in likelyMistakes(scene, scene.gridSolver("prepare").gravity):
                 warnUser(mistake)
+        self._warnOfThinBeams()
         checkInterface(scene, limits.INTERFACE_BUILD if scene.steps == 0 else limits.INTERFACE_RUN)
         if not self.isChecked:
             self.checkTimeStep()
         scene.core.threads = scene.threads
         self._isPrepared = True
         scene.changesNoted.look(scene)
+
+    def _warnOfThinBeams(self):
+        """Once each, when what acts has changed; a scene from a checkpoint was looked at before."""
+        scene, before = self._scene, self._actions
+        self._actions = actions(scene)
+        if self._actions == before or (before is None and scene.steps > 0):
+            return
+        for name, text in thinBeams(scene):
+            if f"bending of {name}" not in scene.warnedOf:
+                scene.warnedOf.add(f"bending of {name}")
+                warnUser(text)
 
     def _motions(self):
         """Prescribed motions of the engines, those of faces included."""

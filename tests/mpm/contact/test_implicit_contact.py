@@ -144,7 +144,7 @@ def test_a_rigid_ball_bounces_off_an_implicit_block():
 
 def pileAndTower(threads=1):
     """A pile in soil, most nodes of which are in contact, and a tower that is touched at its top alone: two
-    systems, one of which answers by its inverse and the other column by column."""
+    systems, along which impulses go in one round."""
     scene = mpm.Scene((0, 0), (5, 4), CELL, threads=threads)
     soft = mpm.LinearElastic(density=2.0, lame=SOFT)
     steel = mpm.LinearElastic(density=7.85, lame=STEEL)

@@ -157,3 +157,14 @@ def test_loads_and_drives_of_what_is_converted_are_told():
         ValueError, match="Drive: no particle of 'soft' is in the driven part, .* it is empty"
     ):
         scene.run(steps=1, progress=False)
+
+
+def test_a_mesh_without_domains_takes_no_load():
+    one = scene()
+    soil = one["soil"]
+    one.core.convertDomains(
+        "soil", soil.convert(LEFT, mpm.UGIMP()).name, np.arange(soil.count, dtype=np.int32)
+    )
+    assert soil.count == 0 and np.isnan(soil.minJacobian)
+    with pytest.raises(ValueError, match="BoundaryLoad: 'soil' has no domains left, they were converted"):
+        mpm.BoundaryLoad(soil, pressure=1.0)

@@ -251,6 +251,20 @@ def test_a_beam_alone_of_one_particle_across_is_warned_of_where_something_bends_
     assert len(warned(pushed)) == 1
 
 
+def test_a_beam_that_is_bent_only_later_is_warned_of_then():
+    scene = beam(roller="left")
+    solver = scene.engines[1]
+    scene.run(steps=2, progress=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene.run(steps=2, progress=False)
+    solver.gravity = (0, -9.81)
+    with pytest.warns(UserWarning, match="body 'beam' is one particle wide"):
+        scene.run(steps=2, progress=False)
+    solver.gravity = (0, -5)
+    assert warned(scene) == []  # once
+
+
 def test_a_beam_that_rigid_bodies_may_hit_and_one_far_from_another_are_alone():
     struck = beam(fixed="left")
     ball = mpm.RigidContact()

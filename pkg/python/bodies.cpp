@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Bodies: their arrays as zero-copy views, their making and their restoring.
+#include "mpm/base/freeMemory.hpp"
 #include "mpm/check/BeyondYield.hpp"
 #include "mpm/check/balances.hpp"
 #include "mpm/scene/Scene.hpp"
@@ -37,6 +38,17 @@ template <int Dim> struct BindBody {
         throw InputError("body '" + body.name + "' has no field '" + name + "'");
     }
 
+    // Refuses particles, and vertices of a mesh, that do not fit into memory.
+    static void requireRoom(B& body, const Geometry<Dim>& g) {
+        const size_t count = g.positions.size() + g.cells.size() / (1 << Dim);
+        double bytes = 0;
+        for (const Field* field : body.particles.fields())
+            if (field != &body.particles.bodyForce) bytes += 8.0 * count * field->components();
+        for (const Field* field : body.domains->fields())
+            bytes += 8.0 * g.points.size() * field->components();
+        requireMemory(bytes, message("body '", body.name, "': its ", count, " particles"),
+                      "give fewer (a lower perCell, a larger size), or end other programs");
+    }
     static void buildLattice(B& body, const bp::object& positions, const bp::object& halfSize,
                              const bp::object& carriers, const bp::object& offsets, const bp::object& areas) {
         Geometry<Dim> g;
@@ -45,6 +57,7 @@ template <int Dim> struct BindBody {
         g.carriers = numbers<int>(carriers);
         g.offsets = points<Dim>(offsets);
         g.areas = points<Dim>(areas);
+        requireRoom(body, g);
         body.build(g);
     }
     static void buildMesh(B& body, const bp::object& vertices, const bp::object& cells,
@@ -55,6 +68,7 @@ template <int Dim> struct BindBody {
         g.slaves = numbers<int>(slaves);
         g.masters = numbers<int>(masters);
         g.weights = numbers<double>(weights);
+        requireRoom(body, g);
         body.build(g);
     }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The Python module _core. Users import the package yade_mpm, which gives these classes their faces.
+#include "mpm/base/freeMemory.hpp"
 #include "mpm/base/parallel/ThreadPool.hpp"
 #include "mpm/base/plugin.hpp"
 #include "python.hpp"
@@ -29,6 +30,7 @@ BOOST_PYTHON_MODULE(_core) {
         .add_property("__array_interface__", &ArrayView::interface);
     bp::def("availableThreads", omp_get_max_threads);
     bp::def("loadPlugin", &mpm::loadPlugin);
+    bp::def("requireMemory", &mpm::requireMemory);
     bp::scope().attr("compiler") = "gcc " __VERSION__;
     bp::scope().attr("flags") = MPM_FLAGS;
     mpm::ThreadPool::surviveForks();

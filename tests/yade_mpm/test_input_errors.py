@@ -363,11 +363,24 @@ def test_particle_types_refuse(message, make, kind):
         "criticalTimeStep: tolerance = 0.0001, iterations = 0 is not allowed",
         lambda: oneBody().criticalTimeStep(iterations=0),
     ),
+    (
+        "body 'block': inside: sphere((0, 0, 0), 1) is 3D and the scene 2D; give",
+        lambda: oneBody()["block"].inside(mpm.sphere((0, 0, 0), 1)),
+    ),
     ("nodesInside: ... is 3D and the scene 2D", lambda: emptyScene().nodesInside(mpm.sphere((0, 0, 0), 1))),
     ("nodesInside: 'left' is not a region", lambda: emptyScene().nodesInside("left"), TypeError),
     ("Scene: 3 is not an engine", lambda: setattr(emptyScene(), "engines", [3]), TypeError),
     ("Scene: there is no body named 'pile'; bodies: block", lambda: oneBody()["pile"], KeyError),
     ("box: lower = range(0, 1000000000) must have 2 or 3", lambda: mpm.box(range(10**9), (1, 1))),
+    (
+        "Scene: lower = range(0, 1000000000) is not allowed; give two",
+        lambda: mpm.Scene(range(10**9), (1, 1), 1.0),
+    ),
+    (
+        "MaterialPoint: increment = range(0, 1000000000) is not made of numbers",
+        lambda: mpm.MaterialPoint(mpm.LinearElastic(density=1.0, lame=(1.0, 1.0))).strain(range(10**9)),
+        TypeError,
+    ),
     (
         "Scene: there is no face 'front'; faces are left, right, bottom, top",
         lambda: emptyScene().faceNodes("front"),

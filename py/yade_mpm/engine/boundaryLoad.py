@@ -6,6 +6,7 @@ import numpy as np
 from ..base.warn import warnUser
 from ..geometry.contained import insideBoxes, insideCells
 from ..geometry.mesh import FACETS, boundaryFacets
+from ..geometry.numbers import floats
 from ..geometry.region import Region
 from ..particle.body import Body
 from .contact import Contact
@@ -187,7 +188,7 @@ def _whyNoFacets(body):
 def _rows(name, value):
     """Rows of a table; ValueError for anything else. Facets may come as one list, as in older checkpoints."""
     try:
-        rows = np.asarray(value, float)
+        rows = floats(value)
     except (TypeError, ValueError):
         rows = np.zeros(())
     if name == "facets" and rows.ndim == 1 and rows.size % 2 == 0:

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..geometry.numbers import floats as _floats  # yade_mpm.rigid shows the other names
+
 
 class Shape:
     """Base of the shapes of rigid bodies."""
@@ -145,7 +147,7 @@ def _vector(shape, name, missing=0.0):
 
 def _point(shape, name, value, missing=0.0):
     try:
-        given = np.asarray(value, float)
+        given = _floats(value)
     except (TypeError, ValueError):
         given = np.zeros(0)
     if given.shape not in ((2,), (3,)) or not np.isfinite(given).all():

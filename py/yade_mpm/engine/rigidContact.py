@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..geometry.numbers import floats
 from .engine import generated
 from .records import column, withRows
 from .rigid import shapeRow
@@ -192,7 +193,7 @@ too."""
 
 def _numbers(what, value, width):
     try:
-        array = np.asarray(value, float)
+        array = floats(value)
     except (TypeError, ValueError):
         array = np.zeros(0)
     if width == 3 and array.shape == (2,):

@@ -9,12 +9,14 @@ from itertools import product
 
 import numpy as np
 
+from .. import _core
 from .numbers import formatNumber, formatPoint
 from .outline import outlineFacets
 
 _EDGE_TOLERANCE = 1e-6  # of the spacing
 _SAMPLES = {2: 64, 3: 16}  # per edge of a cell that a boundary cuts
 _LEAST_SHARE = 0.01  # of a cell that is cut
+_BYTES = 36  # of memory for each coordinate of a cell, while it is asked which cells are inside
 
 
 def latticePoints(region, lower, upper, spacing, name):
@@ -23,7 +25,8 @@ def latticePoints(region, lower, upper, spacing, name):
     region: Region. lower, upper: (dim,) corners of the grid; the lattice is anchored at lower.
     spacing: edge of a lattice cell, a number or (dim,). name: of the body, for errors.
     Returns (N, dim). Raises ValueError if the region reaches outside the grid, if one of its
-    axis-aligned edges is not a multiple of the spacing from lower, or if no point is inside.
+    axis-aligned edges is not a multiple of the spacing from lower, or if no point is inside; MemoryError,
+    before memory is taken, if the cells within the bounds of the region do not fit.
     """
     lower = np.asarray(lower, float)
     spacing = asSpacing(spacing, region.dim, name)
@@ -102,9 +105,11 @@ def _cellsRound(region, lower, upper, spacing, name):
     for axis, coordinate in region.edges():
         _requireMultiple(axis, coordinate, lower[axis], spacing[axis], name)
     start, end = region.bounds()
-    first = np.floor((start - lower) / spacing + _EDGE_TOLERANCE).astype(int)
-    last = np.ceil((end - lower) / spacing - _EDGE_TOLERANCE).astype(int)
-    ranges = [np.arange(a, b) for a, b in zip(first, last)]
+    first = np.floor((start - lower) / spacing + _EDGE_TOLERANCE)
+    last = np.ceil((end - lower) / spacing - _EDGE_TOLERANCE)
+    what = f"places of a lattice of spacing {_formatSpacing(spacing)} m within the bounds of the region"
+    requireRoom(f"body '{name}'", np.prod(last - first), region.dim * _BYTES, what)
+    ranges = [np.arange(a, b) for a, b in zip(first.astype(int), last.astype(int))]
     numbers = np.stack(np.meshgrid(*ranges, indexing="ij"), axis=-1)
     return numbers.transpose(*reversed(range(region.dim)), region.dim).reshape(-1, region.dim)
 
@@ -116,6 +121,15 @@ def _notEmpty(cells, region, spacing, name):
             f"{_formatSpacing(spacing)}; enlarge the region or lower the spacing"
         )
     return cells
+
+
+def requireRoom(who, count, each, what):
+    """Refuses arrays that do not fit into memory: of `count` places, called `what`, each of so many bytes."""
+    _core.requireMemory(
+        float(count) * each,
+        f"{who}: the {count:.3g} {what}",
+        "give fewer (a lower perCell, a larger size), or a smaller region, or end other programs",
+    )
 
 
 def asSpacing(spacing, dim, name):

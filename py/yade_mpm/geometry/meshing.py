@@ -5,8 +5,10 @@ from itertools import product
 
 import numpy as np
 
-from .lattice import asSpacing, cellsInside, firstNear
+from .lattice import asSpacing, cellsInside, firstNear, requireRoom
 from .mesh import CORNERS, MAX_MASTERS, Mesh
+
+_BYTES = {2: 300, 3: 630}  # of memory for each cell, while they are made
 
 
 def meshRegion(region, lower, upper, size, name):
@@ -14,10 +16,11 @@ def meshRegion(region, lower, upper, size, name):
 
     region: Region. lower, upper: (dim,) corners of the grid; the mesh is anchored at lower.
     size: edge of a cell, a number or (dim,). name: of the body, for errors.
-    Vertices and cells are ordered row by row, first axis fastest. Raises ValueError as `latticePoints` does.
+    Vertices and cells are ordered row by row, first axis fastest. Raises errors as `latticePoints` does.
     """
     size = asSpacing(size, region.dim, name)
     numbers = cellsInside(region, lower, upper, size, name)
+    _requireRoom(f"body '{name}'", len(numbers), region.dim)
     vertices, cells = _numberVertices(numbers[:, None] + CORNERS[region.dim])
     return Mesh(np.asarray(lower, float) + vertices * size, cells)
 
@@ -63,6 +66,7 @@ def refineNear(mesh, positions, halfSize, distance, ratio=2):
         return mesh
     # From here on coordinates are whole numbers in units of the fine edge.
     corners = CORNERS[mesh.dim]
+    _requireRoom("refineNear", len(numbers) + isSplit.sum() * (float(ratio) ** mesh.dim - 1), mesh.dim)
     coarse = (numbers[~isSplit, None] + corners) * ratio
     children = np.array(list(product(range(ratio), repeat=mesh.dim)))
     fine = (numbers[isSplit, None] * ratio + children).reshape(-1, 1, mesh.dim) + corners
@@ -74,6 +78,10 @@ def refineNear(mesh, positions, halfSize, distance, ratio=2):
     points[_find(vertices, _coarseVertices(mesh, numbers) * ratio)] = mesh.points  # to the last bit
     points[slaves] = np.einsum("sm,smd->sd", weights, points[masters])
     return Mesh(points, cells, slaves, masters, weights)
+
+
+def _requireRoom(who, count, dim):
+    requireRoom(who, count, _BYTES[dim], "cells of its mesh")
 
 
 def _keys(numbers, counts):

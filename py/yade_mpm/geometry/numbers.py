@@ -21,13 +21,22 @@ def formatArgument(value):
     return formatPoint(value) if value.ndim else formatNumber(value)
 
 
+MOST_OF_RANGE = 10**6  # numbers; as an array, range(10**9) would fill memory
+
+
 def floats(value):
     """A value as a new array of floats; TypeError for text, dates and complex numbers, which NumPy would turn
-    into some."""
+    into some, and for a long range."""
+    refuseLongRange(value)
     array = np.asarray(value)
     if not (array.dtype.kind in "biuf" or array.dtype.kind == "O" and all(map(_isReal, array.flat))):
         raise TypeError("it is not made of real numbers")
     return array.astype(float)
+
+
+def refuseLongRange(value):
+    if isinstance(value, range) and value[MOST_OF_RANGE:]:
+        raise TypeError("it is a range of too many numbers")
 
 
 def _isReal(one):
@@ -52,7 +61,7 @@ def requireFinite(who, what, array):
 
 def vector(who, what, value, dim=None):
     allowed = (2, 3) if dim is None else (dim,)
-    isLong = isinstance(value, range) and value[max(allowed) :]  # as an array, range(10**9) would fill memory
+    isLong = isinstance(value, range) and value[max(allowed) :]
     array = None if isLong else numbers(who, what, value)
     if isLong or array.ndim != 1 or len(array) not in allowed:
         raise ValueError(f"{who}: {what} = {value!r} must have {' or '.join(map(str, allowed))} coordinates")

@@ -7,6 +7,7 @@ import numpy as np
 
 from .. import _core
 from ..base.attributes import Attributed, makeClasses
+from ..geometry.numbers import numbers
 
 
 class Material(Attributed):
@@ -122,7 +123,7 @@ class MaterialPoint:
 
 
 def _tensor(what, value):
-    array = np.ascontiguousarray(value, dtype=float)
+    array = np.ascontiguousarray(numbers("MaterialPoint", what, value))
     if array.shape != (3, 3):
         raise ValueError(f"MaterialPoint: {what} has shape {array.shape}; give (3, 3)")
     if not np.isfinite(array).all():

@@ -361,6 +361,11 @@ class Body(Guarded):
         """
         if not isinstance(region, Region):
             raise TypeError(f"body '{self.name}': inside() takes a region, got {region!r}")
+        if region.dim != self.scene.dim:
+            raise ValueError(
+                f"body '{self.name}': inside: {region!r} is {region.dim}D and the scene {self.scene.dim}D; "
+                "give one of the scene's"
+            )
         return BodyPart(self, ids=self.id[region.contains(self.position)])
 
     def all(self):

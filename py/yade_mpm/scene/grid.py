@@ -4,6 +4,7 @@
 import numpy as np
 
 from .. import _core
+from ..geometry.numbers import refuseLongRange
 
 
 def makeCore(lower, upper, cell, lines=None):
@@ -46,6 +47,7 @@ def corner(what, values):
 
 def _numbers(values):
     """Values as an array of floats; text and dates, which NumPy would turn into numbers, are none."""
+    refuseLongRange(values)
     array = np.asarray(values)
     if array.dtype.kind not in "iuf":
         raise TypeError("not made of numbers")

@@ -39,6 +39,16 @@ GROUPS = """
     before = pages(1)
     one.run(steps=1, progress=False)
 """
+ADDING = """
+    soil, area = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.box((0, 0), (10, 10))
+    scene(20).add("soil", area, soil, mpm.{type})
+"""
+MATCHING = """
+    one, soil = scene(20), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
+    near = one.add("near", mpm.box((4.99, 5), (5, 5.01)), soil, mpm.UGIMP(perCell=1000))
+    both = mpm.box((0, 0), (4, 10)) + mpm.box((5, 0), (10, 10))
+    one.add("pile", both, soil, mpm.APDI(size=1.0, matched=near))
+"""
 
 
 def inLittleMemory(body):
@@ -72,6 +82,37 @@ def test_a_grid_larger_than_memory_is_refused_before_it_is_taken(body, who, giga
     assert found, told
     assert 0.3 < float(found.group(1)) < 1.08  # 1 GiB, less the first grid and the chain
     assert int(found.group(2)) < 30
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/statm"), reason="the system tells nothing of memory")
+@pytest.mark.parametrize(
+    "body, who, gigabytes, most",
+    [
+        (
+            ADDING.format(type="UGIMP(perCell=1000)"),
+            "body 'soil': the 1e+08 places of a lattice of spacing 0.001 m within the bounds of the region",
+            "7.2",
+            30,
+        ),
+        (
+            ADDING.format(type="APDI(size=1e-300)"),
+            "body 'soil': the inf places of a lattice of spacing 1e-300 m within the bounds of the region",
+            "inf",
+            30,
+        ),
+        (ADDING.format(type="APDI(size=0.005)"), "body 'soil': the 4e+06 cells of its mesh", "1.2", 300),
+        (ADDING.format(type="UGIMP(perCell=200)"), "body 'soil': its 4000000 particles", "1.22", 300),
+        (MATCHING, "refineNear: the 5e+06 cells of its mesh", "1.5", 30),
+    ],
+    ids=["lattice", "endless lattice", "mesh", "particles", "mesh beside particles"],
+)
+def test_particles_larger_than_memory_are_refused_before_they_are_made(body, who, gigabytes, most):
+    told = inLittleMemory(body)
+    start = re.escape(f"{who} take {gigabytes} GB of memory, and ")
+    found = re.match(start + r"(\S+) GB are free; give fewer .*\n(\d+) MiB", told)
+    assert found, told
+    assert 0.3 < float(found.group(1)) < 1.08
+    assert int(found.group(2)) < most  # where cells have been looked at first, these are there
 
 
 def test_a_grid_that_fits_is_made():

@@ -193,3 +193,9 @@ def test_twenty_thousand_wrong_inputs_are_refused_in_words(script):
     results = blows.survey(script, 10000, seed=2)
     harmed, unclear = harm(results)
     assert harmed == 0 and unclear < 0.01, blows.harmful(results)[:50]
+
+
+def test_a_message_does_not_end_at_a_nul_of_the_input():
+    scene = mpm.Scene((0, 0), (1, 1), 0.5)
+    with pytest.raises(ValueError, match=r"scheme = 'bottom\\0' is not allowed; give one of 'MUSL'"):
+        scene.scheme = "bottom\0"

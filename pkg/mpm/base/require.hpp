@@ -25,11 +25,14 @@ struct MPM_PUBLIC MemoryError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
+// With NUL, at which what() would end, as two characters.
 template <class... Parts> std::string message(const Parts&... parts) {
     std::ostringstream out;
     out.precision(6);
     (out << ... << parts);
-    return out.str();
+    std::string text = out.str();
+    for (size_t at; (at = text.find('\0')) != std::string::npos;) text.replace(at, 1, "\\0");
+    return text;
 }
 
 template <class... Parts> void require(bool holds, const Parts&... parts) {

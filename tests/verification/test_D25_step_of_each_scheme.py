@@ -24,6 +24,7 @@ import yade_mpm as mpm
 from scipy.linalg import eigvals
 from yade_mpm import box
 from yade_mpm.base import limits
+from yade_mpm.scene.stepper import stiffnesses
 
 _spec = importlib.util.spec_from_file_location(
     "d25", Path(__file__).with_name("test_D25_critical_time_step.py")
@@ -124,7 +125,7 @@ def test_affine_velocities_count_such_nodes_too(perCell):
 
 
 SHORT = {
-    "APDI h/2": 0.98,
+    "APDI h/2": 0.97,
     "APDI h": 0.88,
     "APDI h, full control": 0.39,
 }  # of the dense step, under MUSL and USF
@@ -183,6 +184,37 @@ def test_the_step_of_a_mesh_holds_wherever_it_goes(hourglass):
     start = relativeEnergy(body)
     scene.run(steps=4500, progress=False)
     assert np.abs(body.displacement).min() > 0.115 and relativeEnergy(body) < 2 * start
+
+
+@pytest.mark.parametrize("size", [0.125, (0.25, 0.05), (0.125, 0.05)])
+def test_control_of_thin_domains_is_bounded(size):
+    """Domains by themselves, in single rows: the bound of the control is reached there."""
+    for top in (0.55, 0.6):
+        for shift in ((0, 0), (0, 0.05), (0.1, 0.125), (0.02, 0.2)):
+            scene = mpm.Scene(lower=(0, 0), upper=(1.5, 1.5), cell=0.25, threads=1)
+            body = scene.add(
+                "row",
+                box((0.5, 0.5), (1, 0.625 if size == 0.125 else top)),
+                mpm.LinearElastic(**d25.SOIL),
+                mpm.APDI(size=size, hourglass=1),
+            )
+            body.position += shift
+            vertices = body.vertices
+            vertices += shift
+            assert longestStable(scene) < 1.01 * denseStep(scene, "MUSL"), (top, shift)
+
+
+@pytest.mark.parametrize("size", [(0.25, 0.25, 0.05), (0.25, 0.05, 0.05)])
+def test_thin_domains_in_3d_keep_still(size):
+    scene = mpm.Scene((0, 0, 0), (1.5, 1.5, 1.5), 0.25, threads=1)
+    place = box((0.5, 0.5, 0.5), (1, 1 if size[1] == 0.25 else 0.55, 0.55))
+    body = scene.add("plate", place, mpm.LinearElastic(**d25.SOIL), mpm.APDI(size=size, hourglass=1))
+    velocity = 1e-6 * np.random.default_rng(4).normal(size=body.velocity.shape)
+    body.velocity = velocity - velocity.mean(axis=0)
+    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    start = (body.mass @ body.velocity**2).sum()
+    scene.run(steps=1500, progress=False)
+    assert (body.mass @ body.velocity**2).sum() < 2 * start
 
 
 def relativeEnergy(body):
@@ -271,6 +303,14 @@ def test_stiffening_is_the_largest_growth_of_a_volume():
     assert scene.stepper.stiffening() == pytest.approx(then, rel=1e-3)
     scene["sand"].volume[3] = 7 * scene["sand"].initialVolume[3]
     assert scene.stepper.stiffening() == pytest.approx(7, rel=1e-3)
+
+
+def test_coarser_cells_count_as_softer():
+    scene = mpm.Scene((0, 0), (8, 8), 0.125, threads=1, grading=mpm.Grading(box((5, 5), (8, 8)), 1.2))
+    scene.add("block", box((6, 6), (7, 7)), mpm.LinearElastic(**d25.SOIL), mpm.UGIMP(perCell=2))
+    finest = stiffnesses(scene)["block"]
+    scene["block"].position -= 5.5
+    assert stiffnesses(scene)["block"][0] < 0.5 * finest[0]
 
 
 def test_the_step_follows_a_body_into_finer_cells():

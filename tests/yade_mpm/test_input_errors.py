@@ -1127,6 +1127,7 @@ def changed(change, **options):
         lambda: oneBody().run(steps=1, checkpointPeriod=-1),
     ),
     ("run: until = inf is not allowed", lambda: oneBody().run(until=inf)),
+    ("run: until = True is not allowed", lambda: oneBody().run(until=True)),
     ("run: until = 'noon' is not allowed; give a time in s", lambda: oneBody().run(until="noon")),
     (
         "dt = 1 s exceeds the longest stable step ... (stiffest: 'block'); lower dt, raise inertiaScale, "

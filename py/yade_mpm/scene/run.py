@@ -73,9 +73,9 @@ class Run:
         return max(0, math.ceil((self.until - self.scene.time) / self.scene.stepper.dt - self._roundOff()))
 
     def _roundOff(self):
-        """What a time that was summed up may be wrong by, in steps: its last digit, in each of them."""
-        steps = self.scene.time / self.scene.stepper.dt
-        return max(1e-6, sys.float_info.epsilon * steps**2)
+        """What a time that was summed up may be wrong by, in steps: a last digit in each, at most half of one."""
+        digit = sys.float_info.epsilon * self.scene.time / self.scene.stepper.dt
+        return min(0.5, max(1e-6, digit * self.scene.steps))
 
     def _advance(self, steps):
         """Takes some of the steps that are left; the last ones are such that the run ends on its time."""

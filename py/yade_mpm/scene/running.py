@@ -65,7 +65,7 @@ def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
         raise ValueError("run: give either until (s) or steps")
     if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 0):
         raise ValueError(f"run: steps = {steps!r} is not allowed; give a whole number")
-    if until is not None and not (isinstance(until, (int, float, np.number)) and until < np.inf):
+    if until is not None and not (isNumber(until) and until < np.inf):
         raise ValueError(f"run: until = {until!r} is not allowed; give a time in s")
     if until is not None and not until > scene.time:
         raise ValueError(f"run: until = {until:g} s is not after the scene's time {scene.time:g} s")

@@ -455,8 +455,9 @@ def _asTime(what, time):
 
 def stiffnesses(scene):
     """What the square of the fastest frequency is proportional to: by the name of a body the bulk and the
-    shear modulus, kPa, times the largest V/V0, over the factor on inertia and the square of the smallest cell
-    where these differ, m2, with flip and damping; and the number of particles."""
+    shear modulus, kPa, times the largest V/V0, over the factor on inertia, with flip and damping; where cells
+    differ, times the mean square of the smallest cell of the grid over that of a particle, where largest; and
+    the number of particles."""
     blend = 1.0
     for engine in scene.engines:
         kind = type(engine).__name__
@@ -467,6 +468,6 @@ def stiffnesses(scene):
         (lame, mu), V, V0 = body.material.lameConstants, body.volume, body.initialVolume
         factor = blend * (float(np.max(V / V0, initial=0)) or 1.0) / body.inertiaScale
         if scene.isGraded and body.count:
-            factor *= float((scene.cellSizeAt(body.position) ** -2.0).sum(axis=1).max())
+            factor *= float(((scene.cell / scene.cellSizeAt(body.position)) ** 2).mean(axis=1).max())
         found[body.name] = [factor * (lame + 2 / 3 * mu), factor * mu, float(body.count)]
     return found

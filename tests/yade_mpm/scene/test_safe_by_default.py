@@ -339,6 +339,14 @@ def test_a_loop_of_runs_ends_on_its_time(dt):
     assert calls <= 11  # without end when a run could miss its time by the last digit
 
 
+def test_a_late_run_takes_all_its_steps():
+    """Round-off of the time is that of the steps that were summed up, not of time over step."""
+    scene, _ = moving(1e-5)
+    scene.stepper.setTime(1000.0)
+    scene.run(until=1000.0 + 1e-4, progress=False)
+    assert scene.steps == 10 and scene.time == 1000.0 + 1e-4
+
+
 def test_a_run_to_whole_steps_keeps_its_bits():
     byTime, bySteps = moving(1e-3)[0], moving(1e-3)[0]
     for steps in (7, 100, 1893):

@@ -98,26 +98,18 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
         }
         return hourglass_.stiffnessOf(p, closed);
     }
-    // No pattern is faster than that of the fastest domain by itself, with its mass on its corners. Nodes move
-    // these less where edges are shorter than a cell: the mixed derivative of a velocity, and so the pattern of a
-    // domain, is at most that of an edge over a cell, squared.
+    // No pattern is faster than those of the fastest domain by itself, with its mass on its corners: k NC/m times the
+    // largest eigenvalue of gamma_m . gamma_n, at most the largest sum of a row. Nodes move edges shorter than a cell
+    // less, at most by r/(2 - r) along each of the two axes or more in which the pattern alternates, r the edge over
+    // the cell: a corner on a node, the other one between it and a node whose whole mass that is.
     double fastestPattern() override {
-        const double cell = Base::grid.smallestCell().prod();
         double fastest = 0;
         forStiffChunks([&](int begin, int end) {
             for (int p = begin; p < end; ++p) {
                 const ClosedShape<Dim> closed(mesh_.cornerNumbersOf(p));
-                double most = 0;
-                for (int m = 0; m < Mesh<Dim>::patterns; ++m) {
-                    double square = 0;
-                    for (int a = 0; a < NC; ++a)
-                        square += std::pow(HourglassControl<Dim>::gamma(closed, m, a), 2);
-                    most = std::max(most, square);
-                }
-                const double reach = std::min(1.0, std::pow(closed.volume / cell, 2.0 / Dim));
-                const double cornerMass = particles.mass.plane()[p] / NC;
+                const double rate = hourglass_.stiffnessOf(p, closed) * NC / particles.mass.plane()[p];
                 fastest =
-                    std::max(fastest, hourglass_.stiffnessOf(p, closed) * most * reach * reach / cornerMass);
+                    std::max(fastest, rate * largestRowOfPatterns(closed) * shareOfNodes(mesh_.cornersOf(p)));
             }
         });
         return fastest;
@@ -154,6 +146,18 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
   private:
     using Base::mesh_, Base::hourglass_;
 
+    static double largestRowOfPatterns(const ClosedShape<Dim>& closed) {
+        Eigen::Matrix<double, NC, Mesh<Dim>::patterns> gamma;
+        for (int m = 0; m < gamma.cols(); ++m)
+            for (int a = 0; a < NC; ++a) gamma(a, m) = HourglassControl<Dim>::gamma(closed, m, a);
+        return (gamma.transpose() * gamma).cwiseAbs().rowwise().sum().maxCoeff();
+    }
+    double shareOfNodes(const Corners<Dim>& X) const {
+        const Vec<Dim> extent = X.rowwise().maxCoeff() - X.rowwise().minCoeff();
+        const Vec<Dim> r = extent.cwiseQuotient(Base::grid.smallestCell()).cwiseMin(1.0);
+        const Vec<Dim> share = r.cwiseQuotient(Vec<Dim>::Constant(2) - r);
+        return share.prod() / (Dim == 3 ? share.minCoeff() : 1.0); // of the two axes with the longest edges
+    }
     // visit(begin, end) for domains whose stiffness against patterns is that of now.
     template <class Visit> void forStiffChunks(Visit&& visit) {
         for (int begin = 0; begin < particles.size(); begin += chunkSize) {

@@ -204,7 +204,7 @@ def test_control_of_thin_domains_is_bounded(size):
             assert longestStable(scene) < 1.01 * denseStep(scene, "MUSL"), (top, shift)
 
 
-@pytest.mark.parametrize("size", [(0.25, 0.25, 0.05), (0.25, 0.05, 0.05)])
+@pytest.mark.parametrize("size", [(0.25, 0.25, 0.05), (0.25, 0.05, 0.05)], ids=["", "control"])
 def test_thin_domains_in_3d_keep_still(size):
     scene = mpm.Scene((0, 0, 0), (1.5, 1.5, 1.5), 0.25, threads=1)
     place = box((0.5, 0.5, 0.5), (1, 1 if size[1] == 0.25 else 0.55, 0.55))

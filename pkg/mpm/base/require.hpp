@@ -30,8 +30,13 @@ template <class... Parts> std::string message(const Parts&... parts) {
     std::ostringstream out;
     out.precision(6);
     (out << ... << parts);
-    std::string text = out.str();
-    for (size_t at; (at = text.find('\0')) != std::string::npos;) text.replace(at, 1, "\\0");
+    std::string text;
+    for (char c : out.str()) {
+        if (c)
+            text += c;
+        else
+            text += "\\0";
+    }
     return text;
 }
 

@@ -16,32 +16,41 @@ def thinBeams(scene):
     """Yields (name, text) for bodies that are too thin for the grid and bend: structures in softer soil, and
     bodies alone on which something acts across."""
     gravity = scene.gridSolver("prepare").gravity
-    softest = min((b.material.lameConstants[1] for b in scene.bodies), default=0.0)
-    for body in scene.bodies:
-        isStructure = body.count and body.material.lameConstants[1] > STIFFER * softest
-        isAlone = body.count and not any(_touch(body, o) for o in scene.bodies if o.count and o is not body)
+    bodies = [body for body in scene.bodies if body.count]
+    softest = min((b.material.lameConstants[1] for b in bodies), default=0.0)
+    ends = [_ends(body) for body in bodies]
+    for body, isAlone in zip(bodies, _areAlone(scene, ends)):
+        isStructure = body.material.lameConstants[1] > STIFFER * softest
         if isStructure or isAlone:
             yield from _tooThin(scene, body, gravity, isBent=isStructure)
 
 
 def actions(scene):
-    """What may bend bodies, to see when it changes: gravity, motions and loads."""
+    """What may bend bodies, to see when it changes: gravity, motions, supports, loads, other bodies."""
     solver = scene.gridSolver("prepare")
     found = [list(solver.gravity or ()), *(list(m.velocity) for m in (*solver.hold, *solver.drives))]
+    found += [solver.roller, solver.fixed, [body.name for body in scene.bodies if body.count]]
     for engine in scene.engines:
         if isinstance(engine, (BoundaryLoad, RigidContact)):
             found.append((type(engine).__name__, engine.dead))
         if isinstance(engine, BoundaryLoad):
-            found.append([None if len(engine.pressureTable) else engine.pressure, *engine.traction])
+            found.append(None if len(engine.pressureTable) else engine.pressure)
+            found.append(None if len(engine.tractionTable) else list(engine.traction))
     return repr(found)
 
 
-def _touch(one, other):
-    """Whether the boxes round two bodies are less than a cell apart."""
-    room = one.scene.cellSizeAt(one.position).max(axis=0)
-    ends = [(b.corners().reshape(-1, b.scene.dim)) for b in (one, other)]
-    (low, high), (otherLow, otherHigh) = [(c.min(axis=0), c.max(axis=0)) for c in ends]
-    return bool((low < otherHigh + room).all() and (otherLow < high + room).all())
+def _ends(body):
+    """Corners of the box round a body, m (2, dim)."""
+    corners = body.corners().reshape(-1, body.scene.dim)
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def _areAlone(scene, ends):
+    """Which bodies are a cell or more away from all others, by the boxes round them (B, 2, dim)."""
+    lower, upper = np.array(ends).reshape(-1, 2, scene.dim).swapaxes(0, 1)
+    room = scene.cellSizeAt(np.concatenate((lower, upper))).max(axis=0)
+    isNear = (lower[:, None] < upper + room).all(axis=2)
+    return (isNear & isNear.T).sum(axis=1) == 1
 
 
 def _tooThin(scene, body, gravity, isBent):
@@ -49,8 +58,7 @@ def _tooThin(scene, body, gravity, isBent):
 
     gravity : of the solver, m/s2. isBent : whether it bends whatever acts on it, as a structure in soil does.
     """
-    corners = body.corners().reshape(-1, scene.dim)
-    lower, upper = corners.min(axis=0), corners.max(axis=0)
+    lower, upper = _ends(body)
     extents = upper - lower
     if extents.max() < SLENDER * extents.min():
         return

@@ -4,7 +4,10 @@
 import numpy as np
 
 from ..base import limits
+from ..engine.prescribed import FACES
 from ..geometry.numbers import placeText
+
+HELD = 0.4  # of a cell: the way of a Hold from which on its load falls, measured with a strip footing
 
 
 def checkInterface(scene, limit):
@@ -140,3 +143,18 @@ def _ofParticle(body, name, entry):
     if name not in body.fieldNames:
         return ""
     return f" (particle {body.id[entry]} at {placeText(body.position[entry])})"
+
+
+def leftBehind(scene, hold):
+    """Text where a `Hold` has gone so far that the material leaves its nodes, which stay; else None."""
+    way = np.abs(hold.follow(scene.time)) * np.ones(scene.dim)
+    if isinstance(hold.where, str):  # along a face nothing leaves
+        across = FACES[scene.dim][hold.where][0]
+        way[np.arange(scene.dim) != across] = 0.0
+    cells = way / scene.cellSizeAt(scene.nodePositions()[hold.core.nodes]).min(axis=0)
+    if cells.max() < HELD:
+        return None
+    return (
+        f"Hold '{hold.name}' has gone {way[cells.argmax()]:.3g} m, {cells.max():.2g} of a cell: its nodes "
+        "stay where they are and the material leaves them, so that the load falls; press a body by Drive"
+    )

@@ -11,6 +11,8 @@ from ..engine.rigidContact import RigidContact
 from ..material.materials import MaterialPoint
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
+STEEPEST = 0.96  # rad, 55 degrees; dense angular gravel has 50
+HARDEST = 1e4  # kPa; clay has up to some hundred, soft rock some thousand
 ANGLES = 5, 85  # degrees; no coefficient of friction is that large
 SLOWEST = 30  # m/s; compression waves in the softest soils are faster
 FASTEST = 2e4  # m/s; compression waves in diamond: 1.8e4
@@ -33,6 +35,7 @@ def likelyMistakes(scene, gravity):
         )
     for body in scene.bodies:
         yield from _units(body, gravity)
+        yield from _strength(body)
         yield from _beyondYield(body)
     if scene.geostaticGravity is not None and not np.isclose(
         scene.geostaticGravity, -gravity[-1] if gravity else 0
@@ -135,6 +138,21 @@ def _units(body, gravity):
             f"body '{body.name}': compression waves travel at {body.material.waveSpeed:.3g} m/s, faster than "
             "in any solid; units are Mg/m3, m "
             f"and kPa: is the stiffness in Pa?"
+        )
+
+
+def _strength(body):
+    """An angle of friction or a cohesion that no soil has."""
+    angle, cohesion = (getattr(body.material, name, 0.0) for name in ("frictionAngle", "cohesion"))
+    if angle > STEEPEST:
+        yield (
+            f"body '{body.name}': frictionAngle = {angle:g} rad is {np.degrees(angle):.3g} degrees, more "
+            "than soils have; for an angle in degrees give radians(...)"
+        )
+    if cohesion > HARDEST:
+        yield (
+            f"body '{body.name}': cohesion = {cohesion:g} kPa is that of hard rock; if it is in Pa, give "
+            f"{cohesion / 1e3:g}"
         )
 
 

@@ -167,9 +167,13 @@ class Hold(Prescribed):
     velocity : m/s, one component per axis; None leaves a direction free.
     ramp : s, time over which the velocity grows from zero; default 0.
     name : for histories; default the name of the face or "hold".
+
+    Nodes stay where they are. Once the material has moved by more than a third of a cell it leaves them, and
+    the reaction falls: press a body by `Drive` for more. A run tells when a hold has gone 0.4 of a cell.
     """
 
     _isFound = False  # whether its nodes are known: the grid stays as it is
+    _way, _seenAt = 0.0, None  # see follow()
 
     def __init__(self, where, velocity, ramp=0.0, name=None):
         if not isinstance(where, (str, Region)):
@@ -177,8 +181,17 @@ class Hold(Prescribed):
         super().__init__(velocity, ramp, name or (where if isinstance(where, str) else "hold"))
         object.__setattr__(self, "where", where)
 
+    def follow(self, time):
+        """How far it has moved along each axis since its first run, m (dim,): with the mean of its velocities
+        of now and when it was last asked (s)."""
+        mean = (self.velocityAt(time) + self.velocityAt(self._seenAt)) / 2
+        self._way = self._way + np.nan_to_num(mean) * (time - self._seenAt)
+        self._seenAt = time
+        return self._way
+
     def bind(self, scene):
         super().bind(scene)
+        self._seenAt = scene.time if self._seenAt is None else self._seenAt
         if self._isFound:
             return
         nodes = scene.faceNodes(self.where) if isinstance(self.where, str) else scene.nodesInside(self.where)

@@ -74,7 +74,7 @@ def _warnOfLost(scene, body, numbers):
     """Tells which loads and drives will not act on the particles `numbers` of a body any more."""
     lost = []
     for engine in scene.engines:
-        if isinstance(engine, BoundaryLoad) and engine.body == body.name:
+        if isinstance(engine, BoundaryLoad) and engine.body == body.name and not engine.dead:
             count = np.isin(engine.facets[:, 0], body.id[numbers]).sum()
             lost += [f"{count} of {len(engine.facets)} facets of a BoundaryLoad"] if count else []
         for drive in engine.drives if isinstance(engine, GridSolver) else ():

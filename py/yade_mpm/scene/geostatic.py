@@ -18,18 +18,15 @@ class Layer:
     K0: float
     lower: np.ndarray  # corners of the box round it, m; it ends at the surface
     upper: np.ndarray
+    lowest: float  # height of its lowest particle, m: boxes that are cut reach below it
 
     def overburden(self, points, height):
         """Pressure on points (N, dim), kPa; zero where it is not above them, or reaches below `height`."""
         tolerance = 1e-6 * (self.upper - self.lower)
-        isUnder = self.lower[-1] > height - tolerance[-1]
+        isUnder = self.lowest > height - tolerance[-1]
         isWithin = (points > self.lower - tolerance)[:, :-1] & (points < self.upper + tolerance)[:, :-1]
-        return np.where(isUnder & isWithin.all(axis=1), self.weight * (self.upper[-1] - self.lower[-1]), 0.0)
-
-    def isUnder(self, points):
-        """Which points (N, dim) stand straight above its top."""
-        isWithin = (points > self.lower)[:, :-1] & (points < self.upper)[:, :-1]
-        return isWithin.all(axis=1) & (points[:, -1] > self.upper[-1])
+        thickness = self.upper[-1] - max(self.lower[-1], height)
+        return np.where(isUnder & isWithin.all(axis=1), self.weight * thickness, 0.0)
 
 
 def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None):
@@ -95,13 +92,23 @@ def _warnOfInclined(scene, layers, made):
     for name, below in layers.items():
         for other, above in layers.items():
             top = below.upper[-1]
-            isInclined = above.lower[-1] < top - 1e-6 * (top - below.lower[-1])
-            if isInclined and {name, other} & set(made) and below.isUnder(scene[other].position).any():
+            if above.lowest > top or not {name, other} & set(made):
+                continue
+            points = scene[other].position
+            if _standsOn(scene[name].position, points[points[:, -1] > top]):
                 warnUser(
                     f"initialStress: '{other}' stands on '{name}', but reaches from {above.lower[-1]:g} to "
                     f"{above.upper[-1]:g} m, below its top of {top:g} m: its weight is left out there, for "
                     "layers have to be level; set body.stress, or let gravity grow and settle"
                 )
+
+
+def _standsOn(points, above):
+    """Whether some points (N, dim) are straight below the box round others."""
+    if not len(above):
+        return False
+    plan, ends = points[:, :-1], above[:, :-1]
+    return bool(((plan > ends.min(axis=0)) & (plan < ends.max(axis=0))).all(axis=1).any())
 
 
 def _stress(vertical, K0, dim):
@@ -115,7 +122,7 @@ def _layerOf(body, weight, K0, surface):
     corners = body.corners().reshape(-1, body.scene.dim)
     lower, upper = corners.min(axis=0), corners.max(axis=0)
     upper[-1] = surface
-    return Layer(weight, K0, lower, upper)
+    return Layer(weight, K0, lower, upper, float(body.position[:, -1].min()))
 
 
 def _checkNumber(name, value):

@@ -73,7 +73,7 @@ class Run:
         return max(0, math.ceil((self.until - self.scene.time) / self.scene.stepper.dt - self._roundOff()))
 
     def _roundOff(self):
-        """What a time that was summed up may be wrong by, in steps: a last digit in each, at most half of one."""
+        """What a time that was summed up may be wrong by, in steps: a digit in each, at most half of one."""
         digit = sys.float_info.epsilon * self.scene.time / self.scene.stepper.dt
         return min(0.5, max(1e-6, digit * self.scene.steps))
 

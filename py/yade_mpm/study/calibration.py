@@ -16,6 +16,7 @@ from .study import Study
 METHODS = ("least_squares", "differential_evolution")
 STEP = 0.02  # of the range: below it, the scatter of an explicit run would be taken for a slope
 DIGITS = 8  # of a parameter, so that equal points are the same case
+ENDS = 0.01  # of the range of the computed curve that a measured one may go beyond it
 TOLERANCE = 1e-3  # of the fit: parameters in parts of their range, cost in parts of itself
 
 
@@ -144,7 +145,8 @@ class _Search:
                 f"calibrate: the scene has left no curve '{self.curve}' in {folder}; let it call saveCurve"
             )
         x, y = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2).T
-        if x.min() > self.x[0] + 1e-9 * np.ptp(x) or x.max() < self.x[-1] - 1e-9 * np.ptp(x):
+        room = ENDS * np.ptp(x)  # where the end of the curve stands for what is just beyond
+        if x.min() > self.x[0] + room or x.max() < self.x[-1] - room:
             raise ValueError(
                 f"calibrate: the curve of {folder} goes from {x.min():g} to {x.max():g}, the measured one "
                 f"from {self.x[0]:g} to {self.x[-1]:g}; run the scene farther, or give fewer points"

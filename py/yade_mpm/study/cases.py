@@ -23,6 +23,8 @@ def readTable(file, parameters):
     try:
         with open(file, encoding="utf-8") as opened:
             lines = [(n, line.strip()) for n, line in enumerate(opened, 1)]
+    except FileNotFoundError:
+        raise ValueError(f"{file}: there is no such table; give a file") from None
     except UnicodeDecodeError as error:
         raise ValueError(f"{file}: it is no text in UTF-8 ({error.reason}); save it as such") from None
     lines = [(n, line) for n, line in lines if line and not line.startswith("#")]

@@ -81,6 +81,11 @@ class Parameters:
     def parse(self, words=None):
         """Arguments of a command line, a list of words (default: of the program), as a namespace; with
         --resume those of the run continued. What is wrong ends the program with a message."""
+        if self._readFrom is not None and words is None:
+            raise ValueError(
+                f"{self._readFrom}: it runs when it is read, for a study: parses its command line; put what "
+                "runs below `if __name__ == '__main__':`, see doc/howto/studies.md"
+            )
         parser = self.parser()
         a = parser.parse(words)
         isNew = not getattr(a, "resume", None)
@@ -94,6 +99,18 @@ class Parameters:
         if wrong:
             parser.error(wrong)
         return a
+
+    _readFrom = None  # file of the scene that is read now, not run
+
+    @classmethod
+    @contextlib.contextmanager
+    def _notParsed(cls, file):
+        """While a file is read for what it declares: a command line that it parses then is an error."""
+        cls._readFrom = file
+        try:
+            yield
+        finally:
+            cls._readFrom = None
 
     def problem(self, words):
         """What a command line has that is not allowed, in words; None: nothing."""

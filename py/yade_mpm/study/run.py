@@ -29,6 +29,11 @@ class Run:
     """
 
     def __init__(self, a, begin, callbacks=None, columns=None, again=None):
+        if not hasattr(a, "resume") or not hasattr(a, "until"):
+            raise ValueError(
+                'Run: the arguments have no `until` or no `resume`; give Parameters a "until" and '
+                'resume=("until",), see doc/howto/studies.md'
+            )
         self.a, self.out = a, a.out
         os.makedirs(self.out, exist_ok=True)
         self._checkpoint = os.path.join(self.out, "checkpoint.h5")

@@ -12,6 +12,7 @@ from . import cases as casesOf
 from . import collect, execution, identity, report, state
 from .live import Live
 from .optional import needed
+from .parameters import Parameters
 
 REPORT_SHARE = 60.0  # a report that took a second to write is not written again for a minute
 REPORT_PAUSE = 2.0  # s at least
@@ -225,7 +226,7 @@ def parametersOf(file):
     name = os.path.splitext(os.path.basename(file))[0]
     spec = importlib.util.spec_from_file_location(f"scene_{name}", file)
     module = importlib.util.module_from_spec(spec)
-    with _onPath(os.path.dirname(file)):
+    with _onPath(os.path.dirname(file)), Parameters._notParsed(file):
         spec.loader.exec_module(module)
     if not hasattr(module, "PARAMETERS"):
         raise ValueError(

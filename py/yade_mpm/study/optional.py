@@ -8,7 +8,7 @@ DEBIAN = {
     "pandas": "python3-pandas",
     "cloudpickle": "python3-cloudpickle",
 }
-PIP = "pip install 'yade-mpm[study]'"
+PIP = "pip install '.[study]'"
 
 
 def needed(name, what):

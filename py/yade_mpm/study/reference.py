@@ -98,7 +98,7 @@ def compare(file, field, computed, exact, labels, window, start=0):
     figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
     field(left)
     left.set(**window)
-    right.plot(*computed, "C3", lw=1)
+    right.plot(*computed, "C3", lw=1, label="computed")
     for style, (label, curve) in zip(("--", ":", "-."), exact.items()):
         right.plot(*curve, color="k", lw=0.9, ls=style, label=label)
     right.set(xlabel=labels[0], ylabel=labels[1], xlim=(start, None), ylim=(0, None))

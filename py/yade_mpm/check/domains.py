@@ -151,6 +151,8 @@ def leftBehind(scene, hold):
     if isinstance(hold.where, str):  # along a face nothing leaves
         across = FACES[scene.dim][hold.where][0]
         way[np.arange(scene.dim) != across] = 0.0
+    if (way < HELD * scene.cell).all():  # the smallest one
+        return None
     cells = way / scene.cellSizeAt(scene.nodePositions()[hold.core.nodes]).min(axis=0)
     if cells.max() < HELD:
         return None

@@ -7,6 +7,7 @@ import time
 from ..base import limits
 from ..check.domains import OF_THE_RUN, checkFields, checkInterface, distortion, leftBehind, locking, opened
 from ..engine.callback import Callback
+from ..engine.gridSolver import GridSolver
 
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
 
@@ -116,8 +117,8 @@ class LoopPolicy:
         faults = {"interface": checkInterface(scene, longest), "distortion": distortion(scene)}
         for body in scene.bodies:
             faults |= {f"locking of {body.name}": locking(body), f"opening of {body.name}": opened(body)}
-        for hold in scene.gridSolver("run").hold:
-            faults[f"way of {hold.name}"] = leftBehind(scene, hold)
+        for solver in (e for e in scene.engines if isinstance(e, GridSolver)):
+            faults |= {f"way of {hold.name}": leftBehind(scene, hold) for hold in solver.hold}
         for what, fault in faults.items():
             if fault is not None and what not in scene.warnedOf:
                 scene.warnedOf.add(what)

@@ -160,7 +160,7 @@ double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double to
         for (size_t i = 0; i < y.size(); ++i) y[i] = law.direct * x[i] + law.mapped * y[i];
     };
     double square = largestOfProduct(K.mass(), stiffness, mobility, tolerance, most).value;
-    square += law.control * K.largestOfControl();
+    if (law.control > 0) square += law.control * K.largestOfControl();
     // A mode that loses momentum but not force (flip < 1); a force that local damping strengthens while it slows.
     square *= 2 / (1 + flipOf(scene)) * (1 + dampingOf(scene));
     return 2 / std::sqrt(square);

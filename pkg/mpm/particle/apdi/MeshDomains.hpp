@@ -159,8 +159,7 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
     double shareOfNodes(const Corners<Dim>& X) const {
         const double cell = Base::grid.smallestCell().minCoeff();
         Vec<Dim> r;
-        double turned =
-            0; // sin^2 of twice the angle between an edge and the axis next to it; 1 from 45 degrees on
+        double turned = 0; // sin^2 of twice an edge's angle to the axis next to it; 1 from 45 degrees on
         for (int k = 0; k < Dim; ++k) {
             Vec<Dim> edge = Vec<Dim>::Zero();
             for (int a = 0; a < NC; ++a) edge += 2.0 / NC * cornerSign(a, k) * X.col(a);

@@ -3,6 +3,7 @@
 #include "mpm/check/CriticalTimeStep.hpp"
 #include "mpm/check/InterfaceRule.hpp"
 #include "mpm/check/balances.hpp"
+#include "mpm/check/growth.hpp"
 #include "mpm/step/Conversion.hpp"
 #include "python.hpp"
 
@@ -158,6 +159,15 @@ template <int Dim> struct BindScene {
         d["stressed"] = found.stressed;
         return d;
     }
+    // Of each body: largest V/V0, and how fine the finest cells are that its particles are in.
+    static bp::list growth(const S& scene) {
+        bp::list all;
+        for (const auto& body : scene.bodies) {
+            const Growth found = growthOf(scene.grid, body->particles);
+            all.append(bp::make_tuple(found.volume, found.fineness));
+        }
+        return all;
+    }
     static bp::dict innerVolumes(const S& scene) {
         const InnerVolumes inner = mpm::innerVolumes(scene);
         bp::dict d;
@@ -242,6 +252,7 @@ template <int Dim> struct BindScene {
             .def("criticalTimeStep", critical)
             .def("interfaceFault", interfaceFault)
             .def("balance", balance)
+            .def("growth", growth)
             .def("innerVolumes", innerVolumes)
             .def("nodalTotals", totals)
             .def("nodalEnergy", nodalEnergy<Dim>)

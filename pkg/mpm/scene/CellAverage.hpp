@@ -27,7 +27,7 @@ namespace mpm {
 template <int Dim> class CellAverage {
   public:
     struct Cell {
-        long round = 0;                // of locate() in which it had particles
+        long round = 0;                // in which particles entered it
         Vec<Dim> edges;                // m
         double volume = 0, inside = 0; // of the particles in it; 1 inside the material, 0 at its surface
         double share = 1;              // of the volume of all bodies in it
@@ -36,18 +36,29 @@ template <int Dim> class CellAverage {
         Vec<Dim> centre, slope;        // of the particles; of the mean, 1/m
     };
 
-    // Which particles are in which cell; called by all threads, and so is all that takes a region.
+    // Which particles are in which cell; called by all threads, and so is all that takes a region. In most steps no
+    // particle of a body that hardly moves enters another cell: then all but the volumes stays.
     // mayBeAlone: particles may be one in each cell, as domains of meshes are.
     void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
                 bool mayBeAlone) {
         const int n = particles.size();
         region.once([&] { start(n, grid); });
         region.chunks(n, [&](int begin, int end) { findCells(particles, grid, begin, end); });
-        region.once([&] { divide(); });
-        if (mayBeAlone) findAlone(region, grid);
+        region.once([&] {
+            stays_ &=
+                std::none_of(hasChanged_.begin(), hasChanged_.end(), [](char changed) { return changed; });
+            if (stays_) return;
+            ++round_;
+            std::fill(alone_.begin(), alone_.end(), 0);
+            divide();
+        });
+        if (mayBeAlone && !stays_) findAlone(region, grid);
         const double* volume = particles.volume.plane();
         forOwn(region, [&](int firstSlab, int endSlab) {
-            for (int slab = firstSlab; slab < endSlab; ++slab) clear(slab);
+            if (stays_)
+                forOccupied(firstSlab, endSlab, [](int, Cell& cell) { empty(cell); });
+            else
+                for (int slab = firstSlab; slab < endSlab; ++slab) clear(slab);
             forParticles(firstSlab, endSlab, [&](int p, Cell& cell) {
                 if (cell.round != round_) enter(grid, cell_[p], cell);
                 cell.volume += volume[p];
@@ -166,7 +177,7 @@ template <int Dim> class CellAverage {
     };
 
     void start(int particles, const Grid<Dim>& grid) {
-        ++round_;
+        stays_ = round_ > 0 && int(cell_.size()) == particles;
         located_ = true;
         slabSize_ = grid.strides[Dim - 1];
         cell_.resize(particles);
@@ -177,14 +188,18 @@ template <int Dim> class CellAverage {
         occupied_.resize(grid.slabs());
         extents_.resize(grid.slabs());
         slabsOf_.resize(chunksOf(particles));
-        alone_.assign(chunksOf(particles), 0);
+        alone_.resize(chunksOf(particles));
+        hasChanged_.resize(chunksOf(particles));
     }
 
     // Of particles [begin, end), a chunk.
     void findCells(const Particles<Dim>& particles, const Grid<Dim>& grid, int begin, int end) {
-        std::fill(cell_.begin() + begin, cell_.begin() + end, 0);
+        int found[chunkSize] = {};
         for (int k = 0; k < Dim; ++k)
-            grid.addCells(k, particles.position.plane(k) + begin, end - begin, cell_.data() + begin);
+            grid.addCells(k, particles.position.plane(k) + begin, end - begin, found);
+        hasChanged_[begin / chunkSize] = !std::equal(found, found + end - begin, cell_.begin() + begin);
+        if (!hasChanged_[begin / chunkSize]) return;
+        std::copy(found, found + end - begin, cell_.begin() + begin);
         const auto extremes = std::minmax_element(cell_.begin() + begin, cell_.begin() + end);
         slabsOf_[begin / chunkSize] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
     }
@@ -233,13 +248,17 @@ template <int Dim> class CellAverage {
     void enter(const Grid<Dim>& grid, int number, Cell& cell) {
         cell.round = round_;
         cell.edges = grid.edges(number);
-        cell.volume = cell.inside = cell.mean = 0;
-        cell.centre.setZero();
-        cell.slope.setZero();
+        empty(cell);
         occupied_[number / slabSize_].push_back(number);
         Extent only;
         only.first = only.last = grid.indices(number);
         extents_[number / slabSize_].include(only);
+    }
+
+    static void empty(Cell& cell) {
+        cell.volume = cell.inside = cell.mean = 0;
+        cell.centre.setZero();
+        cell.slope.setZero();
     }
 
     // f(first slab, end) on each thread with the slabs that it owns.
@@ -290,9 +309,11 @@ template <int Dim> class CellAverage {
     }
 
     int slabSize_ = 0; // nodes in a slab of the grid
-    long round_ = 0;   // number of calls of locate() so far
+    long round_ = 0; // number of calls of locate() so far in which a particle was in another cell than before
     bool located_ = false;
-    std::vector<int> cell_; // of each particle
+    bool stays_ = false;           // whether none was in the last call
+    std::vector<char> hasChanged_; // whether one was, of each chunk
+    std::vector<int> cell_;        // of each particle
     std::vector<double> value_;
     std::vector<Cell> cells_;
     std::vector<double> cover_;              // of each cell of the grid: volume of the particles over its own

@@ -41,14 +41,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         work_.resize(scene.bodies.size());
         partitions_.resize(scene.bodies.size());
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
-            const int n = scene.bodies[b]->particles.size();
-            work_[b].clear(n);
-            if (partitions_[b].count() != chunksOf(n))
-                partitions_[b].set(chunksOf(n), [&](int c) {
-                    const int begin = c * chunkSize, end = std::min(n, begin + chunkSize);
-                    const auto* mesh = scene.bodies[b]->domains->mesh(); // gradients are half of it
-                    return end - begin + (mesh ? mesh->workOf(begin, end) : end - begin);
-                });
+            work_[b].clear(scene.bodies[b]->particles.size());
+            divide(*scene.bodies[b], partitions_[b]);
         }
         for (const auto& field : scene.grid.fields) field.velocities(); // may throw, and not in the region
         lacksCells_.clear(); // of bodies whose F-bar was switched on in mid-step
@@ -76,11 +70,32 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     }
 
   private:
-    std::vector<OrderedSum> work_;          // of the stresses, per body
-    std::vector<WorkPartition> partitions_; // of the chunks of its particles
+    struct Partitions {
+        WorkPartition whole, gradients, rest; // of the chunks of particles; of the parts of a step with F-bar
+    };
+    std::vector<OrderedSum> work_; // of the stresses, per body
+    std::vector<Partitions> partitions_;
     std::vector<char> lacksCells_;
     std::vector<CellForces> cells_; // of each body
     bool isOpen_ = false;           // whether any particle of the body at hand is
+
+    // What is alone in its cells takes its gradient with the rest, for it waits for nobody.
+    template <int Dim> static void divide(const Body<Dim>& body, Partitions& partitions) {
+        const int n = body.particles.size();
+        const auto& cells = body.cellAverage;
+        if (body.fbar && cells.isLocated(n)) {
+            partitions.gradients.set(chunksOf(n),
+                                     [&](int c) { return cells.areAlone(c * chunkSize) ? 0 : 1; });
+            partitions.rest.set(chunksOf(n), [&](int c) { return cells.areAlone(c * chunkSize) ? 2 : 1; });
+        }
+        if (partitions.whole.count() == chunksOf(n)) return;
+        partitions.whole.set(chunksOf(n), [&](int c) {
+            const int begin = c * chunkSize, end = std::min(n, begin + chunkSize);
+            const auto* mesh = body.domains->mesh(); // gradients are half of it
+            return end - begin + (mesh ? mesh->workOf(begin, end) : end - begin);
+        });
+        if (!body.fbar || !cells.isLocated(n)) partitions.gradients = partitions.rest = partitions.whole;
+    }
 
     // Of the nodes. What was solved for is what an implicit body is strained by, whatever the scheme: with another
     // velocity its stiffness would not be symmetric.
@@ -110,7 +125,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                                           body.fbar ? body.cellAverage.values() : nullptr, follows);
         };
         if (!body.fbar)
-            return region.chunksNoWait(n, partitions_[number], [&](int begin, int end) {
+            return region.chunksNoWait(n, partitions_[number].whole, [&](int begin, int end) {
                 gradient(begin, end);
                 rest(begin, end);
             });
@@ -118,13 +133,13 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             body.cellAverage.locate(region, body.particles, scene.grid, !body.domains->boxes());
             findInside(region, scene, body);
         }
-        updateFbar(region, scene, body, gradient, rest);
+        updateFbar(region, scene, body, partitions_[number], gradient, rest);
     }
 
     // With one increment of volumetric strain per cell, and the mean stress linear in it: see CellAverage.
     template <int Dim, class Gradient, class Rest>
-    void updateFbar(ParallelRegion& region, const Scene<Dim>& scene, Body<Dim>& body, Gradient&& gradient,
-                    Rest&& rest) {
+    void updateFbar(ParallelRegion& region, const Scene<Dim>& scene, Body<Dim>& body,
+                    const Partitions& partitions, Gradient&& gradient, Rest&& rest) {
         auto& cells = body.cellAverage;
         const int n = body.particles.size();
         const double dt = scene.dt;
@@ -133,12 +148,9 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const auto* nodes = scene.grid.fields[body.velocityField].velocities();
         double* value = cells.values();
         const double* volume = body.particles.volume.plane();
-        region.chunks(n, [&](int begin, int end) {
+        region.chunks(n, partitions.gradients, [&](int begin, int end) {
+            if (cells.areAlone(begin)) return;
             gradient(begin, end);
-            if (cells.areAlone(begin)) {
-                std::fill(value + begin, value + end, 0.0);
-                return rest(begin, end);
-            }
             hasBoxes ? volumeRates<Dim>(L, dt, begin, end, value) : traces(L, Dim, begin, end, value + begin);
         });
         cells.template average<false>(region, volume, body.particles, [&](int number, auto& cell) {
@@ -146,8 +158,12 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             if (hasBoxes && s > 0)
                 cell.mean = s * cells.growth(scene.grid, nodes, dt, number, cell.edges) + (1 - s) * cell.mean;
         });
-        region.chunks(n, [&](int begin, int end) {
-            if (cells.areAlone(begin)) return;
+        region.chunks(n, partitions.rest, [&](int begin, int end) {
+            if (cells.areAlone(begin)) {
+                gradient(begin, end);
+                std::fill(value + begin, value + end, 0.0);
+                return rest(begin, end);
+            }
             for (int p = begin; p < end; ++p) value[p] = cells.cellOf(p).mean - value[p];
             if (hasBoxes) toTraces<Dim>(L, dt, begin, end, value);
             rest(begin, end);

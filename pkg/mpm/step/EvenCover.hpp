@@ -24,10 +24,16 @@ class EvenCover {
             return;
         // Of all bodies, whatever their velocity: a cell that a pile fills is no room for soil.
         cover_.assign(scene.grid.count, 0.0);
-        for (const auto& body : scene.bodies) addCover(scene.grid, *body);
+        const auto reach = reachOf(scene);
+        for (const auto& body : scene.bodies) addCover(scene.grid, *body, reach);
         findExcess(scene.grid);
-        for (auto& body : scene.bodies)
-            if (moves(*body)) shift(*body, scene.grid, everySteps * scene.dt);
+        parallel(scene.threads, [&](ParallelRegion& region) {
+            for (auto& body : scene.bodies)
+                if (moves(*body))
+                    region.chunksNoWait(body->particles.size(), [&](int begin, int end) {
+                        shift(*body, scene.grid, everySteps * scene.dt, begin, end);
+                    });
+        });
     }
 
   private:
@@ -36,6 +42,29 @@ class EvenCover {
     static constexpr double rate = 3; // share of the excess that goes per unit of strain
 
     template <int Dim> static bool moves(const Body<Dim>& body) { return body.fbar && body.domains->boxes(); }
+
+    // What is outside of this box does not cover the cells that count: those that particles which move reach, and
+    // those beside them.
+    template <int Dim> static std::array<Vec<Dim>, 2> reachOf(const Scene<Dim>& scene) {
+        constexpr int cells = 3;
+        const auto& grid = scene.grid;
+        Vec<Dim> low = grid.upper, high = grid.lower;
+        for (const auto& body : scene.bodies)
+            for (int k = 0; k < Dim && moves(*body) && body->particles.size() > 0; ++k) {
+                const double* x = body->particles.position.plane(k);
+                const auto [least, most] = std::minmax_element(x, x + body->particles.size());
+                low[k] = std::min(low[k], *least);
+                high[k] = std::max(high[k], *most);
+            }
+        for (int k = 0; k < Dim; ++k) {
+            const auto line = [&](double x, int beyond) {
+                return grid.line(k, std::clamp(int(grid.inCells(x, k)) + beyond, 0, grid.nodes[k] - 1));
+            };
+            low[k] = line(low[k], -cells);
+            high[k] = line(high[k], 1 + cells);
+        }
+        return {low, high};
+    }
 
     // A box of half size `half` around x: the lowest cell that it reaches, and its shares before and beyond the
     // face above that cell.
@@ -71,11 +100,13 @@ class EvenCover {
         }
     };
 
-    template <int Dim> void addCover(const Grid<Dim>& grid, const Body<Dim>& body) {
+    template <int Dim>
+    void addCover(const Grid<Dim>& grid, const Body<Dim>& body, const std::array<Vec<Dim>, 2>& reach) {
         const auto* boxes = body.domains->boxes();
         for (int p = 0; p < body.particles.size(); ++p) {
             const double volume = body.particles.volume.plane()[p];
             const Vec<Dim> x = vectorAt<Dim>(body.particles.position, p);
+            if (!((x - reach[0]).array() >= 0).all() || !((reach[1] - x).array() >= 0).all()) continue;
             // A domain of a mesh stands for a box of its volume.
             const Vec<Dim> half =
                 boxes ? boxes->halfSize()
@@ -98,10 +129,12 @@ class EvenCover {
         }
     }
 
-    template <int Dim> void shift(Body<Dim>& body, const Grid<Dim>& grid, double time) const {
+    // Of particles [begin, end).
+    template <int Dim>
+    void shift(Body<Dim>& body, const Grid<Dim>& grid, double time, int begin, int end) const {
         auto& particles = body.particles;
         const Vec<Dim> half = body.domains->boxes()->halfSize();
-        for (int p = 0; p < particles.size(); ++p) {
+        for (int p = begin; p < end; ++p) {
             Mat<Dim> L;
             for (int i = 0; i < Dim; ++i)
                 for (int j = 0; j < Dim; ++j) L(i, j) = particles.velocityGradient.plane(Dim * i + j)[p];

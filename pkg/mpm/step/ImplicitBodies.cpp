@@ -126,8 +126,8 @@ template <int Dim> void ImplicitBodies::findPieces(Scene<Dim>& scene, State<Dim>
     state.rigidRows.resize(scene.grid.fields.size());
     for (size_t f = 0; f < scene.grid.fields.size(); ++f)
         if (hasBodies(scene, int(f))) state.rigidRows[f].find(scene.grid, scene.grid.fields[f], least);
-    WorkPartition all;
-    all.set(int(count), [](int) { return 1.0; });
+    WorkPartition all; // by what strained them last: what is held takes no time
+    all.set(int(count), [&](int i) { return 1.0 + state.pieces[i].strained.particles.size(); });
     parallel(scene.threads, [&](ParallelRegion& region) {
         region.forPieces(all, [&](int i) {
             auto& piece = state.pieces[i];

@@ -39,19 +39,21 @@ def freeKineticEnergy(scene):
 
 def _freeEnergy(scene, body):
     motion, translation = body.core.motion(), _translation(scene, body)
-    energy, momentum, mass = motion["kineticEnergy"], np.array(motion["momentum"]), body.mass.sum()
-    speed = np.linalg.norm(translation)
-    if speed > 0 and np.linalg.norm(momentum - mass * translation) <= CARRIED * mass * speed:
-        energy += translation @ (0.5 * mass * translation - momentum)
+    energy = motion["kineticEnergy"]
+    if translation is not None:
+        momentum, mass = np.array(motion["momentum"]), body.mass.sum()
+        speed = np.linalg.norm(translation)
+        if speed > 0 and np.linalg.norm(momentum - mass * translation) <= CARRIED * mass * speed:
+            energy += translation @ (0.5 * mass * translation - momentum)
     return body.inertiaScale * max(0.0, energy)  # a difference of nearly equal numbers
 
 
 def _translation(scene, body):
-    """Velocity (dim,), m/s, with which drives carry a body along now; zero where they differ."""
+    """Velocity (dim,), m/s, with which drives carry a body along now; None where there is no such one."""
     drives = [c for c in scene.constraints if isinstance(c, Drive) and c.core.active and c.part.body is body]
     velocities = [np.nan_to_num(c.velocityAt(scene.time)) for c in drives]
     alike = all(np.array_equal(v, velocities[0]) for v in velocities)
-    return velocities[0] if drives and alike else np.zeros(scene.dim)
+    return velocities[0] if drives and alike else None
 
 
 def internalWork(scene):

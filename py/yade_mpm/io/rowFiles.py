@@ -54,7 +54,7 @@ class RowFiles:
             group = h5.require_group(f"history/{label}" if label else "history")
             for name, column in data.items():
                 known = self._inRecorder if name in group else 0
-                extend(group, name, np.array(column[known:]), known, unit=units[name])
+                extend(group, name, np.array(column[known:]), known, attributes={"unit": units[name]})
         self._inRecorder = _count(data)
 
 

@@ -31,14 +31,15 @@ def appendFrame(root, frame, time, step, isSame, compress):
     first = extend(root, "Points", frame.points, compress=compress)
     firstCell = len(cells["body"]) if k else 0
     for name, values in frame.data.items():
-        extend(cells, name, values, firstCell, compress, frame.units[name])
-        if "components" not in cells[name].attrs and values.shape[1:]:
-            cells[name].attrs["components"] = COMPONENTS[values.shape[1]]
+        known = {"unit": frame.units[name]}
+        if values.shape[1:]:
+            known["components"] = COMPONENTS[values.shape[1]]
+        extend(cells, name, values, firstCell, compress, known)
     for name in set(cells) - set(frame.data):  # of a body that is gone
         cells[name].resize(firstCell + len(frame.data["body"]), axis=0)
     perStep = {"Values": time, "step": step, "NumberOfParts": 1, "PointOffsets": first, **topology}
     for name, value in perStep.items():
-        extend(steps, name, [value], k, unit="s" if name == "Values" else "-")
+        extend(steps, name, [value], k, attributes={"unit": "s" if name == "Values" else "-"})
     _noteOffset(steps["CellDataOffsets"], frame.data, firstCell, k)
     steps.attrs["NSteps"] = k + 1
 
@@ -70,17 +71,18 @@ def _noteOffset(offsets, names, first, k):
         extend(offsets, next(iter(offsets)), [first], k)
 
 
-def extend(group, name, values, at=None, compress=0, unit=None):
+def extend(group, name, values, at=None, compress=0, attributes=None):
     """Writes rows into a growing array of a group from row `at` on (default: its end) and returns `at`.
 
-    Rows that were never written are nan (integers: zero).
+    Rows that were never written are nan (integers: zero). A new array gets the attributes.
     """
     values = np.asarray(values)
-    if name not in group:
+    array = group.get(name)  # a look takes a tenth of a millisecond
+    if array is None:
         rows = min(max(len(values), 64), CHUNK)
         filled = np.nan if values.dtype.kind == "f" else 0
         filters = dict(compression="gzip", compression_opts=compress, shuffle=True) if compress else {}
-        group.create_dataset(
+        array = group.create_dataset(
             name,
             (0, *values.shape[1:]),
             values.dtype,
@@ -89,9 +91,7 @@ def extend(group, name, values, at=None, compress=0, unit=None):
             fillvalue=filled,
             **filters,
         )
-        if unit is not None:
-            group[name].attrs["unit"] = unit
-    array = group[name]
+        array.attrs.update(attributes or {})
     at = len(array) if at is None else at
     array.resize(at + len(values), axis=0)
     if len(values):

@@ -35,7 +35,8 @@ def cellSizeAt(scene, points):
         return np.tile(scene.cell, (len(points), 1))
     sizes = np.empty(points.shape)
     for k, x in enumerate(scene.lines):
-        sizes[:, k] = np.diff(x)[np.clip(np.searchsorted(x, points[:, k], "right") - 1, 0, len(x) - 2)]
+        above = np.searchsorted(x[1:-1], points[:, k], "right")  # the line above it, but for the last cell
+        sizes[:, k] = x[above + 1] - x[above]
     return sizes
 
 

@@ -121,7 +121,8 @@ class Scene(Guarded):
             warnedOf=set(),  # faults of the domains that runs have told
         )
         self._bodies = []
-        for array in (self.lower, self.upper, self.cell):
+        self._lines = tuple(np.array(x[GHOSTS:-GHOSTS]) for x in core.lines)
+        for array in (self.lower, self.upper, self.cell, *self._lines):
             array.setflags(write=False)
         self._dt, self._threads, self._engines, self._loop = None, None, None, None
         self._allowUnstable = False
@@ -151,8 +152,8 @@ class Scene(Guarded):
         return Bodies(self._bodies)
 
     lines = property(
-        lambda self: tuple(np.array(x[GHOSTS:-GHOSTS]) for x in self.core.lines),
-        doc="Positions of the lines of nodes across each axis, m: a tuple of arrays, without ghosts.",
+        lambda self: self._lines,
+        doc="Positions of the lines of nodes across each axis, m: a tuple of arrays to read, without ghosts.",
     )
     particleCount = property(
         lambda self: sum(b.count for b in self.bodies), doc="Number of particles of all bodies."

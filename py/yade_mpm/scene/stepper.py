@@ -464,10 +464,10 @@ def stiffnesses(scene):
         blend *= 1 + engine.damping if kind == "GridSolver" else 1.0
         blend *= 2 / (1 + engine.flip) if kind == "GridToParticle" else 1.0
     found = {}
-    for body in scene.bodies:
-        (lame, mu), V, V0 = body.material.lameConstants, body.volume, body.initialVolume
-        factor = blend * (float(np.max(V / V0, initial=0)) or 1.0) / body.inertiaScale
-        if scene.isGraded and body.count:
-            factor *= float(((scene.cell / scene.cellSizeAt(body.position)) ** 2).mean(axis=1).max())
+    for body, (volume, fineness) in zip(scene.bodies, scene.core.growth()):
+        lame, mu = body.material.lameConstants
+        factor = blend * (volume or 1.0) / body.inertiaScale
+        if fineness > 0:
+            factor *= fineness
         found[body.name] = [factor * (lame + 2 / 3 * mu), factor * mu, float(body.count)]
     return found

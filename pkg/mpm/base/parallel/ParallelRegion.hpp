@@ -78,6 +78,10 @@ class ParallelRegion {
     }
 
     // The same, with the chunks divided by their weight.
+    template <class F> void chunks(int n, const WorkPartition& partition, F&& f) {
+        chunksNoWait(n, partition, f);
+        wait();
+    }
     template <class F> void chunksNoWait(int n, const WorkPartition& partition, F&& f) {
         forPiecesNoWait(partition, [&](int c) { f(c * chunkSize, std::min(n, (c + 1) * chunkSize)); });
     }

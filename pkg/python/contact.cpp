@@ -51,6 +51,7 @@ void exposeContact() {
         .def_readonly("sliding", &Contact::sliding)
         .def_readonly("gridLoss", &Contact::gridLoss)
         .def_readonly("reduced", &Contact::reduced)
+        .def_readonly("unsettled", &Contact::unsettled)
         .def_readonly("largestPenetration", &Contact::largestPenetration);
 }
 

@@ -186,7 +186,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     table.clear();
     largestPenetration = gridLoss = 0;
-    sliding = reduced = 0;
+    sliding = reduced = unsettled = 0;
     forces.assign(3 * pairOf(0, int(scene.groups.size())), 0.0);
     const Vec<Dim> gravity = gravityOf(scene);
     State<Dim>& state = found(scene);
@@ -217,7 +217,8 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                     state.own[i].answer[side] = nodes[i].inverseMass[side];
         const int* groups = search.nodes[pair.firstNode].field;
         const FrictionLaw law = lawOf(groups[0], groups[1]);
-        state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>&) { return law; });
+        unsettled +=
+            !state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>&) { return law; });
         bool isReduced;
         gridLoss += state.impulses.limitEnergy(search, pair, isReduced);
         reduced += isReduced;

@@ -37,9 +37,9 @@ template <int Dim> class ContactImpulses {
     std::vector<NodeMotion<Dim>> nodes; // a row for each contact node of the search
     ImplicitSides<Dim> implicit;        // of the pair in work
 
-    // lawOf(site): the friction law there.
+    // lawOf(site): the friction law there. Returns whether the rounds have come to an end of their own.
     template <class LawOf>
-    void solve(ContactSearch<Dim>& search, const ContactPair& pair, double dt, LawOf&& lawOf) {
+    bool solve(ContactSearch<Dim>& search, const ContactPair& pair, double dt, LawOf&& lawOf) {
         const double one = 1;
         const bool isCoupled = !implicit.isEmpty();
         if (pair.ownsFacets && !isCoupled) share(search, pair, dt, lawOf);
@@ -55,7 +55,8 @@ template <int Dim> class ContactImpulses {
             // Else what shares a node stays together, and nothing crosses between nodes.
             if (law.separation) update(point, law, dt, point.contact, point.S, point.size);
         };
-        for (int round = 0; round < most; ++round) {
+        bool isSettled = most == 1;
+        for (int round = 0; round < most && (round == 0 || !isSettled); ++round) {
             if (isCoupled)
                 for (const auto& site : implicit.sites())
                     site.node >= 0 ? updateNode(site.node) : updatePoint(site.point);
@@ -63,9 +64,10 @@ template <int Dim> class ContactImpulses {
                 for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) updateNode(i);
                 for (int i = int(pair.firstPoint); i < int(pair.endPoint); ++i) updatePoint(i);
             }
-            if (round + 1 < most && isDone(pair)) break;
+            if (most > 1) isSettled = isDone(pair);
         }
         implicit.tell(nodes);
+        return isSettled;
     }
 
     // Energy, kJ, that a pair takes from the motion of the nodes: J . w - J . mobility J / 2, w from before

@@ -84,6 +84,11 @@ class Contact(generated["Contact"]):
         doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut "
         "(doc/explanation/contact.md).",
     )
+    unsettled = property(
+        lambda self: self.core.unsettled,
+        doc="Number of pairs of groups whose impulses still changed when the last step ended its rounds; "
+        "what that means for their force: doc/explanation/implicit-bodies.md.",
+    )
 
     def contactTable(self):
         """Dict of arrays over the nodes in contact in the last step.

@@ -175,3 +175,16 @@ def test_two_bodies_that_answer_in_different_ways(tmp_path):
     assert np.abs(diagnostics.momentum(one) - before).max() < 1e-12 * np.abs(before).max()
     assert meanVelocity(tower)[1] < start[1] - 0.1  # control: the cap has met it
     assert state(one) == state(two) == state(again)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_rounds_that_do_not_settle_are_told(friction):
+    """Without friction they always do; with it single steps end at the largest number of rounds."""
+    scene, _ = pileAndTower()
+    contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
+    contact.friction = friction
+    told = []
+    for _ in range(120):
+        scene.step()
+        told.append(contact.unsettled)
+    assert (max(told) == 1) == (friction > 0) and sum(told) < 12

@@ -120,7 +120,8 @@ def fail():
     if O.iter == 130: raise ValueError("mine")
 O.engines = [*O.engines, PyRunner(command="fail()", iterPeriod=1)]
 say("failed", [fails(RuntimeError, lambda: O.run(20, True))[-4:], O.iter, scene.steps, calls[-1]])
-O.engines = O.engines[:-1]; O.run(5, True); say("on", [O.iter, scene.steps, scene.time == O.time, bits(scene)])
+O.engines = O.engines[:-1]; O.run(5, True)
+say("on", [O.iter, scene.steps, scene.time == O.time, bits(scene)])
 """
 
 

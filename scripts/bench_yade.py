@@ -17,6 +17,7 @@ repeats:
     scripts/run bench_yade
     scripts/run bench_yade --bodies 200 --chain       # the scene as one engine of YADE instead of one per
     stage
+    scripts/run bench_yade --granted                  # the whole as users have it; the exchange is not told
 """
 
 import argparse
@@ -46,6 +47,11 @@ def arguments():
     )
     p.add_argument("--repeats", type=count, default=40, help=f"of {STEPS} steps each (default %(default)s)")
     p.add_argument("--chain", action="store_true", help="the scene as one engine of YADE (stages=False)")
+    p.add_argument(
+        "--granted",
+        action="store_true",
+        help="do not time the exchange, which makes every step one of Python: it counts as bridge",
+    )
     p.add_argument("--out", metavar="FILE", help="also write the figures there as JSON")
     return p.parse_args()
 
@@ -68,9 +74,9 @@ class Timed:
         self.seconds += time.perf_counter() - began
 
 
-def build(count, away, stages):
-    """Scene, contact, exchange and coupling of `count` discs side by side on the ground, or `away` m above
-    it."""
+def build(count, away, stages, isTimed):
+    """Scene, contact, timed exchange and coupling of `count` discs side by side on the ground, or `away` m
+    above it."""
     O.reset()
     scene = mpm.Scene((0, 0), (WIDE * CELL, (DEEP + 4) * CELL), CELL, threads=1)
     soil = mpm.MohrCoulombDruckerPrager(
@@ -97,9 +103,9 @@ def build(count, away, stages):
         disc.state.blockedDOFs, disc.state.vel = "xyzXYZ", (0, -SPEED, 0)
         O.bodies.append(disc)
     O.engines = [ForceResetter(), NewtonIntegrator()]
-    exchange = Timed(inYade.Bodies(contact, range(count), friction=0.5))
-    coupling = inYade.attach(scene, stages=stages)
-    coupling.exchanges.append(exchange)
+    bodies = inYade.Bodies(contact, range(count), friction=0.5)
+    exchange = Timed(bodies)
+    coupling = inYade.attach(scene, stages=stages, bodies=exchange if isTimed else bodies)
     return scene, contact, exchange, coupling
 
 
@@ -116,7 +122,7 @@ def stretches(repeats, look):
 
 def measure(count, away, a):
     """Figures of one case, us per step."""
-    scene, contact, exchange, coupling = build(count, away, not a.chain)
+    scene, contact, exchange, coupling = build(count, away, not a.chain, not a.granted)
     O.run(WARM, True)
 
     def look():

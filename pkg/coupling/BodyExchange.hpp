@@ -32,6 +32,7 @@ class BodyExchange {
     // scene in the host's.
     BodyExchange(std::shared_ptr<RigidContact> contact, std::vector<std::unique_ptr<HostBody>> bodies,
                  const std::vector<Eigen::Quaterniond>& turns, const Mat<3>& frame);
+    virtual ~BodyExchange() = default;
 
     // A step of the host.
     struct HostStep {
@@ -43,10 +44,10 @@ class BodyExchange {
     // the scene; all: none is left out. A body is left out while it cannot touch anything before the next
     // call. How far it may be from where it was seen last is added up from its velocity in every step,
     // whatever pushes it.
-    void read(HostStep step, double cycle, int steps, bool all);
+    virtual void read(HostStep step, double cycle, int steps, bool all);
 
     // Mean forces of the cycle, which took `duration`, to the host. Once in every step of the host.
-    void apply(HostStep step, double duration);
+    virtual void apply(HostStep step, double duration);
 
     long seen() const { return seen_; } // states read
 

@@ -65,12 +65,13 @@ bool GrantedSteps::isGranted(const HostMoment& moment) const {
     if (moment.time + grant_.offset != time()) return false;
     if (threadNumber() != thread_ || Clock::now() >= deadline_) return false;
     for (const auto& each : exchanges)
-        if (!each.bodies->areThere()) return false;
+        if (each.bodies && !each.bodies->areThere()) return false;
     return true;
 }
 
 bool GrantedSteps::act(int stage, const HostMoment& moment) {
     try {
+        if (stage >= 0 && moment.number == lastWhole_) return true;
         if (isOpen_ && moment.number != moment_.number) close(); // its last stage was switched off in between
         if (moment.number != lastStep_) {
             if (!isGranted(moment)) return false;
@@ -79,6 +80,7 @@ bool GrantedSteps::act(int stage, const HostMoment& moment) {
             return false;
         }
         if (stage < 0) {
+            lastWhole_ = moment.number;
             take(grant_.mpmSteps);
             setTime(end_); // the sum of MPM steps may differ by rounding
             apply();

@@ -18,8 +18,8 @@
 
 namespace mpm {
 
-// Bodies of the host that touch the scene in granted steps. bodies: those of the exchange, which may go.
-// thickness: m, of a scene in 2D.
+// Bodies of the host that touch the scene in granted steps. bodies: those of the exchange, which may go; empty
+// where the host itself tells that they are there. thickness: m, of a scene in 2D.
 struct GrantedExchange {
     std::shared_ptr<BodyExchange> exchange;
     std::shared_ptr<TableBodies> bodies;
@@ -53,7 +53,8 @@ class GrantedSteps : public std::enable_shared_from_this<GrantedSteps> {
     }
     long revocations() const { return revocations_; }
 
-    // One engine of the host acts; false: ask Python.
+    // One engine of the host acts; false: ask Python. A stage has nothing left to do in a step that was taken as
+    // a whole.
     bool act(int stage, const HostMoment& moment);
 
     // Number of the host's step that was begun last, and the scene's time at its end; -1: none.
@@ -87,6 +88,7 @@ class GrantedSteps : public std::enable_shared_from_this<GrantedSteps> {
     long revocations_ = 0;
     HostMoment moment_{-1, 0, 0};
     long lastStep_ = -1;
+    long lastWhole_ = -1; // last step that was taken by no single stages
     double end_ = 0;
     bool isOpen_ = false;
     std::exception_ptr error_;

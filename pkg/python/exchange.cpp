@@ -145,6 +145,36 @@ class PythonBody : public HostBody {
     }
 };
 
+// An exchange with bodies of Python, which solvers call without its lock.
+class PythonExchange : public BodyExchange {
+  public:
+    using BodyExchange::BodyExchange;
+    void read(HostStep step, double cycle, int steps, bool all) override {
+        locked([&] { BodyExchange::read(step, cycle, steps, all); });
+    }
+    void apply(HostStep step, double duration) override {
+        locked([&] { BodyExchange::apply(step, duration); });
+    }
+
+  private:
+    // An error of Python's lives as long as its lock is held: where it is taken here, it goes on as one of
+    // ours.
+    template <class Function> static void locked(const Function& function) {
+        if (PyGILState_Check()) return function();
+        Locked lock;
+        try {
+            function();
+        } catch (const bp::error_already_set&) {
+            PyObject *kind, *value, *trace;
+            PyErr_Fetch(&kind, &value, &trace);
+            PyErr_NormalizeException(&kind, &value, &trace);
+            const bp::handle<> held(kind), error(bp::allow_null(value)), where(bp::allow_null(trace));
+            const std::string text = bp::extract<std::string>(bp::str(error));
+            throw RunError("bodies of the host: " + text);
+        }
+    }
+};
+
 // frame: 3 x 3. turns: quaternions (w, x, y, z).
 std::shared_ptr<BodyExchange> makeExchange(std::shared_ptr<RigidContact> contact, const bp::object& states,
                                            const bp::object& ids, const bp::object& forces,
@@ -156,7 +186,7 @@ std::shared_ptr<BodyExchange> makeExchange(std::shared_ptr<RigidContact> contact
         bodies.push_back(std::make_unique<PythonBody>(shared, states[b], ids[b]));
         turned.push_back(quaternionFrom(turns[b]));
     }
-    return std::make_shared<BodyExchange>(std::move(contact), std::move(bodies), turned, axesFrom(frame));
+    return std::make_shared<PythonExchange>(std::move(contact), std::move(bodies), turned, axesFrom(frame));
 }
 
 // The same with bodies that a plugin of the host hands out.

@@ -15,6 +15,18 @@ void grant(GrantedSteps& self, long steps, long next, double dt, double offset, 
     self.grant({steps, next, dt, offset, mpmSteps, lastStage, seconds}, revocations);
 }
 
+// For a host that has no plugin, but Python. time, dt: of a step that may begin; left out behind the first
+// stage, where none does.
+bool act(GrantedSteps& self, int stage, long number, double time, double dt) {
+    Unlocked unlocked;
+    return self.act(stage, {number, time, dt});
+}
+bool goOn(GrantedSteps& self, int stage, long number) {
+    if (number != self.lastStep()) return false;
+    Unlocked unlocked;
+    return self.act(stage, {number, 0, 0});
+}
+
 void clearExchanges(GrantedSteps& self) { self.exchanges.clear(); }
 void addExchange(GrantedSteps& self, std::shared_ptr<BodyExchange> exchange,
                  std::shared_ptr<TableBodies> bodies, double thickness) {
@@ -32,6 +44,8 @@ std::shared_ptr<TableBodies> bodiesAt(size_t table) {
 void exposeGranted() {
     bp::class_<GrantedSteps, std::shared_ptr<GrantedSteps>, boost::noncopyable>("GrantedSteps", bp::no_init)
         .def("grant", grant)
+        .def("act", act)
+        .def("act", goOn)
         .def("revoke", &GrantedSteps::revoke)
         .def("clearExchanges", clearExchanges)
         .def("addExchange", addExchange)

@@ -7,6 +7,9 @@
 #include <core/Scene.hpp>
 #include <malloc.h>
 #include <pkg/common/PyRunner.hpp>
+#ifdef MPM_DRAWER
+#include <pkg/common/OpenGLRenderer.hpp>
+#endif
 
 namespace yade {
 
@@ -118,6 +121,12 @@ std::string members() {
     const Body& body = py::extract<const Body&>(b);
     if (body.groupMask != 3 || body.state.get() != &state || body.clumpId != -1 || body.timeBorn != -1)
         return "members of a Body lie elsewhere";
+#ifdef MPM_DRAWER
+    py::object d = wrapper.attr("GlExtraDrawer")();
+    d.attr("dead") = true;
+    const GlExtraDrawer& drawer = py::extract<const GlExtraDrawer&>(d);
+    if (!drawer.dead) return "members of a GlExtraDrawer lie elsewhere";
+#endif
     const Scene& scene = *Omega::instance().getScene();
     if (scene.dt != py::extract<double>(omega.attr("dt"))() ||
         scene.iter != py::extract<long>(omega.attr("iter"))() ||
@@ -136,6 +145,9 @@ std::string differences() {
     if (found.empty()) found = size<State>("State");
     if (found.empty()) found = size<Engine>("Engine");
     if (found.empty()) found = size<PyRunner>("PyRunner");
+#ifdef MPM_DRAWER
+    if (found.empty()) found = size<GlExtraDrawer>("GlExtraDrawer");
+#endif
     if (found.empty()) found = members();
     return found;
 }

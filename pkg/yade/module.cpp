@@ -4,14 +4,17 @@
 #include "yade/MpmEngine.hpp"
 #include "yade/bodies.hpp"
 #include "yade/layout.hpp"
+#ifdef MPM_DRAWER
+#include "yade/MpmDrawer.hpp"
+#endif
 
 namespace {
 
 namespace py = boost::python;
 
-// Makes the engines known, as YADE does with its own when it starts; ImportError in another YADE. Not when
+// Makes the classes known, as YADE does with its own when it starts; ImportError in another YADE. Not when
 // the module is imported: Boost.Python lets no error out of there.
-void registerEngines() {
+void registerClasses() {
     const std::string found = yade::differences();
     if (!found.empty()) {
         const std::string text =
@@ -19,12 +22,16 @@ void registerEngines() {
         PyErr_SetString(PyExc_ImportError, text.c_str());
         py::throw_error_already_set();
     }
-    yade::MpmEngine().pyRegisterClass(py::import("yade.wrapper"));
+    const py::object wrapper = py::import("yade.wrapper");
+    yade::MpmEngine().pyRegisterClass(wrapper);
+#ifdef MPM_DRAWER
+    yade::MpmDrawer().pyRegisterClass(wrapper);
+#endif
 }
 
 } // namespace
 
 BOOST_PYTHON_MODULE(_yade) {
-    py::def("registerEngines", registerEngines);
+    py::def("registerClasses", registerClasses);
     py::def("bodyTableOf", yade::bodyTableOf);
 }

@@ -12,6 +12,8 @@ import numpy as np
 
 from .html import card, table
 
+whenSet = []  # functions without argument, called when an attribute of a material, an engine ... was set
+
 
 def didYouMean(name, known):
     """End of an error about an unknown name: the nearest one, or nothing."""
@@ -90,6 +92,8 @@ class Attributed:
             self._assign(name, before)
             self.core.finish()
             raise
+        for tell in whenSet:
+            tell()
 
     def _assign(self, name, value):
         """Gives the core a value; None takes it back where the default is "not given"."""

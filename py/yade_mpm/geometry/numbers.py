@@ -76,6 +76,8 @@ def isCount(value):
 
 def isNumber(value):
     """Whether a value is a real number; a flag is none."""
+    if type(value) is float:  # most are, and NumPy takes its time
+        return True
     isReal = isinstance(value, (int, float, np.number)) and not np.iscomplexobj(value)
     return isReal and not isinstance(value, bool)
 

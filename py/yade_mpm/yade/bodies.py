@@ -158,12 +158,14 @@ class Bodies:
         """Cycles before all states are read again."""
         return (self._lookAt - coupling.scene.steps - 1) // coupling.mpmSteps
 
-    def nativePart(self):
-        """What reads and pushes the bodies without Python: exchange, bodies and thickness; None where Python
-        is needed."""
-        if self._table is None or self._waiting:
-            return None
-        return self._exchange, self._table, self.thickness
+    def grantedPart(self):
+        """What reads and pushes the bodies in granted steps: exchange, bodies of the plugin or None, and
+        thickness; None where every step has to be looked at: with the plugin, which asks no `watch`, where
+        bodies are not its own."""
+        isLeftOut = self._table is None and native.plugin() is not None
+        return None if isLeftOut or self._waiting else (self._exchange, self._table, self.thickness)
+
+    watch = property(lambda self: self._watch, doc="Tells when one of the bodies is not what it was.")
 
     def warnOfDensities(self, scene):
         """Once, of a body that is far denser than the soil: YADE's own material has 1000, which are kg/m3."""

@@ -6,7 +6,6 @@ YADE compiles the command in every step; a call without arguments of a plain nam
 """
 
 import builtins
-import functools
 import re
 
 COMMAND = re.compile(r"yadeMpm(\d*)_(\w+)\(\)|inYade\.act\('(\w+)'(?:, (\d+))?\)")  # the second: of old files
@@ -23,17 +22,17 @@ def labelIn(command):
     return found and (found[2] or found[3])
 
 
-def define(engines, act):
+def define(engines, actOf):
     """Makes the names in commands of ours known.
 
     Parameters
     ----------
     engines : list of engines of YADE.
-    act : function of a label and a number, which may be None.
+    actOf : function of a label and a number, which may be None; returns what the command calls.
     """
     for engine in engines:
         command = getattr(engine, "command", "")
         found = COMMAND.fullmatch(command)
         if found and found[2]:
             number = int(found[1]) if found[1] else None
-            setattr(builtins, command[:-2], functools.partial(act, found[2], number))
+            setattr(builtins, command[:-2], actOf(found[2], number))

@@ -13,10 +13,12 @@ from ..scene.saving import save
 from . import checkpoints, loop
 from .bodies import Bodies
 from .clock import Clock
+from .drawing import Drawing, drawersIn, drawSoil, makeDrawer
 from .engineList import EngineList
 from .exchanges import checkExchanges, checkRead
 from .grants import Grants
 from .gravity import difference
+from .look import COLOURS
 from .output import PlotRows, checkpointOf, tagOf, tagRecorders
 from .results import Energies, Materials, interactionsOf, unbalancedForce
 from .stages import Stages
@@ -74,13 +76,15 @@ class Coupling:
         self._timeStep = TimeStep(omega, scene, mpmSteps, demSteps, label, saved)
         if self._clock.cycleEnd <= omega.iter:
             self._timeStep.govern()
-        self._list.make(scene, stages, loop.act)
+        self._list.make(scene, stages)
         self._stages = Stages(scene, self._list.engines, self._endStep)
         self._grants.serve(self._list.engines)
         scene.stepper.onChange = self._grants.revoke
         self.stepsSaved = scene.steps
         if isKept:
             self.exchanges += [Bodies(self._chain[place], **spec) for place, spec in saved.get("bodies", ())]
+        for drawer in drawersIn(omega, label):
+            drawSoil(self, drawer)
 
     def __repr__(self):
         ratio = (
@@ -187,7 +191,9 @@ class Coupling:
 
     def letGo(self):
         """Gives O.dt and the scene back, and notes the exchanges for `attach`."""
-        loop.kept[self.scene] = list(self.exchanges)
+        loop.kept[self.scene] = [e for e in self.exchanges if not isinstance(e, Drawing)]
+        for drawing in self._drawings():
+            drawing.clear()
         self._grants.release()
         self.scene.stepper.onChange = None
         self._timeStep.release()
@@ -195,6 +201,10 @@ class Coupling:
             self.scene.handOver(None)
 
     # --- the step ---------------------------------------------------------------------------------------
+    def actOf(self, number, act):
+        """A function that acts as `act` does, both without argument; quicker where nothing is due."""
+        return self._grants.actOf(number, self._omega, loop.dt.now, act)
+
     def act(self, number):
         """Takes the steps of the scene in this DEM step, or its stage `number`; an error is noted, and raised
         behind the step."""
@@ -310,10 +320,10 @@ class Coupling:
 
     def _grant(self, lastStage):
         """The steps in which nothing is due may be taken without us."""
-        looks = [e.cyclesToLook(self) for e in self.exchanges if isinstance(e, Bodies)]
+        looks = [e.cyclesToLook(self) for e in self.exchanges if hasattr(e, "cyclesToLook")]
         steps = (self._policy.stepsToNext() - 1) // self.mpmSteps
         steps = min(steps, self._energies.stepsToNext(), *looks) if self.error is None else 0
-        self._grants.grant(steps, self._clock, self._timeStep.dt, lastStage, self.exchanges)
+        self._grants.grant(self._omega, steps, self._clock, self._timeStep.dt, lastStage, self.exchanges)
 
     def _apply(self):
         for exchange in self.exchanges:
@@ -359,6 +369,46 @@ class Coupling:
 
         return drawScene(self, field, component, limits, axes, colours, window, cut, file)
 
+    def draw(
+        self,
+        field="displacement",
+        component=None,
+        limits=None,
+        period=100,
+        bodies=None,
+        colours=COLOURS,
+        wire=False,
+    ):
+        """Draws the domains of the particles in YADE's 3D view, coloured by a field; needs the plugin.
+
+            soil.draw("plasticShearStrain", limits=(0, 0.5))
+
+        The view shows a look at the soil, which is taken every `period` steps and at the end of a run. What
+        was drawn of this scene before is replaced. O.save keeps it.
+
+        Parameters
+        ----------
+        field, component, limits, period, bodies, colours : as of `Display`; bodies by their names.
+        wire : bool, whether to draw edges only.
+
+        Returns the MpmDrawer of YADE, with these as attributes, which may be changed at any time; dead=True
+        ends the looks. It stands in `qt.Renderer().extraDrawers` where yade.qt was imported before; add it
+        there else.
+
+        Raises RuntimeError without the plugin or while YADE runs, ValueError where no body has the field.
+        """
+        if self._omega.running:
+            raise RuntimeError("draw: YADE is running; O.pause() first")
+        if loop.attached.get(self.label) is not self:
+            raise RuntimeError(f"draw: '{self.label}' is not attached; inYade.attach(scene) first")
+        how = dict(field=field, component=component, limits=limits, period=period, bodies=bodies)
+        drawer = makeDrawer(self, **how, colours=colours, wire=wire)
+        drawSoil(self, drawer)
+        return drawer
+
+    def _drawings(self):
+        return [e for e in self.exchanges if isinstance(e, Drawing)]
+
     def flush(self):
         """Writes rows and frames that are not in the files yet; O.run, O.step, O.wait and O.save do it."""
         self._forward()
@@ -366,6 +416,8 @@ class Coupling:
         for engine in self._chain:
             if isinstance(engine, Callback) and engine.isBound:
                 engine.flush()
+        for drawing in self._drawings():
+            drawing.catchUp()
 
     def saveBeside(self, file, isBeside=True):
         """Writes our checkpoint that goes with a file of O.save, and notes in O.tags what attach() needs.
@@ -380,6 +432,7 @@ class Coupling:
         name = checkpointOf(file, self.label)
         checkWritable(name)
         self.flush()
+        self._grants.unfold()  # YADE's file has every engine as it is
         bodies = [(self._chain.index(e.contact), e.spec()) for e in self.exchanges if isinstance(e, Bodies)]
         how = dict(mpmSteps=self.mpmSteps, demSteps=self.demSteps, stages=self.stages, bodies=bodies)
         how["checkpointPeriod"] = self.checkpointPeriod

@@ -3,7 +3,7 @@
 
 import re
 
-from .commands import commandOf, define, labelIn
+from .commands import commandOf, labelIn
 from .runners import PACE, Chain, paceOf, runnerOf
 
 
@@ -30,11 +30,8 @@ class EngineList:
         newtons = [k for k, e in enumerate(self.others) if _kind(e) == "NewtonIntegrator"]
         self.place = ours[0] if ours else newtons[0] if newtons else len(self.others)
 
-    def make(self, scene, isStaged, act):
-        """Puts ours in their place: one for each engine of the scene, or a single one for the whole step.
-
-        act : function of a label and a number, see `commands`.
-        """
+    def make(self, scene, isStaged):
+        """Puts ours in their place: one for each engine of the scene, or a single one for the whole step."""
         if isStaged:
             chain = scene.engines
             commands = [commandOf(self._label, k) for k in range(len(chain))]
@@ -42,7 +39,6 @@ class EngineList:
         else:
             parts = [(Chain(scene), self._label, commandOf(self._label))]
         self.engines = [runnerOf(*part) for part in parts]
-        define(self.engines, act)
         self._omega.engines = self.others[: self.place] + self.engines + self.others[self.place :]
 
     def remove(self):

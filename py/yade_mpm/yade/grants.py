@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Steps that the plugin's engines may take without asking Python.
+"""Steps that are taken without looking whether anything is due.
 
-In every step that Python takes it grants as many as it knows nothing to be due in. Whatever else needs Python
-in the next step revokes them.
+In every step that Python takes as a whole it grants as many as it knows nothing to be due in. The plugin's
+engines take these without Python; those of Python by one call of the solver each, see `actOf`. Whatever else
+needs to be looked at in the next step revokes them.
 """
 
 import weakref
 
 from .. import _core
+from ..base.attributes import whenSet
 from . import native
 
 MOST = 1000  # steps in a grant
 SECONDS = 0.05  # of wall time after which a grant ends: signals are looked for then
+
+RESTING, ACTIVE = 0, -1  # nDo of a PyRunner
 
 _all = weakref.WeakSet()
 
@@ -22,8 +26,18 @@ def revokeAll():
         grants.revoke()
 
 
+def unfoldAll():
+    """The same, and all engines are called in it."""
+    for grants in list(_all):
+        grants.revoke()
+        grants.unfold()
+
+
+whenSet.append(revokeAll)  # of an engine or a material: the next step may have to be another one
+
+
 class Grants:
-    """Granted steps of one scene; none without the plugin, or where an MPM step spans several of YADE.
+    """Granted steps of one scene; none where an MPM step spans several of YADE.
 
     Parameters
     ----------
@@ -32,9 +46,10 @@ class Grants:
     """
 
     def __init__(self, scene, mpmSteps, demSteps):
-        isNative = native.plugin() is not None and demSteps == 1
-        self._core = _core.grantedSteps(scene.core) if isNative else None
-        self._mpmSteps, self._engines, self._revocations = mpmSteps, [], 0
+        self._core = _core.grantedSteps(scene.core) if demSteps == 1 else None
+        self._isPython = self._core is not None and native.plugin() is None
+        self._mpmSteps, self._engines, self._watches, self._revocations = mpmSteps, [], [], 0
+        self._folded = []  # engines that YADE leaves out, since the first one takes the whole step
         _all.add(self)
 
     # Number of YADE's step that was begun last without Python, -1: none; and the scene's time at its end, s.
@@ -42,18 +57,79 @@ class Grants:
     end = property(lambda self: self._core.end)
 
     def serve(self, engines):
-        """Engines of YADE that take granted steps."""
-        if self._core is not None:
-            self._engines = engines
+        """Engines of YADE that take granted steps; those of Python see `actOf`."""
+        self._engines = engines
+        if self._core is not None and not self._isPython:
             for engine in engines:
                 engine._follow(self._core.address)
 
     def release(self):
         """No engine takes any more of them."""
         self.revoke()
-        for engine in self._engines:
+        self.unfold()
+        for engine in [] if self._isPython or self._core is None else self._engines:
             engine._follow(0)
         self._engines = []
+
+    def actOf(self, stage, omega, dtOf, ask):
+        """A function without argument that lets a stage act in every step of YADE: in a granted one at once.
+
+        Parameters
+        ----------
+        stage : int, number of the engine in the chain; None: the whole scene.
+        omega : O of YADE. dtOf : function of it, its step, s.
+        ask : function without argument that acts in all other steps.
+        """
+        if not self._isPython:
+            return ask
+        take = self._core.act
+        if stage:
+
+            def act():
+                take(stage, omega.iter) or ask()
+
+            return act
+        whole = -1
+
+        def begin():
+            for watch in self._watches:
+                if watch.hasChanged(False):
+                    self.revoke()
+            first = whole if stage is None or self._folded else stage
+            if not take(first, omega.iter, omega.time, dtOf(omega)):
+                self.unfold()
+                ask()
+
+        return begin
+
+    def _fold(self, omega):
+        """Lets the first of several engines take the whole step, and YADE leave out the others, where nobody
+        can tell: they follow each other, and YADE times none. To call an engine costs more than all else."""
+        engines, given = self._engines, omega.engines
+        if not self._isPython or len(engines) < 2 or omega.timingEnabled or omega.subStepping:
+            return False
+        place = next((k for k, engine in enumerate(given) if engine is engines[0]), len(given))
+        follow = given[place : place + len(engines)]
+        if len(follow) < len(engines) or any(a is not b for a, b in zip(follow, engines)):
+            return False
+        if any(native.isDead(engine) for engine in engines):
+            return False
+        self._folded = engines[1:]
+        self._setDo(self._folded, RESTING)
+        return True
+
+    def unfold(self):
+        """Every engine is called again, in this step already if it stands behind the caller; what it had to
+        do in a step that was taken as a whole is done. The next step asks Python."""
+        if self._folded:
+            self.revoke()
+        self._setDo(self._folded, ACTIVE)
+        self._folded = []
+
+    @staticmethod
+    def _setDo(engines, value):
+        for engine in engines:
+            native.baseOfEngines().nDo.fset(engine, value)
 
     def revoke(self):
         """The next step asks Python."""
@@ -70,11 +146,12 @@ class Grants:
         if self._core is not None:
             self._core.throwError()
 
-    def grant(self, steps, clock, dt, lastStage, exchanges):
+    def grant(self, omega, steps, clock, dt, lastStage, exchanges):
         """Behind Python's step.
 
         Parameters
         ----------
+        omega : O of YADE.
         steps : int, DEM steps in which nothing is due.
         clock : Clock
         dt : float, s, DEM step.
@@ -83,12 +160,15 @@ class Grants:
         """
         if self._core is None or steps < 1:
             return
-        parts = [getattr(exchange, "nativePart", lambda: None)() for exchange in exchanges]
+        parts = [getattr(exchange, "grantedPart", lambda: None)() for exchange in exchanges]
         if None in parts:
             return
         self._core.clearExchanges()
-        for part in parts:
+        self._watches = [e.watch for e in exchanges if hasattr(e, "watch")]
+        for part in filter(None, parts):  # what only looks has none
             self._core.addExchange(*part)
         steps = min(steps, MOST)
+        if steps > 0 and lastStage >= 0 and self._fold(omega):
+            lastStage = -1
         where = clock.iteration + 1, dt, clock.timeOffset
         self._core.grant(steps, *where, self._mpmSteps, lastStage, SECONDS, self._revocations)

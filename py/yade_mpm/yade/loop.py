@@ -133,6 +133,12 @@ def act(label, number=None):
     pauseAfterStep(yade)
 
 
+def _actOf(label, number):
+    """What a command of an engine of ours calls."""
+    ask = functools.partial(act, label, number)
+    return attached[label].actOf(number, ask) if label in attached else ask
+
+
 def beginStep(yade):
     """In every DEM step, before anything else of ours."""
     if thread.note():
@@ -255,7 +261,7 @@ def _forgetting(method):
 
 def defineCommands(engines):
     """Makes the commands of engines of ours known: of engines of YADE that came from a file, too."""
-    define(engines, act)
+    define(engines, _actOf)
     checkpoints.define(engines, _saveInLoop)
 
 

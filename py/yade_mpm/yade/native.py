@@ -17,7 +17,7 @@ def plugin():
         return None
     try:
         module = importlib.import_module(f"{package}._yade")
-        module.registerEngines()
+        module.registerClasses()
         return module
     except ImportError as error:
         print(f"warning: {error}; the engines are those of Python", file=sys.stderr)
@@ -41,3 +41,15 @@ def tableOf(ids, states):
     states : list of their states; of one that was erased the last one, or any object.
     """
     return None if plugin() is None else _core.TableBodies(plugin().bodyTableOf(ids, states))
+
+
+def isDead(runner):
+    """Whether YADE leaves an engine of ours out."""
+    return _dead()(runner)
+
+
+@functools.cache
+def _dead():
+    from yade.wrapper import PyRunner
+
+    return PyRunner.dead.fget

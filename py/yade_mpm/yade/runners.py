@@ -7,7 +7,7 @@ Python sees `GridSolver` with `gravity` and `damping`.
 
 import functools
 
-from .grants import revokeAll
+from .grants import unfoldAll
 from .native import baseOfEngines
 
 OWN = "label", "dead", "ompThreads"  # attributes that YADE gives to every engine, and users may set
@@ -52,7 +52,7 @@ def baseOfRunners():
         def __setattr__(self, name, value):
             if name in OWN:
                 base.__setattr__(self, name, value)
-                revokeAll()
+                unfoldAll()
             elif name in _namesOf(self.engine) or not hasattr(base, name):
                 setattr(self.engine, name, value)
             else:
@@ -96,18 +96,6 @@ def paceOf(runner):
 
     own = PyRunner.dict(runner)
     return {name: own[name] for name in PACE}
-
-
-def isDead(runner):
-    """Whether YADE leaves an engine of ours out."""
-    return _dead()(runner)
-
-
-@functools.cache
-def _dead():
-    from yade.wrapper import PyRunner
-
-    return PyRunner.dead.fget
 
 
 class Chain:

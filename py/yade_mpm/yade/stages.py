@@ -3,7 +3,7 @@
 
 from ..base.attributes import keep
 from ..engine.callback import Callback
-from .runners import isDead
+from .native import isDead
 
 
 class Stages:

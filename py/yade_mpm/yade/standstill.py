@@ -11,7 +11,7 @@ import threading
 import time
 
 from .. import _core
-from .grants import revokeAll
+from .grants import revokeAll, unfoldAll
 
 LOOK_PERIOD = 2e-4  # s between looks at a thread that is about to end
 
@@ -45,7 +45,7 @@ class LoopThread:
             while os.path.exists(f"/proc/self/task/{self._number}"):
                 time.sleep(LOOK_PERIOD)
         self._number = None
-        revokeAll()  # the next run has another thread, or is the caller's next step
+        unfoldAll()  # the next run has another thread, or is the caller's next step
 
     def pause(self, yade, pause):
         """Pauses YADE from inside a step, and waits until it has taken notice; another thread calls it.

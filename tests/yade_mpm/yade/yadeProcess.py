@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Processes of YADE for the tests: a script runs in one of its own and reports through `say(name, value)`."""
 
+import importlib.util
 import json
 import os
 import shutil
@@ -12,6 +13,10 @@ import yade_mpm as mpm
 
 YADE = shutil.which("yade")
 needsYade = pytest.mark.skipif(YADE is None, reason="YADE is not installed (Debian: apt install yade)")
+plugin = importlib.util.find_spec("yade_mpm._yade")
+needsPlugin = pytest.mark.skipif(
+    plugin is None, reason="the plugin is not built (cmake -DYADE_SOURCE=DIR, see doc/howto/yade.md)"
+)
 
 SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
 FOLDERS = [str(Path(__file__).parent), str(SCRIPTS), str(SCRIPTS / "studies")]
@@ -30,6 +35,22 @@ def fails(kind, function):
     except kind as error: return str(error)
     return "no error"
 def empty(*before): O.engines = [ForceResetter(), *before, NewtonIntegrator()]
+"""
+
+# First lines of a script: no plugin; the steps in which everything is looked at, in `asked`.
+WITHOUT = """
+from yade_mpm.yade import native
+native.plugin = lambda: None
+"""
+COUNTED = """
+from yade_mpm.yade.coupling import Coupling
+asked, began = [], Coupling._beginStep
+def counted(self):
+    asked.append(O.iter)
+    began(self)
+Coupling._beginStep = counted
+from yade_mpm.yade import grants
+grants.SECONDS = 60.0  # no machine is so slow
 """
 
 

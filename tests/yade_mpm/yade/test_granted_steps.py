@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Steps that are granted to the engines in YADE, by the plugin and without it: nothing else changes."""
+
+import pytest
+from yadeProcess import COUNTED, WITHOUT, needsPlugin, needsYade, run
+
+pytestmark = needsYade
+ways = pytest.mark.parametrize(
+    "first", [pytest.param("", marks=needsPlugin, id="plugin"), pytest.param(WITHOUT, id="python")]
+)
+NONE = """
+from yade_mpm.yade import grants
+grants.MOST = 0
+"""
+
+SAME = """
+def build():
+    scene = hybrid(mpm.History(iterPeriod=50))
+    scene.threads = 1
+    return scene
+own = build(); own.run(steps=400)
+say("own", bits(own))
+for name, how in (("stages", {}), ("chain", dict(stages=False)), ("many", dict(mpmSteps=4))):
+    O.reset(); empty(); asked.clear()
+    scene = build()
+    soil = inYade.attach(scene, **how)
+    O.run(400 // soil.mpmSteps, True)
+    say(name, [bits(scene), scene.time == O.time, len(asked), len(scene.engines[-1])])
+    O.dt *= 0.9; O.step(); O.dt *= 0.9; O.run(30, True); O.step()
+    say(name + " on", [scene.steps - 32 * soil.mpmSteps, scene.time == O.time])
+"""
+
+
+@ways
+def test_granted_steps_have_the_bits_of_the_own_loop(tmp_path, first):
+    said, _ = run(first + COUNTED + SAME, tmp_path)
+    for name in "stages", "chain", "many":
+        digest, isSameTime, asked, rows = said[name]
+        assert digest == said["own"] or name == "many"  # whose steps are others
+        assert isSameTime and rows == 8
+        assert asked < 40  # of 400 steps: where rows and checks are due
+        assert said[name + " on"] == [400, True]
+
+
+TOUCHING = """
+import bodies
+soil, contact, coupling = bodies.build(True)
+ball = O.bodies[0].state
+ball.blockedDOFs, ball.vel = "xyzXYZ", (0, 0, -1)  # pressed into the soil
+O.run(30, True)
+say("touch", [bodies.bits(soil), float(soil.velocity[:, 2].min())])
+O.engines = [PyRunner(command="O.bodies.erase(1)", iterPeriod=20, nDo=1)] + O.engines
+O.run(70, True)
+say("erased", [bodies.digest(soil, [0]), coupling.exchanges[0].forces[1].tolist()])
+say("asked", len(asked))
+"""
+
+
+@ways
+def test_bodies_get_the_same_bits_in_granted_steps(tmp_path, first):
+    granted, _ = run(first + COUNTED + TOUCHING, tmp_path)
+    none, _ = run(NONE + COUNTED + TOUCHING, tmp_path)
+    assert granted["touch"][1] < -0.05  # m/s, of soil that they have pushed
+    assert granted.pop("asked") < 30 and none.pop("asked") == 100
+    assert granted == none
+
+
+CHANGING = """
+empty(PyRunner(command="stiffen()", iterPeriod=7)); seen = []
+scene = hybrid(); scene.threads = 1
+soil = inYade.attach(scene)
+def stiffen():
+    soil.materials["soil"].young *= 1.02  # the critical step follows
+    seen.append(O.iter)
+O.run(60, True)
+say("asked", [k for k in seen if k not in asked])
+say("bits", [bits(scene), scene.dt])
+"""
+
+
+@ways
+def test_a_material_that_changes_counts_at_once(tmp_path, first):
+    """The steps in which it changes are taken as a whole, not when the next look is due."""
+    said, _ = run(first + COUNTED + CHANGING, tmp_path)
+    none, _ = run(NONE + COUNTED + CHANGING, tmp_path)
+    assert said["asked"] == [] and said["bits"] == none["bits"]
+
+
+FOLDED = """
+from yade.wrapper import PyRunner as Runner
+def build():
+    scene = hybrid(); scene.threads = 1
+    return scene
+own = build(); own.run(steps=100); say("own", bits(own))
+calls = []
+def note(): calls.append([Runner.dict(e)["nDo"] for e in soil.engines])
+empty(PyRunner(command="note()", iterPeriod=1))
+scene = build(); soil = inYade.attach(scene)
+O.run(20, True)
+say("folded", calls[-1]); say("at rest", [Runner.dict(e)["nDo"] for e in soil.engines])
+O.run(1000); O.pause(); O.save("state.xml"); say("saved", open("state.xml").read().count("<nDo>0</nDo>"))
+O.reset(); empty(PyRunner(command="note()", iterPeriod=1)); scene = build(); soil = inYade.attach(scene)
+O.run(20, True); calls.clear()
+O.timingEnabled = True; O.run(20, True); say("timed", [calls[-1], [e.execCount for e in soil.engines]])
+O.timingEnabled = False
+between = []
+O.engines = [*O.engines[:3], PyRunner(command="between.append(scene.engines[1].core.seconds)", iterPeriod=1),
+    *O.engines[3:]]
+O.run(20, True); say("between", [len(between), calls[-1]])
+O.engines = [e for e in O.engines if "between" not in getattr(e, "command", "")]
+O.run(30, True); say("folded again", calls[-1])
+O.run(10, True); say("bits", bits(scene))
+def kill():
+    if O.iter in (105, 112): soil.engines[-1].dead = O.iter == 105
+    if O.iter in (113, 115):  # the scene rests
+        for e in soil.engines: e.dead = O.iter == 113
+O.engines = [PyRunner(command="kill()", iterPeriod=1), *O.engines]
+O.run(20, True); say("dead", [bits(scene), scene.steps])
+def fail():
+    if O.iter == 130: raise ValueError("mine")
+O.engines = [*O.engines, PyRunner(command="fail()", iterPeriod=1)]
+say("failed", [fails(RuntimeError, lambda: O.run(20, True))[-4:], O.iter, scene.steps, calls[-1]])
+O.engines = O.engines[:-1]; O.run(5, True)
+say("on", [O.iter, scene.steps, scene.time == O.time, bits(scene)])
+"""
+
+
+def test_of_engines_of_python_the_first_takes_a_granted_step(tmp_path):
+    """YADE leaves out the others where nobody can tell: PyRunners cost more than small scenes."""
+    said, _ = run(WITHOUT + COUNTED + FOLDED, tmp_path)
+    none, _ = run(NONE + WITHOUT + COUNTED + FOLDED, tmp_path)
+    active, folded = [-1] * 5, [-1, 0, 0, 0, 0]  # with VelocityRemap
+    assert none["folded"] == active, "control"
+    assert said["folded"] == said["folded again"] == folded
+    assert said["at rest"] == active and said["saved"] == 0
+    assert said["timed"] == [active, [20] * 5]
+    assert said["between"] == [20, active], "an engine of the user between two stages"
+    assert said["bits"] == said["own"]
+    assert said["failed"][3] == folded, "the step that failed was taken as a whole"
+    for name in "dead", "on":
+        assert said[name] == none[name]
+
+
+STRAYS = """
+def build():
+    scene = mpm.Scene((0, 0), (4, 3), 0.25)
+    soil = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3)
+    scene.add("soil", mpm.box((1, 1), (2, 2)), soil, mpm.UGIMP(perCell=2)).velocity[:] = (0, -20)
+    scene.dt = 1e-3
+    return scene
+say("own", fails(RuntimeError, lambda: build().run(steps=400)))
+for how in True, False:
+    O.reset(); empty(); asked.clear()
+    soil = inYade.attach(build(), stages=how)
+    say("yade", fails(RuntimeError, lambda: O.run(400, True)))
+    say("where", [len(asked), O.iter, soil.scene.steps, len([f for f in os.listdir() if "failed" in f])])
+    say("again", fails(RuntimeError, lambda: O.run(1, True)))
+"""
+
+
+@ways
+def test_an_error_in_a_granted_step_is_raised_behind_it(tmp_path, first):
+    said, _ = run(first + COUNTED + STRAYS, tmp_path)
+    assert said["own"].startswith("step ")
+    assert said["yade"].splitlines()[0][:30] == said["own"].splitlines()[0][:30]
+    asked, iteration, steps, files = said["where"]
+    assert asked < iteration and iteration - steps in (0, 1) and files > 0
+    assert "was stopped by an error" in said["again"]

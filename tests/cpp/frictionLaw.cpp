@@ -47,6 +47,23 @@ TEST(FrictionLaw, surfacesThatStickDoNotMove) {
     EXPECT_NEAR(wInSpace.norm(), 0, 1e-12);
 }
 
+TEST(FrictionLaw, adhesionActsWhereSurfacesTouchThoughTheyPartInThisStep) {
+    const FrictionLaw law{0, 50, true, true, 1};
+    const double dt = 1e-3;
+    ContactSite<2> site;
+    site.normal = tilted;
+    site.area = 0.5;
+    const Vec<2> parting = -0.2 * tilted + 3 * along;
+    const auto exchanged = [&](double gap) {
+        site.gap = gap;
+        return law.impulses<2>(site, dt, Mat<2>::Identity(), Mat<2>::Identity(), Vec<2>::Zero(), parting).all;
+    };
+    EXPECT_NEAR((exchanged(0) - law.adhesion * site.area * dt * along).norm(), 0, 1e-12);
+    EXPECT_FALSE(law.isApart(site, dt, parting));
+    EXPECT_EQ(exchanged(1e-6).norm(), 0); // control: apart
+    EXPECT_TRUE(law.isApart(site, dt, parting));
+}
+
 TEST(FrictionLaw, oneBodyDoesNotMoveInItself) {
     const auto [J, w] =
         exchanged<3>({0, 0, false, false, 1}, Vec<3>::UnitX(), skewInSpace, Vec<3>(1.5, 0.7, -2));

@@ -164,7 +164,7 @@ void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair& pair, d
     const auto add = [&](ContactSite<Dim>& site, const int* at, const double* S, int count) {
         site.sticks = site.J.sticks;
         if (site.J.all.isZero(0)) return;
-        site.presses = true;
+        site.presses = site.J.all.dot(site.normal) > 0 || !separation;
         const Vec<Dim> taken = site.J.all - (1 - loss) * site.J.agreeing;
         const Vec<Dim> along = taken - taken.dot(site.normal) * site.normal;
         for (int i = 0; i < count; ++i) {

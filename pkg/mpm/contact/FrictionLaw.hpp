@@ -2,7 +2,7 @@
 // The impulse that two groups exchange where they are in contact. With the relative velocity w = (v_a - v_b)
 // . n and the mobility 1/m_a + 1/m_b,
 //     J_n = [w - max(g, 0)/dt] / (1/m_a + 1/m_b) where that is positive,   |J_t| <= mu J_n + adhesion A dt:
-// surfaces may close a gap but not cross, and do not pull.
+// surfaces may close a gap but not cross, and do not pull. Adhesion acts where the gap is closed.
 #pragma once
 
 #include "mpm/contact/ContactNode.hpp"
@@ -27,10 +27,14 @@ struct FrictionLaw {
 
     // Whether there is no impulse where there was none, for the relative velocity w of the solution.
     template <int Dim> bool isApart(const ContactSite<Dim>& site, double dt, const Vec<Dim>& w) const {
-        return separation && !site.presses && !(excess(site, w, dt) > 0);
+        return separation && !site.presses && !(excess(site, w, dt) > 0) && !adheres(site);
     }
 
   private:
+    // Whether adhesion acts whatever the approach: surfaces that touch shake, and part in many steps.
+    template <int Dim> bool adheres(const ContactSite<Dim>& site) const {
+        return adhesion > 0 && separation && site.gap <= 0 && !site.normal.isZero(0);
+    }
     // What of the approach is faster than the gap allows in a step.
     template <int Dim> double excess(const ContactSite<Dim>& site, const Vec<Dim>& w, double dt) const {
         return w.dot(site.normal) - (separation ? std::max(site.gap + site.tolerated, 0.0) / dt : 0);
@@ -72,7 +76,7 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
     const Vec<Dim> borneSoFar = across(site.J.all); // by friction, which moves an implicit body along n, too
     const double pushed = stopping(site, mobility, Vec<Dim>(w - mobility * borneSoFar), dt);
-    if (pushed == 0) return J;
+    if (pushed == 0 && !adheres(site)) return J;
     const double agreed = separation ? std::min(stopping(site, startMobility, start, dt), pushed)
                                      : stopping(site, startMobility, start, dt);
     J.all = pushed * n;

@@ -23,6 +23,9 @@ constexpr double leastFacingArea = 0.4;
 // they own half of it.
 constexpr double mostOwned = 0.75;
 
+// Part of a mesh at a point that boxes face, below which their surface ends there.
+constexpr double leastCovered = 0.75;
+
 // Distance in cells from a plane of symmetry up to which a vertex lies on it.
 constexpr double onPlane = 1e-6;
 
@@ -155,26 +158,38 @@ void takeFacets(PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& o
     }
 }
 
+// Of the surface of a side at a node, along the normal.
+template <int Dim> double areaAlong(const ContactNode<Dim>& contact, int side) {
+    return (side == 0 ? 1 : -1) * contact.surface[side].outward.dot(contact.normal);
+}
+
 // What a node has left of its area when points own the rest; with too little of it it does not act.
-template <int Dim> void leaveTheRest(ContactNode<Dim>& contact) {
+template <int Dim> void leaveTheRest(const PairSearch<Dim>& pair, ContactNode<Dim>& contact, int owner) {
     if (!contact.hasPoints) return;
     const double all = std::max(contact.area, contact.weight);
     contact.isLeftOut = contact.owned > mostOwned * all;
     if (contact.isLeftOut) {
-        contact.scaleOfOwned = contact.area / contact.owned;
+        contact.scaleOfOwned =
+            (pair.isExplicit[1 - owner] ? contact.area : areaAlong(contact, owner)) / contact.owned;
         contact.gap = contact.gapOfPoints / contact.owned;
     }
     contact.area = std::max(0.0, contact.area - contact.owned);
 }
 
-// And the points take all of the surface at nodes that do not act.
-template <int Dim> void takeTheRest(PairSearch<Dim>& pair, ContactPoint<Dim>& point) {
+// And the points take all of the surface at nodes that do not act, or what the other group has of it where that ends:
+// the surface of boxes is uneven, and the mean of the smaller areas is too small.
+template <int Dim> void takeTheRest(PairSearch<Dim>& pair, ContactPoint<Dim>& point, int owner) {
     const double size = point.area;
+    double own = 0, other = 0;
     point.area = 0;
     for (int corner = 0; corner < point.size; ++corner) {
         const ContactNode<Dim>& contact = (*pair.nodes)[point.contact[corner]];
         point.area += point.S[corner] * size * contact.scaleOfOwned;
+        if (!contact.isLeftOut) continue;
+        own += point.S[corner] * areaAlong(contact, owner);
+        other += point.S[corner] * areaAlong(contact, 1 - owner);
     }
+    if (!pair.isExplicit[1 - owner] && other < leastCovered * own) point.area *= std::max(0.0, other / own);
 }
 
 template <int Dim> bool isBetweenContactNodes(const SurroundingNodes<Dim>& around) {
@@ -222,9 +237,9 @@ template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoi
     if (!pair.ownsFacets) return;
     pair.forNodes([&](ContactNode<Dim>& contact) {
         close(contact, pair.grid().meanSize(contact.node).minCoeff());
-        leaveTheRest(contact);
+        leaveTheRest(pair, contact, 1 - coarser);
     });
-    for (size_t i = first; i < points.size(); ++i) takeTheRest(pair, points[i]);
+    for (size_t i = first; i < points.size(); ++i) takeTheRest(pair, points[i], 1 - coarser);
 }
 
 template void findPoints(PairSearch<2>&, std::vector<ContactPoint<2>>&);

@@ -15,7 +15,8 @@ from . import native
 MOST = 1000  # steps in a grant
 SECONDS = 0.05  # of wall time after which a grant ends: signals are looked for then
 
-RESTING, ACTIVE = 0, -1  # nDo of a PyRunner
+# iterPeriod of a PyRunner: one that rests looks now and then whether the first engine is still there.
+RESTING, ACTIVE = 50, 1
 
 _all = weakref.WeakSet()
 
@@ -49,7 +50,9 @@ class Grants:
         self._core = _core.grantedSteps(scene.core) if demSteps == 1 else None
         self._isPython = self._core is not None and native.plugin() is None
         self._mpmSteps, self._engines, self._watches, self._revocations = mpmSteps, [], [], 0
-        self._folded = []  # engines that YADE leaves out, since the first one takes the whole step
+        self._exchanges, self._granted = [], []  # those of the coupling, and those that were granted
+        self._isWhole = False  # the first of several engines takes the whole of granted steps
+        self._folded = []  # engines that YADE leaves out for that
         _all.add(self)
 
     # Number of YADE's step that was begun last without Python, -1: none; and the scene's time at its end, s.
@@ -95,16 +98,22 @@ class Grants:
             for watch in self._watches:
                 if watch.hasChanged(False):
                     self.revoke()
-            first = whole if stage is None or self._folded else stage
+            if self._exchanges != self._granted:
+                self.revoke()
+            first = whole if stage is None or self._isWhole else stage
             if not take(first, omega.iter, omega.time, dtOf(omega)):
                 self.unfold()
                 ask()
+            elif self._isWhole and not self._folded:  # those behind it are called later in this step
+                self._folded = self._engines[1:]
+                self._setPeriod(self._folded, RESTING)
 
         return begin
 
-    def _fold(self, omega):
-        """Lets the first of several engines take the whole step, and YADE leave out the others, where nobody
-        can tell: they follow each other, and YADE times none. To call an engine costs more than all else."""
+    def _mayFold(self, omega):
+        """Whether the first of several engines may take the whole step, and YADE leave out the others, since
+        nobody can tell: they follow each other, and YADE times none. To call an engine costs more than all
+        else."""
         engines, given = self._engines, omega.engines
         if not self._isPython or len(engines) < 2 or omega.timingEnabled or omega.subStepping:
             return False
@@ -112,24 +121,20 @@ class Grants:
         follow = given[place : place + len(engines)]
         if len(follow) < len(engines) or any(a is not b for a, b in zip(follow, engines)):
             return False
-        if any(native.isDead(engine) for engine in engines):
-            return False
-        self._folded = engines[1:]
-        self._setDo(self._folded, RESTING)
-        return True
+        return not any(native.isDead(engine) for engine in engines)
 
     def unfold(self):
         """Every engine is called again, in this step already if it stands behind the caller; what it had to
         do in a step that was taken as a whole is done. The next step asks Python."""
         if self._folded:
             self.revoke()
-        self._setDo(self._folded, ACTIVE)
-        self._folded = []
+        self._setPeriod(self._folded, ACTIVE)
+        self._folded, self._isWhole = [], False
 
     @staticmethod
-    def _setDo(engines, value):
+    def _setPeriod(engines, value):
         for engine in engines:
-            native.baseOfEngines().nDo.fset(engine, value)
+            native.baseOfEngines().iterPeriod.fset(engine, value)
 
     def revoke(self):
         """The next step asks Python."""
@@ -165,10 +170,12 @@ class Grants:
             return
         self._core.clearExchanges()
         self._watches = [e.watch for e in exchanges if hasattr(e, "watch")]
+        self._exchanges, self._granted = exchanges, list(exchanges)
         for part in filter(None, parts):  # what only looks has none
             self._core.addExchange(*part)
         steps = min(steps, MOST)
-        if steps > 0 and lastStage >= 0 and self._fold(omega):
+        self._isWhole = steps > 0 and lastStage >= 0 and self._mayFold(omega)
+        if self._isWhole:
             lastStage = -1
         where = clock.iteration + 1, dt, clock.timeOffset
         self._core.grant(steps, *where, self._mpmSteps, lastStage, SECONDS, self._revocations)

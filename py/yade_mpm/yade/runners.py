@@ -61,6 +61,11 @@ def baseOfRunners():
                     "(dead=True leaves one out)"
                 )
 
+        def updateAttrs(self, attributes):
+            """Sets attributes by a dict of name and value."""
+            for name, value in attributes.items():
+                setattr(self, name, value)
+
         def __dir__(self):
             return sorted({*super().__dir__(), *dir(self.engine)})
 

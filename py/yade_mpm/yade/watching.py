@@ -5,7 +5,7 @@ FEW = 2  # bodies that are looked at in a step, in turn: 1 us each
 
 
 class Watch:
-    """Tells when one of some bodies is not what it was.
+    """Tells when one of some bodies is not what it was; once it has, it always does.
 
     All are looked at when a run begins and after O.bodies.erase or clear, else some in every step, in turn:
     engines of YADE erase bodies, too.
@@ -23,6 +23,7 @@ class Watch:
         self._known = [_signature(omega, number, isWhole=True) for number in ids]
         self._quick = [_signature(omega, number) for number in ids]
         self._erasures = Watch.erasures
+        self._isChanged = False
 
     def hasChanged(self, isEvery):
         """Whether one of them is another than before, as far as it was looked at.
@@ -31,6 +32,10 @@ class Watch:
         ----------
         isEvery : bool, whether to look at all.
         """
+        self._isChanged = self._isChanged or self._look(isEvery)
+        return self._isChanged
+
+    def _look(self, isEvery):
         if isEvery or self._erasures != Watch.erasures:
             self._erasures = Watch.erasures
             now = (_signature(self._omega, number, isWhole=True) for number in self._ids)
@@ -74,14 +79,13 @@ def _signature(omega, number, isWhole=False):
     kind = type(shape).__name__
     if kind == "Sphere":
         size = shape.radius
+    elif kind == "Box":
+        size = tuple(shape.extents)
     elif not isWhole:
         return kind
     elif kind == "Clump":
         members = shape.members.keys()
         size = [(m, _signature(omega, m, True), str(shape.members[m])) for m in members]
     else:
-        size = {
-            name: str(shape.dict().get(name))
-            for name in ("extents", "vertices", "axis", "sense", "v", "radius")
-        }
+        size = {name: str(shape.dict().get(name)) for name in ("vertices", "axis", "sense", "v", "radius")}
     return (kind, size, repr(body.state)) if isWhole else (kind, size)  # the state's repr tells its address

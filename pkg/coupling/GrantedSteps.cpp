@@ -2,6 +2,7 @@
 #include "coupling/GrantedSteps.hpp"
 
 #include "mpm/base/parallel/relaxed.hpp"
+#include "mpm/check/growth.hpp"
 
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -24,6 +25,19 @@ template <int Dim> class GrantedScene : public GrantedSteps {
   private:
     double time() const override { return scene_->time; }
     double dt() const override { return scene_->dt; }
+    long step() const override { return scene_->step; }
+    bool hasGrown(const std::vector<GrowthLimit>& limits) const override {
+        if (limits.size() != scene_->bodies.size()) return true;
+        for (size_t k = 0; k < limits.size(); ++k) {
+            const auto& particles = scene_->bodies[k]->particles;
+            const Growth found = growthOf(scene_->grid, particles);
+            const double volume = found.volume != 0 ? found.volume : 1;
+            const double fineness = found.fineness > 0 ? found.fineness : 1;
+            if (!(volume * fineness <= limits[k].volume) || particles.size() > limits[k].particles)
+                return true;
+        }
+        return false;
+    }
     void setTime(double time) override { storeRelaxed(scene_->time, time); }
     void take(int steps) override {
         for (int k = 0; k < steps; ++k) scene_->advance(1, 1e9);
@@ -69,12 +83,27 @@ bool GrantedSteps::isGranted(const HostMoment& moment) const {
     return true;
 }
 
+void GrantedSteps::lookAtGrowth(long next, int period, std::vector<GrowthLimit> limits) {
+    require(period > 0, "GrantedSteps: period = ", period,
+            " is not allowed; give a positive number of steps");
+    nextLook_ = next;
+    lookPeriod_ = period;
+    limits_ = std::move(limits);
+}
+
+bool GrantedSteps::isWithinLimits() {
+    if (nextLook_ < 0 || step() < nextLook_) return true;
+    if (hasGrown(limits_)) return false;
+    nextLook_ = (step() / lookPeriod_ + 1) * lookPeriod_;
+    return true;
+}
+
 bool GrantedSteps::act(int stage, const HostMoment& moment) {
     try {
         if (stage >= 0 && moment.number == lastWhole_) return true;
         if (isOpen_ && moment.number != moment_.number) close(); // its last stage was switched off in between
         if (moment.number != lastStep_) {
-            if (!isGranted(moment)) return false;
+            if (!isGranted(moment) || !isWithinLimits()) return false;
             begin(moment);
         } else if (!isOpen_ && stage <= grant_.lastStage) {
             return false;

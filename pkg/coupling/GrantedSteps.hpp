@@ -26,6 +26,12 @@ struct GrantedExchange {
     double thickness;
 };
 
+// What a body may grow to before Python has to estimate the critical step anew: largest V/V0, times the fineness
+// of its cells; and the number of particles.
+struct GrowthLimit {
+    double volume, particles;
+};
+
 class GrantedSteps : public std::enable_shared_from_this<GrantedSteps> {
   public:
     struct Grant {
@@ -45,6 +51,12 @@ class GrantedSteps : public std::enable_shared_from_this<GrantedSteps> {
     // revoke holds the lock of Python.
     void grant(const Grant& grant, long revocations);
     std::vector<GrantedExchange> exchanges;
+
+    // Steps of the scene before which it is looked how much bodies have grown: `next`, and multiples of `period`
+    // from then on. A step in which one has passed its limit is not taken. limits: one for each body.
+    void lookAtGrowth(long next, int period, std::vector<GrowthLimit> limits);
+    // The next one of them; behind all that were taken.
+    long nextLook() const { return nextLook_; }
 
     // From any thread: the next step is none of those granted.
     void revoke() {
@@ -74,6 +86,8 @@ class GrantedSteps : public std::enable_shared_from_this<GrantedSteps> {
     GrantedSteps();
     virtual double time() const = 0;
     virtual double dt() const = 0;
+    virtual long step() const = 0;
+    virtual bool hasGrown(const std::vector<GrowthLimit>& limits) const = 0;
     virtual void setTime(double time) = 0;
     virtual void take(int steps) = 0;
     virtual void actStage(int stage) = 0;
@@ -90,12 +104,16 @@ class GrantedSteps : public std::enable_shared_from_this<GrantedSteps> {
     long lastStep_ = -1;
     long lastWhole_ = -1; // last step that was taken by no single stages
     double end_ = 0;
+    long nextLook_ = -1; // -1: none
+    int lookPeriod_ = 1;
+    std::vector<GrowthLimit> limits_;
     bool isOpen_ = false;
     std::exception_ptr error_;
     StepTable table_;
     std::vector<std::shared_ptr<GrantedSteps>> held_; // by the host's engines, one for each
 
     bool isGranted(const HostMoment& moment) const;
+    bool isWithinLimits();
     void begin(const HostMoment& moment);
     void close();
     void apply();

@@ -27,6 +27,14 @@ bool goOn(GrantedSteps& self, int stage, long number) {
     return self.act(stage, {number, 0, 0});
 }
 
+// limits: list of a pair for each body.
+void lookAtGrowth(GrantedSteps& self, long next, int period, const bp::list& limits) {
+    std::vector<GrowthLimit> all;
+    for (bp::ssize_t k = 0; k < bp::len(limits); ++k)
+        all.push_back({bp::extract<double>(limits[k][0]), bp::extract<double>(limits[k][1])});
+    self.lookAtGrowth(next, period, std::move(all));
+}
+
 void clearExchanges(GrantedSteps& self) { self.exchanges.clear(); }
 void addExchange(GrantedSteps& self, std::shared_ptr<BodyExchange> exchange,
                  std::shared_ptr<TableBodies> bodies, double thickness) {
@@ -46,11 +54,13 @@ void exposeGranted() {
         .def("grant", grant)
         .def("act", act)
         .def("act", goOn)
+        .def("lookAtGrowth", lookAtGrowth)
         .def("revoke", &GrantedSteps::revoke)
         .def("clearExchanges", clearExchanges)
         .def("addExchange", addExchange)
         .def("throwError", &GrantedSteps::throwError)
         .add_property("revocations", &GrantedSteps::revocations)
+        .add_property("nextLook", &GrantedSteps::nextLook)
         .add_property("lastStep", &GrantedSteps::lastStep)
         .add_property("end", &GrantedSteps::end)
         .add_property("isOpen", &GrantedSteps::isOpen)

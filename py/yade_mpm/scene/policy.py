@@ -7,6 +7,7 @@ import time
 from ..base import limits
 from ..check.domains import OF_THE_RUN, checkFields, checkInterface, distortion, leftBehind, locking, opened
 from ..engine.callback import Callback
+from ..engine.engine import NO_CALL
 from ..engine.gridSolver import GridSolver
 
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
@@ -63,6 +64,20 @@ class LoopPolicy:
         calls = [engine.stepsToCall(scene) for engine in scene.engines]
         due = min(self._checkAt, self._estimateAt, self._lookAt)
         return min([due - scene.steps, *calls])
+
+    def cyclesToNext(self, stride):
+        """Cycles of `stride` steps that need nothing but looks at growth, see `nextLook`: a check is due
+        before a cycle, and a callback may be called in one."""
+        scene = self._scene
+        calls = min((engine.stepsToCall(scene) for engine in scene.engines), default=NO_CALL)
+        due = min(self._checkAt, self._estimateAt) - scene.steps
+        return min((due - 1) // stride + 1, (calls - 1) // stride)
+
+    nextLook = property(lambda self: self._lookAt, doc="Step of the next look at growth.")
+
+    def noteLooks(self, nextLook):
+        """Someone else has looked, and found that no body had passed its limit (`Stepper.growthLimits`)."""
+        self._lookAt = max(self._lookAt, nextLook)
 
     def afterSteps(self):
         """Follows what callbacks have changed, and writes a checkpoint where that is due; a file that cannot

@@ -305,6 +305,22 @@ class Stepper(Guarded):
         """What the number of particles has grown by since the last estimate, where most; 1 at least."""
         return max([1.0, *(count for _, _, count in self._ratios())])
 
+    def growthLimits(self):
+        """What bodies may become before `stiffening` or `refining` reach DT_GROWTH, a little less: for each
+        body the largest V/V0 times fineness, and the number of particles."""
+        scene, share, found = self._scene, limits.DT_GROWTH * (1 - 1e-9), []
+        blend = _blend(scene)
+        for body in scene.bodies:
+            if not scene.dtCritical or body.name not in self._estimatedStiffness:
+                found.append((math.inf, math.inf))  # nothing to go by
+                continue
+            bulk, shear, count = self._estimatedStiffness[body.name]
+            lame, mu = body.material.lameConstants
+            now = (bulk, lame + 2 / 3 * mu), (shear, mu)
+            room = [a / b for a, b in now if b > 0]
+            found.append((share * min(room, default=math.inf) * body.inertiaScale / blend, share * count))
+        return found
+
     def _ratios(self):
         """Of `stiffnesses`, now to then, for each body that there was."""
         then = self._estimatedStiffness
@@ -458,12 +474,7 @@ def stiffnesses(scene):
     shear modulus, kPa, times the largest V/V0, over the factor on inertia, with flip and damping; where cells
     differ, times the mean square of the smallest cell of the grid over that of a particle, where largest; and
     the number of particles."""
-    blend = 1.0
-    for engine in scene.engines:
-        kind = type(engine).__name__
-        blend *= 1 + engine.damping if kind == "GridSolver" else 1.0
-        blend *= 2 / (1 + engine.flip) if kind == "GridToParticle" else 1.0
-    found = {}
+    blend, found = _blend(scene), {}
     for body, (volume, fineness) in zip(scene.bodies, scene.core.growth()):
         lame, mu = body.material.lameConstants
         factor = blend * (volume or 1.0) / body.inertiaScale
@@ -471,3 +482,13 @@ def stiffnesses(scene):
             factor *= fineness
         found[body.name] = [factor * (lame + 2 / 3 * mu), factor * mu, float(body.count)]
     return found
+
+
+def _blend(scene):
+    """Factor of damping and flip."""
+    blend = 1.0
+    for engine in scene.engines:
+        kind = type(engine).__name__
+        blend *= 1 + engine.damping if kind == "GridSolver" else 1.0
+        blend *= 2 / (1 + engine.flip) if kind == "GridToParticle" else 1.0
+    return blend

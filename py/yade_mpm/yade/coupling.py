@@ -274,6 +274,7 @@ class Coupling:
     def _dueChecks(self):
         """What is due between steps; an error there is the scene's, not a mistake of the user."""
         self._isAtRisk = True
+        self._policy.noteLooks(self._grants.nextLook)
         isChanged = self._policy.followChanges()
         isEstimated = self._policy.beforeSteps()
         self._isAtRisk = False
@@ -321,9 +322,12 @@ class Coupling:
     def _grant(self, lastStage):
         """The steps in which nothing is due may be taken without us."""
         looks = [e.cyclesToLook(self) for e in self.exchanges if hasattr(e, "cyclesToLook")]
-        steps = (self._policy.stepsToNext() - 1) // self.mpmSteps
+        steps = self._policy.cyclesToNext(self.mpmSteps)
         steps = min(steps, self._energies.stepsToNext(), *looks) if self.error is None else 0
-        self._grants.grant(self._omega, steps, self._clock, self._timeStep.dt, lastStage, self.exchanges)
+        look = self._policy.nextLook, self.scene.stepper.growthLimits
+        self._grants.grant(
+            self._omega, steps, self._clock, self._timeStep.dt, lastStage, self.exchanges, look
+        )
 
     def _apply(self):
         for exchange in self.exchanges:

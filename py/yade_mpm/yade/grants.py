@@ -9,10 +9,11 @@ needs to be looked at in the next step revokes them.
 import weakref
 
 from .. import _core
+from ..base import limits
 from ..base.attributes import whenSet
 from . import native
 
-MOST = 1000  # steps in a grant
+MOST = 250  # steps in a grant: so late it is seen that O.engines or O.timingEnabled were set in a run
 SECONDS = 0.05  # of wall time after which a grant ends: signals are looked for then
 
 # iterPeriod of a PyRunner: one that rests looks now and then whether the first engine is still there.
@@ -58,6 +59,8 @@ class Grants:
     # Number of YADE's step that was begun last without Python, -1: none; and the scene's time at its end, s.
     lastStep = property(lambda self: -1 if self._core is None else self._core.lastStep)
     end = property(lambda self: self._core.end)
+    # Step of the scene from which on growth is looked at, -1: not known.
+    nextLook = property(lambda self: -1 if self._core is None else self._core.nextLook)
 
     def serve(self, engines):
         """Engines of YADE that take granted steps; those of Python see `actOf`."""
@@ -151,7 +154,7 @@ class Grants:
         if self._core is not None:
             self._core.throwError()
 
-    def grant(self, omega, steps, clock, dt, lastStage, exchanges):
+    def grant(self, omega, steps, clock, dt, lastStage, exchanges, look):
         """Behind Python's step.
 
         Parameters
@@ -162,6 +165,8 @@ class Grants:
         dt : float, s, DEM step.
         lastStage : int, number of the last stage that lives; -1: the scene acts as a whole.
         exchanges : list of exchanges of the coupling; nothing is granted where one of them needs Python.
+        look : step of the scene from which on the solver looks by itself every DT_LOOK steps whether bodies
+            have grown, and asks Python where one has; and a function that returns `Stepper.growthLimits`.
         """
         if self._core is None or steps < 1:
             return
@@ -177,5 +182,6 @@ class Grants:
         self._isWhole = steps > 0 and lastStage >= 0 and self._mayFold(omega)
         if self._isWhole:
             lastStage = -1
+        self._core.lookAtGrowth(look[0], limits.DT_LOOK, look[1]())
         where = clock.iteration + 1, dt, clock.timeOffset
         self._core.grant(steps, *where, self._mpmSteps, lastStage, SECONDS, self._revocations)

@@ -63,6 +63,33 @@ def test_a_callback_may_stop_the_loop_when_it_has_been_called():
 
 
 @pytest.mark.parametrize("stride", [1, 3, 7])
+def test_cycles_that_need_nothing_end_at_what_is_due(stride):
+    """A check is due before a cycle, a callback is called in one."""
+    for callEvery, isDue in ((None, lambda s: s >= 10), (4, lambda s: s + stride >= 4)):
+        scene = Scene(callEvery=callEvery)
+        expected = next(k for k in range(20) if isDue(k * stride))
+        assert policy.LoopPolicy(scene, print, stride=stride).cyclesToNext(stride) == expected
+
+
+def test_looks_of_others_count(monkeypatch):
+    """A loop that stands between two looks at growth does not take one more."""
+    monkeypatch.setattr(limits, "DT_LOOK", 5)
+    scene, looked = Scene(), []
+    scene.stepper.stiffening = lambda: looked.append(scene.steps) or 1.0
+    scene.stepper.refining = lambda: 1.0
+    loop = policy.LoopPolicy(scene, print)
+    assert loop.nextLook == 5
+    scene.steps = 7
+    loop.noteLooks(10)  # of step 5
+    loop.beforeSteps()
+    assert looked == [] and loop.nextLook == 10
+    loop.noteLooks(-1)  # nobody has
+    scene.steps = 11
+    loop.beforeSteps()
+    assert looked == [11] and loop.nextLook == 15
+
+
+@pytest.mark.parametrize("stride", [1, 3, 7])
 @pytest.mark.parametrize("cut", [21, 42, 63])
 def test_a_loop_that_is_continued_does_what_one_without_a_break_does(stride, cut):
     whole, first = Scene(), Scene()

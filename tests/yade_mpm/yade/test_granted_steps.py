@@ -278,3 +278,35 @@ say("error", fails(Exception, lambda: O.run(200, True))); say("at", O.iter)
 def test_an_engine_that_is_lost_in_a_run_ends_it(tmp_path, first):
     said, _ = run(first + COUNTED + LOST, tmp_path)
     assert "late" not in said and said["at"] < 120 and "GridSolver" in said["error"]
+
+
+GROWING = """
+from yade_mpm.yade import grants
+def build():
+    scene = mpm.Scene((0, 0), (8, 8), 0.25, threads=1)
+    soft = mpm.LinearElastic(density=2.0, young=1.0, poisson=0.3)
+    stiff = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)  # it makes the step short
+    soil = scene.add("soft", mpm.box((3, 3), (5, 5)), soft, mpm.UGIMP(perCell=2))
+    scene.add("stiff", mpm.box((1, 1), (2, 2)), stiff, mpm.UGIMP(perCell=2))
+    soil.velocity[:] = 1.5 * (soil.position - 4.0)  # grown enough between steps 100 and 110
+    return scene
+own = build(); own.run(steps=1); before = own.dt; own.run(steps=399)
+say("own", [bits(own), own.dt]); say("shorter", before / own.dt)
+for name, how in (("stages", {}), ("chain", dict(stages=False))):
+    O.reset(); empty(PyRunner(command="grants.revokeAll()", iterPeriod=30)); asked.clear()
+    scene = build(); soil = inYade.attach(scene, **how)
+    O.run(400, True)
+    say(name, [bits(scene), scene.dt]); say(name + " asked", list(asked))
+"""
+
+
+@ways
+def test_a_look_at_growth_asks_python_only_where_much_has_grown(tmp_path, first):
+    """The step becomes shorter when it does in the own loop."""
+    said, _ = run(first + COUNTED + GROWING, tmp_path)
+    assert said["shorter"] > 1.01, "control"
+    for name in "stages", "chain":
+        assert said[name] == said["own"]
+        asked = said[name + " asked"]
+        assert 120 in asked, "control"
+        assert not {49, 50, 99, 100} & set(asked)

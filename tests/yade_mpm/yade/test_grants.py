@@ -131,3 +131,36 @@ def test_whoever_holds_the_table_keeps_the_steps(host):
     moment = Moment(0, 0.0, DT)
     assert not table.act(table.self, 0, ctypes.byref(moment)) and scene.steps == 0
     table.free(table.self)
+
+
+def test_growth_is_looked_at_in_granted_steps(host):
+    """Every `period` steps; the one before which a body has passed its limit is not taken."""
+    host.grant(steps=100)
+    host.steps.lookAtGrowth(2, 3, [(1.25, 1e9)] * len(host.scene.bodies))
+    assert all(host.step() for _ in range(2)) and host.steps.nextLook == 2
+    assert host.step() and host.steps.nextLook == 3
+    assert host.step() and host.steps.nextLook == 6
+    assert host.step() and host.step()
+    soil = host.scene.bodies[0]
+    soil.volume[0] = 1.3 * soil.initialVolume[0]
+    assert not host.step() and host.steps.nextLook == 6
+    host.steps.lookAtGrowth(6, 3, [(1.4, 1e9)] * len(host.scene.bodies))
+    assert host.step() and host.steps.nextLook == 9
+    host.steps.lookAtGrowth(7, 3, [(2.0, 1.0)] * len(host.scene.bodies))
+    assert not host.step()  # more particles than that
+
+
+def test_limits_of_growth_are_those_of_python():
+    scene = hybrid(dt=DT)
+    scene.prepare()
+    limits = scene.stepper.growthLimits()
+    assert len(limits) == len(scene.bodies)
+    for body, (most, count) in zip(scene.bodies, limits):
+        assert count == pytest.approx(1.25 * body.count)
+        volume = body.volume.copy()
+        room = most * (body.initialVolume / body.volume).min()
+        body.volume[:] = volume * room * (1 - 1e-6)
+        assert scene.stepper.stiffening() < 1.25
+        body.volume[:] = volume * room * (1 + 1e-6)
+        assert scene.stepper.stiffening() >= 1.25
+        body.volume[:] = volume

@@ -256,9 +256,9 @@ O.run(60, True)
 """
 
 
-@ways
-def test_a_box_that_grows_in_a_run_is_felt(tmp_path, first):
-    said, _ = run(first + COUNTED + GROWS, tmp_path)
+def test_a_box_that_grows_in_a_run_is_felt(tmp_path):
+    """At once without the plugin, whose steps look at what erases bodies and at radii."""
+    said, _ = run(WITHOUT + COUNTED + GROWS, tmp_path)
     assert said["30"][:2] == said["32"][:2] and said["32"] == pytest.approx([0.08, 0.1, 0.09])
     assert said["30"] != said["32"]
 

@@ -31,9 +31,8 @@ template <int Dim> class GrantedScene : public GrantedSteps {
         for (size_t k = 0; k < limits.size(); ++k) {
             const auto& particles = scene_->bodies[k]->particles;
             const Growth found = growthOf(scene_->grid, particles);
-            const double volume = found.volume != 0 ? found.volume : 1;
-            const double fineness = found.fineness > 0 ? found.fineness : 1;
-            if (!(volume * fineness <= limits[k].volume) || particles.size() > limits[k].particles)
+            if (!(found.volume * found.fineness <= limits[k].volume) ||
+                particles.size() > limits[k].particles)
                 return true;
         }
         return false;

@@ -7,13 +7,14 @@
 namespace mpm {
 
 struct Growth {
-    double volume = 0;   // largest V/V0
-    double fineness = 0; // largest mean over the axes of (smallest cell of the grid/cell of the particle)^2
+    double volume = 1;   // largest V/V0
+    double fineness = 1; // largest mean over the axes of (smallest cell of the grid/cell of the particle)^2
 };
 
 template <int Dim> Growth growthOf(const Grid<Dim>& grid, const Particles<Dim>& particles) {
     const double *volume = particles.volume.plane(), *initial = particles.initialVolume.plane();
-    Growth largest;
+    if (particles.size() == 0) return {};
+    Growth largest{0, grid.isGraded() ? 0.0 : 1.0};
     for (int p = 0; p < particles.size(); ++p) {
         largest.volume = std::max(largest.volume, volume[p] / initial[p]);
         if (!grid.isGraded()) continue;

@@ -51,6 +51,11 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     bool acts = false, slides = false;    // with what it shares with contact points
     Vec<Dim> impulse = Vec<Dim>::Zero();  // kN s, on the second group in this step,
     Vec<Dim> friction = Vec<Dim>::Zero(); // and what of it is friction
+
+    // Of the surface of a side, along the normal, m2.
+    double areaOf(int side) const {
+        return (side == 0 ? 1 : -1) * surface[side].outward.dot(ContactSite<Dim>::normal);
+    }
 };
 
 // A vertex of a mesh at the surface of the other group, between nodes that both move.

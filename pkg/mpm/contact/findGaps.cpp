@@ -65,7 +65,7 @@ template <int Dim> void findIntruders(PairSearch<Dim>& pair, int side) {
 // How far each group reaches along the normal.
 template <int Dim> void setGap(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
     const Vec<Dim>& n = contact.normal;
-    const double area[2] = {contact.surface[0].outward.dot(n), -contact.surface[1].outward.dot(n)};
+    const double area[2] = {contact.areaOf(0), contact.areaOf(1)};
     contact.area = std::max(0.0, std::min(area[0], area[1]));
     const bool isIntruded = contact.surface[0].isIntruded() || contact.surface[1].isIntruded();
     contact.weight = isIntruded ? area[pair.isExplicit[0] ? 0 : 1] : contact.area;

@@ -158,11 +158,6 @@ void takeFacets(PairSearch<Dim>& pair, const typename PairSearch<Dim>::Vertex& o
     }
 }
 
-// Of the surface of a side at a node, along the normal.
-template <int Dim> double areaAlong(const ContactNode<Dim>& contact, int side) {
-    return (side == 0 ? 1 : -1) * contact.surface[side].outward.dot(contact.normal);
-}
-
 // What a node has left of its area when points own the rest; with too little of it it does not act.
 template <int Dim> void leaveTheRest(const PairSearch<Dim>& pair, ContactNode<Dim>& contact, int owner) {
     if (!contact.hasPoints) return;
@@ -170,7 +165,7 @@ template <int Dim> void leaveTheRest(const PairSearch<Dim>& pair, ContactNode<Di
     contact.isLeftOut = contact.owned > mostOwned * all;
     if (contact.isLeftOut) {
         contact.scaleOfOwned =
-            (pair.isExplicit[1 - owner] ? contact.area : areaAlong(contact, owner)) / contact.owned;
+            (pair.isExplicit[1 - owner] ? contact.area : contact.areaOf(owner)) / contact.owned;
         contact.gap = contact.gapOfPoints / contact.owned;
     }
     contact.area = std::max(0.0, contact.area - contact.owned);
@@ -186,8 +181,8 @@ template <int Dim> void takeTheRest(PairSearch<Dim>& pair, ContactPoint<Dim>& po
         const ContactNode<Dim>& contact = (*pair.nodes)[point.contact[corner]];
         point.area += point.S[corner] * size * contact.scaleOfOwned;
         if (!contact.isLeftOut) continue;
-        own += point.S[corner] * areaAlong(contact, owner);
-        other += point.S[corner] * areaAlong(contact, 1 - owner);
+        own += point.S[corner] * contact.areaOf(owner);
+        other += point.S[corner] * contact.areaOf(1 - owner);
     }
     if (!pair.isExplicit[1 - owner] && other < leastCovered * own) point.area *= std::max(0.0, other / own);
 }

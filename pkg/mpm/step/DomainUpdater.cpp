@@ -82,19 +82,19 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // What is alone in its cells takes its gradient with the rest, for it waits for nobody.
     template <int Dim> static void divide(const Body<Dim>& body, Partitions& partitions) {
         const int n = body.particles.size();
-        const auto& cells = body.cellAverage;
-        if (body.fbar && cells.isLocated(n)) {
-            partitions.gradients.set(chunksOf(n),
-                                     [&](int c) { return cells.areAlone(c * chunkSize) ? 0 : 1; });
-            partitions.rest.set(chunksOf(n), [&](int c) { return cells.areAlone(c * chunkSize) ? 2 : 1; });
+        if (partitions.whole.count() != chunksOf(n)) {
+            partitions.whole.set(chunksOf(n), [&](int c) {
+                const int begin = c * chunkSize, end = std::min(n, begin + chunkSize);
+                const auto* mesh = body.domains->mesh(); // gradients are half of it
+                return end - begin + (mesh ? mesh->workOf(begin, end) : end - begin);
+            });
+            partitions.gradients = partitions.rest = partitions.whole;
         }
-        if (partitions.whole.count() == chunksOf(n)) return;
-        partitions.whole.set(chunksOf(n), [&](int c) {
-            const int begin = c * chunkSize, end = std::min(n, begin + chunkSize);
-            const auto* mesh = body.domains->mesh(); // gradients are half of it
-            return end - begin + (mesh ? mesh->workOf(begin, end) : end - begin);
-        });
-        if (!body.fbar || !cells.isLocated(n)) partitions.gradients = partitions.rest = partitions.whole;
+        const auto& cells = body.cellAverage;
+        if (!body.fbar || !cells.isLocated(n)) return;
+        const auto areAlone = [&](int c) { return cells.areAlone(c * chunkSize); };
+        partitions.gradients.set(chunksOf(n), [&](int c) { return areAlone(c) ? 0 : 1; });
+        partitions.rest.set(chunksOf(n), [&](int c) { return areAlone(c) ? 2 : 1; });
     }
 
     // Of the nodes. What was solved for is what an implicit body is strained by, whatever the scheme: with another

@@ -477,9 +477,7 @@ def stiffnesses(scene):
     blend, found = _blend(scene), {}
     for body, (volume, fineness) in zip(scene.bodies, scene.core.growth()):
         lame, mu = body.material.lameConstants
-        factor = blend * (volume or 1.0) / body.inertiaScale
-        if fineness > 0:
-            factor *= fineness
+        factor = blend * volume / body.inertiaScale * fineness
         found[body.name] = [factor * (lame + 2 / 3 * mu), factor * mu, float(body.count)]
     return found
 

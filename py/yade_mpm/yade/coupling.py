@@ -18,7 +18,7 @@ from .engineList import EngineList
 from .exchanges import checkExchanges, checkRead
 from .grants import Grants
 from .gravity import difference
-from .look import COLOURS
+from .look import COLOURS, checkLook
 from .output import PlotRows, checkpointOf, tagOf, tagRecorders
 from .results import Energies, Materials, interactionsOf, unbalancedForce
 from .stages import Stages
@@ -401,8 +401,7 @@ class Coupling:
 
         Raises RuntimeError without the plugin or while YADE runs, ValueError where no body has the field.
         """
-        if self._omega.running:
-            raise RuntimeError("draw: YADE is running; O.pause() first")
+        checkLook("draw", self._omega, period)
         if loop.attached.get(self.label) is not self:
             raise RuntimeError(f"draw: '{self.label}' is not attached; inYade.attach(scene) first")
         how = dict(field=field, component=component, limits=limits, period=period, bodies=bodies)

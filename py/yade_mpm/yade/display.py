@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from .look import COLOURS, Look, chosen, coloursOf, planeOf, toYade
+from .look import COLOURS, Look, checkLook, chosen, coloursOf, planeOf, toYade
 
 
 class Display(Look):
@@ -42,12 +42,7 @@ class Display(Look):
     ):
         from yade import O
 
-        if O.running:
-            raise RuntimeError("inYade.Display: YADE is running; O.pause() first")
-        if not (isinstance(period, int) and period >= 1):
-            raise ValueError(
-                f"inYade.Display: period = {period!r} is not allowed; give a whole number of steps"
-            )
+        checkLook("inYade.Display", O, period)
         super().__init__(O)
         scene = coupling.scene
         self.period, self._bodies = period, chosen(scene, bodies)

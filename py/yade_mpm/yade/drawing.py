@@ -75,8 +75,6 @@ class Drawing(Look):
 def makeDrawer(coupling, field, component, limits, period, bodies, colours, wire):
     """A MpmDrawer for a scene; ValueError for what no look could be taken with, RuntimeError without the
     plugin."""
-    if not (isinstance(period, int) and period >= 1):
-        raise ValueError(f"draw: period = {period!r} is not allowed; give a whole number of steps")
     names = [body if isinstance(body, str) else body.name for body in bodies or ()]
     coloursOf("draw", chosen(coupling.scene, names), field, component, limits, colours)
     if not hasDrawer():

@@ -46,6 +46,14 @@ class Look:
         return ()
 
 
+def checkLook(who, omega, period):
+    """RuntimeError while YADE runs, ValueError for a period that is no whole number of steps."""
+    if omega.running:
+        raise RuntimeError(f"{who}: YADE is running; O.pause() first")
+    if not (isinstance(period, int) and period >= 1):
+        raise ValueError(f"{who}: period = {period!r} is not allowed; give a whole number of steps")
+
+
 def coloursOf(who, bodies, field, component=None, limits=None, colours=COLOURS):
     """Colours (n, 3) of all particles of some bodies by a field, and the values at the ends of the scale.
 

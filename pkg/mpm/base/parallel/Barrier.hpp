@@ -29,8 +29,9 @@ class Barrier {
     }
 
   private:
-    // Tens of microseconds: longer than the threads of one stage differ.
-    static constexpr int pollsWhenSpinning = 2000;
+    // A microsecond. Where threads share a processor, since another job has theirs, each wait costs as much: with 2000
+    // the sheet pile on two threads takes two to three times as long there, and no less on free processors.
+    static constexpr int pollsWhenSpinning = 50;
     // Longer than one thread alone is at work in a step, for contact and implicit bodies: to be woken takes 50 us, at
     // each of these parts. Two runs of two threads on two processors take half the time that they take with a thread
     // that sleeps at once, and a fifteenth of it with one that spins so long.

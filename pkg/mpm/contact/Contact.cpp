@@ -106,8 +106,7 @@ OwnedFacets Contact::ownedFacets() const {
 
 template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
-    if (!state.search.isFound(scene))
-        state.search.find(scene, {normals == "mass", separation, ownedFacets()});
+    if (!state.search.isFound(scene)) state.search.find(scene, rule());
     state.impulses.nodes.assign(state.search.nodes.size(), {});
     return state;
 }

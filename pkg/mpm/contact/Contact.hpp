@@ -9,7 +9,7 @@
 
 namespace mpm {
 
-class Contact : public EngineOf<Contact>, public VelocityCoupling {
+class Contact : public EngineOf<Contact>, public VelocityCoupling, public LookingAhead {
   public:
     double friction = 0, adhesion = 0, impactLoss = 0, frictionWork = 0;
     bool separation = true, slip = true;
@@ -43,6 +43,8 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling {
     void prepare(Scene<3>& scene) override { check(scene); }
     void couple(Scene<2>& scene) override { tie(scene); }
     void couple(Scene<3>& scene) override { tie(scene); }
+    void lookAhead(const Scene<2>& scene) override { findAhead(scene); }
+    void lookAhead(const Scene<3>& scene) override { findAhead(scene); }
 
     void stepped(double dt) override;
 
@@ -68,6 +70,10 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling {
 
     template <int Dim> void check(Scene<Dim>& scene);
     OwnedFacets ownedFacets() const;
+    SearchRule rule() const { return {normals == "mass", separation, ownedFacets()}; }
+    template <int Dim> void findAhead(const Scene<Dim>& scene) {
+        std::get<State<Dim>>(states_).search.findAhead(scene, rule());
+    }
     template <int Dim> State<Dim>& found(const Scene<Dim>& scene);
     template <int Dim> void tie(Scene<Dim>& scene);
     template <int Dim> void addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss);

@@ -13,6 +13,7 @@ template <int Dim> void ContactSearch<Dim>::prepare(const Scene<Dim>& scene) {
     clear();
     pair_.nearby.prepare(scene.grid);
     pair_.surfaces.resize(scene.bodies.size()); // bodies stay; a mesh that loses domains is looked at anew
+    pair_.asksForSolution = false;
     step_ = -1;
 }
 
@@ -28,10 +29,13 @@ template <int Dim> void ContactSearch<Dim>::look(const Scene<Dim>& scene) {
     }
 }
 
-template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule) {
+template <int Dim>
+void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule, bool isSolved) {
     clear();
     look(scene);
     step_ = scene.step;
+    pair_.isSolved = isSolved;
+    pair_.asksForSolution = false;
     pair_.scene = &scene;
     pair_.nodes = &nodes;
     const int groups = int(scene.groups.size());
@@ -53,6 +57,12 @@ template <int Dim> void ContactSearch<Dim>::find(const Scene<Dim>& scene, const 
             findPoints(pair_, points);
             pairs.push_back({pair_.first, nodes.size(), firstPoint, points.size(), pair_.ownsFacets});
         }
+}
+
+template <int Dim> void ContactSearch<Dim>::findAhead(const Scene<Dim>& scene, const SearchRule& rule) {
+    if (isFound(scene) || pair_.asksForSolution) return;
+    find(scene, rule, false);
+    if (pair_.asksForSolution) step_ = -1;
 }
 
 template class ContactSearch<2>;

@@ -14,7 +14,10 @@ template <int Dim> class ContactSearch {
     std::vector<ContactPair> pairs;
 
     void prepare(const Scene<Dim>& scene);
-    void find(const Scene<Dim>& scene, const SearchRule& rule);
+    void find(const Scene<Dim>& scene, const SearchRule& rule, bool isSolved = true);
+    // The same before the nodes have the velocities of the solution, if these have not been asked for in the step
+    // before. Where they are, all has to be found anew.
+    void findAhead(const Scene<Dim>& scene, const SearchRule& rule);
     bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
 
   private:

@@ -33,6 +33,8 @@ template <int Dim> struct PairSearch {
     bool isExplicit[2];                             // whether their surface is explicit altogether
     bool hasOutline[2];                             // whether they have boxes that carry an outline
     bool ownsFacets;                                // see OwnedFacets
+    bool isSolved;                                  // whether the nodes have the velocities of the solution,
+    bool asksForSolution = false;                   // and whether something depends on them
 
     NearbyNodes<Dim> nearby;
     NearbyBoxes<Dim> boxes[2];

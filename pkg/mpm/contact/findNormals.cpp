@@ -150,17 +150,18 @@ template <int Dim> struct Approach {
     double least = 0;
 };
 
-template <int Dim> Approach<Dim> approachOf(const PairSearch<Dim>& pair, int side, int node) {
-    const auto &own = pair.fieldOf(side).motion[node], &other = pair.fieldOf(1 - side).motion[node];
-    Approach<Dim> approach;
+template <int Dim> Approach<Dim> approachOf(PairSearch<Dim>& pair, int side, int node) {
     bool isOnPlane = false;
-    for (int k = 0; k < Dim; ++k) {
-        isOnPlane |= pair.areBothHeld(node, k);
-        approach.velocity[k] = own[k] - other[k];
-    }
-    if (isOnPlane) return approach;
-    return {meanVelocity(pair, side, node) - meanVelocity(pair, 1 - side, node),
-            restSpeed * pair.grid().meanSize(node).minCoeff() / pair.scene->dt};
+    for (int k = 0; k < Dim; ++k) isOnPlane |= pair.areBothHeld(node, k);
+    if (!isOnPlane)
+        return {meanVelocity(pair, side, node) - meanVelocity(pair, 1 - side, node),
+                restSpeed * pair.grid().meanSize(node).minCoeff() / pair.scene->dt};
+    pair.asksForSolution = true;
+    Approach<Dim> approach;
+    if (!pair.isSolved) return approach; // all of it is found anew
+    const auto &own = pair.fieldOf(side).motion[node], &other = pair.fieldOf(1 - side).motion[node];
+    for (int k = 0; k < Dim; ++k) approach.velocity[k] = own[k] - other[k];
+    return approach;
 }
 
 // At an edge of a mesh against boxes the facets count as far as they move towards these: the tip of a pile

@@ -58,4 +58,13 @@ class VelocityCoupling {
     virtual void couple(Scene<3>& scene) = 0;
 };
 
+// And: a part of its work needs nothing that the engine right before it changes, so that this one may let another
+// thread do it meanwhile.
+class LookingAhead {
+  public:
+    virtual ~LookingAhead() = default;
+    virtual void lookAhead(const Scene<2>& scene) = 0;
+    virtual void lookAhead(const Scene<3>& scene) = 0;
+};
+
 } // namespace mpm

@@ -56,14 +56,14 @@ template <int Dim> class Scene {
             if (auto* found = dynamic_cast<Wanted*>(engine.get()); found && !engine->dead) return found;
         return nullptr;
     }
-    // Whether the next living engine behind this one is of that class.
-    template <class Wanted> bool isFollowedBy(const Engine& engine) const {
+    // The next living engine behind this one, if it is of that class or has that interface; else nullptr.
+    template <class Wanted> Wanted* next(const Engine& engine) const {
         bool isBehind = false;
         for (auto& other : engines) {
-            if (isBehind && !other->dead) return dynamic_cast<const Wanted*>(other.get()) != nullptr;
+            if (isBehind && !other->dead) return dynamic_cast<Wanted*>(other.get());
             isBehind |= other.get() == &engine;
         }
-        return false;
+        return nullptr;
     }
 
     int particleCount() const {

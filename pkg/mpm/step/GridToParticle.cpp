@@ -15,8 +15,8 @@ namespace mpm {
 template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
     using Straining = typename NodalField<Dim>::Straining;
     auto& fields = scene.grid.fields;
-    const bool givesMomentum = fields.front().straining == Straining::noMomentum &&
-                               scene.template isFollowedBy<VelocityRemap>(*this);
+    const bool givesMomentum =
+        fields.front().straining == Straining::noMomentum && scene.template next<VelocityRemap>(*this);
     const double damping = dampingOf(scene);
     parallel(scene.threads, [&](ParallelRegion& region) {
         for (auto& body : scene.bodies) {

@@ -5,6 +5,8 @@
 
 #include "mpm/step/GridSolver.hpp"
 
+#include <atomic>
+
 namespace mpm {
 
 std::string ImplicitBodies::doc() const {
@@ -109,8 +111,8 @@ template <int Dim> bool hasBodies(const Scene<Dim>& scene, int field) {
                        [&](auto& body) { return body->isImplicit && body->velocityField == field; });
 }
 
-// Cuts the bodies into pieces, each of which one thread looks at, and finds what strains them.
-template <int Dim> void ImplicitBodies::findPieces(Scene<Dim>& scene, State<Dim>& state) {
+// Cuts the bodies into pieces, each of which one thread looks at.
+template <int Dim> void ImplicitBodies::cut(Scene<Dim>& scene, State<Dim>& state) {
     constexpr int most = 32; // particles; few enough that small bodies keep two threads busy
     size_t count = 0;
     for (auto& body : scene.bodies)
@@ -122,34 +124,26 @@ template <int Dim> void ImplicitBodies::findPieces(Scene<Dim>& scene, State<Dim>
             piece.end = std::min(begin + most, body->particles.size());
         }
     state.pieces.resize(count);
-    const double least = scene.leastMass();
-    state.rigidRows.resize(scene.grid.fields.size());
-    for (size_t f = 0; f < scene.grid.fields.size(); ++f)
-        if (hasBodies(scene, int(f))) state.rigidRows[f].find(scene.grid, scene.grid.fields[f], least);
-    WorkPartition all; // by what strained them last: what is held takes no time
-    all.set(int(count), [&](int i) { return 1.0 + state.pieces[i].strained.particles.size(); });
-    parallel(scene.threads, [&](ParallelRegion& region) {
-        region.forPieces(all, [&](int i) {
-            auto& piece = state.pieces[i];
-            const auto& nodal = scene.grid.fields[piece.body->velocityField];
-            const auto& rows = state.rigidRows[piece.body->velocityField];
-            piece.heldSquares = 0;
-            piece.strained.find(
-                *piece.body, piece.begin, piece.end,
-                [&](int p) {
-                    const auto* motion = rows.motionOf(scene.grid, *piece.body, p);
-                    if (motion) piece.heldSquares += inertialMass(*piece.body, p) * squareOf<Dim>(*motion);
-                    return !motion;
-                },
-                [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
-        });
-    });
+}
+
+// Finds what strains a piece.
+template <int Dim>
+void ImplicitBodies::look(const Scene<Dim>& scene, const RigidRows<Dim>& rows, double least,
+                          Piece<Dim>& piece) {
+    const auto& nodal = scene.grid.fields[piece.body->velocityField];
+    piece.heldSquares = 0;
+    piece.strained.find(
+        *piece.body, piece.begin, piece.end,
+        [&](int p) {
+            const auto* motion = rows.motionOf(scene.grid, *piece.body, p);
+            if (motion) piece.heldSquares += inertialMass(*piece.body, p) * squareOf<Dim>(*motion);
+            return !motion;
+        },
+        [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
 }
 
 // What shares a node belongs to one system.
 template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim>& state) {
-    clear(scene, state);
-    findPieces(scene, state);
     const std::vector<int> group = groups(int(scene.grid.fields.size()), state);
     std::vector<std::vector<const StrainedNodes<Dim>*>> members(group.size());
     for (size_t i = 0; i < group.size(); ++i)
@@ -159,8 +153,35 @@ template <int Dim> void ImplicitBodies::findSystems(Scene<Dim>& scene, State<Dim
             addSystem(scene.grid, state.pieces[first].body->velocityField, members[first], state);
 }
 
+// Threads take the pieces as they come, and the one that does the last piece goes on with the solution. Another one
+// does meanwhile what it can of the next engine.
 template <int Dim> void ImplicitBodies::act(Scene<Dim>& scene) {
     State<Dim>& state = std::get<State<Dim>>(states_);
+    cut(scene, state);
+    clear(scene, state);
+    const int count = int(state.pieces.size());
+    if (count == 0) return;
+    const double least = scene.leastMass();
+    state.rigidRows.resize(scene.grid.fields.size());
+    for (size_t f = 0; f < scene.grid.fields.size(); ++f)
+        if (hasBodies(scene, int(f))) state.rigidRows[f].find(scene.grid, scene.grid.fields[f], least);
+    auto* const next = scene.threads > 1 ? scene.template next<LookingAhead>(*this) : nullptr;
+    WorkPartition each;
+    each.set(scene.threads, [](int) { return 1.0; });
+    std::atomic<int> begun{0}, done{0};
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        region.forPieces(each, [&](int thread) {
+            if (next && thread == scene.threads - 1) next->lookAhead(scene);
+            for (int i = begun++; i < count; i = begun++) {
+                auto& piece = state.pieces[i];
+                look(scene, state.rigidRows[piece.body->velocityField], least, piece);
+                if (++done == count) solve(scene, state);
+            }
+        });
+    });
+}
+
+template <int Dim> void ImplicitBodies::solve(Scene<Dim>& scene, State<Dim>& state) {
     findSystems(scene, state);
     const Vec<Dim> gravity = gravityOf(scene);
     for (auto& system : state.systems)

@@ -56,9 +56,12 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     std::tuple<State<2>, State<3>> states_;
 
     template <int Dim> void check(Scene<Dim>& scene);
+    template <int Dim> void solve(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void findSystems(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void clear(const Scene<Dim>& scene, State<Dim>& state);
-    template <int Dim> void findPieces(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> void cut(Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim>
+    static void look(const Scene<Dim>& scene, const RigidRows<Dim>& rows, double least, Piece<Dim>& piece);
     template <int Dim> std::vector<int> groups(int fields, State<Dim>& state);
     template <int Dim>
     void addSystem(const Grid<Dim>& grid, int field, const std::vector<const StrainedNodes<Dim>*>& members,

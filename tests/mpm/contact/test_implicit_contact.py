@@ -110,6 +110,36 @@ def test_threads_and_a_restart_do_not_change_a_bit(tmp_path):
     assert states[0] == states[1] == state(other)
 
 
+def pressed(threads, symmetric=True):
+    """A pile that is pressed into soil of boxes; half of it at a plane of symmetry, or all of it."""
+    left = 0.0 if symmetric else -1.5
+    scene = mpm.Scene((left, 0), (1.5, 2.5), CELL, threads=threads)
+    shaft = box((max(left, -CELL), 1.0), (CELL, 2.25))
+    soft = mpm.LinearElastic(density=1.5, lame=SOFT)
+    scene.add("soil", box((left, 0), (1.5, 1.75)) - shaft, soft, mpm.UGIMP(), group="soil")
+    steel = mpm.LinearElastic(density=7.85, lame=STEEL)
+    pile = scene.add("pile", shaft, steel, mpm.APDI(size=CELL / 2), group="pile", implicit=True)
+    drive = mpm.Drive(pile.above(2.0), velocity=(0, -1.0), ramp=0.02)
+    solver = mpm.GridSolver(fixed="bottom", roller=("left", "right"), drive=drive)
+    contact = mpm.Contact(friction=0.3, impactLoss=1.0)
+    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.dt = 5e-4
+    return scene
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_a_search_beside_the_solution_does_not_change_a_bit(symmetric):
+    """With two threads one searches for contact while the other solves; at the tip on a plane of symmetry
+    normals follow the velocities of the solution, and the search has to wait."""
+    states = []
+    for threads in (1, 2):
+        scene = pressed(threads, symmetric)
+        scene.run(steps=200, progress=False)
+        states.append(state(scene))
+    assert states[0] == states[1]
+    assert scene.bodies[0].displacement[:, 1].min() < -0.02  # control: the soil has moved
+
+
 def test_a_rigid_ball_bounces_off_an_implicit_block():
     """The force of RigidContact stays explicit; the block answers it with all of its mass, at more than
     15 times the critical step of the explicit one."""

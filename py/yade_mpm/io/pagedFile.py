@@ -76,13 +76,16 @@ def _readJournal(content, present):
 
 
 class PagedFile(io.RawIOBase):
-    """A file whose changes stay in memory until commit()."""
+    """A file whose changes stay in memory until commit(): the changed pages of the old part, and all that is
+    new behind them as one piece."""
 
     def __init__(self, path):
         self.path = os.fspath(path)
         self._base = open(path, "rb")  # noqa: SIM115 - close() closes it
         self._oldSize = self._size = os.fstat(self._base.fileno()).st_size
         self._pages, self._at = {}, 0
+        self._oldPages = -(-self._oldSize // PAGE)
+        self._new = bytearray()
 
     def readable(self):
         return True
@@ -104,20 +107,22 @@ class PagedFile(io.RawIOBase):
         target = memoryview(buffer).cast("B")
         count = max(0, min(len(target), self._size - self._at))
         for number, inside, outside in self._pieces(count):
-            page = self._pages.get(number)
+            page = self._new if number is None else self._pages.get(number)
             if page is None:
                 self._base.seek(number * PAGE + inside.start)
                 length = inside.stop - inside.start
                 target[outside] = self._base.read(length).ljust(length, b"\0")
             else:
-                target[outside] = page[inside]
+                target[outside] = page[inside].ljust(inside.stop - inside.start, b"\0")
         self._at += count
         return count
 
     def write(self, data):
         source = memoryview(data).cast("B")
         for number, inside, outside in self._pieces(len(source)):
-            self._page(number)[inside] = source[outside]
+            page = self._new if number is None else self._page(number)
+            page.extend(bytes(max(0, inside.start - len(page))))
+            page[inside] = source[outside]
         self._at += len(source)
         self._size = max(self._size, self._at)
         return len(source)
@@ -129,33 +134,33 @@ class PagedFile(io.RawIOBase):
         return self._pages[number]
 
     def _pieces(self, count):
-        """Page number, slice within the page, slice within the data, of `count` bytes from here on."""
+        """Page number (None: the new part), slice within it, slice within the data, of `count` bytes from
+        here on."""
         done = 0
         while done < count:
             number, begin = divmod(self._at + done, PAGE)
             length = min(PAGE - begin, count - done)
+            if number >= self._oldPages:
+                number, begin, length = None, self._at + done - self._oldPages * PAGE, count - done
             yield number, slice(begin, begin + length), slice(done, done + length)
             done += length
 
     def commit(self):
-        numbers = np.array(sorted(self._pages), np.int64)
-        isOld = numbers * PAGE < self._oldSize
-        old, new = numbers[isOld], numbers[~isOld]
+        old = np.array(sorted(self._pages), np.int64)
+        content = b"".join(self._pages[n] for n in old)
+        new = np.arange(self._oldPages, self._oldPages - (-len(self._new) // PAGE))
         journal = journalOf(self.path)
         try:
             with open(self.path, "r+b") as f:
                 reserve(f.fileno(), self._oldSize, self._size - self._oldSize)
-            _overwrite(self.path, new, self._content(new))
+            _overwrite(self.path, new, self._new)
             with replacing(journal) as part, open(part, "wb") as f:
-                f.write(_journal(old, self._size, self._content(old)))
+                f.write(_journal(old, self._size, content))
         except OSError:
             os.truncate(self.path, self._oldSize)
             raise
-        _overwrite(self.path, old, self._content(old), self._size)
+        _overwrite(self.path, old, content, self._size)
         removeIfThere(journal)
-
-    def _content(self, numbers):
-        return b"".join(self._pages[n] for n in numbers)
 
     def close(self):
         if not self.closed:

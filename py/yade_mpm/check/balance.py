@@ -34,11 +34,17 @@ def freeKineticEnergy(scene):
     differ, and where the body's mean velocity is more than 10 % of v_d off, as of a block that is pressed at
     its top.
     """
-    return float(sum(_freeEnergy(scene, body) for body in scene.bodies))
+    drives = [c for c in scene.constraints if isinstance(c, Drive) and c.core.active]
+    return float(
+        sum(
+            _freeEnergy(body, _translation([c for c in drives if c.part.body is body], scene.time))
+            for body in scene.bodies
+        )
+    )
 
 
-def _freeEnergy(scene, body):
-    motion, translation = body.core.motion(), _translation(scene, body)
+def _freeEnergy(body, translation):
+    motion = body.core.motion()
     energy = motion["kineticEnergy"]
     if translation is not None:
         momentum, mass = np.array(motion["momentum"]), body.mass.sum()
@@ -48,11 +54,12 @@ def _freeEnergy(scene, body):
     return body.inertiaScale * max(0.0, energy)  # a difference of nearly equal numbers
 
 
-def _translation(scene, body):
-    """Velocity (dim,), m/s, with which drives carry a body along now; None where there is no such one."""
-    drives = [c for c in scene.constraints if isinstance(c, Drive) and c.core.active and c.part.body is body]
-    velocities = [np.nan_to_num(c.velocityAt(scene.time)) for c in drives]
-    alike = all(np.array_equal(v, velocities[0]) for v in velocities)
+def _translation(drives, time):
+    """Velocity (dim,), m/s, with which drives carry a body along at a time; None where they are none, or
+    differ."""
+    velocities = [c.velocityAt(time) for c in drives]
+    velocities = [np.where(np.isnan(v), 0.0, v) for v in velocities]
+    alike = all(np.array_equal(v, velocities[0]) for v in velocities[1:])
     return velocities[0] if drives and alike else None
 
 

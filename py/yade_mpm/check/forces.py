@@ -95,5 +95,5 @@ def _verticalExtent(body):
     if not body.type.core.isMeshed:
         y, half = body.position[:, -1], body.halfSize[-1]
         return y - half, y + half
-    y = body.corners()[:, :, -1]
-    return y.min(axis=1), y.max(axis=1)
+    y = body.vertices[:, -1][body.cells].T  # corner by corner: short rows take long
+    return y.min(axis=0), y.max(axis=0)

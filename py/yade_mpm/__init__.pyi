@@ -117,6 +117,9 @@ class Contact(_Contact):
     normals: Literal['surface', 'mass']
     constraints: Literal['auto', 'nodes', 'facets']
     pairs: Any
+    sharedCells: bool
+    cells: float | Sequence[float]
+    gaps: float | Sequence[float]
     frictionWork: float
     impulses: float | Sequence[float]
     label: str
@@ -132,6 +135,9 @@ class Contact(_Contact):
         normals: Literal['surface', 'mass'] = 'surface',
         constraints: Literal['auto', 'nodes', 'facets'] = 'auto',
         pairs: Any = (),
+        sharedCells: bool = True,
+        cells: float | Sequence[float] = (),
+        gaps: float | Sequence[float] = (),
         frictionWork: float = 0.0,
         impulses: float | Sequence[float] = (),
         label: str = '',

@@ -64,6 +64,30 @@ TEST(FrictionLaw, adhesionActsWhereSurfacesTouchThoughTheyPartInThisStep) {
     EXPECT_TRUE(law.isApart(site, dt, parting));
 }
 
+TEST(FrictionLaw, surfacesThatSharedCellsPressTogetherDoNotPartAndBearFriction) {
+    const double dt = 1e-3, carried = 100, area = 0.5, friction = 0.3;
+    const FrictionLaw law{friction, 0, true, true, 1};
+    ContactSite<2> site;
+    site.normal = tilted;
+    site.area = area;
+    site.carried = carried;
+    const auto exchanged = [&](const Vec<2>& w) {
+        return law.impulses<2>(site, dt, Mat<2>::Identity(), Mat<2>::Identity(), Vec<2>::Zero(), w).all;
+    };
+    const double most = carried * area * dt;
+    const Vec<2> slow =
+        exchanged(-0.4 * most * tilted + 3 * along); // parting: held, and friction by what is left
+    EXPECT_NEAR(slow.dot(tilted), -0.4 * most, 1e-15);
+    EXPECT_NEAR(slow.dot(along), friction * 0.6 * most, 1e-15);
+    const Vec<2> fast =
+        exchanged(-3 * most * tilted + 3 * along); // no more than presses, and then no friction
+    EXPECT_NEAR(fast.dot(tilted), -most, 1e-15);
+    EXPECT_NEAR(fast.dot(along), 0, 1e-15);
+    const Vec<2> meeting = exchanged(2 * most * tilted + 3 * along);
+    EXPECT_NEAR(meeting.dot(tilted), 2 * most, 1e-15);
+    EXPECT_NEAR(meeting.dot(along), friction * 3 * most, 1e-15);
+}
+
 TEST(FrictionLaw, oneBodyDoesNotMoveInItself) {
     const auto [J, w] =
         exchanged<3>({0, 0, false, false, 1}, Vec<3>::UnitX(), skewInSpace, Vec<3>(1.5, 0.7, -2));

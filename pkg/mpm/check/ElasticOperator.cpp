@@ -28,7 +28,7 @@ template <int Dim>
 ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : scene_(scene) {
     parallel(scene.threads, [&](ParallelRegion& region) {
         locateParticles(region, scene);
-        if (!region.failed()) sumOnNodes(region, scene);
+        if (!region.failed()) sumOnNodes<Dim>(region, scene, nullptr, false);
     });
     std::vector<double> scratch;
     holdDrivenNodes(scene, scratch);

@@ -69,6 +69,20 @@ std::vector<Parameter> Contact::attributes() {
          {"auto", "nodes", "facets"}},
         {"pairs", "", "Friction and adhesion of pairs of groups that differ; made by pair().",
          recordsOf(pairs)},
+        {"sharedCells", "",
+         "Whether soil (boxes with F-bar) and a mesh in one cell of the grid fill it together: what the mesh "
+         "pushes into\n"
+         "the cell presses on the soil. False: the soil feels what its own particles do, and loses pressure "
+         "beside a\n"
+         "body that moves far. Where facets belong to points (see constraints).",
+         &sharedCells},
+        {"cells", "", "Numbers of the cells of the grid that soil and a mesh share now (sharedCells).",
+         &cells},
+        {"gaps", "-",
+         "Of each of these, how far it has opened, over the volume of its soil. 0: closed, soil and mesh "
+         "press on each\n"
+         "other as one volume; negative: not known, they have not met there.",
+         &gaps},
         {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
         {"impulses", "kN s",
          "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses}};
@@ -81,6 +95,7 @@ void Contact::finish() {
 }
 
 void Contact::stepped(double dt) {
+    std::apply([&](auto*... shared) { ((shared ? shared->store(cells, gaps) : void()), ...); }, shared_);
     impulses.resize(forces.size());
     for (size_t i = 0; i < forces.size(); ++i) impulses[i] += dt * forces[i];
 }
@@ -89,6 +104,10 @@ template <int Dim> void Contact::check(Scene<Dim>& scene) {
     require(dead || scene.groups.size() > 1, "Contact: all bodies belong to one group, '",
             scene.groups.front(), "'; give scene.add(..., group=...) for those that may slip");
     std::get<State<Dim>>(states_).search.prepare(scene);
+    if (dead) return;
+    scene.sharedCells.isWanted = sharedCells && ownedFacets() != OwnedFacets::none && impactLoss == 1;
+    scene.sharedCells.restore(scene.grid, cells, gaps);
+    std::get<SharedCells<Dim>*>(shared_) = &scene.sharedCells;
 }
 
 FrictionLaw Contact::lawOf(int a, int b) const {
@@ -104,10 +123,26 @@ OwnedFacets Contact::ownedFacets() const {
     return normals == "mass" ? OwnedFacets::none : OwnedFacets::ofMeshesOnBoxes;
 }
 
+// The pressure that shared cells carry across at each site of contact.
+template <int Dim> void Contact::carry(const Scene<Dim>& scene, ContactSearch<Dim>& search) {
+    if (!scene.sharedCells.isWanted) return;
+    for (auto& node : search.nodes) node.carried = scene.sharedCells.pressureAt(scene.grid, node.node);
+    for (auto& point : search.points) {
+        double sum = 0, weights = 0;
+        for (int i = 0; i < point.size; ++i)
+            if (const double carried = search.nodes[point.contact[i]].carried; carried > 0) {
+                sum += point.S[i] * carried;
+                weights += point.S[i];
+            }
+        point.carried = weights > 0 ? sum / weights : 0;
+    }
+}
+
 template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     if (!state.search.isFound(scene)) state.search.find(scene, rule());
     state.impulses.nodes.assign(state.search.nodes.size(), {});
+    carry(scene, state.search);
     return state;
 }
 
@@ -151,6 +186,7 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const V
     };
     table.push_back({contact.field[0], contact.field[1], inSpace(contact.position), inSpace(contact.normal),
                      contact.gap, contact.area, inSpace(contact.impulse / scene.dt), inSpace(slip)});
+    nodesOfTable_.push_back(contact.node);
     double* force = &forces[3 * pairOf(contact.field[0], contact.field[1])];
     for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[k] / scene.dt;
     if (!contact.hasPoints) largestPenetration = std::max(largestPenetration, -contact.gap);
@@ -163,12 +199,14 @@ void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair& pair, d
     const auto add = [&](ContactSite<Dim>& site, const int* at, const double* S, int count) {
         site.sticks = site.J.sticks;
         if (site.J.all.isZero(0)) return;
-        site.presses = site.J.all.dot(site.normal) > 0 || !separation;
+        // Not by the round-off of what acts along the surface.
+        site.presses = site.J.all.dot(site.normal) > 1e-9 * site.J.all.norm() || !separation;
         const Vec<Dim> taken = site.J.all - (1 - loss) * site.J.agreeing;
         const Vec<Dim> along = taken - taken.dot(site.normal) * site.normal;
         for (int i = 0; i < count; ++i) {
             ContactNode<Dim>& contact = search.nodes[at[i]];
             contact.friction += S[i] * along;
+            contact.touches |= site.presses;
             contact.slides |= !site.sticks;
         }
     };
@@ -184,6 +222,7 @@ void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair& pair, d
 template <int Dim> void Contact::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     table.clear();
+    nodesOfTable_.clear();
     largestPenetration = gridLoss = 0;
     sliding = reduced = unsettled = 0;
     forces.assign(3 * pairOf(0, int(scene.groups.size())), 0.0);
@@ -229,6 +268,51 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                 state.starts[{search.nodes[i].field[side], search.nodes[i].node}] = nodes[i].start[side];
         state.impulses.implicit.give(scene, nodes, 1 - loss());
     }
+    touch(scene, search);
+    if (!scene.scheme->remapsSolution()) recordShared(scene);
+}
+
+// Tells the shared cells where groups press on each other.
+template <int Dim> void Contact::touch(Scene<Dim>& scene, const ContactSearch<Dim>& search) {
+    if (!scene.sharedCells.isWanted) return;
+    for (const auto& node : search.nodes)
+        if (node.touches) scene.sharedCells.touch(node.node);
+    scene.sharedCells.closeTouched(scene.grid);
+}
+
+// What shared cells put on the groups is force of contact, too: at its nodes, and at nodes inside the meshes.
+template <int Dim> void Contact::recordShared(const Scene<Dim>& scene) {
+    std::map<std::tuple<int, int, int>, Vec<Dim>>
+        carried; // of first and second group and node: on the second
+    for (const auto& part : scene.sharedCells.forces()) {
+        const bool isSecond = part.solid > part.soil;
+        const std::tuple<int, int, int> at{std::min(part.soil, part.solid), std::max(part.soil, part.solid),
+                                           part.node};
+        auto& force = carried.try_emplace(at, Vec<Dim>::Zero()).first->second;
+        force += (isSecond ? 1 : -1) * part.force;
+    }
+    const size_t met = table.size();
+    for (size_t i = 0; i < met; ++i) {
+        const auto found = carried.find({table[i].first, table[i].second, nodesOfTable_[i]});
+        if (found == carried.end()) continue;
+        addForce<Dim>(table[i], found->second);
+        carried.erase(found);
+    }
+    for (const auto& [at, force] : carried) {
+        ContactRecord row;
+        row.first = std::get<0>(at);
+        row.second = std::get<1>(at);
+        row.node.template head<Dim>() = scene.grid.nodePosition(std::get<2>(at));
+        row.normal.template head<Dim>() = unit<Dim>(force, 0.0);
+        table.push_back(row);
+        addForce<Dim>(table.back(), force);
+    }
+}
+
+// Of shared cells, on the second group.
+template <int Dim> void Contact::addForce(ContactRecord& row, const Vec<Dim>& force) {
+    row.force.template head<Dim>() += force;
+    for (int k = 0; k < Dim; ++k) forces[3 * pairOf(row.first, row.second) + k] += force[k];
 }
 
 // Gives the groups on a node what they have exchanged.
@@ -288,6 +372,7 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
                 record<Dim>(scene, contact, nodes[i].v[0] - nodes[i].v[1]);
         }
     }
+    if (scene.scheme->remapsSolution()) recordShared(scene);
 }
 
 MPM_REGISTER(Engine, Contact);

@@ -12,7 +12,8 @@ namespace mpm {
 class Contact : public EngineOf<Contact>, public VelocityCoupling, public LookingAhead {
   public:
     double friction = 0, adhesion = 0, impactLoss = 0, frictionWork = 0;
-    bool separation = true, slip = true;
+    bool separation = true, slip = true, sharedCells = true;
+    std::vector<double> cells, gaps; // see SharedCells
     std::string normals = "surface", constraints = "auto";
     struct PairLaw { // of two groups, by their numbers
         int first = 0, second = 0;
@@ -67,6 +68,8 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
         std::map<std::pair<int, int>, Vec<Dim>> starts;
     };
     std::tuple<State<2>, State<3>> states_;
+    std::tuple<SharedCells<2>*, SharedCells<3>*> shared_; // of the scene
+    std::vector<int> nodesOfTable_;                       // of each row of the table
 
     template <int Dim> void check(Scene<Dim>& scene);
     OwnedFacets ownedFacets() const;
@@ -75,6 +78,10 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
         std::get<State<Dim>>(states_).search.findAhead(scene, rule());
     }
     template <int Dim> State<Dim>& found(const Scene<Dim>& scene);
+    template <int Dim> static void touch(Scene<Dim>& scene, const ContactSearch<Dim>& search);
+    template <int Dim> void recordShared(const Scene<Dim>& scene);
+    template <int Dim> void addForce(ContactRecord& row, const Vec<Dim>& force);
+    template <int Dim> static void carry(const Scene<Dim>& scene, ContactSearch<Dim>& search);
     template <int Dim> void tie(Scene<Dim>& scene);
     template <int Dim> void addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss);
     template <int Dim>

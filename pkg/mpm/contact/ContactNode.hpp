@@ -30,6 +30,7 @@ template <int Dim> struct ContactSite {
     Vec<Dim> normal = Vec<Dim>::Zero();   // from the first group to the second; zero: not known
     double gap = 0, area = 0;             // m; m2, of the smaller surface along the normal
     double tolerated = 0;                 // m, overlap that does not count
+    double carried = 0;                   // kPa, pressure that acts across by shared cells
     bool presses = false, sticks = false; // in this step
     Impulses<Dim> J;
 };
@@ -48,9 +49,9 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     double scaleOfOwned = 1; // and what they have of the surface where they do all, over what they own
     bool hasPoints = false;  // contact points, which tell better how far the surfaces overlap
     bool isLeftOut = false;  // contact points do all that it would
-    bool acts = false, slides = false;    // with what it shares with contact points
-    Vec<Dim> impulse = Vec<Dim>::Zero();  // kN s, on the second group in this step,
-    Vec<Dim> friction = Vec<Dim>::Zero(); // and what of it is friction
+    bool acts = false, slides = false, touches = false; // with what it shares with contact points
+    Vec<Dim> impulse = Vec<Dim>::Zero();                // kN s, on the second group in this step,
+    Vec<Dim> friction = Vec<Dim>::Zero();               // and what of it is friction
 
     // Of the surface of a side, along the normal, m2.
     double areaOf(int side) const {

@@ -2,7 +2,9 @@
 // The impulse that two groups exchange where they are in contact. With the relative velocity w = (v_a - v_b)
 // . n and the mobility 1/m_a + 1/m_b,
 //     J_n = [w - max(g, 0)/dt] / (1/m_a + 1/m_b) where that is positive,   |J_t| <= mu J_n + adhesion A dt:
-// surfaces may close a gap but not cross, and do not pull. Adhesion acts where the gap is closed.
+// surfaces may close a gap but not cross, and do not pull. Adhesion acts where the gap is closed. Where shared cells
+// carry a pressure P across (scene/SharedCells.hpp), it counts for friction, and as long as it presses the surfaces do
+// not part: J_n >= -P A dt.
 #pragma once
 
 #include "mpm/contact/ContactNode.hpp"
@@ -27,7 +29,8 @@ struct FrictionLaw {
 
     // Whether there is no impulse where there was none, for the relative velocity w of the solution.
     template <int Dim> bool isApart(const ContactSite<Dim>& site, double dt, const Vec<Dim>& w) const {
-        return separation && !site.presses && !(excess(site, w, dt) > 0) && !adheres(site);
+        return separation && !site.presses && !(excess(site, w, dt) > 0) && !adheres(site) &&
+               !(site.carried > 0);
     }
 
   private:
@@ -42,6 +45,13 @@ struct FrictionLaw {
     template <int Dim>
     double stopping(const ContactSite<Dim>& site, const Mat<Dim>& mobility, const Vec<Dim>& w,
                     double dt) const;
+    // What keeps surfaces from parting, at most `carried`; an impulse on the second group, not positive.
+    template <int Dim>
+    static double holding(const ContactSite<Dim>& site, const Mat<Dim>& mobility, const Vec<Dim>& w,
+                          double carried) {
+        const double alongNormal = site.normal.dot(mobility * site.normal);
+        return alongNormal > 0 ? std::clamp(w.dot(site.normal) / alongNormal, -carried, 0.0) : 0;
+    }
 };
 
 // What stops an approach faster than the gap allows in a step, as an impulse on the second group. Where
@@ -75,10 +85,15 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     const Vec<Dim>& n = site.normal;
     const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
     const Vec<Dim> borneSoFar = across(site.J.all); // by friction, which moves an implicit body along n, too
-    const double pushed = stopping(site, mobility, Vec<Dim>(w - mobility * borneSoFar), dt);
-    if (pushed == 0 && !adheres(site)) return J;
-    const double agreed = separation ? std::min(stopping(site, startMobility, start, dt), pushed)
-                                     : stopping(site, startMobility, start, dt);
+    const bool isFree = n.dot(mobility * n) > 0;
+    const double carried = separation && isFree ? site.carried * site.area * dt : 0;
+    double pushed = stopping(site, mobility, Vec<Dim>(w - mobility * borneSoFar), dt);
+    if (pushed == 0 && carried > 0)
+        pushed = holding(site, mobility, Vec<Dim>(w - mobility * borneSoFar), carried);
+    if (pushed == 0 && carried == 0 && !adheres(site)) return J;
+    const double agreed = pushed < 0 && carried > 0 ? holding(site, startMobility, start, -pushed)
+                          : separation ? std::min(stopping(site, startMobility, start, dt), pushed)
+                                       : stopping(site, startMobility, start, dt);
     J.all = pushed * n;
     J.agreeing = agreed * n;
     const Vec<Dim> slipping = across(w - mobility * (J.all + borneSoFar));
@@ -87,14 +102,14 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     const double borne = adhesion * site.area * dt;
     J.sticks = t.isZero(0);
     if (J.sticks || !(along > 0 || slip)) return J;
-    const double limit = friction * std::max(pushed - (1 - impactLoss) * agreed, 0.0) + borne;
+    const double limit = friction * std::max(pushed - (1 - impactLoss) * agreed + carried, 0.0) + borne;
     if (!(along > 0)) {
         J.all += limit * t;
         return J;
     }
     const Vec<Dim> stopped = borneSoFar + slipping / along;
     const Vec<Dim> stoppedBefore = across(start - startMobility * J.agreeing) / t.dot(startMobility * t);
-    J.sticks = !slip || (stopped.norm() <= friction * std::max(pushed, 0.0) + borne &&
+    J.sticks = !slip || (stopped.norm() <= friction * std::max(pushed + carried, 0.0) + borne &&
                          (stopped - (1 - impactLoss) * stoppedBefore).norm() <= limit);
     J.all += J.sticks ? stopped : Vec<Dim>(std::min(stopped.norm(), limit) * unit(stopped, 0.0));
     if (J.sticks) J.agreeing += stoppedBefore;

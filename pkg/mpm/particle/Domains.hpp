@@ -69,9 +69,11 @@ template <int Dim> class MPM_PUBLIC Domains {
     // Force of node += -V tensor grad phi + internal stiffness of the domain against unit-time motion: the
     // elastic operator of the critical time step. `tensor`: planes 3*i + j.
     virtual void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) = 0;
-    // nodal[node] += phi * mass of the given particles; nodes that were at zero are appended to `touched`.
+    // nodal[node] += phi * quantity of the given particles, such as their masses; nodes that were at zero are appended
+    // to `touched`.
     // One thread.
-    virtual void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const = 0;
+    virtual void addQuantity(const double* quantity, const std::vector<int>& which, double* nodal,
+                             std::vector<int>& touched) const = 0;
     // Weights and gradients of one particle, by the plain definition.
     virtual void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const = 0;
     virtual size_t bytes() const { return 0; } // of memory

@@ -106,10 +106,11 @@ class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim>, public Aff
     void volumes(int begin, int end) override { Base::volumesFromGradient(begin, end); }
 
     // --- besides the step ---------------------------------------------------------------------------
-    void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
+    void addQuantity(const double* quantity, const std::vector<int>& which, double* nodal,
+                     std::vector<int>& touched) const override {
         for (int p : which)
             stencil(p, [&](int node, double phi, const Vec<Dim>&) {
-                Base::addMassTo(node, phi * particles.mass.plane()[p], nodal, touched);
+                Base::addTo(node, phi * quantity[p], nodal, touched);
             });
     }
 

@@ -18,10 +18,10 @@ template <int Dim> class Transfers : public Domains<Dim> {
     using Base::particles;
 
   protected:
-    static void addMassTo(int node, double mass, double* nodal, std::vector<int>& touched) {
-        if (mass == 0) return;
+    static void addTo(int node, double quantity, double* nodal, std::vector<int>& touched) {
+        if (quantity == 0) return;
         if (nodal[node] == 0) touched.push_back(node);
-        nodal[node] += mass;
+        nodal[node] += quantity;
     }
 
     // Creates n particles with the given centres and volumes, numbered in order.

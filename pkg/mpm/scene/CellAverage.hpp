@@ -33,7 +33,8 @@ template <int Dim> class CellAverage {
         double share = 1;              // of the volume of all bodies in it
         double weight = 0, mean = 0;   // of its particles, and their mean, when average() was called
         double byParticles = 0;        // what of the mean acts by the particles
-        Vec<Dim> centre, slope;        // of the particles; of the mean, 1/m
+        double shared = 0;      // m3, of the volume that it shares with a body of another group (SharedCells)
+        Vec<Dim> centre, slope; // of the particles; of the mean, 1/m
     };
 
     // Which particles are in which cell; called by all threads, and so is all that takes a region. In most steps no
@@ -90,6 +91,23 @@ template <int Dim> class CellAverage {
     // Whether the particles from `begin` on, a chunk, are one in each cell, and those in the cells beside, too: none
     // of them takes or gives anything. Known for domains of meshes only.
     bool areAlone(int begin) const { return alone_[begin / chunkSize]; }
+    // The cell of a number, where particles are in it; nullptr: none are.
+    Cell* occupied(int number) {
+        const bool has = !cells_.empty() && cells_[number].round == round_;
+        return has ? &cells_[number] : nullptr;
+    }
+    // Volume of the particles in a cell over its own; what is alone in it fills it, more or less.
+    double coverOf(int number) const {
+        if (cover_[number] > 0 || count_.empty()) return cover_[number];
+        return count_[number].round == round_;
+    }
+    const Cell* occupied(int number) const { return const_cast<CellAverage*>(this)->occupied(number); }
+    // f(number, cell) for all cells with particles.
+    template <class F> void forEach(ParallelRegion& region, F&& f) { forOwnCells(region, f); }
+    // f(particle, number of its cell) for those in the slabs of two cells or between, in their order. One thread.
+    template <class F> void forCells(int lowest, int highest, F&& f) const {
+        forNumbers(lowest / slabSize_, highest / slabSize_ + 1, [&](int p) { f(p, cell_[p]); });
+    }
 
     // Means of the values, weighted with a volume of each particle, in their order; withCentres: also the centre
     // of the particles. finish(number, cell) for each cell. What is alone is left out.
@@ -161,12 +179,6 @@ template <int Dim> class CellAverage {
 
   private:
     using Extent = typename NodalField<Dim>::Extent;
-
-    // Volume of the particles in a cell over its own; what is alone in it fills it, more or less.
-    double coverOf(int number) const {
-        if (cover_[number] > 0 || count_.empty()) return cover_[number];
-        return count_[number].round == round_;
-    }
 
     struct Range {
         int first, last;
@@ -256,7 +268,7 @@ template <int Dim> class CellAverage {
     }
 
     static void empty(Cell& cell) {
-        cell.volume = cell.inside = cell.mean = 0;
+        cell.volume = cell.inside = cell.mean = cell.shared = 0;
         cell.centre.setZero();
         cell.slope.setZero();
     }

@@ -6,6 +6,7 @@
 #include "mpm/scene/Constraint.hpp"
 #include "mpm/scene/Engine.hpp"
 #include "mpm/scene/Scheme.hpp"
+#include "mpm/scene/SharedCells.hpp"
 
 #include <array>
 
@@ -81,6 +82,7 @@ template <int Dim> class Scene {
         return 1e-30 * largest;
     }
 
+    SharedCells<Dim> sharedCells;    // of soil and a body that it is in contact with
     std::vector<std::string> groups; // of bodies with a velocity field each, by the number of the field
 
     // Checks the chain and enters the static constraints; before the first step and after every change.

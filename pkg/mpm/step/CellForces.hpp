@@ -5,19 +5,31 @@
 // with grad phi_ic the mean of the gradient of the hat function over the cell, V_in the volume of the particles in
 // it and V_a = s V_c + (1 - s) V_in. It is the work conjugate of the rate of volume change that CellAverage takes
 // from cell and particles, so the elastic operator is symmetric. A mean stress that is the same everywhere then
-// exerts no force inside, however the particles lie in the cells. (Slopes of the mean stress within a cell have no
+// exerts no force inside, however the particles lie in the cells. What cells share with another group acts on both,
+// see scene/SharedCells.hpp. (Slopes of the mean stress within a cell have no
 // such conjugate: with their forces, noise in an uneven cover grew at any step.)
 #pragma once
 
-#include "mpm/scene/Body.hpp"
+#include "mpm/scene/SharedCells.hpp"
 
 namespace mpm {
 
 class CellForces {
   public:
-    // Takes the part that acts by cells out of what the particles of a body give in addSum(); called by all
-    // threads.
-    template <int Dim> void takeOut(ParallelRegion& region, Body<Dim>& body) {
+    // Finds the mean stress in each cell; called by all threads, as what follows.
+    template <int Dim> static void findMeans(ParallelRegion& region, Body<Dim>& body) {
+        const double* stress[3];
+        for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
+        region.chunks(body.particles.size(), [&](int begin, int end) {
+            double* mean = body.cellAverage.values();
+            for (int p = begin; p < end; ++p) mean[p] = (stress[0][p] + stress[1][p] + stress[2][p]) / 3;
+        });
+        body.cellAverage.template average<false>(region, body.particles.volume.plane(), body.particles,
+                                                 [](int, auto&) {});
+    }
+
+    // Then takes the part that acts by cells out of what the particles of a body give in addSum().
+    template <int Dim> void takeOut(ParallelRegion& region, Body<Dim>& body, SharedCells<Dim>& shared) {
         const int n = body.particles.size();
         auto& cells = body.cellAverage;
         region.once([&] {
@@ -25,17 +37,16 @@ class CellForces {
         });
         const double* stress[3];
         for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
-        region.chunks(n, [&](int begin, int end) {
-            double* mean = cells.values();
-            for (int p = begin; p < end; ++p) mean[p] = (stress[0][p] + stress[1][p] + stress[2][p]) / 3;
+        cells.forEach(region, [&](int c, auto& cell) {
+            const bool isShared = cell.shared > 0;
+            const double whole = isShared ? cell.shared : cell.share * cell.edges.prod();
+            const double outside = 1 - cell.inside;
+            const double volume = cell.inside * whole + outside * cell.weight;
+            const double acting = cell.inside * volume * cell.mean;
+            if (isShared) shared.act(c, acting);
+            cells.actByCell(c, (isShared ? 0 : acting) * cell.edges.cwiseInverse());
+            cell.byParticles = outside * volume / cell.weight * cell.mean;
         });
-        cells.template average<false>(
-            region, body.particles.volume.plane(), body.particles, [&](int c, auto& cell) {
-                const double whole = cell.share * cell.edges.prod(), outside = 1 - cell.inside;
-                const double volume = cell.inside * whole + outside * cell.weight;
-                cells.actByCell(c, (cell.inside * volume * cell.mean) * cell.edges.cwiseInverse());
-                cell.byParticles = outside * volume / cell.weight * cell.mean;
-            });
         region.chunks(n, [&](int begin, int end) {
             const double* mean = cells.values();
             for (int p = begin; p < end; ++p) {
@@ -48,7 +59,7 @@ class CellForces {
         });
     }
 
-    // Adds it to the nodes; called by all threads.
+    // Adds it to the nodes.
     template <int Dim> void add(ParallelRegion& region, Body<Dim>& body, Grid<Dim>& grid) {
         region.once([&] { body.domains->diagonal = {}; });
         auto* sum = grid.fields[body.velocityField].sum.data();

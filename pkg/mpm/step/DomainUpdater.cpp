@@ -56,7 +56,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             for (size_t b = 0; b < scene.bodies.size(); ++b) update(region, scene, *scene.bodies[b], int(b));
             region.wait();
             if (scene.scheme->stressFirst)
-                sumOnNodes(region, scene, &cells_);
+                sumOnNodes(region, scene, &cells_, scene.sharedCells.isWanted);
             else
                 for (auto& body : scene.bodies)
                     if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
@@ -138,14 +138,23 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
 
     // With one increment of volumetric strain per cell, and the mean stress linear in it: see CellAverage.
     template <int Dim, class Gradient, class Rest>
-    void updateFbar(ParallelRegion& region, const Scene<Dim>& scene, Body<Dim>& body,
-                    const Partitions& partitions, Gradient&& gradient, Rest&& rest) {
+    void updateFbar(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, const Partitions& partitions,
+                    Gradient&& gradient, Rest&& rest) {
         auto& cells = body.cellAverage;
         const int n = body.particles.size();
         const double dt = scene.dt;
         Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
         const bool hasBoxes = body.domains->boxes();
         const auto* nodes = scene.grid.fields[body.velocityField].velocities();
+        const auto* implicit = scene.template find<ImplicitBodies>();
+        const auto velocityOf = [&](int group, int node) { // that strains the bodies there
+            Vec<Dim> v;
+            const bool isImplicit = implicit && implicit->template moves<Dim>(group, node);
+            for (int k = 0; k < Dim; ++k)
+                v[k] = isImplicit ? implicit->template velocityAt<Dim>(group, node)[k]
+                                  : scene.grid.fields[group].velocityOf(node, k);
+            return v;
+        };
         double* value = cells.values();
         const double* volume = body.particles.volume.plane();
         region.chunks(n, partitions.gradients, [&](int begin, int end) {
@@ -155,8 +164,12 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         });
         cells.template average<false>(region, volume, body.particles, [&](int number, auto& cell) {
             const double s = cell.inside;
-            if (hasBoxes && s > 0)
+            const double shared = cell.shared == 0 ? 0 : scene.sharedCells.rate(scene, number, velocityOf);
+            if (cell.shared > 0)
+                cell.mean = s * shared + (1 - s) * cell.mean;
+            else if (hasBoxes && s > 0)
                 cell.mean = s * cells.growth(scene.grid, nodes, dt, number, cell.edges) + (1 - s) * cell.mean;
+            if (cell.shared < 0) scene.sharedCells.widen(number, dt * (shared - cell.mean));
         });
         region.chunks(n, partitions.rest, [&](int begin, int end) {
             if (cells.areAlone(begin)) {

@@ -43,7 +43,8 @@ template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& 
         nodalMass.resize(scene.grid.count, 0.0);
         const Body<Dim>& body = *scene.body(drive.body);
         touched.clear();
-        body.domains->addMass(drivenPart(body, drive), nodalMass.data(), touched);
+        body.domains->addQuantity(body.particles.mass.plane(), drivenPart(body, drive), nodalMass.data(),
+                                  touched);
         auto& field = scene.grid.fields[body.velocityField];
         for (int node : touched) {
             const bool mostly =

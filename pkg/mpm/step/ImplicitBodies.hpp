@@ -35,6 +35,9 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     template <int Dim> const typename NodalField<Dim>::Velocity* velocities(const Body<Dim>& body) const {
         return std::get<State<Dim>>(states_).velocity[body.velocityField].data();
     }
+    template <int Dim> const typename NodalField<Dim>::Velocity& velocityAt(int field, int node) const {
+        return std::get<State<Dim>>(states_).velocity[field][node];
+    }
 
   private:
     // Some particles of a body.

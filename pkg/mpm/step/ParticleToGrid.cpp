@@ -27,7 +27,8 @@ class ParticleToGrid : public EngineOf<ParticleToGrid> {
             locateParticles(region, scene);
             if (region.failed()) return;
             locateCells(region, scene);
-            sumOnNodes(region, scene, scene.scheme->stressFirst ? nullptr : &cells_);
+            sumOnNodes(region, scene, scene.scheme->stressFirst ? nullptr : &cells_,
+                       scene.sharedCells.isWanted);
         });
         for (auto& field : scene.grid.fields) field.straining = NodalField<Dim>::Straining::nothing;
         holdDrivenNodes(scene, drivenMass_);

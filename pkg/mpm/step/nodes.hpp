@@ -54,22 +54,36 @@ template <int Dim> void locateCells(ParallelRegion& region, Scene<Dim>& scene) {
 // Hourglass control is a force here. Under MUSL and USF it also enters the velocity that moves the vertices
 // (VelocityRemap): that is a sum over particles, which cannot hold a pattern of single domains, so
 // the force alone would never undo one.
-// cells: room for each body, with forces.
+// cells: room for each body, with forces. isShared: whether cells of the grid may be shared.
 template <int Dim>
-void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForces>* cells = nullptr) {
+void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForces>* cells, bool isShared) {
     const bool withForce = cells != nullptr;
     for (auto& field : scene.grid.fields)
         forActiveNodes(region, scene, field,
                        [&](int node) { field.sum[node] = NodalField<Dim>::Sum::zero(); });
     if (withForce) region.once([&] { cells->resize(scene.bodies.size()); });
-    for (size_t b = 0; b < scene.bodies.size(); ++b) {
+    const auto add = [&](size_t b) {
         auto& body = *scene.bodies[b];
         auto& field = scene.grid.fields[body.velocityField];
-        const bool actsByCells = withForce && body.fbar && body.domains->boxes();
-        if (actsByCells) (*cells)[b].takeOut(region, body);
+        const bool byCells = withForce && actsByCells(body);
+        if (byCells) (*cells)[b].takeOut(region, body, scene.sharedCells);
         body.domains->addSum(region, field.sum.data(), body.inertiaScale, withForce);
-        if (actsByCells) (*cells)[b].add(region, body, scene.grid);
-    }
+        if (byCells) (*cells)[b].add(region, body, scene.grid);
+    };
+    // Which cells are shared depends on the masses of the bodies that do not act by cells: those come first then.
+    const auto comesLater = [&](const Body<Dim>& body) { return isShared && actsByCells(body); };
+    for (auto& body : scene.bodies)
+        if (actsByCells(*body) && (withForce || isShared)) CellForces::findMeans(region, *body);
+    for (size_t b = 0; b < scene.bodies.size(); ++b)
+        if (!comesLater(*scene.bodies[b])) add(b);
+    if (!isShared) return;
+    region.once([&] { scene.sharedCells.find(scene); });
+    for (size_t b = 0; b < scene.bodies.size(); ++b)
+        if (comesLater(*scene.bodies[b])) add(b);
+    region.once([&] {
+        scene.sharedCells.takeVolumes(scene);
+        if (withForce) scene.sharedCells.addForces(scene);
+    });
 }
 
 } // namespace mpm

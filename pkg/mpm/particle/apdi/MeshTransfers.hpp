@@ -167,18 +167,18 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
     }
 
     // By way of the vertices, like all transfers.
-    void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
-        const double* mass = particles.mass.plane();
+    void addQuantity(const double* quantity, const std::vector<int>& which, double* nodal,
+                     std::vector<int>& touched) const override {
         std::vector<double> atVertex(mesh_.vertices.size(), 0.0);
         std::vector<int> with;
         for (int p : which) {
             const ClosedShape<Dim> shape(mesh_.cornerNumbersOf(p));
             for (int a = 0; a < NC; ++a)
-                Base::addMassTo(mesh_.corner[NC * p + a], shape.w[a] * mass[p], atVertex.data(), with);
+                Base::addTo(mesh_.corner[NC * p + a], shape.w[a] * quantity[p], atVertex.data(), with);
         }
         for (int v : with)
             forNodes(v, [&](int node, double part, double S) {
-                Base::addMassTo(node, part * atVertex[v] * S, nodal, touched);
+                Base::addTo(node, part * atVertex[v] * S, nodal, touched);
             });
     }
 

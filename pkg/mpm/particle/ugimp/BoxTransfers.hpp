@@ -86,8 +86,8 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     }
 
     // Where the driven part of a body is: at every step, so not one by one through weights().
-    void addMass(const std::vector<int>& which, double* nodal, std::vector<int>& touched) const override {
-        const double* mass = particles.mass.plane();
+    void addQuantity(const double* quantity, const std::vector<int>& which, double* nodal,
+                     std::vector<int>& touched) const override {
         for (size_t i = 0; i < which.size();) {
             const int first = which[i];
             int count = 1;
@@ -97,9 +97,9 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
             for (int p = 0; p < count; ++p)
                 for (int row = 0; row < rows; ++row)
                     for (int i = 0; i < 3; ++i)
-                        Base::addMassTo(cell_[first + p] + rowOffset(row) + i,
-                                        w.across(row, p).S * w.axis[0].S[i][p] * mass[first + p], nodal,
-                                        touched);
+                        Base::addTo(cell_[first + p] + rowOffset(row) + i,
+                                    w.across(row, p).S * w.axis[0].S[i][p] * quantity[first + p], nodal,
+                                    touched);
         }
     }
 

@@ -1,0 +1,461 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "mpm/scene/SharedCells.hpp"
+
+#include "mpm/scene/Scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace mpm {
+
+namespace {
+
+constexpr double ownShare = 0.5;   // open part of a cell from which on its own soil takes all of its flux
+constexpr double leastOpen = 0.25; // part of a cell that a taker counts as open at least
+constexpr double leastWeight = 0.05;
+// How full the corners of a taker are to be for it to close: 0.75 at a flat free surface, about 1 inside. At first, for
+// boxes round a body that was put in its place leave gaps; later; again, once the gap is used up; beside a closed one.
+constexpr double fullAtFirst = 0.95, full = 0.98, fullAgain = 0.85, fullBesideClosed = 0.7;
+
+// f(cell, along how many axes it is beside) for the cells of the grid beside one.
+template <int Dim, class F> void forNeighbours(const Grid<Dim>& grid, int cell, F&& f) {
+    const Index<Dim> index = grid.indices(cell);
+    for (int n = 0; n < (Dim == 2 ? 9 : 27); ++n) {
+        int other = cell, axes = 0;
+        bool isInGrid = true;
+        for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
+            const int step = rest % 3 - 1, at = index[k] + step - grid.ghost;
+            isInGrid &= at >= 0 && at < grid.cells[k];
+            other += step * grid.strides[k];
+            axes += step != 0;
+        }
+        if (isInGrid && axes > 0) f(other, axes);
+    }
+}
+
+// Integral of the hat function of a node over the grid, m3.
+template <int Dim> double hatVolume(const Grid<Dim>& grid, int node) {
+    const Index<Dim> index = grid.indices(node);
+    double volume = 1;
+    for (int k = 0; k < Dim; ++k) {
+        const int line = index[k] - grid.ghost;
+        volume *= 0.5 * ((line > 0 && line <= grid.cells[k] ? grid.cellSize(k, index[k] - 1) : 0) +
+                         (line >= 0 && line < grid.cells[k] ? grid.cellSize(k, index[k]) : 0));
+    }
+    return volume;
+}
+
+template <int Dim> bool isTouched(const Grid<Dim>& grid, const NodalField<Dim>& field, int node) {
+    const Index<Dim> index = grid.indices(node);
+    const auto& extent = field.extents[index[Dim - 1]];
+    bool isIn = true;
+    for (int k = 0; k < Dim - 1; ++k) isIn &= index[k] >= extent.first[k] && index[k] <= extent.last[k];
+    return isIn && extent.first[0] <= extent.last[0];
+}
+
+// f(cell) for the cells of the grid around a node.
+template <int Dim, class F> void forCellsAround(const Grid<Dim>& grid, int node, F&& f) {
+    const Index<Dim> index = grid.indices(node);
+    for (int a = 0; a < corners<Dim>; ++a) { // the node is corner a of the cell
+        int cell = node;
+        bool isInGrid = true;
+        for (int k = 0; k < Dim; ++k) {
+            const int step = cornerSign(a, k) > 0, at = index[k] - step - grid.ghost;
+            isInGrid &= at >= 0 && at < grid.cells[k];
+            cell -= step * grid.strides[k];
+        }
+        if (isInGrid) f(cell);
+    }
+}
+
+// Whether a prescribed motion moves all of a body along all axes.
+template <int Dim> bool isDrivenWhole(const Scene<Dim>& scene, const Body<Dim>& body) {
+    for (auto& drive : scene.constraints) {
+        bool isWhole = drive->active && drive->body == body.name && drive->ids.empty();
+        for (int k = 0; k < Dim && isWhole; ++k)
+            isWhole = !std::isnan(drive->velocity[k]) && drive->lower[k] <= scene.grid.lower[k] &&
+                      drive->upper[k] >= scene.grid.upper[k];
+        if (isWhole) return true;
+    }
+    return false;
+}
+
+// Of the bodies of a soil on a node, or so far of its meshes, m3. They have about one density: that of the first.
+template <int Dim> double volumeOfSoil(const Scene<Dim>& scene, int group, int node, bool ofMeshes) {
+    double density = 0;
+    for (auto& body : scene.bodies)
+        if (density == 0 && body->velocityField == group && (!ofMeshes || body->domains->mesh()))
+            density = body->material->density;
+    const auto& field = scene.grid.fields[group];
+    return density > 0 && isTouched(scene.grid, field, node)
+               ? field.sum[node][NodalField<Dim>::weightMass] / density
+               : 0;
+}
+
+// Volume of what has F-bar of a group in a cell over that of the cell.
+template <int Dim> double coverOf(const Scene<Dim>& scene, int group, int cell) {
+    double sum = 0;
+    for (auto& body : scene.bodies)
+        if (body->velocityField == group && body->fbar) sum += body->cellAverage.coverOf(cell);
+    return sum;
+}
+
+// Of the soil in a cell.
+template <int Dim> int groupOf(const Scene<Dim>& scene, int cell) {
+    for (auto& body : scene.bodies)
+        if (actsByCells(*body) && body->cellAverage.occupied(cell)) return body->velocityField;
+    return 0;
+}
+
+} // namespace
+
+template <int Dim> void SharedCells<Dim>::clear(const Grid<Dim>& grid) {
+    for (int node : nodes_)
+        for (auto& volume : volumes_)
+            if (!volume.empty()) volume[node] = 0;
+    for (int cell : near_) solid_[cell] = isNear_[cell] = 0;
+    for (const Giver& giver : givers_) {
+        giverAt_[giver.cell] = -1;
+        for (int a = 0; a < corners<Dim>; ++a) isTouched_[cornerOf(grid, giver.cell, a)] = 0;
+    }
+    nodes_.clear();
+    near_.clear();
+    givers_.clear();
+    forces_.clear();
+    takers_.clear();
+}
+
+template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
+    if (step_ == scene.step) return;
+    clear(scene.grid);
+    step_ = scene.step;
+    findGroups(scene);
+    if (!isWanted || std::count(isSoil_.begin(), isSoil_.end(), 1) == 0 ||
+        std::count(isSolid_.begin(), isSolid_.end(), 1) == 0)
+        return gaps_.clear();
+    findSolids(scene);
+    findGivers(scene);
+    decide(scene);
+}
+
+// Groups with boxes that act by cells; boxes that carry an outline have a surface of their own. And meshes alone, not
+// lighter than the soil, unless they are driven: the critical step does not know that the pressure acts on their nodes.
+template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
+    const size_t groups = scene.groups.size();
+    std::vector<double> lightest(groups, std::numeric_limits<double>::infinity());
+    std::vector<char> hasOutline(groups, 0);
+    double heaviest = 0;
+    isSoil_.assign(groups, 0);
+    isSolid_.assign(groups, 1);
+    for (auto& body : scene.bodies) {
+        const int group = body->velocityField;
+        const double density = body->inertiaScale * body->material->density;
+        if (body->particles.size() == 0) continue;
+        if (auto* boxes = body->domains->boxes()) {
+            isSolid_[group] = 0;
+            if (body->fbar) isSoil_[group] = 1;
+            if (body->fbar) heaviest = std::max(heaviest, density);
+            if (boxes->outline()) hasOutline[group] = 1;
+        } else if (!isDrivenWhole(scene, *body)) {
+            lightest[group] = std::min(lightest[group], density);
+        }
+    }
+    for (size_t g = 0; g < groups; ++g) {
+        isSoil_[g] &= !hasOutline[g];
+        isSolid_[g] &= lightest[g] >= heaviest;
+    }
+    if (volumes_.size() == groups) return;
+    const int count = scene.grid.count;
+    volumes_.assign(groups, {});
+    scratch_.assign(count, 0.0);
+    isTouched_.assign(count, 0);
+    solid_.assign(count, 0.0);
+    hat_.resize(count);
+    for (int node = 0; node < count; ++node) hat_[node] = hatVolume(scene.grid, node);
+    isNear_.assign(count, 0);
+    giverAt_.assign(count, -1);
+}
+
+template <int Dim> void SharedCells<Dim>::setVolume(int group, int node, double volume) {
+    if (volumes_[group].empty()) volumes_[group].resize(hat_.size(), 0.0);
+    if (volumeAt(node) == 0) nodes_.push_back(node);
+    volumes_[group][node] = volume;
+}
+
+template <int Dim> double SharedCells<Dim>::volumeAt(int node) const {
+    double sum = 0;
+    for (size_t g = 0; g < volumes_.size(); ++g) sum += volumeOf(int(g), node);
+    return sum;
+}
+
+// The volumes of the solids at the nodes, the cells of the grid around these, and what part of cells they fill.
+template <int Dim> void SharedCells<Dim>::findSolids(const Scene<Dim>& scene) {
+    const Grid<Dim>& grid = scene.grid;
+    std::vector<int> all, touched;
+    for (auto& body : scene.bodies) {
+        const int group = body->velocityField;
+        if (!isSolid_[group]) continue;
+        all.resize(body->particles.size());
+        std::iota(all.begin(), all.end(), 0);
+        touched.clear();
+        body->domains->addQuantity(body->particles.volume.plane(), all, scratch_.data(), touched);
+        for (int node : touched) {
+            setVolume(group, node, volumeOf(group, node) + scratch_[node]);
+            scratch_[node] = 0;
+        }
+    }
+    for (int node : nodes_) {
+        const double part = volumeAt(node) / hat_[node] / corners<Dim>;
+        forCellsAround(grid, node, [&](int cell) {
+            if (!isNear_[cell]) near_.push_back(cell);
+            isNear_[cell] = 1;
+            solid_[cell] += part;
+        });
+    }
+}
+
+// Whether boxes that act by cells are in a cell, and more of them than of meshes that stick to them.
+template <int Dim> bool SharedCells<Dim>::hasSoil(const Scene<Dim>& scene, int cell) const {
+    double boxes = 0, meshes = 0;
+    for (auto& body : scene.bodies)
+        if (body->fbar && isSoil_[body->velocityField])
+            (body->domains->boxes() ? boxes : meshes) += body->cellAverage.coverOf(cell);
+    return boxes > 0 && boxes >= meshes;
+}
+
+template <int Dim> void SharedCells<Dim>::findGivers(const Scene<Dim>& scene) {
+    for (int cell : near_) give(scene, cell);
+    for (auto& [cell, taker] : takers_) {
+        const double whole = scene.grid.edges(cell).prod();
+        if (giverAt_[cell] < 0) { // whole cells beside: with their own flux
+            giverAt_[cell] = int(givers_.size());
+            givers_.push_back({cell, {{cell, 1}}});
+            taker.from.push_back({cell, 1});
+            taker.volume += whole;
+        }
+        taker.volume = std::max(taker.volume, leastOpen * whole);
+    }
+}
+
+// The flux of a cell goes to its own soil as far as that has room, else to the neighbours that have more; diagonal
+// ones where no other has soil.
+template <int Dim> void SharedCells<Dim>::give(const Scene<Dim>& scene, int cell) {
+    const Grid<Dim>& grid = scene.grid;
+    const double open = openPart(cell), volume = open * grid.edges(cell).prod();
+    const bool hasOwn = hasSoil(scene, cell);
+    double own = hasOwn ? std::min(1.0, open / ownShare) : 0, sum = 0;
+    Giver giver{cell, {}};
+    for (int ring = 1; ring <= 2 && own < 1 && sum == 0; ++ring)
+        forNeighbours(grid, cell, [&](int other, int axes) {
+            if ((axes == 1) != (ring == 1) || !hasSoil(scene, other)) return;
+            const double there = std::max(openPart(other), leastWeight);
+            giver.to.push_back({other, there * there});
+            sum += there * there;
+        });
+    for (Part& part : giver.to) part.part *= (1 - own) / sum;
+    if (sum == 0) own = hasOwn;
+    if (own > 0) giver.to.push_back({cell, own});
+    if (giver.to.empty()) return;
+    for (const Part& part : giver.to) {
+        Taker& taker = takers_[part.cell];
+        taker.from.push_back({cell, part.part});
+        taker.volume += part.part * volume;
+    }
+    giverAt_[cell] = int(givers_.size());
+    givers_.push_back(giver);
+}
+
+// Whether a taker stands beside one that was closed. Soil that has flowed round a body covers the cells there unevenly.
+template <int Dim> bool SharedCells<Dim>::isBesideClosed(const Grid<Dim>& grid, int cell) const {
+    bool isBeside = false;
+    forNeighbours(grid, cell, [&](int other, int axes) {
+        const auto found = axes == 1 ? gaps_.find(other) : gaps_.end();
+        isBeside |= found != gaps_.end() && found->second == 0;
+    });
+    return isBeside;
+}
+
+// How full the corners of takers are with matter: 0.75 at a flat free surface, about 1 inside. Exact, for the masses
+// on the nodes have not the volumes that boxes have now.
+template <int Dim>
+std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const std::vector<int>& cells) {
+    const Grid<Dim>& grid = scene.grid;
+    std::map<int, double> filled;
+    if (cells.empty()) return filled;
+    std::vector<int> reach = cells, touched, which; // cells whose boxes reach the corners
+    std::vector<char> isIn(grid.count, 0);
+    for (int cell : cells) isIn[cell] = 1;
+    for (size_t begin = 0, ring = 0; ring < 2; ++ring) {
+        const size_t end = reach.size();
+        for (; begin < end; ++begin)
+            forNeighbours(grid, reach[begin], [&](int cell, int) {
+                if (!isIn[cell]) reach.push_back(cell);
+                isIn[cell] = 1;
+            });
+    }
+    const auto [lowest, highest] = std::minmax_element(reach.begin(), reach.end());
+    for (auto& body : scene.bodies) {
+        if (!isSoil_[body->velocityField] || !actsByCells(*body)) continue;
+        which.clear();
+        body->cellAverage.forCells(*lowest, *highest, [&](int p, int cell) {
+            if (isIn[cell]) which.push_back(p);
+        });
+        body->domains->addQuantity(body->particles.volume.plane(), which, scratch_.data(), touched);
+    }
+    for (int cell : cells)
+        for (int a = 0; a < corners<Dim>; ++a) {
+            const int node = cornerOf(grid, cell, a);
+            double volume = volumeAt(node) + scratch_[node];
+            for (size_t g = 0; g < volumes_.size(); ++g)
+                if (isSoil_[g]) volume += volumeOfSoil(scene, int(g), node, true);
+            filled[cell] += volume / hat_[node] / corners<Dim>;
+        }
+    for (int node : touched) scratch_[node] = 0;
+    return filled;
+}
+
+// Soil that is pulled opens, and closes again once the gap of that is used up. What comes anew beside a closed taker
+// goes on with it: soil that has flowed round a body covers the cells there unevenly. All others wait until surfaces
+// meet, see closeTouched().
+template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
+    std::map<int, double> gaps;
+    std::vector<int> asked;
+    for (auto& [cell, taker] : takers_) {
+        const auto before = gaps_.find(cell);
+        double& gap = gaps[cell] = before != gaps_.end() ? before->second : gaps_.empty() ? placed : unknown;
+        const bool isPressed = meanStressIn(scene, cell) < 0;
+        taker.isClosed = isPressed && gap == 0;
+        if (gap == 0 && !isPressed) gap = usedUp;
+        if (isPressed && !taker.isClosed) asked.push_back(cell);
+    }
+    for (const auto& [cell, filled] : fillings(scene, asked)) {
+        Taker& taker = takers_.at(cell);
+        taker.filled = filled;
+        if (gaps.at(cell) == usedUp)
+            taker.isClosed = filled >= fullAgain;
+        else if (gaps_.count(cell) == 0)
+            taker.isClosed = filled >= fullBesideClosed && isBesideClosed(scene.grid, cell);
+        if (taker.isClosed) gaps[cell] = 0;
+    }
+    gaps_.swap(gaps);
+    for (const auto& [cell, taker] : takers_)
+        if (gaps_.at(cell) >= 0) tell(scene, cell, taker);
+}
+
+// Where the groups press on each other, and no gap is left in the cell.
+template <int Dim> void SharedCells<Dim>::closeTouched(const Grid<Dim>& grid) {
+    const auto isTouched = [&](const Part& from) {
+        bool is = false;
+        for (int a = 0; a < corners<Dim>; ++a) is |= isTouched_[cornerOf(grid, from.cell, a)];
+        return is;
+    };
+    for (const auto& [cell, taker] : takers_)
+        if (taker.filled >= (gaps_.at(cell) == placed ? fullAtFirst : full) &&
+            std::any_of(taker.from.begin(), taker.from.end(), isTouched))
+            gaps_.at(cell) = 0;
+}
+
+// Times volume; of the boxes in a cell.
+template <int Dim> double SharedCells<Dim>::meanStressIn(const Scene<Dim>& scene, int number) const {
+    double sum = 0;
+    for (auto& body : scene.bodies) {
+        if (!isSoil_[body->velocityField] || !actsByCells(*body)) continue;
+        if (const auto* cell = body->cellAverage.occupied(number)) sum += cell->weight * cell->mean;
+    }
+    return sum;
+}
+
+template <int Dim>
+double SharedCells<Dim>::insideWithSolids(const Scene<Dim>& scene, int group, int number) const {
+    return insideBy(scene.grid, number, [&](int cell) { return coverOf(scene, group, cell) + solid_[cell]; });
+}
+
+// Tells the bodies with boxes in a taker their part of its volume, negative where it is open, and how far inside of all
+// material a closed one lies.
+template <int Dim> void SharedCells<Dim>::tell(const Scene<Dim>& scene, int number, const Taker& taker) {
+    double soils = 0;
+    for (size_t g = 0; g < isSoil_.size(); ++g)
+        if (isSoil_[g]) soils += coverOf(scene, int(g), number);
+    for (auto& body : scene.bodies) {
+        const int group = body->velocityField;
+        auto* cell = isSoil_[group] && actsByCells(*body) ? body->cellAverage.occupied(number) : nullptr;
+        if (!cell) continue;
+        cell->shared =
+            (taker.isClosed ? 1 : -1) * taker.volume * cell->share * coverOf(scene, group, number) / soils;
+        if (taker.isClosed) cell->inside = insideWithSolids(scene, group, number);
+    }
+}
+
+template <int Dim> void SharedCells<Dim>::takeVolumes(const Scene<Dim>& scene) {
+    for (const Giver& giver : givers_)
+        for (int a = 0; a < corners<Dim>; ++a) {
+            const int node = cornerOf(scene.grid, giver.cell, a);
+            for (size_t g = 0; g < volumes_.size(); ++g)
+                if (isSoil_[g]) setVolume(int(g), node, volumeOfSoil(scene, int(g), node, false));
+        }
+}
+
+template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
+    using NF = NodalField<Dim>;
+    Grid<Dim>& grid = scene.grid;
+    forces_.clear();
+    for (Giver& giver : givers_) {
+        giver.stress = 0;
+        for (const Part& to : giver.to) {
+            const Taker& taker = takers_.at(to.cell);
+            giver.stress += to.part * taker.acting / taker.volume;
+        }
+        if (giver.stress == 0) continue;
+        const Vec<Dim> edges = grid.edges(giver.cell);
+        const Vec<Dim> pull = giver.stress * edges.prod() / (corners<Dim> / 2) * edges.cwiseInverse();
+        for (int a = 0; a < corners<Dim>; ++a) {
+            const int node = cornerOf(grid, giver.cell, a);
+            const double all = volumeAt(node);
+            for (int g = 0; g < int(volumes_.size()) && all > 0; ++g) {
+                const double part = volumeOf(g, node) / all;
+                if (!(part > 0)) continue;
+                Vec<Dim> force;
+                for (int k = 0; k < Dim; ++k) force[k] = -part * pull[k] * cornerSign(a, k);
+                for (int k = 0; k < Dim; ++k) NF::addForce(grid.fields[g].sum[node], k, force[k]);
+                if (isSolid_[g]) forces_.push_back({groupOf(scene, giver.to.front().cell), g, node, force});
+            }
+        }
+    }
+}
+
+template <int Dim> double SharedCells<Dim>::pressureAt(const Grid<Dim>& grid, int node) const {
+    double sum = 0;
+    int count = 0;
+    if (!givers_.empty())
+        forCellsAround(grid, node, [&](int cell) {
+            if (giverAt_[cell] < 0) return;
+            sum -= givers_[giverAt_[cell]].stress;
+            ++count;
+        });
+    return count > 0 ? std::max(0.0, sum / count) : 0;
+}
+
+template <int Dim> void SharedCells<Dim>::store(std::vector<double>& cells, std::vector<double>& gaps) const {
+    cells.clear();
+    gaps.clear();
+    for (const auto& [cell, gap] : gaps_) {
+        cells.push_back(cell);
+        gaps.push_back(gap);
+    }
+}
+
+template <int Dim>
+void SharedCells<Dim>::restore(const Grid<Dim>& grid, const std::vector<double>& cells,
+                               const std::vector<double>& gaps) {
+    clear(grid);
+    step_ = -1;
+    gaps_.clear();
+    for (size_t i = 0; i < std::min(cells.size(), gaps.size()); ++i) gaps_[int(cells[i])] = gaps[i];
+}
+
+template class SharedCells<2>;
+template class SharedCells<3>;
+
+} // namespace mpm

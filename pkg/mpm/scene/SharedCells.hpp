@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Cells of the grid that soil (boxes with F-bar) shares with a body that has a velocity of its own (a mesh in another
+// group). Together they fill these cells, so whatever they slip, what flows through the faces is
+//     div u = 0,   u_i = sum_g V_ig v_ig / sum_g V_ig,   V_ig: volume of group g at node i,
+// but for what the soil gives way. The flux of u out of a shared cell is taken by the cells with soil in it and
+// beside it, its takers; the pressure of the takers acts on the nodes of both groups by the conjugate. Particles of
+// soil alone would not feel what a moving surface pushes into their cell (doc/explanation/volumes.md).
+//
+// A taker is closed while its soil and the body fill the space and press on each other, else open: a gap, or a free
+// surface near the body. An open one goes as if there were no other group. It closes where the surfaces have met and no
+// gap is left, or once the small gap that it has opened by since it was closed is used up.
+#pragma once
+
+#include "mpm/scene/Body.hpp"
+
+#include <map>
+
+namespace mpm {
+
+template <int Dim> class Scene;
+
+// Whether the mean stress of a body acts by the cells of the grid.
+template <int Dim> bool actsByCells(const Body<Dim>& body) { return body.fbar && body.domains->boxes(); }
+
+template <int Dim> class SharedCells {
+  public:
+    bool isWanted = false; // by the engine for contact
+
+    // Shared cells as the particles lie now, where they are not known in this step: when the nodes have the masses of
+    // all bodies but those that act by cells (`actsByCells`), and the cells of these their mean stresses.
+    void find(const Scene<Dim>& scene);
+    // When the nodes have the masses of these, too.
+    void takeVolumes(const Scene<Dim>& scene);
+    // Forgets all but which takers were closed and open.
+    void clear(const Grid<Dim>& grid);
+
+    // Mean stress times volume that a closed taker bears for a body.
+    void act(int taker, double stressVolume) { takers_.at(taker).acting += stressVolume; }
+    // Adds the forces of what the takers bear to the nodes. One thread.
+    void addForces(Scene<Dim>& scene);
+    // An open taker has opened by so much more, over its volume.
+    void widen(int taker, double gap) {
+        double& its = gaps_.at(taker);
+        its = its + gap > kept ? unknown : std::max(usedUp, its + gap);
+    }
+    // Rate of volume change of the soil in a taker if it is closed, 1/s. velocityOf(group, node): m/s.
+    template <class VelocityOf>
+    double rate(const Scene<Dim>& scene, int taker, VelocityOf&& velocityOf) const;
+    // Pressure of the shared cells around a node, kPa.
+    double pressureAt(const Grid<Dim>& grid, int node) const;
+
+    // Forces that the cells have put on a solid at a node, kN.
+    struct Force {
+        int soil, solid, node; // groups of the two
+        Vec<Dim> force;
+    };
+    const std::vector<Force>& forces() const { return forces_; }
+
+    // Takes note that the groups press on each other at a node; and then lets takers close, from the next step on.
+    void touch(int node) { isTouched_[node] = 1; }
+    void closeTouched(const Grid<Dim>& grid);
+
+    // The cells of the takers and how far each is open; 0: closed, negative: not known.
+    void store(std::vector<double>& cells, std::vector<double>& gaps) const;
+    void restore(const Grid<Dim>& grid, const std::vector<double>& cells, const std::vector<double>& gaps);
+
+  private:
+    struct Part {
+        int cell;
+        double part;
+    };
+    struct Taker {
+        std::vector<Part> from; // what it takes of the flux of which cells
+        double volume = 0;      // that is open to its soil in these, m3
+        double acting = 0;      // mean stress times volume that acts by the cells, kN m
+        double filled =
+            0; // how full its corners are, where it is open and pressed: 1 inside of matter, 0.75 at a
+               // flat free surface
+        bool isClosed = false;
+    };
+    // Gaps: not known, of takers that were there when the first came, and of later ones or such that opened by more than
+    // is kept; and one that is used up.
+    static constexpr double placed = -1, unknown = -2, usedUp = 1e-12, kept = 1e-3;
+    struct Giver {
+        int cell;
+        std::vector<Part> to;
+        double stress = 0; // mean one that acts on its corners, kPa
+    };
+
+    void findGroups(const Scene<Dim>& scene);
+    void setVolume(int group, int node, double volume);
+    double volumeOf(int group, int node) const { return volumes_[group].empty() ? 0 : volumes_[group][node]; }
+    double volumeAt(int node) const; // of all groups
+    void findSolids(const Scene<Dim>& scene);
+    double openPart(int cell) const { return std::clamp(1 - solid_[cell], 0.0, 1.0); }
+    bool hasSoil(const Scene<Dim>& scene, int cell) const;
+    void findGivers(const Scene<Dim>& scene);
+    void give(const Scene<Dim>& scene, int cell);
+    bool isBesideClosed(const Grid<Dim>& grid, int cell) const;
+    std::map<int, double> fillings(const Scene<Dim>& scene, const std::vector<int>& cells);
+    void decide(const Scene<Dim>& scene);
+    double meanStressIn(const Scene<Dim>& scene, int number) const;
+    double insideWithSolids(const Scene<Dim>& scene, int group, int number) const;
+    void tell(const Scene<Dim>& scene, int number, const Taker& taker);
+    static int cornerOf(const Grid<Dim>& grid, int cell, int corner) {
+        for (int k = 0; k < Dim; ++k) cell += cornerSign(corner, k) > 0 ? grid.strides[k] : 0;
+        return cell;
+    }
+
+    long step_ = -1;
+    std::vector<char> isSoil_, isSolid_;       // of groups
+    std::vector<std::vector<double>> volumes_; // of each group at the nodes, m3
+    std::vector<int> nodes_;                   // that have any
+    std::vector<double> hat_;                  // integrals of the hat functions over the grid, m3
+    std::vector<double> scratch_;              // zero
+    std::vector<int> near_;                    // cells with a node of a solid
+    std::vector<char> isTouched_;              // nodes where groups press on each other in this step
+    std::vector<char> isNear_;                 // of each cell, whether it is one of these,
+    std::vector<double> solid_; // and what part of it solids fill, by its corners: smooth as they move
+    std::vector<Giver> givers_;
+    std::vector<int> giverAt_; // of each cell, -1: none
+    std::map<int, Taker> takers_;
+    std::map<int, double> gaps_; // of the takers, over their volume: opened since they were closed
+    std::vector<Force> forces_;
+};
+
+template <int Dim>
+template <class VelocityOf>
+double SharedCells<Dim>::rate(const Scene<Dim>& scene, int taker, VelocityOf&& velocityOf) const {
+    const Grid<Dim>& grid = scene.grid;
+    const Taker& its = takers_.at(taker);
+    double sum = 0;
+    for (const Part& from : its.from) {
+        const Vec<Dim> edges = grid.edges(from.cell);
+        CornerNumbers<Dim> x; // where the corners go in the step, in cells
+        for (int a = 0; a < corners<Dim>; ++a) {
+            const int node = cornerOf(grid, from.cell, a);
+            Vec<Dim> u = Vec<Dim>::Zero();
+            double volume = 0;
+            for (size_t g = 0; g < volumes_.size(); ++g)
+                if (const double V = volumeOf(int(g), node); V > 0) {
+                    u += V * velocityOf(int(g), node);
+                    volume += V;
+                }
+            if (volume > 0) u /= volume;
+            for (int k = 0; k < Dim; ++k) x[k][a] = 0.5 * cornerSign(a, k) + scene.dt * u[k] / edges[k];
+        }
+        sum += from.part * (ClosedShape<Dim>(x).volume - 1) * edges.prod();
+    }
+    return sum / (scene.dt * its.volume);
+}
+
+} // namespace mpm

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""D28: a block is driven through a closed box of weightless clay. Clay and block fill the box whatever
+flows, so the mean pressure stays, also in cells that the surface of the block cuts
+(doc/explanation/volumes.md)."""
+
+import hashlib
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box, study
+
+PRESSURE, STRENGTH, SHEAR, POISSON = 200.0, 10.0, 1000.0, 0.49  # kPa, kPa, kPa, -
+CELL, HALF = 0.2, 0.4  # m, of the grid, and half the edge of the block
+SIZE = {2: 4.8, 3: 2.4}  # m, of the box
+LAME = 2 * SHEAR * POISSON / (1 - 2 * POISSON), SHEAR
+
+
+def blockMesh(lower, upper, size):
+    """Points and cells of a mesh of quadrilaterals or bricks."""
+    counts = np.rint((np.array(upper) - lower) / size).astype(int)
+    axes = [np.linspace(*ends, n + 1) for *ends, n in zip(lower, upper, counts)]
+    points = np.stack([x.ravel() for x in np.meshgrid(*axes, indexing="ij")], 1)
+    number = np.arange(len(points)).reshape(counts + 1)
+    ring = (0, 0), (1, 0), (1, 1), (0, 1)
+    corners = ring if len(lower) == 2 else [(*a, k) for k in (0, 1) for a in ring]
+    inner = [number[tuple(slice(s, s + n) for s, n in zip(c, counts))].ravel() for c in corners]
+    return points, np.stack(inner, 1)
+
+
+def driven(
+    dim=2,
+    scheme="MUSL",
+    threads=1,
+    shift=0.0,
+    density=1.5,
+    velocity=None,
+    at=None,
+    graded=False,
+    isDriven=True,
+    **contact,
+):
+    """Scene, soil, block, contact.
+
+    at : centre of the block, m; None: the middle, moved by `shift` along all axes.
+    """
+    size = SIZE[dim]
+    lower, upper = (0.0,) * dim, (size,) * dim
+    fine = ((1.0, 1.0), (3.4, 3.4))
+    scene = mpm.Scene(
+        lower, upper, CELL, threads=threads, grading=mpm.Grading(fine, 1.2, 0.4) if graded else None
+    )
+    scene.scheme = scheme
+    centre = np.full(dim, size / 2) + shift if at is None else np.array(at)
+    clay = mpm.MohrCoulombDruckerPrager(density=1.5, lame=LAME, cohesion=STRENGTH, frictionAngle=0)
+    hole = box(centre - HALF, centre + HALF)
+    soil = scene.add("soil", box(lower, upper) - hole, clay, mpm.UGIMP(perCell=2), group="soil")
+    soil.setStress(-PRESSURE * np.eye(3))
+    stiff = mpm.LinearElastic(density=density, lame=LAME)
+    mesh = blockMesh(centre - HALF, centre + HALF, CELL / 2)
+    block = scene.add("block", mesh, stiff, mpm.APDI(), group="block")
+    velocity = velocity or (0,) * (dim - 1) + (-0.4,)
+    drive = [mpm.Drive(block, velocity=velocity, ramp=0.05, name="drive")] if isDriven else []
+    walls = ("left", "right", "bottom", "top", "front", "back")[: 2 * dim]
+    contact = mpm.Contact(**{"impactLoss": 1, **contact})
+    solver = mpm.GridSolver(drive=drive, roller=walls)
+    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    return scene, soil, block, contact
+
+
+def pressureOf(soil):
+    """Mean pressure over that of the start."""
+    return np.average(-np.trace(soil.stress, axis1=1, axis2=2) / 3, weights=soil.volume) / PRESSURE
+
+
+def bits(scene):
+    fields = [f for b in scene.bodies for f in (b.position, b.velocity, b.stress, b.volume)]
+    return hashlib.sha256(b"".join(np.ascontiguousarray(f).tobytes() for f in fields)).hexdigest()
+
+
+CASES = {
+    "2D": {},
+    "faces between nodes": dict(shift=0.1),
+    "friction": dict(friction=0.3),
+    "adhesion": dict(adhesion=5.0),
+    "light, but driven": dict(density=0.05),
+    "beside a wall": dict(at=(0.7, 2.4), velocity=(0.4, 0.1)),
+    "graded grid": dict(graded=True),
+    "USL": dict(scheme="USL"),
+    "3D": dict(dim=3),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_pressure_and_volumes_stay(case):
+    scene, soil, block, contact = driven(**CASES[case])
+    scene.run(until=0.3 if "dim" in CASES[case] else 0.5, progress=False)
+    assert pressureOf(soil) == pytest.approx(1, abs=0.03)
+    within = np.quantile(soil.volume / soil.initialVolume, [0.005, 0.995])
+    assert np.abs(within - 1).max() < 0.005
+    lost = mpm.diagnostics.energyError(scene) / mpm.diagnostics.externalWork(scene)
+    assert abs(lost) < 0.02
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_without_shared_cells_the_pressure_goes(dim):
+    scene, soil, block, contact = driven(dim, sharedCells=False)
+    scene.run(until=0.2, progress=False)
+    assert pressureOf(soil) < 0.6
+    assert len(contact.cells) == 0
+
+
+@pytest.mark.parametrize(
+    "scheme", ["MUSL", "USL", pytest.param("USF", marks=pytest.mark.filterwarnings("ignore"))]
+)
+def test_forces_are_those_of_the_drive(scheme):
+    """What the soil does to the block, through shared cells and by contact, the drive bears."""
+    scene, soil, block, contact = driven(scheme=scheme, friction=0.2)
+    scene.run(until=0.2, progress=False)
+    force = contact.forceOn("block")
+    assert force[1] > 50
+    drive = next(c for c in scene.constraints if c.name == "drive")
+    assert force[:2] == pytest.approx(-np.array(drive.core.reaction[:2]), abs=1e-9 * force[1])
+    assert contact.contactTable()["force"].sum(axis=0) == pytest.approx(force, abs=1e-9 * force[1])
+
+
+def test_the_same_bits_with_threads_in_steps_and_after_a_restart(tmp_path):
+    plain = driven()[0]
+    plain.run(steps=120, progress=False)
+    two = driven(threads=2)[0]
+    two.run(steps=120, progress=False)
+    inSteps = driven()[0]
+    for _ in range(120):
+        inSteps.step()
+    stopped = driven()[0]
+    stopped.run(steps=70, progress=False)
+    stopped.save(tmp_path / "state.h5")
+    loaded = mpm.load(tmp_path / "state.h5")
+    loaded.run(steps=50, progress=False)
+    assert {bits(s) for s in (two, inSteps, loaded)} == {bits(plain)}
+
+
+def test_an_estimate_of_the_step_changes_nothing():
+    plain, asked = driven()[0], driven()[0]
+    for scene in (plain, asked):
+        scene.dt = 5e-4
+        scene.run(steps=40, progress=False)
+    asked.criticalTimeStep()
+    for scene in (plain, asked):
+        scene.run(steps=40, progress=False)
+    assert bits(asked) == bits(plain)
+
+
+@pytest.mark.parametrize("gap", [0.05, 0.15, 0.3, 1.0])
+def test_no_force_before_surfaces_meet(gap):
+    """gap : in cells, between a free surface and a block that comes down on it."""
+    top, width = 1.6, 2.4
+    scene = mpm.Scene((0, 0), (width, 2.8), CELL)
+    clay = mpm.MohrCoulombDruckerPrager(density=1.8, lame=LAME, cohesion=STRENGTH, frictionAngle=0)
+    scene.add("soil", box((0, 0), (width, top)), clay, mpm.UGIMP(perCell=2), group="soil")
+    bottom = top + gap * CELL
+    mesh = study.quadrilaterals(*np.meshgrid(np.linspace(0.8, 1.6, 9), np.linspace(bottom, bottom + 0.6, 7)))
+    block = scene.add("block", mesh, mpm.LinearElastic(density=1.8, lame=LAME), mpm.APDI(), group="block")
+    contact = mpm.Contact(impactLoss=1)
+    drive = mpm.Drive(block, velocity=(0, -0.4))
+    walls = ("left", "right", "bottom")
+    solver = mpm.GridSolver(drive=drive, roller=walls)
+    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    least = 0.0
+    while (left := block.vertices[:, 1].min() - top) > -0.5 * CELL:
+        scene.run(steps=2, progress=False)
+        force = contact.forceOn("block")[1]
+        least = min(least, force)
+        assert left < 0.05 * CELL or force == 0
+    assert force > 20 and least > -0.1 * force
+    assert np.any(np.array(contact.gaps) == 0)  # and now cells are shared
+
+
+def test_light_bodies_that_nothing_drives_share_no_cells():
+    """The critical step does not know that the pressure of the soil acts on their nodes."""
+    for density, isShared in ((0.9, False), (1.5, True)):
+        scene, soil, block, contact = driven(density=density, isDriven=False)
+        scene.run(steps=60, progress=False)
+        assert bool(len(contact.cells)) == isShared
+
+
+@pytest.mark.parametrize("what", [dict(impactLoss=0), dict(separation=False), dict(constraints="nodes")])
+def test_cells_are_shared_only_where_facets_own_points_and_impacts_are_lost(what):
+    scene, soil, block, contact = driven(**what)
+    scene.run(steps=20, progress=False)
+    assert len(contact.cells) == 0

@@ -106,7 +106,7 @@ template <int Dim> void Contact::check(Scene<Dim>& scene) {
     std::get<State<Dim>>(states_).search.prepare(scene);
     if (dead) return;
     scene.sharedCells.isWanted = sharedCells && ownedFacets() != OwnedFacets::none && impactLoss == 1;
-    scene.sharedCells.restore(scene.grid, cells, gaps);
+    scene.sharedCells.restore(cells, gaps);
     std::get<SharedCells<Dim>*>(shared_) = &scene.sharedCells;
 }
 

@@ -111,15 +111,14 @@ template <int Dim> int groupOf(const Scene<Dim>& scene, int cell) {
 
 } // namespace
 
-template <int Dim> void SharedCells<Dim>::clear(const Grid<Dim>& grid) {
+template <int Dim> void SharedCells<Dim>::clear() {
     for (int node : nodes_)
         for (auto& volume : volumes_)
             if (!volume.empty()) volume[node] = 0;
     for (int cell : near_) solid_[cell] = isNear_[cell] = 0;
-    for (const Giver& giver : givers_) {
-        giverAt_[giver.cell] = -1;
-        for (int a = 0; a < corners<Dim>; ++a) isTouched_[cornerOf(grid, giver.cell, a)] = 0;
-    }
+    for (int node : touched_) isTouched_[node] = 0;
+    for (const Giver& giver : givers_) giverAt_[giver.cell] = -1;
+    touched_.clear();
     nodes_.clear();
     near_.clear();
     givers_.clear();
@@ -129,7 +128,7 @@ template <int Dim> void SharedCells<Dim>::clear(const Grid<Dim>& grid) {
 
 template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
     if (step_ == scene.step) return;
-    clear(scene.grid);
+    clear();
     step_ = scene.step;
     findGroups(scene);
     if (!isWanted || std::count(isSoil_.begin(), isSoil_.end(), 1) == 0 ||
@@ -447,9 +446,8 @@ template <int Dim> void SharedCells<Dim>::store(std::vector<double>& cells, std:
 }
 
 template <int Dim>
-void SharedCells<Dim>::restore(const Grid<Dim>& grid, const std::vector<double>& cells,
-                               const std::vector<double>& gaps) {
-    clear(grid);
+void SharedCells<Dim>::restore(const std::vector<double>& cells, const std::vector<double>& gaps) {
+    clear();
     step_ = -1;
     gaps_.clear();
     for (size_t i = 0; i < std::min(cells.size(), gaps.size()); ++i) gaps_[int(cells[i])] = gaps[i];

@@ -32,7 +32,7 @@ template <int Dim> class SharedCells {
     // When the nodes have the masses of these, too.
     void takeVolumes(const Scene<Dim>& scene);
     // Forgets all but which takers were closed and open.
-    void clear(const Grid<Dim>& grid);
+    void clear();
 
     // Mean stress times volume that a closed taker bears for a body.
     void act(int taker, double stressVolume) { takers_.at(taker).acting += stressVolume; }
@@ -57,12 +57,15 @@ template <int Dim> class SharedCells {
     const std::vector<Force>& forces() const { return forces_; }
 
     // Takes note that the groups press on each other at a node; and then lets takers close, from the next step on.
-    void touch(int node) { isTouched_[node] = 1; }
+    void touch(int node) {
+        isTouched_[node] = 1;
+        touched_.push_back(node);
+    }
     void closeTouched(const Grid<Dim>& grid);
 
     // The cells of the takers and how far each is open; 0: closed, negative: not known.
     void store(std::vector<double>& cells, std::vector<double>& gaps) const;
-    void restore(const Grid<Dim>& grid, const std::vector<double>& cells, const std::vector<double>& gaps);
+    void restore(const std::vector<double>& cells, const std::vector<double>& gaps);
 
   private:
     struct Part {
@@ -73,9 +76,8 @@ template <int Dim> class SharedCells {
         std::vector<Part> from; // what it takes of the flux of which cells
         double volume = 0;      // that is open to its soil in these, m3
         double acting = 0;      // mean stress times volume that acts by the cells, kN m
-        double filled =
-            0; // how full its corners are, where it is open and pressed: 1 inside of matter, 0.75 at a
-               // flat free surface
+        // How full its corners are, where it is open and pressed: about 1 inside, 0.75 at a flat free surface.
+        double filled = 0;
         bool isClosed = false;
     };
     // Gaps: not known, of takers that were there when the first came, and of later ones or such that opened by more than
@@ -114,7 +116,8 @@ template <int Dim> class SharedCells {
     std::vector<double> hat_;                  // integrals of the hat functions over the grid, m3
     std::vector<double> scratch_;              // zero
     std::vector<int> near_;                    // cells with a node of a solid
-    std::vector<char> isTouched_;              // nodes where groups press on each other in this step
+    std::vector<int> touched_;                 // nodes where groups press on each other in this step
+    std::vector<char> isTouched_;              // of each node, whether it is one of these
     std::vector<char> isNear_;                 // of each cell, whether it is one of these,
     std::vector<double> solid_; // and what part of it solids fill, by its corners: smooth as they move
     std::vector<Giver> givers_;

@@ -103,6 +103,16 @@ def test_pressure_and_volumes_stay(case):
 
 
 @pytest.mark.parametrize("dim", [2, 3])
+def test_soil_under_pressure_rests_beside_a_block_that_is_held_still(dim):
+    """The pressure of the cells is in equilibrium with itself. Without shared cells 18 %
+    are gone after 0.12 s, and soil moves at 0.9 m/s."""
+    scene, soil, block, contact = driven(dim, velocity=(0.0,) * dim)
+    scene.run(until=0.03, progress=False)
+    assert pressureOf(soil) == pytest.approx(1, abs=1e-10)
+    assert np.abs(soil.velocity).max() < 1e-7
+
+
+@pytest.mark.parametrize("dim", [2, 3])
 def test_without_shared_cells_the_pressure_goes(dim):
     scene, soil, block, contact = driven(dim, sharedCells=False)
     scene.run(until=0.2, progress=False)

@@ -199,3 +199,12 @@ def test_cells_are_shared_only_where_facets_own_points_and_impacts_are_lost(what
     scene, soil, block, contact = driven(**what)
     scene.run(steps=20, progress=False)
     assert len(contact.cells) == 0
+
+
+def test_cells_are_told_only_while_they_are_shared():
+    scene, soil, block, contact = driven()
+    scene.run(steps=20, progress=False)
+    assert len(contact.cells) == len(contact.gaps) > 0
+    contact.sharedCells = False
+    scene.run(steps=20, progress=False)
+    assert len(contact.cells) == len(contact.gaps) == 0

@@ -104,8 +104,13 @@ template <int Dim> void Contact::check(Scene<Dim>& scene) {
     require(dead || scene.groups.size() > 1, "Contact: all bodies belong to one group, '",
             scene.groups.front(), "'; give scene.add(..., group=...) for those that may slip");
     std::get<State<Dim>>(states_).search.prepare(scene);
+    const bool sharesCells = !dead && sharedCells && ownedFacets() != OwnedFacets::none && impactLoss == 1;
+    if (!sharesCells) {
+        cells.clear();
+        gaps.clear();
+    }
     if (dead) return;
-    scene.sharedCells.isWanted = sharedCells && ownedFacets() != OwnedFacets::none && impactLoss == 1;
+    scene.sharedCells.isWanted = sharesCells;
     scene.sharedCells.restore(cells, gaps);
     std::get<SharedCells<Dim>*>(shared_) = &scene.sharedCells;
 }

@@ -41,6 +41,7 @@ template <int Dim> class SharedCells {
     // An open taker has opened by so much more, over its volume.
     void widen(int taker, double gap) {
         double& its = gaps_.at(taker);
+        if (its < 0) return; // by what another body in its cell has told in this step
         its = its + gap > kept ? unknown : std::max(usedUp, its + gap);
     }
     // Rate of volume change of the soil in a taker if it is closed, 1/s. velocityOf(group, node): m/s.

@@ -38,13 +38,14 @@ def driven(
     at=None,
     graded=False,
     isDriven=True,
+    size=None,
     **contact,
 ):
     """Scene, soil, block, contact.
 
-    at : centre of the block, m; None: the middle, moved by `shift` along all axes.
+    at : centre of the block, m; None: the middle, moved by `shift` along all axes. size : of the box, m.
     """
-    size = SIZE[dim]
+    size = size or SIZE[dim]
     lower, upper = (0.0,) * dim, (size,) * dim
     fine = ((1.0, 1.0), (3.4, 3.4))
     scene = mpm.Scene(
@@ -87,6 +88,7 @@ CASES = {
     "beside a wall": dict(at=(0.7, 2.4), velocity=(0.4, 0.1)),
     "graded grid": dict(graded=True),
     "USL": dict(scheme="USL"),
+    "elastic impacts": dict(impactLoss=0),
     "3D": dict(dim=3),
 }
 
@@ -100,6 +102,19 @@ def test_pressure_and_volumes_stay(case):
     assert np.abs(within - 1).max() < 0.005
     lost = mpm.diagnostics.energyError(scene) / mpm.diagnostics.externalWork(scene)
     assert abs(lost) < 0.02
+
+
+@pytest.mark.parametrize("size, speed, within", [(4.0, 0.4, 0.03), (2.4, 0.4, 0.08), (2.4, 0.2, 0.03)])
+def test_pressure_stays_where_soil_parts_from_a_block_and_comes_back(size, speed, within):
+    """A block is torn out of a corner: rho c v is 100 kPa for each face, and as much again where
+    waves meet walls. Single cells open; their gaps are used up before the soil is pressed again.
+    In the small box 1e-4 of the volume are 5 kPa. It had 222 of 200 kPa after 0.6 s when what the
+    last step of a gap had pressed too much was lost, and a cell that had been touched could open
+    again in the same step."""
+    start = 1.6 if size == 4 else 0.8
+    scene, soil, block, contact = driven(size=size, at=(start, start), velocity=(speed, speed))
+    scene.run(until=1.0 if size == 4 else 0.6, progress=False)
+    assert pressureOf(soil) == pytest.approx(1, abs=within)
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -161,29 +176,77 @@ def test_an_estimate_of_the_step_changes_nothing():
     assert bits(asked) == bits(plain)
 
 
+TOP = 1.6  # m, of the soil below a free surface
+
+
+def onBed(gap, velocity, soil="clay", width=2.4, at=0.8, gravity=0.0, friction=0.0):
+    """Scene, block, contact, drive: a block that is moved on a bed or down on it.
+
+    gap : in cells, between the free surface and the block. at : left edge of the block, m.
+    """
+    scene = mpm.Scene((0, 0), (width, 2.8), CELL)
+    elastic = mpm.LinearElastic(density=1.8, lame=(1500, 1000))
+    clay = mpm.MohrCoulombDruckerPrager(density=1.8, lame=LAME, cohesion=STRENGTH, frictionAngle=0)
+    material = clay if soil == "clay" else elastic
+    bed = box((0, 0), (width, TOP))
+    soil = scene.add("soil", bed, material, mpm.UGIMP(perCell=2), group="soil", fbar=True)
+    soil.setStress(1.8 * gravity * (soil.position[:, 1] - TOP)[:, None, None] * np.eye(3))
+    bottom = TOP + gap * CELL
+    mesh = study.quadrilaterals(
+        *np.meshgrid(np.linspace(at, at + 0.8, 9), np.linspace(bottom, bottom + 0.6, 7))
+    )
+    block = scene.add("block", mesh, elastic, mpm.APDI(), group="block")
+    contact = mpm.Contact(friction=friction, impactLoss=1)
+    drive = mpm.Drive(block, velocity=velocity)
+    walls = ("left", "right", "bottom")
+    solver = mpm.GridSolver(drive=drive, roller=walls, gravity=(0, -gravity))
+    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    return scene, block, contact, drive
+
+
 @pytest.mark.parametrize("gap", [0.05, 0.15, 0.3, 1.0])
 def test_no_force_before_surfaces_meet(gap):
     """gap : in cells, between a free surface and a block that comes down on it."""
-    top, width = 1.6, 2.4
-    scene = mpm.Scene((0, 0), (width, 2.8), CELL)
-    clay = mpm.MohrCoulombDruckerPrager(density=1.8, lame=LAME, cohesion=STRENGTH, frictionAngle=0)
-    scene.add("soil", box((0, 0), (width, top)), clay, mpm.UGIMP(perCell=2), group="soil")
-    bottom = top + gap * CELL
-    mesh = study.quadrilaterals(*np.meshgrid(np.linspace(0.8, 1.6, 9), np.linspace(bottom, bottom + 0.6, 7)))
-    block = scene.add("block", mesh, mpm.LinearElastic(density=1.8, lame=LAME), mpm.APDI(), group="block")
-    contact = mpm.Contact(impactLoss=1)
-    drive = mpm.Drive(block, velocity=(0, -0.4))
-    walls = ("left", "right", "bottom")
-    solver = mpm.GridSolver(drive=drive, roller=walls)
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene, block, contact, drive = onBed(gap, velocity=(0, -0.4))
     least = 0.0
-    while (left := block.vertices[:, 1].min() - top) > -0.5 * CELL:
+    while (left := block.vertices[:, 1].min() - TOP) > -0.5 * CELL:
         scene.run(steps=2, progress=False)
         force = contact.forceOn("block")[1]
         least = min(least, force)
         assert left < 0.05 * CELL or force == 0
-    assert force > 20 and least > -0.1 * force
+    assert force > 20 and least > -1e-4 * force
     assert np.any(np.array(contact.gaps) == 0)  # and now cells are shared
+
+
+def test_friction_counts_all_that_presses_and_no_more():
+    """A block under its weight is dragged over an elastic bed: cells bear most of it. Counted as
+    pressure times area it was 7 % more than the cells bear."""
+    scene, block, contact, drive = onBed(0, (0.4, None), "elastic", width=4, gravity=10, friction=0.3)
+    scene.run(until=0.4, progress=False)
+    before, up, closed = contact.frictionWork, [], 0
+    while scene.time < 1.2:
+        scene.run(steps=4, progress=False)
+        up.append(contact.forceOn("block")[1])
+        closed += np.count_nonzero(np.array(contact.gaps) == 0)
+    assert closed > 4 * len(up)
+    assert np.mean(up) == pytest.approx(1.8 * 0.8 * 0.6 * 10, rel=0.03)
+    way = 0.4 * (scene.time - 0.4)
+    assert contact.frictionWork - before == pytest.approx(0.3 * np.mean(up) * way, rel=0.02)
+
+
+def test_a_block_that_is_lifted_from_clay_is_not_held():
+    """The surfaces part as soon as what the cells press them together with is used up. One that
+    counted it as pressure times area was held by 4 % of what had pressed it."""
+    scene, block, contact, drive = onBed(0, (0, -0.4), gravity=10)
+    scene.run(until=0.25, progress=False)
+    pressed = contact.forceOn("block")[1]
+    assert pressed > 50
+    drive.velocity = (0, 0.4)
+    start, least = block.position[:, 1].min(), 0.0
+    while block.position[:, 1].min() < start + CELL:
+        scene.run(steps=4, progress=False)
+        least = min(least, contact.forceOn("block")[1])
+    assert least > -1e-4 * pressed
 
 
 def test_light_bodies_that_nothing_drives_share_no_cells():
@@ -194,8 +257,8 @@ def test_light_bodies_that_nothing_drives_share_no_cells():
         assert bool(len(contact.cells)) == isShared
 
 
-@pytest.mark.parametrize("what", [dict(impactLoss=0), dict(separation=False), dict(constraints="nodes")])
-def test_cells_are_shared_only_where_facets_own_points_and_impacts_are_lost(what):
+@pytest.mark.parametrize("what", [dict(separation=False), dict(constraints="nodes")])
+def test_cells_are_shared_only_where_facets_own_points(what):
     scene, soil, block, contact = driven(**what)
     scene.run(steps=20, progress=False)
     assert len(contact.cells) == 0

@@ -104,7 +104,7 @@ template <int Dim> void Contact::check(Scene<Dim>& scene) {
     require(dead || scene.groups.size() > 1, "Contact: all bodies belong to one group, '",
             scene.groups.front(), "'; give scene.add(..., group=...) for those that may slip");
     std::get<State<Dim>>(states_).search.prepare(scene);
-    const bool sharesCells = !dead && sharedCells && ownedFacets() != OwnedFacets::none && impactLoss == 1;
+    const bool sharesCells = !dead && sharedCells && ownedFacets() != OwnedFacets::none;
     if (!sharesCells) {
         cells.clear();
         gaps.clear();
@@ -128,26 +128,11 @@ OwnedFacets Contact::ownedFacets() const {
     return normals == "mass" ? OwnedFacets::none : OwnedFacets::ofMeshesOnBoxes;
 }
 
-// The pressure that shared cells carry across at each site of contact.
-template <int Dim> void Contact::carry(const Scene<Dim>& scene, ContactSearch<Dim>& search) {
-    if (!scene.sharedCells.isWanted) return;
-    for (auto& node : search.nodes) node.carried = scene.sharedCells.pressureAt(scene.grid, node.node);
-    for (auto& point : search.points) {
-        double sum = 0, weights = 0;
-        for (int i = 0; i < point.size; ++i)
-            if (const double carried = search.nodes[point.contact[i]].carried; carried > 0) {
-                sum += point.S[i] * carried;
-                weights += point.S[i];
-            }
-        point.carried = weights > 0 ? sum / weights : 0;
-    }
-}
-
 template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     if (!state.search.isFound(scene)) state.search.find(scene, rule());
     state.impulses.nodes.assign(state.search.nodes.size(), {});
-    carry(scene, state.search);
+    if (scene.sharedCells.isWanted) state.carried.find(scene.sharedCells, state.search);
     return state;
 }
 

@@ -2,6 +2,7 @@
 // Frictional contact between groups of bodies. See Contact.cpp; derived in doc/explanation/contact.md.
 #pragma once
 
+#include "mpm/contact/CarriedForces.hpp"
 #include "mpm/contact/ContactImpulses.hpp"
 #include "mpm/scene/Scene.hpp"
 
@@ -58,6 +59,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     template <int Dim> struct State {
         ContactSearch<Dim> search;
         ContactImpulses<Dim> impulses;
+        CarriedForces<Dim> carried;
         // What implicit bodies answer on their own side of each contact node, for velocities made anew.
         struct Own {
             bool is[2] = {false, false};
@@ -81,7 +83,6 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     template <int Dim> static void touch(Scene<Dim>& scene, const ContactSearch<Dim>& search);
     template <int Dim> void recordShared(const Scene<Dim>& scene);
     template <int Dim> void addForce(ContactRecord& row, const Vec<Dim>& force);
-    template <int Dim> static void carry(const Scene<Dim>& scene, ContactSearch<Dim>& search);
     template <int Dim> void tie(Scene<Dim>& scene);
     template <int Dim> void addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss);
     template <int Dim>

@@ -30,7 +30,7 @@ template <int Dim> struct ContactSite {
     Vec<Dim> normal = Vec<Dim>::Zero();   // from the first group to the second; zero: not known
     double gap = 0, area = 0;             // m; m2, of the smaller surface along the normal
     double tolerated = 0;                 // m, overlap that does not count
-    double carried = 0;                   // kPa, pressure that acts across by shared cells
+    double carried = 0;                   // kN, force that shared cells press the surfaces together with
     bool presses = false, sticks = false; // in this step
     Impulses<Dim> J;
 };

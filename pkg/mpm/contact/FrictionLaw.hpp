@@ -3,8 +3,8 @@
 // . n and the mobility 1/m_a + 1/m_b,
 //     J_n = [w - max(g, 0)/dt] / (1/m_a + 1/m_b) where that is positive,   |J_t| <= mu J_n + adhesion A dt:
 // surfaces may close a gap but not cross, and do not pull. Adhesion acts where the gap is closed. Where shared cells
-// carry a pressure P across (scene/SharedCells.hpp), it counts for friction, and as long as it presses the surfaces do
-// not part: J_n >= -P A dt.
+// press the surfaces together with a force P (scene/SharedCells.hpp), it counts for friction, and the surfaces do not
+// part before it is used up: J_n >= -P dt.
 #pragma once
 
 #include "mpm/contact/ContactNode.hpp"
@@ -86,7 +86,7 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     const auto across = [&](const Vec<Dim>& v) { return Vec<Dim>(v - v.dot(n) * n); };
     const Vec<Dim> borneSoFar = across(site.J.all); // by friction, which moves an implicit body along n, too
     const bool isFree = n.dot(mobility * n) > 0;
-    const double carried = separation && isFree ? site.carried * site.area * dt : 0;
+    const double carried = separation && isFree ? site.carried * dt : 0;
     double pushed = stopping(site, mobility, Vec<Dim>(w - mobility * borneSoFar), dt);
     if (pushed == 0 && carried > 0)
         pushed = holding(site, mobility, Vec<Dim>(w - mobility * borneSoFar), carried);

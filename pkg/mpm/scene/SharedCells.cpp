@@ -15,9 +15,9 @@ namespace {
 constexpr double ownShare = 0.5;   // open part of a cell from which on its own soil takes all of its flux
 constexpr double leastOpen = 0.25; // part of a cell that a taker counts as open at least
 constexpr double leastWeight = 0.05;
-// How full the corners of a taker are to be for it to close: 0.75 at a flat free surface, about 1 inside. At first, for
-// boxes round a body that was put in its place leave gaps; later; again, once the gap is used up; beside a closed one.
-constexpr double fullAtFirst = 0.95, full = 0.98, fullAgain = 0.85, fullBesideClosed = 0.7;
+// How full the corners of a taker are to be for it to close where its gap is not known: 0.75 at a flat free surface,
+// about 1 inside. At first, for boxes round a body that was put in its place leave gaps; later; beside a closed one.
+constexpr double fullAtFirst = 0.95, full = 0.98, fullBesideClosed = 0.7;
 
 // f(cell, along how many axes it is beside) for the cells of the grid beside one.
 template <int Dim, class F> void forNeighbours(const Grid<Dim>& grid, int cell, F&& f) {
@@ -123,6 +123,7 @@ template <int Dim> void SharedCells<Dim>::clear() {
     near_.clear();
     givers_.clear();
     forces_.clear();
+    across_.clear();
     takers_.clear();
 }
 
@@ -174,6 +175,7 @@ template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
     hat_.resize(count);
     for (int node = 0; node < count; ++node) hat_[node] = hatVolume(scene.grid, node);
     isNear_.assign(count, 0);
+    isReached_.assign(count, 0);
     giverAt_.assign(count, -1);
 }
 
@@ -284,14 +286,13 @@ std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const 
     std::map<int, double> filled;
     if (cells.empty()) return filled;
     std::vector<int> reach = cells, touched, which; // cells whose boxes reach the corners
-    std::vector<char> isIn(grid.count, 0);
-    for (int cell : cells) isIn[cell] = 1;
+    for (int cell : cells) isReached_[cell] = 1;
     for (size_t begin = 0, ring = 0; ring < 2; ++ring) {
         const size_t end = reach.size();
         for (; begin < end; ++begin)
             forNeighbours(grid, reach[begin], [&](int cell, int) {
-                if (!isIn[cell]) reach.push_back(cell);
-                isIn[cell] = 1;
+                if (!isReached_[cell]) reach.push_back(cell);
+                isReached_[cell] = 1;
             });
     }
     const auto [lowest, highest] = std::minmax_element(reach.begin(), reach.end());
@@ -299,7 +300,7 @@ std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const 
         if (!isSoil_[body->velocityField] || !actsByCells(*body)) continue;
         which.clear();
         body->cellAverage.forCells(*lowest, *highest, [&](int p, int cell) {
-            if (isIn[cell]) which.push_back(p);
+            if (isReached_[cell]) which.push_back(p);
         });
         body->domains->addQuantity(body->particles.volume.plane(), which, scratch_.data(), touched);
     }
@@ -312,12 +313,13 @@ std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const 
             filled[cell] += volume / hat_[node] / corners<Dim>;
         }
     for (int node : touched) scratch_[node] = 0;
+    for (int cell : reach) isReached_[cell] = 0;
     return filled;
 }
 
-// Soil that is pulled opens, and closes again once the gap of that is used up. What comes anew beside a closed taker
-// goes on with it: soil that has flowed round a body covers the cells there unevenly. All others wait until surfaces
-// meet, see closeTouched().
+// Soil that is pulled opens, and closes again once the gap of that is used up or surfaces meet. What comes anew beside a
+// closed taker goes on with it: soil that has flowed round a body covers the cells there unevenly. All others wait
+// until surfaces meet, see closeTouched().
 template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
     std::map<int, double> gaps;
     std::vector<int> asked;
@@ -325,17 +327,15 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
         const auto before = gaps_.find(cell);
         double& gap = gaps[cell] = before != gaps_.end() ? before->second : gaps_.empty() ? placed : unknown;
         const bool isPressed = meanStressIn(scene, cell) < 0;
-        taker.isClosed = isPressed && gap == 0;
-        if (gap == 0 && !isPressed) gap = usedUp;
-        if (isPressed && !taker.isClosed) asked.push_back(cell);
+        taker.isClosed = isPressed && (gap == 0 || gap == usedUp);
+        if (gap == 0 || gap == usedUp) gap = isPressed ? 0 : usedUp;
+        if (isPressed && gap < 0) asked.push_back(cell);
     }
     for (const auto& [cell, filled] : fillings(scene, asked)) {
         Taker& taker = takers_.at(cell);
         taker.filled = filled;
-        if (gaps.at(cell) == usedUp)
-            taker.isClosed = filled >= fullAgain;
-        else if (gaps_.count(cell) == 0)
-            taker.isClosed = filled >= fullBesideClosed && isBesideClosed(scene.grid, cell);
+        taker.isClosed =
+            gaps_.count(cell) == 0 && filled >= fullBesideClosed && isBesideClosed(scene.grid, cell);
         if (taker.isClosed) gaps[cell] = 0;
     }
     gaps_.swap(gaps);
@@ -343,17 +343,18 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
         if (gaps_.at(cell) >= 0) tell(scene, cell, taker);
 }
 
-// Where the groups press on each other, and no gap is left in the cell.
+// Where the groups press on each other. Where it is not known how far a taker is open, it has to be full, too.
 template <int Dim> void SharedCells<Dim>::closeTouched(const Grid<Dim>& grid) {
     const auto isTouched = [&](const Part& from) {
         bool is = false;
         for (int a = 0; a < corners<Dim>; ++a) is |= isTouched_[cornerOf(grid, from.cell, a)];
         return is;
     };
-    for (const auto& [cell, taker] : takers_)
-        if (taker.filled >= (gaps_.at(cell) == placed ? fullAtFirst : full) &&
-            std::any_of(taker.from.begin(), taker.from.end(), isTouched))
-            gaps_.at(cell) = 0;
+    for (const auto& [cell, taker] : takers_) {
+        double& gap = gaps_.at(cell);
+        const bool isFull = gap >= 0 || taker.filled >= (gap == placed ? fullAtFirst : full);
+        if (isFull && std::any_of(taker.from.begin(), taker.from.end(), isTouched)) gap = 0;
+    }
 }
 
 // Times volume; of the boxes in a cell.
@@ -400,40 +401,47 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     Grid<Dim>& grid = scene.grid;
     forces_.clear();
-    for (Giver& giver : givers_) {
-        giver.stress = 0;
+    across_.clear();
+    for (const Giver& giver : givers_) {
+        double stress = 0; // mean one that acts on its corners, kPa
         for (const Part& to : giver.to) {
             const Taker& taker = takers_.at(to.cell);
-            giver.stress += to.part * taker.acting / taker.volume;
+            stress += to.part * taker.acting / taker.volume;
         }
-        if (giver.stress == 0) continue;
+        if (stress == 0) continue;
+        const int soil = groupOf(scene, giver.to.front().cell);
         const Vec<Dim> edges = grid.edges(giver.cell);
-        const Vec<Dim> pull = giver.stress * edges.prod() / (corners<Dim> / 2) * edges.cwiseInverse();
-        for (int a = 0; a < corners<Dim>; ++a) {
-            const int node = cornerOf(grid, giver.cell, a);
-            const double all = volumeAt(node);
-            for (int g = 0; g < int(volumes_.size()) && all > 0; ++g) {
-                const double part = volumeOf(g, node) / all;
-                if (!(part > 0)) continue;
+        const Vec<Dim> pull = stress * edges.prod() / (corners<Dim> / 2) * edges.cwiseInverse();
+        for (int g = 0; g < int(volumes_.size()); ++g) {
+            Vec<Dim> sum = Vec<Dim>::Zero();
+            for (int a = 0; a < corners<Dim>; ++a) {
+                const int node = cornerOf(grid, giver.cell, a);
+                const double own = volumeOf(g, node), part = own > 0 ? own / volumeAt(node) : 0;
+                if (part == 0) continue;
                 Vec<Dim> force;
                 for (int k = 0; k < Dim; ++k) force[k] = -part * pull[k] * cornerSign(a, k);
                 for (int k = 0; k < Dim; ++k) NF::addForce(grid.fields[g].sum[node], k, force[k]);
-                if (isSolid_[g]) forces_.push_back({groupOf(scene, giver.to.front().cell), g, node, force});
+                if (isSolid_[g]) forces_.push_back({soil, g, node, force});
+                sum += force;
             }
+            if (isSolid_[g] && !sum.isZero(0)) addAcross(grid, giver.cell, soil, g, sum);
         }
     }
 }
 
-template <int Dim> double SharedCells<Dim>::pressureAt(const Grid<Dim>& grid, int node) const {
-    double sum = 0;
-    int count = 0;
-    if (!givers_.empty())
-        forCellsAround(grid, node, [&](int cell) {
-            if (giverAt_[cell] < 0) return;
-            sum -= givers_[giverAt_[cell]].stress;
-            ++count;
-        });
-    return count > 0 ? std::max(0.0, sum / count) : 0;
+// The force on a solid in a cell, which is the pressure on the solid's surface there, to the corners that both groups
+// reach.
+template <int Dim>
+void SharedCells<Dim>::addAcross(const Grid<Dim>& grid, int cell, int soil, int solid,
+                                 const Vec<Dim>& force) {
+    double weights[corners<Dim>], sum = 0;
+    for (int a = 0; a < corners<Dim>; ++a) {
+        const int node = cornerOf(grid, cell, a);
+        sum += weights[a] = volumeOf(soil, node) * volumeOf(solid, node);
+    }
+    for (int a = 0; a < corners<Dim> && sum > 0; ++a)
+        if (weights[a] > 0)
+            across_.push_back({soil, solid, cornerOf(grid, cell, a), weights[a] / sum * force});
 }
 
 template <int Dim> void SharedCells<Dim>::store(std::vector<double>& cells, std::vector<double>& gaps) const {

@@ -7,8 +7,8 @@
 // soil alone would not feel what a moving surface pushes into their cell (doc/explanation/volumes.md).
 //
 // A taker is closed while its soil and the body fill the space and press on each other, else open: a gap, or a free
-// surface near the body. An open one goes as if there were no other group. It closes where the surfaces have met and no
-// gap is left, or once the small gap that it has opened by since it was closed is used up.
+// surface near the body. An open one goes as if there were no other group. One that was closed knows its gap while that
+// is small: it closes when it is used up, or the surfaces meet. Others close where surfaces meet and the cell is full.
 #pragma once
 
 #include "mpm/scene/Body.hpp"
@@ -38,17 +38,21 @@ template <int Dim> class SharedCells {
     void act(int taker, double stressVolume) { takers_.at(taker).acting += stressVolume; }
     // Adds the forces of what the takers bear to the nodes. One thread.
     void addForces(Scene<Dim>& scene);
-    // An open taker has opened by so much more, over its volume.
-    void widen(int taker, double gap) {
-        double& its = gaps_.at(taker);
-        if (its < 0) return; // by what another body in its cell has told in this step
-        its = its + gap > kept ? unknown : std::max(usedUp, its + gap);
+    // Rate of volume change of a soil in an open taker, 1/s, where it would be `own` without the other group, and
+    // `closed` if the taker were closed: a known gap opens by the difference, and what is left of it in a step is all
+    // that the soil may take. volume: of the taker, what is this soil's.
+    double openRate(int taker, double volume, double dt, double own, double closed) {
+        double& gap = gaps_.at(taker);
+        if (gap <= 0) return own; // 0: surfaces have met in this step
+        const double part = volume / takers_.at(taker).volume;
+        const double opened = gap + part * dt * (closed - own);
+        if (opened <= usedUp) own = closed + gap / (part * dt);
+        gap = opened > kept ? unknown : std::max(usedUp, opened);
+        return own;
     }
     // Rate of volume change of the soil in a taker if it is closed, 1/s. velocityOf(group, node): m/s.
     template <class VelocityOf>
     double rate(const Scene<Dim>& scene, int taker, VelocityOf&& velocityOf) const;
-    // Pressure of the shared cells around a node, kPa.
-    double pressureAt(const Grid<Dim>& grid, int node) const;
 
     // Forces that the cells have put on a solid at a node, kN.
     struct Force {
@@ -56,6 +60,8 @@ template <int Dim> class SharedCells {
         Vec<Dim> force;
     };
     const std::vector<Force>& forces() const { return forces_; }
+    // The same forces, cell by cell, where they act across the surface: on nodes that have volumes of both.
+    const std::vector<Force>& forcesAcross() const { return across_; }
 
     // Takes note that the groups press on each other at a node; and then lets takers close, from the next step on.
     void touch(int node) {
@@ -82,12 +88,11 @@ template <int Dim> class SharedCells {
         bool isClosed = false;
     };
     // Gaps: not known, of takers that were there when the first came, and of later ones or such that opened by more than
-    // is kept; and one that is used up.
-    static constexpr double placed = -1, unknown = -2, usedUp = 1e-12, kept = 1e-3;
+    // is kept; and one that is used up. (What is left of a gap where surfaces meet is lost: large ones are not.)
+    static constexpr double placed = -1, unknown = -2, usedUp = 1e-12, kept = 1e-2;
     struct Giver {
         int cell;
         std::vector<Part> to;
-        double stress = 0; // mean one that acts on its corners, kPa
     };
 
     void findGroups(const Scene<Dim>& scene);
@@ -105,6 +110,7 @@ template <int Dim> class SharedCells {
     double meanStressIn(const Scene<Dim>& scene, int number) const;
     double insideWithSolids(const Scene<Dim>& scene, int group, int number) const;
     void tell(const Scene<Dim>& scene, int number, const Taker& taker);
+    void addAcross(const Grid<Dim>& grid, int cell, int soil, int solid, const Vec<Dim>& force);
     static int cornerOf(const Grid<Dim>& grid, int cell, int corner) {
         for (int k = 0; k < Dim; ++k) cell += cornerSign(corner, k) > 0 ? grid.strides[k] : 0;
         return cell;
@@ -119,13 +125,14 @@ template <int Dim> class SharedCells {
     std::vector<int> near_;                    // cells with a node of a solid
     std::vector<int> touched_;                 // nodes where groups press on each other in this step
     std::vector<char> isTouched_;              // of each node, whether it is one of these
+    std::vector<char> isReached_;              // of each cell, while fillings are found
     std::vector<char> isNear_;                 // of each cell, whether it is one of these,
     std::vector<double> solid_; // and what part of it solids fill, by its corners: smooth as they move
     std::vector<Giver> givers_;
     std::vector<int> giverAt_; // of each cell, -1: none
     std::map<int, Taker> takers_;
     std::map<int, double> gaps_; // of the takers, over their volume: opened since they were closed
-    std::vector<Force> forces_;
+    std::vector<Force> forces_, across_;
 };
 
 template <int Dim>

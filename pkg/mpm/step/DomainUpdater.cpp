@@ -169,7 +169,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 cell.mean = s * shared + (1 - s) * cell.mean;
             else if (hasBoxes && s > 0)
                 cell.mean = s * cells.growth(scene.grid, nodes, dt, number, cell.edges) + (1 - s) * cell.mean;
-            if (cell.shared < 0) scene.sharedCells.widen(number, dt * (shared - cell.mean));
+            if (cell.shared < 0)
+                cell.mean = scene.sharedCells.openRate(number, -cell.shared, dt, cell.mean, shared);
         });
         region.chunks(n, partitions.rest, [&](int begin, int end) {
             if (cells.areAlone(begin)) {

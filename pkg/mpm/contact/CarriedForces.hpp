@@ -58,9 +58,8 @@ template <int Dim> class CarriedForces {
             if (areas_[node] > 0)
                 site.carried += weight * site.area / areas_[node] * forces_[node].dot(site.normal);
         });
-        forSites(search, pair, [&](ContactSite<Dim>& site, size_t, double) {
-            site.carried = std::max(0.0, site.carried);
-        });
+        forSites(search, pair,
+                 [&](ContactSite<Dim>& site, size_t, double) { site.carried = std::max(0.0, site.carried); });
     }
 };
 

@@ -176,7 +176,6 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const V
     };
     table.push_back({contact.field[0], contact.field[1], inSpace(contact.position), inSpace(contact.normal),
                      contact.gap, contact.area, inSpace(contact.impulse / scene.dt), inSpace(slip)});
-    nodesOfTable_.push_back(contact.node);
     double* force = &forces[3 * pairOf(contact.field[0], contact.field[1])];
     for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[k] / scene.dt;
     if (!contact.hasPoints) largestPenetration = std::max(largestPenetration, -contact.gap);
@@ -212,7 +211,6 @@ void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair& pair, d
 template <int Dim> void Contact::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
     table.clear();
-    nodesOfTable_.clear();
     largestPenetration = gridLoss = 0;
     sliding = reduced = unsettled = 0;
     forces.assign(3 * pairOf(0, int(scene.groups.size())), 0.0);
@@ -270,39 +268,29 @@ template <int Dim> void Contact::touch(Scene<Dim>& scene, const ContactSearch<Di
     scene.sharedCells.closeTouched(scene.grid);
 }
 
-// What shared cells put on the groups is force of contact, too: at its nodes, and at nodes inside the meshes.
+// What shared cells put on the groups is force of contact, too: pressure, in rows of their own, at nodes that may lie
+// inside the meshes.
 template <int Dim> void Contact::recordShared(const Scene<Dim>& scene) {
-    std::map<std::tuple<int, int, int>, Vec<Dim>>
-        carried; // of first and second group and node: on the second
+    std::map<std::tuple<int, int, int>, Vec<Dim>> on; // the second group, by first and second group and node
     for (const auto& part : scene.sharedCells.forces()) {
         const bool isSecond = part.solid > part.soil;
-        const std::tuple<int, int, int> at{std::min(part.soil, part.solid), std::max(part.soil, part.solid),
-                                           part.node};
-        auto& force = carried.try_emplace(at, Vec<Dim>::Zero()).first->second;
+        auto& force =
+            on.try_emplace({std::min(part.soil, part.solid), std::max(part.soil, part.solid), part.node},
+                           Vec<Dim>::Zero())
+                .first->second;
         force += (isSecond ? 1 : -1) * part.force;
     }
-    const size_t met = table.size();
-    for (size_t i = 0; i < met; ++i) {
-        const auto found = carried.find({table[i].first, table[i].second, nodesOfTable_[i]});
-        if (found == carried.end()) continue;
-        addForce<Dim>(table[i], found->second);
-        carried.erase(found);
-    }
-    for (const auto& [at, force] : carried) {
+    for (const auto& [at, force] : on) {
+        const auto [first, second, node] = at;
         ContactRecord row;
-        row.first = std::get<0>(at);
-        row.second = std::get<1>(at);
-        row.node.template head<Dim>() = scene.grid.nodePosition(std::get<2>(at));
+        row.first = first;
+        row.second = second;
+        row.node.template head<Dim>() = scene.grid.nodePosition(node);
         row.normal.template head<Dim>() = unit<Dim>(force, 0.0);
+        row.force.template head<Dim>() = force;
+        for (int k = 0; k < Dim; ++k) forces[3 * pairOf(first, second) + k] += force[k];
         table.push_back(row);
-        addForce<Dim>(table.back(), force);
     }
-}
-
-// Of shared cells, on the second group.
-template <int Dim> void Contact::addForce(ContactRecord& row, const Vec<Dim>& force) {
-    row.force.template head<Dim>() += force;
-    for (int k = 0; k < Dim; ++k) forces[3 * pairOf(row.first, row.second) + k] += force[k];
 }
 
 // Gives the groups on a node what they have exchanged.

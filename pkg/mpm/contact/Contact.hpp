@@ -71,7 +71,6 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     };
     std::tuple<State<2>, State<3>> states_;
     std::tuple<SharedCells<2>*, SharedCells<3>*> shared_; // of the scene
-    std::vector<int> nodesOfTable_;                       // of each row of the table
 
     template <int Dim> void check(Scene<Dim>& scene);
     OwnedFacets ownedFacets() const;
@@ -82,7 +81,6 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     template <int Dim> State<Dim>& found(const Scene<Dim>& scene);
     template <int Dim> static void touch(Scene<Dim>& scene, const ContactSearch<Dim>& search);
     template <int Dim> void recordShared(const Scene<Dim>& scene);
-    template <int Dim> void addForce(ContactRecord& row, const Vec<Dim>& force);
     template <int Dim> void tie(Scene<Dim>& scene);
     template <int Dim> void addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss);
     template <int Dim>

@@ -95,7 +95,8 @@ class Contact(generated["Contact"]):
 
         first, second : names of the groups; node (n, 3), m; normal (n, 3), from the first to the second; gap,
         m (negative: overlap); area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, the rate
-        of the first against the second (RigidContact: a length).
+        of the first against the second (RigidContact: a length). Pressure of shared cells (`sharedCells`) has
+        rows of its own with the area 0, the normal along the force.
         """
         table = self.core.table
         names = np.array(self._groups or [""], object)

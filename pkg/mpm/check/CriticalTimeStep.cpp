@@ -194,6 +194,9 @@ CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance, int most, boo
     result.longestStable = feelsEveryNode(scene)
                                ? longestStableOfWidened(scene, !asIfExplicit, tolerance, most)
                                : longestStable(scene, K, tolerance, most);
+    const double factor = scene.sharedCells.stepFactor(scene);
+    result.ofGrid *= factor;
+    result.longestStable *= factor;
     result.dt = std::min(result.ofGrid, result.longestStable);
     return result;
 }

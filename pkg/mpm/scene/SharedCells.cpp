@@ -15,6 +15,8 @@ namespace {
 constexpr double ownShare = 0.5;   // open part of a cell from which on its own soil takes all of its flux
 constexpr double leastOpen = 0.25; // part of a cell that a taker counts as open at least
 constexpr double leastWeight = 0.05;
+// Density of a body over that of the soil from which on cells are shared, unless it is driven: the step falls with it.
+constexpr double leastDensity = 0.04;
 // How full the corners of a taker are to be for it to close where its gap is not known: 0.75 at a flat free surface,
 // about 1 inside. At first, for boxes round a body that was put in its place leave gaps; later; beside a closed one.
 constexpr double fullAtFirst = 0.95, full = 0.98, fullBesideClosed = 0.7;
@@ -140,8 +142,8 @@ template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
     decide(scene);
 }
 
-// Groups with boxes that act by cells; boxes that carry an outline have a surface of their own. And meshes alone, not
-// lighter than the soil, unless they are driven: the critical step does not know that the pressure acts on their nodes.
+// Groups with boxes that act by cells; boxes that carry an outline have a surface of their own. And groups of meshes
+// alone, unless they are too light.
 template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
     const size_t groups = scene.groups.size();
     std::vector<double> lightest(groups, std::numeric_limits<double>::infinity());
@@ -162,9 +164,11 @@ template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
             lightest[group] = std::min(lightest[group], density);
         }
     }
+    lightness_ = 1;
     for (size_t g = 0; g < groups; ++g) {
         isSoil_[g] &= !hasOutline[g];
-        isSolid_[g] &= lightest[g] >= heaviest;
+        isSolid_[g] &= lightest[g] >= leastDensity * heaviest;
+        if (isSolid_[g]) lightness_ = std::min(lightness_, lightest[g] / heaviest);
     }
     if (volumes_.size() == groups) return;
     const int count = scene.grid.count;
@@ -177,6 +181,13 @@ template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
     isNear_.assign(count, 0);
     isReached_.assign(count, 0);
     giverAt_.assign(count, -1);
+}
+
+template <int Dim> double SharedCells<Dim>::stepFactor(const Scene<Dim>& scene) {
+    if (!isWanted) return 1;
+    findGroups(scene);
+    const bool hasSoil = std::count(isSoil_.begin(), isSoil_.end(), 1) > 0;
+    return hasSoil ? std::sqrt(lightness_) : 1;
 }
 
 template <int Dim> void SharedCells<Dim>::setVolume(int group, int node, double volume) {

@@ -31,6 +31,9 @@ template <int Dim> class SharedCells {
     void find(const Scene<Dim>& scene);
     // When the nodes have the masses of these, too.
     void takeVolumes(const Scene<Dim>& scene);
+    // What the critical step of the soil and the bodies by themselves is to be multiplied with: the pressure of the
+    // soil, with its stiffness, acts on the nodes of bodies that may be lighter.
+    double stepFactor(const Scene<Dim>& scene);
     // Forgets all but which takers were closed and open.
     void clear();
 
@@ -117,7 +120,8 @@ template <int Dim> class SharedCells {
     }
 
     long step_ = -1;
-    std::vector<char> isSoil_, isSolid_;       // of groups
+    double lightness_ = 1;               // of the lightest body, its density over that of the soil; at most 1
+    std::vector<char> isSoil_, isSolid_; // of groups
     std::vector<std::vector<double>> volumes_; // of each group at the nodes, m3
     std::vector<int> nodes_;                   // that have any
     std::vector<double> hat_;                  // integrals of the hat functions over the grid, m3

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // The forces with which shared cells press groups together, at the sites of contact. They act on the nodes already
 // (scene/SharedCells.hpp); the sites count them for friction, and do not part before they are used up. A node hands its
-// force to itself and to the points round it by the areas that they stand for, so that none is lost or counted twice.
+// force to itself and to the points round it by the areas that they stand for, so that none is counted twice.
 #pragma once
 
 #include "mpm/contact/ContactSearch.hpp"

@@ -17,8 +17,8 @@ constexpr double leastOpen = 0.25; // part of a cell that a taker counts as open
 constexpr double leastWeight = 0.05;
 // Density of a body over that of the soil from which on cells are shared, unless it is driven: the step falls with it.
 constexpr double leastDensity = 0.04;
-// How full the corners of a taker are to be for it to close where its gap is not known: 0.75 at a flat free surface,
-// about 1 inside. At first, for boxes round a body that was put in its place leave gaps; later; beside a closed one.
+// How full the corners of a taker are to be for it to close: 0.75 at a flat free surface, about 1 inside. At first, for
+// boxes round a body that was put in its place leave gaps; later; beside a closed one.
 constexpr double fullAtFirst = 0.95, full = 0.98, fullBesideClosed = 0.7;
 
 // f(cell, along how many axes it is beside) for the cells of the grid beside one.
@@ -328,9 +328,9 @@ std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const 
     return filled;
 }
 
-// Soil that is pulled opens, and closes again once the gap of that is used up or surfaces meet. What comes anew beside a
-// closed taker goes on with it: soil that has flowed round a body covers the cells there unevenly. All others wait
-// until surfaces meet, see closeTouched().
+// Soil that is pulled opens, and closes again once the gap of that is used up. What comes anew beside a closed taker
+// goes on with it: soil that has flowed round a body covers the cells there unevenly. All others wait until surfaces
+// meet, see closeTouched().
 template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
     std::map<int, double> gaps;
     std::vector<int> asked;
@@ -340,7 +340,7 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
         const bool isPressed = meanStressIn(scene, cell) < 0;
         taker.isClosed = isPressed && (gap == 0 || gap == usedUp);
         if (gap == 0 || gap == usedUp) gap = isPressed ? 0 : usedUp;
-        if (isPressed && gap < 0) asked.push_back(cell);
+        if (isPressed && !taker.isClosed) asked.push_back(cell);
     }
     for (const auto& [cell, filled] : fillings(scene, asked)) {
         Taker& taker = takers_.at(cell);
@@ -354,7 +354,8 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
         if (gaps_.at(cell) >= 0) tell(scene, cell, taker);
 }
 
-// Where the groups press on each other. Where it is not known how far a taker is open, it has to be full, too.
+// Where the groups press on each other and the cell is full. What is left of a known gap is lost then: a body that slides
+// or bounces on its soil would get energy from gaps that any touch closes.
 template <int Dim> void SharedCells<Dim>::closeTouched(const Grid<Dim>& grid) {
     const auto isTouched = [&](const Part& from) {
         bool is = false;
@@ -363,7 +364,7 @@ template <int Dim> void SharedCells<Dim>::closeTouched(const Grid<Dim>& grid) {
     };
     for (const auto& [cell, taker] : takers_) {
         double& gap = gaps_.at(cell);
-        const bool isFull = gap >= 0 || taker.filled >= (gap == placed ? fullAtFirst : full);
+        const bool isFull = taker.filled >= (gap == placed ? fullAtFirst : full);
         if (isFull && std::any_of(taker.from.begin(), taker.from.end(), isTouched)) gap = 0;
     }
 }

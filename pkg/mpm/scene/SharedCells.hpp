@@ -8,7 +8,7 @@
 //
 // A taker is closed while its soil and the body fill the space and press on each other, else open: a gap, or a free
 // surface near the body. An open one goes as if there were no other group. One that was closed knows its gap while that
-// is small: it closes when it is used up, or the surfaces meet. Others close where surfaces meet and the cell is full.
+// is small, and closes when it is used up; any one where surfaces meet and the cell is full.
 #pragma once
 
 #include "mpm/scene/Body.hpp"
@@ -46,7 +46,7 @@ template <int Dim> class SharedCells {
     // that the soil may take. volume: of the taker, what is this soil's.
     double openRate(int taker, double volume, double dt, double own, double closed) {
         double& gap = gaps_.at(taker);
-        if (gap <= 0) return own; // 0: surfaces have met in this step
+        if (gap <= 0) return own; // not known, or 0: surfaces have met in this step
         const double part = volume / takers_.at(taker).volume;
         const double opened = gap + part * dt * (closed - own);
         if (opened <= usedUp) own = closed + gap / (part * dt);
@@ -91,7 +91,7 @@ template <int Dim> class SharedCells {
         bool isClosed = false;
     };
     // Gaps: not known, of takers that were there when the first came, and of later ones or such that opened by more than
-    // is kept; and one that is used up. (What is left of a gap where surfaces meet is lost: large ones are not.)
+    // is kept; and one that is used up.
     static constexpr double placed = -1, unknown = -2, usedUp = 1e-12, kept = 1e-2;
     struct Giver {
         int cell;

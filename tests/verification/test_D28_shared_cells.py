@@ -234,6 +234,19 @@ def test_friction_counts_all_that_presses_and_no_more():
     assert contact.frictionWork - before == pytest.approx(0.3 * np.mean(up) * way, rel=0.02)
 
 
+@pytest.mark.parametrize("offset", [0.05, 0.15])
+def test_a_block_on_a_free_surface_is_not_pushed_along_it(offset):
+    """offset : of its edges from the nodes, m. What the cells at its ends put on its sides was 1.4 %
+    of its weight, by where its edges lay in the grid, and moved it by 6 cm in a second."""
+    scene, block, contact, drive = onBed(0, (0, None), "elastic", width=3.2, at=1.2 + offset, gravity=10)
+    scene.run(until=0.3, progress=False)
+    start = np.array(contact.impulses)
+    scene.run(until=0.8, progress=False)
+    along, up = (np.array(contact.impulses) - start)[:2]
+    assert up == pytest.approx(0.5 * 1.8 * 0.8 * 0.6 * 10, rel=0.05)
+    assert abs(along) < 0.005 * up
+
+
 def test_a_block_that_is_lifted_from_clay_is_not_held():
     """The surfaces part as soon as what the cells press them together with is used up. One that
     counted it as pressure times area was held by 4 % of what had pressed it."""

@@ -15,6 +15,8 @@ namespace {
 constexpr double ownShare = 0.5;   // open part of a cell from which on its own soil takes all of its flux
 constexpr double leastOpen = 0.25; // part of a cell that a taker counts as open at least
 constexpr double leastWeight = 0.05;
+// How full cells around are where there is a free surface, and from which on there is none.
+constexpr double emptyAround = 0.62, filledAround = 0.74;
 // Density of a body over that of the soil from which on cells are shared, unless it is driven: the step falls with it.
 constexpr double leastDensity = 0.04;
 // How full the corners of a taker are to be for it to close: 0.75 at a flat free surface, about 1 inside. At first, for
@@ -127,6 +129,7 @@ template <int Dim> void SharedCells<Dim>::clear() {
     forces_.clear();
     across_.clear();
     takers_.clear();
+    fullness_.clear();
 }
 
 template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
@@ -249,6 +252,49 @@ template <int Dim> void SharedCells<Dim>::findGivers(const Scene<Dim>& scene) {
         }
         taker.volume = std::max(taker.volume, leastOpen * whole);
     }
+}
+
+// Volume of the soils in a cell over its own.
+template <int Dim> double SharedCells<Dim>::coverOfSoils(const Scene<Dim>& scene, int cell) const {
+    double cover = 0;
+    for (size_t g = 0; g < isSoil_.size(); ++g)
+        if (isSoil_[g]) cover += coverOf(scene, int(g), cell);
+    return cover;
+}
+
+// How full a cell and those round it are of soil and solids. What solids alone surround counts the less the more they
+// do: a hole in them is no free surface.
+template <int Dim> double SharedCells<Dim>::fullAround(const Scene<Dim>& scene, int number) {
+    const auto [found, isNew] = fullness_.try_emplace(number, 1.0);
+    if (!isNew) return found->second;
+    double sum = 0, weights = 0;
+    const auto add = [&](int cell, int) {
+        const double soil = coverOfSoils(scene, cell), cover = soil + solid_[cell];
+        double weight = 1;
+        if (soil == 0 && cover < 1) {
+            double soils = 0, solids = solid_[cell];
+            forNeighbours(scene.grid, cell, [&](int other, int) {
+                soils += coverOfSoils(scene, other);
+                solids += solid_[other];
+            });
+            weight = soils > 0 ? 1 : std::max(0.0, 1 - solids);
+        }
+        sum += weight * std::min(1.0, cover);
+        weights += weight;
+    };
+    add(number, 0);
+    forNeighbours(scene.grid, number, add);
+    return found->second = weights > 0 ? sum / weights : 1;
+}
+
+// How far a taker lies from free surfaces, from 0 at one to 1: by the cells round it, for single cells in the wake of a
+// body may be empty. At the ends of a body that stands on a free surface it is 0: what the cells there put on the
+// body's sides would push it along the surface.
+template <int Dim> double SharedCells<Dim>::insideOfAll(const Scene<Dim>& scene, int number) {
+    const auto full = [&](int cell) {
+        return std::clamp((fullAround(scene, cell) - emptyAround) / (filledAround - emptyAround), 0.0, 1.0);
+    };
+    return insideBy(scene.grid, number, full, 0.75, 1.0);
 }
 
 // The flux of a cell goes to its own soil as far as that has room, else to the neighbours that have more; diagonal
@@ -379,24 +425,17 @@ template <int Dim> double SharedCells<Dim>::meanStressIn(const Scene<Dim>& scene
     return sum;
 }
 
-template <int Dim>
-double SharedCells<Dim>::insideWithSolids(const Scene<Dim>& scene, int group, int number) const {
-    return insideBy(scene.grid, number, [&](int cell) { return coverOf(scene, group, cell) + solid_[cell]; });
-}
-
 // Tells the bodies with boxes in a taker their part of its volume, negative where it is open, and how far inside of all
 // material a closed one lies.
 template <int Dim> void SharedCells<Dim>::tell(const Scene<Dim>& scene, int number, const Taker& taker) {
-    double soils = 0;
-    for (size_t g = 0; g < isSoil_.size(); ++g)
-        if (isSoil_[g]) soils += coverOf(scene, int(g), number);
+    const double soils = coverOfSoils(scene, number);
     for (auto& body : scene.bodies) {
         const int group = body->velocityField;
         auto* cell = isSoil_[group] && actsByCells(*body) ? body->cellAverage.occupied(number) : nullptr;
         if (!cell) continue;
         cell->shared =
             (taker.isClosed ? 1 : -1) * taker.volume * cell->share * coverOf(scene, group, number) / soils;
-        if (taker.isClosed) cell->inside = insideWithSolids(scene, group, number);
+        if (taker.isClosed) cell->inside = insideOfAll(scene, number);
     }
 }
 

@@ -111,7 +111,9 @@ template <int Dim> class SharedCells {
     std::map<int, double> fillings(const Scene<Dim>& scene, const std::vector<int>& cells);
     void decide(const Scene<Dim>& scene);
     double meanStressIn(const Scene<Dim>& scene, int number) const;
-    double insideWithSolids(const Scene<Dim>& scene, int group, int number) const;
+    double coverOfSoils(const Scene<Dim>& scene, int cell) const;
+    double fullAround(const Scene<Dim>& scene, int number);
+    double insideOfAll(const Scene<Dim>& scene, int number);
     void tell(const Scene<Dim>& scene, int number, const Taker& taker);
     void addAcross(const Grid<Dim>& grid, int cell, int soil, int solid, const Vec<Dim>& force);
     static int cornerOf(const Grid<Dim>& grid, int cell, int corner) {
@@ -135,7 +137,8 @@ template <int Dim> class SharedCells {
     std::vector<Giver> givers_;
     std::vector<int> giverAt_; // of each cell, -1: none
     std::map<int, Taker> takers_;
-    std::map<int, double> gaps_; // of the takers, over their volume: opened since they were closed
+    std::map<int, double> fullness_; // of cells that were asked for
+    std::map<int, double> gaps_;     // of the takers, over their volume: opened since they were closed
     std::vector<Force> forces_, across_;
 };
 

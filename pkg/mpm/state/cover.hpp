@@ -11,9 +11,11 @@ namespace mpm {
 // From 0 at the surface of a body to 1 inside of it, by the least cover of the rows of cells before and beyond a
 // cell along each axis, the cells across weighted with 1/4, 1/2, 1/4. About one inside the material, a half where
 // one neighbour is empty, zero at a flat surface, and what the next row has below that. What is outside of the
-// grid, behind its walls, does not count. coverOf(cell): the volume of the material in it over its own.
-template <int Dim, class Cover> double insideBy(const Grid<Dim>& grid, int number, Cover&& coverOf) {
-    constexpr double surface = 0.25, inside = 0.5;
+// grid, behind its walls, does not count. coverOf(cell): the volume of the material in it over its own. surface,
+// inside: least covers that give 0 and 1.
+template <int Dim, class Cover>
+double insideBy(const Grid<Dim>& grid, int number, Cover&& coverOf, double surface = 0.25,
+                double inside = 0.5) {
     constexpr int rows = Dim == 2 ? 3 : 9, order[3] = {0, -1, 1}; // the cell itself first
     const Index<Dim> index = grid.indices(number);
     const auto isInGrid = [&](int k, int step) {

@@ -51,7 +51,8 @@ template <int Dim> double hatVolume(const Grid<Dim>& grid, int node) {
     return volume;
 }
 
-template <int Dim> bool isTouched(const Grid<Dim>& grid, const NodalField<Dim>& field, int node) {
+// Whether the bodies of a field may have given mass to a node in this step.
+template <int Dim> bool mayHaveMass(const Grid<Dim>& grid, const NodalField<Dim>& field, int node) {
     const Index<Dim> index = grid.indices(node);
     const auto& extent = field.extents[index[Dim - 1]];
     bool isIn = true;
@@ -93,7 +94,7 @@ template <int Dim> double volumeOfSoil(const Scene<Dim>& scene, int group, int n
         if (density == 0 && body->velocityField == group && (!ofMeshes || body->domains->mesh()))
             density = body->material->density;
     const auto& field = scene.grid.fields[group];
-    return density > 0 && isTouched(scene.grid, field, node)
+    return density > 0 && mayHaveMass(scene.grid, field, node)
                ? field.sum[node][NodalField<Dim>::weightMass] / density
                : 0;
 }
@@ -106,11 +107,12 @@ template <int Dim> double coverOf(const Scene<Dim>& scene, int group, int cell) 
     return sum;
 }
 
-// Of the soil in a cell.
+// Of the soil that has most of a cell.
 template <int Dim> int groupOf(const Scene<Dim>& scene, int cell) {
+    std::vector<double> covers(scene.groups.size(), 0.0);
     for (auto& body : scene.bodies)
-        if (actsByCells(*body) && body->cellAverage.occupied(cell)) return body->velocityField;
-    return 0;
+        if (actsByCells(*body)) covers[body->velocityField] += body->cellAverage.coverOf(cell);
+    return int(std::max_element(covers.begin(), covers.end()) - covers.begin());
 }
 
 } // namespace
@@ -403,7 +405,7 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
 // Where the groups press on each other and the cell is full. What is left of a known gap is lost then: a body that slides
 // or bounces on its soil would get energy from gaps that any touch closes.
 template <int Dim> void SharedCells<Dim>::closeTouched(const Grid<Dim>& grid) {
-    const auto isTouched = [&](const Part& from) {
+    const auto touches = [&](const Part& from) {
         bool is = false;
         for (int a = 0; a < corners<Dim>; ++a) is |= isTouched_[cornerOf(grid, from.cell, a)];
         return is;
@@ -411,7 +413,7 @@ template <int Dim> void SharedCells<Dim>::closeTouched(const Grid<Dim>& grid) {
     for (const auto& [cell, taker] : takers_) {
         double& gap = gaps_.at(cell);
         const bool isFull = taker.filled >= (gap == placed ? fullAtFirst : full);
-        if (isFull && std::any_of(taker.from.begin(), taker.from.end(), isTouched)) gap = 0;
+        if (isFull && std::any_of(taker.from.begin(), taker.from.end(), touches)) gap = 0;
     }
 }
 

@@ -291,7 +291,7 @@ template <int Dim> double SharedCells<Dim>::fullAround(const Scene<Dim>& scene, 
 
 // How far a taker lies from free surfaces, from 0 at one to 1: by the cells round it, for single cells in the wake of a
 // body may be empty. At the ends of a body that stands on a free surface it is 0: what the cells there put on the
-// body's sides would push it along the surface.
+// body's sides would push it along the surface. (0.75: one cell of a row beside the taker, across, is at a surface.)
 template <int Dim> double SharedCells<Dim>::insideOfAll(const Scene<Dim>& scene, int number) {
     const auto full = [&](int cell) {
         return std::clamp((fullAround(scene, cell) - emptyAround) / (filledAround - emptyAround), 0.0, 1.0);

@@ -13,12 +13,16 @@
 // with V_c' the volume between the corners of the cell as they move, and its mean stress acts by the cell, see
 // step/CellForces.hpp. Determinants, for traces miss what fast rotation adds: 1 + (dt w)^2.
 //
+// What flows through the faces of a cell is V_c r_c, what its particles take is V_in r: with an uneven cover the two
+// differ, and the first term has the factor V_c/V_in, within flexibility. Empty cells give theirs away, see Holes.
+//
 // Which particles are in a cell, and s, are those of the start of the step, for rates and forces alike: the
 // elastic operator is symmetric only if both have the same.
 #pragma once
 
 #include "mpm/base/parallel/ParallelRegion.hpp"
 #include "mpm/particle/apdi/APDIShape.hpp"
+#include "mpm/scene/Holes.hpp"
 #include "mpm/state/Particles.hpp"
 #include "mpm/state/cover.hpp"
 
@@ -33,6 +37,7 @@ template <int Dim> class CellAverage {
         double share = 1;              // of the volume of all bodies in it
         double weight = 0, mean = 0;   // of its particles, and their mean, when average() was called
         double byParticles = 0;        // what of the mean acts by the particles
+        double taken = 0;              // flux of holes beside it, m3/s
         double shared = 0;      // m3, of the volume that it shares with a body of another group (SharedCells)
         Vec<Dim> centre, slope; // of the particles; of the mean, 1/m
     };
@@ -70,7 +75,10 @@ template <int Dim> class CellAverage {
     }
     // How far each cell lies inside the material, and what share of it is this body's. others: the bodies that
     // move with this one, located, too.
-    void findInside(ParallelRegion& region, const Grid<Dim>& grid, const std::vector<CellAverage*>& others) {
+    // isFree(cell): whether no body that does not move with these may be in it.
+    template <class IsFree>
+    void findInside(ParallelRegion& region, const Grid<Dim>& grid, const std::vector<CellAverage*>& others,
+                    IsFree&& isFree) {
         const auto cover = [&](int c) {
             double sum = cover_[c];
             for (const CellAverage* other : others) sum += other->coverOf(c);
@@ -79,6 +87,12 @@ template <int Dim> class CellAverage {
         forOwnCells(region, [&](int c, Cell& cell) {
             cell.inside = insideBy(grid, c, cover);
             cell.share = cover_[c] / cover(c);
+            holes_.look(grid, c, c / slabSize_, cover);
+        });
+        region.once([&] {
+            for (const auto& hole : holes_) actByCell(hole.cell, Vec<Dim>::Zero()); // those of the last step
+            holes_.gather(grid, cover, [&](int c) { return cover_[c]; }, isFree);
+            for (const auto& hole : holes_) extents_[hole.cell / slabSize_].include(only(grid, hole.cell));
         });
     }
     // Whether locate() was called in this step; update() is the last to ask.
@@ -160,6 +174,41 @@ template <int Dim> class CellAverage {
         return (ClosedShape<Dim>(x).volume - 1) / dt;
     }
 
+    // The same for its particles: what flows through its faces, over their volume, but for a factor.
+    template <class Velocity>
+    static double growthInside(const Grid<Dim>& grid, const Velocity* nodes, double dt, int number,
+                               const Cell& cell) {
+        const double uneven = cell.share * cell.edges.prod() / cell.weight;
+        return std::clamp(uneven, 1 / flexibility, flexibility) * growth(grid, nodes, dt, number, cell.edges);
+    }
+    // What holes give to a cell, over the volume of its particles, 1/s.
+    static double gain(const Cell& cell) {
+        return cell.taken / std::max(cell.weight, leastCover * cell.edges.prod());
+    }
+
+    // Holes give their flux to the cells beside them, and what is in these acts on the corners of the hole. Cells that
+    // other groups share have their own.
+    template <class Velocity>
+    void takeFromHoles(ParallelRegion& region, const Grid<Dim>& grid, const Velocity* nodes, double dt) {
+        if (holes_.empty()) return;
+        region.once([&] {
+            for (const auto& hole : holes_) {
+                const double flux = hole.volume * growth(grid, nodes, dt, hole.cell, grid.edges(hole.cell));
+                forTakers(hole, [&](Cell& cell, double part) { cell.taken += part * flux; });
+            }
+        });
+    }
+    void actByHoles(ParallelRegion& region, const Grid<Dim>& grid) {
+        if (holes_.empty()) return;
+        region.once([&] {
+            for (const auto& hole : holes_) {
+                double acting = 0;
+                forTakers(hole, [&](Cell& cell, double part) { acting += part * hole.volume * cell.mean; });
+                actByCell(hole.cell, acting * grid.edges(hole.cell).cwiseInverse());
+            }
+        });
+    }
+
     // What of the mean of a cell acts by the cell, times its face across each axis.
     void actByCell(int number, const Vec<Dim>& acting) {
         for (int k = 0; k < Dim; ++k) acting_[k][number] = acting[k];
@@ -180,6 +229,9 @@ template <int Dim> class CellAverage {
   private:
     using Extent = typename NodalField<Dim>::Extent;
 
+    static constexpr double flexibility = 2;   // of the rate of volume change by an uneven cover
+    static constexpr double leastCover = 0.25; // of a cell that takes the flux of a hole
+
     struct Range {
         int first, last;
     };
@@ -198,6 +250,7 @@ template <int Dim> class CellAverage {
         cover_.resize(grid.count);
         for (auto& component : acting_) component.resize(grid.count);
         occupied_.resize(grid.slabs());
+        holes_.resize(grid.slabs());
         extents_.resize(grid.slabs());
         slabsOf_.resize(chunksOf(particles));
         alone_.resize(chunksOf(particles));
@@ -262,13 +315,21 @@ template <int Dim> class CellAverage {
         cell.edges = grid.edges(number);
         empty(cell);
         occupied_[number / slabSize_].push_back(number);
-        Extent only;
-        only.first = only.last = grid.indices(number);
-        extents_[number / slabSize_].include(only);
+        extents_[number / slabSize_].include(only(grid, number));
+    }
+    static Extent only(const Grid<Dim>& grid, int number) {
+        Extent extent;
+        extent.first = extent.last = grid.indices(number);
+        return extent;
+    }
+
+    template <class F> void forTakers(const Hole<Dim>& hole, F&& f) {
+        for (auto [number, part] : hole.takers)
+            if (Cell* cell = occupied(number); cell && cell->shared == 0) f(*cell, part);
     }
 
     static void empty(Cell& cell) {
-        cell.volume = cell.inside = cell.mean = cell.shared = 0;
+        cell.volume = cell.inside = cell.mean = cell.shared = cell.taken = 0;
         cell.centre.setZero();
         cell.slope.setZero();
     }
@@ -328,8 +389,9 @@ template <int Dim> class CellAverage {
     std::vector<int> cell_;        // of each particle
     std::vector<double> value_;
     std::vector<Cell> cells_;
-    std::vector<double> cover_;              // of each cell of the grid: volume of the particles over its own
-    std::vector<double> acting_[Dim];        // of each cell, see actByCell()
+    std::vector<double> cover_;       // of each cell of the grid: volume of the particles over its own
+    std::vector<double> acting_[Dim]; // of each cell, see actByCell()
+    Holes<Dim> holes_;
     std::vector<std::vector<int>> occupied_; // cells with particles, of each slab
     std::vector<Extent> extents_;            // of these
     std::vector<Range> slabsOf_;             // of each chunk

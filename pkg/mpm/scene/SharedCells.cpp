@@ -16,7 +16,7 @@ constexpr double ownShare = 0.5;   // open part of a cell from which on its own 
 constexpr double leastOpen = 0.25; // part of a cell that a taker counts as open at least
 constexpr double leastWeight = 0.05;
 // How full cells around are where there is a free surface, and from which on there is none.
-constexpr double emptyAround = 0.62, filledAround = 0.74;
+constexpr double emptyAround = 0.66, filledAround = 0.72;
 // Density of a body over that of the soil from which on cells are shared, unless it is driven: the step falls with it.
 constexpr double leastDensity = 0.04;
 // How full the corners of a taker are to be for it to close: 0.75 at a flat free surface, about 1 inside. At first, for
@@ -377,8 +377,8 @@ std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const 
 }
 
 // Soil that is pulled opens, and closes again once the gap of that is used up. What comes anew beside a closed taker
-// goes on with it: soil that has flowed round a body covers the cells there unevenly. All others wait until surfaces
-// meet, see closeTouched().
+// goes on with it: soil that has flowed round a body covers the cells there unevenly. So does what is full at first: at
+// the corners of a body nothing touches. All others wait until surfaces meet, see closeTouched().
 template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
     std::map<int, double> gaps;
     std::vector<int> asked;
@@ -393,8 +393,9 @@ template <int Dim> void SharedCells<Dim>::decide(const Scene<Dim>& scene) {
     for (const auto& [cell, filled] : fillings(scene, asked)) {
         Taker& taker = takers_.at(cell);
         taker.filled = filled;
+        const bool isNew = gaps_.count(cell) == 0, mayGoOn = isNew || gaps[cell] == placed;
         taker.isClosed =
-            gaps_.count(cell) == 0 && filled >= fullBesideClosed && isBesideClosed(scene.grid, cell);
+            mayGoOn && filled >= (isNew ? fullBesideClosed : fullAtFirst) && isBesideClosed(scene.grid, cell);
         if (taker.isClosed) gaps[cell] = 0;
     }
     gaps_.swap(gaps);

@@ -130,6 +130,16 @@ template <int Dim> class BlockOrder {
             }
     }
 
+    // Whether points may touch a node from `lowest` to `highest`: by the boxes round the blocks.
+    bool mayTouch(const Index<Dim>& lowest, const Index<Dim>& highest) const {
+        return std::any_of(touched_.begin(), touched_.begin() + blocks(), [&](const Touched& block) {
+            bool may = true;
+            for (int k = 0; k < Dim; ++k)
+                may &= block.first[k] <= highest[k] && block.last[k] + support_ - 1 >= lowest[k];
+            return may;
+        });
+    }
+
   private:
     struct Touched { // lowest and highest support corner of the block's points; none: first > last
         Index<Dim> first, last;

@@ -29,7 +29,8 @@ class CellForces {
     }
 
     // Then takes the part that acts by cells out of what the particles of a body give in addSum().
-    template <int Dim> void takeOut(ParallelRegion& region, Body<Dim>& body, SharedCells<Dim>& shared) {
+    template <int Dim>
+    void takeOut(ParallelRegion& region, Body<Dim>& body, const Grid<Dim>& grid, SharedCells<Dim>& shared) {
         const int n = body.particles.size();
         auto& cells = body.cellAverage;
         region.once([&] {
@@ -47,6 +48,7 @@ class CellForces {
             cells.actByCell(c, (isShared ? 0 : acting) * cell.edges.cwiseInverse());
             cell.byParticles = outside * volume / cell.weight * cell.mean;
         });
+        cells.actByHoles(region, grid);
         region.chunks(n, [&](int begin, int end) {
             const double* mean = cells.values();
             for (int p = begin; p < end; ++p) {

@@ -162,13 +162,15 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             gradient(begin, end);
             hasBoxes ? volumeRates<Dim>(L, dt, begin, end, value) : traces(L, Dim, begin, end, value + begin);
         });
+        if (hasBoxes) cells.takeFromHoles(region, scene.grid, nodes, dt);
         cells.template average<false>(region, volume, body.particles, [&](int number, auto& cell) {
             const double s = cell.inside;
             const double shared = cell.shared == 0 ? 0 : scene.sharedCells.rate(scene, number, velocityOf);
             if (cell.shared > 0)
                 cell.mean = s * shared + (1 - s) * cell.mean;
             else if (hasBoxes && s > 0)
-                cell.mean = s * cells.growth(scene.grid, nodes, dt, number, cell.edges) + (1 - s) * cell.mean;
+                cell.mean = s * cells.growthInside(scene.grid, nodes, dt, number, cell) + (1 - s) * cell.mean;
+            if (cell.taken != 0) cell.mean += cells.gain(cell);
             if (cell.shared < 0)
                 cell.mean = scene.sharedCells.openRate(number, -cell.shared, dt, cell.mean, shared);
         });

@@ -35,10 +35,22 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
 template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& scene, Body<Dim>& body) {
     if (!body.fbar || !body.domains->boxes()) return;
     std::vector<CellAverage<Dim>*> others;
+    std::vector<const Body<Dim>*> strangers; // whose cells are not known
     for (auto& other : scene.bodies)
-        if (other.get() != &body && other->fbar && other->velocityField == body.velocityField)
-            others.push_back(&other->cellAverage);
-    body.cellAverage.findInside(region, scene.grid, others);
+        if (other->fbar && other->velocityField == body.velocityField) {
+            if (other.get() != &body) others.push_back(&other->cellAverage);
+        } else {
+            strangers.push_back(other.get());
+        }
+    const auto isFree = [&](int cell) {
+        const Index<Dim> lowest = scene.grid.indices(cell);
+        Index<Dim> highest = lowest;
+        for (int k = 0; k < Dim; ++k) ++highest[k];
+        return std::none_of(strangers.begin(), strangers.end(), [&](const Body<Dim>* other) {
+            return other->domains->order.mayTouch(lowest, highest);
+        });
+    };
+    body.cellAverage.findInside(region, scene.grid, others, isFree);
 }
 
 // Which particles are in which cell, for the bodies with F-bar, and how far inside of the material the cells of
@@ -66,7 +78,7 @@ void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForce
         auto& body = *scene.bodies[b];
         auto& field = scene.grid.fields[body.velocityField];
         const bool byCells = withForce && actsByCells(body);
-        if (byCells) (*cells)[b].takeOut(region, body, scene.sharedCells);
+        if (byCells) (*cells)[b].takeOut(region, body, scene.grid, scene.sharedCells);
         body.domains->addSum(region, field.sum.data(), body.inertiaScale, withForce);
         if (byCells) (*cells)[b].add(region, body, scene.grid);
     };

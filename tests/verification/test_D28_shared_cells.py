@@ -118,10 +118,11 @@ def test_pressure_and_volumes_stay(case):
 @pytest.mark.parametrize("case", PLATES)
 def test_pressure_stays_round_a_thin_plate(case):
     """At the corners of the plates that lie between lines surfaces never press: while cells there waited for
-    it, 40 % of the pressure was lost, also at rest. What opens behind the other one closes again: 36 %."""
+    it, 40 % of the pressure was lost, also at rest. Behind the other one cells open and close, 36 % were
+    lost, and at last a row of them is empty, which is no free surface: 88 %."""
     scene, soil, block, contact = driven(**PLATES[case])
-    scene.run(until=0.6, progress=False)
-    assert pressureOf(soil) == pytest.approx(1, abs=0.02)
+    scene.run(until=0.8, progress=False)
+    assert pressureOf(soil) == pytest.approx(1, abs=0.03)
 
 
 @pytest.mark.parametrize("size, speed, within", [(4.0, 0.4, 0.03), (2.4, 0.4, 0.08), (2.4, 0.2, 0.03)])

@@ -14,7 +14,7 @@
 // step/CellForces.hpp. Determinants, for traces miss what fast rotation adds: 1 + (dt w)^2.
 //
 // What flows through the faces of a cell is V_c r_c, what its particles take is V_in r: with an uneven cover the two
-// differ, and the first term has the factor V_c/V_in, within flexibility. Empty cells give theirs away, see Holes.
+// differ, and where s = 1 it has the factor V_c/V_in, within flexibility. Empty cells give theirs away, see Holes.
 //
 // Which particles are in a cell, and s, are those of the start of the step, for rates and forces alike: the
 // elastic operator is symmetric only if both have the same.
@@ -174,11 +174,12 @@ template <int Dim> class CellAverage {
         return (ClosedShape<Dim>(x).volume - 1) / dt;
     }
 
-    // The same for its particles: what flows through its faces, over their volume, but for a factor.
+    // The same for its particles: what flows through its faces, over their volume. Beside a surface a cell need not be
+    // full.
     template <class Velocity>
     static double growthInside(const Grid<Dim>& grid, const Velocity* nodes, double dt, int number,
                                const Cell& cell) {
-        const double uneven = cell.share * cell.edges.prod() / cell.weight;
+        const double uneven = cell.inside < 1 ? 1 : cell.share * cell.edges.prod() / cell.weight;
         return std::clamp(uneven, 1 / flexibility, flexibility) * growth(grid, nodes, dt, number, cell.edges);
     }
     // What holes give to a cell, over the volume of its particles, 1/s.

@@ -122,11 +122,13 @@ template <int Dim> void SharedCells<Dim>::clear() {
         for (auto& volume : volumes_)
             if (!volume.empty()) volume[node] = 0;
     for (int cell : near_) solid_[cell] = isNear_[cell] = 0;
+    for (int cell : air_) isAir_[cell] = 0;
     for (int node : touched_) isTouched_[node] = 0;
     for (const Giver& giver : givers_) giverAt_[giver.cell] = -1;
     touched_.clear();
     nodes_.clear();
     near_.clear();
+    air_.clear();
     givers_.clear();
     forces_.clear();
     across_.clear();
@@ -143,6 +145,7 @@ template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
         std::count(isSolid_.begin(), isSolid_.end(), 1) == 0)
         return gaps_.clear();
     findSolids(scene);
+    findAir(scene);
     findGivers(scene);
     decide(scene);
 }
@@ -184,6 +187,7 @@ template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
     hat_.resize(count);
     for (int node = 0; node < count; ++node) hat_[node] = hatVolume(scene.grid, node);
     isNear_.assign(count, 0);
+    isAir_.assign(count, 0);
     isReached_.assign(count, 0);
     giverAt_.assign(count, -1);
 }
@@ -264,6 +268,27 @@ template <int Dim> double SharedCells<Dim>::coverOfSoils(const Scene<Dim>& scene
     return cover;
 }
 
+// Empty cells beside the solids with a way out, through faces of empty cells, to one that is not beside them. The others
+// are the wake of a body in soil that has not yet followed.
+template <int Dim> void SharedCells<Dim>::findAir(const Scene<Dim>& scene) {
+    const Grid<Dim>& grid = scene.grid;
+    const auto isEmpty = [&](int cell) { return solid_[cell] < 1 && coverOfSoils(scene, cell) == 0; };
+    std::vector<int> empty;
+    std::copy_if(near_.begin(), near_.end(), std::back_inserter(empty), isEmpty);
+    const auto add = [&](int cell) {
+        if (!isAir_[cell]) air_.push_back(cell);
+        isAir_[cell] = 1;
+    };
+    for (int cell : empty)
+        forNeighbours(grid, cell, [&](int other, int axes) {
+            if (axes == 1 && !isNear_[other] && isEmpty(other)) add(cell);
+        });
+    for (size_t i = 0; i < air_.size(); ++i)
+        forNeighbours(grid, air_[i], [&](int other, int axes) {
+            if (axes == 1 && isNear_[other] && isEmpty(other)) add(other);
+        });
+}
+
 // How full a cell and those round it are of soil and solids. What solids alone surround counts the less the more they
 // do: a hole in them is no free surface.
 template <int Dim> double SharedCells<Dim>::fullAround(const Scene<Dim>& scene, int number) {
@@ -271,7 +296,8 @@ template <int Dim> double SharedCells<Dim>::fullAround(const Scene<Dim>& scene, 
     if (!isNew) return found->second;
     double sum = 0, weights = 0;
     const auto add = [&](int cell, int) {
-        const double soil = coverOfSoils(scene, cell), cover = soil + solid_[cell];
+        const double soil = coverOfSoils(scene, cell);
+        const double cover = soil == 0 && isNear_[cell] && !isAir_[cell] ? 1 : soil + solid_[cell];
         double weight = 1;
         if (soil == 0 && cover < 1) {
             double soils = 0, solids = solid_[cell];

@@ -112,6 +112,7 @@ template <int Dim> class SharedCells {
     void decide(const Scene<Dim>& scene);
     double meanStressIn(const Scene<Dim>& scene, int number) const;
     double coverOfSoils(const Scene<Dim>& scene, int cell) const;
+    void findAir(const Scene<Dim>& scene);
     double fullAround(const Scene<Dim>& scene, int number);
     double insideOfAll(const Scene<Dim>& scene, int number);
     void tell(const Scene<Dim>& scene, int number, const Taker& taker);
@@ -132,7 +133,9 @@ template <int Dim> class SharedCells {
     std::vector<int> touched_;                 // nodes where groups press on each other in this step
     std::vector<char> isTouched_;              // of each node, whether it is one of these
     std::vector<char> isReached_;              // of each cell, while fillings are found
-    std::vector<char> isNear_;                 // of each cell, whether it is one of these,
+    std::vector<int> air_;      // of these, the empty ones that have a way out through empty ones
+    std::vector<char> isAir_;   // of each cell, whether it is one of those
+    std::vector<char> isNear_;  // of each cell, whether it is near a solid,
     std::vector<double> solid_; // and what part of it solids fill, by its corners: smooth as they move
     std::vector<Giver> givers_;
     std::vector<int> giverAt_; // of each cell, -1: none

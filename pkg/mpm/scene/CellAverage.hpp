@@ -13,8 +13,10 @@
 // with V_c' the volume between the corners of the cell as they move, and its mean stress acts by the cell, see
 // step/CellForces.hpp. Determinants, for traces miss what fast rotation adds: 1 + (dt w)^2.
 //
-// What flows through the faces of a cell is V_c r_c, what its particles take is V_in r: with an uneven cover the two
-// differ, and where s = 1 it has the factor V_c/V_in, within flexibility. Empty cells give theirs away, see Holes.
+// What flows through the faces of a cell is V_a r_c, with V_a = s V_c + (1 - s) V_in, what its particles take is
+// V_in r. With an uneven cover the two differ, and r_c has the factor V_a/V_in, within flexibility: where the cells
+// round it are full in the mean, for else it is a surface or sparse, and stiffer than its mass bears. Empty cells give
+// their flux away, see Holes. Rates stay proportional to the vector of the forces, so the elastic operator is symmetric.
 //
 // Which particles are in a cell, and s, are those of the start of the step, for rates and forces alike: the
 // elastic operator is symmetric only if both have the same.
@@ -35,6 +37,7 @@ template <int Dim> class CellAverage {
         Vec<Dim> edges;                // m
         double volume = 0, inside = 0; // of the particles in it; 1 inside the material, 0 at its surface
         double share = 1;              // of the volume of all bodies in it
+        double uneven = 1;             // factor of its rate of volume change
         double weight = 0, mean = 0;   // of its particles, and their mean, when average() was called
         double byParticles = 0;        // what of the mean acts by the particles
         double taken = 0;              // flux of holes beside it, m3/s
@@ -84,9 +87,15 @@ template <int Dim> class CellAverage {
             for (const CellAverage* other : others) sum += other->coverOf(c);
             return sum;
         };
+        const auto isAmongMeshes = [&](int c) { // whose domains are counted by their centres
+            return std::any_of(others.begin(), others.end(), [&](const CellAverage* other) {
+                return !other->count_.empty() && other->coverOf(c) > 0;
+            });
+        };
         forOwnCells(region, [&](int c, Cell& cell) {
             cell.inside = insideBy(grid, c, cover);
             cell.share = cover_[c] / cover(c);
+            cell.uneven = unevenness(grid, c, cell, cover, isAmongMeshes);
             holes_.look(grid, c, c / slabSize_, cover);
         });
         region.once([&] {
@@ -174,17 +183,14 @@ template <int Dim> class CellAverage {
         return (ClosedShape<Dim>(x).volume - 1) / dt;
     }
 
-    // The same for its particles: what flows through its faces, over their volume. Beside a surface a cell need not be
-    // full.
-    template <class Velocity>
-    static double growthInside(const Grid<Dim>& grid, const Velocity* nodes, double dt, int number,
-                               const Cell& cell) {
-        const double uneven = cell.inside < 1 ? 1 : cell.share * cell.edges.prod() / cell.weight;
-        return std::clamp(uneven, 1 / flexibility, flexibility) * growth(grid, nodes, dt, number, cell.edges);
+    // Rate of volume change of the particles in a cell, from that of the cell and their own mean, 1/s.
+    static double rateOf(const Cell& cell, double ofCell) {
+        const double holes = cell.taken == 0 ? 0 : cell.taken / acting(cell, cell.share * cell.edges.prod());
+        return cell.uneven * (cell.inside * ofCell + (1 - cell.inside) * cell.mean + holes);
     }
-    // What holes give to a cell, over the volume of its particles, 1/s.
-    static double gain(const Cell& cell) {
-        return cell.taken / std::max(cell.weight, leastCover * cell.edges.prod());
+    // Volume that the mean stress of a cell acts with, m3, where `whole` is the volume of the cell that is its own.
+    static double acting(const Cell& cell, double whole) {
+        return cell.inside * whole + (1 - cell.inside) * cell.weight;
     }
 
     // Holes give their flux to the cells beside them, and what is in these acts on the corners of the hole. Cells that
@@ -230,8 +236,9 @@ template <int Dim> class CellAverage {
   private:
     using Extent = typename NodalField<Dim>::Extent;
 
-    static constexpr double flexibility = 2;   // of the rate of volume change by an uneven cover
-    static constexpr double leastCover = 0.25; // of a cell that takes the flux of a hole
+    static constexpr double flexibility = 2; // of the rate of volume change by an uneven cover,
+    // It counts not at all, and fully, by the mean cover round the cell.
+    static constexpr double sparse = 0.8, dense = 0.9;
 
     struct Range {
         int first, last;
@@ -322,6 +329,22 @@ template <int Dim> class CellAverage {
         Extent extent;
         extent.first = extent.last = grid.indices(number);
         return extent;
+    }
+
+    template <class Cover, class IsMesh>
+    static double unevenness(const Grid<Dim>& grid, int number, const Cell& cell, Cover&& coverOf,
+                             IsMesh&& isMesh) {
+        const double ratio = cell.inside * cell.share * cell.edges.prod() / cell.volume + 1 - cell.inside;
+        if (std::abs(ratio - 1) < 1e-9) return 1;
+        double sum = 0; // also of what is outside of the grid, where soil may stand off the wall
+        bool hasMesh = false;
+        forAround(grid, number, [&](int other) {
+            sum += coverOf(other);
+            hasMesh |= isMesh(other);
+        });
+        if (hasMesh) return 1;
+        const double part = std::clamp((sum / (Dim == 2 ? 9 : 27) - sparse) / (dense - sparse), 0.0, 1.0);
+        return 1 + part * (std::clamp(ratio, 1 / flexibility, flexibility) - 1);
     }
 
     template <class F> void forTakers(const Hole<Dim>& hole, F&& f) {

@@ -92,7 +92,7 @@ template <int Dim> class SharedCells {
     };
     // Gaps: not known, of takers that were there when the first came, and of later ones or such that opened by more than
     // is kept; and one that is used up.
-    static constexpr double placed = -1, unknown = -2, usedUp = 1e-12, kept = 5e-2;
+    static constexpr double placed = -1, unknown = -2, usedUp = 1e-12, kept = 3e-2;
     struct Giver {
         int cell;
         std::vector<Part> to;

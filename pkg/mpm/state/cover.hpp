@@ -8,6 +8,21 @@
 
 namespace mpm {
 
+// f(cell) for a cell and those of the grid round it.
+template <int Dim, class F> void forAround(const Grid<Dim>& grid, int number, F&& f) {
+    const Index<Dim> index = grid.indices(number);
+    for (int n = 0; n < (Dim == 2 ? 9 : 27); ++n) {
+        int other = number;
+        bool isInGrid = true;
+        for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
+            const int step = rest % 3 - 1, at = index[k] + step - grid.ghost;
+            isInGrid &= at >= 0 && at < grid.cells[k];
+            other += step * grid.strides[k];
+        }
+        if (isInGrid) f(other);
+    }
+}
+
 // From 0 at the surface of a body to 1 inside of it, by the least cover of the rows of cells before and beyond a
 // cell along each axis, the cells across weighted with 1/4, 1/2, 1/4. About one inside the material, a half where
 // one neighbour is empty, zero at a flat surface, and what the next row has below that. What is outside of the

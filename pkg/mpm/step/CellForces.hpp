@@ -42,7 +42,7 @@ class CellForces {
             const bool isShared = cell.shared > 0;
             const double whole = isShared ? cell.shared : cell.share * cell.edges.prod();
             const double outside = 1 - cell.inside;
-            const double volume = cell.inside * whole + outside * cell.weight;
+            const double volume = cells.acting(cell, whole);
             const double acting = cell.inside * volume * cell.mean;
             if (isShared) shared.act(c, acting);
             cells.actByCell(c, (isShared ? 0 : acting) * cell.edges.cwiseInverse());

@@ -168,9 +168,9 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             const double shared = cell.shared == 0 ? 0 : scene.sharedCells.rate(scene, number, velocityOf);
             if (cell.shared > 0)
                 cell.mean = s * shared + (1 - s) * cell.mean;
-            else if (hasBoxes && s > 0)
-                cell.mean = s * cells.growthInside(scene.grid, nodes, dt, number, cell) + (1 - s) * cell.mean;
-            if (cell.taken != 0) cell.mean += cells.gain(cell);
+            else if (hasBoxes)
+                cell.mean =
+                    cells.rateOf(cell, s > 0 ? cells.growth(scene.grid, nodes, dt, number, cell.edges) : 0);
             if (cell.shared < 0)
                 cell.mean = scene.sharedCells.openRate(number, -cell.shared, dt, cell.mean, shared);
         });

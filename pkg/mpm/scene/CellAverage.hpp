@@ -16,7 +16,8 @@
 // What flows through the faces of a cell is V_a r_c, with V_a = s V_c + (1 - s) V_in, what its particles take is
 // V_in r. With an uneven cover the two differ, and r_c has the factor V_a/V_in, within flexibility: where the cells
 // round it are full in the mean, for else it is a surface or sparse, and stiffer than its mass bears. Empty cells give
-// their flux away, see Holes. Rates stay proportional to the vector of the forces, so the elastic operator is symmetric.
+// their flux away, see Holes. Soil that may stand open goes without both: its gaps are real. Rates stay proportional to
+// the vector of the forces, so the elastic operator is symmetric.
 //
 // Which particles are in a cell, and s, are those of the start of the step, for rates and forces alike: the
 // elastic operator is symmetric only if both have the same.
@@ -79,9 +80,10 @@ template <int Dim> class CellAverage {
     // How far each cell lies inside the material, and what share of it is this body's. others: the bodies that
     // move with this one, located, too.
     // isFree(cell): whether no body that does not move with these may be in it.
+    // mayOpen: the material may stand open, and then fills less than its volume.
     template <class IsFree>
     void findInside(ParallelRegion& region, const Grid<Dim>& grid, const std::vector<CellAverage*>& others,
-                    IsFree&& isFree) {
+                    bool mayOpen, IsFree&& isFree) {
         const auto cover = [&](int c) {
             double sum = cover_[c];
             for (const CellAverage* other : others) sum += other->coverOf(c);
@@ -95,8 +97,8 @@ template <int Dim> class CellAverage {
         forOwnCells(region, [&](int c, Cell& cell) {
             cell.inside = insideBy(grid, c, cover);
             cell.share = cover_[c] / cover(c);
-            cell.uneven = unevenness(grid, c, cell, cover, isAmongMeshes);
-            holes_.look(grid, c, c / slabSize_, cover);
+            cell.uneven = mayOpen ? 1 : unevenness(grid, c, cell, cover, isAmongMeshes);
+            if (!mayOpen) holes_.look(grid, c, c / slabSize_, cover);
         });
         region.once([&] {
             for (const auto& hole : holes_) actByCell(hole.cell, Vec<Dim>::Zero()); // those of the last step

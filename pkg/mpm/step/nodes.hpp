@@ -50,7 +50,7 @@ template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& sce
             return other->domains->order.mayTouch(lowest, highest);
         });
     };
-    body.cellAverage.findInside(region, scene.grid, others, isFree);
+    body.cellAverage.findInside(region, scene.grid, others, body.material->opening() >= 0, isFree);
 }
 
 // Which particles are in which cell, for the bodies with F-bar, and how far inside of the material the cells of

@@ -87,12 +87,9 @@ FULL = ["--cell", "0.1", "--rate", "0.1", "--depth", "0.6"]  # to six cells
 @slow
 @pytest.mark.parametrize("kind", ["ugimp", "hybrid"])
 def test_a_wedge_follows_hill(kind):
-    """With shared cells slopes scatter from -2 to +4 % with the depth at which a run ends.
-
-    Without them 3 % and a lip within 0.02 c were reached (3 % and 0.1 c asked).
-    """
-    summary = run("wedge", *FULL, "--types", kind)
-    assert abs(summary["error"]) < 0.05
+    """To eight cells: slopes to six scatter from +1 to +5 % (3 % and 0.1 c asked)."""
+    summary = run("wedge", *FULL[:-1], "0.8", "--types", kind)
+    assert abs(summary["error"]) < 0.03
     assert abs(summary["offsetInCells"]) < 0.8
     assert summary["lip"] == pytest.approx(summary["exactLip"], abs=0.04)
     if kind == "ugimp":

@@ -72,7 +72,7 @@ def test_a_heap_that_has_come_down_and_rests_has_failed(isSeen, monkeypatch):
     """It counted as standing, for it moved no more at the end; control: only growth counts."""
     if not isSeen:
         monkeypatch.setattr(stability, "FALLEN", np.inf)
-    fails, moved = stability.trial(block(0.015), ramp=0.3, hold=10.0)
+    fails, moved = stability.trial(block(0.01), ramp=0.3, hold=10.0)
     assert fails == isSeen and moved > 1
     assert not stability.trial(block(20.0), ramp=0.3, hold=1.0)[0]
 

@@ -238,9 +238,10 @@ template <int Dim> class CellAverage {
   private:
     using Extent = typename NodalField<Dim>::Extent;
 
-    static constexpr double flexibility = 2; // of the rate of volume change by an uneven cover,
-    // It counts not at all, and fully, by the mean cover round the cell.
-    static constexpr double sparse = 0.8, dense = 0.9;
+    static constexpr double flexibility =
+        2; // most that an uneven cover may change a rate of volume change by
+    static constexpr double sparse = 0.8,
+                            dense = 0.9; // mean covers round a cell: it counts not at all, and fully
 
     struct Range {
         int first, last;
@@ -340,7 +341,7 @@ template <int Dim> class CellAverage {
         if (std::abs(ratio - 1) < 1e-9) return 1;
         double sum = 0; // also of what is outside of the grid, where soil may stand off the wall
         bool hasMesh = false;
-        forAround(grid, number, [&](int other) {
+        forAround(grid, number, [&](int other, int) {
             sum += coverOf(other);
             hasMesh |= isMesh(other);
         });

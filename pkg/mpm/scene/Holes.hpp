@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Single cells of the grid inside the material of a body that no particle is in. Soil that flows leaves some, and
 // what flows out of them would get lost: no particle feels it, no stress resists. The cells beside them take it,
-//     r_n += part_n s V_h (V_h' - V_h)/(V_h dt) / V_n,
+//     r_n += q_n part_n s (V_h' - V_h)/dt / V_a,   q_n, V_a: see CellAverage,
 // and their mean stress acts on the corners of the hole by the conjugate, f = - s V_h sum_n part_n p_n grad phi.
 #pragma once
 

@@ -25,18 +25,9 @@ constexpr double fullAtFirst = 0.95, full = 0.98, fullBesideClosed = 0.7;
 
 // f(cell, along how many axes it is beside) for the cells of the grid beside one.
 template <int Dim, class F> void forNeighbours(const Grid<Dim>& grid, int cell, F&& f) {
-    const Index<Dim> index = grid.indices(cell);
-    for (int n = 0; n < (Dim == 2 ? 9 : 27); ++n) {
-        int other = cell, axes = 0;
-        bool isInGrid = true;
-        for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
-            const int step = rest % 3 - 1, at = index[k] + step - grid.ghost;
-            isInGrid &= at >= 0 && at < grid.cells[k];
-            other += step * grid.strides[k];
-            axes += step != 0;
-        }
-        if (isInGrid && axes > 0) f(other, axes);
-    }
+    forAround(grid, cell, [&](int other, int axes) {
+        if (axes > 0) f(other, axes);
+    });
 }
 
 // Integral of the hat function of a node over the grid, m3.

@@ -8,18 +8,19 @@
 
 namespace mpm {
 
-// f(cell) for a cell and those of the grid round it.
+// f(cell, along how many axes it is beside) for a cell and those of the grid round it.
 template <int Dim, class F> void forAround(const Grid<Dim>& grid, int number, F&& f) {
     const Index<Dim> index = grid.indices(number);
     for (int n = 0; n < (Dim == 2 ? 9 : 27); ++n) {
-        int other = number;
+        int other = number, axes = 0;
         bool isInGrid = true;
         for (int k = 0, rest = n; k < Dim; ++k, rest /= 3) {
             const int step = rest % 3 - 1, at = index[k] + step - grid.ghost;
             isInGrid &= at >= 0 && at < grid.cells[k];
             other += step * grid.strides[k];
+            axes += step != 0;
         }
-        if (isInGrid) f(other);
+        if (isInGrid) f(other, axes);
     }
 }
 

@@ -23,10 +23,9 @@
 // elastic operator is symmetric only if both have the same.
 #pragma once
 
-#include "mpm/base/parallel/ParallelRegion.hpp"
 #include "mpm/particle/apdi/APDIShape.hpp"
 #include "mpm/scene/Holes.hpp"
-#include "mpm/state/Particles.hpp"
+#include "mpm/scene/ParticleCells.hpp"
 #include "mpm/state/cover.hpp"
 
 namespace mpm {
@@ -46,31 +45,22 @@ template <int Dim> class CellAverage {
         Vec<Dim> centre, slope; // of the particles; of the mean, 1/m
     };
 
-    // Which particles are in which cell; called by all threads, and so is all that takes a region. In most steps no
-    // particle of a body that hardly moves enters another cell: then all but the volumes stays.
-    // mayBeAlone: particles may be one in each cell, as domains of meshes are.
+    // Which particles are in which cell, see ParticleCells; called by all threads, and so is all that takes a region.
     void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
                 bool mayBeAlone) {
-        const int n = particles.size();
-        region.once([&] { start(n, grid); });
-        region.chunks(n, [&](int begin, int end) { findCells(particles, grid, begin, end); });
         region.once([&] {
-            stays_ &=
-                std::none_of(hasChanged_.begin(), hasChanged_.end(), [](char changed) { return changed; });
-            if (stays_) return;
-            ++round_;
-            std::fill(alone_.begin(), alone_.end(), 0);
-            divide();
+            where_.start(particles.size(), grid);
+            resize(particles.size(), grid);
         });
-        if (mayBeAlone && !stays_) findAlone(region, grid);
+        where_.locate(region, particles, grid, mayBeAlone);
         const double* volume = particles.volume.plane();
         forOwn(region, [&](int firstSlab, int endSlab) {
-            if (stays_)
+            if (where_.stay())
                 forOccupied(firstSlab, endSlab, [](int, Cell& cell) { empty(cell); });
             else
                 for (int slab = firstSlab; slab < endSlab; ++slab) clear(slab);
             forParticles(firstSlab, endSlab, [&](int p, Cell& cell) {
-                if (cell.round != round_) enter(grid, cell_[p], cell);
+                if (cell.round != where_.round()) enter(grid, where_[p], cell);
                 cell.volume += volume[p];
             });
             forOccupied(firstSlab, endSlab,
@@ -91,47 +81,47 @@ template <int Dim> class CellAverage {
         };
         const auto isAmongMeshes = [&](int c) { // whose domains are counted by their centres
             return std::any_of(others.begin(), others.end(), [&](const CellAverage* other) {
-                return !other->count_.empty() && other->coverOf(c) > 0;
+                return other->where_.areCounted() && other->coverOf(c) > 0;
             });
         };
         forOwnCells(region, [&](int c, Cell& cell) {
             cell.inside = insideBy(grid, c, cover);
             cell.share = cover_[c] / cover(c);
             cell.uneven = mayOpen ? 1 : unevenness(grid, c, cell, cover, isAmongMeshes);
-            if (!mayOpen) holes_.look(grid, c, c / slabSize_, cover);
+            if (!mayOpen) holes_.look(grid, c, where_.slabOf(c), cover);
         });
         region.once([&] {
             for (const auto& hole : holes_) actByCell(hole.cell, Vec<Dim>::Zero()); // those of the last step
             holes_.gather(grid, cover, [&](int c) { return cover_[c]; }, isFree);
-            for (const auto& hole : holes_) extents_[hole.cell / slabSize_].include(only(grid, hole.cell));
+            for (const auto& hole : holes_) extents_[where_.slabOf(hole.cell)].include(only(grid, hole.cell));
         });
     }
     // Whether locate() was called in this step; update() is the last to ask.
-    bool isLocated(int particles) const { return located_ && int(cell_.size()) == particles; }
-    void forget() { located_ = false; }
+    bool isLocated(int particles) const { return where_.areLocated(particles); }
+    void forget() { where_.forget(); }
 
     // Of each particle: the value to be averaged.
     double* values() { return value_.data(); }
-    const Cell& cellOf(int p) const { return cells_[cell_[p]]; }
+    const Cell& cellOf(int p) const { return cells_[where_[p]]; }
     // Whether the particles from `begin` on, a chunk, are one in each cell, and those in the cells beside, too: none
     // of them takes or gives anything. Known for domains of meshes only.
-    bool areAlone(int begin) const { return alone_[begin / chunkSize]; }
+    bool areAlone(int begin) const { return where_.areAlone(begin); }
     // The cell of a number, where particles are in it; nullptr: none are.
     Cell* occupied(int number) {
-        const bool has = !cells_.empty() && cells_[number].round == round_;
+        const bool has = !cells_.empty() && cells_[number].round == where_.round();
         return has ? &cells_[number] : nullptr;
     }
     // Volume of the particles in a cell over its own; what is alone in it fills it, more or less.
     double coverOf(int number) const {
-        if (cover_[number] > 0 || count_.empty()) return cover_[number];
-        return count_[number].round == round_;
+        if (cover_[number] > 0 || !where_.areCounted()) return cover_[number];
+        return where_.hasAny(number);
     }
     const Cell* occupied(int number) const { return const_cast<CellAverage*>(this)->occupied(number); }
     // f(number, cell) for all cells with particles.
     template <class F> void forEach(ParallelRegion& region, F&& f) { forOwnCells(region, f); }
     // f(particle, number of its cell) for those in the slabs of two cells or between, in their order. One thread.
     template <class F> void forCells(int lowest, int highest, F&& f) const {
-        forNumbers(lowest / slabSize_, highest / slabSize_ + 1, [&](int p) { f(p, cell_[p]); });
+        where_.forEach(where_.slabOf(lowest), where_.slabOf(highest) + 1, f);
     }
 
     // Means of the values, weighted with a volume of each particle, in their order; withCentres: also the centre
@@ -243,19 +233,7 @@ template <int Dim> class CellAverage {
     static constexpr double sparse = 0.8,
                             dense = 0.9; // mean covers round a cell: it counts not at all, and fully
 
-    struct Range {
-        int first, last;
-    };
-    struct Count {
-        long round = 0;
-        int particles = 0;
-    };
-
-    void start(int particles, const Grid<Dim>& grid) {
-        stays_ = round_ > 0 && int(cell_.size()) == particles;
-        located_ = true;
-        slabSize_ = grid.strides[Dim - 1];
-        cell_.resize(particles);
+    void resize(int particles, const Grid<Dim>& grid) {
         value_.resize(particles);
         cells_.resize(grid.count);
         cover_.resize(grid.count);
@@ -263,53 +241,6 @@ template <int Dim> class CellAverage {
         occupied_.resize(grid.slabs());
         holes_.resize(grid.slabs());
         extents_.resize(grid.slabs());
-        slabsOf_.resize(chunksOf(particles));
-        alone_.resize(chunksOf(particles));
-        hasChanged_.resize(chunksOf(particles));
-    }
-
-    // Of particles [begin, end), a chunk.
-    void findCells(const Particles<Dim>& particles, const Grid<Dim>& grid, int begin, int end) {
-        int found[chunkSize] = {};
-        for (int k = 0; k < Dim; ++k)
-            grid.addCells(k, particles.position.plane(k) + begin, end - begin, found);
-        hasChanged_[begin / chunkSize] = !std::equal(found, found + end - begin, cell_.begin() + begin);
-        if (!hasChanged_[begin / chunkSize]) return;
-        std::copy(found, found + end - begin, cell_.begin() + begin);
-        const auto extremes = std::minmax_element(cell_.begin() + begin, cell_.begin() + end);
-        slabsOf_[begin / chunkSize] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
-    }
-
-    void findAlone(ParallelRegion& region, const Grid<Dim>& grid) {
-        const int n = int(cell_.size());
-        region.once([&] { count_.resize(grid.count); });
-        forOwn(region, [&](int firstSlab, int endSlab) {
-            forNumbers(firstSlab, endSlab, [&](int p) {
-                Count& count = count_[cell_[p]];
-                count.particles = count.round == round_ ? count.particles + 1 : 1;
-                count.round = round_;
-            });
-        });
-        const auto hasMore = [&](int number) {
-            return count_[number].round == round_ && count_[number].particles > 1;
-        };
-        region.chunks(n, [&](int begin, int end) {
-            for (int p = begin; p < end; ++p) {
-                bool isBesideMore = hasMore(cell_[p]);
-                for (int k = 0; k < Dim; ++k)
-                    isBesideMore |=
-                        hasMore(cell_[p] - grid.strides[k]) || hasMore(cell_[p] + grid.strides[k]);
-                if (isBesideMore) return;
-            }
-            alone_[begin / chunkSize] = 1;
-        });
-    }
-
-    // The slabs among the threads.
-    void divide() {
-        std::vector<int> inSlab(occupied_.size(), 0);
-        for (const Range& slabs : slabsOf_) ++inSlab[(slabs.first + slabs.last) / 2];
-        partition_.set(int(inSlab.size()), [&](int slab) { return inSlab[slab]; });
     }
 
     void clear(int slab) {
@@ -322,11 +253,11 @@ template <int Dim> class CellAverage {
     }
 
     void enter(const Grid<Dim>& grid, int number, Cell& cell) {
-        cell.round = round_;
+        cell.round = where_.round();
         cell.edges = grid.edges(number);
         empty(cell);
-        occupied_[number / slabSize_].push_back(number);
-        extents_[number / slabSize_].include(only(grid, number));
+        occupied_[where_.slabOf(number)].push_back(number);
+        extents_[where_.slabOf(number)].include(only(grid, number));
     }
     static Extent only(const Grid<Dim>& grid, int number) {
         Extent extent;
@@ -361,22 +292,11 @@ template <int Dim> class CellAverage {
         cell.slope.setZero();
     }
 
-    // f(first slab, end) on each thread with the slabs that it owns.
-    template <class F> void forOwn(ParallelRegion& region, F&& f) const { region.forOwnRange(partition_, f); }
-
+    template <class F> void forOwn(ParallelRegion& region, F&& f) const { where_.forOwn(region, f); }
     // f(particle, its cell) for those in some slabs, in their order, but for what is alone.
     template <class F> void forParticles(int firstSlab, int endSlab, F&& f) {
-        forNumbers(firstSlab, endSlab, [&](int p) { f(p, cells_[cell_[p]]); });
+        where_.forEach(firstSlab, endSlab, [&](int p, int cell) { f(p, cells_[cell]); });
     }
-    template <class F> void forNumbers(int firstSlab, int endSlab, F&& f) const {
-        const int first = firstSlab * slabSize_, end = endSlab * slabSize_, count = int(cell_.size());
-        for (int c = 0; c < int(slabsOf_.size()); ++c) {
-            if (slabsOf_[c].last < firstSlab || slabsOf_[c].first >= endSlab || alone_[c]) continue;
-            for (int p = c * chunkSize; p < std::min(count, (c + 1) * chunkSize); ++p)
-                if (cell_[p] >= first && cell_[p] < end) f(p);
-        }
-    }
-
     template <class F> void forOccupied(int firstSlab, int endSlab, F&& f) {
         for (int slab = firstSlab; slab < endSlab; ++slab)
             for (int c : occupied_[slab]) f(c, cells_[c]);
@@ -386,7 +306,7 @@ template <int Dim> class CellAverage {
     }
 
     double slope(const Cell& before, const Cell& cell, const Cell& after, int axis) const {
-        if (before.round != round_ || after.round != round_) return 0;
+        if (before.round != where_.round() || after.round != where_.round()) return 0;
         const auto between = [&](const Cell& a, const Cell& b) {
             return (b.mean - a.mean) / std::max(b.centre[axis] - a.centre[axis], 0.5 * cell.edges[axis]);
         };
@@ -408,12 +328,7 @@ template <int Dim> class CellAverage {
         return sum / (corners<Dim> / 2);
     }
 
-    int slabSize_ = 0; // nodes in a slab of the grid
-    long round_ = 0; // number of calls of locate() so far in which a particle was in another cell than before
-    bool located_ = false;
-    bool stays_ = false;           // whether none was in the last call
-    std::vector<char> hasChanged_; // whether one was, of each chunk
-    std::vector<int> cell_;        // of each particle
+    ParticleCells<Dim> where_;
     std::vector<double> value_;
     std::vector<Cell> cells_;
     std::vector<double> cover_;       // of each cell of the grid: volume of the particles over its own
@@ -421,10 +336,6 @@ template <int Dim> class CellAverage {
     Holes<Dim> holes_;
     std::vector<std::vector<int>> occupied_; // cells with particles, of each slab
     std::vector<Extent> extents_;            // of these
-    std::vector<Range> slabsOf_;             // of each chunk
-    std::vector<char> alone_;                // of each chunk
-    std::vector<Count> count_;               // of particles in each cell, for meshes
-    WorkPartition partition_;                // of the slabs
 };
 
 } // namespace mpm

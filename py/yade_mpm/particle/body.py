@@ -17,7 +17,8 @@ class Body(Guarded):
     Every field is an attribute: position (N, dim), velocity (N, dim), stress (N, 3, 3), deformationGradient
     (N, 3, 3), mass, volume, initialVolume, id (N,), velocityGradient, bodyForce, reference, and the state
     variables of the material; `fields()` lists them with unit and meaning. They are views: writing to
-    them changes the particles. uGIMP particles are sorted when they are made and now and then as they move,
+    them changes the particles, but for the stress of elastic materials, which follows from their deformation:
+    give that by `setStress`. uGIMP particles are sorted when they are made and now and then as they move,
     which reorders all fields alike: `id` tells who is who, and `byId("stress")` gives a copy in its order.
     """
 

@@ -44,3 +44,15 @@ def test_each_body_that_flows_without_fbar_is_told_of_once(capsys):
 def test_control_with_fbar_far_from_yield_or_elastic_nothing_is_said(given, capsys):
     sheared(**given)
     assert told(capsys) == []
+
+
+def test_an_implicit_body_that_yields_is_told_of_as_such(capsys):
+    scene = mpm.Scene((0, 0), (4, 4), 0.5, threads=1)
+    clay = mpm.MohrCoulombDruckerPrager(**CLAY)
+    body = scene.add("one", box((1, 1), (3, 3)), clay, mpm.UGIMP(perCell=2), implicit=True, fbar=False)
+    body.velocity[:, 0] = body.position[:, 1]
+    scene.dt = 1e-4
+    scene.run(until=0.01, progress=False)
+    said = [line for line in capsys.readouterr().err.splitlines() if "yields" in line]
+    assert len(said) == 1 and "body 'one' yields and is implicit: " in said[0]
+    assert "leave implicit=True out" in said[0] and "F-bar" not in said[0]

@@ -6,8 +6,33 @@
 #include "mpm/step/nodes.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace mpm {
+
+namespace {
+
+// The nodes that the vertices of a mesh reach, or will once they have moved a little.
+template <int Dim> void addReach(const Grid<Dim>& grid, const Field& vertices, std::vector<char>& isReached) {
+    const double little = 0.002 * grid.smallestCell().minCoeff();
+    const int n = vertices.size();
+    for (int a = 0; a < corners<Dim>; ++a) {
+        std::vector<int> cells(n, 0);
+        for (int k = 0; k < Dim; ++k) {
+            std::vector<double> moved(vertices.plane(k), vertices.plane(k) + n);
+            for (double& x : moved) x += cornerSign(a, k) * little;
+            grid.addCells(k, moved.data(), n, cells.data());
+        }
+        for (int node : cells)
+            for (int b = 0; b < corners<Dim>; ++b) {
+                int corner = node;
+                for (int k = 0; k < Dim; ++k) corner += cornerSign(b, k) > 0 ? grid.strides[k] : 0;
+                isReached[corner] = 1;
+            }
+    }
+}
+
+} // namespace
 
 // The stand-ins are in place as long as this lives.
 template <int Dim> class ElasticOperator<Dim>::Exchanged {
@@ -46,6 +71,7 @@ ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : s
         vertices_.emplace_back(body->particles.velocity);
         if (auto* mesh = body->domains->mesh()) vertices_.emplace_back(mesh->vertexVelocities());
     }
+    if (explicitAlone && scene.scheme->remapsSolution()) findKept();
 }
 
 template <int Dim> void ElasticOperator<Dim>::findDofs() {
@@ -60,6 +86,30 @@ template <int Dim> void ElasticOperator<Dim>::findDofs() {
                         mass_.push_back(m);
                     }
             });
+}
+
+template <int Dim> void ElasticOperator<Dim>::findKept() {
+    std::vector<std::vector<char>> isShared(scene_.grid.fields.size());
+    for (auto& body : scene_.bodies) {
+        const int field = body->velocityField;
+        if (!isSolvedImplicitly(scene_, *body) || !mixesImplicit(scene_, field)) continue;
+        isShared[field].resize(scene_.grid.count, 0);
+        if (auto* mesh = body->domains->mesh()) {
+            addReach(scene_.grid, mesh->vertexPositions(), isShared[field]);
+            continue;
+        }
+        std::vector<int> all(body->particles.size()), touched;
+        std::iota(all.begin(), all.end(), 0);
+        std::vector<double> mass(scene_.grid.count, 0.0);
+        body->domains->addQuantity(body->particles.mass.plane(), all, mass.data(), touched);
+        for (int node : touched) isShared[field][node] = 1;
+    }
+    std::vector<double> kept;
+    for (const Dof& dof : dofs_)
+        kept.push_back(!isShared[dof.field].empty() && isShared[dof.field][dof.node]);
+    if (std::count(kept.begin(), kept.end(), 0.0) == size()) return;
+    passAll(kept, given_);
+    keeps_.assign(kept.begin(), kept.end());
 }
 
 template <int Dim> void ElasticOperator<Dim>::apply(const std::vector<double>& x, std::vector<double>& y) {
@@ -82,6 +132,17 @@ template <int Dim> double ElasticOperator<Dim>::largestOfControl() const {
 
 template <int Dim>
 void ElasticOperator<Dim>::passThroughParticles(const std::vector<double>& x, std::vector<double>& y) {
+    if (keeps_.empty()) return passAll(x, y);
+    std::vector<double> others(x);
+    for (int i = 0; i < size(); ++i)
+        if (keeps_[i]) others[i] = 0;
+    std::vector<double> ofOthers;
+    passAll(others, ofOthers);
+    passAll(x, y);
+    for (int i = 0; i < size(); ++i) y[i] = 2 * (keeps_[i] ? x[i] : ofOthers[i] + given_[i] * x[i]) - y[i];
+}
+
+template <int Dim> void ElasticOperator<Dim>::passAll(const std::vector<double>& x, std::vector<double>& y) {
     const Exchanged exchanged(*this);
     for (size_t f = 0; f < motion_.size(); ++f)
         for (int slab = 0; slab < scene_.grid.slabs(); ++slab)

@@ -233,6 +233,15 @@ void ImplicitBodies::take(Scene<Dim>& scene, const ImpulseResponse<Dim>& respons
     }
 }
 
+template <int Dim> void ImplicitBodies::strainNeighbours(Scene<Dim>& scene) const {
+    for (const auto& system : std::get<State<Dim>>(states_).systems) {
+        if (!mixesImplicit(scene, system.field)) continue;
+        auto& field = scene.grid.fields[system.field];
+        for (int node : system.nodes)
+            for (int k = 0; k < Dim; ++k) field.setVelocity(node, k, field.motion[node][k]);
+    }
+}
+
 template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
     State<Dim>& state = std::get<State<Dim>>(states_);
     for (const auto& system : state.systems) scene.energies.implicit += system.energyTaken(scene);
@@ -248,6 +257,8 @@ template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
     }
 }
 
+template void ImplicitBodies::strainNeighbours(Scene<2>&) const;
+template void ImplicitBodies::strainNeighbours(Scene<3>&) const;
 template void ImplicitBodies::finishMotion(Scene<2>&);
 template void ImplicitBodies::finishMotion(Scene<3>&);
 template bool ImplicitBodies::moves<2>(int, int) const;

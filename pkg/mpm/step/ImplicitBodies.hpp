@@ -28,6 +28,10 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
     void take(Scene<Dim>& scene, const ImpulseResponse<Dim>& response, const std::vector<Vec<Dim>>& impulses,
               const std::vector<Vec<Dim>>& unfelt);
 
+    // What shares nodes with implicit bodies is strained at these by the velocity that was solved for, as they are:
+    // with another one the stiffness of both together would not be symmetric, and what they do to each other would
+    // feed a motion that grows at any step (doc/explanation/implicit-bodies.md).
+    template <int Dim> void strainNeighbours(Scene<Dim>& scene) const;
     // Once the motion of the nodes is final: keeps the velocity that strains the bodies, and books the energy
     // that the solution took.
     template <int Dim> void finishMotion(Scene<Dim>& scene);
@@ -75,6 +79,13 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
 // Whether the elastic forces of a body enter the solution.
 template <int Dim> bool isSolvedImplicitly(const Scene<Dim>& scene, const Body<Dim>& body) {
     return body.isImplicit && scene.template find<ImplicitBodies>();
+}
+// Whether bodies that are solved for implicitly share a velocity field with others.
+template <int Dim> bool mixesImplicit(const Scene<Dim>& scene, int field) {
+    bool hasImplicit = false, hasOther = false;
+    for (auto& body : scene.bodies)
+        if (body->velocityField == field) (isSolvedImplicitly(scene, *body) ? hasImplicit : hasOther) = true;
+    return hasImplicit && hasOther;
 }
 
 } // namespace mpm

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/step/VelocityRemap.hpp"
 
+#include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/nodes.hpp"
 
 namespace mpm {
@@ -61,6 +62,7 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
         for (auto& field : fields) momentumToVelocity(region, scene, field, time);
     });
     for (auto& field : fields) field.straining = Straining::velocity;
+    if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->strainNeighbours(scene);
     for (auto& engine : scene.engines)
         if (auto* coupling = dynamic_cast<VelocityCoupling*>(engine.get()); coupling && !engine->dead)
             coupling->couple(scene);

@@ -3,6 +3,7 @@
 
 from ..engine.gridSolver import GridSolver
 
+COUNTED = ("frictionWork", "impulses", "cells", "gaps")  # by engines as they run, nobody changes these
 FLAGS = ("inertiaScale", "isDamped", "fbar", "group", "implicit")  # of bodies
 
 
@@ -13,7 +14,8 @@ def parametersOf(scene):
     for number, engine in enumerate(scene.engines):
         name = engine.label or type(engine).__name__
         name = name if f"{name}.dead" not in found else f"{name} {number}"
-        found.update({f"{name}.{key}": value for key, value in engine.attributes().items()})
+        given = {key: value for key, value in engine.attributes().items() if key not in COUNTED}
+        found.update({f"{name}.{key}": value for key, value in given.items()})
         found[f"{name}.dead"] = engine.dead
         if isinstance(engine, GridSolver):
             for one in (*engine.hold, *engine.drives, *engine.faceHolds.values()):

@@ -94,3 +94,22 @@ def test_without_a_checkpoint_there_is_nothing_to_undo(scene, tmp_path):
     (tmp_path / "c.h5").write_bytes(b"other")
     with pytest.raises(ValueError, match="has changed"):
         mpm.undo(scene)
+
+
+def test_what_contact_counts_is_no_change():
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
+    rubber = mpm.LinearElastic(density=1, lame=(100, 100))
+    for name, bottom in (("lower", 0), ("upper", 0.5)):
+        body = scene.add(name, mpm.box((0.5, bottom), (1, bottom + 0.5)), rubber, mpm.UGIMP(), group=name)
+    body.velocity[...] = (0.1, -0.1)
+    contact = mpm.Contact(friction=0.3)
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(fixed="bottom"),
+        contact,
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+    ]
+    scene.run(steps=10)
+    scene.run(steps=10)
+    assert contact.frictionWork > 0 and scene.changes == []

@@ -33,6 +33,8 @@ template <int Dim> class Mesh {
     static constexpr int patterns = Dim == 2 ? 1 : 4;
     using EachStrain = std::function<void(int, double, const Vec<Dim>&, const double*)>;
     virtual double strains(int p, const EachStrain& each) const = 0;
+    // And how far the domain is from a linear deformation, what they resist: of each pattern and axis, m.
+    virtual void amplitude(int p, double (*h)[Dim]) const = 0;
     // Bound on the squared frequency of hourglass patterns under their control, 1/s2 (inertiaScale = 1), wherever the
     // mesh lies in the grid.
     virtual double fastestPattern() = 0;

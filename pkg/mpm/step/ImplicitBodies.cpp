@@ -133,7 +133,7 @@ void ImplicitBodies::look(const Scene<Dim>& scene, const RigidRows<Dim>& rows, d
     const auto& nodal = scene.grid.fields[piece.body->velocityField];
     piece.heldSquares = 0;
     piece.strained.find(
-        *piece.body, piece.begin, piece.end,
+        *piece.body, piece.begin, piece.end, gravityOf(scene),
         [&](int p) {
             const auto* motion = rows.motionOf(scene.grid, *piece.body, p);
             if (motion) piece.heldSquares += inertialMass(*piece.body, p) * squareOf<Dim>(*motion);

@@ -44,8 +44,12 @@ void ImplicitSystem<Dim>::assemble(const std::vector<const StrainedNodes<Dim>*>&
     for (const auto* body : bodies)
         for (const auto& particle : body->particles) add(*body, particle, number);
     mass_.assign(nodes.size(), 0.0);
+    atStart_.assign(nodes.size(), Vec<Dim>::Zero());
     for (const auto* body : bodies)
-        for (const auto& entry : body->entries) mass_[number[entry.node]] += entry.mass;
+        for (const auto& entry : body->entries) {
+            mass_[number[entry.node]] += entry.mass;
+            atStart_[number[entry.node]] += entry.force;
+        }
     for (auto* vector : {&velocity_, &force_, &solved_}) vector->assign(stiffness_.padded(), 0.0);
 }
 
@@ -181,12 +185,15 @@ void ImplicitSystem<Dim>::react(Scene<Dim>& scene, int unknown, double force, do
 }
 
 // Like backward Euler: from the elastic energy what forces at the end of the step do beyond their mean, from the
-// kinetic one what velocities at the end do beyond theirs.
+// kinetic one what these forces, weight and what holds a node do with velocities at the end beyond theirs. (What
+// contact and other bodies on the nodes do is told by their own.)
 template <int Dim> double ImplicitSystem<Dim>::energyTaken(const Scene<Dim>& scene) const {
     double twice = 0;
     for (int i = 0; i < unknowns(); ++i) {
-        const double a = scene.grid.fields[field].motion[nodes[i / Dim]][NF::acceleration + i % Dim];
-        twice += velocity_[i] * force_[i] + mass_[i / Dim] * a * a;
+        const NF& nodal = scene.grid.fields[field];
+        const double a = nodal.motion[nodes[i / Dim]][NF::acceleration + i % Dim];
+        const double atEnd = atStart_[i / Dim][i % Dim] - scene.dt * force_[i];
+        twice += velocity_[i] * force_[i] + a * (holderOf(nodal, i) >= 0 ? mass_[i / Dim] * a : atEnd);
     }
     return 0.5 * scene.dt * scene.dt * twice;
 }

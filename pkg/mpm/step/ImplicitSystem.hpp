@@ -51,7 +51,8 @@ template <int Dim> class ImplicitSystem {
     BandMatrix stiffness_, factor_;
     std::vector<double> velocity_, force_, solved_, unfelt_; // of the unknowns, and zeros behind them
     std::vector<std::pair<int, const typename StrainedNodes<Dim>::Entry*>> order_; // of the particle in work
-    std::vector<double> mass_; // of the bodies alone, on each node
+    std::vector<double> mass_;      // of the bodies alone, on each node,
+    std::vector<Vec<Dim>> atStart_; // and what their stress and weight do at the start of the step, kN
 
     short holderOf(const NF& nodal, int unknown) const {
         return nodal.holder[nodes[unknown / Dim]][unknown % Dim];

@@ -15,6 +15,7 @@ template <int Dim> class StrainedNodes {
     struct Entry {
         int node;
         double g[Dim], gamma[patterns], mass; // 1/m; -; Mg, of the particle, inertial
+        Vec<Dim> force;                       // kN, of the stress and the weight of the particle at the start
     };
     struct Strained {
         int begin, end;             // of its entries; each node is there once
@@ -25,7 +26,8 @@ template <int Dim> class StrainedNodes {
 
     // Of particles first to last - 1, at most chunkSize, that are strained. isIn(node): whether a node counts.
     template <class IsStrained, class IsIn>
-    void find(Body<Dim>& body, int first, int last, IsStrained&& isStrained, IsIn&& isIn) {
+    void find(Body<Dim>& body, int first, int last, const Vec<Dim>& gravity, IsStrained&& isStrained,
+              IsIn&& isIn) {
         entries.clear();
         particles.clear();
         double lambda[chunkSize], mu[chunkSize];
@@ -35,30 +37,41 @@ template <int Dim> class StrainedNodes {
             const double volume = body.particles.volume.plane()[p];
             particles.push_back(
                 {int(entries.size()), 0, volume * lambda[p - first], volume * mu[p - first], 0});
-            findOf(body, p, isIn);
+            findOf(body, p, gravity, isIn);
             particles.back().end = int(entries.size());
         }
     }
 
   private:
-    template <class IsIn> void findOf(Body<Dim>& body, int p, IsIn&& isIn) {
+    template <class IsIn> void findOf(Body<Dim>& body, int p, const Vec<Dim>& gravity, IsIn&& isIn) {
         Strained& particle = particles.back();
         const auto entryOf = [&](int node) -> Entry& {
             for (size_t e = particle.begin; e < entries.size(); ++e)
                 if (entries[e].node == node) return entries[e];
-            return entries.emplace_back(Entry{node, {}, {}, 0});
+            return entries.emplace_back(Entry{node, {}, {}, 0, Vec<Dim>::Zero()});
         };
-        const double mass = body.inertiaScale * body.particles.mass.plane()[p];
+        const double weighs = body.particles.mass.plane()[p], mass = body.inertiaScale * weighs;
+        Eigen::Matrix<double, Dim, Dim> stress;
+        for (int i = 0; i < Dim; ++i)
+            for (int j = 0; j < Dim; ++j)
+                stress(i, j) = body.particles.volume.plane()[p] * body.particles.stress.plane(3 * i + j)[p];
         const auto add = [&](int node, double phi, const Vec<Dim>& gradient, const double* gamma) {
             if (!isIn(node)) return;
             Entry& entry = entryOf(node);
             entry.mass += phi * mass;
+            entry.force += phi * weighs * gravity - stress * gradient;
             for (int k = 0; k < Dim; ++k) entry.g[k] += gradient[k];
             for (int m = 0; m < patterns && gamma; ++m) entry.gamma[m] += gamma[m];
         };
-        if (const auto* mesh = body.domains->mesh())
+        if (const auto* mesh = body.domains->mesh()) {
+            double h[patterns][Dim];
             particle.control = mesh->strains(p, add);
-        else
+            mesh->amplitude(p, h);
+            for (size_t e = particle.begin; e < entries.size(); ++e)
+                for (int m = 0; m < patterns; ++m)
+                    for (int k = 0; k < Dim; ++k)
+                        entries[e].force[k] -= particle.control * entries[e].gamma[m] * h[m][k];
+        } else
             body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
                 add(node, phi, gradient, nullptr);
             });

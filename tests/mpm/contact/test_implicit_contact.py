@@ -55,7 +55,7 @@ def test_momentum_is_kept_to_round_off(dim, impactLoss):
 
 def test_an_impact_is_that_of_the_explicit_body_whatever_the_step():
     """Mean velocities after the soft block has bounced off, by 2 m/s. With MUSL's velocity in the place of
-    the solved one, the explicit block of steel bounces 6 % more; the energy that is missing is alike."""
+    the solved one, the explicit block of steel bounces 6 % more; less of the energy is missing than there."""
     found, missing = [], []
     for implicit, dt in ((False, 2e-5), (True, 1e-4), (True, 5e-4)):
         scene, lower, upper = thrown(implicit)
@@ -67,7 +67,7 @@ def test_an_impact_is_that_of_the_explicit_body_whatever_the_step():
     assert found[0][1] < -1.9  # control: they have met
     assert found[1] == pytest.approx(found[0], abs=0.15)
     assert found[2] == pytest.approx(found[1], abs=0.06)
-    assert missing[1:] == pytest.approx(missing[:1] * 2, abs=0.02)
+    assert 0 < max(missing[1:]) < missing[0]
 
 
 @pytest.mark.parametrize("kind", ["UGIMP", "APDI"])

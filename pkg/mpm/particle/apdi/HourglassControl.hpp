@@ -136,13 +136,19 @@ template <int Dim> class HourglassControl {
         forEachSimd(batch.count, one);
     }
 
+    // How far domain p is from a linear deformation: of each pattern and axis, m.
+    HourglassAmplitude<Dim> amplitude(const DomainMesh<Dim>& mesh, const DeformedPattern& deformed,
+                                      int p) const {
+        HourglassAmplitude<Dim> h = hourglassPattern<Dim>(mesh.cornersOf(p));
+        deformed.takeFrom(reinterpret_cast<double(*)[Dim]>(h.data()), p);
+        return h;
+    }
     // Largest hourglass amplitude over the mean edge of its domain.
     double largestAmplitude(const DomainMesh<Dim>& mesh, const Particles<Dim>& particles) const {
         double largest = 0; // its 2 Dim-th power: no root in the loop
         const DeformedPattern deformed(*this, particles);
         for (int p = 0; p < particles.size(); ++p) {
-            HourglassAmplitude<Dim> h = hourglassPattern<Dim>(mesh.cornersOf(p));
-            deformed.takeFrom(reinterpret_cast<double(*)[Dim]>(h.data()), p);
+            const HourglassAmplitude<Dim> h = amplitude(mesh, deformed, p);
             const double square = h.colwise().squaredNorm().maxCoeff();
             const double volume = particles.volume.plane()[p];
             largest = std::max(largest, (Dim == 2 ? 1 : square) * square * square / (volume * volume));
@@ -156,10 +162,8 @@ template <int Dim> class HourglassControl {
         const DeformedPattern deformed(*this, particles);
         double total = 0;
         for (int p = begin; p < end; ++p) {
-            const Corners<Dim> X = mesh.cornersOf(p);
-            HourglassAmplitude<Dim> h = hourglassPattern<Dim>(X);
-            deformed.takeFrom(reinterpret_cast<double(*)[Dim]>(h.data()), p);
-            const Shape<Dim> shape(numbersOf<Dim>(X));
+            const HourglassAmplitude<Dim> h = amplitude(mesh, deformed, p);
+            const Shape<Dim> shape(numbersOf<Dim>(mesh.cornersOf(p)));
             double sum = 0;
             for (const Vec<Dim>& g : shape.g) sum += g.squaredNorm();
             total += shape.volume * energyDensity(p, std::sqrt(sum * h.squaredNorm()));

@@ -98,6 +98,11 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
         }
         return hourglass_.stiffnessOf(p, closed);
     }
+    void amplitude(int p, double (*h)[Dim]) const override {
+        const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
+        const HourglassAmplitude<Dim> all = hourglass_.amplitude(mesh_, deformed, p);
+        std::copy(all.data(), all.data() + all.size(), &h[0][0]);
+    }
     // No pattern is faster than those of the fastest domain by itself, with its mass w m on its corners: k/m times
     // the largest eigenvalue of sum_a gamma_am gamma_an/w_a, at most the largest sum of a row. Nodes move edges
     // shorter than a cell less. Along an axis in which the pattern alternates that is r/(2 - r) at most, r the edge

@@ -130,23 +130,38 @@ Largest largestOfProduct(const std::vector<double>& mass, Stiffness&& stiffness,
 }
 
 // Boxes wider by a part of a cell than they are, for as long as this lives: nodes on the far side of a line of the
-// grid that boxes end at, or just before, take part, as they do from the first step that moves such a box across.
+// grid that boxes end at, or just before, take part, as they do from the first step that moves such a box across. Boxes
+// as wide as a cell, which can be no wider, are moved instead.
 template <int Dim> class Widened {
   public:
     explicit Widened(Scene<Dim>& scene) {
-        for (auto& body : scene.bodies)
-            if (auto* boxes = body->domains->boxes()) {
-                was_.emplace_back(boxes, boxes->halfSize());
-                boxes->setHalfSize(boxes->halfSize() + 0.002 * scene.grid.smallestCell());
+        const Vec<Dim> little = 0.002 * scene.grid.smallestCell();
+        for (auto& body : scene.bodies) {
+            auto* boxes = body->domains->boxes();
+            if (!boxes) continue;
+            const Vec<Dim> half = boxes->halfSize();
+            if (((half + little).array() <= 0.5 * scene.grid.smallestCell().array()).all()) {
+                was_.emplace_back(boxes, half);
+                boxes->setHalfSize(half + little);
+                continue;
             }
+            Field& position = body->particles.position;
+            were_.emplace_back(&position, position);
+            for (int k = 0; k < Dim; ++k)
+                for (int p = 0; p < position.size(); ++p) position.plane(k)[p] -= little[k];
+        }
     }
     ~Widened() {
         for (auto& [boxes, half] : was_) boxes->setHalfSize(half);
+        for (auto& [position, own] : were_)
+            for (int k = 0; k < Dim; ++k)
+                std::copy(own.plane(k), own.plane(k) + own.size(), position->plane(k));
     }
     Widened(const Widened&) = delete;
 
   private:
     std::vector<std::pair<EqualBoxes<Dim>*, Vec<Dim>>> was_;
+    std::vector<std::pair<Field*, Field>> were_;
 };
 
 template <int Dim>

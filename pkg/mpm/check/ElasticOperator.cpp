@@ -13,9 +13,10 @@ namespace mpm {
 namespace {
 
 // The nodes that the vertices of a mesh reach, or will once they have moved a little.
-template <int Dim> void addReach(const Grid<Dim>& grid, const Field& vertices, std::vector<char>& isReached) {
+template <int Dim> std::vector<char> reachOfMesh(const Grid<Dim>& grid, const Field& vertices) {
     const double little = 0.002 * grid.smallestCell().minCoeff();
     const int n = vertices.size();
+    std::vector<char> isReached(grid.count, 0);
     for (int a = 0; a < corners<Dim>; ++a) {
         std::vector<int> cells(n, 0);
         for (int k = 0; k < Dim; ++k) {
@@ -30,6 +31,27 @@ template <int Dim> void addReach(const Grid<Dim>& grid, const Field& vertices, s
                 isReached[corner] = 1;
             }
     }
+    return isReached;
+}
+
+template <int Dim> std::vector<char> reachOf(const Grid<Dim>& grid, const Body<Dim>& body) {
+    if (auto* mesh = body.domains->mesh()) return reachOfMesh(grid, mesh->vertexPositions());
+    std::vector<int> all(body.particles.size()), touched;
+    std::iota(all.begin(), all.end(), 0);
+    std::vector<double> mass(grid.count, 0.0);
+    body.domains->addQuantity(body.particles.mass.plane(), all, mass.data(), touched);
+    std::vector<char> isReached(grid.count, 0);
+    for (int node : touched) isReached[node] = 1;
+    return isReached;
+}
+
+void join(std::vector<char>& all, const std::vector<char>& more) {
+    for (size_t i = 0; i < all.size(); ++i) all[i] |= more[i];
+}
+bool meet(const std::vector<char>& a, const std::vector<char>& b) {
+    for (size_t i = 0; i < a.size(); ++i)
+        if (a[i] && b[i]) return true;
+    return false;
 }
 
 } // namespace
@@ -88,21 +110,21 @@ template <int Dim> void ElasticOperator<Dim>::findDofs() {
             });
 }
 
+// Where a body reaches nobody else it may meet him anywhere before the next look: all nodes count.
 template <int Dim> void ElasticOperator<Dim>::findKept() {
     std::vector<std::vector<char>> isShared(scene_.grid.fields.size());
-    for (auto& body : scene_.bodies) {
-        const int field = body->velocityField;
-        if (!isSolvedImplicitly(scene_, *body) || !mixesImplicit(scene_, field)) continue;
-        isShared[field].resize(scene_.grid.count, 0);
-        if (auto* mesh = body->domains->mesh()) {
-            addReach(scene_.grid, mesh->vertexPositions(), isShared[field]);
-            continue;
-        }
-        std::vector<int> all(body->particles.size()), touched;
-        std::iota(all.begin(), all.end(), 0);
-        std::vector<double> mass(scene_.grid.count, 0.0);
-        body->domains->addQuantity(body->particles.mass.plane(), all, mass.data(), touched);
-        for (int node : touched) isShared[field][node] = 1;
+    for (size_t field = 0; field < isShared.size(); ++field) {
+        if (!mixesImplicit(scene_, int(field))) continue;
+        std::vector<char> others(scene_.grid.count, 0);
+        for (auto& body : scene_.bodies)
+            if (body->velocityField == int(field) && !isSolvedImplicitly(scene_, *body))
+                join(others, reachOf(scene_.grid, *body));
+        isShared[field].assign(scene_.grid.count, 0);
+        for (auto& body : scene_.bodies)
+            if (body->velocityField == int(field) && isSolvedImplicitly(scene_, *body)) {
+                const std::vector<char> own = reachOf(scene_.grid, *body);
+                meet(own, others) ? join(isShared[field], own) : isShared[field].assign(own.size(), 1);
+            }
     }
     std::vector<double> kept;
     for (const Dof& dof : dofs_)

@@ -336,7 +336,8 @@ class Stepper(Guarded):
         ----------
         growth : float, of the square of the fastest frequency since the estimate, -; default 1.
         """
-        longest = limits.DT_STABLE[self._scene.scheme] * self._scene.dtStable / math.sqrt(growth)
+        law = "USL" if _sharesImplicit(self._scene) else self._scene.scheme
+        longest = limits.DT_STABLE[law] * self._scene.dtStable / math.sqrt(growth)
         keep(self, automaticDt=min(self.safeDt(), longest))
         self.dt = self.automaticDt
 
@@ -480,6 +481,12 @@ def stiffnesses(scene):
         factor = blend * volume / body.inertiaScale * fineness
         found[body.name] = [factor * (lame + 2 / 3 * mu), factor * mu, float(body.count)]
     return found
+
+
+def _sharesImplicit(scene):
+    """Whether implicit bodies are bonded to others: there the law of USL holds."""
+    groups = [{body.group for body in scene.bodies if body.implicit == flag} for flag in (True, False)]
+    return bool(groups[0] & groups[1])
 
 
 def _blend(scene):

@@ -102,7 +102,7 @@ def test_a_disc_of_five_cells_rolls_or_slides(pair, slope):
 
 @slow
 @pytest.mark.parametrize("slope", [SLIDING, SLIPPERY, ROLLING])
-@pytest.mark.parametrize("pair, error", [("aa", 0.01), ("ua", 0.01), ("uu", 0.05), ("au", 0.05)])
+@pytest.mark.parametrize("pair, error", [("aa", 0.01), ("ua", 0.017), ("uu", 0.05), ("au", 0.05)])
 def test_a_disc_of_ten_cells_rolls_or_slides(pair, error, slope):
     ratio, scene, deepest = descend(pair, *slope, h=0.05)
     assert ratio == pytest.approx(1, abs=error)
@@ -163,7 +163,7 @@ def test_a_ball_of_cut_boxes_rolls_or_slides(base, slope, friction):
         5 / 7 * G * sin(slope) if tan(slope) <= 3.5 * friction else G * (sin(slope) - friction * cos(slope))
     )
     assert np.polyfit(time[time > 0.07], speed[time > 0.07], 1)[0] == pytest.approx(exact, rel=0.05)
-    assert 0.005 < deepest < 0.02
+    assert 0.005 < deepest < 0.025
 
 
 def test_control_whole_boxes_are_no_disc():

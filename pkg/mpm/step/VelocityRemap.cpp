@@ -62,10 +62,10 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
         for (auto& field : fields) momentumToVelocity(region, scene, field, time);
     });
     for (auto& field : fields) field.straining = Straining::velocity;
-    if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->strainNeighbours(scene);
     for (auto& engine : scene.engines)
         if (auto* coupling = dynamic_cast<VelocityCoupling*>(engine.get()); coupling && !engine->dead)
             coupling->couple(scene);
+    if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->strainNeighbours(scene);
 }
 
 MPM_REGISTER(Engine, VelocityRemap);

@@ -257,6 +257,13 @@ class Stepper(Guarded):
                 "grid, or make a stiff body implicit"
             )
         else:
+            if not isAllowed and _sharesImplicit(scene) and given > 0.6 * scene.dtStable > 0:
+                good = limits.DT_STABLE["USL"] * scene.dtStable
+                warnUser(
+                    f"Scene: dt = {given:.3g} s is {given / scene.dtStable:.2g} of the longest stable step; "
+                    "beside an implicit body bonded to others that falls to half where soil pokes over "
+                    f"a line of the grid: give {good:.3g} s, or leave dt out"
+                )
             self.dt = given
         self.noteEstimate()
 

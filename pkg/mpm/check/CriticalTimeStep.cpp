@@ -13,6 +13,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <unordered_map>
+
 namespace mpm {
 
 namespace {
@@ -145,31 +147,44 @@ template <int Dim> class Widened {
                 boxes->setHalfSize(half + little);
                 continue;
             }
-            Field& position = body->particles.position;
-            were_.emplace_back(&position, position);
+            Particles<Dim>& particles = body->particles;
+            auto& places = places_.emplace_back(&particles, Places()).second;
+            for (int p = 0; p < particles.size(); ++p)
+                places[particles.id.integers()[p]] = vectorAt<Dim>(particles.position, p);
             for (int k = 0; k < Dim; ++k)
-                for (int p = 0; p < position.size(); ++p) position.plane(k)[p] -= little[k];
+                for (int p = 0; p < particles.size(); ++p) particles.position.plane(k)[p] -= little[k];
         }
     }
+    // By their numbers, for they may have been sorted meanwhile.
     ~Widened() {
         for (auto& [boxes, half] : was_) boxes->setHalfSize(half);
-        for (auto& [position, own] : were_)
-            for (int k = 0; k < Dim; ++k)
-                std::copy(own.plane(k), own.plane(k) + own.size(), position->plane(k));
+        for (auto& [particles, places] : places_)
+            for (int p = 0; p < particles->size(); ++p)
+                for (int k = 0; k < Dim; ++k)
+                    particles->position.plane(k)[p] = places.at(particles->id.integers()[p])[k];
     }
     Widened(const Widened&) = delete;
 
   private:
+    using Places = std::unordered_map<int64_t, Vec<Dim>>;
     std::vector<std::pair<EqualBoxes<Dim>*, Vec<Dim>>> was_;
-    std::vector<std::pair<Field*, Field>> were_;
+    std::vector<std::pair<Particles<Dim>*, Places>> places_; // of boxes that are moved
 };
+
+// Whether implicit bodies are bonded to others.
+template <int Dim> bool mixesAny(const Scene<Dim>& scene) {
+    bool mixes = false;
+    for (size_t field = 0; field < scene.grid.fields.size(); ++field)
+        mixes |= mixesImplicit(scene, int(field));
+    return mixes;
+}
 
 template <int Dim>
 double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double tolerance, int most) {
     auto law = scene.scheme->stepLaw;
     // With affine velocities the operator of a remap is (A (1 - E) + 2 E)/(1 + E^2) M^-1 K, A what comes back
     // of velocities and E of slopes, A + E <= 1: at most M^-1 K. The law of USL stays, with A + E for A.
-    if (scene.scheme->remaps && movesAffinely(scene)) law = {1, 0, law.control};
+    if (scene.scheme->remaps && movesAffinely(scene)) law = {mixesAny(scene) ? 2.0 : 1.0, 0, law.control};
     const auto stiffness = [&](auto& x, auto& y) { K.apply(x, y); };
     const auto mobility = [&](auto& x, auto& y) {
         K.passThroughParticles(x, y);
@@ -184,11 +199,8 @@ double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double to
 
 // Without a remap of velocities, with affine ones, and beside implicit bodies, a node that boxes barely reach strains
 // them as much as any other: the step is up to 39 % shorter, however small the overlap.
-template <int Dim> bool feelsEveryNode(const Scene<Dim>& scene) {
-    bool feels = !scene.scheme->remaps || movesAffinely(scene);
-    for (size_t field = 0; field < scene.grid.fields.size(); ++field)
-        feels |= mixesImplicit(scene, int(field));
-    return feels;
+template <int Dim> bool feelsEveryNode(const Scene<Dim>& scene, bool explicitAlone) {
+    return !scene.scheme->remaps || movesAffinely(scene) || (explicitAlone && mixesAny(scene));
 }
 template <int Dim>
 double longestStableOfWidened(Scene<Dim>& scene, bool explicitAlone, double tolerance, int most) {
@@ -210,7 +222,7 @@ CriticalStep criticalTimeStep(Scene<Dim>& scene, double tolerance, int most, boo
     result.stiffest = K.stiffest();
     if (!(grid.value > 0)) return result;
     result.ofGrid = 2 / std::sqrt(grid.value);
-    result.longestStable = feelsEveryNode(scene)
+    result.longestStable = feelsEveryNode(scene, !asIfExplicit)
                                ? longestStableOfWidened(scene, !asIfExplicit, tolerance, most)
                                : longestStable(scene, K, tolerance, most);
     const double factor = scene.sharedCells.stepFactor(scene);

@@ -6,22 +6,25 @@
 #include "mpm/step/nodes.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace mpm {
 
 namespace {
 
-// The nodes that the vertices of a mesh reach, or will once they have moved a little.
-template <int Dim> std::vector<char> reachOfMesh(const Grid<Dim>& grid, const Field& vertices) {
-    const double little = 0.002 * grid.smallestCell().minCoeff();
-    const int n = vertices.size();
+// The nodes that a body reaches, or will once it has moved by a quarter of a cell.
+template <int Dim> std::vector<char> reachOf(const Grid<Dim>& grid, const Body<Dim>& body) {
+    auto* mesh = body.domains->mesh();
+    auto* boxes = body.domains->boxes();
+    const Field& points = mesh ? mesh->vertexPositions() : body.particles.position;
+    const Vec<Dim> reach =
+        0.25 * grid.smallestCell() + (boxes ? boxes->halfSize() : Vec<Dim>(Vec<Dim>::Zero()));
+    const int n = points.size();
     std::vector<char> isReached(grid.count, 0);
     for (int a = 0; a < corners<Dim>; ++a) {
         std::vector<int> cells(n, 0);
         for (int k = 0; k < Dim; ++k) {
-            std::vector<double> moved(vertices.plane(k), vertices.plane(k) + n);
-            for (double& x : moved) x += cornerSign(a, k) * little;
+            std::vector<double> moved(points.plane(k), points.plane(k) + n);
+            for (double& x : moved) x += cornerSign(a, k) * reach[k];
             grid.addCells(k, moved.data(), n, cells.data());
         }
         for (int node : cells)
@@ -31,17 +34,6 @@ template <int Dim> std::vector<char> reachOfMesh(const Grid<Dim>& grid, const Fi
                 isReached[corner] = 1;
             }
     }
-    return isReached;
-}
-
-template <int Dim> std::vector<char> reachOf(const Grid<Dim>& grid, const Body<Dim>& body) {
-    if (auto* mesh = body.domains->mesh()) return reachOfMesh(grid, mesh->vertexPositions());
-    std::vector<int> all(body.particles.size()), touched;
-    std::iota(all.begin(), all.end(), 0);
-    std::vector<double> mass(grid.count, 0.0);
-    body.domains->addQuantity(body.particles.mass.plane(), all, mass.data(), touched);
-    std::vector<char> isReached(grid.count, 0);
-    for (int node : touched) isReached[node] = 1;
     return isReached;
 }
 
@@ -93,7 +85,7 @@ ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : s
         vertices_.emplace_back(body->particles.velocity);
         if (auto* mesh = body->domains->mesh()) vertices_.emplace_back(mesh->vertexVelocities());
     }
-    if (explicitAlone && scene.scheme->remapsSolution()) findKept();
+    if (explicitAlone && scene.scheme->remapsSolution()) findSolved();
 }
 
 template <int Dim> void ElasticOperator<Dim>::findDofs() {
@@ -110,8 +102,8 @@ template <int Dim> void ElasticOperator<Dim>::findDofs() {
             });
 }
 
-// Where a body reaches nobody else it may meet him anywhere before the next look: all nodes count.
-template <int Dim> void ElasticOperator<Dim>::findKept() {
+// Where a body reaches no other one it may meet one anywhere before the next look: all nodes count.
+template <int Dim> void ElasticOperator<Dim>::findSolved() {
     std::vector<std::vector<char>> isShared(scene_.grid.fields.size());
     for (size_t field = 0; field < isShared.size(); ++field) {
         if (!mixesImplicit(scene_, int(field))) continue;
@@ -123,15 +115,20 @@ template <int Dim> void ElasticOperator<Dim>::findKept() {
         for (auto& body : scene_.bodies)
             if (body->velocityField == int(field) && isSolvedImplicitly(scene_, *body)) {
                 const std::vector<char> own = reachOf(scene_.grid, *body);
-                meet(own, others) ? join(isShared[field], own) : isShared[field].assign(own.size(), 1);
+                if (meet(own, others))
+                    join(isShared[field], own);
+                else
+                    isShared[field].assign(own.size(), 1);
             }
     }
-    std::vector<double> kept;
-    for (const Dof& dof : dofs_)
-        kept.push_back(!isShared[dof.field].empty() && isShared[dof.field][dof.node]);
-    if (std::count(kept.begin(), kept.end(), 0.0) == size()) return;
-    passAll(kept, given_);
-    keeps_.assign(kept.begin(), kept.end());
+    std::vector<double> others;
+    for (const Dof& dof : dofs_) {
+        isSolved_.push_back(!isShared[dof.field].empty() && isShared[dof.field][dof.node]);
+        others.push_back(!isSolved_.back());
+    }
+    if (std::count(isSolved_.begin(), isSolved_.end(), 1) == 0) return isSolved_.clear();
+    passAll(others, toSolved_); // and to what is held, as if it were of these: on the safe side
+    for (double& share : toSolved_) share = 1 - share;
 }
 
 template <int Dim> void ElasticOperator<Dim>::apply(const std::vector<double>& x, std::vector<double>& y) {
@@ -154,14 +151,15 @@ template <int Dim> double ElasticOperator<Dim>::largestOfControl() const {
 
 template <int Dim>
 void ElasticOperator<Dim>::passThroughParticles(const std::vector<double>& x, std::vector<double>& y) {
-    if (keeps_.empty()) return passAll(x, y);
+    if (isSolved_.empty()) return passAll(x, y);
     std::vector<double> others(x);
     for (int i = 0; i < size(); ++i)
-        if (keeps_[i]) others[i] = 0;
+        if (isSolved_[i]) others[i] = 0;
     std::vector<double> ofOthers;
     passAll(others, ofOthers);
     passAll(x, y);
-    for (int i = 0; i < size(); ++i) y[i] = 2 * (keeps_[i] ? x[i] : ofOthers[i] + given_[i] * x[i]) - y[i];
+    for (int i = 0; i < size(); ++i)
+        y[i] = 2 * (isSolved_[i] ? x[i] : ofOthers[i] + toSolved_[i] * x[i]) - y[i];
 }
 
 template <int Dim> void ElasticOperator<Dim>::passAll(const std::vector<double>& x, std::vector<double>& y) {

@@ -26,7 +26,7 @@ template <int Dim> class ElasticOperator {
 
     // y = M^-1 C x: what is left of a nodal velocity that the particles take and give back; C is the
     // consistent mass. Nodes that implicit bodies share with others are strained by what was solved for: there
-    // 2 E - C, the law of USL, E like C but without what these nodes give to others and take from them.
+    // 2 B - M^-1 C, the law of USL, B like M^-1 C but without what these nodes give to others and take from them.
     void passThroughParticles(const std::vector<double>& x, std::vector<double>& y);
 
     // Body with the largest elastic power in the motion applied last.
@@ -49,8 +49,9 @@ template <int Dim> class ElasticOperator {
     std::vector<char> isIn_; // each body, with its stiffness
     std::vector<Dof> dofs_;
     std::vector<double> mass_;
-    std::vector<char> keeps_;   // of each, whether it is of a node that implicit bodies share; empty: none is
-    std::vector<double> given_; // M^-1 C of these
+    std::vector<char>
+        isSolved_; // of each, whether it is of a node that implicit bodies share; empty: none is
+    std::vector<double> toSolved_;                             // of each, what its M^-1 C gives to these
     std::vector<std::vector<typename NF::Velocity>> velocity_; // of the nodes of each velocity field
     std::vector<std::vector<typename NF::Sum>> force_;
     std::vector<std::vector<typename NF::Motion>> motion_;
@@ -59,7 +60,7 @@ template <int Dim> class ElasticOperator {
     std::vector<StandIn> vertices_; // of its particles, and of its vertices where it has some
 
     void findDofs();
-    void findKept();
+    void findSolved();
     void passAll(const std::vector<double>& x, std::vector<double>& y);
     void take(const std::vector<double>& x);
     void sumForces(ParallelRegion& region);

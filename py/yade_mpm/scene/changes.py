@@ -3,7 +3,8 @@
 
 from ..engine.gridSolver import GridSolver
 
-COUNTED = ("frictionWork", "impulses", "cells", "gaps")  # by engines as they run, nobody changes these
+# By engines as they run; nobody changes these.
+COUNTED = ("frictionWork", "impulses", "cells", "gaps", "states", "history", "sizes")
 FLAGS = ("inertiaScale", "isDamped", "fbar", "group", "implicit")  # of bodies
 
 

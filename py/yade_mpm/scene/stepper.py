@@ -491,8 +491,12 @@ def stiffnesses(scene):
 
 
 def _sharesImplicit(scene):
-    """Whether implicit bodies are bonded to others: there the law of USL holds."""
-    groups = [{body.group for body in scene.bodies if body.implicit == flag} for flag in (True, False)]
+    """Whether implicit bodies are bonded to others: there a law like that of USL holds."""
+    isApart = any(type(e).__name__ == "Contact" and not e.dead for e in scene.engines)
+    groups = [
+        {body.group if isApart else "" for body in scene.bodies if body.implicit == flag}
+        for flag in (True, False)
+    ]
     return bool(groups[0] & groups[1])
 
 

@@ -16,7 +16,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     using typename Base::L, typename Base::NF, typename Base::Planes;
 
     void restored() override {
-        runEnd_.resize(particles.size());
+        makeRoom();
         Base::restored();
     }
 
@@ -135,7 +135,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     }
 
     void group() override {
-        runEnd_.resize(particles.size());
+        makeRoom();
         Base::group();
     }
 
@@ -168,6 +168,12 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
         }
     };
 
+    // Before the threads look at blocks of their own.
+    void makeRoom() {
+        runEnd_.resize(particles.size());
+        if (grid.isGraded()) isUnequal_.resize(particles.size());
+    }
+
     Weights weightsOf(int first, int count) const {
         Weights w(local_, half_, grid.smallestCell(), first, count);
         if (grid.isGraded()) takeUnequalCells(w, first, count);
@@ -178,7 +184,6 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
 
     // Which particles have, beside the middle of their nodes, a cell that is not of the smallest size.
     void findUnequal(int begin, int end) {
-        isUnequal_.resize(particles.size());
         for (int p = begin; p < end; ++p) {
             Index<Dim> middle = grid.indices(cell_[p]);
             for (int k = 0; k < Dim; ++k) ++middle[k];

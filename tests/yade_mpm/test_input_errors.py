@@ -1136,7 +1136,8 @@ def changed(change, **options):
     ),
     ("dt = 1 s exceeds the longest stable step", lambda: changed(lambda s: setattr(s, "dt", 1.0)).step()),
     (
-        "no critical time step can be found (every node is held, or every body is implicit); give scene.dt",
+        "no critical time step can be found (every node is held, every body is implicit, or none has "
+        "particles); give scene.dt",
         lambda: changed(
             lambda s: setattr(
                 s,

@@ -17,7 +17,9 @@ def thinBeams(scene):
     bodies alone on which something acts across."""
     gravity = scene.gridSolver("prepare").gravity
     bodies = [body for body in scene.bodies if body.count]
-    softest = min((b.material.lameConstants[1] for b in bodies), default=0.0)
+    if not bodies:
+        return
+    softest = min(b.material.lameConstants[1] for b in bodies)
     ends = [_ends(body) for body in bodies]
     for body, isAlone in zip(bodies, _areAlone(scene, ends)):
         isStructure = body.material.lameConstants[1] > STIFFER * softest

@@ -246,8 +246,8 @@ class Stepper(Guarded):
         if given is None:
             if not critical > 0:
                 raise ValueError(
-                    "Scene: no critical time step can be found (every node is held, or every body is "
-                    "implicit); give scene.dt"
+                    "Scene: no critical time step can be found (every node is held, every body is "
+                    "implicit, or none has particles); give scene.dt"
                 )
             self.takeSafeDt()
         elif not isAllowed and critical > 0 and given > scene.dtStable:

@@ -113,3 +113,15 @@ def test_what_contact_counts_is_no_change():
     scene.run(steps=10)
     scene.run(steps=10)
     assert contact.frictionWork > 0 and scene.changes == []
+
+
+def test_a_scene_whose_last_body_was_removed_says_what_it_lacks():
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
+    rubber = mpm.LinearElastic(density=1, lame=(100, 100))
+    body = scene.add("block", mpm.box((0.5, 0.5), (1, 1)), rubber, mpm.UGIMP())
+    chain = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain
+    scene.run(steps=1)
+    scene.remove(body)
+    with pytest.raises(ValueError, match="none has particles"):
+        scene.run(steps=1)

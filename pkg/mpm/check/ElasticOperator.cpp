@@ -27,12 +27,8 @@ template <int Dim> std::vector<char> reachOf(const Grid<Dim>& grid, const Body<D
             for (double& x : moved) x += cornerSign(a, k) * reach[k];
             grid.addCells(k, moved.data(), n, cells.data());
         }
-        for (int node : cells)
-            for (int b = 0; b < corners<Dim>; ++b) {
-                int corner = node;
-                for (int k = 0; k < Dim; ++k) corner += cornerSign(b, k) > 0 ? grid.strides[k] : 0;
-                isReached[corner] = 1;
-            }
+        for (int cell : cells)
+            for (int b = 0; b < corners<Dim>; ++b) isReached[cornerOf(grid, cell, b)] = 1;
     }
     return isReached;
 }

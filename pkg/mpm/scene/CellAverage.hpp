@@ -167,8 +167,7 @@ template <int Dim> class CellAverage {
                          const Vec<Dim>& edges) {
         CornerNumbers<Dim> x;
         for (int a = 0; a < corners<Dim>; ++a) {
-            int node = number;
-            for (int k = 0; k < Dim; ++k) node += cornerSign(a, k) > 0 ? grid.strides[k] : 0;
+            const int node = cornerOf(grid, number, a);
             for (int k = 0; k < Dim; ++k)
                 x[k][a] = 0.5 * cornerSign(a, k) + dt * nodes[node][k] / edges[k]; // in cells
         }

@@ -117,10 +117,6 @@ template <int Dim> class SharedCells {
     double insideOfAll(const Scene<Dim>& scene, int number);
     void tell(const Scene<Dim>& scene, int number, const Taker& taker);
     void addAcross(const Grid<Dim>& grid, int cell, int soil, int solid, const Vec<Dim>& force);
-    static int cornerOf(const Grid<Dim>& grid, int cell, int corner) {
-        for (int k = 0; k < Dim; ++k) cell += cornerSign(corner, k) > 0 ? grid.strides[k] : 0;
-        return cell;
-    }
 
     long step_ = -1;
     double lightness_ = 1;               // of the lightest body, its density over that of the soil; at most 1

@@ -24,6 +24,12 @@ template <int Dim, class F> void forAround(const Grid<Dim>& grid, int number, F&
     }
 }
 
+// The node at a corner of a cell.
+template <int Dim> int cornerOf(const Grid<Dim>& grid, int cell, int corner) {
+    for (int k = 0; k < Dim; ++k) cell += cornerSign(corner, k) > 0 ? grid.strides[k] : 0;
+    return cell;
+}
+
 // From 0 at the surface of a body to 1 inside of it, by the least cover of the rows of cells before and beyond a
 // cell along each axis, the cells across weighted with 1/4, 1/2, 1/4. About one inside the material, a half where
 // one neighbour is empty, zero at a flat surface, and what the next row has below that. What is outside of the

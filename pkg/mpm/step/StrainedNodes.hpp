@@ -51,7 +51,7 @@ template <int Dim> class StrainedNodes {
             return entries.emplace_back(Entry{node, {}, {}, 0, Vec<Dim>::Zero()});
         };
         const double weighs = body.particles.mass.plane()[p], mass = body.inertiaScale * weighs;
-        Eigen::Matrix<double, Dim, Dim> stress;
+        Mat<Dim> stress;
         for (int i = 0; i < Dim; ++i)
             for (int j = 0; j < Dim; ++j)
                 stress(i, j) = body.particles.volume.plane()[p] * body.particles.stress.plane(3 * i + j)[p];

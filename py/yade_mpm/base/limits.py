@@ -6,6 +6,8 @@
 # next estimate. Under USL that is stability; under MUSL and USF light nodes at the rim, which do not count.
 DT_SAFETY = {"MUSL": 0.8, "USF": 0.8, "USL": 0.55}
 DT_STABLE = {"MUSL": 0.65, "USF": 0.65, "USL": 0.55}
+# Share of the longest stable step from which on a given one is warned of beside bonded implicit bodies.
+DT_SHARED = 0.6
 DT_PERIOD = 5000  # steps between estimates of the critical step, and where particles grow no fewer than
 DT_LEAST_PERIOD = 1000  # so that estimates, each as long as some 45 steps, take 4.5 % of a run
 DT_LOOK = 50  # steps between looks at how much particles have grown

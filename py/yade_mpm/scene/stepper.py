@@ -257,7 +257,7 @@ class Stepper(Guarded):
                 "grid, or make a stiff body implicit"
             )
         else:
-            if not isAllowed and _sharesImplicit(scene) and given > 0.6 * scene.dtStable > 0:
+            if not isAllowed and _sharesImplicit(scene) and given > limits.DT_SHARED * scene.dtStable > 0:
                 good = limits.DT_STABLE["USL"] * scene.dtStable
                 warnUser(
                     f"Scene: dt = {given:.3g} s is {given / scene.dtStable:.2g} of the longest stable step; "

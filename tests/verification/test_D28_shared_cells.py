@@ -41,12 +41,13 @@ def driven(
     size=None,
     half=HALF,
     perCell=2,
+    mesh=None,
     **contact,
 ):
     """Scene, soil, block, contact.
 
     at : centre of the block, m; None: the middle, moved by `shift` along all axes. size : of the box, m.
-    half : of the edges of the block, m.
+    half : of the edges of the block, m. mesh : what of the soil is a mesh; None: nothing.
     """
     size = size or SIZE[dim]
     lower, upper = (0.0,) * dim, (size,) * dim
@@ -58,11 +59,23 @@ def driven(
     centre = np.full(dim, size / 2) + shift if at is None else np.array(at)
     clay = mpm.MohrCoulombDruckerPrager(density=1.5, lame=LAME, cohesion=STRENGTH, frictionAngle=0)
     hole = box(centre - half, centre + half)
-    soil = scene.add("soil", box(lower, upper) - hole, clay, mpm.UGIMP(perCell=perCell), group="soil")
-    soil.setStress(-PRESSURE * np.eye(3))
+    whole = box(lower, upper)
+    meshed = {
+        "below": lambda: box(lower, (size, centre[1] - half)),
+        "beside": lambda: box((centre[0], 0), upper),
+        "round": lambda: whole - box(centre - half - 2 * CELL, centre + half + 2 * CELL),
+    }
+    ground = whole - meshed[mesh]() if mesh else whole
+    soil = scene.add("soil", ground - hole, clay, mpm.UGIMP(perCell=perCell), group="soil")
+    soils = [soil]
+    if mesh:
+        domains = mpm.APDI(size=CELL / 2)
+        soils.append(scene.add("mesh", meshed[mesh]() - hole, clay, domains, group="soil"))
+    for part in soils:
+        part.setStress(-PRESSURE * np.eye(3))
     stiff = mpm.LinearElastic(density=density, lame=LAME)
-    mesh = blockMesh(centre - half, centre + half, CELL / 2)
-    block = scene.add("block", mesh, stiff, mpm.APDI(), group="block")
+    cells = blockMesh(centre - half, centre + half, CELL / 2)
+    block = scene.add("block", cells, stiff, mpm.APDI(), group="block")
     velocity = velocity or (0,) * (dim - 1) + (-0.4,)
     drive = [mpm.Drive(block, velocity=velocity, ramp=0.05, name="drive")] if isDriven else []
     walls = ("left", "right", "bottom", "top", "front", "back")[: 2 * dim]
@@ -136,6 +149,18 @@ def test_pressure_stays_where_soil_parts_from_a_block_and_comes_back(size, speed
     scene, soil, block, contact = driven(size=size, at=(start, start), velocity=(speed, speed))
     scene.run(until=1.0 if size == 4 else 0.6, progress=False)
     assert pressureOf(soil) == pytest.approx(1, abs=within)
+
+
+@pytest.mark.parametrize("what", ["below", "beside", "round"])
+def test_meshes_of_the_soil_share_cells_like_its_boxes(what):
+    """A block in soil that is a mesh below it, on one side of it, or two cells away all round. (Left of 200 kPa
+    while only the cells with boxes were shared: 191, 142, 193.)"""
+    scene, soil, *_ = driven(shift=0.0, mesh=what)
+    scene.run(until=0.3, progress=False)
+    bodies = [soil, *(body for body in scene.bodies if body.name == "mesh")]
+    pressure = np.concatenate([-np.trace(body.stress, axis1=1, axis2=2) / 3 for body in bodies])
+    volume = np.concatenate([body.volume for body in bodies])
+    assert np.average(pressure, weights=volume) == pytest.approx(PRESSURE, rel=0.01)
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -6,11 +6,12 @@
 // symmetric: mean stresses of yielding particles with friction part within a cell, and nothing brings them
 // back. Without slopes the mean stress would be a staircase of cells.
 //
-// Boxes do not cover a cell evenly once they have flowed, and then sum V tr L over the particles is not what
-// flows through the faces of the cells. Where material fills the cells all round, share s, the cell itself is
-// the point of integration (doc/explanation/volumes.md):
+// That is all for meshes by themselves, which tile the space. Boxes do not cover a cell evenly once they have flowed,
+// and then sum V tr L over the particles is not what flows through the faces of the cells. Where material fills the
+// cells all round, share s, the cell itself is the point of integration (doc/explanation/volumes.md):
 //     r_c = s (V_c' - V_c)/(V_c dt) + (1 - s) sum V_p r_p / sum V_p,   r_p = (det(I + dt L_p) - 1)/dt
-// with V_c' the volume between the corners of the cell as they move, and its mean stress acts by the cell, see
+// also for meshes that move with boxes, for what flows out of the one flows into the others (CellPoints). V_c' is
+// the volume between the corners of the cell as they move, and its mean stress acts by the cell, see
 // step/CellForces.hpp. Determinants, for traces miss what fast rotation adds: 1 + (dt w)^2.
 //
 // What flows through the faces of a cell is V_a r_c, with V_a = s V_c + (1 - s) V_in, what its particles take is
@@ -46,22 +47,24 @@ template <int Dim> class CellAverage {
     };
 
     // Which particles are in which cell, see ParticleCells; called by all threads, and so is all that takes a region.
+    // mesh: of domains, nullptr: boxes; isAmongBoxes: they fill cells together with boxes, and act by the cells.
     void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
-                bool mayBeAlone) {
+                Mesh<Dim>* mesh, bool isAmongBoxes) {
         region.once([&] {
-            where_.start(particles.size(), grid);
+            actByCells_ = !mesh || isAmongBoxes;
+            where_.start(particles, grid, !actByCells_, isAmongBoxes ? mesh : nullptr);
             resize(particles.size(), grid);
         });
-        where_.locate(region, particles, grid, mayBeAlone);
+        where_.locate(region, particles, grid);
         const double* volume = particles.volume.plane();
         forOwn(region, [&](int firstSlab, int endSlab) {
             if (where_.stay())
                 forOccupied(firstSlab, endSlab, [](int, Cell& cell) { empty(cell); });
             else
                 for (int slab = firstSlab; slab < endSlab; ++slab) clear(slab);
-            forParticles(firstSlab, endSlab, [&](int p, Cell& cell) {
-                if (cell.round != where_.round()) enter(grid, where_[p], cell);
-                cell.volume += volume[p];
+            forPoints(firstSlab, endSlab, [&](int point, int p, Cell& cell) {
+                if (cell.round != where_.round()) enter(grid, where_[point], cell);
+                cell.volume += volume[p] / where_.points().per(p);
             });
             forOccupied(firstSlab, endSlab,
                         [&](int c, Cell& cell) { cover_[c] = cell.volume / cell.edges.prod(); });
@@ -74,21 +77,19 @@ template <int Dim> class CellAverage {
     template <class IsFree>
     void findInside(ParallelRegion& region, const Grid<Dim>& grid, const std::vector<CellAverage*>& others,
                     bool mayOpen, IsFree&& isFree) {
-        const auto cover = [&](int c) {
-            double sum = cover_[c];
-            for (const CellAverage* other : others) sum += other->coverOf(c);
-            return sum;
-        };
-        const auto isAmongMeshes = [&](int c) { // whose domains are counted by their centres
-            return std::any_of(others.begin(), others.end(), [&](const CellAverage* other) {
-                return other->where_.areCounted() && other->coverOf(c) > 0;
-            });
-        };
+        addUp(region, others);
+        const auto cover = [&](int c) { return total_[c]; };
+        const std::vector<int> around = roundOf(grid);
         forOwnCells(region, [&](int c, Cell& cell) {
-            cell.inside = insideBy(grid, c, cover);
-            cell.share = cover_[c] / cover(c);
-            cell.uneven = mayOpen ? 1 : unevenness(grid, c, cell, cover, isAmongMeshes);
-            if (!mayOpen) holes_.look(grid, c, where_.slabOf(c), cover);
+            double least = total_[c], sum = 0; // ghosts round the grid are empty
+            for (int step : around) {
+                least = std::min(least, total_[c + step]);
+                sum += total_[c + step];
+            }
+            cell.share = cover_[c] / total_[c];
+            cell.inside = least >= insideFrom ? 1 : insideBy(grid, c, cover);
+            cell.uneven = mayOpen ? 1 : unevenness(cell, sum / double(around.size()));
+            if (!mayOpen && least == 0) holes_.look(grid, c, where_.slabOf(c), cover);
         });
         region.once([&] {
             for (const auto& hole : holes_) actByCell(hole.cell, Vec<Dim>::Zero()); // those of the last step
@@ -96,13 +97,35 @@ template <int Dim> class CellAverage {
             for (const auto& hole : holes_) extents_[where_.slabOf(hole.cell)].include(only(grid, hole.cell));
         });
     }
+    // Whether rates of volume change and mean stress act by the cells, since locate(): of boxes, and of meshes that fill
+    // cells together with boxes.
+    bool actByCells() const { return actByCells_; }
     // Whether locate() was called in this step; update() is the last to ask.
     bool isLocated(int particles) const { return where_.areLocated(particles); }
     void forget() { where_.forget(); }
 
     // Of each particle: the value to be averaged.
     double* values() { return value_.data(); }
-    const Cell& cellOf(int p) const { return cells_[where_[p]]; }
+    // Mean over the points of particle p of f(cell, point).
+    template <class F> double over(int p, F&& f) const {
+        const int per = where_.points().per(p), first = where_.points().at(p);
+        if (per == 1) return f(cells_[where_[first]], first);
+        double sum = 0;
+        for (int point = first; point < first + per; ++point) sum += f(cells_[where_[point]], point);
+        return sum / per;
+    }
+    double meanAt(int p) const {
+        return over(p, [](const Cell& cell, int) { return cell.mean; });
+    }
+    // From a value to the mean, linear in its cells.
+    double changeToLinear(int p, double value) const {
+        return over(p, [&](const Cell& cell, int point) {
+            double change = cell.mean - value;
+            for (int k = 0; k < Dim; ++k)
+                change += cell.slope[k] * (where_.points().position(p, point, k) - cell.centre[k]);
+            return change;
+        });
+    }
     // Whether the particles from `begin` on, a chunk, are one in each cell, and those in the cells beside, too: none
     // of them takes or gives anything. Known for domains of meshes only.
     bool areAlone(int begin) const { return where_.areAlone(begin); }
@@ -111,35 +134,33 @@ template <int Dim> class CellAverage {
         const bool has = !cells_.empty() && cells_[number].round == where_.round();
         return has ? &cells_[number] : nullptr;
     }
-    // Volume of the particles in a cell over its own; what is alone in it fills it, more or less.
-    double coverOf(int number) const {
-        if (cover_[number] > 0 || !where_.areCounted()) return cover_[number];
-        return where_.hasAny(number);
-    }
+    // Volume of the particles in a cell over its own.
+    double coverOf(int number) const { return cover_[number]; }
     const Cell* occupied(int number) const { return const_cast<CellAverage*>(this)->occupied(number); }
     // f(number, cell) for all cells with particles.
     template <class F> void forEach(ParallelRegion& region, F&& f) { forOwnCells(region, f); }
-    // f(particle, number of its cell) for those in the slabs of two cells or between, in their order. One thread.
+    // f(particle, number of its cell) for the points in the slabs of two cells or between, in their order. One thread.
     template <class F> void forCells(int lowest, int highest, F&& f) const {
-        where_.forEach(where_.slabOf(lowest), where_.slabOf(highest) + 1, f);
+        where_.forEach(where_.slabOf(lowest), where_.slabOf(highest) + 1,
+                       [&](int, int p, int cell) { f(p, cell); });
     }
 
     // Means of the values, weighted with a volume of each particle, in their order; withCentres: also the centre
     // of the particles. finish(number, cell) for each cell. What is alone is left out.
     template <bool withCentres, class Finish>
-    void average(ParallelRegion& region, const double* volume, const Particles<Dim>& particles,
-                 Finish&& finish) {
-        const double* x[Dim];
-        for (int k = 0; k < Dim; ++k) x[k] = particles.position.plane(k);
+    void average(ParallelRegion& region, const double* volume, Finish&& finish) {
+        const auto& points = where_.points();
         forOwn(region, [&](int firstSlab, int endSlab) {
             forOccupied(firstSlab, endSlab, [&](int, Cell& cell) {
                 cell.weight = cell.mean = 0;
                 if (withCentres) cell.centre.setZero();
             });
-            forParticles(firstSlab, endSlab, [&](int p, Cell& cell) {
-                cell.weight += volume[p];
-                cell.mean += volume[p] * value_[p];
-                for (int k = 0; k < Dim && withCentres; ++k) cell.centre[k] += volume[p] * x[k][p];
+            forPoints(firstSlab, endSlab, [&](int point, int p, Cell& cell) {
+                const double V = volume[p] / points.per(p);
+                cell.weight += V;
+                cell.mean += V * value_[p];
+                for (int k = 0; k < Dim && withCentres; ++k)
+                    cell.centre[k] += V * points.position(p, point, k);
             });
             forOccupied(firstSlab, endSlab, [&](int c, Cell& cell) {
                 if (cell.weight == 0) return; // its particles are alone
@@ -264,20 +285,39 @@ template <int Dim> class CellAverage {
         return extent;
     }
 
-    template <class Cover, class IsMesh>
-    static double unevenness(const Grid<Dim>& grid, int number, const Cell& cell, Cover&& coverOf,
-                             IsMesh&& isMesh) {
+    // full: mean cover of the cells round it, also of what is outside of the grid, where soil may stand off the wall.
+    static double unevenness(const Cell& cell, double full) {
         const double ratio = cell.inside * cell.share * cell.edges.prod() / cell.volume + 1 - cell.inside;
         if (std::abs(ratio - 1) < 1e-9) return 1;
-        double sum = 0; // also of what is outside of the grid, where soil may stand off the wall
-        bool hasMesh = false;
-        forAround(grid, number, [&](int other, int) {
-            sum += coverOf(other);
-            hasMesh |= isMesh(other);
-        });
-        if (hasMesh) return 1;
-        const double part = std::clamp((sum / (Dim == 2 ? 9 : 27) - sparse) / (dense - sparse), 0.0, 1.0);
+        const double part = std::clamp((full - sparse) / (dense - sparse), 0.0, 1.0);
         return 1 + part * (std::clamp(ratio, 1 / flexibility, flexibility) - 1);
+    }
+    // From the number of a cell to those of it and of the cells round it.
+    static std::vector<int> roundOf(const Grid<Dim>& grid) {
+        std::vector<int> steps{0};
+        for (int stride : grid.strides)
+            for (size_t i = 0, n = steps.size(); i < n; ++i) {
+                steps.push_back(steps[i] - stride);
+                steps.push_back(steps[i] + stride);
+            }
+        return steps;
+    }
+    // The covers of all bodies that move together, where this one is, and two rows of cells round that.
+    void addUp(ParallelRegion& region, const std::vector<CellAverage*>& others) {
+        region.once([&] { total_.resize(cover_.size()); });
+        forOwn(region, [&](int firstSlab, int endSlab) {
+            const int slabs = int(occupied_.size()), size = int(cover_.size()) / slabs;
+            for (int slab = firstSlab; slab < endSlab; ++slab) {
+                bool isNear = false;
+                for (int s = std::max(0, slab - 2); s < std::min(slabs, slab + 3); ++s)
+                    isNear |= !occupied_[s].empty();
+                if (!isNear) continue;
+                for (int c = slab * size; c < (slab + 1) * size; ++c) total_[c] = coverOf(c);
+                for (const CellAverage* other : others)
+                    for (int c = slab * size; c < (slab + 1) * size; ++c) total_[c] += other->coverOf(c);
+            }
+        });
+        region.wait();
     }
 
     template <class F> void forTakers(const Hole<Dim>& hole, F&& f) {
@@ -287,14 +327,15 @@ template <int Dim> class CellAverage {
 
     static void empty(Cell& cell) {
         cell.volume = cell.inside = cell.mean = cell.shared = cell.taken = 0;
+        cell.uneven = 1;
         cell.centre.setZero();
         cell.slope.setZero();
     }
 
     template <class F> void forOwn(ParallelRegion& region, F&& f) const { where_.forOwn(region, f); }
-    // f(particle, its cell) for those in some slabs, in their order, but for what is alone.
-    template <class F> void forParticles(int firstSlab, int endSlab, F&& f) {
-        where_.forEach(firstSlab, endSlab, [&](int p, int cell) { f(p, cells_[cell]); });
+    // f(point, particle, its cell) for those in some slabs, in their order, but for what is alone.
+    template <class F> void forPoints(int firstSlab, int endSlab, F&& f) {
+        where_.forEach(firstSlab, endSlab, [&](int point, int p, int cell) { f(point, p, cells_[cell]); });
     }
     template <class F> void forOccupied(int firstSlab, int endSlab, F&& f) {
         for (int slab = firstSlab; slab < endSlab; ++slab)
@@ -328,9 +369,11 @@ template <int Dim> class CellAverage {
     }
 
     ParticleCells<Dim> where_;
-    std::vector<double> value_;
+    bool actByCells_ = false;
+    std::vector<double> value_; // of particles
     std::vector<Cell> cells_;
-    std::vector<double> cover_;       // of each cell of the grid: volume of the particles over its own
+    std::vector<double> cover_,
+        total_; // of each cell of the grid: volume of the particles over its own; of all bodies
     std::vector<double> acting_[Dim]; // of each cell, see actByCell()
     Holes<Dim> holes_;
     std::vector<std::vector<int>> occupied_; // cells with particles, of each slab

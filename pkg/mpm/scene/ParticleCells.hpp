@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Which cell of the grid each particle of a body is in, for sums cell by cell. Slabs of the grid belong to threads,
-// and each goes through the particles in their order: the same sums on any number of threads.
+// Which cell of the grid each point of a body is in (CellPoints), for sums cell by cell. Slabs of the grid belong to
+// threads, and each goes through the points in their order: the same sums on any number of threads.
 #pragma once
 
-#include "mpm/base/parallel/ParallelRegion.hpp"
-#include "mpm/state/Grid.hpp"
-#include "mpm/state/Particles.hpp"
+#include "mpm/scene/CellPoints.hpp"
+#include "mpm/scene/LoneDomains.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -14,57 +13,59 @@ namespace mpm {
 
 template <int Dim> class ParticleCells {
   public:
-    // Before locate(), by one thread.
-    void start(int particles, const Grid<Dim>& grid) {
-        stays_ = round_ > 0 && int(cell_.size()) == particles;
+    // Before locate(), by one thread. mayBeAlone: they are domains of a mesh; inParts: the mesh whose domains count in
+    // parts.
+    void start(const Particles<Dim>& particles, const Grid<Dim>& grid, bool mayBeAlone, Mesh<Dim>* inParts) {
+        mayBeAlone_ = mayBeAlone;
+        if (mayBeAlone_) lone_.start(particles.size(), grid);
+        points_.start(particles, inParts);
+        stays_ = round_ > 0 && int(cell_.size()) == points_.size() && particles_ == particles.size();
         located_ = true;
+        particles_ = particles.size();
         slabSize_ = grid.strides[Dim - 1];
-        cell_.resize(particles);
-        slabsOf_.resize(chunksOf(particles));
-        alone_.resize(chunksOf(particles));
-        hasChanged_.resize(chunksOf(particles));
+        cell_.resize(points_.size());
+        const int chunks = chunksOf(particles_);
+        slabsOf_.resize(chunks);
+        isAlone_.resize(chunks);
+        hasChanged_.resize(chunks);
     }
-    // Called by all threads. In most steps no particle of a body that hardly moves enters another cell: then all stays.
-    // mayBeAlone: particles may be one in each cell, as domains of meshes are.
-    void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
-                bool mayBeAlone) {
-        region.chunks(particles.size(), [&](int begin, int end) { findCells(particles, grid, begin, end); });
+    // Called by all threads. In most steps no point of a body that hardly moves enters another cell: then all stays.
+    void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid) {
+        if (mayBeAlone_) lone_.find(region, particles, grid);
+        region.chunks(particles_, [&](int begin, int end) { findCells(grid, begin, end); });
         region.once([&] {
             stays_ &=
                 std::none_of(hasChanged_.begin(), hasChanged_.end(), [](char changed) { return changed; });
             if (stays_) return;
             ++round_;
-            std::fill(alone_.begin(), alone_.end(), 0);
             divide(grid.slabs());
         });
-        if (mayBeAlone && !stays_) findAlone(region, grid);
     }
     // Whether start() was called for so many since forget().
-    bool areLocated(int particles) const { return located_ && int(cell_.size()) == particles; }
+    bool areLocated(int particles) const { return located_ && particles_ == particles; }
     void forget() { located_ = false; }
 
-    // Number of calls of locate() so far in which a particle was in another cell than before, and whether none was in
+    // Number of calls of locate() so far in which a point was in another cell than before, and whether none was in
     // the last one.
     long round() const { return round_; }
     bool stay() const { return stays_; }
 
-    int operator[](int p) const { return cell_[p]; }
+    const CellPoints<Dim>& points() const { return points_; }
+    int operator[](int point) const { return cell_[point]; }
     int slabOf(int cell) const { return cell / slabSize_; }
     // Whether the particles from `begin` on, a chunk, are one in each cell, and those in the cells beside, too.
-    bool areAlone(int begin) const { return alone_[begin / chunkSize]; }
-    // Whether the particles may be alone, and some are in a cell.
-    bool areCounted() const { return !count_.empty(); }
-    bool hasAny(int cell) const { return count_[cell].round == round_; }
+    bool areAlone(int begin) const { return isAlone_[begin / chunkSize]; }
 
     // f(first slab, end) on each thread with the slabs that it owns.
     template <class F> void forOwn(ParallelRegion& region, F&& f) const { region.forOwnRange(partition_, f); }
-    // f(particle, its cell) for those in some slabs, in their order, but for chunks that are alone.
+    // f(point, its particle, its cell) for those in some slabs, in their order, but for chunks that are alone.
     template <class F> void forEach(int firstSlab, int endSlab, F&& f) const {
-        const int first = firstSlab * slabSize_, end = endSlab * slabSize_, count = int(cell_.size());
+        const int first = firstSlab * slabSize_, end = endSlab * slabSize_;
         for (int c = 0; c < int(slabsOf_.size()); ++c) {
-            if (slabsOf_[c].last < firstSlab || slabsOf_[c].first >= endSlab || alone_[c]) continue;
-            for (int p = c * chunkSize; p < std::min(count, (c + 1) * chunkSize); ++p)
-                if (cell_[p] >= first && cell_[p] < end) f(p, cell_[p]);
+            if (slabsOf_[c].last < firstSlab || slabsOf_[c].first >= endSlab || isAlone_[c]) continue;
+            for (int p = c * chunkSize; p < std::min(particles_, (c + 1) * chunkSize); ++p)
+                for (int point = points_.at(p), last = point + points_.per(p); point < last; ++point)
+                    if (cell_[point] >= first && cell_[point] < end) f(point, p, cell_[point]);
         }
     }
 
@@ -72,21 +73,19 @@ template <int Dim> class ParticleCells {
     struct Range {
         int first, last;
     };
-    struct Count {
-        long round = 0;
-        int particles = 0;
-    };
-
     // Of particles [begin, end), a chunk.
-    void findCells(const Particles<Dim>& particles, const Grid<Dim>& grid, int begin, int end) {
-        int found[chunkSize] = {};
-        for (int k = 0; k < Dim; ++k)
-            grid.addCells(k, particles.position.plane(k) + begin, end - begin, found);
-        hasChanged_[begin / chunkSize] = !std::equal(found, found + end - begin, cell_.begin() + begin);
-        if (!hasChanged_[begin / chunkSize]) return;
-        std::copy(found, found + end - begin, cell_.begin() + begin);
-        const auto extremes = std::minmax_element(cell_.begin() + begin, cell_.begin() + end);
-        slabsOf_[begin / chunkSize] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
+    void findCells(const Grid<Dim>& grid, int begin, int end) {
+        int found[corners<Dim> * chunkSize];
+        points_.place(grid, begin, end, found);
+        const int c = begin / chunkSize, first = points_.at(begin), count = points_.at(end) - first;
+        const bool isAlone = mayBeAlone_ && lone_.isAlone(c);
+        hasChanged_[c] =
+            isAlone != bool(isAlone_[c]) || !std::equal(found, found + count, cell_.begin() + first);
+        if (!hasChanged_[c]) return;
+        isAlone_[c] = isAlone;
+        std::copy(found, found + count, cell_.begin() + first);
+        const auto extremes = std::minmax_element(found, found + count);
+        slabsOf_[c] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
     }
 
     // The slabs among the threads.
@@ -96,39 +95,15 @@ template <int Dim> class ParticleCells {
         partition_.set(slabs, [&](int slab) { return inSlab[slab]; });
     }
 
-    void findAlone(ParallelRegion& region, const Grid<Dim>& grid) {
-        region.once([&] { count_.resize(grid.count); });
-        forOwn(region, [&](int firstSlab, int endSlab) {
-            forEach(firstSlab, endSlab, [&](int, int cell) {
-                Count& count = count_[cell];
-                count.particles = count.round == round_ ? count.particles + 1 : 1;
-                count.round = round_;
-            });
-        });
-        const auto hasMore = [&](int cell) {
-            return count_[cell].round == round_ && count_[cell].particles > 1;
-        };
-        region.chunks(int(cell_.size()), [&](int begin, int end) {
-            for (int p = begin; p < end; ++p) {
-                bool isBesideMore = hasMore(cell_[p]);
-                for (int k = 0; k < Dim; ++k)
-                    isBesideMore |=
-                        hasMore(cell_[p] - grid.strides[k]) || hasMore(cell_[p] + grid.strides[k]);
-                if (isBesideMore) return;
-            }
-            alone_[begin / chunkSize] = 1;
-        });
-    }
-
-    int slabSize_ = 0; // nodes in a slab of the grid
+    int slabSize_ = 0, particles_ = 0; // nodes in a slab of the grid
     long round_ = 0;
-    bool located_ = false, stays_ = false;
-    std::vector<char> hasChanged_; // of each chunk, whether a particle entered another cell
-    std::vector<int> cell_;        // of each particle
-    std::vector<Range> slabsOf_;   // of each chunk
-    std::vector<char> alone_;      // of each chunk
-    std::vector<Count> count_;     // of particles in each cell, for meshes
-    WorkPartition partition_;      // of the slabs
+    bool located_ = false, stays_ = false, mayBeAlone_ = false;
+    CellPoints<Dim> points_;
+    LoneDomains<Dim> lone_;
+    std::vector<char> isAlone_, hasChanged_; // of each chunk; whether a point entered another cell
+    std::vector<Range> slabsOf_;             // of each chunk
+    std::vector<int> cell_;                  // of each point
+    WorkPartition partition_;                // of the slabs
 };
 
 } // namespace mpm

@@ -228,13 +228,9 @@ template <int Dim> void SharedCells<Dim>::findSolids(const Scene<Dim>& scene) {
     }
 }
 
-// Whether boxes that act by cells are in a cell, and more of them than of meshes that stick to them.
+// Whether soil that acts by cells is in a cell.
 template <int Dim> bool SharedCells<Dim>::hasSoil(const Scene<Dim>& scene, int cell) const {
-    double boxes = 0, meshes = 0;
-    for (auto& body : scene.bodies)
-        if (body->fbar && isSoil_[body->velocityField])
-            (body->domains->boxes() ? boxes : meshes) += body->cellAverage.coverOf(cell);
-    return boxes > 0 && boxes >= meshes;
+    return coverOfSoils(scene, cell) > 0;
 }
 
 template <int Dim> void SharedCells<Dim>::findGivers(const Scene<Dim>& scene) {
@@ -376,7 +372,7 @@ std::map<int, double> SharedCells<Dim>::fillings(const Scene<Dim>& scene, const 
         if (!isSoil_[body->velocityField] || !actsByCells(*body)) continue;
         which.clear();
         body->cellAverage.forCells(*lowest, *highest, [&](int p, int cell) {
-            if (isReached_[cell]) which.push_back(p);
+            if (isReached_[cell] && (which.empty() || which.back() != p)) which.push_back(p);
         });
         body->domains->addQuantity(body->particles.volume.plane(), which, scratch_.data(), touched);
     }

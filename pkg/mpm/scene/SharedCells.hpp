@@ -19,8 +19,11 @@ namespace mpm {
 
 template <int Dim> class Scene;
 
-// Whether the mean stress of a body acts by the cells of the grid.
-template <int Dim> bool actsByCells(const Body<Dim>& body) { return body.fbar && body.domains->boxes(); }
+// Whether rates of volume change and mean stress of a body act by the cells of the grid: of boxes, and of meshes that
+// fill cells together with boxes.
+template <int Dim> bool actsByCells(const Body<Dim>& body) {
+    return body.fbar && body.cellAverage.actByCells();
+}
 
 template <int Dim> class SharedCells {
   public:

@@ -176,7 +176,10 @@ template <int Dim> class Grid {
     // Adds to each of some places' numbers what the line below it along an axis counts: cell numbers, once this was
     // done for all axes. Places outside of the grid (or not a number: found out later) go to the outermost cells.
     void addCells(int axis, const double* x, int count, int* number) const {
-        const int last = nodes[axis] - 2, stride = strides[axis];
+        addCells(axis, x, count, number, strides[axis]);
+    }
+    void addCells(int axis, const double* x, int count, int* number, int stride) const {
+        const int last = nodes[axis] - 2;
         if (isGraded_) {
             const GridLines& lines = lines_[axis];
             for (int i = 0; i < count; ++i)

@@ -35,9 +35,10 @@ template <int Dim> int cornerOf(const Grid<Dim>& grid, int cell, int corner) {
 // one neighbour is empty, zero at a flat surface, and what the next row has below that. What is outside of the
 // grid, behind its walls, does not count. coverOf(cell): the volume of the material in it over its own. surface,
 // inside: least covers that give 0 and 1.
+constexpr double insideFrom = 0.5;
 template <int Dim, class Cover>
 double insideBy(const Grid<Dim>& grid, int number, Cover&& coverOf, double surface = 0.25,
-                double inside = 0.5) {
+                double inside = insideFrom) {
     constexpr int rows = Dim == 2 ? 3 : 9, order[3] = {0, -1, 1}; // the cell itself first
     const Index<Dim> index = grid.indices(number);
     const auto isInGrid = [&](int k, int step) {

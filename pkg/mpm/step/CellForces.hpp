@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The forces of a body with F-bar whose particles are boxes. Where cells lie inside the material, share s, their
+// The forces of a body with F-bar that acts by cells (boxes, and meshes bonded to them). Where cells lie inside the material, share s, their
 // mean stress p_c acts on the nodes by the cell and not by the particles in it:
 //     f_i = - sum_p V_p (dev sigma_p + (1 - s_c) V_a/V_in p_c I) grad phi_ip - sum_c V_a s_c p_c grad phi_ic
 // with grad phi_ic the mean of the gradient of the hat function over the cell, V_in the volume of the particles in
@@ -24,8 +24,7 @@ class CellForces {
             double* mean = body.cellAverage.values();
             for (int p = begin; p < end; ++p) mean[p] = (stress[0][p] + stress[1][p] + stress[2][p]) / 3;
         });
-        body.cellAverage.template average<false>(region, body.particles.volume.plane(), body.particles,
-                                                 [](int, auto&) {});
+        body.cellAverage.template average<false>(region, body.particles.volume.plane(), [](int, auto&) {});
     }
 
     // Then takes the part that acts by cells out of what the particles of a body give in addSum().
@@ -52,7 +51,8 @@ class CellForces {
         region.chunks(n, [&](int begin, int end) {
             const double* mean = cells.values();
             for (int p = begin; p < end; ++p) {
-                const double by = cells.cellOf(p).byParticles - mean[p];
+                const double by =
+                    cells.over(p, [](const auto& cell, int) { return cell.byParticles; }) - mean[p];
                 for (int k = 0; k < Dim; ++k) diagonal_[k][p] = stress[k][p] + by;
             }
         });

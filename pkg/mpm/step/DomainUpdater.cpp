@@ -122,7 +122,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                     : deform<false>(body.particles, scene.dt, begin, end, nullptr);
             body.domains->volumes(begin, end);
             work.of(begin) = updateStress(body, scene.dt, begin, end, state.data(),
-                                          body.fbar ? body.cellAverage.values() : nullptr, follows);
+                                          body.fbar ? body.cellAverage.values() : nullptr, actsByCells(body));
         };
         if (!body.fbar)
             return region.chunksNoWait(n, partitions_[number].whole, [&](int begin, int end) {
@@ -130,7 +130,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 rest(begin, end);
             });
         if (lacksCells_[number]) {
-            body.cellAverage.locate(region, body.particles, scene.grid, !body.domains->boxes());
+            locateCells(region, scene, body);
             findInside(region, scene, body);
         }
         updateFbar(region, scene, body, partitions_[number], gradient, rest);
@@ -144,7 +144,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const int n = body.particles.size();
         const double dt = scene.dt;
         Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
-        const bool hasBoxes = body.domains->boxes();
+        const bool byCells = actsByCells(body);
         const auto* nodes = scene.grid.fields[body.velocityField].velocities();
         const auto* implicit = scene.template find<ImplicitBodies>();
         const auto velocityOf = [&](int group, int node) { // that strains the bodies there
@@ -160,15 +160,15 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         region.chunks(n, partitions.gradients, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
             gradient(begin, end);
-            hasBoxes ? volumeRates<Dim>(L, dt, begin, end, value) : traces(L, Dim, begin, end, value + begin);
+            byCells ? volumeRates<Dim>(L, dt, begin, end, value) : traces(L, Dim, begin, end, value + begin);
         });
-        if (hasBoxes) cells.takeFromHoles(region, scene.grid, nodes, dt);
-        cells.template average<false>(region, volume, body.particles, [&](int number, auto& cell) {
+        if (byCells) cells.takeFromHoles(region, scene.grid, nodes, dt);
+        cells.template average<false>(region, volume, [&](int number, auto& cell) {
             const double s = cell.inside;
             const double shared = cell.shared == 0 ? 0 : scene.sharedCells.rate(scene, number, velocityOf);
             if (cell.shared > 0)
                 cell.mean = s * shared + (1 - s) * cell.mean;
-            else if (hasBoxes)
+            else if (byCells)
                 cell.mean =
                     cells.rateOf(cell, s > 0 ? cells.growth(scene.grid, nodes, dt, number, cell.edges) : 0);
             if (cell.shared < 0)
@@ -180,15 +180,15 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 std::fill(value + begin, value + end, 0.0);
                 return rest(begin, end);
             }
-            for (int p = begin; p < end; ++p) value[p] = cells.cellOf(p).mean - value[p];
-            if (hasBoxes) toTraces<Dim>(L, dt, begin, end, value);
+            for (int p = begin; p < end; ++p) value[p] = cells.meanAt(p) - value[p];
+            if (byCells) toTraces<Dim>(L, dt, begin, end, value);
             rest(begin, end);
         });
         if (body.material->opening() >= 0) shareOpening(region, body, dt);
         region.chunks(n, [&](int begin, int end) {
             if (!cells.areAlone(begin)) traces(stress, 3, begin, end, value + begin);
         });
-        cells.template average<true>(region, volume, body.particles, [](int, auto&) {});
+        cells.template average<true>(region, volume, [](int, auto&) {});
         cells.findSlopes(region, scene.grid);
         std::vector<double*> state(body.particles.state.size());
         region.chunks(n, [&](int begin, int end) {
@@ -210,13 +210,12 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         region.chunks(n, [&](int begin, int end) {
             for (int p = begin; p < end; ++p) share[p] = opening[p] > 0 ? std::exp(-opening[p]) : 1.0;
         });
-        cells.template average<false>(region, body.particles.volume.plane(), body.particles,
-                                      [](int, auto&) {});
+        cells.template average<false>(region, body.particles.volume.plane(), [](int, auto&) {});
         region.chunks(n, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
             bool isChanged = false;
             for (int p = begin; p < end; ++p) {
-                const double mean = cells.cellOf(p).mean, now = mean < 1 - roundOff ? -std::log(mean) : 0;
+                const double mean = cells.meanAt(p), now = mean < 1 - roundOff ? -std::log(mean) : 0;
                 share[p] = now - opening[p];
                 isChanged |= share[p] != 0;
                 opening[p] = now;
@@ -241,15 +240,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // The mean stress of particles [begin, end) becomes linear in their cells.
     template <int Dim>
     static void takeLinear(Body<Dim>& body, double dt, int begin, int end, double** state) {
-        const double* x[Dim];
         double *stress[3], *value = body.cellAverage.values(); // traces, then changes of the mean
-        for (int k = 0; k < Dim; ++k) x[k] = body.particles.position.plane(k);
         for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
         for (int p = begin; p < end; ++p) {
-            const auto& cell = body.cellAverage.cellOf(p);
-            double change = cell.mean - value[p];
-            for (int k = 0; k < Dim; ++k) change += cell.slope[k] * (x[k][p] - cell.centre[k]);
-            value[p] = change / 3;
+            value[p] = body.cellAverage.changeToLinear(p, value[p]) / 3;
             for (int k = 0; k < 3; ++k) stress[k][p] += value[p];
         }
         body.material->mixed(body.points(begin, end, dt, state), value + begin);

@@ -33,7 +33,7 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
 }
 
 template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& scene, Body<Dim>& body) {
-    if (!body.fbar || !body.domains->boxes()) return;
+    if (!actsByCells(body)) return;
     std::vector<CellAverage<Dim>*> others;
     std::vector<const Body<Dim>*> strangers; // whose cells are not known
     for (auto& other : scene.bodies)
@@ -53,12 +53,22 @@ template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& sce
     body.cellAverage.findInside(region, scene.grid, others, body.material->opening() >= 0, isFree);
 }
 
+// Which particles of a body with F-bar are in which cell.
+template <int Dim> void locateCells(ParallelRegion& region, const Scene<Dim>& scene, Body<Dim>& body) {
+    Mesh<Dim>* const mesh = body.domains->mesh();
+    const bool isAmongBoxes =
+        mesh && std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const auto& other) {
+            return other->velocityField == body.velocityField && other->fbar && other->domains->boxes() &&
+                   other->particles.size() > 0;
+        });
+    body.cellAverage.locate(region, body.particles, scene.grid, mesh, isAmongBoxes);
+}
+
 // Which particles are in which cell, for the bodies with F-bar, and how far inside of the material the cells of
 // boxes lie: of all these bodies that move together, for a bonded neighbour is no surface.
 template <int Dim> void locateCells(ParallelRegion& region, Scene<Dim>& scene) {
     for (auto& body : scene.bodies)
-        if (body->fbar)
-            body->cellAverage.locate(region, body->particles, scene.grid, !body->domains->boxes());
+        if (body->fbar) locateCells(region, scene, *body);
     for (auto& body : scene.bodies) findInside(region, scene, *body);
 }
 

@@ -135,8 +135,8 @@ def test_two_bonded_bodies_of_boxes_keep_volume_and_pressure_as_one():
 
 @pytest.mark.parametrize("dim", [2, 3])
 def test_pressure_stays_where_the_interface_itself_flows(dim):
-    """Domains and boxes fill the cells together (17 % were lost when the domains took rates of their own). The
-    volumes of the domains are those between their vertices, whose edges stay straight: 7e-4 of the box."""
+    """Domains and boxes fill the cells together (17 % were lost when the domains took rates of their own).
+    The volumes of the domains are those between their vertices, whose edges stay straight: 7e-4 off."""
     stays(*stirred(0.2, dim=dim, core=1.2), 0.3, moved=1, pressure=0.01, volume=1e-3, ratio=0.1)
 
 

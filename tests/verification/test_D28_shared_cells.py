@@ -153,8 +153,8 @@ def test_pressure_stays_where_soil_parts_from_a_block_and_comes_back(size, speed
 
 @pytest.mark.parametrize("what", ["below", "beside", "round"])
 def test_meshes_of_the_soil_share_cells_like_its_boxes(what):
-    """A block in soil that is a mesh below it, on one side of it, or two cells away all round. (Left of 200 kPa
-    while only the cells with boxes were shared: 191, 142, 193.)"""
+    """A block in soil that is a mesh below it, on one side of it, or two cells away all round. (Left of
+    200 kPa while only the cells with boxes were shared: 191, 142, 193.)"""
     scene, soil, *_ = driven(shift=0.0, mesh=what)
     scene.run(until=0.3, progress=False)
     bodies = [soil, *(body for body in scene.bodies if body.name == "mesh")]

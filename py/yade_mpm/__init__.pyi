@@ -121,6 +121,7 @@ class Contact(_Contact):
     cells: float | Sequence[float]
     gaps: float | Sequence[float]
     frictionWork: float
+    edgeMotions: float | Sequence[float]
     impulses: float | Sequence[float]
     label: str
     dead: bool
@@ -139,6 +140,7 @@ class Contact(_Contact):
         cells: float | Sequence[float] = (),
         gaps: float | Sequence[float] = (),
         frictionWork: float = 0.0,
+        edgeMotions: float | Sequence[float] = (),
         impulses: float | Sequence[float] = (),
         label: str = '',
         dead: bool = False,

@@ -11,7 +11,7 @@ namespace mpm {
 template <int Dim> class CarriedForces {
   public:
     void find(const SharedCells<Dim>& cells, ContactSearch<Dim>& search) {
-        for (const ContactPair& pair : search.pairs) {
+        for (const ContactPair<Dim>& pair : search.pairs) {
             takeForces(cells, search, pair);
             takeAreas(search, pair);
             hand(search, pair);
@@ -23,7 +23,7 @@ template <int Dim> class CarriedForces {
     std::vector<double> areas_;    // of all sites that act on them, m2
 
     void takeForces(const SharedCells<Dim>& cells, const ContactSearch<Dim>& search,
-                    const ContactPair& pair) {
+                    const ContactPair<Dim>& pair) {
         forces_.assign(pair.endNode - pair.firstNode, Vec<Dim>::Zero());
         const auto first = search.nodes.begin() + pair.firstNode, end = search.nodes.begin() + pair.endNode;
         for (const auto& part : cells.forcesAcross()) {
@@ -37,7 +37,7 @@ template <int Dim> class CarriedForces {
         }
     }
     // f(site, node, weight) for the sites of a node and for the points with a weight on it.
-    template <class F> static void forSites(ContactSearch<Dim>& search, const ContactPair& pair, F&& f) {
+    template <class F> static void forSites(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, F&& f) {
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             if (!search.nodes[i].isLeftOut) f(search.nodes[i], i - pair.firstNode, 1.0);
         for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) {
@@ -46,14 +46,14 @@ template <int Dim> class CarriedForces {
                 f(point, point.contact[corner] - pair.firstNode, point.S[corner]);
         }
     }
-    void takeAreas(ContactSearch<Dim>& search, const ContactPair& pair) {
+    void takeAreas(ContactSearch<Dim>& search, const ContactPair<Dim>& pair) {
         areas_.assign(forces_.size(), 0.0);
         forSites(search, pair, [&](ContactSite<Dim>& site, size_t node, double weight) {
             areas_[node] += weight * site.area;
             site.carried = 0;
         });
     }
-    void hand(ContactSearch<Dim>& search, const ContactPair& pair) {
+    void hand(ContactSearch<Dim>& search, const ContactPair<Dim>& pair) {
         forSites(search, pair, [&](ContactSite<Dim>& site, size_t node, double weight) {
             if (areas_[node] > 0)
                 site.carried += weight * site.area / areas_[node] * forces_[node].dot(site.normal);

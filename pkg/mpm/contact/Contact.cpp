@@ -84,6 +84,10 @@ std::vector<Parameter> Contact::attributes() {
          "other as one volume; negative: not known, they have not met there.",
          &gaps},
         {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
+        {"edgeMotions", "m/s",
+         "Velocities with which edges of one group last moved against another one, three numbers for each group "
+         "of each pair.",
+         &edgeMotions.all},
         {"impulses", "kN s",
          "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses}};
 }
@@ -184,7 +188,7 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const V
 
 // Where there is friction, and how far meshes overlap.
 template <int Dim>
-void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss) {
+void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double loss) {
     const auto add = [&](ContactSite<Dim>& site, const int* at, const double* S, int count) {
         site.sticks = site.J.sticks;
         if (site.J.all.isZero(0)) return;
@@ -221,7 +225,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     state.own.assign(search.nodes.size(), {});
     state.starts.clear();
     const bool mayBeThree = search.pairs.size() > 1; // groups on a node
-    for (const ContactPair& pair : search.pairs) {
+    for (const ContactPair<Dim>& pair : search.pairs) {
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
             for (int side = 0; side < 2; ++side) {
                 const int node = search.nodes[i].node;
@@ -256,6 +260,11 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                 state.starts[{search.nodes[i].field[side], search.nodes[i].node}] = nodes[i].start[side];
         state.impulses.implicit.give(scene, nodes, 1 - loss());
     }
+    for (const ContactPair<Dim>& pair : search.pairs)
+        for (int side = 0; side < 2; ++side)
+            if (pair.hasEdges[side])
+                edgeMotions.follow<Dim>(pairOf(pair.group[0], pair.group[1]), side, pair.motionOfEdges[side],
+                                        scene.dt, scene.grid.smallestCell().minCoeff());
     touch(scene, search);
     if (!scene.scheme->remapsSolution()) recordShared(scene);
 }
@@ -322,7 +331,7 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
     auto& nodes = state.impulses.nodes;
     state.impulses.implicit.clear();
     state.own.resize(search.nodes.size()); // USF comes here first, and has no implicit bodies
-    for (const ContactPair& pair : search.pairs) {
+    for (const ContactPair<Dim>& pair : search.pairs) {
         for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) search.points[i].J = {};
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
             search.nodes[i].J = {};

@@ -29,6 +29,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     };
     std::vector<PairLaw> pairs;
     std::vector<double> impulses; // time integrals of the forces since the start
+    EdgeMotions edgeMotions;
 
     // Of the last step.
     std::vector<ContactRecord> table;
@@ -52,9 +53,6 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
 
     template <int Dim> void act(Scene<Dim>& scene);
 
-    // Numbers that stay when there are more groups.
-    static size_t pairOf(int a, int b) { return size_t(b) * (b - 1) / 2 + a; }
-
   private:
     template <int Dim> struct State {
         ContactSearch<Dim> search;
@@ -74,7 +72,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
 
     template <int Dim> void check(Scene<Dim>& scene);
     OwnedFacets ownedFacets() const;
-    SearchRule rule() const { return {normals == "mass", separation, ownedFacets()}; }
+    SearchRule rule() const { return {normals == "mass", separation, ownedFacets(), &edgeMotions}; }
     template <int Dim> void findAhead(const Scene<Dim>& scene) {
         std::get<State<Dim>>(states_).search.findAhead(scene, rule());
     }
@@ -82,7 +80,8 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     template <int Dim> static void touch(Scene<Dim>& scene, const ContactSearch<Dim>& search);
     template <int Dim> void recordShared(const Scene<Dim>& scene);
     template <int Dim> void tie(Scene<Dim>& scene);
-    template <int Dim> void addFriction(ContactSearch<Dim>& search, const ContactPair& pair, double loss);
+    template <int Dim>
+    void addFriction(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double loss);
     template <int Dim>
     static void change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNode<Dim>& contact, int side,
                        const Mat<Dim>& answer, const Impulses<Dim>& J);

@@ -39,7 +39,7 @@ template <int Dim> class ContactImpulses {
 
     // lawOf(site): the friction law there. Returns whether the rounds have come to an end of their own.
     template <class LawOf>
-    bool solve(ContactSearch<Dim>& search, const ContactPair& pair, double dt, LawOf&& lawOf) {
+    bool solve(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double dt, LawOf&& lawOf) {
         const double one = 1;
         const bool isCoupled = !implicit.isEmpty();
         if (pair.ownsFacets && !isCoupled) share(search, pair, dt, lawOf);
@@ -74,7 +74,7 @@ template <int Dim> class ContactImpulses {
     // the exchange. Frictionless rounds never give any, finished ones neither. Adhesion and friction that
     // come and go between rounds might: then `isReduced`, and the part of all impulses is left that takes
     // most.
-    double limitEnergy(ContactSearch<Dim>& search, const ContactPair& pair, bool& isReduced) {
+    double limitEnergy(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, bool& isReduced) {
         double stopped = 0, answered = 0;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
             const NodeMotion<Dim>& node = nodes[i];
@@ -106,7 +106,7 @@ template <int Dim> class ContactImpulses {
     static constexpr double convergence = 1e-4;
 
     // Looks at nodes: sites that take from each other what one node gets may do so for ever, and move nothing.
-    bool isDone(const ContactPair& pair) {
+    bool isDone(const ContactPair<Dim>& pair) {
         double changed = 0, size = 0;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
             const Vec<Dim>&J = nodes[i].J.all, more = J - before_[i - pair.firstNode];
@@ -157,7 +157,7 @@ template <int Dim> class ContactImpulses {
     // then do not press, would bear no adhesion and friction. So each first takes its share at once: what it took if
     // all of them pushed alike (Jacobi's rule with the sums of the rows).
     template <class LawOf>
-    void share(ContactSearch<Dim>& search, const ContactPair& pair, double dt, LawOf&& lawOf) {
+    void share(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double dt, LawOf&& lawOf) {
         const double one = 1;
         shares_.assign(nodes.size(), 0.0);
         const auto forSites = [&](auto&& visit) {

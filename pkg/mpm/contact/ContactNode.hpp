@@ -84,9 +84,15 @@ struct ContactRecord {
 };
 
 // Contact nodes and points of one pair of groups: from first to one before end.
-struct ContactPair {
+template <int Dim> struct ContactPair {
     size_t firstNode, endNode, firstPoint, endPoint;
     bool ownsFacets; // see OwnedFacets
+    int group[2];
+    Vec<Dim> motionOfEdges[2]; // of one group against the other, m/s, in the mean over the nodes;
+    bool hasEdges[2];          // whether there are any
 };
+
+// Numbers of pairs of groups a < b that stay when there are more groups.
+inline size_t pairOf(int a, int b) { return size_t(b) * (b - 1) / 2 + a; }
 
 } // namespace mpm

@@ -48,6 +48,11 @@ void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule, b
                 pair_.isExplicit[side] = isExplicit_[field];
                 pair_.hasOutline[side] = hasOutline_[field];
             }
+            for (int side = 0; side < 2; ++side) {
+                pair_.lastMotion[side] = rule.edgeMotions->template of<Dim>(pairOf(a, b), side);
+                pair_.motion[side].setZero();
+                pair_.edges[side] = 0;
+            }
             pair_.ownsFacets = rule.owned == OwnedFacets::all ||
                                (rule.owned == OwnedFacets::ofMeshesOnBoxes && pair_.isMeshOnBoxes());
             if (!findNodes(pair_)) continue;
@@ -55,7 +60,14 @@ void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule, b
             findNormals(pair_, rule);
             findGaps(pair_);
             findPoints(pair_, points);
-            pairs.push_back({pair_.first, nodes.size(), firstPoint, points.size(), pair_.ownsFacets});
+            pairs.push_back({pair_.first,
+                             nodes.size(),
+                             firstPoint,
+                             points.size(),
+                             pair_.ownsFacets,
+                             {a, b},
+                             {pair_.motion[0], pair_.motion[1]},
+                             {pair_.edges[0] > 0, pair_.edges[1] > 0}});
         }
 }
 

@@ -11,7 +11,7 @@ template <int Dim> class ContactSearch {
   public:
     std::vector<ContactNode<Dim>> nodes;
     std::vector<ContactPoint<Dim>> points;
-    std::vector<ContactPair> pairs;
+    std::vector<ContactPair<Dim>> pairs;
 
     void prepare(const Scene<Dim>& scene);
     void find(const Scene<Dim>& scene, const SearchRule& rule, bool isSolved = true);

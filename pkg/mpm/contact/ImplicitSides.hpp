@@ -14,7 +14,8 @@ template <int Dim> class ImplicitSides {
     // Finds those of a pair of groups, lets `nodes` know their places, and puts their own answers in the place of
     // inverse masses.
     template <class Nodes>
-    void find(Scene<Dim>& scene, const ContactSearch<Dim>& search, const ContactPair& pair, Nodes& nodes) {
+    void find(Scene<Dim>& scene, const ContactSearch<Dim>& search, const ContactPair<Dim>& pair,
+              Nodes& nodes) {
         clear();
         start_.clear();
         before_.clear();
@@ -126,7 +127,7 @@ template <int Dim> class ImplicitSides {
     }
     // Puts the sites in order; returns a bound on how far apart the unknowns of one are.
     template <class Nodes>
-    int order(const ContactSearch<Dim>& search, const ContactPair& pair, const Nodes& nodes) {
+    int order(const ContactSearch<Dim>& search, const ContactPair<Dim>& pair, const Nodes& nodes) {
         sites_.clear();
         int span = Dim;
         const auto add = [&](int node, int point, const int* at, int count) {

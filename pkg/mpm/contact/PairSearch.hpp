@@ -5,6 +5,7 @@
 #pragma once
 
 #include "mpm/contact/ContactNode.hpp"
+#include "mpm/contact/EdgeMotions.hpp"
 #include "mpm/contact/NearbyBoxes.hpp"
 
 namespace mpm {
@@ -21,6 +22,7 @@ struct SearchRule {
     bool normalsByMass; // from the gradient of the nodal mass instead of the surfaces
     bool turnsAtEdges;  // normals towards where an edge of a mesh moves; not where surfaces cannot part
     OwnedFacets owned;
+    const EdgeMotions* edgeMotions; // how edges last moved
 };
 
 template <int Dim> struct PairSearch {
@@ -33,6 +35,9 @@ template <int Dim> struct PairSearch {
     bool isExplicit[2];                             // whether their surface is explicit altogether
     bool hasOutline[2];                             // whether they have boxes that carry an outline
     bool ownsFacets;                                // see OwnedFacets
+    Vec<Dim> lastMotion[2];                         // of the edges of each group, see EdgeMotions,
+    Vec<Dim> motion[2];                             // and how they move now, in the mean,
+    int edges[2];                                   // of so many nodes
     bool isSolved;                                  // whether the nodes have the velocities of the solution,
     bool asksForSolution = false;                   // and whether something depends on them
 

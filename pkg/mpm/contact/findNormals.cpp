@@ -27,6 +27,8 @@ constexpr int meanReach = 4;
 // Speed, in cells per step, of which all facets of an edge count besides: at rest velocities are noise, and the
 // normal is that of the whole surface. A sheet pile moves a hundred times as fast.
 constexpr double restSpeed = 1e-7;
+// Part of the velocity with which edges last moved that counts besides how they move now.
+constexpr double lastShare = 0.5;
 
 // Boxes have faces along the axes: of two groups of them those count that look at each other, the smaller of
 // both.
@@ -174,8 +176,12 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
         if (contact.edgeOf != side) continue;
         isAny = true;
         approach[i] = approachOf(pair, side, contact.node);
+        pair.motion[side] += approach[i].velocity;
+        ++pair.edges[side];
+        approach[i].velocity += lastShare * pair.lastMotion[side];
     }
     if (!isAny) return;
+    pair.motion[side] /= pair.edges[side];
     std::vector<Vec<Dim>> sum(approach.size(), Vec<Dim>::Zero());
     pair.forSurfaces(side, [&](Body<Dim>& body, const ExplicitSurface<Dim>& surface) {
         surface.forParts(body, [&](const auto& vertex, const Vec<Dim>& part) {

@@ -4,7 +4,7 @@
 from ..engine.gridSolver import GridSolver
 
 # By engines as they run; nobody changes these.
-COUNTED = ("frictionWork", "impulses", "cells", "gaps", "states", "history", "sizes")
+COUNTED = ("frictionWork", "impulses", "cells", "gaps", "edgeMotions", "states", "history", "sizes")
 FLAGS = ("inertiaScale", "isDamped", "fbar", "group", "implicit")  # of bodies
 
 

@@ -97,7 +97,9 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     J.all = pushed * n;
     J.agreeing = agreed * n;
     const Vec<Dim> slipping = across(w - mobility * (J.all + borneSoFar));
-    const Vec<Dim> t = slipping.isZero(0) ? unit(borneSoFar, 0.0) : unit(slipping, 0.0);
+    // Twice, for of round-off the first leaves some of what is along n.
+    const auto direction = [&](const Vec<Dim>& v) { return unit(across(unit(v, 0.0)), 0.0); };
+    const Vec<Dim> t = direction(slipping.isZero(0) ? borneSoFar : slipping);
     const double along = t.dot(mobility * t); // 0: constraints hold both
     const double borne = adhesion * site.area * dt;
     J.sticks = t.isZero(0);
@@ -108,7 +110,11 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
         return J;
     }
     const Vec<Dim> stopped = borneSoFar + slipping / along;
-    const Vec<Dim> stoppedBefore = across(start - startMobility * J.agreeing) / t.dot(startMobility * t);
+    const Vec<Dim> slippingBefore = across(start - startMobility * J.agreeing);
+    const Vec<Dim> tBefore = direction(slippingBefore);
+    const double alongBefore = tBefore.dot(startMobility * tBefore);
+    const Vec<Dim> stoppedBefore =
+        alongBefore > 0 ? Vec<Dim>(slippingBefore / alongBefore) : Vec<Dim>(Vec<Dim>::Zero());
     J.sticks = !slip || (stopped.norm() <= friction * std::max(pushed + carried, 0.0) + borne &&
                          (stopped - (1 - impactLoss) * stoppedBefore).norm() <= limit);
     J.all += J.sticks ? stopped : Vec<Dim>(std::min(stopped.norm(), limit) * unit(stopped, 0.0));

@@ -385,6 +385,20 @@ def test_contact_takes_energy_and_never_gives_any():
     assert len(base) > 0
 
 
+def test_friction_at_a_node_on_a_roller_books_no_energy_that_bodies_do_not_have():
+    """There an impulse along the surface, which round-off gave a direction, was 16 kN s: -3.5 kJ."""
+    scene = mpm.Scene((0, 0), (3, 4), 0.25, threads=1)
+    mesh, block = mpm.APDI(size=0.125), box((1, 0.5), (2, 1))
+    scene.add("soil", box((0, 0), (3, 1)) - block, elastic(2e4), mesh)
+    scene.add("block", block, mpm.LinearElastic(density=7.85, lame=(4e5, 3e5)), mesh)
+    scene.add("other", box((0, 1), (3, 1.5)), elastic(2e4), mesh, group="other")
+    contact = mpm.Contact(friction=0.5, impactLoss=1)
+    scene.engines = chain(contact, gravity=(0.3, -9.81), fixed="bottom", roller=("left", "right"))
+    run(scene, until=0.27)
+    assert 0 < mpm.diagnostics.contactEnergy(scene) < 0.01
+    assert abs(mpm.diagnostics.energyError(scene)) < 0.02
+
+
 @pytest.mark.parametrize("constraints", ["nodes", "facets"])
 def test_forces_on_two_groups_are_opposite_and_keep_the_momentum(constraints):
     scene = mpm.Scene((0, 0), (2, 2), 0.1, threads=1)

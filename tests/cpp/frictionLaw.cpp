@@ -116,6 +116,22 @@ TEST(FrictionLaw, velocitiesOfTheStartLoseEnergyAtHeldNodesToo) {
     }
 }
 
+TEST(FrictionLaw, startsOfSurfacesThatPartDoNotAgree) {
+    const double dt = 1e-3, carried = 50;
+    const FrictionLaw elastic{0, 0, true, true, 0};
+    ContactSite<2> site;
+    site.normal = tilted;
+    site.carried = carried;
+    const auto exchanged = [&](double parting) {
+        const Vec<2> w = -parting * carried * dt * tilted;
+        return elastic.impulses<2>(site, dt, Mat<2>::Identity(), Mat<2>::Identity(), 0.5 * w, w);
+    };
+    EXPECT_FALSE(exchanged(0.9).parts);
+    EXPECT_NEAR(exchanged(0.9).agreeing.dot(tilted), -0.45 * carried * dt, 1e-15);
+    EXPECT_TRUE(exchanged(1.1).parts);
+    EXPECT_EQ(exchanged(1.1).agreeing.norm(), 0);
+}
+
 TEST(FrictionLaw, oneBodyDoesNotMoveInItself) {
     const auto [J, w] =
         exchanged<3>({0, 0, false, false, 1}, Vec<3>::UnitX(), skewInSpace, Vec<3>(1.5, 0.7, -2));

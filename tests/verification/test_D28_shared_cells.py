@@ -42,12 +42,15 @@ def driven(
     half=HALF,
     perCell=2,
     mesh=None,
+    pressure=PRESSURE,
+    elastic=None,
     **contact,
 ):
     """Scene, soil, block, contact.
 
     at : centre of the block, m; None: the middle, moved by `shift` along all axes. size : of the box, m.
     half : of the edges of the block, m. mesh : what of the soil is a mesh; None: nothing.
+    elastic : kPa, Lame constants of soil and block; None: clay.
     """
     size = size or SIZE[dim]
     lower, upper = (0.0,) * dim, (size,) * dim
@@ -59,6 +62,8 @@ def driven(
     centre = np.full(dim, size / 2) + shift if at is None else np.array(at)
     clay = mpm.MohrCoulombDruckerPrager(density=1.5, lame=LAME, cohesion=STRENGTH, frictionAngle=0)
     hole = box(centre - half, centre + half)
+    stiff = mpm.LinearElastic(density=density, lame=elastic or LAME)
+    material = stiff if elastic else clay
     whole = box(lower, upper)
     meshed = {
         "below": lambda: box(lower, (size, centre[1] - half)),
@@ -66,14 +71,14 @@ def driven(
         "round": lambda: whole - box(centre - half - 2 * CELL, centre + half + 2 * CELL),
     }
     ground = whole - meshed[mesh]() if mesh else whole
-    soil = scene.add("soil", ground - hole, clay, mpm.UGIMP(perCell=perCell), group="soil")
+    boxes = mpm.UGIMP(perCell=perCell)
+    soil = scene.add("soil", ground - hole, material, boxes, group="soil", fbar=True)
     soils = [soil]
     if mesh:
         domains = mpm.APDI(size=CELL / 2)
-        soils.append(scene.add("mesh", meshed[mesh]() - hole, clay, domains, group="soil"))
+        soils.append(scene.add("mesh", meshed[mesh]() - hole, material, domains, group="soil"))
     for part in soils:
-        part.setStress(-PRESSURE * np.eye(3))
-    stiff = mpm.LinearElastic(density=density, lame=LAME)
+        part.setStress(-pressure * np.eye(3))
     cells = blockMesh(centre - half, centre + half, CELL / 2)
     block = scene.add("block", cells, stiff, mpm.APDI(), group="block")
     velocity = velocity or (0,) * (dim - 1) + (-0.4,)
@@ -111,7 +116,7 @@ CASES = {
 
 THIN = dict(half=np.array([0.1, 0.6]), size=3.2)  # a plate of one cell
 PLATES = [
-    pytest.param(dict(at=(1.2, 1.6), velocity=(0.4, 0), impactLoss=0), 0.1, id="on lines"),
+    pytest.param(dict(at=(1.2, 1.6), velocity=(0.4, 0), impactLoss=0), 0.015, id="on lines"),
     pytest.param(dict(at=(1.25, 1.55), velocity=(0.4, 0), perCell=4), 0.02, id="between lines"),
     pytest.param(dict(at=(1.25, 1.55), perCell=4, isDriven=False), 0.02, id="at rest"),
 ]
@@ -132,10 +137,33 @@ def test_pressure_and_volumes_stay(case):
 def test_pressure_stays_round_a_thin_plate(case, within):
     """At the corners of the plates that lie between lines surfaces never press: while cells there waited for
     it, 40 % of the pressure was lost, also at rest. Behind the other one cells open and close, and 31 to 34 %
-    were lost; in ten runs that end otherwise now 2 %, in another one 8 %."""
+    were lost, 61 % after 1 s; now 0.5 %."""
     scene, soil, block, contact = driven(**case, **THIN)
-    scene.run(until=0.6, progress=False)
+    scene.run(until=1.0 if within < 0.02 else 0.6, progress=False)
     assert pressureOf(soil) == pytest.approx(1, abs=within)
+
+
+def shake(scene, amplitude, frequency):
+    drive, rate = scene.engines[1].drive, 2 * np.pi * frequency
+    speed = lambda: amplitude * rate * np.cos(rate * scene.time)  # noqa: E731
+    move = mpm.PyRunner(lambda: setattr(drive, "velocity", (speed(), 0.0)), iterPeriod=1)
+    scene.engines = [move, *scene.engines]
+
+
+@pytest.mark.parametrize("case", ["plate at rest", "shaken block"])
+def test_no_energy_comes_from_nothing_in_elastic_soil(case):
+    """Where the soil parts though its pressure holds it, MUSL's second velocities parted by less: their own
+    hold knew nothing of what the first had used. Nothing was strained, and pressure drove the soil on: 20
+    and 4 kJ came from nothing in 3 s."""
+    elastic = dict(elastic=(3000, 1000), size=3.2, perCell=4, velocity=(0.0, 0.0), friction=0)
+    if case == "plate at rest":
+        scene, soil, block, contact = driven(at=(1.25, 1.6), half=THIN["half"], **elastic)
+    else:
+        scene, soil, block, contact = driven(pressure=5, **elastic)
+        shake(scene, 0.01, 4)
+    scene.run(until=1.2, progress=False)
+    assert mpm.diagnostics.energyError(scene) > -0.1  # kJ
+    assert np.abs(soil.velocity).max() < (0.5 if case == "plate at rest" else 1.5)
 
 
 @pytest.mark.parametrize("size, speed, within", [(4.0, 0.4, 0.03), (2.4, 0.4, 0.08), (2.4, 0.2, 0.03)])

@@ -24,6 +24,13 @@ template <int Dim> Mat<Dim> inverseMass(const NodalField<Dim>& field, int node) 
     return W;
 }
 
+// For velocities made anew. Surfaces that part though all that is carried holds them do so there, too. Held once more
+// they would strain nothing, at whatever speed their particles part, and no stress would answer the pressure.
+template <int Dim> void startAnew(ContactSite<Dim>& site) {
+    site.J = {};
+    if (site.parts) site.carried = 0;
+}
+
 } // namespace
 
 std::string Contact::doc() const {
@@ -191,6 +198,7 @@ template <int Dim>
 void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double loss) {
     const auto add = [&](ContactSite<Dim>& site, const int* at, const double* S, int count) {
         site.sticks = site.J.sticks;
+        site.parts = site.J.parts;
         if (site.J.all.isZero(0)) return;
         // Not by the round-off of what acts along the surface.
         site.presses = site.J.all.dot(site.normal) > 1e-9 * site.J.all.norm() || !separation;
@@ -332,9 +340,9 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
     state.impulses.implicit.clear();
     state.own.resize(search.nodes.size()); // USF comes here first, and has no implicit bodies
     for (const ContactPair<Dim>& pair : search.pairs) {
-        for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) search.points[i].J = {};
+        for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) startAnew(search.points[i]);
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
-            search.nodes[i].J = {};
+            startAnew(search.nodes[i]);
             const int node = search.nodes[i].node;
             for (int side = 0; side < 2; ++side) {
                 const NF& field = scene.grid.fields[search.nodes[i].field[side]];

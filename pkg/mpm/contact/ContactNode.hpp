@@ -18,6 +18,7 @@ template <int Dim> Vec<Dim> unit(const Vec<Dim>& v, double least) {
 template <int Dim> struct Impulses {
     Vec<Dim> all = Vec<Dim>::Zero(), agreeing = Vec<Dim>::Zero();
     bool sticks = false;
+    bool parts = false; // surfaces do, though all that shared cells press them together with holds them
 
     void scale(double factor) {
         all *= factor;
@@ -31,7 +32,8 @@ template <int Dim> struct ContactSite {
     double gap = 0, area = 0;             // m; m2, of the smaller surface along the normal
     double tolerated = 0;                 // m, overlap that does not count
     double carried = 0;                   // kN, force that shared cells press the surfaces together with
-    bool presses = false, sticks = false; // in this step
+    bool presses = false, sticks = false; // in this step,
+    bool parts = false;                   // see Impulses
     Impulses<Dim> J;
 };
 

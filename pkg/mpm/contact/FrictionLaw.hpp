@@ -88,10 +88,15 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     const bool isFree = n.dot(mobility * n) > 0;
     const double carried = separation && isFree ? site.carried * dt : 0;
     double pushed = stopping(site, mobility, Vec<Dim>(w - mobility * borneSoFar), dt);
-    if (pushed == 0 && carried > 0)
+    if (pushed == 0 && carried > 0) {
         pushed = holding(site, mobility, Vec<Dim>(w - mobility * borneSoFar), carried);
+        J.parts = pushed == -carried;
+    }
     if (pushed == 0 && carried == 0 && !adheres(site)) return J;
-    const double agreed = pushed < 0 && carried > 0 ? holding(site, startMobility, start, -pushed)
+    // The starts of surfaces that part need not agree: with that, particles would not feel what holds them. Where they
+    // take all of it (impactLoss = 1), it tells only what is lost.
+    const double agreed = J.parts && impactLoss < 1   ? 0
+                          : pushed < 0 && carried > 0 ? holding(site, startMobility, start, -pushed)
                           : separation ? std::min(stopping(site, startMobility, start, dt), pushed)
                                        : stopping(site, startMobility, start, dt);
     J.all = pushed * n;

@@ -244,6 +244,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                     const double v = nodes[i].v[side][k] = field.motion[node][k];
                     nodes[i].start[side][k] = W(k, k) > 0 ? W(k, k) * field.sum[node][NF::momentum + k] : v;
                 }
+                nodes[i].first[side] = nodes[i].start[side];
                 if (!mayBeThree) continue;
                 const auto started = state.starts.find({search.nodes[i].field[side], node});
                 if (started != state.starts.end()) nodes[i].start[side] = started->second;
@@ -323,10 +324,7 @@ void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<D
         const double sign = isMovedLater ? 0 : side == 0 ? -1 : 1;
         change<Dim>(scene, gravity, contact, side, sign * node.inverseMass[side], node.J);
     }
-    const Vec<Dim> met = loss * node.J.agreeing;
-    const Mat<Dim> mobility = node.startMobility();
-    const Vec<Dim> startBefore = node.start[0] - node.start[1] + mobility * node.J.agreeing;
-    scene.energies.contact += met.dot(startBefore - 0.5 * mobility * met);
+    scene.energies.contact += node.lostByStart(loss);
     if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node.v[0] - node.v[1]);
 }
 

@@ -12,9 +12,9 @@ namespace mpm {
 // Two groups on a node: inverse masses, velocities at the start and of the solution, what they have exchanged. A
 // group answers an impulse by its inverse mass; zero where a constraint holds it.
 template <int Dim> struct NodeMotion {
-    Mat<Dim> inverseMass[2];      // of an implicit body: its answer to impulses
-    Mat<Dim> startInverseMass[2]; // of the node alone
-    Vec<Dim> start[2], v[2];
+    Mat<Dim> inverseMass[2];           // of an implicit body: its answer to impulses
+    Mat<Dim> startInverseMass[2];      // of the node alone
+    Vec<Dim> first[2], start[2], v[2]; // first: at the start, before the pairs that came earlier
     Impulses<Dim> J;
     // Place in the response of implicit bodies, -1: none. ImplicitSides has v then, until it tells the nodes.
     int responding[2] = {-1, -1};
@@ -27,6 +27,15 @@ template <int Dim> struct NodeMotion {
             if (responding[side] < 0) v[side] += sign * inverseMass[side] * more.all;
             start[side] += sign * startInverseMass[side] * more.agreeing;
         }
+    }
+    // Energy, kJ, that particles lose when they take a part of what makes the starts agree; of earlier pairs they have
+    // taken the same part.
+    double lostByStart(double part) const {
+        const Mat<Dim> mobility = startMobility();
+        const Vec<Dim> before = start[0] - start[1] + mobility * J.agreeing;
+        const Vec<Dim> met = part * J.agreeing,
+                       ofParticles = (1 - part) * (first[0] - first[1]) + part * before;
+        return met.dot(ofParticles - 0.5 * mobility * met);
     }
     Mat<Dim> startMobility() const { return startInverseMass[0] + startInverseMass[1]; }
     Mat<Dim> mobility() const { return inverseMass[0] + inverseMass[1]; }

@@ -47,12 +47,15 @@ template <int Dim> class CellAverage {
     };
 
     // Which particles are in which cell, see ParticleCells; called by all threads, and so is all that takes a region.
-    // mesh: of domains, nullptr: boxes; isAmongBoxes: they fill cells together with boxes, and act by the cells.
+    // mesh: of domains, nullptr: boxes; isAmongBoxes: they fill cells together with boxes, and act by the cells if none
+    // was made larger than a cell. (Nodes between the vertices of larger ones have no mass.)
     void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
                 Mesh<Dim>* mesh, bool isAmongBoxes) {
         region.once([&] {
-            actByCells_ = !mesh || isAmongBoxes;
-            where_.start(particles, grid, !actByCells_, isAmongBoxes ? mesh : nullptr);
+            if (mesh && isAmongBoxes && looked_ != particles.size()) fit_ = doFit(particles, grid, *mesh);
+            looked_ = particles.size();
+            actByCells_ = !mesh || (isAmongBoxes && fit_);
+            where_.start(particles, grid, !actByCells_, actByCells_ ? mesh : nullptr);
             resize(particles.size(), grid);
         });
         where_.locate(region, particles, grid);
@@ -80,6 +83,13 @@ template <int Dim> class CellAverage {
         addUp(region, others);
         const auto cover = [&](int c) { return total_[c]; };
         const std::vector<int> around = roundOf(grid);
+        const auto isAmongCentres = [&](int c) { // of meshes whose domains are counted by these
+            return std::any_of(others.begin(), others.end(), [&](const CellAverage* other) {
+                return !other->actByCells_ && std::any_of(around.begin(), around.end(), [&](int step) {
+                    return other->coverOf(c + step) > 0;
+                });
+            });
+        };
         forOwnCells(region, [&](int c, Cell& cell) {
             double least = total_[c], sum = 0; // ghosts round the grid are empty
             for (int step : around) {
@@ -88,7 +98,7 @@ template <int Dim> class CellAverage {
             }
             cell.share = cover_[c] / total_[c];
             cell.inside = least >= insideFrom ? 1 : insideBy(grid, c, cover);
-            cell.uneven = mayOpen ? 1 : unevenness(cell, sum / double(around.size()));
+            cell.uneven = mayOpen || isAmongCentres(c) ? 1 : unevenness(cell, sum / double(around.size()));
             if (!mayOpen && least == 0) holes_.look(grid, c, where_.slabOf(c), cover);
         });
         region.once([&] {
@@ -134,8 +144,8 @@ template <int Dim> class CellAverage {
         const bool has = !cells_.empty() && cells_[number].round == where_.round();
         return has ? &cells_[number] : nullptr;
     }
-    // Volume of the particles in a cell over its own.
-    double coverOf(int number) const { return cover_[number]; }
+    // Volume of the particles in a cell over its own; what is alone in it fills it, more or less.
+    double coverOf(int number) const { return cover_[number] > 0 ? cover_[number] : where_.hasLone(number); }
     const Cell* occupied(int number) const { return const_cast<CellAverage*>(this)->occupied(number); }
     // f(number, cell) for all cells with particles.
     template <class F> void forEach(ParallelRegion& region, F&& f) { forOwnCells(region, f); }
@@ -263,6 +273,18 @@ template <int Dim> class CellAverage {
         extents_.resize(grid.slabs());
     }
 
+    // Whether no domain of a mesh was larger than a cell when its displacement was zero.
+    static bool doFit(const Particles<Dim>& particles, const Grid<Dim>& grid, const Mesh<Dim>& mesh) {
+        constexpr double tolerated = 1.05;
+        bool is = true;
+        for (int p = 0; p < particles.size() && is; ++p) {
+            const Vec<Dim> cell = grid.sizeAt(vectorAt<Dim>(particles.reference, p));
+            is = mesh.initialEdge(p) <= tolerated * cell.maxCoeff() &&
+                 particles.initialVolume.plane()[p] <= tolerated * cell.prod();
+        }
+        return is;
+    }
+
     void clear(int slab) {
         for (int c : occupied_[slab]) {
             cover_[c] = 0;
@@ -369,8 +391,9 @@ template <int Dim> class CellAverage {
     }
 
     ParticleCells<Dim> where_;
-    bool actByCells_ = false;
-    std::vector<double> value_; // of particles
+    bool actByCells_ = false, fit_ = false; // whether no domain was made larger than a cell,
+    int looked_ = -1;                       // when there were so many
+    std::vector<double> value_;             // of particles
     std::vector<Cell> cells_;
     std::vector<double> cover_,
         total_; // of each cell of the grid: volume of the particles over its own; of all bodies

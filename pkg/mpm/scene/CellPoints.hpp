@@ -61,8 +61,7 @@ template <int Dim> class CellPoints {
                 halve(at);
                 const double low = grid.line(k, index[i]), high = grid.line(k, index[i] + 1);
                 for (int a = 0; a < NC; ++a) {
-                    const int beside =
-                        (at[a] >= high) - (at[a] < low); // parts are not farther away than that
+                    const int beside = (at[a] >= high) - (at[a] < low);
                     cells[NC * i + a] += (index[i] + beside) * stride;
                     isDivided[i] |= beside != 0;
                     parts_[k][NC * (begin + i) + a] = at[a];

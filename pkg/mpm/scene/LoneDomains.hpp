@@ -39,6 +39,7 @@ template <int Dim> class LoneDomains {
     }
 
     bool isAlone(int chunk) const { return isAlone_[chunk]; }
+    bool hasAny(int cell) const { return inCell_[cell].round == round_; }
 
   private:
     struct InCell {
@@ -61,7 +62,7 @@ template <int Dim> class LoneDomains {
             in.round = round_;
         }
     }
-    bool hasMore(int cell) const { return inCell_[cell].round == round_ && inCell_[cell].domains > 1; }
+    bool hasMore(int cell) const { return hasAny(cell) && inCell_[cell].domains > 1; }
     bool isBesideMore(const Grid<Dim>& grid, int cell) const {
         bool is = hasMore(cell);
         for (int stride : grid.strides) is |= hasMore(cell - stride) || hasMore(cell + stride);

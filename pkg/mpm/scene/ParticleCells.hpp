@@ -55,6 +55,8 @@ template <int Dim> class ParticleCells {
     int slabOf(int cell) const { return cell / slabSize_; }
     // Whether the particles from `begin` on, a chunk, are one in each cell, and those in the cells beside, too.
     bool areAlone(int begin) const { return isAlone_[begin / chunkSize]; }
+    // Whether the particles may be alone, and some are in a cell.
+    bool hasLone(int cell) const { return mayBeAlone_ && lone_.hasAny(cell); }
 
     // f(first slab, end) on each thread with the slabs that it owns.
     template <class F> void forOwn(ParallelRegion& region, F&& f) const { region.forOwnRange(partition_, f); }

@@ -77,7 +77,7 @@ std::vector<Parameter> Contact::attributes() {
         {"pairs", "", "Friction and adhesion of pairs of groups that differ; made by pair().",
          recordsOf(pairs)},
         {"sharedCells", "",
-         "Whether soil (boxes with F-bar) and a mesh in one cell of the grid fill it together: what the mesh "
+         "Whether soil (boxes with F-bar, and meshes bonded to them) and a mesh in one cell of the grid fill it together: what the mesh "
          "pushes into\n"
          "the cell presses on the soil. False: the soil feels what its own particles do, and loses pressure "
          "beside a\n"
@@ -91,15 +91,18 @@ std::vector<Parameter> Contact::attributes() {
          "other as one volume; negative: not known, they have not met there.",
          &gaps},
         {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
-        {"edgeMotions", "m/s",
-         "Velocities with which edges of one group last moved against another one, three numbers for each group "
-         "of each pair.",
-         &edgeMotions.all},
+        {"edgeMotions", "",
+         "How edges of one group last moved against another one: direction (three numbers) and speed, m/s, for each "
+         "group of\neach pair. At rest their normals stay so.",
+         &edgeMotions.numbers},
         {"impulses", "kN s",
          "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses}};
 }
 
 void Contact::finish() {
+    require(edgeMotions.numbers.size() % EdgeMotions::perPair == 0, "Contact: edgeMotions has ",
+            edgeMotions.numbers.size(), " numbers; give ", EdgeMotions::perPair,
+            " for each pair of groups, or none");
     for (const PairLaw& law : pairs)
         require(law.friction >= 0 && law.adhesion >= 0, "Contact: friction = ", law.friction,
                 ", adhesion = ", law.adhesion, " of a pair; give zero or positive numbers by pair()");
@@ -255,7 +258,8 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                 if ((state.own[i].is[side] = nodes[i].responding[side] >= 0))
                     state.own[i].answer[side] = nodes[i].inverseMass[side];
         const int* groups = search.nodes[pair.firstNode].field;
-        const FrictionLaw law = lawOf(groups[0], groups[1]);
+        FrictionLaw law = lawOf(groups[0], groups[1]);
+        law.mayBeThree = mayBeThree;
         unsettled +=
             !state.impulses.solve(search, pair, scene.dt, [&](const ContactSite<Dim>&) { return law; });
         bool isReduced;
@@ -272,8 +276,8 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     for (const ContactPair<Dim>& pair : search.pairs)
         for (int side = 0; side < 2; ++side)
             if (pair.hasEdges[side])
-                edgeMotions.follow<Dim>(pairOf(pair.group[0], pair.group[1]), side, pair.motionOfEdges[side],
-                                        scene.dt, scene.grid.smallestCell().minCoeff());
+                edgeMotions.add<Dim>(pairOf(pair.group[0], pair.group[1]), side, pair.motionOfEdges[side],
+                                     scene.dt, scene.grid.smallestCell().minCoeff());
     touch(scene, search);
     if (!scene.scheme->remapsSolution()) recordShared(scene);
 }

@@ -14,11 +14,12 @@
 namespace mpm {
 
 struct FrictionLaw {
-    double friction;   // -
-    double adhesion;   // kPa
-    bool slip;         // false: no slip whatever the friction
-    bool separation;   // false: surfaces hold together, gap or not
-    double impactLoss; // -, part of the velocity with which groups meet that particles lose
+    double friction;         // -
+    double adhesion;         // kPa
+    bool slip;               // false: no slip whatever the friction
+    bool separation;         // false: surfaces hold together, gap or not
+    double impactLoss;       // -, part of the velocity with which groups meet that particles lose
+    bool mayBeThree = false; // groups on a node
 
     // The impulses on the second group. mobility: of both groups together; zero where they are held. start, w:
     // relative velocities at the start and of the solution. startMobility: by the masses of the nodes alone, for
@@ -90,12 +91,14 @@ Impulses<Dim> FrictionLaw::impulses(const ContactSite<Dim>& site, double dt, con
     double pushed = stopping(site, mobility, Vec<Dim>(w - mobility * borneSoFar), dt);
     if (pushed == 0 && carried > 0) {
         pushed = holding(site, mobility, Vec<Dim>(w - mobility * borneSoFar), carried);
-        J.parts = pushed == -carried;
+        J.parts = pushed == -carried; // all of it, as holding() clamps it
     }
     if (pushed == 0 && carried == 0 && !adheres(site)) return J;
     // The starts of surfaces that part need not agree: with that, particles would not feel what holds them. Where they
-    // take all of it (impactLoss = 1), it tells only what is lost.
-    const double agreed = J.parts && impactLoss < 1   ? 0
+    // take all of it (impactLoss = 1), it tells only what is lost; and beside a third group soil that parts from two
+    // would get faster and faster.
+    const bool mayDisagree = J.parts && impactLoss < 1 && !mayBeThree;
+    const double agreed = mayDisagree                 ? 0
                           : pushed < 0 && carried > 0 ? holding(site, startMobility, start, -pushed)
                           : separation ? std::min(stopping(site, startMobility, start, dt), pushed)
                                        : stopping(site, startMobility, start, dt);

@@ -150,6 +150,7 @@ template <int Dim> Vec<Dim> meanVelocity(const PairSearch<Dim>& pair, int side, 
 template <int Dim> struct Approach {
     Vec<Dim> velocity = Vec<Dim>::Zero();
     double least = 0;
+    bool isOnPlane = false;
 };
 
 template <int Dim> Approach<Dim> approachOf(PairSearch<Dim>& pair, int side, int node) {
@@ -157,9 +158,10 @@ template <int Dim> Approach<Dim> approachOf(PairSearch<Dim>& pair, int side, int
     for (int k = 0; k < Dim; ++k) isOnPlane |= pair.areBothHeld(node, k);
     if (!isOnPlane)
         return {meanVelocity(pair, side, node) - meanVelocity(pair, 1 - side, node),
-                restSpeed * pair.grid().meanSize(node).minCoeff() / pair.scene->dt};
+                restSpeed * pair.grid().meanSize(node).minCoeff() / pair.scene->dt, false};
     pair.asksForSolution = true;
     Approach<Dim> approach;
+    approach.isOnPlane = true;
     if (!pair.isSolved) return approach; // all of it is found anew
     const auto &own = pair.fieldOf(side).motion[node], &other = pair.fieldOf(1 - side).motion[node];
     for (int k = 0; k < Dim; ++k) approach.velocity[k] = own[k] - other[k];
@@ -176,12 +178,13 @@ template <int Dim> void turnAtEdges(PairSearch<Dim>& pair, int side) {
         if (contact.edgeOf != side) continue;
         isAny = true;
         approach[i] = approachOf(pair, side, contact.node);
+        if (approach[i].isOnPlane) continue;
         pair.motion[side] += approach[i].velocity;
         ++pair.edges[side];
         approach[i].velocity += lastShare * pair.lastMotion[side];
     }
     if (!isAny) return;
-    pair.motion[side] /= pair.edges[side];
+    if (pair.edges[side] > 0) pair.motion[side] /= pair.edges[side];
     std::vector<Vec<Dim>> sum(approach.size(), Vec<Dim>::Zero());
     pair.forSurfaces(side, [&](Body<Dim>& body, const ExplicitSurface<Dim>& surface) {
         surface.forParts(body, [&](const auto& vertex, const Vec<Dim>& part) {

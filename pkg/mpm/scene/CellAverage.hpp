@@ -52,9 +52,11 @@ template <int Dim> class CellAverage {
     void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
                 Mesh<Dim>* mesh, bool isAmongBoxes) {
         region.once([&] {
-            if (mesh && isAmongBoxes && looked_ != particles.size()) fit_ = doFit(particles, grid, *mesh);
-            looked_ = particles.size();
-            actByCells_ = !mesh || (isAmongBoxes && fit_);
+            if (mesh && isAmongBoxes && measured_ != particles.size()) {
+                measured_ = particles.size();
+                fitInCells_ = doFit(particles, grid, *mesh);
+            }
+            actByCells_ = !mesh || (isAmongBoxes && fitInCells_);
             where_.start(particles, grid, !actByCells_, actByCells_ ? mesh : nullptr);
             resize(particles.size(), grid);
         });
@@ -391,9 +393,10 @@ template <int Dim> class CellAverage {
     }
 
     ParticleCells<Dim> where_;
-    bool actByCells_ = false, fit_ = false; // whether no domain was made larger than a cell,
-    int looked_ = -1;                       // when there were so many
-    std::vector<double> value_;             // of particles
+    bool actByCells_ = false;
+    bool fitInCells_ = false;   // whether no domain was made larger than a cell,
+    int measured_ = -1;         // found when there were so many domains
+    std::vector<double> value_; // of particles
     std::vector<Cell> cells_;
     std::vector<double> cover_,
         total_; // of each cell of the grid: volume of the particles over its own; of all bodies

@@ -97,7 +97,8 @@ template <int Dim> class ParticleCells {
         partition_.set(slabs, [&](int slab) { return inSlab[slab]; });
     }
 
-    int slabSize_ = 0, particles_ = 0; // nodes in a slab of the grid
+    int particles_ = 0;
+    int slabSize_ = 0; // nodes in a slab of the grid
     long round_ = 0;
     bool located_ = false, stays_ = false, mayBeAlone_ = false;
     CellPoints<Dim> points_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Cells of the grid that soil (boxes with F-bar) shares with a body that has a velocity of its own (a mesh in another
+// Cells of the grid that soil (boxes with F-bar, and meshes bonded to them) shares with a body that has a velocity of its own (a mesh in another
 // group). Together they fill these cells, so whatever they slip, what flows through the faces is
 //     div u = 0,   u_i = sum_g V_ig v_ig / sum_g V_ig,   V_ig: volume of group g at node i,
 // but for what the soil gives way. The flux of u out of a shared cell is taken by the cells with soil in it and

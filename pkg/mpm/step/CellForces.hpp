@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// The forces of a body with F-bar that acts by cells (boxes, and meshes bonded to them). Where cells lie inside the material, share s, their
-// mean stress p_c acts on the nodes by the cell and not by the particles in it:
+// The forces of a body with F-bar that acts by cells: boxes, and meshes bonded to them. Where cells lie inside the
+// material, share s, their mean stress p_c acts on the nodes by the cell and not by the particles in it:
 //     f_i = - sum_p V_p (dev sigma_p + (1 - s_c) V_a/V_in p_c I) grad phi_ip - sum_c V_a s_c p_c grad phi_ic
 // with grad phi_ic the mean of the gradient of the hat function over the cell, V_in the volume of the particles in
 // it and V_a = s V_c + (1 - s) V_in. It is the work conjugate of the rate of volume change that CellAverage takes

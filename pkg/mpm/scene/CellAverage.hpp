@@ -52,6 +52,7 @@ template <int Dim> class CellAverage {
     void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
                 Mesh<Dim>* mesh, bool isAmongBoxes) {
         region.once([&] {
+            isMesh_ = mesh;
             if (mesh && isAmongBoxes && measured_ != particles.size()) {
                 measured_ = particles.size();
                 fitInCells_ = doFit(particles, grid, *mesh);
@@ -85,12 +86,12 @@ template <int Dim> class CellAverage {
         addUp(region, others);
         const auto cover = [&](int c) { return total_[c]; };
         const std::vector<int> around = roundOf(grid);
-        const auto isAmongCentres = [&](int c) { // of meshes whose domains are counted by these
-            return std::any_of(others.begin(), others.end(), [&](const CellAverage* other) {
-                return !other->actByCells_ && std::any_of(around.begin(), around.end(), [&](int step) {
-                    return other->coverOf(c + step) > 0;
-                });
-            });
+        const auto isAmongMeshes = [&](int c) { // whose few points do not tell how full a cell is
+            return isMesh_ || std::any_of(others.begin(), others.end(), [&](const CellAverage* other) {
+                       return other->isMesh_ && std::any_of(around.begin(), around.end(), [&](int step) {
+                                  return other->coverOf(c + step) > 0;
+                              });
+                   });
         };
         forOwnCells(region, [&](int c, Cell& cell) {
             double least = total_[c], sum = 0; // ghosts round the grid are empty
@@ -100,7 +101,7 @@ template <int Dim> class CellAverage {
             }
             cell.share = cover_[c] / total_[c];
             cell.inside = least >= insideFrom ? 1 : insideBy(grid, c, cover);
-            cell.uneven = mayOpen || isAmongCentres(c) ? 1 : unevenness(cell, sum / double(around.size()));
+            cell.uneven = mayOpen || isAmongMeshes(c) ? 1 : unevenness(cell, sum / double(around.size()));
             if (!mayOpen && least == 0) holes_.look(grid, c, where_.slabOf(c), cover);
         });
         region.once([&] {
@@ -393,7 +394,7 @@ template <int Dim> class CellAverage {
     }
 
     ParticleCells<Dim> where_;
-    bool actByCells_ = false;
+    bool isMesh_ = false, actByCells_ = false;
     bool fitInCells_ = false;   // whether no domain was made larger than a cell,
     int measured_ = -1;         // found when there were so many domains
     std::vector<double> value_; // of particles

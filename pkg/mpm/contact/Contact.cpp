@@ -77,9 +77,9 @@ std::vector<Parameter> Contact::attributes() {
         {"pairs", "", "Friction and adhesion of pairs of groups that differ; made by pair().",
          recordsOf(pairs)},
         {"sharedCells", "",
-         "Whether soil (boxes with F-bar, and meshes bonded to them) and a mesh in one cell of the grid fill it together: what the mesh "
-         "pushes into\n"
-         "the cell presses on the soil. False: the soil feels what its own particles do, and loses pressure "
+         "Whether soil (boxes with F-bar, and meshes bonded to them) and a mesh in one cell of the grid fill it "
+         "together:\n"
+         "what the mesh pushes into the cell presses on the soil. False: the soil feels what its own particles do, and loses pressure "
          "beside a\n"
          "body that moves far. Where facets belong to points (see constraints).",
          &sharedCells},

@@ -61,7 +61,7 @@ template <int Dim> class CellAverage {
             where_.start(particles, grid, !actByCells_, actByCells_ ? mesh : nullptr);
             resize(particles.size(), grid);
         });
-        where_.locate(region, particles, grid);
+        where_.locate(region, grid);
         const double* volume = particles.volume.plane();
         forOwn(region, [&](int firstSlab, int endSlab) {
             if (where_.stay())

@@ -5,7 +5,6 @@
 
 #include "mpm/base/parallel/ParallelRegion.hpp"
 #include "mpm/state/Grid.hpp"
-#include "mpm/state/Particles.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -14,26 +13,20 @@ namespace mpm {
 
 template <int Dim> class LoneDomains {
   public:
-    // Before find(), by one thread.
-    void start(int particles, const Grid<Dim>& grid) {
-        stay_ = round_ > 0 && int(cell_.size()) == particles;
-        cell_.resize(particles);
-        inCell_.resize(grid.count);
-        isAlone_.resize(chunksOf(particles));
-        hasChanged_.resize(chunksOf(particles));
-    }
-    // Called by all threads.
-    void find(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid) {
-        region.chunks(int(cell_.size()), [&](int begin, int end) { findCells(particles, grid, begin, end); });
+    // Called by all threads. cells: of the domains, by their centres.
+    void find(ParallelRegion& region, const Grid<Dim>& grid, const std::vector<int>& cells) {
         region.once([&] {
-            stay_ &=
-                std::none_of(hasChanged_.begin(), hasChanged_.end(), [](char changed) { return changed; });
-            if (!stay_) ++round_;
+            inCell_.resize(grid.count);
+            isAlone_.resize(chunksOf(int(cells.size())));
+            ++round_;
+            for (int cell : cells) {
+                InCell& in = inCell_[cell];
+                in.domains = in.round == round_ ? in.domains + 1 : 1;
+                in.round = round_;
+            }
         });
-        if (stay_) return;
-        region.once([&] { count(); });
-        region.chunks(int(cell_.size()), [&](int begin, int end) {
-            isAlone_[begin / chunkSize] = std::none_of(cell_.begin() + begin, cell_.begin() + end,
+        region.chunks(int(cells.size()), [&](int begin, int end) {
+            isAlone_[begin / chunkSize] = std::none_of(cells.begin() + begin, cells.begin() + end,
                                                        [&](int cell) { return isBesideMore(grid, cell); });
         });
     }
@@ -47,21 +40,6 @@ template <int Dim> class LoneDomains {
         int domains = 0;
     };
 
-    // Of particles [begin, end), a chunk.
-    void findCells(const Particles<Dim>& particles, const Grid<Dim>& grid, int begin, int end) {
-        int found[chunkSize] = {};
-        for (int k = 0; k < Dim; ++k)
-            grid.addCells(k, particles.position.plane(k) + begin, end - begin, found);
-        hasChanged_[begin / chunkSize] = !std::equal(found, found + end - begin, cell_.begin() + begin);
-        if (hasChanged_[begin / chunkSize]) std::copy(found, found + end - begin, cell_.begin() + begin);
-    }
-    void count() {
-        for (int cell : cell_) {
-            InCell& in = inCell_[cell];
-            in.domains = in.round == round_ ? in.domains + 1 : 1;
-            in.round = round_;
-        }
-    }
     bool hasMore(int cell) const { return hasAny(cell) && inCell_[cell].domains > 1; }
     bool isBesideMore(const Grid<Dim>& grid, int cell) const {
         bool is = hasMore(cell);
@@ -69,11 +47,9 @@ template <int Dim> class LoneDomains {
         return is;
     }
 
-    long round_ = 0; // number of calls of find() in which a domain was in another cell than before
-    bool stay_ = false;
-    std::vector<int> cell_; // of each domain
+    long round_ = 0; // number of calls of find()
     std::vector<InCell> inCell_;
-    std::vector<char> isAlone_, hasChanged_; // of each chunk
+    std::vector<char> isAlone_; // of each chunk
 };
 
 } // namespace mpm

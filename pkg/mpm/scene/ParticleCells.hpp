@@ -16,22 +16,20 @@ template <int Dim> class ParticleCells {
     // Before locate(), by one thread. mayBeAlone: they are domains of a mesh; inParts: the mesh whose domains count in
     // parts.
     void start(const Particles<Dim>& particles, const Grid<Dim>& grid, bool mayBeAlone, Mesh<Dim>* inParts) {
-        mayBeAlone_ = mayBeAlone;
-        if (mayBeAlone_) lone_.start(particles.size(), grid);
         points_.start(particles, inParts);
-        stays_ = round_ > 0 && int(cell_.size()) == points_.size() && particles_ == particles.size();
+        stays_ = round_ > 0 && mayBeAlone_ == mayBeAlone && int(cell_.size()) == points_.size() &&
+                 particles_ == particles.size();
+        mayBeAlone_ = mayBeAlone;
         located_ = true;
         particles_ = particles.size();
         slabSize_ = grid.strides[Dim - 1];
         cell_.resize(points_.size());
         const int chunks = chunksOf(particles_);
         slabsOf_.resize(chunks);
-        isAlone_.resize(chunks);
         hasChanged_.resize(chunks);
     }
     // Called by all threads. In most steps no point of a body that hardly moves enters another cell: then all stays.
-    void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid) {
-        if (mayBeAlone_) lone_.find(region, particles, grid);
+    void locate(ParallelRegion& region, const Grid<Dim>& grid) {
         region.chunks(particles_, [&](int begin, int end) { findCells(grid, begin, end); });
         region.once([&] {
             stays_ &=
@@ -40,6 +38,7 @@ template <int Dim> class ParticleCells {
             ++round_;
             divide(grid.slabs());
         });
+        if (mayBeAlone_ && !stays_) lone_.find(region, grid, cell_);
     }
     // Whether start() was called for so many since forget().
     bool areLocated(int particles) const { return located_ && particles_ == particles; }
@@ -54,7 +53,7 @@ template <int Dim> class ParticleCells {
     int operator[](int point) const { return cell_[point]; }
     int slabOf(int cell) const { return cell / slabSize_; }
     // Whether the particles from `begin` on, a chunk, are one in each cell, and those in the cells beside, too.
-    bool areAlone(int begin) const { return isAlone_[begin / chunkSize]; }
+    bool areAlone(int begin) const { return mayBeAlone_ && lone_.isAlone(begin / chunkSize); }
     // Whether the particles may be alone, and some are in a cell.
     bool hasLone(int cell) const { return mayBeAlone_ && lone_.hasAny(cell); }
 
@@ -64,7 +63,8 @@ template <int Dim> class ParticleCells {
     template <class F> void forEach(int firstSlab, int endSlab, F&& f) const {
         const int first = firstSlab * slabSize_, end = endSlab * slabSize_;
         for (int c = 0; c < int(slabsOf_.size()); ++c) {
-            if (slabsOf_[c].last < firstSlab || slabsOf_[c].first >= endSlab || isAlone_[c]) continue;
+            if (slabsOf_[c].last < firstSlab || slabsOf_[c].first >= endSlab || areAlone(c * chunkSize))
+                continue;
             for (int p = c * chunkSize; p < std::min(particles_, (c + 1) * chunkSize); ++p)
                 for (int point = points_.at(p), last = point + points_.per(p); point < last; ++point)
                     if (cell_[point] >= first && cell_[point] < end) f(point, p, cell_[point]);
@@ -80,11 +80,8 @@ template <int Dim> class ParticleCells {
         int found[corners<Dim> * chunkSize];
         points_.place(grid, begin, end, found);
         const int c = begin / chunkSize, first = points_.at(begin), count = points_.at(end) - first;
-        const bool isAlone = mayBeAlone_ && lone_.isAlone(c);
-        hasChanged_[c] =
-            isAlone != bool(isAlone_[c]) || !std::equal(found, found + count, cell_.begin() + first);
+        hasChanged_[c] = !std::equal(found, found + count, cell_.begin() + first);
         if (!hasChanged_[c]) return;
-        isAlone_[c] = isAlone;
         std::copy(found, found + count, cell_.begin() + first);
         const auto extremes = std::minmax_element(found, found + count);
         slabsOf_[c] = {*extremes.first / slabSize_, *extremes.second / slabSize_};
@@ -103,10 +100,10 @@ template <int Dim> class ParticleCells {
     bool located_ = false, stays_ = false, mayBeAlone_ = false;
     CellPoints<Dim> points_;
     LoneDomains<Dim> lone_;
-    std::vector<char> isAlone_, hasChanged_; // of each chunk; whether a point entered another cell
-    std::vector<Range> slabsOf_;             // of each chunk
-    std::vector<int> cell_;                  // of each point
-    WorkPartition partition_;                // of the slabs
+    std::vector<char> hasChanged_; // of each chunk, whether a point entered another cell
+    std::vector<Range> slabsOf_;   // of each chunk
+    std::vector<int> cell_;        // of each point
+    WorkPartition partition_;      // of the slabs
 };
 
 } // namespace mpm

@@ -337,8 +337,7 @@ def main():
     for program in programs:
         if not program.exists():
             sys.exit(
-                f"bench: there is no {program}; install libbenchmark-dev (Debian) and build again: "
-                f"cmake -S . -B build && cmake --build build; or name another program"
+                f"bench: there is no {program}; build it by scripts/setup --bench, or name another program"
             )
     compare(a, *programs) if a.against else table(a, *programs)
 

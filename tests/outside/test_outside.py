@@ -29,7 +29,7 @@ def outside(tmp_path_factory):
         pytest.skip("sanitizers have to be loaded before Python")
     prefix, plugins = (tmp_path_factory.mktemp(name) for name in ("prefix", "plugins"))
     do("cmake", "--install", BUILD, "--prefix", prefix)
-    do("cmake", "-S", HERE, "-B", plugins, f"-DCMAKE_PREFIX_PATH={prefix}")
+    do("cmake", "-S", HERE, "-B", plugins, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}")
     do("cmake", "--build", plugins, "--parallel", "2")
     package = next(prefix.rglob("yade_mpm/__init__.py")).parents[1]
 

@@ -22,13 +22,16 @@ def call(command, folder, **environment):
     )
 
 
-def test_a_build_says_how_far_it_is(tmp_path):
+@pytest.mark.parametrize("quiet", ["yes", "no"])
+def test_a_command_that_takes_long_says_what_it_does(quiet, tmp_path):
+    """Here after each second without a word: a compiler that is silent for minutes says so, too."""
     (tmp_path / "build").mkdir()
-    build = "logged build building bash -c 'for n in {1..40}; do echo \"[$n/40] Building\"; done'"
-    said = call(build, tmp_path)
-    assert said.stderr.splitlines() == [f"setup: {n} of 40" for n in range(4, 41, 4)]
-    assert len((tmp_path / "build" / "build.log").read_text().splitlines()) == 40
-    assert call(build.replace("40", "3"), tmp_path).stderr == ""  # control: nothing to tell of three files
+    slow = "logged build building bash -c 'echo \"[1/9] Building a.cpp\"; sleep 2.5; echo done'"
+    said = call(f"quiet={quiet}; {slow}", tmp_path, SETUP_PERIOD="1")
+    assert {"setup: building", "setup: ... [1/9] Building a.cpp"} <= set(said.stderr.splitlines())
+    assert said.stdout == ("" if quiet == "yes" else "[1/9] Building a.cpp\ndone\n")
+    assert (tmp_path / "build" / "build.log").read_text() == "[1/9] Building a.cpp\ndone\n"
+    assert call("logged build building true", tmp_path).stderr == ""  # control: nothing to say at once
 
 
 def test_a_build_that_fails_shows_the_end_of_its_log(tmp_path):

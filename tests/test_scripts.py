@@ -73,6 +73,7 @@ def test_what_is_not_there_is_named_and_the_scenes_listed(checkout):
     assert (
         wrong.returncode == 2
         and "there is no scene 'dmeo'" in wrong.stderr
+        and "did you mean demo?" in wrong.stderr
         and f"{'demo':23} Tells where it runs." in wrong.stderr
     )
     assert "demo  " in run(checkout, cwd=checkout).stdout

@@ -12,8 +12,8 @@ import re
 SECTIONS = ("Parameters", "Attributes", "Returns", "Raises", "Columns")
 # Methods for engines and loops written in Python, which adding-an-engine.md explains: not for the reference.
 HIDDEN = """
-act bind constraints core finish frictions geometry gridSolver handOver isBound markBound markUsed putInOrder
-refuseWhileRunning row spec stepsToCall
+act bind constraints core finish frictions geometry givenDt givenThreads gridSolver handOver hasEngines
+isBound isLeftAsMade markBound markUsed putInOrder refuseDuringStep refuseWhileRunning row spec stepsToCall
 """.split()  # noqa: SIM905
 NO_FACE = ("replacing", "shapeRow", "Shape", "drawDomains")  # in public modules, but not for users
 HEAD = re.compile(r"^(\**\w+(?:, \**\w+)*) ?: (.*)$")
@@ -48,9 +48,7 @@ def asNumpydoc(lines):
         elif section and HEAD.match(line):
             name, text = HEAD.match(line).groups()
             k, rest = _indented(lines, k + 1)
-            names = name.split(", ") if section == "Attributes" else [name]  # those of Parameters it splits
-            for one in names:
-                out += [one.replace("*", r"\*"), *("    " + marked(t) for t in [text, *rest])]
+            out += [name.replace("*", r"\*"), *("    " + marked(t) for t in [text, *rest])]
         elif section and line.strip():  # text behind the section
             section = None
             out += ["", *_CLOSE]

@@ -55,7 +55,10 @@ class Scene(Guarded):
 
     Attributes
     ----------
-    lower, upper, cell, dim : of the grid; with a grading, cell is the smallest along each axis.
+    lower : (dim,), m, corner of the grid with the smallest coordinates; ghost nodes lie outside.
+    upper : (dim,), m, opposite corner of the grid.
+    cell : (dim,), m, cell size along each axis; with a grading the smallest.
+    dim : 2 for plane strain, or 3.
     isGraded : bool, whether cells differ.
     bodies : tuple of Body, in the order in which they were added; `remove` empties one.
     allowUnstable : bool, whether dt may exceed the longest stable step; default False.

@@ -3,11 +3,14 @@
 built."""
 
 import ast
+import importlib
 import os
 import re
 import shutil
 import subprocess
 import sys
+import types
+from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 import pytest
@@ -152,19 +155,60 @@ def test_every_scene_ends_that_way(file):
     assert file.read_text().endswith('\nif __name__ == "__main__":\n    commandLine.run(main)\n')
 
 
-def test_the_package_without_its_solver_says_what_to_run():
-    source = RUN.parents[1] / "py"
+@pytest.mark.parametrize(
+    "file, said",
+    [
+        (None, f"there is no solver for this Python, .* \\({sys.executable}\\) in "),
+        ("_core.cpython-27-x86_64-linux-gnu.so", "is not built for this Python, .* but as _core.cpython-27-"),
+        ("_core" + EXTENSION_SUFFIXES[0], "cannot be loaded: .* file too short"),
+    ],
+)
+def test_the_package_without_its_solver_says_what_to_do(file, said, tmp_path):
+    package = tmp_path / "yade_mpm"
+    shutil.copytree(RUN.parents[1] / "py" / "yade_mpm", package)
+    if file:
+        (package / file).touch()
     wrong = subprocess.run(
         [sys.executable, "-c", "import yade_mpm"],
-        env={**os.environ, "PYTHONPATH": str(source)},
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
         capture_output=True,
         text=True,
     )
-    assert (
-        f"ImportError: yade_mpm: there is no solver for this Python, {sys.executable}, in {source}/yade_mpm ("
-        in wrong.stderr
+    message = wrong.stderr.splitlines()[-1]
+    assert re.search(f"ImportError: yade_mpm: .*{said}", message) and str(package) in message
+    assert "circular" not in wrong.stderr
+    assert ("run scripts/run FILE.py" in message) == ("loaded" not in message)
+
+
+def test_pip_asks_for_the_wheel_before_it_downloads_anything(monkeypatch):
+    """pip has no other metadata than those of the wheel, so what the build lacks is said first."""
+    root = RUN.parents[1]
+    settings = (root / "pyproject.toml").read_text()
+    name, folder = (
+        re.search(f'^{key} = \\[?"(.*?)"', settings, re.M)[1] for key in ("build-backend", "backend-path")
     )
-    assert "run scripts/run FILE.py" in wrong.stderr
+    hooks = [
+        f"{kind}_{made}"
+        for made in ("wheel", "sdist", "editable")
+        for kind in ("build", "get_requires_for_build")
+    ]
+    full = types.ModuleType("scikit_build_core.build")
+    vars(full).update(dict.fromkeys([*hooks, "prepare_metadata_for_build_wheel"], print))
+    monkeypatch.setitem(sys.modules, "scikit_build_core", types.ModuleType("scikit_build_core"))
+    monkeypatch.setitem(sys.modules, "scikit_build_core.build", full)
+    monkeypatch.syspath_prepend(root / folder)
+    assert {
+        n for n in vars(importlib.import_module(name)) if n.startswith(("build_", "get_", "prepare_"))
+    } == set(hooks)
+
+
+@pytest.mark.parametrize("pip, remedy", [("ON", "mpm-env/bin/pip install"), ("OFF", "-DPython3_EXECUTABLE=")])
+def test_a_build_without_boost_python_says_what_to_do(pip, remedy, tmp_path):
+    cmake = shutil.which("cmake") or pytest.skip("no CMake here")
+    command = [cmake, "-S", RUN.parents[1], "-B", tmp_path, "-G", "Ninja", f"-DSKBUILD={pip}"]
+    done = subprocess.run([*command, "-DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON"], capture_output=True, text=True)
+    assert done.returncode and "Boost.Python for Python 3." in done.stderr and remedy in done.stderr
+    assert ("-DPython3_EXECUTABLE" in done.stderr) == (pip == "OFF")
 
 
 def test_pip_installs_what_the_package_imports():

@@ -28,7 +28,6 @@ Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_m
 """
 
 import os as _os
-import sys as _sys
 import types as _types
 
 __version__ = "0.1.0"
@@ -42,11 +41,9 @@ if "OMP_WAIT_POLICY" not in _os.environ:
 try:
     from . import _core
 except ImportError as _error:
-    raise ImportError(
-        f"yade_mpm: there is no solver for this Python, {_sys.executable}, in {_os.path.dirname(__file__)} "
-        f"({_error}); run scripts/run "
-        f"FILE.py, or the Python that it was built for with build/python (not py) on PYTHONPATH"
-    ) from None
+    from .base.missingSolver import explain as _explain
+
+    raise ImportError(_explain(_os.path.dirname(__file__), _error)) from None
 from . import certificate, diagnostics, engines, files, rigid, study
 from .base.clearErrors import makeClear as _makeClear
 from .check.certificate import Certificate, quasiStatic, rateSensitivity

@@ -162,8 +162,8 @@ class Hold(Prescribed):
 
     Parameters
     ----------
-    where : name of a face ("left", "right", "bottom", "top"; in 3D also "front", "back") or a region. Nodes
-        on and behind a face are held.
+    where : name of a face ("left", "right", "bottom", "top"; in 3D also "front", "back") or a region, which a
+        checkpoint has to describe: none of your own. Nodes on and behind a face are held.
     velocity : m/s, one component per axis; None leaves a direction free.
     ramp : s, time over which the velocity grows from zero; default 0.
     name : for histories; default the name of the face or "hold".
@@ -178,6 +178,11 @@ class Hold(Prescribed):
     def __init__(self, where, velocity, ramp=0.0, name=None):
         if not isinstance(where, (str, Region)):
             raise TypeError(f"Hold: where = {where!r}; give the name of a face or a region")
+        if isinstance(where, Region) and where.spec() is None:
+            raise ValueError(
+                f"Hold: where = {where!r} is a region of your own, whose nodes no checkpoint could find; "
+                f"give a region made by box(), polygon() and the like"
+            )
         super().__init__(velocity, ramp, name or (where if isinstance(where, str) else "hold"))
         object.__setattr__(self, "where", where)
 

@@ -17,6 +17,8 @@ class Polygon(Primitive):
                 f"polygon: points has shape {self._points.shape}; give at least three points (x, y)"
             )
         requireFinite("polygon", "points", self._points)
+        if len(self._points) > 3 and np.array_equal(self._points[0], self._points[-1]):
+            self._points = self._points[:-1]
         _requireSimple(self._points)
         super().__init__("polygon", 2, points=self._points)
 

@@ -29,6 +29,10 @@ class Region:
 
     `a + b` and `a | b` unite, `a - b` subtracts, `a & b` intersects.
 
+    A region of your own is a subclass with `contains` and `bounds`, and with `edges` where it has planes that
+    have to fit the particles. Checkpoints keep the particles that it made, but not the region itself: `Hold`,
+    which needs it again, refuses it, and so does a body that is to become a mesh after `mpm.load`.
+
     Attributes
     ----------
     dim : 2 or 3.
@@ -36,6 +40,9 @@ class Region:
 
     def __init__(self, dim):
         self.dim = dim
+
+    def __repr__(self):
+        return f"{type(self).__name__}()"
 
     def contains(self, points, closed=True):
         """Tell which points are inside.
@@ -68,7 +75,7 @@ class Region:
 
         Subtraction does not tighten the bounds: those of `a - b` are those of `a`.
         """
-        raise NotImplementedError
+        raise self._lacking("bounds()")
 
     def edges(self):
         """Axis-aligned planes that bound the region, a sorted list of (axis, coordinate).
@@ -76,11 +83,12 @@ class Region:
         A composed region lists those planes of its operands that still bound the result; to find
         out, both sides of each plane are probed at 16 places between any two corners of operands.
         """
-        raise NotImplementedError
+        return []
 
     def spec(self):
-        """Description of the region as a dict that JSON can hold; `regionFromSpec` reads it back."""
-        raise NotImplementedError
+        """Description of the region as a dict that JSON can hold; `regionFromSpec` reads it back. None for a
+        region of your own, or with one in it."""
+        return
 
     def __add__(self, other):
         return Composed("union", self, other)
@@ -95,7 +103,15 @@ class Region:
         return Composed("intersection", self, other)
 
     def _covers(self, points):
-        raise NotImplementedError
+        if type(self).contains is Region.contains:
+            raise self._lacking("contains(points, closed=True)")
+        return self.contains(points, closed=False)
+
+    def _lacking(self, method):
+        return NotImplementedError(
+            f"region: {type(self).__name__} has no {method}; a region of your own needs it, others are made "
+            f"by box(), polygon() and the like"
+        )
 
     def _size(self):
         lower, upper = self.bounds()
@@ -148,7 +164,8 @@ class Composed(Region):
         ]
 
     def spec(self):
-        return {"kind": self._kind, "a": self._a.spec(), "b": self._b.spec()}
+        a, b = self._a.spec(), self._b.spec()
+        return None if a is None or b is None else {"kind": self._kind, "a": a, "b": b}
 
     def __repr__(self):
         left, right = self._operandText(self._a, True), self._operandText(self._b, False)

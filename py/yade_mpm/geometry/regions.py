@@ -49,7 +49,8 @@ def polygon(points):
 
     Parameters
     ----------
-    points : (N, 2), N >= 3, m: corners in order, clockwise or counter-clockwise, the first not repeated.
+    points : (N, 2), N >= 3, m: corners in order, clockwise or counter-clockwise. The last may repeat the
+        first, as in the rings of GeoJSON.
 
     Raises ValueError if it crosses or touches itself.
     """

@@ -37,8 +37,11 @@ def toMesh(scene, body, numbers, type, name, tolerance):
 def _places(scene, body, numbers, who):
     """Numbers (N, dim) int of the lattice cells in which particles were made."""
     if body.region is None or body.type.cut:
-        why = "its boxes are no lattice: they were cut from one, or made of domains"
-        raise ValueError(f"{who}: {why}; only whole boxes that fill a region become domains")
+        raise ValueError(
+            f"{who}: its boxes are no lattice: they were cut from one, or made of domains, or come from a "
+            f"checkpoint without their region, which was one of your own; only whole boxes that fill a "
+            f"region become domains"
+        )
     made, whole = body.type.geometry(body.region, scene, body.name).positions, np.prod(2 * body.halfSize)
     isCut = (body.id[numbers] >= len(made)) | (np.abs(body.initialVolume[numbers] / whole - 1) > ROUND_OFF)
     if isCut.any():

@@ -4,6 +4,7 @@ from math import inf, nan
 
 import numpy as np
 import pytest
+from yade_mpm.geometry.region import Region
 from yade_mpm.geometry.regions import box, disc, everywhere, halfSpace, polygon, regionFromSpec, sphere
 
 SQUARE = box((0, 0), (2, 1))
@@ -223,3 +224,39 @@ def test_points_of_the_wrong_shape_are_refused(region):
 def test_bad_input_is_refused_with_the_remedy(make, error, text):
     with pytest.raises(error, match=text):
         make()
+
+
+def test_a_closed_ring_is_a_polygon():
+    ring = [(0, 0), (1, 0), (0.5, 2), (0, 0)]
+    assert polygon(ring).spec() == polygon(ring[:-1]).spec()
+
+
+class Hill(Region):
+    """A region of one's own: ground below a curve."""
+
+    def __init__(self):
+        super().__init__(2)
+
+    def contains(self, points, closed=True):
+        x, y = np.asarray(points, float).T
+        return (y >= 0) & (y <= 1 + 0.5 * np.sin(x)) & (x >= 0) & (x <= 4)
+
+    def bounds(self):
+        return np.array([0.0, 0.0]), np.array([4.0, 1.5])
+
+
+def test_a_region_of_ones_own_combines_with_others():
+    points = randomPoints(2)
+    inHill, inSquare = Hill().contains(points), SQUARE.contains(points, closed=False)
+    assert np.array_equal((Hill() - SQUARE).contains(points, closed=False), inHill & ~inSquare)
+    assert np.array_equal((SQUARE & Hill()).contains(points, closed=False), inHill & inSquare)
+    assert Hill().spec() is None and (SQUARE + Hill()).spec() is None and Hill().edges() == []
+
+
+def test_what_a_region_of_ones_own_lacks_is_said():
+    with pytest.raises(
+        NotImplementedError, match=r"Region has no contains\(points, closed=True\); a region of your"
+    ):
+        Region(2).contains([(0, 0)], closed=False)
+    with pytest.raises(NotImplementedError, match=r"Region has no bounds\(\)"):
+        Region(2).bounds()

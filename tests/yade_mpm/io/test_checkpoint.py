@@ -505,3 +505,34 @@ if __name__ == "__main__":
     loaded = mpm.load(sys.argv[1], trust=True)
     run(loaded, int(sys.argv[2]))
     loaded.save(sys.argv[3])
+
+
+class Hill(mpm.Region):
+    """A region of one's own, which no checkpoint can describe."""
+
+    def __init__(self):
+        super().__init__(2)
+
+    def contains(self, points, closed=True):
+        return points[:, 1] <= 1 + 0.5 * np.sin(points[:, 0])
+
+    def bounds(self):
+        return np.zeros(2), np.array([4.0, 2.0])
+
+
+def test_a_body_in_a_region_of_ones_own_is_saved_without_it(tmp_path):
+    scene = mpm.Scene((0, 0), (4, 3), 0.25, threads=1)
+    elastic = mpm.LinearElastic(density=1, young=1e3, poisson=0)
+    scene.add("hill", Hill() - mpm.disc((2, 0.5), 0.2), elastic, mpm.UGIMP())
+    scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
+    file = str(tmp_path / "own.h5")
+    scene.run(until=0.1, progress=False, checkpointPeriod=0.01, checkpointFile=file)
+    scene.save(file)
+    again = mpm.load(file)
+    for one in (scene, again):
+        one.run(steps=5, progress=False)
+    assert np.array_equal(again["hill"].stress, scene["hill"].stress) and again["hill"].region is None
+    with pytest.raises(ValueError, match="region, which was one of your own"):
+        again["hill"].convert(box((0, 0), (1, 0.5)), mpm.APDI())
+    with pytest.raises(ValueError, match=r"Hold: where = Hill\(\) is a region of your own"):
+        mpm.Hold(Hill(), (0, 0))

@@ -44,9 +44,10 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
     bodies : list of Body; default: all that do not rise above the surface.
     unitWeight : float, kN/m3, gamma; default: density of each body times gravity.
 
-    Warns where a layer stands on another one but reaches below its top, as inclined layers do: what it weighs
-    there does not count. Raises ValueError when nothing lies below the surface or layers of different weight
-    need a call each.
+    Warns where `surface` is not the top of the ground, by more than half a particle; ground of the same unit
+    weight that stands above the bodies counts as theirs. Warns where a layer stands on another one but
+    reaches below its top, as inclined layers do: what it weighs there does not count. Raises ValueError when
+    nothing lies below the surface or layers of different weight need a call each.
     """
     scene.refuseWhileRunning("initialStress")
     for name, value in dict(surface=surface, K0=K0, gravity=gravity, unitWeight=unitWeight).items():
@@ -85,14 +86,36 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
         if added.any():
             body.setStress(body.stress + _stress(added, layer.K0, scene.dim))
     layers.update(made)
+    isAlike = [unitWeight is not None or b.material.density * gravity == weight for b in scene.bodies]
+    alike = [b for b, isSo in zip(scene.bodies, isAlike) if isSo and b.count]
+    _warnOfSurface(ground, alike, surface, weight)
     _warnOfInclined(scene, layers, made)
+
+
+def _warnOfSurface(ground, alike, surface, weight):
+    """Warns of a surface above the top of all bodies of that weight, or below that of the ground itself."""
+    for bodies, sign, says in ((alike, 1, "more than there is"), (ground, -1, "less, with tension above it")):
+        top, tolerance, name = max(_topOf(body) for body in bodies)
+        if sign * (surface - top) > tolerance:
+            warnUser(
+                f"initialStress: surface = {surface:g} m, but the top of '{name}' is at {top:g} m: the "
+                f"stress is that of {abs(surface - top):g} m of ground {says}, "
+                f"{weight * abs(surface - top):.3g} kPa; give the top of the bodies, and each layer a call of "
+                f"its own"
+            )
+
+
+def _topOf(body):
+    """Height of the top, m; half the height of the particle there, to which a lattice meets it; name."""
+    top = float(body.corners()[..., -1].max())
+    return top, top - float(body.position[:, -1].max()), body.name
 
 
 def _warnOfInclined(scene, layers, made):
     for name, below in layers.items():
         for other, above in layers.items():
             top = below.upper[-1]
-            if above.lowest > top or not {name, other} & set(made):
+            if name == other or above.lowest > top or not {name, other} & set(made):
                 continue
             points = scene[other].position
             if _standsOn(scene[name].position, points[points[:, -1] > top]):

@@ -134,6 +134,40 @@ def test_layers_that_are_not_level_are_told():
         inclined(0.0)
 
 
+def surfaceOf(surface, names, size=0.5, unitWeight=None):
+    """What initialStress says of a surface over a layer of 20 kN/m3 up to 2 m below one of 18 up to 4 m."""
+    scene = mpm.Scene((0, 0), (4, 6), 0.5, threads=1)
+    for name, density, bottom in (("lower", 20, 0), ("upper", 18, 2)):
+        soil = mpm.LinearElastic(density=density / 9.81, young=1e4, poisson=0.3)
+        scene.add(name, box((0, bottom), (4, bottom + 2)), soil, mpm.APDI(size=size))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        bodies = [scene[n] for n in names]
+        scene.initialStress(surface=surface, K0=0.5, bodies=bodies, unitWeight=unitWeight)
+    return [str(w.message) for w in caught]
+
+
+def test_a_surface_that_is_not_the_top_of_the_ground_is_warned_of():
+    [said] = surfaceOf(4, ["lower"])
+    assert "surface = 4 m, but the top of 'lower' is at 2 m: the stress is that of 2 m" in said
+    assert "more than there is, 40 kPa" in said
+    [said] = surfaceOf(3, ["upper"])
+    assert (
+        "the top of 'upper' is at 4 m" in said and "1 m of ground less, with tension above it, 18 k" in said
+    )
+    assert surfaceOf(2, ["lower"]) == surfaceOf(4, ["upper"]) == []
+    assert surfaceOf(4, ["lower"], unitWeight=10) == []  # both layers weigh that much
+    assert len(surfaceOf(5, ["lower"], unitWeight=10)) == 1
+
+
+@pytest.mark.parametrize("size", [0.25, 0.5])
+def test_the_surface_may_be_off_by_half_a_particle(size):
+    """A lattice of particles meets a level no better."""
+    for half in (0.5, 1, 2):
+        assert len(surfaceOf(4 + 1.01 * half * size / 2, ["upper"], size)) == (half >= 1)
+        assert len(surfaceOf(4 - 1.01 * half * size / 2, ["upper"], size)) == (half >= 1)
+
+
 # --- beams ----------------------------------------------------------------------------------------------
 def warned(scene):
     with warnings.catch_warnings(record=True) as caught:

@@ -167,7 +167,7 @@ def run(a, out):
 
     steps = round(drive.until / O.dt)
     print(
-        f"friction {a.friction}, {a.drive}: {scene.particleCount} soil particles, {scene.threads} threads; "
+        f"friction {a.friction}, {a.drive}: {scene.particleCount} soil particles, threads: {scene.threads}; "
         f"{steps} steps of {O.dt:.3g} s (critical {scene.dtCritical:.3g} s)",
         flush=True,
     )

@@ -57,7 +57,7 @@ def columnRuns(names, said):
 def footingMeetsPrandtl(names, said):
     without, withFbar = percents(said)[:2]
     assert 0.05 < without < 0.15 and abs(withFbar) < 0.05
-    assert "quasi-static: kinetic" in said and "NOT" not in said
+    assert "quasi-static: every ratio" in said and "NOT" not in said
 
 
 def typesAgree(names, said):

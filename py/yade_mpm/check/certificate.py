@@ -56,7 +56,7 @@ class Certificate:
     after : rows of the history from this time on count, s.
     limits : dict name -> largest allowed value.
 
-    print() of it gives the verdict in words.
+    Shown or printed it is the verdict, the reasons against it in words, and a table of the ratios.
     """
 
     kineticRatio: float
@@ -91,12 +91,21 @@ class Certificate:
         return {**plain, "isQuasiStatic": self.isQuasiStatic, "reasons": self.reasons}
 
     def __str__(self):
-        if self.reasons:
-            return "NOT quasi-static: " + "; ".join(self.reasons)
-        return "quasi-static: " + "; ".join(self._sentence(name) for name in self._judged())
+        reasons = [f"NOT quasi-static: {reason}" for reason in self.reasons]
+        rows = [("", "found", "limit", ""), *map(self._row, self._judged())]
+        table = ["  {:<16}{:>10}{:>8}  {}".format(*row).rstrip() for row in rows]
+        return "\n".join([*(reasons or ["quasi-static: every ratio is within its limit"]), *table])
+
+    __repr__ = __str__
 
     def _judged(self):
         return [name for name in self.limits if getattr(self, name) is not None]
+
+    def _row(self, name):
+        """Name, value, limit and verdict of a ratio, as texts."""
+        value, limit = getattr(self, name), self.limits[name]
+        found = "not known" if math.isnan(value) else _percent(value)
+        return name, found, _percent(limit), "" if value <= limit else "NOT met"
 
     def _sentence(self, name):
         value = getattr(self, name)

@@ -7,6 +7,11 @@ import time
 import warnings
 
 
+def threadsInWords(count):
+    """A number of threads: "1 thread", "2 threads"."""
+    return f"{count} thread{'s' if count > 1 else ''}"
+
+
 class Progress:
     """A bar on a terminal and in a notebook, a line at once and now and then elsewhere.
 
@@ -31,7 +36,7 @@ class Progress:
         steps = self.scene.steps - self.firstStep
         wall = time.monotonic() - self.began
         rate = wall / max(1, steps) / max(1, self.scene.particleCount) * 1e9
-        threads = f"{self.scene.core.threads} thread{'s' if self.scene.core.threads > 1 else ''}"
+        threads = threadsInWords(self.scene.core.threads)
         return f"t = {self.scene.time:.4g} s, {rate:.3g} ns per particle-step on {threads}"
 
     def update(self):

@@ -8,6 +8,7 @@ import time
 
 from ..io.files import saveJson
 from ..io.history import History
+from ..scene.progress import threadsInWords
 from ..scene.restoring import load
 from .record import record
 from .resume import SUMMARY, keep
@@ -86,7 +87,7 @@ class Run:
         without = f" without {left}, implicit" if left else ""
         critical = "" if scene.dtCritical is None else f" (critical {scene.dtCritical:.3g} s{without})"
         steps = f"{round(until / scene.dt)} steps of {scene.dt:.3g} s{critical}"
-        return f"{particles} particles; {steps}, {scene.threads} threads"
+        return f"{particles} particles; {steps}, {threadsInWords(scene.threads)}"
 
     def record(self):
         """What every summary says, see `study.record`."""

@@ -35,6 +35,11 @@ def bar(rate, **changed):
     return {**history, **changed}
 
 
+def verdict(found):
+    """The first line of a printed certificate."""
+    return str(found).splitlines()[0]
+
+
 def test_ratios_of_the_pressed_bar_are_those_of_the_closed_form():
     found = mpm.quasiStatic(bar(0.1))
     assert found.after == pytest.approx(1.0)  # a tenth of 10 s: pressed by 0.1 m
@@ -51,7 +56,7 @@ def test_the_kinetic_energy_decides_by_the_square_of_the_rate():
     assert mpm.quasiStatic(bar(0.999 * critical)).isQuasiStatic
     refused = mpm.quasiStatic(bar(np.sqrt(2.4) * critical))
     assert not refused.isQuasiStatic and refused.kineticRatio == pytest.approx(0.12)
-    assert str(refused) == "NOT quasi-static: kinetic energy is 12 % of the work done (limit 5 %)"
+    assert verdict(refused) == "NOT quasi-static: kinetic energy is 12 % of the work done (limit 5 %)"
     assert mpm.quasiStatic(bar(0.999 * critical), after=0).reasons  # nothing is done at the start
     assert mpm.quasiStatic(bar(np.sqrt(2.4) * critical), limits={"kineticRatio": 0.13}).isQuasiStatic
 
@@ -84,7 +89,7 @@ def test_what_damping_carries_for_a_while_is_seen():
     assert found.dampedRatio == pytest.approx(0.2 * (work[64] - work[60]) / work[-1], rel=1e-12)
     assert found.dampedRatio < 0.05 and 0.08 < found.dampedShare < 0.2
     held["dampedEnergy"] = 0.2 * (np.clip(work, work[60], work[80]) - work[60])
-    told = str(mpm.quasiStatic(held, limits={"dampedRatio": 0.1}))
+    told = verdict(mpm.quasiStatic(held, limits={"dampedRatio": 0.1}))
     assert told == "NOT quasi-static: damping carried up to 20 % of the load (limit 10 %)"
 
 
@@ -100,10 +105,24 @@ def test_a_peak_after_the_start_is_seen():
 def test_the_rate_is_judged_only_if_it_was_looked_at():
     assert mpm.quasiStatic(bar(0.1), rateSensitivity=0.049).isQuasiStatic
     refused = mpm.quasiStatic(bar(0.1), rateSensitivity=0.051)
-    assert str(refused) == "NOT quasi-static: another rate changes the result by 5.1 % (limit 5 %)"
-    assert "another rate" in str(
-        mpm.quasiStatic(bar(0.1), rateSensitivity=0.01)
-    ) and "another rate" not in str(mpm.quasiStatic(bar(0.1)))
+    assert verdict(refused) == "NOT quasi-static: another rate changes the result by 5.1 % (limit 5 %)"
+    assert "rateSensitivity" in str(mpm.quasiStatic(bar(0.1), rateSensitivity=0.01))
+    assert "rateSensitivity" not in str(mpm.quasiStatic(bar(0.1)))
+
+
+def test_a_certificate_is_a_small_table():
+    unknown = np.full(101, np.nan)
+    found = mpm.quasiStatic(bar(0.1, kineticEnergy=unknown), rateSensitivity=0.2)
+    first, second, heads, *rows = str(found).splitlines()
+    assert first.startswith("NOT quasi-static: kineticRatio is not known")
+    assert second == "NOT quasi-static: another rate changes the result by 20 % (limit 5 %)"
+    assert heads.split() == ["found", "limit"]
+    names = [name for name in found.limits if getattr(found, name) is not None]
+    assert [row.split()[0] for row in rows] == names
+    assert [row.split()[0] for row in rows if "NOT met" in row] == ["kineticRatio", "rateSensitivity"]
+    assert "20 %" in rows[-1] and "5 %" in rows[-1] and "not known" in rows[0]
+    assert max(map(len, str(mpm.quasiStatic(bar(0.1))).splitlines())) < 80
+    assert repr(found) == str(found)
 
 
 @pytest.mark.parametrize(

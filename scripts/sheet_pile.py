@@ -9,6 +9,7 @@ ones (Takegawa, Higo, Uchiyama, Kiriyama, Michino); the geometry is not, it is t
 m, s, kPa, per metre of thickness.
 
     scripts/run sheet_pile               # the run to trust: soil that slips, F-bar, an implicit pile
+    scripts/run sheet_pile --smoke       # coarse, thick (0.5 m) and fast (1 m/s): does it work? no numbers
     scripts/run sheet_pile --published   # the literal set-up of the paper
     scripts/run sheet_pile_study --help  # every parameter; surface, stripes, another rate
     scripts/run sheet_pile_compare       # hybrid beside all uGIMP

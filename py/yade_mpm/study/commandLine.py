@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Command lines of scenes: what they share, numbers that argparse checks, and how a scene ends.
 
-    parser = commandLine.Parser("footing", __doc__, smoke={"cell": 0.5})  # unless --cell is given beside
-    --smoke parser.add_argument("--cell", type=commandLine.partOf(2.0), default=0.25) a = parser.parse()
+    parser = commandLine.Parser("footing", __doc__, smoke={"cell": 0.5})  # unless --cell is given
+    parser.add_argument("--cell", type=commandLine.partOf(2.0), default=0.25)
+    a = parser.parse()
 
 The functions of a number are for argparse's `type`: they return it, or raise ArgumentTypeError with what is
 allowed.
@@ -20,6 +21,8 @@ from math import inf, isfinite
 from ..base import program
 from ..base.attributes import didYouMean
 from .resume import resumed
+
+SMOKE = "coarse, thick and fast: no numbers"  # thick: a thin body is at least a cell across
 
 
 def positive(text):
@@ -95,7 +98,7 @@ class Parser(argparse.ArgumentParser):
         shared.add_argument(
             "--smoke",
             action="store_true",
-            help="coarse and fast, where nothing else is given: " + ", ".join(map(_pair, smoke.items())),
+            help=f"{SMOKE}; where nothing else is given: " + ", ".join(map(_pair, smoke.items())),
         )
         if threads:
             shared.add_argument("--threads", type=count, help="number of threads (default: chosen)")
@@ -161,6 +164,8 @@ def run(main):
     _drawToFiles()
     try:
         main()
+        if "--smoke" in sys.argv:
+            print(f"--smoke: {SMOKE}")
     except KeyboardInterrupt:
         raise SystemExit(130) from None
     except (ValueError, RuntimeError, OSError, ImportError) as error:

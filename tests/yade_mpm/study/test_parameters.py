@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 import yade_mpm as mpm
 from yade_mpm import Parameter, Parameters
+from yade_mpm.study import commandLine
 
 SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
 INSIDE_YADE = "from yade import"  # such a scene can be read by YADE's Python alone
@@ -56,6 +57,19 @@ def test_a_switch_sets_defaults_but_not_what_is_given_or_smoke_has():
     assert (a.size, a.phi, a.fine) == (0.25, 20.0, True)
     assert parse("--fine", "--phi", "10").phi == 10
     assert parse("--smoke").cell == 0.5 and parse("--smoke", "--cell", "1").cell == 1
+
+
+MEANINGLESS = "coarse, thick and fast: no numbers"
+
+
+@pytest.mark.parametrize("words, isSmoke", [(["--smoke"], True), (["--cell", "1"], False)])
+def test_a_smoke_run_ends_with_what_its_numbers_are_worth(words, isSmoke, monkeypatch, capsys):
+    monkeypatch.setattr("sys.argv", ["demo", *words])
+    monkeypatch.setattr(commandLine, "_drawToFiles", lambda: None)
+    commandLine.run(lambda: print("805 kN/m"))
+    ends = f"--smoke: {MEANINGLESS}" if isSmoke else "805 kN/m"
+    assert capsys.readouterr().out.splitlines()[-1] == ends
+    assert MEANINGLESS in " ".join(parameters().parser().format_help().split())
 
 
 @pytest.mark.parametrize(

@@ -115,6 +115,13 @@ def strengthIsMohrCoulomb(names, said):
 
 def animationIsThere(names, said):
     assert Path("column.gif").stat().st_size > 1000 and names["columns"]["time"][-1] == names["scene"].time
+    strain = names["grid"].GetCellData().GetArray("plasticShearStrain").GetRange()
+    assert strain[1] == names["column"].plasticShearStrain.max() > 0
+
+
+def test_results_has_no_block_that_is_not_run():
+    heads = re.findall(r"^```(.+)$", (DOC / "howto" / "results.md").read_text(), re.M)
+    assert set(heads) == {"python"}
 
 
 def sceneIsAtItsEnd(names, said):

@@ -5,11 +5,10 @@ import os
 from tempfile import TemporaryDirectory
 
 import matplotlib.pyplot as plt
-import numpy as np
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from .files import writeWhole
-from .picture import componentOf
+from .picture import limitsOf
 
 
 def write(results, file, field, limits, fps, picture):
@@ -21,7 +20,7 @@ def write(results, file, field, limits, fps, picture):
         raise ValueError(
             "animate: MP4 needs the program ffmpeg, which is not here; install it, or give a .gif"
         )
-    limits = limits or _extremes(results, field, picture.get("component"))
+    limits = limits or _extremes(results, field, picture.get("component"), picture.get("bodies"))
     writer = (FFMpegWriter if kind == ".mp4" else PillowWriter)(fps=fps)
     figure = plt.figure(figsize=(6.4, 4.0), layout="constrained")
     try:
@@ -39,7 +38,7 @@ def write(results, file, field, limits, fps, picture):
         plt.close(figure)
 
 
-def _extremes(results, field, component):
-    """Smallest and largest value of a field in all frames."""
-    found = [componentOf(field, frame[field], component) for frame in results]
-    return min(np.nanmin(v) for v in found), max(np.nanmax(v) for v in found)
+def _extremes(results, field, component, bodies):
+    """Smallest and largest end of the colour scales of all frames."""
+    low, high = zip(*[limitsOf(frame._parts(bodies), field, component) for frame in results])
+    return min(low), max(high)

@@ -88,7 +88,7 @@ def _cellsOf(body):
     cells = body.cells
     if cells is not None:
         return body.vertices, cells
-    corners = body.corners()
+    corners = body.deformedCorners()
     count, each, dim = corners.shape
     return corners.reshape(-1, dim), np.arange(count * each).reshape(count, each)
 

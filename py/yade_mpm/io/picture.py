@@ -10,9 +10,11 @@ import numpy as np
 from matplotlib.patches import Patch
 
 from .frame import COMPONENTS, DERIVED
-from .plot import drawDomains
+from .plot import colourBar, drawDomains
 
 FEW = 2000  # arrows at most: more hide each other
+YIELDS = "plasticShearStrain"  # field of every body whose material yields
+OUTLIERS = 1  # percent of the particles at each end of a colour scale that may lie beyond it
 LONGEST = 0.12  # of the width of the picture: length of the longest arrow
 
 
@@ -28,7 +30,7 @@ class Part(NamedTuple):
 
 def partsOf(bodies):
     """Parts of bodies as they are now."""
-    return [Part(b.name, b.cells is not None, b.corners(), _Fields(b)) for b in bodies if b.count]
+    return [Part(b.name, b.cells is not None, b.deformedCorners(), _Fields(b)) for b in bodies if b.count]
 
 
 class _Fields:
@@ -55,16 +57,39 @@ def drawBodies(axes, parts):
 
 def drawField(axes, parts, field, component=None, limits=None, colours="viridis"):
     """Draws parts coloured by a field, with a colour bar; those without it are grey."""
-    found = [_fieldOf(part, field) for part in parts]
-    unit = _unitOf(found, field, parts)
-    values = [None if f is None else componentOf(field, f[0], component) for f in found]
-    given = np.concatenate([v for v in values if v is not None])
-    limits = limits or (np.nanmin(given), np.nanmax(given))
+    values, unit = _numbersOf(parts, field, component)
+    limits = limits or _limitsOf(parts, values)
     for part, each in zip(parts, values):
         drawn = drawDomains(axes, part.corners, each, part.meshed, colours, limits)
         if each is not None:
             coloured = drawn
-    axes.figure.colorbar(coloured, ax=axes, label=labelOf(field, component, unit), shrink=0.8)
+    shown = np.concatenate([v for v in values if v is not None])
+    extend = {(True, False): "min", (False, True): "max", (True, True): "both"}.get(
+        (np.nanmin(shown) < limits[0], np.nanmax(shown) > limits[1]), "neither"
+    )
+    colourBar(axes, coloured, labelOf(field, component, unit), shrink=0.8, extend=extend)
+
+
+def _numbersOf(parts, field, component):
+    """One number for each particle of each part, None for a part without the field; and their unit."""
+    found = [_fieldOf(part, field) for part in parts]
+    unit = _unitOf(found, field, parts)
+    return [None if f is None else componentOf(field, f[0], component) for f in found], unit
+
+
+def limitsOf(parts, field, component=None):
+    """Ends of the colour scale of a field that no limits are given for."""
+    return _limitsOf(parts, _numbersOf(parts, field, component)[0])
+
+
+def _limitsOf(parts, values):
+    """Ends of a colour scale: those of what yields, where anything does, without the lowest and the highest
+    hundredth. A stiff body in the soil has stresses of another size, and so has a single particle."""
+    given = [(part, v) for part, v in zip(parts, values) if v is not None]
+    yielding = [v for part, v in given if part.field(YIELDS) is not None]
+    numbers = np.concatenate(yielding or [v for _, v in given])
+    low, high = np.nanpercentile(numbers, (OUTLIERS, 100 - OUTLIERS))
+    return (low, high) if low < high else (np.nanmin(numbers), np.nanmax(numbers))
 
 
 def drawArrows(axes, parts, field):

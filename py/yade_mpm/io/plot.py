@@ -12,6 +12,7 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..base import program
 from .files import replacing
@@ -25,6 +26,9 @@ STYLE = {
     "axes.grid": False,
     "legend.frameon": False,
 }
+
+
+BESIDE_BAR = 0.12  # inches of room on both sides of axes, so that the label of a colour bar stands alone
 
 
 def drawToFiles():
@@ -66,7 +70,7 @@ class Snapshot:
                     (
                         body.name,
                         body.cells is not None,
-                        body.corners().copy(),
+                        body.deformedCorners().copy(),
                         np.array(getattr(body, value)) if value in names else None,
                     )
                 )
@@ -109,7 +113,7 @@ def drawDomains(axes, corners, values, meshed, colours, limits):
     if values is None:
         drawn = PolyCollection(corners, facecolors="0.55", edgecolors="0.3", linewidths=0.2)
     else:
-        edges = (0, 0, 0, 0.25) if meshed else "none"
+        edges = (0, 0, 0, 0.25) if meshed else "face"  # without edges neighbours leave a hair between them
         drawn = PolyCollection(corners, array=values, cmap=colours, edgecolors=edges, linewidths=0.15)
         drawn.set_clim(*limits)
     axes.add_collection(drawn)
@@ -172,7 +176,7 @@ def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
             ax.set_xlabel("x (m)")
             ax.tick_params(labelleft=ax is axes[0])
     (axes[n - 1].set_xlabel if vertical else axes[0].set_ylabel)("x (m)" if vertical else "y (m)")
-    figure.colorbar(coloured, ax=list(axes[:n]), label=label, extend="max", shrink=0.8)
+    colourBar(list(axes[:n]), coloured, label, extend="max", shrink=0.8)
     return figure, axes[-1]
 
 
@@ -195,12 +199,28 @@ def domains(axes, bodies, values, limits, label=None, colours="inferno_r", scale
         style = dict(
             array=values(body), cmap=colours, clim=limits, edgecolors=edge or "face", linewidths=0.12
         )
-        coloured = PolyCollection(body.corners() / scale, **style)
+        coloured = PolyCollection(body.deformedCorners() / scale, **style)
         axes.add_collection(coloured)
     axes.set_aspect("equal")
     if label:
-        axes.figure.colorbar(coloured, ax=axes, label=label, **bar)
+        colourBar(axes, coloured, label, **bar)
     return coloured
+
+
+def colourBar(axes, coloured, label, **bar):
+    """A colour bar whose label keeps off the axes beside it, where the layout is constrained; returns it.
+
+    Parameters
+    ----------
+    axes : of matplotlib, one or a list.
+    coloured : collection that has the colours.
+    label : text.
+    bar : for `Figure.colorbar`.
+    """
+    figure = coloured.figure
+    if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
+        figure.get_layout_engine().set(w_pad=BESIDE_BAR)
+    return figure.colorbar(coloured, ax=axes, label=label, **bar)
 
 
 def save(figure, file, **how):

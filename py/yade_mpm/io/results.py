@@ -109,7 +109,7 @@ class Results(Sequence):
         ----------
         file : name of the file, ending in .gif or .mp4.
         field : as of `Scene.plot`.
-        limits : values at the ends of the colour scale; default: the extremes of all frames.
+        limits : values at the ends of the colour scale; default: the extremes of those of all frames.
         fps : frames per second; default 10.
         picture : component, colours, window, arrows, as of `Scene.plot`.
         """
@@ -134,7 +134,7 @@ class ResultFrame(Mapping):
     step : number of steps taken.
     units : dict name of a field -> unit.
     bodies : names of the bodies; the field "body" is the number of each particle's.
-    corners : (N, 4 or 8, 3), m, of the domains.
+    corners : (N, 4 or 8, 3), m, of the domains as they are deformed.
     """
 
     def __init__(self, time, step, bodies, corners, shared, data, units):
@@ -181,14 +181,18 @@ class ResultFrame(Mapping):
 
         if self.corners.shape[1] != 4:
             raise ValueError("plot: pictures are made of 2D scenes; open the file in ParaView")
-        names = options.pop("bodies", None) or self.bodies
-        frames = [(name, self.body(name)) for name in names]
-        parts = [
+        return picture.draw(self._parts(options.pop("bodies", None)), field, component, limits, **options)
+
+    def _parts(self, bodies=None):
+        """What `plot` draws of some bodies, by default of all."""
+        from . import picture
+
+        frames = [(name, self.body(name)) for name in bodies or self.bodies]
+        return [
             picture.Part(name, bool(f._shared.any()), f.corners[:, :, :2], _Fields(f))
             for name, f in frames
             if f.count
         ]
-        return picture.draw(parts, field, component, limits, **options)
 
     def __repr__(self):
         return f"<ResultFrame t = {self.time:g} s: {self.count} particles, fields {', '.join(self._data)}>"

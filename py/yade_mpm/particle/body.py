@@ -246,11 +246,26 @@ class Body(Guarded):
         particle."""
         if self.cells is not None:
             return self.vertices[self.cells]
+        return self.position[:, None] + self._boxCorners()
+
+    def deformedCorners(self):
+        """Corner positions of every domain as it is deformed, m (N, 4 or 8, dim): what pictures and files
+        show. A box keeps its size in the solver (`corners`) and would leave slits where the soil is whole;
+        here it is strained as its particle, less what cuts have taken of it."""
+        if self.cells is not None:
+            return self.corners()
         dim = self._scene.dim
+        deformed = self.deformationGradient[:, :dim, :dim]
+        if "splitShare" in [f["name"] for f in self.core.fields(True)]:
+            deformed = deformed @ np.asarray(self.core.view("splitShare", True))
+        return self.position[:, None] + self._boxCorners() @ deformed.swapaxes(1, 2)
+
+    def _boxCorners(self):
+        """Corners of the box of a particle from its middle, m (4 or 8, dim)."""
         unit = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], float)
-        if dim == 3:
+        if self._scene.dim == 3:
             unit = np.array([(*xy, z) for z in (-1, 1) for xy in unit])
-        return self.position[:, None] + unit * self.halfSize
+        return unit * self.halfSize
 
     def outline(self):
         """The outline of boxes that were cut from a region (`UGIMP(cut=True)`), as its particles carry it

@@ -25,7 +25,8 @@ def plot(
     field : name of a field of the bodies (`body.fields()`), or "displacement", "volumeRatio", "meanStress",
         "deviatoricStress" (von Mises); bodies without it are grey. Default: each body in its own colour.
     component : "x" or "y" of a vector (default: its length), "xx", "xy" ... of a tensor.
-    limits : values at the ends of the colour scale; default: the extremes.
+    limits : values at the ends of the colour scale; default: those of the bodies that yield (of all, if none
+        does), without the lowest and the highest hundredth of their particles.
     bodies : bodies or their names; default: all.
     axes : of matplotlib, to draw into; default: of a new figure.
     colours : name of a colour map of matplotlib; default "viridis".

@@ -42,7 +42,7 @@ def makeScene(dim=2, onDistortion="stop", perCell=2):
 
 def snapshot(scene):
     """What a frame should hold, straight from the bodies."""
-    corners = [body.corners() for body in scene.bodies]
+    corners = [body.deformedCorners() for body in scene.bodies]
     return dict(
         time=scene.time,
         steps=scene.steps,

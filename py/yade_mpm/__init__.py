@@ -46,6 +46,7 @@ except ImportError as _error:
     raise ImportError(_explain(_os.path.dirname(__file__), _error)) from None
 from . import certificate, diagnostics, engines, files, rigid, study
 from .base.clearErrors import makeClear as _makeClear
+from .base.notebook import makeInlineReady as _makeInlineReady
 from .check.certificate import Certificate, quasiStatic, rateSensitivity
 from .engine import engines as _engines
 from .engine.boundaryLoad import BoundaryLoad
@@ -80,6 +81,7 @@ from .study.parameters import Parameters
 globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
 _makeClear(globals())
 _makeClear({"Stepper": _Stepper, "LoopPolicy": _LoopPolicy, "Prescribed": _engines.Prescribed})
+_makeInlineReady()
 
 __all__ = sorted(
     [

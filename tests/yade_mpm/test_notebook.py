@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import yade_mpm as mpm
@@ -47,6 +48,35 @@ def test_importing_plot_changes_no_setting_of_matplotlib():
     subprocess.run([sys.executable, "-c", program], check=True)
 
 
+def ranInKernel(*cells):
+    """Kinds of output of the cells of a notebook, run in a kernel of its own."""
+    nbformat = pytest.importorskip("nbformat", reason="no Jupyter here; scripts/test installs it")
+    client = pytest.importorskip("nbclient", reason="no Jupyter here; scripts/test installs it")
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
+    client.NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
+    return [[kind for o in cell.outputs for kind in o.get("data", ())] for cell in notebook.cells]
+
+
+@pytest.mark.parametrize("draw", ["plt.plot([1, 2]);", "scene.plot();"])
+def test_every_picture_of_a_notebook_is_seen_the_first_one_too(draw, monkeypatch):
+    monkeypatch.delenv("MPLBACKEND", raising=False)  # a kernel chooses its own
+    scene = """import matplotlib.pyplot as plt
+import yade_mpm as mpm
+scene = mpm.Scene((0, 0), (2, 2), 0.5)
+rubber = mpm.LinearElastic(density=1, young=1e3, poisson=0.3)
+scene.add("block", mpm.box((0, 0), (1, 1)), rubber, mpm.UGIMP());"""
+    first, second, third = ranInKernel(scene, draw, draw)
+    assert first == [] and "image/png" in second and "image/png" in third
+
+
+def test_a_backend_that_a_notebook_chooses_stays(monkeypatch):
+    monkeypatch.delenv("MPLBACKEND", raising=False)
+    (seen,) = ranInKernel(
+        "import matplotlib; matplotlib.use('svg')\nimport yade_mpm\nassert matplotlib.get_backend() == 'svg'"
+    )
+    assert seen == []
+
+
 def test_a_program_that_does_not_draw_does_not_wait_for_matplotlib():
     code = (
         "import sys; from yade_mpm import commandLine\n"
@@ -69,6 +99,65 @@ def test_a_picture_has_the_values_of_the_field_and_says_what_they_are(ran):
     assert axes.collections[0].get_clim() == (-30, 0)
     labels = [a.get_ylabel() for a in axes.figure.axes]
     assert labels == ["y (m)", "stress yy (kPa)"]
+
+
+def test_colours_are_scaled_to_the_soil_not_to_a_stiff_body_or_one_particle():
+    scene = mpm.Scene((0, 0), (4, 3), 0.25)
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=1.8, young=5e3, poisson=0.3, cohesion=1, frictionAngle=0.5, dilatancyAngle=0
+    )
+    steel = mpm.LinearElastic(density=7.85, young=2e8, poisson=0.3)
+    ground = scene.add("ground", box((0, 0), (4, 1)), soil, mpm.UGIMP(perCell=2))
+    pile = scene.add("pile", box((1, 1), (2, 3)), steel, mpm.UGIMP(perCell=2))
+    scene.initialStress(surface=1, K0=0.5)
+    stress = np.zeros((pile.count, 3, 3))
+    stress[:, 1, 1] = -1e4
+    pile.setStress(stress)
+    axes = scene.plot("stress", "yy")
+    low, high = axes.collections[0].get_clim()
+    assert ground.stress[:, 1, 1].min() <= low < high <= ground.stress[:, 1, 1].max()
+    assert axes.figure.axes[1].get_ylim() == pytest.approx((low, high))  # and an arrow for what lies below
+    assert [drawn.colorbar.extend for drawn in axes.collections if drawn.colorbar] == ["min"]
+    stress = ground.stress.copy()
+    stress[7, 1, 1] = 1e5
+    ground.setStress(stress)
+    assert scene.plot("stress", "yy").collections[0].get_clim()[1] < 1
+    alone = scene.plot("stress", "yy", bodies=["pile"])  # nothing yields: all count
+    assert max(alone.collections[0].get_clim()) < -5e3
+
+
+@pytest.mark.parametrize("splitAt", [None, 1.3])
+def test_domains_are_drawn_as_they_are_deformed(splitAt):
+    """Together as large as the strained block; whole neighbours keep their common corners."""
+    scene = mpm.Scene((-4, -4), (8, 8), 0.5)
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=1.8, young=5e3, poisson=0.3, cohesion=1, frictionAngle=0.5, dilatancyAngle=0
+    )
+    block = scene.add("block", box((0, 0), (1, 1)), soil, mpm.UGIMP(perCell=2, splitAt=splitAt))
+    before, strain = block.corners(), np.array([[1.6, 0.8], [0.0, 0.9]])
+    block.position[...] = block.position @ strain.T
+    block.deformationGradient[:, :2, :2] = strain
+    drawn = block.deformedCorners()
+    assert np.allclose(drawn, before @ strain.T, rtol=0, atol=1e-12)
+    if splitAt:
+        block.core.splitStretched()
+        assert block.count > 16
+        drawn = block.deformedCorners()
+    x, y = drawn[..., 0], drawn[..., 1]
+    areas = 0.5 * (x * np.roll(y, -1, 1) - y * np.roll(x, -1, 1)).sum(axis=1)
+    assert areas.sum() == pytest.approx(1.6 * 0.9, rel=1e-12)
+    assert not np.allclose(block.corners(), drawn, rtol=0, atol=0.05)  # control: boxes do not follow
+
+
+def test_the_label_of_a_colour_bar_keeps_off_the_next_axes(ran):
+    scene, _, _ = ran
+    figure, (left, right) = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")
+    scene.plot("stress", "yy", axes=left)
+    right.set_ylabel("force (kN/m)")
+    figure.canvas.draw()
+    bar = figure.axes[2]
+    gap = right.get_tightbbox().x0 - bar.get_tightbbox().x1  # pixels
+    assert gap / figure.dpi > 0.15  # inches: as much as a line of text
 
 
 def test_a_body_without_the_field_is_grey_and_speed_is_the_length_of_velocity(ran):
@@ -120,7 +209,7 @@ def test_what_is_read_back_is_what_the_scene_has(ran):
     for body in scene.bodies:
         found = results[-1].body(body.name)
         assert np.array_equal(found["id"], body.id) and np.array_equal(found["stress"], body.stress)
-        assert np.array_equal(found.corners[:, :, :2], body.corners())
+        assert np.array_equal(found.corners[:, :, :2], body.deformedCorners())
     assert np.array_equal(results.history()["time"], history["time"])
     assert results.historyUnits()["bottom.fy"] == "kN/m"
     assert [frame.time for frame in results[1:3]] == list(results.times[1:3])

@@ -11,7 +11,7 @@ from ..material.materials import classes as materialClasses
 from ..material.materials import rebuilt
 from ..particle.types import classes as particleClasses
 from .adding import newBody
-from .tableChecks import checkTables
+from .tables import checkTables
 
 
 def buildBodies(scene, spec, arrays, file):

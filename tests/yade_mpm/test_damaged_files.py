@@ -1,113 +1,131 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Damaged and hand-made files are refused in words: no crash, no hang, nothing taken that was changed."""
 
-import ctypes
 import os
-import signal
-import time
+import threading
 
 import blows
 import damagedFiles
+import h5py
 import handMadeFiles
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm.base import inChild as childs
-from yade_mpm.base.inChild import LostInChild, inChild
-from yade_mpm.geometry import meshInput
-from yade_mpm.io import checkpoint, pagedFile, recorder, resultsFile
-
-ROOM = 1 << 30  # bytes
-CRASHED = r"it crashed \((SIGSEGV|exit code 1)\)"  # the address sanitizer makes the latter of it
+from yade_mpm.geometry import meshReader
+from yade_mpm.io import checkpoint, pagedFile
 
 
-def here(work, seconds=20.0):
-    return inChild(work, seconds, ROOM)
-
-
-def test_a_child_hands_over_what_it_finds_and_what_goes_wrong():
-    assert np.array_equal(here(lambda: np.arange(10**6)), np.arange(10**6))
-    with pytest.raises(ValueError, match="^no$"):
-        here(lambda: (_ for _ in ()).throw(ValueError("no")))
-    with pytest.raises(SystemExit):
-        here(lambda: exit(3))
-    with pytest.raises(RuntimeError, match="Odd: 5"):
-        here(_raiseOdd)
-
-
-def _raiseOdd():
-    class Odd(Exception):  # of no module: cannot be pickled
-        pass
-
-    raise Odd(5)
-
-
-def test_a_child_that_crashes_hangs_or_eats_does_no_harm():
-    with pytest.raises(LostInChild, match=CRASHED):
-        here(lambda: ctypes.string_at(0))
-    with pytest.raises(LostInChild, match=r"it crashed \(exit code 1\)"):
-        here(lambda: os._exit(1))
-    began = time.monotonic()
-    with pytest.raises(LostInChild, match="it is not ready in time"):
-        here(lambda: time.sleep(100), seconds=0.3)
-    assert time.monotonic() - began < 10
-    with pytest.raises(LostInChild, match="it is not ready in time"):
-        here(lambda: [None for _ in iter(int, 1)], seconds=0.3)  # goes round for ever
-    with pytest.raises(MemoryError):
-        here(lambda: bytearray(2 * ROOM))
-    with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)  # none is left behind
-
-
-def test_a_child_that_is_kept_waiting_has_time(monkeypatch):
-    """Beside other jobs a file was refused that reads in a second."""
-    here(lambda: time.sleep(0.6), seconds=0.2)
-    monkeypatch.setattr(childs, "WAITING", 1)
-    with pytest.raises(LostInChild, match="it is not ready in time"):
-        here(lambda: time.sleep(0.6), seconds=0.2)
-
-
-def test_handlers_of_the_parent_are_not_those_of_the_child():
-    before = signal.signal(signal.SIGTERM, lambda *_: None)
-    try:
-        with pytest.raises(LostInChild, match="SIGTERM"):
-            here(lambda: os.kill(os.getpid(), signal.SIGTERM))
-    finally:
-        signal.signal(signal.SIGTERM, before)
-
-
-def test_a_mesh_file_that_keeps_its_reader_busy_is_refused(monkeypatch):
-    import meshio
-
-    monkeypatch.setattr(meshio, "read", lambda path: time.sleep(100))
-    monkeypatch.setattr(meshInput, "READ_SECONDS", 0.3)
+def withMeshio(monkeypatch, text):
+    """A file for a meshio whose `read` is that text."""
     open("a.msh", "w").close()
-    with pytest.raises(
-        ValueError, match="'m': a.msh is not a mesh file that meshio can read: it is not ready"
-    ):
+    os.makedirs("fake")
+    with open("fake/meshio.py", "w") as f:
+        f.write(f"def read(path):\n    {text}\n")
+    monkeypatch.syspath_prepend(os.path.abspath("fake"))
+    monkeypatch.setattr(meshReader, "SECONDS", 1.0)
+    monkeypatch.setattr(meshReader, "WAITING", 1 if "sleep" in text else 600)
+
+
+@pytest.mark.parametrize(
+    "text, told",
+    [
+        ("while True: pass", "ended by signal"),
+        ("import time; time.sleep(100)", "not read after 1 s"),
+        ("import ctypes; ctypes.string_at(0)", "ended by signal 11"),
+        ("import os; os._exit(3)", "meshio ended with code 3"),
+        ("exit(2)", "meshio ended with code 2"),
+        ("bytearray(1 << 40)", "MemoryError"),
+        ("raise ValueError('odd')", "ValueError: odd"),
+    ],
+)
+def test_a_mesh_file_that_its_reader_does_not_survive_is_refused(monkeypatch, text, told):
+    withMeshio(monkeypatch, text)
+    with pytest.raises(ValueError, match=f"'m': a.msh is not a mesh file that meshio can read: .*{told}"):
         mpm.meshFromFile("a.msh", "m")
 
 
-def test_a_checkpoint_that_crashes_hdf5_is_refused(monkeypatch):
+def test_a_mesh_is_read_from_regular_files_only():
+    os.mkfifo("pipe.msh")
+    for file in ("pipe.msh", "/dev/zero", "."):
+        with pytest.raises(ValueError, match="is no regular file"):
+            mpm.meshFromFile(file, "m")
+
+
+def test_hdf5_sees_no_byte_of_a_checkpoint_that_was_changed(monkeypatch):
+    content = bytearray(damagedFiles.checkpoint())
+    content[-1] ^= 1
+    with open("a.h5", "wb") as f:
+        f.write(content)
+    monkeypatch.setattr(h5py, "File", None)
+    with pytest.raises(ValueError, match="checkpoint 'a.h5' is damaged: it is not what was written"):
+        mpm.load("a.h5")
+    with open("a.h5", "wb") as f:
+        f.write(content[checkpoint.SEAL :])
+    with pytest.raises(ValueError, match="without the checksum of a checkpoint.*release 0.1.0"):
+        mpm.load("a.h5")
+
+
+def held(lock):
+    """A thread that holds a lock until the event is set: a run that writes a frame."""
+    isHeld, isEnough = threading.Event(), threading.Event()
+
+    def hold():
+        with lock:
+            isHeld.set()
+            isEnough.wait()
+
+    thread = threading.Thread(target=hold)
+    thread.start()
+    isHeld.wait()
+    return thread, isEnough
+
+
+@pytest.mark.parametrize("what", ["results", "checkpoint"])
+def test_files_are_read_while_a_run_writes_others(what):
+    """A child made by fork would wait for ever for a lock whose holder it does not have."""
+    written()
     with open("a.h5", "wb") as f:
         f.write(damagedFiles.checkpoint())
-    monkeypatch.setattr(checkpoint, "_read", lambda file: ctypes.string_at(0))
-    with pytest.raises(ValueError, match=f"checkpoint 'a.h5' is damaged: .*{CRASHED}"):
-        mpm.load("a.h5")
+    thread, isEnough = held(h5py._objects.phil)
+    threading.Timer(0.3, isEnough.set).start()
+    assert len(mpm.read("a.vtkhdf")) == 4 if what == "results" else mpm.load("a.h5").steps == 3
+    thread.join()
+
+
+def test_no_half_frame_is_read():
+    """A reader of the same process waits while pages of the file change."""
+    results, found = mpm.read(written()), []
+    thread, isEnough = held(pagedFile.committing)
+    reader = threading.Thread(target=lambda: found.append(len(results)))
+    reader.start()
+    reader.join(0.2)
+    assert found == []
+    isEnough.set()
+    reader.join()
+    thread.join()
+    assert found == [4]
+
+
+def test_a_file_that_another_process_changes_is_read_once_more(monkeypatch):
+    file, calls = written(), []
+
+    def work(h5):
+        calls.append(1)
+        if len(calls) < 3:  # a frame came meanwhile, and half of it was read
+            with open(file, "ab") as f:
+                f.write(b"0")
+            raise OSError("half a frame")
+        return len(h5)
+
+    from yade_mpm.io import resultsFile
+
+    assert resultsFile.asked(file, work) == 2 and len(calls) == 3
 
 
 def written():
     with open("a.vtkhdf", "wb") as f:
         f.write(damagedFiles.results())
     return "a.vtkhdf"
-
-
-def test_a_file_of_results_that_crashes_hdf5_is_refused(monkeypatch):
-    file = mpm.read(written())
-    assert len(file) == 4 and file.history()["time"].shape == (3,)
-    monkeypatch.setattr(resultsFile, "frame", lambda *_: ctypes.string_at(0))
-    with pytest.raises(ValueError, match=f"read: 'a.vtkhdf' is damaged: .*{CRASHED}; give a"):
-        file[0]
 
 
 @pytest.mark.parametrize(
@@ -139,15 +157,20 @@ def test_a_journal_with_another_bit_is_refused(at):
     assert mpm.Recorder.recover(file)
 
 
-def test_a_run_does_not_go_on_in_a_damaged_file_of_results(monkeypatch):
+def test_a_run_does_not_go_on_in_a_damaged_file_of_results():
     scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
     scene.add("mesh", mpm.box((1, 0), (2, 1)), damagedFiles.elastic(mpm), mpm.APDI(size=0.25))
     scene.engines = [*scene.engines, mpm.Recorder("a.vtkhdf", iterPeriod=1)]
     scene.run(steps=2, progress=False)
     scene.save("a.h5")
-    monkeypatch.setattr(recorder, "cutAfter", lambda *_: ctypes.string_at(0))
-    with pytest.raises(ValueError, match=f"Recorder: '.*a.vtkhdf' is damaged: .*{CRASHED}; move it away"):
+    with h5py.File("a.vtkhdf", "r+") as h5:
+        del h5["VTKHDF/Types"]
+    with open("a.vtkhdf", "rb") as f:
+        before = f.read()
+    with pytest.raises(ValueError, match="Recorder: '.*a.vtkhdf' is damaged: .*; move it away"):
         mpm.load("a.h5").run(steps=1, progress=False)
+    with open("a.vtkhdf", "rb") as f:
+        assert f.read() == before
 
 
 @pytest.mark.parametrize("script", [damagedFiles.__file__, handMadeFiles.__file__])

@@ -2,17 +2,15 @@
 """Meshes that users bring, as arrays or files, checked."""
 
 import os
+from importlib.util import find_spec
 
 import numpy as np
 
-from ..base.inChild import inChild
 from .mesh import Mesh, cellVolumes, cornerJacobians
 from .meshChecks import checkIndices, checkMesh
+from .meshReader import readMesh
 from .numbers import formatPoint
 
-# What meshio may take for a file: text of 1 MB needs 1 s and 20 MB.
-READ_SECONDS, READ_SECONDS_PER_BYTE = 20.0, 2e-5
-READ_MEMORY, READ_MEMORY_PER_BYTE = 4 << 30, 200  # bytes, and bytes per byte
 _MIRROR = {2: [0, 3, 2, 1], 3: [0, 3, 2, 1, 4, 7, 6, 5]}
 
 
@@ -63,17 +61,21 @@ def meshFromFile(path, name):
     Raises FileNotFoundError, ImportError without meshio, ValueError on an unreadable file, on other
     cells, and as `meshFromArrays` does.
     """
-    try:
-        import meshio
-    except ImportError as error:
+    if find_spec("meshio") is None:
         raise ImportError(
             f"mesh '{name}': reading {path} needs the meshio package; install it or use meshFromArrays"
-        ) from error
-    if not os.path.exists(path):  # meshio would leave the program
-        raise FileNotFoundError(
-            f"mesh '{name}': there is no mesh file '{os.path.abspath(os.fsdecode(path))}'; correct the name"
         )
-    points, cells = _readMesh(meshio, path, name)
+    path = os.fsdecode(path)
+    if not os.path.exists(path):
+        raise FileNotFoundError(
+            f"mesh '{name}': there is no mesh file '{os.path.abspath(path)}'; correct the name"
+        )
+    if not os.path.isfile(path):  # a pipe would wait, a device has no end
+        raise ValueError(f"mesh '{name}': {path} is no regular file; give the name of a mesh file")
+    try:
+        points, cells = readMesh(path)
+    except RuntimeError as error:
+        raise ValueError(f"mesh '{name}': {path} is not a mesh file that meshio can read: {error}") from error
     dim = max((cellsDim for _, cellsDim, _ in cells), default=0)
     wanted = {2: "quad", 3: "hexahedron"}.get(dim)
     others = sorted({kind for kind, cellsDim, _ in cells if cellsDim == dim and kind != wanted})
@@ -83,23 +85,6 @@ def meshFromFile(path, name):
             "only quad (2D) or hexahedron (3D) cells, of 4 or 8 vertices, are allowed"
         )
     return meshFromArrays(points, np.concatenate([c for kind, _, c in cells if kind == wanted]), name)
-
-
-def _readMesh(meshio, path, name):
-    """Points, and (kind, dimension, corners) of the cells. meshio goes round for ever, takes all memory or
-    leaves the program on files that it does not understand."""
-
-    def read():
-        content = meshio.read(path)
-        return content.points, [(block.type, block.dim, block.data) for block in content.cells]
-
-    size = os.path.getsize(path)
-    try:
-        return inChild(
-            read, READ_SECONDS + size * READ_SECONDS_PER_BYTE, READ_MEMORY + READ_MEMORY_PER_BYTE * size
-        )
-    except (Exception, SystemExit) as error:
-        raise ValueError(f"mesh '{name}': {path} is not a mesh file that meshio can read: {error}") from error
 
 
 def _asArrays(points, cells, name):

@@ -9,8 +9,7 @@ them, in which HDF5 begins (its "user block"; h5py and other readers skip it). R
 plain: no filters, no links to other files. Names of other files are relative to the folder of the
 checkpoint.
 
-Format 2, still read, has no such text; its datasets carry a checksum each, and its names of files are
-relative to the working folder of the run.
+HDF5 sees no byte before the checksum is verified. A file without it, as of format 2, is refused.
 """
 
 import hashlib
@@ -22,10 +21,9 @@ import h5py
 import numpy as np
 
 from .. import __version__
-from ..base.inChild import LostInChild, inChild
 from .files import checkWritable, writeWhole
 
-FORMAT, VERSION, OLDEST = "yade-mpm checkpoint", 3, 2
+FORMAT, VERSION = "yade-mpm checkpoint", 3
 NOT_AS_WRITTEN = (
     "checkpoint '{}' is damaged: it is not what was written (its checksum differs); use an older one"
 )
@@ -33,10 +31,7 @@ MAGIC = b"yade-mpm checkpoint; sha256 "
 SEAL = 512  # bytes; the smallest user block of HDF5
 PIECE = 1 << 20  # bytes read at once
 MOST_BODIES = 100_000
-# Limits of reading, for a file that makes HDF5 go round for ever.
-READ_SECONDS, READ_SPEED, READ_MEMORY = 10.0, 1e6, 1 << 30  # s of a processor, bytes/s, bytes
 READING = (OSError, KeyError, TypeError, AttributeError, RuntimeError, MemoryError, OverflowError)
-FLETCHER32 = h5py.h5z.FILTER_FLETCHER32
 
 
 def write(file, description, bodies):
@@ -93,36 +88,20 @@ def read(file):
     ----------
     file : str, name of the file.
 
-    Returns the dict that was written, with "formatVersion", and for each body a dict with the dicts
-    "particles", "domains" and "tables". Takes no more memory than the file has bytes. Raises
-    FileNotFoundError, and ValueError for a file that is damaged, no checkpoint, or of another format.
+    Returns the dict that was written, and for each body a dict with the dicts "particles", "domains" and
+    "tables". Takes no more memory than the file has bytes. Raises FileNotFoundError, and ValueError for a
+    file that is damaged, no checkpoint, or of another format.
     """
-    if not os.path.isfile(file):
-        raise FileNotFoundError(f"load: checkpoint '{file}' does not exist; correct the name")
-    if not h5py.is_hdf5(file):
-        raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
-    if _saysItIsSealed(file) and not _isSealed(file):
-        raise ValueError(NOT_AS_WRITTEN.format(file))
-    size = os.path.getsize(file)
-    try:  # HDF5 itself goes astray in some files that were made by hand: there first
-        inChild(lambda: _read(file) and None, READ_SECONDS + size / READ_SPEED, READ_MEMORY + 4 * size)
-    except LostInChild as error:
-        raise _damaged(file, error) from error
-    return _read(file)
-
-
-def _read(file):
+    _checkSeal(file)
     try:
         with h5py.File(file, "r") as h5:
-            version = _versionOf(h5, file)
-            if version > 2 and not _isSealed(file):
-                raise ValueError(NOT_AS_WRITTEN.format(file))
-            reader = _Reader(h5, file, version)
+            _checkVersion(h5, file)
+            reader = _Reader(h5, file)
             spec = json.loads(bytes(reader.array(h5, "scene", np.dtype(np.uint8), 1)).decode())
             count = len(spec["bodies"])
             if count > MOST_BODIES or count != len(h5.get("bodies", ())):
                 raise KeyError(f"{count} bodies are described, {len(h5.get('bodies', ()))} are there")
-            return {**spec, "formatVersion": version}, [reader.body(f"bodies/{k}") for k in range(count)]
+            return spec, [reader.body(f"bodies/{k}") for k in range(count)]
     except ValueError as error:
         if str(error).startswith(("checkpoint", f"'{file}'")):
             raise
@@ -135,32 +114,37 @@ def _damaged(file, error):
     return ValueError(f"checkpoint '{file}' is damaged: {type(error).__name__}: {error}; use an older one")
 
 
-def _saysItIsSealed(file):
-    with open(file, "rb") as f:
-        return f.read(len(MAGIC)) == MAGIC
-
-
-def _isSealed(file):
+def _checkSeal(file):
+    """Refuses a file whose bytes are not those that were written, before HDF5 sees them."""
+    if not os.path.isfile(file):
+        raise FileNotFoundError(f"load: checkpoint '{file}' does not exist; correct the name")
+    if not h5py.is_hdf5(file):
+        raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
     total = hashlib.sha256()
     with open(file, "rb") as f:
         stated = f.read(SEAL)
         while piece := f.read(PIECE):
             total.update(piece)
-    return stated == _sealText(total)
+    if not stated.startswith(MAGIC):
+        raise ValueError(
+            f"'{file}' is an HDF5 file without the checksum of a checkpoint; give one that scene.save wrote. "
+            f"A checkpoint of the release 0.1.0 (format 2) has none: continue it with that release"
+        )
+    if stated != _sealText(total):
+        raise ValueError(NOT_AS_WRITTEN.format(file))
 
 
-def _versionOf(h5, file):
+def _checkVersion(h5, file):
     if h5.attrs.get("format") != FORMAT:
         raise ValueError(
             f"'{file}' is an HDF5 file, but no checkpoint of yade_mpm; give one that scene.save wrote"
         )
     version = int(h5.attrs.get("formatVersion", 0))
-    if not OLDEST <= version <= VERSION:
+    if version != VERSION:
         raise ValueError(
             f"checkpoint '{file}' has format {version}, written by yade_mpm {h5.attrs.get('package')}; "
-            f"yade_mpm {__version__} reads formats {OLDEST} and {VERSION}; continue it with that version"
+            f"yade_mpm {__version__} reads format {VERSION}; continue it with that version"
         )
-    return version
 
 
 class _Reader:
@@ -168,9 +152,8 @@ class _Reader:
 
     KINDS = {"particles": None, "domains": None, "tables": np.dtype(np.int32)}
 
-    def __init__(self, h5, file, version):
+    def __init__(self, h5, file):
         self._h5, self._left = h5, os.path.getsize(file)
-        self._filters = {FLETCHER32} if version == 2 else set()
 
     def body(self, path):
         """Dict of dicts of the arrays of a body."""
@@ -194,8 +177,7 @@ class _Reader:
         if data.ndim not in ([ndim] if ndim else [1, 2, 3]):
             raise ValueError(f"{name} has {data.ndim} dimensions")
         plist = data.id.get_create_plist()
-        filters = {plist.get_filter(k)[0] for k in range(plist.get_nfilters())}
-        if filters - self._filters or plist.get_external_count() or data.is_virtual:
+        if plist.get_nfilters() or plist.get_external_count() or data.is_virtual:
             raise ValueError(f"{name} is compressed, or elsewhere")
         self._left -= data.nbytes
         if self._left < 0 or data.id.get_storage_size() < data.nbytes:

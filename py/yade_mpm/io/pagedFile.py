@@ -4,6 +4,7 @@ whole."""
 
 import io
 import os
+import threading
 from contextlib import contextmanager
 from hashlib import sha256
 
@@ -14,6 +15,8 @@ from .files import replacing, reserve
 
 PAGE = 4096  # bytes
 HEAD, TOTAL = 16, 32  # bytes of a journal: its first two numbers, and its SHA-256 sum
+
+committing = threading.RLock()  # held while pages of a file change, so that no thread reads half a frame
 
 
 @contextmanager
@@ -28,7 +31,8 @@ def appendingTo(file):
     with PagedFile(file) as pages:
         with h5py.File(pages, "r+") as h5:
             yield h5
-        pages.commit()
+        with committing:
+            pages.commit()
 
 
 def recover(file):

@@ -15,14 +15,13 @@ from contextlib import contextmanager
 
 import h5py
 
-from ..base.inChild import LostInChild, inChild
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
-from .checkpoint import READ_MEMORY, READ_SECONDS, READ_SPEED, READING
+from .checkpoint import READING
 from .files import checkWritable, fillWhole, naming, temporaryBeside
 from .frame import DERIVED, Frame
-from .pagedFile import PagedFile, appendingTo, journalOf, recover, removeIfThere
+from .pagedFile import appendingTo, journalOf, recover, removeIfThere
 from .vtkhdf import appendFrame, createLayout, cutAfter
 
 OTHERS = (
@@ -234,25 +233,17 @@ class Recorder(Callback):
     def _resume(self, scene):
         with naming(self._file):
             recover(self._file)
-            self._lookFirst(scene.steps)
-            with appendingTo(self._file) as h5:
-                self._cut(h5, scene.steps)
+            try:  # nothing is written before all is cut
+                with appendingTo(self._file) as h5:
+                    self._cut(h5, scene.steps)
+            except (IndexError, *READING) as error:
+                if getattr(error, "errno", None) is not None:  # of the disk, not of HDF5
+                    raise
+                raise ValueError(
+                    f"Recorder: '{self._file}' is damaged: {type(error).__name__}: {error}; move it away, "
+                    "and the run begins another one"
+                ) from error
         self._path = self._file
-
-    def _lookFirst(self, steps):
-        """Cuts the file in a child process, where nothing is written: HDF5 goes astray in damaged files."""
-        size = os.path.getsize(self._file)
-        try:
-            inChild(lambda: self._lookAt(steps), READ_SECONDS + size / READ_SPEED, READ_MEMORY + size)
-        except (LostInChild, *READING) as error:
-            raise ValueError(
-                f"Recorder: '{self._file}' is damaged: {type(error).__name__}: {error}; move it away, and "
-                "the run begins another one"
-            ) from error
-
-    def _lookAt(self, steps):
-        with PagedFile(self._file) as pages, h5py.File(pages, "r+") as h5:
-            self._cut(h5, steps)
 
     def _cut(self, h5, steps):
         """Cuts off the frames behind a step."""

@@ -1,33 +1,45 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What is read of a Recorder's file, in a child process: HDF5 goes astray in damaged ones."""
+"""What is read of a Recorder's file, also while a run writes it."""
 
 import os
 
 import h5py
 import numpy as np
 
-from ..base.inChild import LostInChild, inChild
-from .checkpoint import READ_MEMORY, READ_SECONDS, READ_SPEED, READING
+from .checkpoint import READING
 from .frame import MEMBER, QUADRILATERAL
+from .pagedFile import committing, journalOf
 
-MOST_EXPANSION = 64  # bytes of memory for one of a file, which may be compressed
+TRIES = 20  # of a file that another process writes to all the time
 
 
 def asked(file, work):
-    """What a function of the open file returns; ValueError where that cannot be read."""
+    """What a function of the open file returns; ValueError where that cannot be read.
 
-    def ask():
-        with h5py.File(file) as h5:
-            return work(h5)
+    A run of this process does not change the file meanwhile. Where one of another process does, the work is
+    done once more.
+    """
+    for _ in range(TRIES):
+        before, found, wrong = _stamp(file), None, None
+        try:
+            with committing, h5py.File(file) as h5:
+                found = work(h5)
+        except (ValueError, IndexError, *READING) as error:
+            wrong = error
+        if _stamp(file) == before and not os.path.exists(journalOf(file)):
+            break
+    if wrong is None:
+        return found
+    advice = "give a whole file, or run the scene again"
+    if os.path.exists(journalOf(file)):
+        advice = "if the run that wrote it was killed, mpm.Recorder.recover(file) completes it"
+    raise ValueError(f"read: '{file}' is damaged: {type(wrong).__name__}: {wrong}; {advice}") from wrong
 
-    size = os.path.getsize(file)
-    try:
-        return inChild(ask, READ_SECONDS + size / READ_SPEED, READ_MEMORY + MOST_EXPANSION * size)
-    except (LostInChild, ValueError, IndexError, *READING) as error:
-        raise ValueError(
-            f"read: '{file}' is damaged: {type(error).__name__}: {error}; give a whole file, or run the "
-            "scene again"
-        ) from error
+
+def _stamp(file):
+    """What changes when another process writes to a file."""
+    found = os.stat(file)
+    return found.st_mtime_ns, found.st_size, found.st_ino
 
 
 def names(h5):

@@ -14,15 +14,13 @@ class Permissions:
     Parameters
     ----------
     file : str, name of the checkpoint.
-    version : int, its format: up to 2 names of files are relative to the working folder, then to that of
-        the checkpoint.
     trust : bool, whether its texts may run and its files may be anywhere.
     callbacks : dict label -> function or engine, instead of what the file says; what is used is taken out.
     files : dict name, as the file has it -> name to use instead, or None for none.
     """
 
-    def __init__(self, file, version, trust, callbacks, files):
-        self._file, self._version, self._trust = file, version, trust
+    def __init__(self, file, trust, callbacks, files):
+        self._file, self._trust = file, trust
         self._callbacks, self._files = callbacks, dict(files)
 
     def checkTexts(self, engines):
@@ -57,7 +55,7 @@ class Permissions:
             given = self._files.pop(name)
             return None if given is None else os.fspath(given)
         folder = os.path.dirname(self._file)
-        found = name if self._version <= 2 else os.path.normpath(os.path.join(folder, name))
+        found = os.path.normpath(os.path.join(folder, name))
         if self._trust or _isInside(found, folder):
             return found
         raise ValueError(

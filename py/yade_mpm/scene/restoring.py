@@ -46,7 +46,7 @@ def load(file, callbacks=None, trust=False, files=None):
     callbacks = dict(callbacks or {})
     if not isinstance(trust, bool):
         raise TypeError(f"load: trust = {trust!r} is not allowed; give True or False")
-    permissions = Permissions(file, spec["formatVersion"], trust, callbacks, files or {})
+    permissions = Permissions(file, trust, callbacks, files or {})
     try:
         return _build(spec, arrays, callbacks, permissions, file)
     except (

@@ -417,14 +417,14 @@ def test_files_that_are_no_checkpoint_are_refused(tmp_path):
         mpm.load(file)
     with h5py.File(file, "w") as h5:
         h5["x"] = [1.0]
-    with pytest.raises(ValueError, match="is an HDF5 file, but no checkpoint"):
+    with pytest.raises(ValueError, match="is an HDF5 file without the checksum of a checkpoint"):
         mpm.load(file)
     smallScene().save(file)
     with h5py.File(file, "r+") as h5:
         h5.attrs["formatVersion"], h5.attrs["package"] = 7, "9.9"
     checkpoint.seal(file)
     with pytest.raises(
-        ValueError, match="has format 7, written by yade_mpm 9.9; .* reads formats 2 and 3; continue it with"
+        ValueError, match="has format 7, written by yade_mpm 9.9; .* reads format 3; continue it with"
     ):
         mpm.load(file)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
+from ..base.html import textOf
 from ..io.files import replacing, saveJson
 from . import execution, pictures, report, state
 from .record import CURVE
@@ -110,7 +111,22 @@ def _measured(measured):
         raise ValueError(
             f"calibrate: a measured curve of shape {points.shape} is not allowed; give (n, 2) finite numbers"
         )
-    return points[np.argsort(points[:, 0], kind="stable")], names
+    return _rising(points, "the measured curve"), names
+
+
+def _rising(points, what):
+    """Points of a curve, whose x rises; one that falls is turned round. ValueError for one that turns back:
+    it has two y for one x."""
+    steps = np.diff(points[:, 0])
+    if (steps >= 0).all():
+        return points
+    if (steps <= 0).all():
+        return points[::-1]
+    back = points[np.flatnonzero(steps * steps[steps != 0][0] < 0)[0], 0]
+    raise ValueError(
+        f"calibrate: {what} turns back at x = {back:g}, and has two values of y beside it; give a part in "
+        "which x rises or falls"
+    )
 
 
 class _Search:
@@ -144,7 +160,10 @@ class _Search:
             raise ValueError(
                 f"calibrate: the scene has left no curve '{self.curve}' in {folder}; let it call saveCurve"
             )
-        x, y = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2).T
+        points = np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
+        if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2 or not np.isfinite(points).all():
+            raise ValueError(f"calibrate: the curve in {file} is not (n, 2) finite numbers; mend the scene")
+        x, y = _rising(points, f"the curve in {file}").T
         room = ENDS * np.ptp(x)  # where the end of the curve stands for what is just beyond
         if x.min() > self.x[0] + room or x.max() < self.x[-1] - room:
             raise ValueError(
@@ -240,7 +259,7 @@ def _evolution(search, generations, seed):
 def _writeReport(search, result):
     """calibration.html: the values, their correlation, both curves and the residuals."""
     rows = [
-        f"<tr><td class='t'>{name}</td><td>{value:.5g}</td><td>"
+        f"<tr><td class='t'>{textOf(name)}</td><td>{value:.5g}</td><td>"
         f"{'' if result.errors[name] is None else f'{result.errors[name]:.2g}'}</td>"
         f"<td>{low:g} to {high:g}</td></tr>"
         for (name, value), (low, high) in zip(result.values.items(), search.ranges.values())
@@ -251,8 +270,8 @@ def _writeReport(search, result):
     residuals = np.stack([result.x, result.fitted - result.measured], axis=1)
     of = {"residual": ((result.names[0], "fitted - measured"), residuals)}
     parts = [
-        f"<h1>Calibration of {search.curve}</h1><p>{result.runs} runs; residuals {result.rms:.3g} (rms), "
-        f"{result.rms / result.scale:.2%} of the curve. {result.message}</p>",
+        f"<h1>Calibration of {textOf(search.curve)}</h1><p>{result.runs} runs; residuals {result.rms:.3g} "
+        f"(rms), of a curve of {result.scale:.3g} (rms). {textOf(result.message)}</p>",
         f"<div class='wide'><table>{head}{''.join(rows)}</table></div>",
         "<h2>Correlation of the parameters</h2>" + _correlation(result),
         f"<h2>Curves</h2>{pictures.curves(own)}<h2>Residuals</h2>{pictures.curves(of)}",
@@ -265,7 +284,9 @@ def _correlation(result):
     if result.correlation is None:
         return "<p>The curve does not tell these parameters apart: there are no errors to give.</p>"
     names = list(result.values)
-    rows = ["<tr><th></th>" + "".join(f"<th>{n}</th>" for n in names) + "</tr>"]
+    rows = ["<tr><th></th>" + "".join(f"<th>{textOf(n)}</th>" for n in names) + "</tr>"]
     for name, row in zip(names, result.correlation):
-        rows.append(f"<tr><td class='t'>{name}</td>" + "".join(f"<td>{c:.2f}</td>" for c in row) + "</tr>")
+        rows.append(
+            f"<tr><td class='t'>{textOf(name)}</td>" + "".join(f"<td>{c:.2f}</td>" for c in row) + "</tr>"
+        )
     return f"<div class='wide'><table>{''.join(rows)}</table></div>"

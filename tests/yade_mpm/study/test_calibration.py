@@ -79,3 +79,33 @@ def test_a_measured_curve_may_be_a_file(tmp_path):
     (tmp_path / "m.csv").write_text("depth (m),load (kN)\n2,20\n1,10\n")
     points, names = _measured(tmp_path / "m.csv")
     assert points.tolist() == [[1, 10], [2, 20]] and names == ("depth (m)", "load (kN)")
+
+
+LINE = Path(__file__).with_name("curve_scene.py")
+X = np.linspace(0, 1, 6)
+
+
+def fitLine(out, how, slope=0.7):
+    points = np.stack([X, slope * X], axis=1)
+    how = dict(words=["--how", how], quiet=True, jobs=1)
+    return study.calibrate(LINE, {"x": (0.1, 2.0)}, points, "c", out, **how)
+
+
+@pytest.mark.parametrize("how", ["rises", "falls"])
+def test_the_order_of_the_rows_of_a_curve_does_not_matter(how, tmp_path):
+    assert fitLine(tmp_path, how).values == pytest.approx({"x": 0.7}, rel=1e-6)
+
+
+def test_a_curve_that_turns_back_is_refused(tmp_path):
+    with pytest.raises(ValueError, match="turns back at x = 1, and has two values of y beside it"):
+        fitLine(tmp_path, "turns")
+    back = np.array([[0, 0], [1, 1], [0.5, 0.2]])
+    with pytest.raises(ValueError, match="the measured curve turns back at x = 1"):
+        study.calibrate(LINE, {"x": (0.1, 2.0)}, back, "c", tmp_path / "none")
+    assert not (tmp_path / "none").exists(), "before the first run"
+    assert _measured(back[[0, 1, 1]])[0].tolist() == back[[0, 1, 1]].tolist()  # a step is none
+
+
+def test_a_measured_curve_of_zeros_has_an_end(tmp_path):
+    found = fitLine(tmp_path, "zeros", slope=0.0)
+    assert found.rms == found.scale == 0 and (tmp_path / "calibration.html").exists()

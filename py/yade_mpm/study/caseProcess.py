@@ -7,9 +7,7 @@ SIGTERM, which leaves a checkpoint.
 """
 
 import argparse
-import contextlib
 import ctypes
-import fcntl
 import json
 import os
 import runpy
@@ -21,6 +19,7 @@ import traceback
 from ..io.files import saveJson
 from ..scene.restoring import load
 from . import state
+from .lock import Held, holding
 from .resume import ARGUMENTS, SUMMARY
 
 CHECKPOINT = "checkpoint.h5"
@@ -31,7 +30,7 @@ SET_PDEATHSIG = 1  # of prctl(2)
 def main(folder):
     """Runs the case; returns the exit code."""
     _endWithParent()
-    with _locked(folder):
+    with holding(folder, "a case", LOCK_WAIT):
         if state.read(folder)["state"] == state.DONE:  # by an older process, while this one waited
             return 0
         case, attempts = state.readCase(folder), state.read(folder).get("attempts", 0) + 1
@@ -50,22 +49,6 @@ def _endWithParent():
         ctypes.CDLL(None).prctl(SET_PDEATHSIG, signal.SIGTERM)
     if os.environ.get("YADE_MPM_CASE_PARENT") not in (None, str(os.getppid())):
         raise SystemExit("the process that started this case is gone")
-
-
-@contextlib.contextmanager
-def _locked(folder):
-    """No two processes work in the folder of a case at once."""
-    with open(os.path.join(folder, "lock"), "w") as lock:
-        until = time.monotonic() + LOCK_WAIT
-        while True:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                break
-            except OSError:
-                if time.monotonic() > until:
-                    raise SystemExit("another process works on this case") from None
-                time.sleep(0.1)
-        yield
 
 
 def _run(folder, case):
@@ -140,4 +123,7 @@ def _checked(folder):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    try:
+        sys.exit(main(sys.argv[1]))
+    except Held as other:
+        sys.exit(f"another process works on this case: {other}")

@@ -13,7 +13,18 @@ from pathlib import Path
 from .. import __version__, _core
 
 DIGITS = 12  # of the name of a case: 1e6 cases collide with a probability of 2e-3
-LATER = ("calibration", "cases", "collect", "execution", "live", "optional", "pictures", "program", "report")
+LATER = (
+    "calibration",
+    "cases",
+    "collect",
+    "execution",
+    "live",
+    "lock",
+    "optional",
+    "pictures",
+    "program",
+    "report",
+)
 LATER += ("sensitivity", "study", "watch")
 
 
@@ -63,7 +74,22 @@ def _imported(text):
 
 
 def functionSource(function):
-    """Source of a function, with the file that it stands in; of a notebook its own text."""
+    """Source of a function, with the file that it stands in, or in a notebook its own text; where it begins;
+    and the numbers and texts that it takes from around it."""
+    code = getattr(function, "__code__", None)
+    return f"{_sourceOf(function)}:{getattr(code, 'co_firstlineno', 0)}:{_plainAround(function)}"
+
+
+def _plainAround(function):
+    """Names and values of plain variables outside of a function that it reads."""
+    if not inspect.isfunction(function):
+        return []
+    around = inspect.getclosurevars(function)
+    found = {**around.globals, **around.nonlocals}
+    return sorted((name, repr(v)) for name, v in found.items() if isinstance(v, (bool, int, float, str)))
+
+
+def _sourceOf(function):
     file = inspect.getsourcefile(function)
     if file and os.path.exists(file):
         return sceneSource(file) + function.__qualname__

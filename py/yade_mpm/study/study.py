@@ -6,16 +6,21 @@ import os
 import sys
 import time
 from contextlib import contextmanager, nullcontext
+from functools import cached_property
+from glob import escape, glob
+from hashlib import sha256
 
-from ..io.files import replacing, saveJson
+from ..io.files import saveJson, writeWhole
 from . import cases as casesOf
 from . import collect, execution, identity, report, state
 from .live import Live
+from .lock import Held, holding
 from .optional import needed
 from .parameters import Parameters
 
 REPORT_SHARE = 60.0  # a report that took a second to write is not written again for a minute
 REPORT_PAUSE = 2.0  # s at least
+SHOWN = 200  # characters of a command line
 
 
 class Study:
@@ -42,22 +47,33 @@ class Study:
         self, scene, cases, out, results=None, until=None, parameters=None, words=(), threads=None, show=()
     ):
         self.out, self.threads, self.show = os.path.abspath(out), threads, list(show)
-        self.argumentNames = set()
+        self.argumentNames, self.folders, self._numbers = set(), [], {}
         self.cases = _listed(cases)
         if not self.cases:
             raise ValueError("study: there is no case; give a table, or NAME=VALUES")
         os.makedirs(os.path.join(self.out, "cases"), exist_ok=True)
-        if callable(scene):
-            self._ofFunction(scene, results, until, parameters)
-        else:
-            self._ofScene(scene, list(words))
+        with self._holding():
+            if callable(scene):
+                self._ofFunction(scene, results, until, parameters)
+            else:
+                self._ofScene(scene, list(words))
         self.labels = dict(zip(self.folders, map(self._label, self.cases)))
+
+    @contextmanager
+    def _holding(self):
+        """The folder belongs to this study alone: two would mix their cases, their table and their ends."""
+        try:
+            with holding(self.out, f"a study ({' '.join(sys.argv)[:SHOWN]})"):
+                yield
+        except Held as other:
+            raise RuntimeError(
+                f"study: '{self.out}' is in use by {other}; wait for its end, or give another folder (out)"
+            ) from None
 
     def _ofScene(self, file, words):
         self.scene = findScene(file)
         self.parameters = parametersOf(self.scene)
         self.name, source = self.parameters.scene, identity.sceneSource(self.scene)
-        self.folders = []
         for number, values in enumerate(self.cases, 1):
             values = {name: v for name, v in values.items() if name != casesOf.DESCRIPTION}
             own = [*words, *self.parameters.words(values)]
@@ -73,11 +89,10 @@ class Study:
 
     def _ofFunction(self, build, results, until, parameters):
         self.scene, self.parameters, self.name = None, parameters, build.__name__
-        file = os.path.join(self.out, "functions.pkl")
-        with replacing(file) as part, open(part, "wb") as opened:
-            needed("cloudpickle", "a study").dump((build, results), opened)
+        pickled = needed("cloudpickle", "a study").dumps((build, results))
+        file = os.path.join(self.out, f"functions-{sha256(pickled).hexdigest()[: identity.DIGITS]}.pkl")
+        writeWhole(file, pickled)
         source = [identity.functionSource(f) for f in (build, results) if f] + [until]
-        self.folders = []
         for values in self.cases:
             a = dict(values)
             if parameters is not None:
@@ -95,18 +110,16 @@ class Study:
                 f"it another name"
             )
         folder = os.path.join(self.out, "cases", name)
-        if folder in self.folders:
-            raise ValueError(
-                f"study: cases {self.folders.index(folder) + 1} and {len(self.folders) + 1} are the same; "
-                "give each once"
-            )
+        number = len(self.folders) + 1
+        if (same := self._numbers.setdefault(folder, number)) != number:
+            raise ValueError(f"study: cases {same} and {number} are the same; give each once")
         os.makedirs(folder, exist_ok=True)
         about = dict(identity=name, code=identity.codeVersion(), arguments=arguments, threads=self.threads)
         saveJson(os.path.join(folder, state.CASE), {**about, **more})
         self.folders.append(folder)
         self.argumentNames |= set(arguments)
 
-    @property
+    @cached_property
     def varied(self):
         """Names of the parameters that differ between cases."""
         names = dict.fromkeys(name for case in self.cases for name in case)
@@ -146,6 +159,10 @@ class Study:
 
         KeyboardInterrupt after Ctrl-C; the same call goes on where it was.
         """
+        with self._holding():
+            return self._run(jobs, timeout, scheduler, retry, dashboard, memory, quiet, client)
+
+    def _run(self, jobs, timeout, scheduler, retry, dashboard, memory, quiet, client):
         waiting = self.waiting(retry)
         if waiting:
             jobs, threads = execution.jobsAndThreads(len(waiting), jobs, self.threads, memory)
@@ -178,7 +195,9 @@ class Study:
             live.look()
             writer.look()
 
-        stop = os.path.join(self.out, state.STOP)
+        for old in glob(os.path.join(escape(self.out), f"{state.STOP}*")):
+            os.remove(old)
+        stop = os.path.join(self.out, f"{state.STOP}-{os.uname().nodename}-{os.getpid()}")
         return execution.execute(client, waiting, stop, timeout, ended, look)
 
     def write(self):

@@ -314,3 +314,16 @@ def test_cards_of_what_was_never_run_need_no_run():
     assert "0 particles" in scene._repr_html_()
     assert "no rows yet" in mpm.History(period=1)._repr_html_()
     assert "velocity" in mpm.Hold("left", (0, None))._repr_html_()
+
+
+def test_names_of_a_stranger_are_text_in_a_card():
+    """A label in a checkpoint ran as JavaScript in the notebook that showed the scene."""
+    evil = "<img src=x onerror=alert(1)>"
+    scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
+    elastic = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
+    scene.add(evil, box((0, 0), (1, 1)), elastic, mpm.UGIMP(), group=evil)
+    history = mpm.History(iterPeriod=1, columns={evil: "scene.time"})
+    scene.engines = [mpm.ParticleToGrid(label=evil), *scene.engines[1:], history]
+    scene.run(steps=2, progress=False)
+    for thing in (scene, scene.bodies[0], history, scene.engines[0]):
+        assert "<img src=x" not in thing._repr_html_() and "&lt;img src=x" in thing._repr_html_()

@@ -1,21 +1,41 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Pieces of HTML with which objects show themselves in a notebook."""
+"""Pieces of HTML: cards of objects in a notebook, reports of studies.
+
+Names and texts may come from a file of a stranger. What stands in a page goes through `textOf`, what stands in
+an address through `linkTo`; nothing else makes HTML of a value.
+"""
 
 import base64
 import io
 from html import escape
+from urllib.parse import quote
+
+
+def textOf(value):
+    """A value as text of a page, or of an attribute in quotes."""
+    return escape(str(value))
+
+
+def linkTo(path):
+    """The path of a file as the address of a link."""
+    return quote(path)
+
+
+def paragraph(value):
+    """A paragraph of text."""
+    return f"<p>{textOf(value)}</p>"
 
 
 def table(heads, rows):
     """A table of texts and numbers."""
-    head = "".join(f"<th>{escape(str(h))}</th>" for h in heads)
-    lines = ("".join(f"<td>{escape(str(cell))}</td>" for cell in row) for row in rows)
+    head = "".join(f"<th>{textOf(h)}</th>" for h in heads)
+    lines = ("".join(f"<td>{textOf(cell)}</td>" for cell in row) for row in rows)
     return f"<table><tr>{head}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>"
 
 
 def card(title, *parts):
     """A title, and what belongs to it."""
-    return f"<div><p><b>{escape(title)}</b></p>{''.join(parts)}</div>"
+    return f"<div><p><b>{textOf(title)}</b></p>{''.join(parts)}</div>"
 
 
 def pictureTag(draw):

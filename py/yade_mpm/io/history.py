@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from ..base.html import card, table
+from ..base.html import card, paragraph, table
 from ..base.warn import warnUser
 from ..check import diagnostics
 from ..engine.callback import Callback, checkPeriod
@@ -131,7 +131,7 @@ class History(Callback):
             (name, self._units[name], f"{column[-1]:.6g}", f"{np.min(column):.4g} to {np.max(column):.4g}")
             for name, column in self._data.items()
         ]
-        shown = table(("column", "unit", "last", "from, to"), rows) if rows else "<p>no rows yet</p>"
+        shown = table(("column", "unit", "last", "from, to"), rows) if rows else paragraph("no rows yet")
         return card(f"History of {len(self)} rows", shown)
 
     def rowsFrom(self, first):
@@ -198,6 +198,10 @@ class History(Callback):
             self._before.setdefault(name, [scene.time, *integrals])
         if self._file is not None:
             checkWritable(self._file, "History")
+            if not self._files.isOpen:
+                self._files.checkIsOwn(
+                    next(zip(self._data["time"], self._data["step"]), None) if self._count else None
+                )
             if not self._count and os.path.exists(self._file):
                 warnUser(
                     f"History: the first row replaces '{self._file}' of an earlier run; rename it to keep it"

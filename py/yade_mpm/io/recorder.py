@@ -197,6 +197,7 @@ class Recorder(Callback):
     def _begin(self, scene):
         checkWritable(self._file, "Recorder")
         if self._path is None and os.path.exists(self._file):
+            self._checkIsRecorders()
             warnUser(
                 f"Recorder: the first step replaces '{self._file}' of an earlier run; rename it to keep it"
             )
@@ -223,6 +224,19 @@ class Recorder(Callback):
             removeIfThere(self._path)
         self._path = partial
         self._noteFrame(frame)
+
+    def _checkIsRecorders(self):
+        """Refuses to replace a file that no Recorder has written, such as a checkpoint."""
+        try:
+            with h5py.File(self._file) as h5:
+                isOne = "VTKHDF" in h5 and "run" in h5.attrs
+        except READING:
+            isOne = not os.path.getsize(self._file)
+        if not isOne:
+            raise FileExistsError(
+                f"Recorder: '{self._file}' is there, and no Recorder has written it; move it away, or give "
+                "another file"
+            )
 
     def _publish(self):
         if self._path != self._file:

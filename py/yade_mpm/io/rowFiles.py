@@ -9,6 +9,9 @@ from .files import appendWhole, replacing
 from .recorder import Recorder
 from .vtkhdf import extend
 
+BEGIN = "time [s],step [-],"  # of every file of a History
+LONGEST_LINE = 1 << 20  # characters that are looked at
+
 
 class RowFiles:
     """Files of the rows of a History, which get what they do not hold yet.
@@ -23,6 +26,25 @@ class RowFiles:
         self._header, self._inFile = None, 0  # of the CSV file as it is,
         self._size = None  # and its bytes: one that somebody has changed, or taken away, is written anew
         self._recorder, self._inRecorder = None, 0
+
+    isOpen = property(lambda self: self._header is not None, doc="Whether this has written the CSV file.")
+
+    def checkIsOwn(self, firstRow=None):
+        """Refuses a file that is there and that no History has written, or another one.
+
+        firstRow : (time, step) of the rows that the file should have; None: any.
+        """
+        if self._file is None or not os.path.exists(self._file) or not os.path.getsize(self._file):
+            return
+        with open(self._file, encoding="utf-8", errors="replace") as f:
+            head, row = (f.readline(LONGEST_LINE) for _ in range(2))
+        isOfAHistory = head.startswith(BEGIN)
+        if isOfAHistory and (firstRow is None or not row or row.split(",")[:2] == [str(v) for v in firstRow]):
+            return
+        whose = "another run" if isOfAHistory else "no History"
+        raise FileExistsError(
+            f"History: '{self._file}' is there, and {whose} has written it; move it away, or give another file"
+        )
 
     def write(self, data, units, label, engines):
         """Writes the rows that are not in the files yet.

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What a scene shows of itself: pictures, and its card in a notebook."""
 
-from ..base.html import card, pictureTag, table
+from ..base.html import card, paragraph, pictureTag, table
 
 
 def plot(
@@ -56,7 +56,7 @@ def html(scene):
     ]
     shown = table(("body", "particles", "type", "material", "group"), rows)
     if scene.hasEngines:
-        shown += "<p>engines: " + ", ".join(e.label or type(e).__name__ for e in scene.engines) + "</p>"
+        shown += paragraph("engines: " + ", ".join(e.label or type(e).__name__ for e in scene.engines))
     if scene.dim == 2 and scene.particleCount:
         shown += pictureTag(lambda axes: plot(scene, axes=axes))
     return card(repr(scene), shown)

@@ -6,6 +6,8 @@ import os
 from ..engine.callback import PyRunner
 
 SHOWN = 2000  # characters of text that an error shows
+# Files that a checkpoint may write without being asked: nothing that another program runs.
+ENDINGS = {"Recorder": (".vtkhdf", ".hdf", ".hdf5", ".h5"), "History": (".csv", ".dat", ".txt")}
 
 
 class Permissions:
@@ -49,20 +51,25 @@ class Permissions:
         label = spec["attributes"].get("label") or "PyRunner"
         return label if label in self._callbacks else None
 
-    def place(self, name):
-        """Where a file that the checkpoint names is; ValueError if that is outside of its folder."""
+    def place(self, name, writer):
+        """Where a file that the checkpoint names is; ValueError for a place outside of its folder, a hidden
+        one, or another ending than those of its writer, a Recorder or History."""
         if name in self._files:
             given = self._files.pop(name)
             return None if given is None else os.fspath(given)
         folder = os.path.dirname(self._file)
         found = os.path.normpath(os.path.join(folder, name))
-        if self._trust or _isInside(found, folder):
+        if self._trust:
             return found
-        raise ValueError(
-            f"checkpoint '{self._file}' would write to '{name}', which is not in its folder; give load(file, "
-            f"files={{{name!r}: 'a place of your choice'}}), None to write no such file, or load(file, "
-            f"trust=True) if the checkpoint is your own"
-        )
+        why = _whyNot(found, folder, writer)
+        if why:
+            shown = _printable(name[:SHOWN])
+            raise ValueError(
+                f"checkpoint '{self._file}' would write to '{shown}', which {why}; give load(file, "
+                f"files={{{shown!r}: 'a place of your choice'}}), None to write no such file, or load(file, "
+                f"trust=True) if the checkpoint is your own"
+            )
+        return found
 
     def finish(self):
         """Refuses files that the caller gave and the checkpoint does not know."""
@@ -93,7 +100,14 @@ def relativeTo(folder, name):
     return os.path.relpath(os.path.abspath(name), os.path.abspath(folder or "."))
 
 
-def _isInside(name, folder):
-    """Whether a file is in a folder or below it, links followed."""
+def _whyNot(name, folder, writer):
+    """Why a file is not written without being asked; None: it is. Links are followed."""
     root, found = os.path.realpath(folder or "."), os.path.realpath(name)
-    return os.path.commonpath([root, found]) == root and found != root
+    if os.path.commonpath([root, found]) != root or found == root:
+        return "is not in its folder"
+    for path in (os.path.relpath(found, root), os.path.basename(name)):
+        if any(part.startswith(".") for part in path.split(os.sep)):
+            return "is hidden"
+        if not path.lower().endswith(ENDINGS[writer]):
+            return f"is no file of a {writer} (which end in {', '.join(ENDINGS[writer])})"
+    return None

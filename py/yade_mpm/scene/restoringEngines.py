@@ -24,7 +24,7 @@ def buildEngine(spec, scene, callbacks, permissions, file):
         return _givenCallback({**spec, "callback": label}, callbacks, file)
     if "spec" in spec:
         if spec["class"] in ("Recorder", "History") and spec["spec"]["file"] is not None:
-            place = permissions.place(spec["spec"]["file"])
+            place = permissions.place(spec["spec"]["file"], spec["class"])
             if place is None and spec["class"] == "Recorder":
                 return None
             spec = {**spec, "spec": {**spec["spec"], "file": place}}

@@ -5,10 +5,10 @@ import itertools
 import os
 from glob import escape as literal
 from glob import glob
-from html import escape
 
 import numpy as np
 
+from ..base.html import linkTo, paragraph, textOf
 from ..io.files import replacing
 from . import collect, identity, pictures, state
 from .sensitivity import firstOrder
@@ -46,7 +46,7 @@ def write(study, frame):
 def page(title, body):
     """A page that stands alone."""
     return f"""<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1"><title>{escape(title)}</title>
+<meta name="viewport" content="width=device-width, initial-scale=1"><title>{textOf(title)}</title>
 <style>{STYLE}</style></head><body>{body}</body></html>
 """
 
@@ -74,8 +74,8 @@ def _head(study, frame):
     )
     seconds = frame["seconds"].astype(float).sum()
     return (
-        f"<h1>Study of {escape(study.name)}</h1><p>{len(frame)} cases: {words}; {seconds:.0f} s of runs; "
-        f"yade_mpm {escape(identity.codeVersion())}. Table:{files}</p>"
+        f"<h1>Study of {textOf(study.name)}</h1><p>{len(frame)} cases: {textOf(words)}; {seconds:.0f} s of runs; "
+        f"yade_mpm {textOf(identity.codeVersion())}. Table:{files}</p>"
     )
 
 
@@ -83,32 +83,32 @@ def _findings(study):
     file = os.path.join(study.out, FINDINGS)
     if not os.path.exists(file):
         return ""
-    with open(file, encoding="utf-8") as text:
-        paragraphs = text.read().strip().split("\n\n")
-    return "<h2>Findings</h2>" + "".join(f"<p>{escape(p)}</p>" for p in paragraphs)
+    with open(file, encoding="utf-8") as opened:
+        paragraphs = opened.read().strip().split("\n\n")
+    return "<h2>Findings</h2>" + "".join(map(paragraph, paragraphs))
 
 
 def _table(study, frame, varied, found):
     names = [*varied, *found, "seconds"]
-    rows = ["<tr><th>case</th><th>state</th>" + "".join(f"<th>{escape(n)}</th>" for n in names) + "</tr>"]
+    rows = ["<tr><th>case</th><th>state</th>" + "".join(f"<th>{textOf(n)}</th>" for n in names) + "</tr>"]
     for number, (folder, row) in enumerate(zip(study.folders, frame.to_dict("records")), 1):
         link = f'<a href="{_link(study, folder)}/">{number}</a>'
-        log = escape(row["state"])
+        log = textOf(row["state"])
         if os.path.exists(os.path.join(folder, state.LOG)):
             log = f'<a href="{_link(study, folder)}/{state.LOG}">{log}</a>'
         cells = "".join(f"<td>{_shown(row[n])}</td>" for n in names)
-        rows.append(f'<tr class="{row["state"]}"><td>{link}</td><td class="t">{log}</td>{cells}</tr>')
+        rows.append(f'<tr class="{textOf(row["state"])}"><td>{link}</td><td class="t">{log}</td>{cells}</tr>')
     return f'<h2>Cases</h2><div class="wide"><table>{"".join(rows)}</table></div>'
 
 
 def _shown(value):
     if value is None or isinstance(value, float) and np.isnan(value):
         return ""
-    return f"{value:.4g}" if isinstance(value, float) else escape(str(value))
+    return f"{value:.4g}" if isinstance(value, float) else textOf(str(value))
 
 
 def _link(study, folder):
-    return os.path.relpath(folder, study.out).replace(os.sep, "/")
+    return linkTo(os.path.relpath(folder, study.out).replace(os.sep, "/"))
 
 
 def _failures(study, frame):
@@ -116,8 +116,8 @@ def _failures(study, frame):
     for folder, row in zip(study.folders, frame.to_dict("records")):
         if row["state"] in (state.FAILED, state.TIMED_OUT):
             what = f"{row['state']}: {study.labels[folder]}: {row['message']}"
-            log = escape(state.endOfLog(folder))
-            parts.append(f"<details open><summary>{escape(what)}</summary><pre>{log}</pre></details>")
+            log = textOf(state.endOfLog(folder))
+            parts.append(f"<details open><summary>{textOf(what)}</summary><pre>{log}</pre></details>")
     return "<h2>Failures</h2>" + "".join(parts) if parts else ""
 
 
@@ -133,13 +133,13 @@ def _curves(study, frame, varied):
     parts = []
     for name, own in named.items():
         values = {p: list(frame[p].iloc[list(rows[name].values())]) for p in varied[:COLOURED]}
-        parts.append(f"<h2>{escape(name)}</h2>{pictures.curves(own, values)}")
+        parts.append(f"<h2>{textOf(name)}</h2>{pictures.curves(own, values)}")
     return "".join(parts)
 
 
 def _readCurve(file):
-    with open(file, encoding="utf-8") as text:
-        names = text.readline().strip().split(",")
+    with open(file, encoding="utf-8") as opened:
+        names = opened.readline().strip().split(",")
     return names, np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
 
 
@@ -160,12 +160,12 @@ def _whole(done, found):
 def _indices(done, varied, found):
     if len(done) < SAMPLE or not varied or not found:
         return ""
-    rows = ["<tr><th>result</th>" + "".join(f"<th>{escape(n)}</th>" for n in varied) + "<th>sum</th></tr>"]
+    rows = ["<tr><th>result</th>" + "".join(f"<th>{textOf(n)}</th>" for n in varied) + "<th>sum</th></tr>"]
     for result in found:
         own = done.dropna(subset=[result])
         indices = [firstOrder(list(own[name]), own[result]) for name in varied]
         cells = "".join(f"<td>{'' if s is None else f'{s:.2f}'}</td>" for s in [*indices, _sum(indices)])
-        rows.append(f'<tr><td class="t">{escape(result)}</td>{cells}</tr>')
+        rows.append(f'<tr><td class="t">{textOf(result)}</td>{cells}</tr>')
     text = (
         "First-order Sobol indices, from the means of groups of cases: the share of a result's variance that "
         "a parameter explains alone. What is missing to 1 is interaction, or scatter of a sample."
@@ -191,8 +191,8 @@ def _cards(study):
     for number, folder in enumerate(study.folders, 1):
         images = sorted(glob(os.path.join(literal(folder), "*.png")))
         if images and len(cards) < SHOWN:
-            image = f"{_link(study, folder)}/{os.path.basename(images[0])}"
-            label = escape(study.labels[folder])
+            image = f"{_link(study, folder)}/{linkTo(os.path.basename(images[0]))}"
+            label = textOf(study.labels[folder])
             cards.append(
                 f'<figure><a href="{image}"><img loading="lazy" src="{image}" alt="{label}"></a>'
                 f"<figcaption>{number}: {label}</figcaption></figure>"

@@ -118,6 +118,56 @@ def test_a_file_of_a_checkpoint_stays_in_its_folder(tmp_path, kind, place):
         mpm.load(folder / "a.h5", files={name: None, "nothing": "x"})
 
 
+@pytest.mark.parametrize(
+    "writer, name, why",
+    [
+        ("History", ".bashrc", "is hidden"),
+        ("History", ".ssh/rc.csv", "is hidden"),
+        ("History", "Makefile", r"is no file of a History \(which end in .csv"),
+        ("History", "conftest.py", "is no file of a History"),
+        ("Recorder", "out.csv", "is no file of a Recorder"),
+        ("Recorder", ".out.vtkhdf", "is hidden"),
+    ],
+)
+def test_a_checkpoint_names_files_of_results_only(writer, name, why):
+    """A History took the place of ~/.bashrc, and a column name ran in the next shell."""
+    mine = {"History": mpm.History(iterPeriod=1, file="a.csv"), "Recorder": mpm.Recorder("a.vtkhdf", 1.0)}
+    makeScene(mine[writer]).save("a.h5")
+    describedAnew("a.h5", lambda spec: spec["engines"][-1]["spec"].update(file=name))
+    with pytest.raises(ValueError, match=f"would write to '{name}', which {why}"):
+        mpm.load("a.h5")
+    mpm.load("a.h5", files={name: None})
+
+
+def test_a_link_to_a_hidden_file_is_no_way_round():
+    makeScene(mpm.History(iterPeriod=1, file="a.csv")).save("a.h5")
+    os.remove("a.csv")
+    os.symlink(os.path.abspath(".profile"), "a.csv")
+    with pytest.raises(ValueError, match="'a.csv', which is hidden"):
+        mpm.load("a.h5")
+
+
+@pytest.mark.parametrize(
+    "text, whose", [("precious\n", "no History"), ("time [s],step [-],\n9.0,9,\n", "another run")]
+)
+def test_a_file_of_somebody_else_is_not_replaced(text, whose):
+    makeScene(mpm.History(iterPeriod=1, file="a.csv")).save("a.h5")
+    with open("a.csv", "w") as f:
+        f.write(text)
+    with pytest.raises(FileExistsError, match=f"'a.csv' is there, and {whose} has written it; move it away"):
+        mpm.load("a.h5").run(steps=1, progress=False)
+    with open("a.csv") as f:
+        assert f.read() == text
+
+
+def test_a_recorder_replaces_files_of_recorders_only():
+    scene = makeScene()
+    scene.save("a.h5")
+    with pytest.raises(FileExistsError, match="'a.h5' is there, and no Recorder has written it"):
+        makeScene(mpm.Recorder("a.h5", iterPeriod=1))
+    assert mpm.load("a.h5").steps == 10
+
+
 def test_results_and_checkpoint_move_together(tmp_path):
     os.mkdir("first")
     scene = makeScene(

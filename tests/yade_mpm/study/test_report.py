@@ -156,3 +156,23 @@ def test_a_browser_shows_it_without_sideways_scrolling(out, width, tmp_path):
     assert "<title>" in done.stdout, done.stderr[-2000:]
     scroll, drawings, images = re.search(r"<title>(.*?)</title>", done.stdout)[1].split()
     assert int(scroll) <= width and int(drawings) >= 3 and images == "true"
+
+
+def test_names_that_cases_bring_are_text_in_the_report(tmp_path):
+    evil = "<img src=x onerror=alert(1)>"
+
+    def build(a):
+        return None
+
+    study = Study(build, {evil: [1.0, 2.0]}, tmp_path)
+    for number, folder in enumerate(study.folders):
+        x = np.linspace(0, 1, 3)
+        saveCurve(folder, evil, {f"x {evil}": x, f"y {evil}": x})
+        saveJson(f"{folder}/summary.json", {f"y {evil}": number + 0.5, "why": evil})
+        Path(folder, f'"{evil}.png').write_bytes(b"")
+        state.write(folder, state.DONE, message=evil, seconds=1.0)
+    state.write(study.folders[1], state.FAILED, message=evil)
+    study.write()
+    page = (tmp_path / "report.html").read_text()
+    assert "<img src=x" not in page and page.count("&lt;img src=x") > 5
+    assert "%22%3Cimg%20src%3Dx" in page and '""' not in re.sub(r'=""', "", page)

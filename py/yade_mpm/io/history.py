@@ -14,7 +14,7 @@ from ..base.warn import warnUser
 from ..check import diagnostics
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
-from . import quantities
+from . import owners, quantities
 from .columns import Columns, namesOf
 from .files import checkWritable
 from .rowFiles import RowFiles
@@ -198,6 +198,7 @@ class History(Callback):
             self._before.setdefault(name, [scene.time, *integrals])
         if self._file is not None:
             checkWritable(self._file, "History")
+            owners.take(self._file, self)
             if not self._files.isOpen:
                 self._files.checkIsOwn(
                     next(zip(self._data["time"], self._data["step"]), None) if self._count else None
@@ -230,6 +231,8 @@ class History(Callback):
     def flush(self):
         """Writes the rows that are not in the files yet."""
         self._flushed = time.monotonic()
+        if self._file is not None:
+            owners.check(self._file, self)
         if self._count:
             self._files.write(self._data, self._units, self.label, self._scene.engines)
 

@@ -18,6 +18,7 @@ import h5py
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
+from . import owners
 from .checkpoint import READING
 from .files import checkWritable, fillWhole, naming, temporaryBeside
 from .frame import DERIVED, Frame
@@ -35,7 +36,7 @@ OTHERS = (
     ".csv",
 )  # names of formats that this is not
 
-MOST_WAITING = 1 << 30  # bytes of frames that are kept where the disk is full
+MOST_WAITING = 256 << 20  # bytes of frames that are kept where the disk is full; a laptop has them to spare
 
 
 class Recorder(Callback):
@@ -65,7 +66,7 @@ class Recorder(Callback):
     old file or a journal (`file`.journal) with the rest of the frame is there; `Recorder.recover(file)` and a
     continued run apply it. No protection against loss of power is attempted. Where the disk is full, the file
     stays whole, and frames are kept in memory until there is room, with a warning; OSError at the end of the
-    run, or above 1 GB of them.
+    run, or above 256 MB of them.
 
     Raises ValueError for arguments that are not allowed or an unknown field or body, OSError for a file that
     cannot be written, both before the first step.
@@ -89,7 +90,7 @@ class Recorder(Callback):
         self._continued, self._run = run is not None, run or uuid.uuid4().hex
         self._path = None  # of the file as it is now: a temporary name until the first step is taken
         self._frames, self._lastStep, self._topology = 0, None, None
-        self._waiting = []  # frames for which there was no room
+        self._waiting, self._isTold = [], False  # frames for which there was no room; whether that was said
 
     file = property(lambda self: self._file, doc="Name of the file.")
     fields = property(lambda self: self._fields, doc="Recorded fields; None: the default.")
@@ -123,6 +124,7 @@ class Recorder(Callback):
         if self.dead:
             return
         self._check(scene)
+        owners.take(self._file, self)
         if self._path is None and self._continued and os.path.exists(self._file):
             self._resume(scene)
         elif self._path is None or (
@@ -160,6 +162,7 @@ class Recorder(Callback):
     @contextmanager
     def appending(self):
         """The open file, as h5py.File; what is written appears in it at the end, all or nothing."""
+        owners.check(self._file, self)
         with naming(self._file), appendingTo(self._path) as h5:
             if h5.attrs.get("run") != self._run or len(h5["VTKHDF/Steps/Values"]) != self._frames:
                 raise RuntimeError(
@@ -283,17 +286,19 @@ class Recorder(Callback):
                 self._append(h5, frame)
             self._noteFrame(frame)
             self._waiting.pop(0)
+        self._isTold = False
 
     def _keep(self, error):
-        """Says that a frame waits for room; OSError if more of them wait than memory should hold."""
-        count = len(self._waiting)
-        frames = "a frame" if count == 1 else f"{count} frames"
-        told = f"Recorder '{self._file}': {error.strerror or error}; {frames} kept in memory"
+        """Says once that frames wait for room; OSError if more of them wait than memory should hold."""
+        told = f"Recorder '{self._file}': {error.strerror or error}; frames are kept in memory"
         if sum(frame.bytes() for frame in self._waiting) > MOST_WAITING:
-            raise OSError(error.errno, f"{told}, which are too many; make room") from error
-        print(
-            f"warning: step {self._scene.steps}: {told} until there is room, the run goes on", file=sys.stderr
-        )
+            raise OSError(
+                error.errno,
+                f"{told}, {len(self._waiting)} of them take more than {MOST_WAITING >> 20} MB; make room",
+            ) from error
+        if not self._isTold:
+            print(f"warning: step {self._scene.steps}: {told} until there is room, the run goes on", file=sys.stderr)
+        self._isTold = True
 
     def _append(self, h5, frame):
         root = h5["VTKHDF"]

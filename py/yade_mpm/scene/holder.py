@@ -12,6 +12,8 @@ class Holder:
     def __init__(self):
         self._lock, self._thread, self._what, self._process = threading.Lock(), None, None, None
 
+    isHeld = property(lambda self: self._thread is not None, doc="Whether a thread is at work with the scene.")
+
     @contextmanager
     def held(self, what):
         """Holds the scene during the `with` block; a thread that has it already goes on.

@@ -184,7 +184,7 @@ def test_two_scenes_do_not_mix_their_frames_in_one_file(tmp_path):
     one.run(steps=10, progress=False)
     with pytest.warns(UserWarning, match="the first step replaces"):
         other.run(steps=10, progress=False)
-    with pytest.raises(RuntimeError, match="is not as this run has left it: another run, or scene, writes"):
+    with pytest.raises(RuntimeError, match="belongs to another scene, which has written to it since"):
         one.run(steps=10, progress=False)
     other.run(steps=10, progress=False)
     assert len(mpm.read(file)) == 5

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A file of results has one owner: the engine whose run began last."""
+
+import gc
+
+import pytest
+import yade_mpm as mpm
+
+LOST = "belongs to another scene, which has written to it since; go on with that one"
+
+
+def makeScene(*engines):
+    scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
+    scene.add("a", mpm.box((0, 0), (1, 1)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP())
+    solver = mpm.GridSolver(gravity=(0, -10), fixed="bottom", label="solver")
+    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), *engines]
+    return scene
+
+
+def history():
+    return mpm.History(iterPeriod=1, file="a.csv")
+
+
+def run(scene, steps=3):
+    scene.run(steps=steps, progress=False)
+
+
+def stepsInFile():
+    with open("a.csv") as f:
+        return [int(line.split(",")[1]) for line in f.readlines()[1:]]
+
+
+def test_after_undo_the_scene_of_before_writes_no_more():
+    """Rows and frames of both alternated, without an error."""
+    scene = makeScene(history(), mpm.Recorder("a.vtkhdf", iterPeriod=1))
+    run(scene)
+    scene.save("a.h5")
+    run(scene)
+    back = mpm.undo(scene)
+    run(back)
+    with pytest.raises(RuntimeError, match=LOST):
+        run(scene)
+    run(back)
+    assert stepsInFile() == list(range(1, 10)) and list(mpm.read("a.vtkhdf").steps) == list(range(10))
+
+
+def test_two_scenes_do_not_share_a_csv():
+    one, two = makeScene(history()), makeScene(history())
+    run(one)
+    run(two)
+    with pytest.raises(RuntimeError, match=LOST):
+        run(one)
+    assert stepsInFile() == [1, 2, 3]
+
+
+def test_a_file_that_a_run_in_the_background_writes_is_refused():
+    one, two = makeScene(history()), makeScene(history())
+    one.run(steps=10**8, background=True, progress=False)
+    with pytest.raises(RuntimeError, match="another scene, which is writing to it"):
+        run(two)
+    one.pause()
+    one.wait()
+
+
+def test_a_scene_that_is_gone_owns_nothing():
+    one, two = makeScene(history()), makeScene(history())
+    run(one)
+    run(two)
+    del two
+    gc.collect()
+    run(one)
+    assert stepsInFile() == [1, 2, 3, 4, 5, 6]

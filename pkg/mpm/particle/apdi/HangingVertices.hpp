@@ -36,8 +36,8 @@ class HangingVertices {
 
     // f(vertex, share): the vertex itself, or its masters if it hangs.
     template <class F> void through(int v, F&& f) const {
-        const auto slave = std::find(slaves.begin(), slaves.end(), v);
-        if (slave == slaves.end()) return f(v, 1.0);
+        const auto slave = std::lower_bound(slaves.begin(), slaves.end(), v);
+        if (slave == slaves.end() || *slave != v) return f(v, 1.0);
         eachMaster(int(slave - slaves.begin()), f);
     }
 

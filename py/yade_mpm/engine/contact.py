@@ -6,6 +6,14 @@ import numpy as np
 from .engine import generated
 from .records import column, tableOf
 
+# What the solver sums up for each pair of groups, and how many numbers of it: a force, two sides of an edge.
+SUMMED = {"impulses": 3, "edgeMotions": 8}
+
+
+def _pairsOf(groups):
+    """Names of all pairs of groups, in the order of their numbers in the solver."""
+    return [(groups[a], groups[b]) for b in range(len(groups)) for a in range(b)]
+
 
 class Contact(generated["Contact"]):
     __doc__ = (
@@ -48,9 +56,22 @@ class Contact(generated["Contact"]):
         return [self.friction, *(friction for friction, _ in self._pairs.values())]
 
     def bind(self, scene):
-        object.__setattr__(self, "_groups", list(dict.fromkeys(b.group for b in scene.bodies)))
+        groups = list(dict.fromkeys(b.group for b in scene.bodies))
+        if self._groups and groups != self._groups:
+            for name, size in SUMMED.items():
+                self.core.set(name, self._renumbered(self.core.value(name), size, groups))
+        object.__setattr__(self, "_groups", groups)
         if self._pairs:
             self._setPairs()
+
+    def _renumbered(self, values, size, groups):
+        """What the solver keeps for each pair of groups by its number, for groups that are others now, or in
+        another order: a pair of the same names keeps it, a new one begins with zeros."""
+        rows = np.reshape(values, (-1, size))
+        known = {pair: rows[k] for k, pair in enumerate(_pairsOf(self._groups)) if k < len(rows)}
+        for (a, b), row in list(known.items()):  # the other way round: force turns, sides change places
+            known[b, a] = -row if size == 3 else np.roll(row, size // 2)
+        return [x for pair in _pairsOf(groups) for x in known.get(pair, np.zeros(size)).tolist()]
 
     def _setPairs(self):
         for name in (n for names in self._pairs for n in names):
@@ -118,14 +139,8 @@ class Contact(generated["Contact"]):
         return self._byPair(self.impulses)
 
     def _byPair(self, values):
-        rows, pairs = (
-            np.reshape(values, (-1, 3)),
-            [(a, b) for b in range(len(self._groups)) for a in range(b)],
-        )
-        return {
-            (self._groups[a], self._groups[b]): rows[k] if k < len(rows) else np.zeros(3)
-            for k, (a, b) in enumerate(pairs)
-        }
+        rows, pairs = np.reshape(values, (-1, 3)), _pairsOf(self._groups)
+        return {pair: rows[k] if k < len(rows) else np.zeros(3) for k, pair in enumerate(pairs)}
 
     def forceOn(self, group):
         """Force on a group in the last step, kN (3,).

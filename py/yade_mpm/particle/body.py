@@ -87,6 +87,8 @@ class Body(Guarded):
         )
 
     def __setattr__(self, name, value):
+        if not name.startswith("_") and "_scene" in self.__dict__:
+            self._scene.refuseBetweenStages(f"body '{self.name}': {name}")
         if name in self.__dict__.get("_fields", ()):
             if name == "stress":
                 self.setStress(value)

@@ -4,6 +4,7 @@
 import os
 
 from ..base.attributes import keep
+from ..engine.contact import Contact
 from ..base.warn import PACKAGE, warnUser
 from ..geometry.numbers import isNumber
 from ..io import checkpoint
@@ -84,6 +85,9 @@ def _build(spec, arrays, callbacks, permissions, file):
     if spec["engines"] is not None:
         engines = [buildEngine(e, scene, callbacks, permissions, file) for e in spec["engines"]]
         scene.engines = [e for e in engines if e is not None]
+        for engine in scene.engines:
+            if isinstance(engine, Contact):
+                engine.bind(scene)  # what it sums up for pairs of groups belongs to the groups of the file
     if callbacks:
         raise ValueError(
             f"load: checkpoint '{file}' has no callback {', '.join(map(repr, callbacks))}; check the labels"

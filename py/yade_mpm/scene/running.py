@@ -157,3 +157,12 @@ def refuseMidStep(scene, what):
         raise RuntimeError(
             f"{what}: the scene is in the middle of a step; put the callback at the end of the engines"
         )
+
+
+def refuseBetweenStages(scene, what):
+    """Raises RuntimeError between two stages of a step. what : str, of the caller."""
+    if scene.stepper.isBetweenStages():
+        raise RuntimeError(
+            f"{what}: the scene is in the middle of a step, and half of it was made with the old value; put "
+            "the callback at the end of the engines, or before ParticleToGrid"
+        )

@@ -20,7 +20,17 @@ from .grid import cellSize, corner, makeCore
 from .holder import Holder
 from .nodes import GHOSTS, cellSizeAt, faceNodes, nodePositions, nodesInside
 from .removing import remove
-from .running import handOver, pause, refuseDuringStep, refuseMidStep, refuseWhileRunning, run, step, wait
+from .running import (
+    handOver,
+    pause,
+    refuseBetweenStages,
+    refuseDuringStep,
+    refuseMidStep,
+    refuseWhileRunning,
+    run,
+    step,
+    wait,
+)
 from .saving import save
 from .settling import settle, unbalancedForce
 from .stepper import Stepper
@@ -91,6 +101,7 @@ class Scene(Guarded):
     run, step, pause, wait = run, step, pause, wait
     _convert = convert  # for Body.convert
     handOver, refuseWhileRunning, refuseDuringStep = handOver, refuseWhileRunning, refuseDuringStep
+    refuseBetweenStages = refuseBetweenStages
     plot, _repr_html_ = display.plot, display.html
 
     def __init__(self, lower, upper, cell=None, scheme="MUSL", threads=None, grading=None):

@@ -456,14 +456,22 @@ class Stepper(Guarded):
     def isMidStep(self):
         """Whether a callback is at work between two stages of a step, where the state is neither old nor
         new."""
-        if self.acting is None:
-            return False
-        engines = self._scene.engines
+        done, left = self._stagesDone()
+        return bool(left) and any(type(e).__name__ != "ParticleToGrid" for e in done)
+
+    def isBetweenStages(self):
+        """Whether a callback is at work behind a stage of a step, the first included, and before another:
+        the nodes hold sums of the particles as they are."""
+        done, left = self._stagesDone()
+        return bool(done and left)
+
+    def _stagesDone(self):
+        """Stages of the step behind and before the callback that is at work; none where there is no one."""
+        engines = self._scene.engines if self.acting is not None else []
         stages = [e for e in engines if not isinstance(e, Callback) and not e.dead]
         before = engines[: engines.index(self.acting)] if self.acting in engines else []
         done = [e for e in stages if e in before]
-        changes = [e for e in done if type(e).__name__ != "ParticleToGrid"]
-        return bool(changes) and len(done) < len(stages)
+        return done, [e for e in stages if e not in done]
 
 
 def _require(isRight, name, value, allowed):

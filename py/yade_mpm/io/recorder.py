@@ -297,7 +297,10 @@ class Recorder(Callback):
                 f"{told}, {len(self._waiting)} of them take more than {MOST_WAITING >> 20} MB; make room",
             ) from error
         if not self._isTold:
-            print(f"warning: step {self._scene.steps}: {told} until there is room, the run goes on", file=sys.stderr)
+            print(
+                f"warning: step {self._scene.steps}: {told} until there is room, the run goes on",
+                file=sys.stderr,
+            )
         self._isTold = True
 
     def _append(self, h5, frame):

@@ -12,7 +12,9 @@ class Holder:
     def __init__(self):
         self._lock, self._thread, self._what, self._process = threading.Lock(), None, None, None
 
-    isHeld = property(lambda self: self._thread is not None, doc="Whether a thread is at work with the scene.")
+    isHeld = property(
+        lambda self: self._thread is not None, doc="Whether a thread is at work with the scene."
+    )
 
     @contextmanager
     def held(self, what):

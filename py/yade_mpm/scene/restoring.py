@@ -4,8 +4,8 @@
 import os
 
 from ..base.attributes import keep
-from ..engine.contact import Contact
 from ..base.warn import PACKAGE, warnUser
+from ..engine.contact import Contact
 from ..geometry.numbers import isNumber
 from ..io import checkpoint
 from .permissions import Permissions

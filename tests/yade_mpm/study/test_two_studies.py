@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Two studies in one folder: one at a time, each with its own functions."""
 
-import yade_mpm as mpm
 import pytest
+import yade_mpm as mpm
 from yade_mpm.study import state
 from yade_mpm.study.lock import Held, holding
 from yade_mpm.study.study import Study

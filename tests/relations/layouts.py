@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Random scenes as plain data, which can be mirrored, turned, moved or given in other units before they are
+built. Types, laws and schemes come from the registry: a new one is in these scenes without being named."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import yade_mpm as mpm
+
+CELL = 0.5
+CELLS = np.array([14, 12])
+SCHEMES = ("MUSL", "USL", "USF")
+ELASTIC = dict(density=1.6, young=2e3, poisson=0.3)
+LAWS = {"MohrCoulombDruckerPrager": dict(cohesion=4.0, frictionAngle=0.5, dilatancyAngle=0.1)}
+NORMALS = {(-1, 0): "left", (1, 0): "right", (0, -1): "bottom", (0, 1): "top"}
+
+
+@dataclass(frozen=True)
+class Block:
+    name: str
+    lower: np.ndarray  # m
+    upper: np.ndarray
+    type: str
+    law: str
+    group: str
+    velocity: np.ndarray  # m/s
+    density: float = ELASTIC["density"]
+    young: float = ELASTIC["young"]
+    cohesion: float = LAWS["MohrCoulombDruckerPrager"]["cohesion"]
+
+
+@dataclass(frozen=True)
+class Layout:
+    lower: np.ndarray
+    upper: np.ndarray
+    cell: float
+    blocks: tuple
+    gravity: np.ndarray
+    roller: tuple = ()  # outward normals of faces
+    fixed: tuple = ()
+    scheme: str = "MUSL"
+    contact: dict = field(default_factory=dict)  # empty: the groups stick together
+    adhesion: float = 0.0
+    dt: float = 0.0
+
+    def build(self, threads=1):
+        """The scene, and its bodies in the order of the blocks."""
+        scene = mpm.Scene(tuple(self.lower), tuple(self.upper), self.cell, scheme=self.scheme, threads=threads)
+        bodies = [scene.add(*self.parts(b), group=b.group) for b in self.blocks]
+        for block, body in zip(self.blocks, bodies):
+            body.velocity = tuple(block.velocity)
+        faces = {"roller": self.roller, "fixed": self.fixed}
+        walls = {name: tuple(NORMALS[normal] for normal in normals) for name, normals in faces.items()}
+        scene.engines = [
+            mpm.ParticleToGrid(),
+            mpm.GridSolver(gravity=tuple(self.gravity), **{k: v for k, v in walls.items() if v}),
+            *([mpm.Contact(adhesion=self.adhesion, **self.contact)] if self.contact else []),
+            mpm.GridToParticle(),
+            mpm.DomainUpdater(),
+        ]
+        scene.dt = self.dt or 0.4 * scene.criticalTimeStep()
+        return scene, bodies
+
+    def parts(self, block):
+        """Name, region, material and type of a body."""
+        region = mpm.box(tuple(block.lower), tuple(block.upper))
+        law = {k: getattr(block, k, v) for k, v in LAWS.get(block.law, {}).items()}
+        law = getattr(mpm, block.law)(density=block.density, young=block.young, poisson=0.3, **law)
+        kind = getattr(mpm, block.type)
+        meshed = mpm._core.makeParticleType(block.type).isMeshed
+        return block.name, region, law, kind(size=self.cell / 2) if meshed else kind(perCell=2)
+
+    def mapped(self, Q, shift=(0, 0)):
+        """The same scene at Q x + shift; Q maps axes to axes, shift is a number of whole cells."""
+        Q, shift = np.array(Q), np.array(shift) * self.cell
+
+        def corners(lower, upper):
+            a, b = Q @ lower + shift, Q @ upper + shift
+            return dict(lower=np.minimum(a, b), upper=np.maximum(a, b))
+
+        def faces(normals):
+            return tuple(tuple(Q @ n) for n in normals)
+
+        blocks = tuple(replace(b, velocity=Q @ b.velocity, **corners(b.lower, b.upper)) for b in self.blocks)
+        more = dict(gravity=Q @ self.gravity, roller=faces(self.roller), fixed=faces(self.fixed))
+        return replace(self, blocks=blocks, **more, **corners(self.lower, self.upper))
+
+    def inUnits(self, length, mass, time):
+        """The same scene with all numbers in units that are so much smaller."""
+        stress = mass / length / time**2
+
+        def block(b):
+            more = dict(density=b.density * mass / length**3, young=b.young * stress)
+            more |= dict(velocity=b.velocity * length / time, cohesion=b.cohesion * stress)
+            return replace(b, lower=b.lower * length, upper=b.upper * length, **more)
+
+        return replace(
+            self,
+            lower=self.lower * length,
+            upper=self.upper * length,
+            cell=self.cell * length,
+            blocks=tuple(block(b) for b in self.blocks),
+            gravity=self.gravity * length / time**2,
+            adhesion=self.adhesion * stress,
+            dt=self.dt * time,
+        )
+
+
+def freeLayout(seed, contact=None):
+    """The same bodies far from the walls and without gravity: nothing acts on them from outside."""
+    layout = randomLayout(seed, contact)
+    room = 4 * layout.cell
+    more = dict(lower=layout.lower - room, upper=layout.upper + room, roller=(), fixed=())
+    return replace(layout, gravity=np.zeros(2), **more)
+
+
+def randomLayout(seed, contact=None):
+    """A bed on the floor, with one to three blocks that lie on it, lean on each other or fly.
+
+    contact : bool, whether bodies of two groups meet in a Contact engine; None: by chance.
+    """
+    rng = np.random.default_rng(seed)
+    types, laws = sorted(mpm._core.particleTypeNames()), sorted(mpm._core.materialNames())
+    contact = bool(rng.integers(2)) if contact is None else contact
+    blocks, x, height = [], 1, int(rng.integers(2, 4))
+    for n in range(int(rng.integers(2, 5))):
+        if n == 0:
+            lower, upper = (0, 0), (CELLS[0], height)
+        else:
+            wide, high = rng.integers(2, 4, 2)
+            lift = int(rng.integers(0, 3)) if n % 2 else 0
+            lower, upper = (x, height + lift), (x + wide, height + lift + high)
+            x += int(wide + rng.integers(0, 2))
+        velocity = (0, 0) if n == 0 else rng.integers(-2, 3, 2) / 2
+        blocks.append(
+            Block(
+                f"block {n}",
+                np.array(lower) * CELL,
+                np.array(upper) * CELL,
+                str(rng.choice(types)),
+                str(rng.choice(laws)),
+                ("bed", "blocks")[n > 0] if contact else "main",
+                np.array(velocity, dtype=float),
+            )
+        )
+    return Layout(
+        0 * CELLS * CELL,
+        CELLS * CELL,
+        CELL,
+        tuple(blocks),
+        np.array([0.0, -9.81]) if rng.integers(2) else np.array([0.5, -9.0]),
+        roller=((-1, 0), (1, 0)),
+        fixed=((0, -1),),
+        scheme=str(rng.choice(SCHEMES)),
+        contact=dict(friction=float(rng.choice([0, 0.3])), impactLoss=1.0) if contact else {},
+        adhesion=float(rng.choice([0, 1.0])) if contact else 0.0,
+        dt=4e-4,
+    )
+
+
+def order(points):
+    """Order of points by their coordinates, whatever their round-off."""
+    return np.lexsort(np.round(points.T / CELL * 64).astype(int))
+
+
+def runLayout(layout, steps, back=lambda points: points, **more):
+    """Scene after so many steps, and for each body the order of its particles by where they were at the start,
+    mapped by `back` to where they are in the scene that this one is compared with."""
+    scene, bodies = layout.build(**more)
+    orders = {body.name: order(back(body.byId("position"))) for body in bodies}
+    scene.run(steps=steps, progress=False)
+    return scene, orders

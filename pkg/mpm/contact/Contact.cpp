@@ -192,7 +192,7 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const V
                      contact.gap, contact.area, inSpace(contact.impulse / scene.dt), inSpace(slip)});
     double* force = &forces[3 * pairOf(contact.field[0], contact.field[1])];
     for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[k] / scene.dt;
-    if (!contact.hasPoints) largestPenetration = std::max(largestPenetration, -contact.gap);
+    if (!contact.hasPoints) largestPenetration = std::max(largestPenetration, contact.overlap);
     sliding += contact.slides;
 }
 

@@ -45,6 +45,7 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     int edgeOf = -1;         // which of the two has an edge here that the normal is taken from,
     double sharpness = 0;    // and how much of one, up to 1
     double shareOfBoxes = 0; // of the normal, where the other group is a mesh
+    double overlap = 0;      // m, of the surfaces, away from edges of meshes
     double weight = 0;       // m2, of the surface that normal and gap rest on
     double owned = 0;        // m2, of the surface of a mesh here, by contact points,
     double gapOfPoints = 0;  // m3, their gaps times what they own,

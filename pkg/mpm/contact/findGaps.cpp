@@ -62,7 +62,12 @@ template <int Dim> void findIntruders(PairSearch<Dim>& pair, int side) {
     });
 }
 
-// How far each group reaches along the normal.
+template <int Dim> bool isFelt(const PairSearch<Dim>& pair, const ContactNode<Dim>& contact) {
+    return contact.weight > leastArea * std::pow(pair.grid().meanSize(contact.node).minCoeff(), Dim - 1);
+}
+
+// How far each group reaches along the normal. At an edge of a mesh that is no overlap: boxes beside one face are
+// behind the plane of the other one.
 template <int Dim> void setGap(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
     const Vec<Dim>& n = contact.normal;
     const double area[2] = {contact.areaOf(0), contact.areaOf(1)};
@@ -82,20 +87,19 @@ template <int Dim> void setGap(const PairSearch<Dim>& pair, ContactNode<Dim>& co
     if (!pair.isExplicit[0] && !pair.isExplicit[1] &&
         contact.gap < deepestGap * pair.grid().meanSize(contact.node).minCoeff())
         contact.weight = 0;
+    const bool isEdge = contact.edgeOf >= 0 || contact.shareOfBoxes > 0;
+    contact.overlap = isEdge || !isFelt(pair, contact) ? 0 : -contact.gap;
 }
 
 template <int Dim> void borrow(const PairSearch<Dim>& pair) {
     const Grid<Dim>& grid = pair.grid();
-    const auto isFelt = [&](const ContactNode<Dim>& contact) {
-        return contact.weight > leastArea * std::pow(grid.meanSize(contact.node).minCoeff(), Dim - 1);
-    };
     pair.forNodes([&](ContactNode<Dim>& contact) {
-        if (isFelt(contact)) return;
+        if (isFelt(pair, contact)) return;
         Vec<Dim> normal = Vec<Dim>::Zero();
         double weight = 0, gap = 0;
         forNeighbours(grid, contact.node, [&](int node, const Index<Dim>&) {
             const ContactNode<Dim>* const other = pair.at(node);
-            if (!other || !isFelt(*other)) return;
+            if (!other || !isFelt(pair, *other)) return;
             normal += other->weight * other->normal;
             weight += other->weight;
             gap += other->weight * other->gap;

@@ -93,7 +93,7 @@ class Contact(generated["Contact"]):
     )
     largestPenetration = property(
         lambda self: self.core.largestPenetration,
-        doc="Largest overlap of surfaces at nodes in contact in the last step, m.",
+        doc="Largest overlap of surfaces in contact in the last step, m, away from the edges of meshes.",
     )
     gridLoss = property(
         lambda self: self.core.gridLoss,
@@ -115,9 +115,10 @@ class Contact(generated["Contact"]):
         """Dict of arrays over the nodes in contact in the last step.
 
         first, second : names of the groups; node (n, 3), m; normal (n, 3), from the first to the second; gap,
-        m (negative: overlap); area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, the rate
-        of the first against the second (RigidContact: a length). Pressure of shared cells (`sharedCells`) has
-        rows of its own with the area 0, the normal along the force.
+        m (negative: overlap, or boxes beside an edge of a mesh that are behind the plane of its other face);
+        area, m2 (2D: m); force (n, 3), kN, on the second; slip (n, 3), m/s, the rate of the first against
+        the second (RigidContact: a length). Pressure of shared cells (`sharedCells`) has rows of its own with
+        the area 0, the normal along the force.
         """
         table = self.core.table
         names = np.array(self._groups or [""], object)

@@ -100,8 +100,7 @@ def _warnOfSurface(ground, alike, surface, weight):
             warnUser(
                 f"initialStress: surface = {surface:g} m, but the top of '{name}' is at {top:g} m: the "
                 f"stress is that of {abs(surface - top):g} m of ground {says}, "
-                f"{weight * abs(surface - top):.3g} kPa; give the top of the bodies, and each layer a call of "
-                f"its own"
+                f"{weight * abs(surface - top):.3g} kPa; give the top of the bodies, a call for each layer"
             )
 
 

@@ -113,3 +113,26 @@ def test_two_piles_that_touch_make_no_energy_out_of_soil():
     scene.dt = 8e-4
     scene.run(until=0.5, progress=False)
     assert mpm.diagnostics.energyError(scene) > -0.2  # kJ; -3 then
+
+
+def test_boxes_beside_an_edge_are_no_overlap():
+    """A pile sinks by a tenth of a cell: the boxes beside its tip are behind the plane of its base then."""
+    scene = mpm.Scene((0, 0), (4, 6), 0.25, threads=1)
+    shaft = box((1.75, 2), (2.25, 5))
+    sand = mpm.MohrCoulombDruckerPrager(
+        density=1.8, young=1e4, poisson=0.3, cohesion=5, frictionAngle=0.5, dilatancyAngle=0
+    )
+    soil = scene.add("soil", box((0, 0), (4, 3)) - shaft, sand, mpm.UGIMP())
+    steel = mpm.LinearElastic(density=7.8, young=1e6, poisson=0.3)
+    pile = scene.add("pile", shaft, steel, mpm.APDI(size=0.125), group="pile")
+    contact = mpm.Contact(friction=0.3, impactLoss=1)
+    scene.initialStress(surface=3, K0=0.5, bodies=[soil])
+    scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
+    scene.engines.insert(2, contact)
+    scene.run(until=0.1, progress=False)
+    base = pile.vertices[:, 1].min()
+    under = (abs(soil.position[:, 0] - 2) < 0.25) & (soil.position[:, 1] < 2.05)
+    overlap = (soil.position[:, 1] + soil.halfSize[1])[under].max() - base
+    assert base < 1.98 and 0 < overlap < 0.002
+    assert contact.largestPenetration == pytest.approx(overlap, abs=0.002)
+    assert -contact.contactTable()["gap"].min() > 0.05  # control: boxes beside the tip

@@ -4,6 +4,7 @@
 The source folder is the root of the project, so that links from one page to another are the same on both.
 """
 
+import importlib.util
 import inspect
 import os
 import sys
@@ -26,6 +27,10 @@ exclude_patterns = ["build", "results", "dist", "tests", "pkg", "py", "scripts",
 
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
 suppress_warnings = ["config.cache"]
+
+# Formulas: the site has MathJax in one file and needs no network.
+mathjaxFolder = importlib.util.find_spec("sphinx-mathjax-offline").submodule_search_locations[0]
+mathjax_path = "tex-svg.js"
 
 # Pages
 myst_enable_extensions = ["dollarmath", "deflist", "attrs_inline"]
@@ -56,6 +61,8 @@ html_theme = "furo"
 html_title = f"yade-mpm {release}"
 html_show_sourcelink = False
 html_copy_source = False
+html_static_path = [f"{mathjaxFolder}/static/mathjax/{mathjax_path}", "site.css"]
+html_css_files = ["site.css"]
 html_extra_path = ["_site"]  # index.html of the whole, which leads to doc/index.html
 
 

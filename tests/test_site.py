@@ -15,6 +15,7 @@ import yade_mpm
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "doc"))
 import docstrings  # noqa: E402
+import verificationCases  # noqa: E402
 
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "doc").rglob("*.md"))]
 
@@ -59,20 +60,51 @@ def test_the_reference_has_every_public_name(site):
     assert missing == [], "give them a directive on a page of doc/reference/api"
 
 
+LOADED = re.compile(r"""<(?:script|link|img)\b[^>]*?\b(?:src|href)=["']([^"']+)""")
+
+
+def test_pages_load_nothing_from_elsewhere(site):
+    """No network: scripts, styles and pictures lie in the site, MathJax for the formulas, too."""
+    isWithFormulas = []
+    for page in site.rglob("*.html"):
+        text = page.read_text()
+        files = [name.split("?")[0] for name in LOADED.findall(text) if not name.startswith(("data:", "#"))]
+        assert [name for name in files if not (page.parent / name).exists()] == [], page
+        if 'class="math' in text:
+            isWithFormulas.append(page.stem)
+            assert "tex-svg.js" in {Path(name).name for name in files}, page
+    assert {"method", "graded-grids"} <= set(isWithFormulas)
+
+
+PICTURES = {  # that the cells of a page draw
+    "first-scene": 3,
+    "footing": 2,
+    "particle-types": 3,
+    "quasi-static": 1,
+    "sheet-pile": 3,
+    "study": 1,
+    "verification-manual": len(verificationCases.CASES),
+}
+OF_A_CELL = re.compile(r'src="([./]*_images/[0-9a-f]{64}\.png)"')
+
+
 @pytest.mark.slow
-def test_the_notebooks_are_executed_and_shipped_with_their_pictures(tmp_path):
+def test_the_notebooks_are_executed_and_show_every_picture(tmp_path):
     done = sphinx(tmp_path, "force")
     assert done.returncode == 0, done.stderr[-6000:]
+    notebooks = {page for page in PAGES if "```{code-cell}" in page.read_text()}
+    assert {page.stem for page in notebooks} == set(PICTURES)
+    shown = {}
+    for page in notebooks:
+        built = tmp_path / page.relative_to(ROOT).with_suffix(".html")
+        pictures = OF_A_CELL.findall(built.read_text())
+        shown[page.stem] = sum((built.parent / name).exists() for name in pictures)
+    assert shown == PICTURES
     shipped = {file.stem: json.loads(file.read_text()) for file in tmp_path.rglob("_downloads/**/*.ipynb")}
-    notebooks = {
-        page.stem for page in (ROOT / "doc" / "tutorial").glob("*.md") if "{code-cell}" in page.read_text()
-    }
-    assert set(shipped) == notebooks
+    assert set(shipped) == {page.stem for page in notebooks if page.parent.name == "tutorial"}
     for name, notebook in shipped.items():
-        kinds = [
-            kind for cell in notebook["cells"] for o in cell.get("outputs", ()) for kind in o.get("data", ())
-        ]
-        assert "image/png" in kinds, name
+        outputs = [o for cell in notebook["cells"] for o in cell.get("outputs", ())]
+        assert sum("image/png" in o.get("data", ()) for o in outputs) == PICTURES[name], name
 
 
 MADE_BY_THE_CODE = (yade_mpm.Body, yade_mpm.Region, yade_mpm.ResultFrame)

@@ -20,6 +20,7 @@ from ..io.files import saveJson
 from ..scene.restoring import load
 from . import state
 from .lock import Held, holding
+from .record import saveHistories
 from .resume import ARGUMENTS, SUMMARY
 
 CHECKPOINT = "checkpoint.h5"
@@ -109,6 +110,8 @@ def _callFunctions(folder, case):
     if case["until"] is not None:
         scene.run(until=case["until"], checkpointFile=checkpoint, progress=False)
     found = results(scene) if results else {}
+    if scene is not None:
+        saveHistories(folder, scene)
     saveJson(os.path.join(folder, SUMMARY), dict(found))
 
 

@@ -66,14 +66,17 @@ def _short(label):
 
 
 def effects(frame, parameters, results):
-    """Each result over each parameter: cases, and the mean of those with equal (or near) values."""
+    """Each result over each parameter: cases, and the mean of those with equal (or near) values.
+
+    parameters : dict name -> label.
+    """
     figure, grid = _grid(len(results), len(parameters))
     for row, result in zip(grid, results):
         for axes, name in zip(row, parameters):
             _effect(axes, list(frame[name]), frame[result].to_numpy(float))
         row[0].set_ylabel(result, fontsize=8)
-    for axes, name in zip(grid[-1], parameters):
-        axes.set_xlabel(name)
+    for axes, label in zip(grid[-1], parameters.values()):
+        axes.set_xlabel(label)
     return svg(figure)
 
 
@@ -88,8 +91,8 @@ def _effect(axes, values, results):
         axes.set_xlim(-0.5, len(labels) - 0.5)
 
 
-def heatMap(frame, first, second, result):
-    """Mean of a result over two parameters."""
+def heatMap(frame, first, second, result, labels):
+    """Mean of a result over two parameters. labels : dict name of a parameter -> label."""
     (i, rows), (j, columns) = groups(list(frame[first])), groups(list(frame[second]))
     mean = np.full((len(rows), len(columns)), np.nan)
     values = frame[result].to_numpy(float)
@@ -103,6 +106,6 @@ def heatMap(frame, first, second, result):
             axes.text(c, r, f"{value:.4g}", ha="center", va="center", fontsize=7, color=colour)
     for axis, ticks in ((axes.set_yticks, rows), (axes.set_xticks, columns)):
         axis(range(len(ticks)), [t if isinstance(t, str) else f"{t:.4g}" for t in ticks])
-    axes.set(xlabel=second, ylabel=first)
+    axes.set(xlabel=labels[second], ylabel=labels[first])
     figure.colorbar(image, label=result)
     return svg(figure)

@@ -4,11 +4,13 @@
 import os
 import platform
 import resource
+from glob import escape, glob
 
 import numpy as np
 
 from .. import __version__, _core
 from ..io.files import saveTable
+from ..io.history import History
 
 CURVE = "curve_{}.csv"  # in the folder of a case
 
@@ -49,3 +51,18 @@ def saveCurve(out, name, columns):
     if len(columns) != 2:
         raise ValueError(f"saveCurve {name}: {len(columns)} columns are not allowed; give x and y")
     saveTable(os.path.join(out, CURVE.format(name)), columns)
+
+
+def saveHistories(out, scene):
+    """Writes the columns that the histories of a scene were asked for as curves over time; without such
+    columns the vertical forces. Where the scene has left curves of its own they are all."""
+    if glob(os.path.join(escape(out), CURVE.format("*"))):
+        return
+    vertical = f".f{'xyz'[scene.dim - 1]}"
+    for history in (
+        engine for engine in scene.engines if isinstance(engine, History) and len(engine["time"])
+    ):
+        asked = list(history.columns) or [name for name in history.names if name.endswith(vertical)]
+        for name in asked:
+            y = f"{name} ({history.units[name]})"
+            saveCurve(out, name.replace(os.sep, " "), {"time (s)": history["time"], y: history[name]})

@@ -36,8 +36,9 @@ def write(study, frame):
     varied = [name for name in study.varied if name in frame.columns]
     found = _results(study, done)
     parts = [_head(study, frame), _findings(study), _table(study, frame, varied, found)]
-    parts += [_failures(study, frame), _curves(study, frame, varied), _effects(done, varied, found)]
-    parts += [_indices(done, varied, found), _maps(done, varied, found), _cards(study)]
+    measured = study.show or _measured(done, found)
+    parts += [_failures(study, frame), _curves(study, frame, varied), _effects(study, done, varied, measured)]
+    parts += [_indices(study, done, varied, measured), _maps(study, done, varied, measured), _cards(study)]
     text = page(f"Study of {study.name}", "".join(p for p in parts if p))
     with replacing(os.path.join(study.out, "report.html")) as part, open(part, "w") as opened:
         opened.write(text)
@@ -62,6 +63,11 @@ def _results(study, done):
     isNumber = [n for n in known if done[n].dtype.kind in "if" and n not in collect.COST]
     differ = [n for n in isNumber if done[n].nunique() > 1]
     return (differ or isNumber)[:RESULTS]
+
+
+def _measured(done, found):
+    """Results without counts, such as of particles, where there are others."""
+    return [name for name in found if done[name].dtype.kind != "i"] or found
 
 
 def _head(study, frame):
@@ -90,7 +96,11 @@ def _findings(study):
 
 def _table(study, frame, varied, found):
     names = [*varied, *found, "seconds"]
-    rows = ["<tr><th>case</th><th>state</th>" + "".join(f"<th>{textOf(n)}</th>" for n in names) + "</tr>"]
+    rows = [
+        "<tr><th>case</th><th>state</th>"
+        + "".join(f"<th>{textOf(study.head(n))}</th>" for n in names)
+        + "</tr>"
+    ]
     for number, (folder, row) in enumerate(zip(study.folders, frame.to_dict("records")), 1):
         link = f'<a href="{_link(study, folder)}/">{number}</a>'
         log = textOf(row["state"])
@@ -132,7 +142,8 @@ def _curves(study, frame, varied):
                 rows.setdefault(name, {})[label] = row
     parts = []
     for name, own in named.items():
-        values = {p: list(frame[p].iloc[list(rows[name].values())]) for p in varied[:COLOURED]}
+        cases = list(rows[name].values())
+        values = {study.head(p): list(frame[p].iloc[cases]) for p in varied[:COLOURED]}
         parts.append(f"<h2>{textOf(name)}</h2>{pictures.curves(own, values)}")
     return "".join(parts)
 
@@ -143,12 +154,13 @@ def _readCurve(file):
     return names, np.loadtxt(file, delimiter=",", skiprows=1, ndmin=2)
 
 
-def _effects(done, varied, found):
+def _effects(study, done, varied, found):
     if len(done) < 2 or not varied or not found:
         return ""
     text = "Grey: cases; red: mean of the cases with that value, or near it in a sample."
     head = f"<h2>Main effects</h2><p>{text}</p>"
-    picture = pictures.effects(_whole(done, found), varied, found[:EFFECTS])
+    heads = {name: study.head(name) for name in varied}
+    picture = pictures.effects(_whole(done, found), heads, found[:EFFECTS])
     return f'{head}<div class="wide effects">{picture}</div>'
 
 
@@ -157,10 +169,11 @@ def _whole(done, found):
     return done.dropna(subset=found[:EFFECTS])
 
 
-def _indices(done, varied, found):
+def _indices(study, done, varied, found):
     if len(done) < SAMPLE or not varied or not found:
         return ""
-    rows = ["<tr><th>result</th>" + "".join(f"<th>{textOf(n)}</th>" for n in varied) + "<th>sum</th></tr>"]
+    heads = "".join(f"<th>{textOf(study.head(n))}</th>" for n in varied)
+    rows = [f"<tr><th>result</th>{heads}<th>sum</th></tr>"]
     for result in found:
         own = done.dropna(subset=[result])
         indices = [firstOrder(list(own[name]), own[result]) for name in varied]
@@ -177,12 +190,13 @@ def _sum(indices):
     return None if None in indices else sum(indices)
 
 
-def _maps(done, varied, found):
+def _maps(study, done, varied, found):
     if len(done) < 4 or not found:
         return ""
     pairs = list(itertools.combinations(varied, 2))[:MAPS]
     own = done.dropna(subset=found[:1])
-    maps = [f"<figure>{pictures.heatMap(own, *pair, found[0])}</figure>" for pair in pairs]
+    heads = {name: study.head(name) for name in varied}
+    maps = [f"<figure>{pictures.heatMap(own, *pair, found[0], heads)}</figure>" for pair in pairs]
     return f'<h2>Heat maps</h2><div class="cards">{"".join(maps)}</div>' if maps else ""
 
 

@@ -10,7 +10,7 @@ from ..io.files import saveJson
 from ..io.history import History
 from ..scene.progress import threadsInWords
 from ..scene.restoring import load
-from .record import record
+from .record import record, saveHistories
 from .resume import SUMMARY, keep
 
 
@@ -98,6 +98,7 @@ class Run:
         summary = {**self.record(), **results}
         if self.scene.changes:
             summary["changes"] = self.scene.changes
+        saveHistories(self.out, self.scene)
         saveJson(os.path.join(self.out, SUMMARY), summary)
         return summary
 

@@ -88,7 +88,8 @@ class Study:
             self._add(identity.identity(known, source), shown, **more)
 
     def _ofFunction(self, build, results, until, parameters):
-        self.scene, self.parameters, self.name = None, parameters, build.__name__
+        self.scene, self.parameters = None, parameters
+        self.name = build.__name__ if parameters is None else parameters.scene
         pickled = needed("cloudpickle", "a study").dumps((build, results))
         file = os.path.join(self.out, f"functions-{sha256(pickled).hexdigest()[: identity.DIGITS]}.pkl")
         writeWhole(file, pickled)
@@ -133,6 +134,12 @@ class Study:
             for n in names
             if n in values
         )
+
+    def head(self, name):
+        """A parameter with its unit, or the name of a result as it is."""
+        known = {} if self.parameters is None else self.parameters.all
+        unit = known[name].unit if name in known else ""
+        return f"{name} ({unit})" if unit else name
 
     def waiting(self, retry=False):
         """Folders of the cases that are to be run: not those that have ended, but with retry those that

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import yade_mpm as mpm
 from yade_mpm.io.files import saveJson
 from yade_mpm.study import collect, pictures, report, state
 from yade_mpm.study.program import main
@@ -59,6 +60,42 @@ def test_the_report_marks_failures_and_shows_all_that_was_found(out):
     assert "Twice &amp; more." in page
 
 
+def fall(a):
+    """A block that falls, with what a study from Python may leave out: no curve is saved."""
+    scene = mpm.Scene((0, 0), (2, 3), a.cell, threads=1)
+    rubber = mpm.LinearElastic(density=a.density, young=1e3, poisson=0.3)
+    scene.add("block", mpm.box((0.5, 1), (1.5, 2)), rubber, mpm.UGIMP(perCell=2))
+    height = "scene['block'].position[:, 1].mean()"
+    history = mpm.History(period=0.01, columns={"height": height})
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81)),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+        history,
+    ]
+    return scene
+
+
+def found(scene):
+    return {"particlesInside": scene.particleCount, "weight": 9.81 * float(scene["block"].mass.sum())}
+
+
+def test_a_study_from_python_has_title_units_and_curves_and_no_effects_of_counts(tmp_path):
+    cell = mpm.Parameter("cell", 0.5, "of the grid", unit="m", above=0)
+    density = mpm.Parameter("density", 1.0, "of the block", unit="Mg/m3", above=0)
+    parameters = mpm.Parameters("falling block", "A block falls.", cell, density)
+    axes = {"cell": [0.5, 0.25], "density": [1.0, 2.0]}
+    mpm.study(fall, axes, found, until=0.05, out=tmp_path, parameters=parameters, quiet=True, jobs=1)
+    page = (tmp_path / "report.html").read_text()
+    assert "<h1>Study of falling block</h1>" in page and "<th>cell (m)</th><th>density (Mg/m3)</th>" in page
+    curves = page.split("<h2>height</h2>")[1].split("</svg>")[0]
+    assert "<!-- time (s) -->" in curves and "<!-- cell 0.25, density 2 -->" in curves
+    effects = page.split("<h2>Main effects</h2>")[1].split("</svg>")[0]
+    assert "<!-- weight -->" in effects and "<!-- density (Mg/m3) -->" in effects
+    assert "particlesInside" not in effects and "<th>particlesInside</th>" in page
+
+
 def test_many_curves_are_coloured_by_each_parameter(tmp_path):
     axes = {"gravity": [5.0, 10.0, 15.0, 20.0], "perCell": [1, 2], "end": ["well", "sleeps"]}
     study = Study(SCENE, axes, tmp_path)
@@ -72,7 +109,7 @@ def test_many_curves_are_coloured_by_each_parameter(tmp_path):
     picture = (tmp_path / "report.html").read_text().split("<h2>load</h2>")[1].split("</svg>")[0]
     texts = re.findall(r"<!-- (.*?) -->", picture)
     assert [
-        t for t in ("gravity", "perCell", "end", "5", "20", "1", "well", "sleeps") if t not in texts
+        t for t in ("gravity (m/s2)", "perCell", "end", "5", "20", "1", "well", "sleeps") if t not in texts
     ] == []
     values = {"gravity": [case["gravity"] for case in study.cases]}
     curves = {str(k): (("x", "y"), np.zeros((2, 2))) for k in range(16)}

@@ -120,7 +120,6 @@ class Contact(_Contact):
     sharedCells: bool
     cells: float | Sequence[float]
     gaps: float | Sequence[float]
-    frictionWork: float
     edgeMotions: float | Sequence[float]
     impulses: float | Sequence[float]
     label: str
@@ -137,11 +136,6 @@ class Contact(_Contact):
         constraints: Literal['auto', 'nodes', 'facets'] = 'auto',
         pairs: Any = (),
         sharedCells: bool = True,
-        cells: float | Sequence[float] = (),
-        gaps: float | Sequence[float] = (),
-        frictionWork: float = 0.0,
-        edgeMotions: float | Sequence[float] = (),
-        impulses: float | Sequence[float] = (),
         label: str = '',
         dead: bool = False,
     ) -> None: ...
@@ -308,7 +302,6 @@ class RigidContact(_RigidContact):
     normalLaw: Literal['penalty', 'Hertz']
     hertzOverlap: float | None
     checkBalance: bool
-    frictionWork: float
     shapes: Any
     states: Any
     history: Any
@@ -331,12 +324,6 @@ class RigidContact(_RigidContact):
         normalLaw: Literal['penalty', 'Hertz'] = 'penalty',
         hertzOverlap: float | None = None,
         checkBalance: bool = False,
-        frictionWork: float = 0.0,
-        shapes: Any = (),
-        states: Any = (),
-        history: Any = (),
-        sizes: Any = (),
-        impulses: Any = (),
         label: str = '',
         dead: bool = False,
     ) -> None: ...

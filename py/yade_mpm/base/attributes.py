@@ -58,6 +58,7 @@ class Attributed:
     """
 
     _make = None  # name -> C++ object
+    _found = ()  # parameters that a run counts on: only a checkpoint sets them
     _coreName = None
     _usedBy = None  # name of the body made with it
     _fixed = ()  # attributes that cannot change from then on; None: all
@@ -109,6 +110,10 @@ class Attributed:
                     f"{kind}: {name} is an argument of {kind}(...) and cannot be set afterwards; make "
                     f"another one, or set one of {others}"
                 )
+            if name in self._found:
+                raise ValueError(
+                    f"{type(self).__name__}: {name} is what a run has found; it can be read, not set"
+                )
             known = [*taken, *self.attributeNames()]
             raise ValueError(
                 f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, known)} "
@@ -143,7 +148,22 @@ class Attributed:
 
     def attributeNames(self):
         """Names of all attributes."""
-        return [p["name"] for p in self.core.parameters()]
+        return [p["name"] for p in _optionsOf(type(self), self.core)]
+
+    def state(self):
+        """Dict of what the solver keeps between steps besides the attributes, for checkpoints."""
+        return {name: value for name in self._found if (value := self.core.value(name)) not in (None, ())}
+
+    def restoreState(self, state, attributes=None):
+        """Sets what `state` and `attributes` have given, read from a checkpoint: at once, for one has to fit
+        the other."""
+        for name, value in state.items():
+            if name not in self._found:
+                raise ValueError(f"{type(self).__name__}: '{name}' is none of its state")
+            self.core.set(name, plain(value))
+        for name, value in (attributes or {}).items():
+            self._assign(name, value)
+        self.core.finish()
 
     def attributes(self):
         """Dict of all attributes that have a value."""
@@ -161,7 +181,7 @@ class Attributed:
         values = self.attributes()
         rows = [
             (p["name"], values[p["name"]], p["unit"].replace("-", ""), p["doc"])
-            for p in self.core.parameters()
+            for p in _optionsOf(type(self), self.core)
             if p["name"] in values
         ]
         return card(type(self).__name__, table(("attribute", "value", "unit", "meaning"), rows))
@@ -177,10 +197,15 @@ def signatureOf(cls):
     taken = {p.name for p in own}
     attributes = [
         inspect.Parameter(p["name"], inspect.Parameter.KEYWORD_ONLY, default=p["default"])
-        for p in cls._make(cls._coreName).parameters()
+        for p in _optionsOf(cls, cls._make(cls._coreName))
         if p["name"] not in taken
     ]
     return inspect.Signature([*own, *attributes])
+
+
+def _optionsOf(cls, core):
+    """Parameters that users set."""
+    return [p for p in core.parameters() if p["name"] not in cls._found]
 
 
 def plain(value):
@@ -194,12 +219,14 @@ def plain(value):
     return value
 
 
-def makeClass(name, make, base=Attributed):
+def makeClass(name, make, base=Attributed, state=()):
     """Class `name` whose instances are made by make(name); its docstring lists attribute, default, unit,
-    meaning."""
+    meaning. state : names of parameters that are no attributes."""
     core = make(name)
     lines = [core.doc, "", "Attributes", "----------"]
     for p in core.parameters():
+        if p["name"] in state:
+            continue
         default = None if p["default"] == () else p["default"]
         unit = f", {p['unit']}" if p["unit"] not in ("", "-") else ""
         allowed = (
@@ -217,11 +244,12 @@ def makeClass(name, make, base=Attributed):
             "__doc__": "\n".join(lines),
             "_make": staticmethod(make),
             "_coreName": name,
+            "_found": state,
             "__module__": "yade_mpm",
         },
     )
 
 
-def makeClasses(names, make, base=Attributed):
-    """Dict name -> class for all registered names."""
-    return {name: makeClass(name, make, base) for name in names}
+def makeClasses(names, make, base=Attributed, states=None):
+    """Dict name -> class for all registered names. states : dict name -> parameters that are no attributes."""
+    return {name: makeClass(name, make, base, (states or {}).get(name, ())) for name in names}

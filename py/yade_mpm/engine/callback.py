@@ -47,6 +47,13 @@ class Callback(Engine):
             steps = min(steps, max(1, int((self.virtPeriod - past) / dt) - 1) if past > dt else 1)
         return steps
 
+    def state(self):
+        """Dict of plain types that a run has found, which a checkpoint keeps for `restoreState`."""
+        return {}
+
+    def restoreState(self, state):
+        """Goes on from what `state` has given."""
+
     def act(self, scene):
         """What to do; the scene is at rest between two engines meanwhile."""
         raise NotImplementedError

@@ -88,6 +88,9 @@ class Contact(generated["Contact"]):
             ),
         )
 
+    frictionWork = property(
+        lambda self: self.core.value("frictionWork"), doc="Work lost to friction since the start, kJ."
+    )
     sliding = property(
         lambda self: self.core.sliding, doc="Number of nodes in contact that slid in the last step."
     )

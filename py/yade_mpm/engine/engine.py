@@ -58,4 +58,8 @@ class Engine(Attributed):
         return NO_CALL
 
 
-generated = makeClasses(_core.engineNames(), _core.makeEngine, Engine)
+STATES = {
+    "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses"),
+    "RigidContact": ("frictionWork", "shapes", "states", "history", "sizes", "impulses"),
+}
+generated = makeClasses(_core.engineNames(), _core.makeEngine, Engine, STATES)

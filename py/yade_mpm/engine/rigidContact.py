@@ -19,6 +19,10 @@ they move on with their velocities. All arrays have a row per rigid body and thr
 too."""
     )
 
+    frictionWork = property(
+        lambda self: self.core.value("frictionWork"), doc="Work lost to friction since the start, kJ."
+    )
+
     def addBody(
         self,
         shapes,

@@ -40,8 +40,6 @@ class History(Callback):
         loading (`history.columns["toe"] = ...`), the column is nan until then.
     average : reactions, moments and forces of contact are means over all steps since the row before instead
         of values of the last step. Default True: explicit dynamics makes the value of one step noisy.
-    state : rows of the run that is to be continued; given by checkpoints. The files are made to hold just
-        these.
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces):
     NAME.fx, NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz
@@ -61,9 +59,7 @@ class History(Callback):
     all before the first step.
     """
 
-    def __init__(
-        self, period=0.0, iterPeriod=0, file=None, columns=None, average=True, state=None, **attributes
-    ):
+    def __init__(self, period=0.0, iterPeriod=0, file=None, columns=None, average=True, **attributes):
         checkPeriod("History", period, iterPeriod)
         super().__init__(iterPeriod, period, **attributes)
         self._average = bool(average)
@@ -76,8 +72,6 @@ class History(Callback):
         self._files = RowFiles(self._file)
         self._flushed = time.monotonic()
         self._isTold = False  # that rows have no room
-        if state is not None:
-            self._restore(state)
 
     file = property(lambda self: self._file, doc="Name of the CSV file, or None.")
     columns = property(lambda self: self._columns, doc="Dict of the columns that the user added.")
@@ -86,7 +80,7 @@ class History(Callback):
     units = property(lambda self: dict(self._units), doc="Dict name -> unit.")
 
     def __repr__(self):
-        known = {k: v for k, v in self.spec().items() if k != "state" and v not in (None, "", 0, False, {})}
+        known = {k: v for k, v in self.spec().items() if v not in (None, "", 0, False, {})}
         return f"History({', '.join(f'{k}={v!r}' for k, v in known.items())})"
 
     def __len__(self):
@@ -147,8 +141,7 @@ class History(Callback):
         ]
 
     def spec(self):
-        """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew, rows
-        included."""
+        """Dict of constructor arguments, of plain types, with which a checkpoint makes the history anew."""
         columns = {
             name: c if isinstance(c, str) else None
             for key, c in self._columns.items()
@@ -160,18 +153,18 @@ class History(Callback):
             file=self._file,
             columns=columns,
             average=self._average,
-            state=self._state(),
             label=self.label,
             dead=self.dead,
         )
 
-    def _state(self):
-        """Rows so far and what the next one starts from, as plain types."""
+    def state(self):
+        """See `Callback`: rows so far, and what the next one starts from."""
         return dict(
             data=self._data, units=self._units, before=self._before, initialEnergy=self._initialEnergy
         )
 
-    def _restore(self, state):
+    def restoreState(self, state):
+        """See `Callback`; the files are made to hold just these rows."""
         self._data = {str(name): [_asNumber(v) for v in column] for name, column in state["data"].items()}
         self._count = max((len(column) for column in self._data.values()), default=0)
         if any(len(column) < self._count or "\n" in name for name, column in self._data.items()):

@@ -56,7 +56,6 @@ class Recorder(Callback):
         order of the scene) and `id` are always there.
     bodies : bodies or their names; default: all. What a body was converted to goes with it.
     compress : gzip level, 0 to 9; default 0, not compressed: fastest.
-    run : identity of the run whose file is to be continued; given by checkpoints.
 
     Cells are the APDI domains (vertices shared) and a box around each uGIMP particle. Vectors have three
     components, tensors nine, row by row; the attribute `components` names them. A state variable is nan in
@@ -72,9 +71,7 @@ class Recorder(Callback):
     cannot be written, both before the first step.
     """
 
-    def __init__(
-        self, file, period=0.0, iterPeriod=0, fields=None, bodies=None, compress=0, run=None, **attributes
-    ):
+    def __init__(self, file, period=0.0, iterPeriod=0, fields=None, bodies=None, compress=0, **attributes):
         checkPeriod("Recorder", period, iterPeriod)
         if not (isinstance(compress, int) and 0 <= compress <= 9):
             raise ValueError(f"Recorder: compress = {compress!r} is not allowed; give a gzip level, 0 to 9")
@@ -87,7 +84,7 @@ class Recorder(Callback):
             )
         self._fields = None if fields is None else [str(f) for f in fields]
         self._bodies = None if bodies is None else [b if isinstance(b, str) else b.name for b in bodies]
-        self._continued, self._run = run is not None, run or uuid.uuid4().hex
+        self._continued, self._run = False, uuid.uuid4().hex  # identity of the run that the file belongs to
         self._path = None  # of the file as it is now: a temporary name until the first step is taken
         self._frames, self._lastStep, self._topology = 0, None, None
         self._waiting, self._isTold = [], False  # frames for which there was no room; whether that was said
@@ -112,10 +109,17 @@ class Recorder(Callback):
             fields=self._fields,
             bodies=self._bodies,
             compress=self._compress,
-            run=self._run,
             label=self.label,
             dead=self.dead,
         )
+
+    def state(self):
+        """See `Callback`: the run whose file is continued."""
+        return dict(run=self._run)
+
+    def restoreState(self, state):
+        """See `Callback`."""
+        self._continued, self._run = True, str(state["run"])
 
     # --- engine ---
     def bind(self, scene):

@@ -3,8 +3,7 @@
 
 from ..engine.gridSolver import GridSolver
 
-# By engines as they run; nobody changes these.
-COUNTED = ("frictionWork", "impulses", "cells", "gaps", "edgeMotions", "states", "history", "sizes")
+FOUND = ("facets",)  # of a BoundaryLoad: it leaves out those of bonded bodies, and nobody may set them
 FLAGS = ("inertiaScale", "isDamped", "fbar", "group", "implicit")  # of bodies
 
 
@@ -15,7 +14,7 @@ def parametersOf(scene):
     for number, engine in enumerate(scene.engines):
         name = engine.label or type(engine).__name__
         name = name if f"{name}.dead" not in found else f"{name} {number}"
-        given = {key: value for key, value in engine.attributes().items() if key not in COUNTED}
+        given = {key: value for key, value in engine.attributes().items() if key not in FOUND}
         found.update({f"{name}.{key}": value for key, value in given.items()})
         found[f"{name}.dead"] = engine.dead
         if isinstance(engine, GridSolver):

@@ -36,7 +36,14 @@ def buildEngine(spec, scene, callbacks, permissions, file):
         raise ValueError(
             f"checkpoint '{file}' has a {spec['class']} without what it was made from; use another"
         )
-    return cls(**spec["attributes"])
+    if not cls._found:
+        return cls(**spec["attributes"])
+    engine = cls()
+    # Files of development versions have what a run has found among the attributes.
+    state = {n: v for n, v in spec["attributes"].items() if n in cls._found}
+    options = {n: v for n, v in spec["attributes"].items() if n not in state}
+    engine.restoreState({**state, **spec.get("state", {})}, options)
+    return engine
 
 
 def _callbackClasses():
@@ -50,7 +57,14 @@ def _callbackClasses():
 
 
 def _buildCallback(cls, spec):
-    engine = cls(**spec["spec"])
+    state = dict(spec.get("state", {}))
+    arguments = dict(spec["spec"])
+    if not state and spec["class"] in ("Recorder", "History"):  # as above
+        old = {"Recorder": "run", "History": "state"}[spec["class"]]
+        state = arguments.pop(old)
+        state = state if old == "state" else {"run": state}
+    engine = cls(**arguments)
+    engine.restoreState(state)
     for name, value in spec["attributes"].items():
         engine.core.set(name, value)
     return engine

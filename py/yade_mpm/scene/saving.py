@@ -157,10 +157,12 @@ def _describeEngine(engine, number):
         )
     elif isinstance(engine, Callback):
         try:
-            spec["spec"] = json.loads(json.dumps(engine.spec()))
+            spec.update(json.loads(json.dumps({"spec": engine.spec(), "state": engine.state()})))
         except Exception:  # nothing may keep a checkpoint from being written; load() asks for it
             command = getattr(engine, "command", None)
             spec["callback"] = engine.label or getattr(command, "__name__", type(engine).__name__)
+    else:
+        spec["state"] = engine.state()
     return spec
 
 

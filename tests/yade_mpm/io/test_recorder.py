@@ -10,6 +10,13 @@ from yade_mpm import box
 from yade_mpm.io import pagedFile, vtkhdf
 
 
+def again(recorder):
+    """A recorder as a checkpoint makes it."""
+    other = mpm.Recorder(**recorder.spec())
+    other.restoreState(recorder.state())
+    return other
+
+
 @pytest.fixture(autouse=True)
 def inAFolderOfItsOwn(tmp_path_factory, monkeypatch):
     """Runs that fail leave a checkpoint."""
@@ -330,11 +337,11 @@ def test_a_restored_recorder_cuts_its_file_and_continues_to_the_same_content(tmp
     runAndWatch(makeScene(), whole, steps=40)
     scene = makeScene()
     runAndWatch(scene, cut, steps=30)  # 30 steps are in the file,
-    spec = scene.engines[5].spec()
+    old = scene.engines[5]
     scene = makeScene()
     scene.engines = chain()
     scene.run(steps=resumedAt, progress=False)  # the state is older
-    scene.engines = chain(mpm.Recorder(**spec))
+    scene.engines = chain(again(old))
     scene.prepare()
     assert [f["steps"] for f in readWithH5py(cut)] == list(range(0, resumedAt + 1, 10))
     scene.run(steps=40 - resumedAt, progress=False)
@@ -344,9 +351,9 @@ def test_a_restored_recorder_cuts_its_file_and_continues_to_the_same_content(tmp
 def test_a_restored_recorder_without_its_file_begins_a_new_one(tmp_path):
     scene, file = makeScene(), tmp_path / "a.h5"
     runAndWatch(scene, file, steps=20)
-    spec = scene.engines[5].spec()
+    old = scene.engines[5]
     os.remove(file)
-    scene.engines = chain(mpm.Recorder(**spec))
+    scene.engines = chain(again(old))
     scene.run(steps=15, progress=False)
     assert [f["steps"] for f in readWithH5py(file)] == [20, 30]
 
@@ -354,7 +361,7 @@ def test_a_restored_recorder_without_its_file_begins_a_new_one(tmp_path):
 def test_a_file_of_another_run_is_not_continued(tmp_path):
     runAndWatch(makeScene(), tmp_path / "a.h5", steps=10)
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(**dict(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5).spec())))
+    scene.engines = chain(again(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5)))
     with pytest.raises(ValueError, match="is not the file that this run has written; move it away"):
         scene.run(steps=10, progress=False)
 
@@ -379,7 +386,8 @@ def test_the_spec_is_plain_and_makes_the_same_recorder(tmp_path):
     one = mpm.Recorder(
         tmp_path / "a.h5", period=0.5, fields=("stress",), bodies=["low"], compress=2, label="r"
     )
-    assert mpm.Recorder(**json.loads(json.dumps(one.spec()))).spec() == one.spec()
+    assert json.loads(json.dumps(one.spec())) == again(one).spec() == one.spec()
+    assert again(one).state() == one.state()
 
 
 def test_an_old_file_stays_until_the_first_step_is_taken(tmp_path):

@@ -189,7 +189,7 @@ def test_the_ground_carries_a_plate(kind):
     assert -table["gap"].min() == contact.largestPenetration
     assert table["force"].sum(axis=0) == pytest.approx(-contact.forces[0], abs=1e-9)
     x, y, z = contact.shapes["centre"][0]
-    contact.shapes = {**contact.shapes, "centre": [[x, y + 1, z]]}  # control: lifted
+    contact.core.set("shapes", {**contact.shapes, "centre": [[x, y + 1, z]]})  # control: lifted
     scene.run(steps=1, progress=False)
     assert contact.contacts == 0 and not contact.forces.any()
 

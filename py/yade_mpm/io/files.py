@@ -146,9 +146,8 @@ def _isAlive(process):
 
 
 def saveJson(file, value):
-    """Writes numbers, texts, lists and dicts of them as JSON."""
-    with replacing(file) as part, open(part, "w", encoding="utf-8") as opened:
-        json.dump(value, opened, indent=1)
+    """Writes numbers, texts, lists and dicts of them as JSON, complete on the disk or not at all."""
+    writeWhole(file, json.dumps(value, indent=1).encode())
 
 
 def saveTable(file, columns):

@@ -95,7 +95,8 @@ def calibrate(
             found = _evolution(search, generations, seed)
         result = search.result(found.x, found.message, names)
     saveJson(os.path.join(search.out, "calibration.json"), result.asDict())
-    _writeReport(search, result)
+    with pictures.plainText():
+        _writeReport(search, result)
     return result
 
 

@@ -3,6 +3,7 @@
 
 import csv
 import itertools
+import math
 import re
 import shlex
 
@@ -11,17 +12,18 @@ from scipy.stats import qmc
 
 DEFAULTS = ("", "*")  # what a table may have in place of a value that is the scene's default
 LONGEST = 1000  # characters of a cell
+MOST_CASES = 100_000  # each is a folder of its own
 DESCRIPTION = "description"  # a column that names cases, as YADE's tables have
 
 
 def readTable(file, parameters):
-    """Cases of a table: CSV, or YADE's format (blanks between columns, quotes, `#` comments, `*` for the
+    """Cases of a table: CSV with commas or semicolons, or YADE's format (blanks between columns, quotes, `#` comments, `*` for the
     default, `=` for the value above).
 
     parameters : Parameters of the scene, which say what is allowed. ValueError names file, line and column.
     """
     try:
-        with open(file, encoding="utf-8") as opened:
+        with open(file, encoding="utf-8-sig") as opened:  # Excel begins with a mark
             lines = [(n, line.strip()) for n, line in enumerate(opened, 1)]
     except FileNotFoundError:
         raise ValueError(f"{file}: there is no such table; give a file") from None
@@ -30,9 +32,12 @@ def readTable(file, parameters):
     lines = [(n, line) for n, line in lines if line and not line.startswith("#")]
     if len(lines) < 2:
         raise ValueError(f"{file}: there is no case in it; give a line of names and a line for each case")
-    isCsv = "," in lines[0][1]
-    rows = [(n, _columns(f"{file}, line {n}", line, isCsv)) for n, line in lines]
+    delimiter = next((mark for mark in ";," if mark in lines[0][1]), None)
+    rows = [(n, _columns(f"{file}, line {n}", line, delimiter)) for n, line in lines]
     names = [name.strip() for name in rows[0][1]]
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise ValueError(f"{file}: there are two columns '{twice[0]}'; give each once")
     cases, above = [], [""] * len(names)
     for number, row in rows[1:]:
         if len(row) != len(names):
@@ -45,9 +50,9 @@ def readTable(file, parameters):
     return cases
 
 
-def _columns(where, line, isCsv):
+def _columns(where, line, delimiter):
     try:
-        row = next(csv.reader([line])) if isCsv else shlex.split(line, comments=True)
+        row = next(csv.reader([line], delimiter=delimiter)) if delimiter else shlex.split(line, comments=True)
     except (csv.Error, ValueError) as error:  # such as a quote that does not end
         raise ValueError(f"{where}: {error}; mend the line") from None
     longest = max(map(len, row), default=0)
@@ -82,7 +87,13 @@ def _quoted(value):
 
 def crossed(axes):
     """All combinations of a dict name -> list of values, the last name fastest."""
+    _checkCount(math.prod(len(values) for values in axes.values()))
     return [dict(zip(axes, values)) for values in itertools.product(*axes.values())]
+
+
+def _checkCount(count):
+    if count > MOST_CASES:
+        raise ValueError(f"{count:.6g} cases are too many; give at most {MOST_CASES}, or a sample of ranges")
 
 
 def fromWords(words, parameters, sample=None, seed=0):
@@ -105,6 +116,7 @@ def fromWords(words, parameters, sample=None, seed=0):
             axes[name] = [parameters.read(name, value) for value in _values(word, text)]
     if bool(ranges) != bool(sample):
         raise ValueError("a sample needs ranges, NAME=FROM..TO, and ranges need --sample lhs:N or sobol:N")
+    _checkCount((sample[1] if sample else 1) * math.prod(len(values) for values in axes.values()))
     points = sampled(ranges, *sample, parameters, seed) if sample else [{}]
     return [{**point, **case} for point in points for case in crossed(axes)]
 
@@ -125,10 +137,11 @@ def _values(word, text):
     try:
         first, last, step = (float(part) for part in text.split(":"))
         count = int(np.floor((last - first) / step * (1 + 1e-12) + 1e-9)) + 1
-    except (ValueError, ZeroDivisionError):
+    except (ValueError, OverflowError, ZeroDivisionError):
         count = 0
     if count < 1:
         raise ValueError(f"'{word}' is not allowed; give FROM:TO:STEP, such as 25:35:5")
+    _checkCount(count)
     return [f"{first + i * step:.12g}" for i in range(count)]
 
 

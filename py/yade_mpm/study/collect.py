@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What the cases of a study have found, in one table: a row for each case, as CSV and Parquet, too."""
 
-import json
 import os
 
 from ..io.files import replacing
@@ -23,8 +22,7 @@ def results(folder):
     except FileNotFoundError:
         return {}
     if _summaries.get(file, (None,))[0] != changed:
-        with open(file, encoding="utf-8") as text:
-            found = json.load(text)
+        found = state.readJson(file) or {}
         found = state.flat({name: value for name, value in found.items() if name not in RUN})
         _summaries[file] = changed, found
     return _summaries[file][1]

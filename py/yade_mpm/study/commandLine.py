@@ -76,6 +76,9 @@ def _number(text, isAllowed, allowed):
     return number
 
 
+NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+
 class Parser(argparse.ArgumentParser):
     """Command line of a scene, with --smoke, --threads, --out and, where the scene can be resumed, --resume.
 
@@ -92,6 +95,7 @@ class Parser(argparse.ArgumentParser):
             formatter_class=argparse.RawDescriptionHelpFormatter,
             allow_abbrev=False,
         )
+        self._negative_number_matcher = NEGATIVE  # argparse takes -1e-5 for an option
         self._smoke, self._mayChange = smoke, resume
         self._folder = os.path.join("results", name)
         shared = self.add_argument_group("all scenes")

@@ -132,7 +132,8 @@ class Parameters:
             elif parameter.several:
                 words += [parameter.option, *map(str, value if isinstance(value, list) else [value])]
             elif value is not None:
-                words += [parameter.option, repr(value) if isinstance(value, float) else str(value)]
+                text = repr(value) if isinstance(value, float) else str(value)
+                words += [f"{parameter.option}={text}"] if text.startswith("-") else [parameter.option, text]
         return words
 
     def read(self, name, text):

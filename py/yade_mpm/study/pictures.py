@@ -20,6 +20,11 @@ def svg(figure):
     return text.getvalue()[text.getvalue().index("<svg") :]
 
 
+def plainText():
+    """In the `with` block a text is drawn as it is: a name with dollars is no formula."""
+    return mpl.rc_context({"text.parse_math": False})
+
+
 def _grid(rows, columns, size=(3.0, 2.4)):
     figure = Figure(figsize=(size[0] * columns, size[1] * rows), layout="constrained")
     return figure, figure.subplots(rows, columns, squeeze=False)

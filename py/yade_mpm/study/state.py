@@ -6,6 +6,7 @@ import math
 import os
 
 from ..io.files import saveJson
+from .resume import SUMMARY
 
 CASE, STATE, LOG, STOP = "case.json", "state.json", "log.txt", "stop"
 WAITING, RUNNING, DONE, FAILED = "waiting", "running", "done", "failed"
@@ -14,12 +15,28 @@ ENDED = (DONE, FAILED, TIMED_OUT)  # such a case is not run again unless asked f
 
 
 def read(folder):
-    """State of the case in a folder, a dict with at least `state` and `message`."""
+    """State of the case in a folder, a dict with at least `state` and `message`.
+
+    A case whose files are damaged, or that is done without results, waits: it is run again.
+    """
+    file = os.path.join(folder, STATE)
+    found = readJson(file)
+    if found is None or not isinstance(found.get("state"), str):
+        return {"state": WAITING, "message": f"{file} is damaged" if os.path.exists(file) else ""}
+    summary = os.path.join(folder, SUMMARY)
+    if found["state"] == DONE and readJson(summary) is None:
+        return {**found, "state": WAITING, "message": f"{summary} is missing or damaged"}
+    return {"message": "", **found}
+
+
+def readJson(file):
+    """The dict in a JSON file; None where there is none."""
     try:
-        with open(os.path.join(folder, STATE), encoding="utf-8") as text:
-            return json.load(text)
-    except (OSError, ValueError):
-        return {"state": WAITING, "message": ""}
+        with open(file, encoding="utf-8") as text:
+            found = json.load(text)
+    except (OSError, ValueError, RecursionError):
+        return None
+    return found if isinstance(found, dict) else None
 
 
 def write(folder, state, message="", **more):

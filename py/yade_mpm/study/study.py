@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A study: one scene, many cases, each in a folder of its own, whatever happens to the others."""
 
+import contextlib
 import importlib.util
 import os
 import sys
@@ -10,6 +11,7 @@ from functools import cached_property
 from glob import escape, glob
 from hashlib import sha256
 
+from ..base.warn import warnUser
 from ..io.files import saveJson, writeWhole
 from . import cases as casesOf
 from . import collect, execution, identity, report, state
@@ -170,6 +172,10 @@ class Study:
             return self._run(jobs, timeout, scheduler, retry, dashboard, memory, quiet, client)
 
     def _run(self, jobs, timeout, scheduler, retry, dashboard, memory, quiet, client):
+        if dashboard and importlib.util.find_spec("bokeh") is None:  # Dask tells an address all the same
+            raise ImportError(
+                "study: the dashboard needs the Python package bokeh; pip install bokeh, or leave it out"
+            )
         waiting = self.waiting(retry)
         if waiting:
             jobs, threads = execution.jobsAndThreads(len(waiting), jobs, self.threads, memory)
@@ -180,7 +186,7 @@ class Study:
                     if dashboard:
                         print(f"dashboard: {one.dashboard_link}", file=sys.stderr, flush=True)
                     isWhole = self._execute(one, waiting, live, timeout)
-        frame = self.write()
+        frame = self.write(isFinal=True)
         if waiting and not isWhole:
             raise KeyboardInterrupt
         return frame
@@ -207,11 +213,19 @@ class Study:
         stop = os.path.join(self.out, f"{state.STOP}-{os.uname().nodename}-{os.getpid()}")
         return execution.execute(client, waiting, stop, timeout, ended, look)
 
-    def write(self):
-        """Writes the table and the report of the cases as they are; returns the table."""
+    def write(self, isFinal=False):
+        """Writes the table and the report of the cases as they are; returns the table.
+
+        isFinal : of a run, whose results no report takes away: what goes wrong with it is a warning.
+        """
         frame = collect.table(self.folders)
         collect.save(frame, self.out)
-        report.write(self, frame)
+        try:
+            report.write(self, frame)
+        except Exception as error:
+            if not isFinal:
+                raise
+            warnUser(f"study: the report of '{self.out}' is not written: {type(error).__name__}: {error}")
         return frame
 
 
@@ -224,7 +238,8 @@ class _Writer:
     def look(self):
         began = time.monotonic()
         if self.isNew and began > self._next:
-            self.study.write()
+            with contextlib.suppress(Exception):  # the one at the end says what is wrong
+                self.study.write()
             ended = time.monotonic()
             self.isNew, self._next = False, ended + max(REPORT_PAUSE, REPORT_SHARE * (ended - began))
 

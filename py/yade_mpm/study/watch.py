@@ -58,7 +58,7 @@ def runCase(folder, stop, timeout=None, variables=None, cwd=None):
     if why == state.INTERRUPTED:
         return state.write(folder, why, seconds=seconds)
     if process.returncode < 0 or new["state"] in (state.RUNNING, state.WAITING):
-        return state.write(folder, state.FAILED, _howItEnded(process.returncode), seconds=seconds)
+        return state.write(folder, state.FAILED, _howItEnded(process.returncode, folder), seconds=seconds)
     return new
 
 
@@ -85,9 +85,11 @@ def _end(process):
         process.wait()
 
 
-def _howItEnded(code):
+def _howItEnded(code, folder):
     if code < 0:
         return f"killed by {signal.Signals(-code).name}"
     if code >= 128:
         return f"ended by {signal.Signals(code - 128).name}"
-    return f"ended with {code} without a word"
+    last = state.endOfLog(folder, 1)
+    isOfScene = last and not last.startswith("$ ")  # the command line
+    return f"ended with {code}: {last}" if isOfScene else f"ended with {code} without a word"

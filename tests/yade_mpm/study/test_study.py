@@ -24,7 +24,7 @@ ENDS = {  # state, message, what the log tells
     "refused": (state.FAILED, "demo_scene: does not want to", "does not want to"),
     "nan": (state.FAILED, "not a number: height", "hello of nan"),
     "killed": (state.FAILED, "killed by SIGKILL", "hello of killed"),
-    "silent": (state.FAILED, "ended with 3 without a word", ""),
+    "silent": (state.FAILED, "ended with 3: hello of silent", "hello of silent"),
     "sleeps": (state.TIMED_OUT, f"after {TIMEOUT} s", ""),  # may end before it has said hello
 }
 

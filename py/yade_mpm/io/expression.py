@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Expressions as text, for what a file may bring: they look at a scene, compute, and can do nothing else.
+"""Columns as text, which a checkpoint may bring: they name fields and diagnostics, and calculate with numbers.
 
-The text is parsed by `ast` and walked here, never compiled: what `language` does not name does not exist.
-Arrays of a scene are given out read-only.
+    -scene['footing'].displacement[:, 1].mean()
+    np.quantile(scene['column'].position[:, 0], 0.99) - 2.0
+    diagnostics.sectionForce(scene['pile'], height=1.25) / scene.time
+
+Python's parser reads the text; each form that is known becomes a function of ours, and the text is never
+compiled. Numbers are floating-point, so that no power takes long.
 """
 
 import ast
@@ -12,36 +16,29 @@ import numpy as np
 
 from ..base.wording import shown
 from ..check import diagnostics
-from .language import (
-    ARRAY_ATTRIBUTES,
-    ARRAY_METHODS,
-    BINARY,
-    COMPARE,
-    CONSTANTS,
-    FUNCTIONS,
-    KINDS,
-    METHODS,
-    MOST_BITS,
-    MOST_NODES,
-    MOST_TEXT,
-    NODES,
-    NUMPY,
-    SCENE_ATTRIBUTES,
-    SCENE_METHODS,
-    UNARY,
-    isData,
-    readOnly,
-)
+
+MOST_TEXT = 1000  # characters
+SCENE = ("time", "steps", "dt", "dtCritical", "particleCount")
+DERIVED = ("displacement",)  # of a body besides its fields
+MEANS = {"min": np.min, "max": np.max, "mean": np.mean, "sum": np.sum}  # of a field
+FUNCTIONS = {"abs": abs, "min": min, "max": max}  # of numbers
+OPERATIONS = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: lambda a, b: float(a) ** float(b),
+}
+SIGNS = {ast.UAdd: operator.pos, ast.USub: operator.neg}
 
 
 class Expression:
-    """An expression of `scene`, `diagnostics` and `np`: fields, arithmetic, comparisons, indexing, sums.
+    """A number that a text tells of a scene.
 
     text : of the expression. who : of the error, e.g. "History: column 'toe'".
 
-    Names that begin with an underscore, assignments, imports, lambdas, calls of anything but the functions
-    of `yade_mpm.diagnostics`, plain functions of NumPy and methods that only look, do not exist:
-    ValueError, which tells what is allowed. SyntaxError for text that is no expression.
+    Raises SyntaxError for text that is no expression, ValueError, which tells what is allowed, for any other
+    form than those of this module.
     """
 
     def __init__(self, text, who):
@@ -49,201 +46,122 @@ class Expression:
         if len(text) > MOST_TEXT:
             self._refuse(f"it has {len(text)} characters, and {MOST_TEXT} are allowed")
         try:
-            self._tree = ast.parse(text, f"<{who}>", "eval")
+            tree = ast.parse(text, f"<{who}>", "eval")
         except SyntaxError as error:
             said = f"{who} = {shown(text)} is not allowed: {error.msg}; give an expression, or a function"
             raise SyntaxError(said, error.args[1]) from None
         except (RecursionError, MemoryError, ValueError):  # ValueError: a null character
             self._refuse("it is nested too deeply, or holds characters that no text has")
-        self._check()
+        try:
+            self._value = self._number(tree.body)
+        except RecursionError:
+            self._refuse("it is nested too deeply")
 
     def __call__(self, scene):
-        """The value for a scene."""
-        return _Evaluation(self, scene).value(self._tree.body, {})
+        """The value for a scene, a float."""
+        return float(self._value(scene))
 
     def _refuse(self, reason):
-        shown = self.text if len(self.text) <= 200 else self.text[:200] + " ..."
         raise ValueError(
-            f"{self._who} = {shown!r} is not allowed: {reason}; as text a column takes fields of the scene "
-            f"and its bodies, diagnostics.NAME(scene), arithmetic, comparisons, indexing and functions of "
-            f"NumPy such as np.quantile; for anything else give a function"
+            f"{self._who} = {shown(self.text)} is not allowed: {reason}; as text a column takes numbers, + - * / "
+            f"**, scene.time, scene['body'].FIELD[:, 0].mean() (min, max, sum), np.quantile(FIELD, 0.9) and "
+            f"diagnostics.NAME(scene); for anything else give a function"
         )
 
-    def _check(self):
-        """What is known to be wrong without a scene."""
-        own = {n.id for n in ast.walk(self._tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
-        known = {"scene", "diagnostics", "np", *FUNCTIONS}
-        for node in ast.walk(self._tree):
-            if not isinstance(node, NODES):
-                self._refuse(f"{type(node).__name__} is not part of the language")
-            name = getattr(node, "attr", None) or getattr(node, "id", None) or getattr(node, "arg", None)
-            if isinstance(name, str) and name.startswith("_"):
-                self._refuse(f"the name '{name}' begins with an underscore")
-            if isinstance(node, ast.Name) and node.id not in known | own:
-                self._refuse(f"there is no name '{node.id}'")
-            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and node.id in known:
-                self._refuse(f"the name '{node.id}' has a meaning already")
-            if isinstance(node, ast.Call) and not isinstance(node.func, (ast.Name, ast.Attribute)):
-                self._refuse("what is called has no name")
-            if isinstance(node, ast.comprehension) and not isinstance(node.target, ast.Name):
-                self._refuse("a loop takes one name")
-            if isinstance(node, ast.keyword) and node.arg in (None, "out", "dtype"):
-                self._refuse(f"the argument '{node.arg or '**'}' is not part of the language")
+    # --- forms, each as a function of the scene -------------------------------------------------------
+    def _number(self, node):
+        match node:
+            case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
+                number = self._asFloat(value)
+                return lambda scene: number
+            case ast.UnaryOp(op=op, operand=operand) if type(op) in SIGNS:
+                sign, of = SIGNS[type(op)], self._number(operand)
+                return lambda scene: sign(of(scene))
+            case ast.BinOp(left=left, op=op, right=right) if type(op) in OPERATIONS:
+                of, first, second = OPERATIONS[type(op)], self._number(left), self._number(right)
+                return lambda scene: of(first(scene), second(scene))
+            case ast.Attribute(value=ast.Name(id="scene"), attr=name) if name in SCENE:
+                return lambda scene: getattr(scene, name)
+            case ast.Call(func=ast.Name(id=name), args=[_, *_] as given, keywords=[]) if name in FUNCTIONS:
+                of, numbers = FUNCTIONS[name], [self._number(one) for one in given]
+                return lambda scene: of(*(number(scene) for number in numbers))
+            case ast.Call(func=ast.Attribute(value=field, attr=name), args=[], keywords=[]) if name in MEANS:
+                mean, values = MEANS[name], self._field(field)
+                return lambda scene: mean(values(scene))
+            case ast.Call(
+                func=ast.Attribute(value=ast.Name(id="np"), attr="quantile"), args=[field, share], keywords=[]
+            ):
+                values, of = self._field(field), self._number(share)
+                return lambda scene: np.quantile(values(scene), of(scene))
+            case ast.Subscript(value=ast.Call() as call, slice=index):
+                vector, k = self._diagnostic(call), self._whole(index)
+                return lambda scene: vector(scene)[k]
+            case ast.Call():
+                return self._diagnostic(node)
+            case ast.Subscript(slice=ast.Constant() | ast.UnaryOp()):
+                values, k = self._field(node.value), self._whole(node.slice)
+                return lambda scene: values(scene)[k]
+        return self._refuse(f"'{ast.unparse(node)[:80]}' is not part of the language")
+
+    def _field(self, node):
+        """An array: scene['body'].FIELD, or a component of it."""
+        match node:
+            case ast.Attribute(value=holder, attr=name):
+                of = self._body(holder)
+                return lambda scene: _fieldOf(of(scene), name)
+            case ast.Subscript(
+                value=ast.Attribute() as field, slice=ast.Tuple(elts=[ast.Slice() as all_, *axes])
+            ):
+                if any((all_.lower, all_.upper, all_.step)):
+                    self._refuse("a component is FIELD[:, 0]")
+                values, component = self._field(field), tuple(self._whole(axis) for axis in axes)
+                return lambda scene: values(scene)[(slice(None), *component)]
+        return self._refuse(f"'{ast.unparse(node)[:80]}' is no field of a body")
+
+    def _body(self, node):
+        match node:
+            case ast.Subscript(value=ast.Name(id="scene"), slice=ast.Constant(value=str() as name)):
+                return lambda scene: scene[name]
+            case ast.Subscript(value=ast.Attribute(value=ast.Name(id="scene"), attr="bodies"), slice=index):
+                k = self._whole(index)
+                return lambda scene: scene.bodies[k]
+        return self._refuse(f"'{ast.unparse(node)[:80]}' is no body; give scene['name']")
+
+    def _diagnostic(self, node):
+        """diagnostics.NAME of the scene or a body, with numbers besides."""
+        match node:
+            case ast.Call(
+                func=ast.Attribute(value=ast.Name(id="diagnostics"), attr=name),
+                args=[who, *given],
+                keywords=named,
+            ) if name in diagnostics.__all__ and all(one.arg for one in named):
+                of = getattr(diagnostics, name)
+                isScene = isinstance(who, ast.Name) and who.id == "scene"
+                about = (lambda scene: scene) if isScene else self._body(who)
+                numbers = [self._number(one) for one in given]
+                more = {one.arg: self._number(one.value) for one in named}
+                return lambda scene: of(
+                    about(scene), *(n(scene) for n in numbers), **{k: n(scene) for k, n in more.items()}
+                )
+        return self._refuse(f"'{ast.unparse(node)[:80]}' is not part of the language")
+
+    def _whole(self, node):
+        match node:
+            case ast.Constant(value=int() as k) if not isinstance(k, bool):
+                return k
+            case ast.UnaryOp(op=ast.USub(), operand=ast.Constant(value=int() as k)):
+                return -k
+        return self._refuse(f"'{ast.unparse(node)[:80]}' is no number of a component")
+
+    def _asFloat(self, value):
+        try:
+            return float(value)
+        except OverflowError:
+            return self._refuse("a number has too many digits")
 
 
-class _Evaluation:
-    """One walk over an expression."""
-
-    def __init__(self, expression, scene):
-        self._refuse, self._scene, self._left = expression._refuse, scene, MOST_NODES
-
-    def value(self, node, own):
-        """Of a part of the expression; own : dict of the names that loops gave."""
-        self._left -= 1
-        if self._left < 0:
-            self._refuse(f"it takes more than {MOST_NODES} operations")
-        return getattr(self, "_of" + type(node).__name__)(node, own)
-
-    # --- leaves ---
-    def _ofConstant(self, node, own):
-        if not isinstance(node.value, (int, float, str, bool, type(None), type(...))):
-            self._refuse(f"{node.value!r} is no number")
-        return node.value
-
-    def _ofName(self, node, own):
-        if node.id in own:
-            return own[node.id]
-        if node.id == "scene":
-            return self._scene
-        return self._refuse(f"'{node.id}' stands alone")
-
-    def _ofTuple(self, node, own):
-        return tuple(self.value(n, own) for n in node.elts)
-
-    def _ofList(self, node, own):
-        return [self.value(n, own) for n in node.elts]
-
-    def _ofSlice(self, node, own):
-        return slice(
-            *(None if n is None else self.value(n, own) for n in (node.lower, node.upper, node.step))
-        )
-
-    # --- arithmetic ---
-    def _ofBinOp(self, node, own):
-        a, b = self._number(self.value(node.left, own)), self._number(self.value(node.right, own))
-        if isinstance(a, int) and isinstance(b, int):
-            power = isinstance(node.op, ast.Pow)
-            if (a.bit_length() * max(0, b) if power else a.bit_length() + b.bit_length()) > MOST_BITS:
-                self._refuse("a whole number becomes too long")
-        return BINARY[type(node.op)](a, b)
-
-    def _number(self, value):
-        if not isinstance(value, (int, float, np.number, np.bool_, np.ndarray)):
-            raise TypeError(f"{type(value).__name__} is no number")
-        return value
-
-    def _ofUnaryOp(self, node, own):
-        value = self.value(node.operand, own)
-        return UNARY[type(node.op)](value if isinstance(node.op, ast.Not) else self._number(value))
-
-    def _ofBoolOp(self, node, own):
-        value = None
-        for part in node.values:
-            value = self.value(part, own)
-            if bool(value) != isinstance(node.op, ast.And):
-                break
-        return value
-
-    def _ofCompare(self, node, own):
-        left, result = self.value(node.left, own), True
-        for kind, other in zip(node.ops, node.comparators):
-            right = self.value(other, own)
-            result = COMPARE[type(kind)](left, right)
-            if len(node.ops) > 1 and not result:
-                break
-            left = right
-        return result
-
-    def _ofIfExp(self, node, own):
-        return self.value(node.body if self.value(node.test, own) else node.orelse, own)
-
-    def _ofListComp(self, node, own):
-        return list(self._loop(node.elt, node.generators, dict(own)))
-
-    _ofGeneratorExp = _ofListComp
-
-    def _loop(self, element, loops, own):
-        if not loops:
-            yield self.value(element, own)
-            return
-        for one in self.value(loops[0].iter, own):
-            own[loops[0].target.id] = one
-            if all(self.value(test, own) for test in loops[0].ifs):
-                yield from self._loop(element, loops[1:], own)
-
-    # --- looking ---
-    def _ofSubscript(self, node, own):
-        holder, index = self.value(node.value, own), self.value(node.slice, own)
-        if not (
-            holder is self._scene or isinstance(holder, (np.ndarray, np.generic, list, tuple, dict, str))
-        ):
-            self._refuse(f"a {type(holder).__name__} cannot be indexed")
-        return holder[index]
-
-    def _ofAttribute(self, node, own):
-        if _dotted(node).startswith("np."):
-            if (name := _dotted(node)[3:]) in CONSTANTS:
-                return CONSTANTS[name]
-            self._refuse(f"np.{name} is not part of the language, or is not called")
-        holder, name = self.value(node.value, own), node.attr
-        if isinstance(holder, (np.ndarray, np.generic)):
-            isKnown = name in ARRAY_ATTRIBUTES
-        elif holder is self._scene:
-            isKnown = name in SCENE_ATTRIBUTES
-        else:
-            isKnown = isinstance(holder, KINDS) and name != "core"
-        if not isKnown:
-            self._refuse(f"'{name}' of a {type(holder).__name__} is not part of the language")
-        found = readOnly(getattr(holder, name))
-        if not isData(found):
-            self._refuse(f"'{name}' of a {type(holder).__name__} is not a value")
-        return found
-
-    def _ofCall(self, node, own):
-        function = self._function(node.func, own)
-        given = [self.value(a, own) for a in node.args]
-        named = {k.arg: self.value(k.value, own) for k in node.keywords}
-        if isinstance(function, np.ufunc) and len(given) > function.nin:
-            self._refuse(f"np.{function.__name__} takes {function.nin} arguments")
-        return readOnly(function(*given, **named))
-
-    def _function(self, node, own):
-        name = _dotted(node)
-        if name in FUNCTIONS:
-            return FUNCTIONS[name]
-        if name.startswith("np."):
-            if name[3:] not in NUMPY:
-                self._refuse(f"{name} is not part of the language")
-            return operator.attrgetter(name[3:])(np)
-        if name.startswith("diagnostics."):
-            if name[12:] not in diagnostics.__all__:
-                self._refuse(f"there is no {name}")
-            return getattr(diagnostics, name[12:])
-        if isinstance(node, ast.Name):
-            self._refuse(f"'{name}' cannot be called")
-        holder = self.value(node.value, own)
-        allowed = {m for kind, names in METHODS.items() if isinstance(holder, kind) for m in names}
-        if isinstance(holder, (np.ndarray, np.generic)):
-            allowed = ARRAY_METHODS
-        elif holder is self._scene:
-            allowed = SCENE_METHODS
-        if node.attr not in allowed:
-            self._refuse(f"{node.attr}() of a {type(holder).__name__} is not part of the language")
-        return getattr(holder, node.attr)
-
-
-def _dotted(node):
-    """np.linalg.norm of a chain of attributes; nothing for anything else."""
-    if isinstance(node, ast.Name):
-        return node.id
-    return f"{_dotted(node.value)}.{node.attr}" if isinstance(node, ast.Attribute) else ""
+def _fieldOf(body, name):
+    known = [*(field["name"] for field in body.fields()), *DERIVED]
+    if name not in known:
+        raise ValueError(f"body '{body.name}' has no field '{name}'; fields: {', '.join(known)}")
+    return getattr(body, name)

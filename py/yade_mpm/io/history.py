@@ -34,10 +34,11 @@ class History(Callback):
         Recorder of the scene.
     columns : dict name -> function of the scene that returns a number, or such an expression as text in
         which `scene` and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}; or
-        tuple of names -> function that returns a number for each. Text is no Python: it takes fields,
-        `diagnostics`, arithmetic, comparisons, indexing and plain functions of NumPy (`np`), so that a
-        checkpoint can bring it without harm. A checkpoint can keep only text; give functions again after
-        loading (`history.columns["toe"] = ...`), the column is nan until then.
+        tuple of names -> function that returns a number for each. Text is no Python: it names fields and
+        `diagnostics` and calculates with numbers (+ - * / **, abs, min, max), so that a checkpoint can bring
+        it without harm. Of a field it takes min(), max(), mean(), sum() or np.quantile(FIELD, 0.9); a function
+        serves for more. A checkpoint can keep only text; give functions again after loading
+        (`history.columns["toe"] = ...`), the column is nan until then.
     average : reactions, moments and forces of contact are means over all steps since the row before instead
         of values of the last step. Default True: explicit dynamics makes the value of one step noisy.
 

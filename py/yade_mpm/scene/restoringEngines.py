@@ -2,11 +2,13 @@
 """Engines of a checkpoint, with prescribed motions; callbacks come from the caller, or from a spec."""
 
 from ..base.attributes import keep
+from ..base.warn import warnUser
 from ..engine.callback import Callback, PyRunner
 from ..engine.engines import classes as engineClasses
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive, Hold
 from ..geometry.regions import regionFromSpec
+from ..io.columns import Columns
 from ..particle.part import BodyPart
 from .restoringBodies import classOf
 from .saving import CONSTRAINT_STATE
@@ -63,11 +65,23 @@ def _buildCallback(cls, spec):
         old = {"Recorder": "run", "History": "state"}[spec["class"]]
         state = arguments.pop(old)
         state = state if old == "state" else {"run": state}
+    if spec["class"] == "History":
+        arguments["columns"] = {name: _columnOf(name, text) for name, text in arguments["columns"].items()}
     engine = cls(**arguments)
     engine.restoreState(state)
     for name, value in spec["attributes"].items():
         engine.core.set(name, value)
     return engine
+
+
+def _columnOf(name, text):
+    """Text of a column; None, with a warning, for one that only an earlier version understood."""
+    try:
+        Columns({name: text})
+    except (ValueError, SyntaxError) as error:
+        warnUser(f"load: {error}; the column is nan until then")
+        return None
+    return text
 
 
 def _givenCallback(spec, callbacks, file):

@@ -29,7 +29,6 @@ def valueOf(text, scene):
     return Expression(text, "History: column 'a'")(scene)
 
 
-# What scripts, pages and tests of the project used when text was run as Python.
 USED = [
     "scene['pile'].position[:, 1].min()",
     "scene.bodies[0].position[:, 1].max()",
@@ -38,22 +37,14 @@ USED = [
     "diagnostics.sectionForce(scene['pile'], 1.25)",
     "diagnostics.sectionForce(scene['pile'], height=1.25)",
     "scene.time",
-    "scene.steps",
+    "scene.steps / scene.dt",
     "1",
     "diagnostics.momentum(scene)[1]",
-    "scene.engines[1].drive.reaction[1]",
-    "scene.engines[2].forceOn('pile')[0]",
-    "scene.engines[2].forces()['main', 'pile'][1]",
-    "sum(body.mass.sum() for body in scene.bodies if body.count > 3)",
-    "max([abs(b.velocity).max() for b in scene.bodies])",
-    "np.linalg.norm(scene['soil'].velocity, axis=1).max() / scene.dt",
-    "np.where(scene['soil'].stress[:, 1, 1] < 0, 1.0, 0.0).sum() * np.pi",
-    "scene['soil'].mass[scene['soil'].position[:, 1] > 0.5].sum() + 2 ** 3 // 2 % 5",
-    "scene['soil'].volume[-1] if scene.steps > 0 and not scene.time < 0 else np.nan",
-    "scene['pile'].material.density * len(scene.bodies)",
-    "0 < scene.time <= 1",
-    "scene.nodePositions()[:, 0].max()",
-    "np.sqrt(np.einsum('ij,ij->i', scene['pile'].velocity, scene['pile'].velocity)).max()",
+    "diagnostics.kineticEnergy(scene) + 1e-3 * scene.particleCount",
+    "scene['soil'].stress[:, 1, 1].mean()",
+    "scene['soil'].volume[-1]",
+    "max(abs(scene['pile'].velocity[:, 1].min()), scene['pile'].velocity[:, 1].max()) ** 2",
+    "scene['soil'].mass.sum() - (2.5 - +1) * 3",
 ]
 
 
@@ -131,6 +122,27 @@ FORBIDDEN = [
     "1j",
     "max(*[1, 2])",
     "max(**{})",
+    "min()",
+    "10 ** 400",
+    "1" + "0" * 400,
+    "True",
+    "scene['pile']",
+    "scene['pile'].mass",
+    "scene['pile'].name",
+    "scene['pile'].material.density",
+    "scene['pile'].position[1:, 0].min()",
+    "scene['pile'].position[:, True].min()",
+    "scene['pile'].mass.sum(axis=0)",
+    "scene['pile'].mass.sum(0)",
+    "scene.engines[1].drive.reaction[1]",
+    "scene[scene.steps].mass.sum()",
+    "diagnostics.momentum",
+    "diagnostics.mass(diagnostics)",
+    "diagnostics.mass(scene, **{'a': 1})",
+    "sum(body.mass.sum() for body in scene.bodies)",
+    "0 < scene.time",
+    "1 if scene else 2",
+    "np.sqrt(2)",
     "sum(1 for a in scene.nodePositions() for b in scene.nodePositions() for c in scene.nodePositions())",
     "(" * 150 + "1" + ")" * 150 + " + x",
     "1 + " * 3000 + "1",
@@ -140,7 +152,7 @@ FORBIDDEN = [
 @pytest.mark.parametrize("text", FORBIDDEN, ids=lambda text: text[:60])
 def test_nothing_else_is_done(scene, tmp_path, text):
     before = [(b.position.copy(), b.mass.copy(), b.stress.copy()) for b in scene.bodies], scene.steps
-    with pytest.raises((ValueError, TypeError, KeyError, RecursionError, SyntaxError)):
+    with pytest.raises((ValueError, TypeError, KeyError, RecursionError, SyntaxError, OverflowError)):
         valueOf(text, scene)
     assert os.listdir(tmp_path) == [] and scene.steps == before[1]
     for body, arrays in zip(scene.bodies, before[0]):
@@ -151,14 +163,7 @@ def test_nothing_else_is_done(scene, tmp_path, text):
 def test_what_is_refused_is_told_when_it_is_given_and_says_what_is_allowed():
     with pytest.raises(
         ValueError,
-        match=r"History: column 'a' = \"open\('x'\)\" is not allowed: there is no name 'open'; as text a "
-        r"column takes fields of the scene .*; for anything else give a function",
+        match=r"History: column 'a' = .* is not allowed: .* is not part of the language; as text a column takes "
+        r"numbers, .*; for anything else give a function",
     ):
         mpm.History(iterPeriod=1, columns={"a": "open('x')"})
-
-
-def test_every_function_that_is_allowed_exists():
-    from yade_mpm.io import expression
-
-    missing = [n for n in expression.NUMPY if not hasattr(np, n.split(".")[0])]
-    assert missing in ([], ["trapz"])  # which NumPy 2 calls trapezoid

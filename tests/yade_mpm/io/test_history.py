@@ -497,7 +497,10 @@ def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path
     (
         ("1 / 0", r"\(1 / 0\) gives no number: ZeroDivisionError"),
         (lambda scene: scene["nobody"], r"\(a function\) .*KeyError"),
-        ("scene.bodies[0].position", r"\(scene.* gives no number: TypeError"),
+        (
+            "scene.bodies[0].nothing.min()",
+            r"\(scene.* gives no number: ValueError: body .* has no field 'nothing'",
+        ),
     ),
 )
 def test_a_column_that_gives_no_number_ends_the_run_and_is_named(column, told):

@@ -5,6 +5,8 @@ from operator import itemgetter
 
 import numpy as np
 
+from ..geometry.numbers import isNumber
+
 
 def meanStressAlong(bodies, x, width, lower, upper):
     """Height and mean stress of the particles along a vertical line of a 2D scene, from the lowest up.
@@ -18,6 +20,11 @@ def meanStressAlong(bodies, x, width, lower, upper):
 
     Returns y (m) and tr(sigma)/3 (kPa, tension positive), (N,).
     """
+    for name, value in (("x", x), ("width", width), ("lower", lower), ("upper", upper)):
+        if not (isNumber(value) and np.isfinite(value)):
+            raise ValueError(
+                f"meanStressAlong: {name} = {value!r} is not allowed; give metres, a finite number"
+            )
     rows = [body.core.meanStresses(x, width / 2, lower, upper) for body in bodies]
     pairs = (pair for found in rows for pair in zip(found["height"], found["meanStress"]))
     y, mean = np.reshape(sorted(pairs, key=itemgetter(0)), (-1, 2)).T

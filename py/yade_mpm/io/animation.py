@@ -7,8 +7,11 @@ from tempfile import TemporaryDirectory
 import matplotlib.pyplot as plt
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
+from ..geometry.numbers import isNumber
 from .files import writeWhole
 from .picture import limitsOf
+
+MOST_FPS = 100  # what a GIF can tell: its unit of time is 0.01 s
 
 
 def write(results, file, field, limits, fps, picture):
@@ -16,6 +19,10 @@ def write(results, file, field, limits, fps, picture):
     kind = os.path.splitext(os.fspath(file))[1].lower()
     if kind not in (".gif", ".mp4"):
         raise ValueError(f"animate: file = {file!r} is not allowed; give a name that ends in .gif or .mp4")
+    if not (isNumber(fps) and 0 < fps <= MOST_FPS):
+        raise ValueError(
+            f"animate: fps = {fps!r} is not allowed; give frames per second, above 0 to {MOST_FPS}"
+        )
     if kind == ".mp4" and not FFMpegWriter.isAvailable():
         raise ValueError(
             "animate: MP4 needs the program ffmpeg, which is not here; install it, or give a .gif"

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import h5py
 import numpy as np
 
+from ..geometry.numbers import isNumber
 from . import resultsFile
 
 
@@ -100,6 +101,8 @@ class Results(Sequence):
         ----------
         time : s.
         """
+        if not (isNumber(time) and np.isfinite(time)):
+            raise ValueError(f"Results: time = {time!r} is not allowed; give seconds")
         return self[int(np.argmin(np.abs(self.times - time)))]
 
     def animate(self, file, field, limits=None, fps=10, **picture):

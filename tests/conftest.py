@@ -1,11 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-import os
 import signal
 from collections import Counter
 
 import pytest
-
-os.environ.setdefault("YADE_MPM_TRACEBACKS", "whole")  # a test that fails shows where
 
 
 def pytest_addoption(parser):

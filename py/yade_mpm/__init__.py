@@ -45,7 +45,6 @@ except ImportError as _error:
 
     raise ImportError(_explain(_os.path.dirname(__file__), _error)) from None
 from . import certificate, diagnostics, engines, files, rigid, study
-from .base.clearErrors import makeClear as _makeClear
 from .base.notebook import makeInlineReady as _makeInlineReady
 from .check.certificate import Certificate, quasiStatic, rateSensitivity
 from .engine import engines as _engines
@@ -70,17 +69,13 @@ from .particle.part import BodyPart
 from .particle.types import ParticleType
 from .scene.grading import Grading
 from .scene.plugins import loadPlugin
-from .scene.policy import LoopPolicy as _LoopPolicy
 from .scene.restoring import load
 from .scene.scene import Scene
-from .scene.stepper import Stepper as _Stepper
 from .scene.undoing import undo
 from .study.parameter import Parameter
 from .study.parameters import Parameters
 
 globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
-_makeClear(globals())
-_makeClear({"Stepper": _Stepper, "LoopPolicy": _LoopPolicy, "Prescribed": _engines.Prescribed})
 _makeInlineReady()
 
 __all__ = sorted(

@@ -118,10 +118,6 @@ class Contact(_Contact):
     constraints: Literal['auto', 'nodes', 'facets']
     pairs: Any
     sharedCells: bool
-    cells: float | Sequence[float]
-    gaps: float | Sequence[float]
-    edgeMotions: float | Sequence[float]
-    impulses: float | Sequence[float]
     label: str
     dead: bool
     def __init__(
@@ -302,11 +298,6 @@ class RigidContact(_RigidContact):
     normalLaw: Literal['penalty', 'Hertz']
     hertzOverlap: float | None
     checkBalance: bool
-    shapes: Any
-    states: Any
-    history: Any
-    sizes: Any
-    impulses: Any
     label: str
     dead: bool
     def __init__(

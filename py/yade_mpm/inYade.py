@@ -9,9 +9,6 @@ O.run(1000, True)
 import builtins
 import sys
 
-from .base.clearErrors import makeClear as _makeClear
 from .yade.attach import *  # noqa: F403 - all that the module has
-
-_makeClear(globals())
 
 builtins.inYade = sys.modules[__name__]  # where the commands of the engines find it, wherever it was imported

@@ -1,7 +1,4 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The public name of `yade_mpm.study.surface`."""
 
-from .base.clearErrors import makeClear as _makeClear
 from .study.surface import *  # noqa: F403 - all that the module has
-
-_makeClear(globals())

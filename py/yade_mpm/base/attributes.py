@@ -48,6 +48,8 @@ class Guarded:
             known = [n for n in dir(self) if not n.startswith("_")]
             hint = f"; {self._elsewhere[name]}" if name in self._elsewhere else didYouMean(name, known)
             raise AttributeError(f"{kind.__name__} has no attribute '{name}'{hint}")
+        if isinstance(of := getattr(kind, name, None), property) and of.fset is None:
+            raise AttributeError(f"{kind.__name__}: {name} can be read, not set")
         object.__setattr__(self, name, value)
 
 
@@ -251,5 +253,5 @@ def makeClass(name, make, base=Attributed, state=()):
 
 
 def makeClasses(names, make, base=Attributed, states=None):
-    """Dict name -> class for all registered names. states : dict name -> parameters that are no attributes."""
+    """Dict name -> class for all registered names. states : dict name -> parameters that are none."""
     return {name: makeClass(name, make, base, (states or {}).get(name, ())) for name in names}

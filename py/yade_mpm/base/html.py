@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Pieces of HTML: cards of objects in a notebook, reports of studies.
 
-Names and texts may come from a file of a stranger. What stands in a page goes through `textOf`, what stands in
-an address through `linkTo`; nothing else makes HTML of a value.
+Names and texts may come from a file of a stranger. What stands in a page goes through `textOf`, what stands
+in an address through `linkTo`; nothing else makes HTML of a value.
 """
 
 import base64

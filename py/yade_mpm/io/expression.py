@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Columns as text, which a checkpoint may bring: they name fields and diagnostics, and calculate with numbers.
+"""Columns as text, which a checkpoint may bring: they name fields and diagnostics, and calculate.
 
     -scene['footing'].displacement[:, 1].mean()
     np.quantile(scene['column'].position[:, 0], 0.99) - 2.0
@@ -63,9 +63,9 @@ class Expression:
 
     def _refuse(self, reason):
         raise ValueError(
-            f"{self._who} = {shown(self.text)} is not allowed: {reason}; as text a column takes numbers, + - * / "
-            f"**, scene.time, scene['body'].FIELD[:, 0].mean() (min, max, sum), np.quantile(FIELD, 0.9) and "
-            f"diagnostics.NAME(scene); for anything else give a function"
+            f"{self._who} = {shown(self.text)} is not allowed: {reason}; as text a column takes numbers, "
+            f"+ - * / **, scene.time, scene['body'].FIELD[:, 0].mean() (min, max, sum), np.quantile(FIELD, "
+            f"0.9) and diagnostics.NAME(scene); for anything else give a function"
         )
 
     # --- forms, each as a function of the scene -------------------------------------------------------

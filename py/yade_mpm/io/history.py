@@ -36,8 +36,8 @@ class History(Callback):
         which `scene` and `diagnostics` are known, e.g. {"toe": "scene['pile'].position[:, 1].min()"}; or
         tuple of names -> function that returns a number for each. Text is no Python: it names fields and
         `diagnostics` and calculates with numbers (+ - * / **, abs, min, max), so that a checkpoint can bring
-        it without harm. Of a field it takes min(), max(), mean(), sum() or np.quantile(FIELD, 0.9); a function
-        serves for more. A checkpoint can keep only text; give functions again after loading
+        it without harm. Of a field it takes min(), max(), mean(), sum() or np.quantile(FIELD, 0.9); a
+        function serves for more. A checkpoint can keep only text; give functions again after loading
         (`history.columns["toe"] = ...`), the column is nan until then.
     average : reactions, moments and forces of contact are means over all steps since the row before instead
         of values of the last step. Default True: explicit dynamics makes the value of one step noisy.
@@ -166,6 +166,8 @@ class History(Callback):
 
     def restoreState(self, state):
         """See `Callback`; the files are made to hold just these rows."""
+        if not {"data", "units", "before", "initialEnergy"} <= set(state):
+            raise ValueError("History: the state of a checkpoint is not complete; use what `state` has given")
         self._data = {str(name): [_asNumber(v) for v in column] for name, column in state["data"].items()}
         self._count = max((len(column) for column in self._data.values()), default=0)
         if any(len(column) < self._count or "\n" in name for name, column in self._data.items()):

@@ -43,7 +43,8 @@ class RowFiles:
             return
         whose = "another run" if isOfAHistory else "no History"
         raise FileExistsError(
-            f"History: '{self._file}' is there, and {whose} has written it; move it away, or give another file"
+            f"History: '{self._file}' is there, and {whose} has written it; move it away, or give another "
+            "file"
         )
 
     def write(self, data, units, label, engines):

@@ -302,6 +302,10 @@ class Body(Guarded):
         ----------
         particle : its number in the order of the solver.
         """
+        if not (isinstance(particle, (int, np.integer)) and not isinstance(particle, bool)):
+            raise ValueError(
+                f"body '{self.name}': weights: particle = {particle!r} is not allowed; give a whole number"
+            )
         return list(self.core.weights(int(particle)))
 
     def convertTo(self, other):

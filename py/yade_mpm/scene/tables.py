@@ -37,7 +37,7 @@ DECLARED = {
     "vertexVelocity": Table("vertices", None, None, "Velocity in the last step, m/s"),
     "hourglassReference": Table("particles", None, None, "Hourglass pattern of the undeformed domain"),
     "masterWeight": Table("hanging vertices", None, None, "Weights of the masters", "sum up to 1"),
-    "blockStart": Table("blocks", 0, "points + 1", "First point of each block, and one past the last", "rises"),
+    "blockStart": Table("blocks", 0, "points + 1", "First point of each block, and the end", "rises"),
     "blockOrder": Table("ordered points", 0, "points", "Points in the order of the blocks", "each once"),
     "corners": Table("corners", 0, "vertices", "Vertices of the domains"),
     "slaves": Table("hanging vertices", 0, "vertices", "Hanging vertices", "rises"),

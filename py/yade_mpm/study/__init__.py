@@ -17,7 +17,6 @@ Modules to import by name: `commandLine`, `penetration`, `reference`, `stability
 import sys as _sys
 import types as _types
 
-from ..base.clearErrors import makeClear as _makeClear
 from .curves import atSteps, movingAverage, scatter, travel
 from .ground import TYPES, addGround
 from .meshes import quadrilaterals, wedgedColumn
@@ -75,6 +74,5 @@ class _Study(_types.ModuleType):
 
 
 _Study.__name__ = "study"  # in errors
-_makeClear(globals())
-_makeClear({"study": _Study})
+
 _sys.modules[__name__].__class__ = _Study

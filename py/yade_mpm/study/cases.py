@@ -17,8 +17,8 @@ DESCRIPTION = "description"  # a column that names cases, as YADE's tables have
 
 
 def readTable(file, parameters):
-    """Cases of a table: CSV with commas or semicolons, or YADE's format (blanks between columns, quotes, `#` comments, `*` for the
-    default, `=` for the value above).
+    """Cases of a table: CSV with commas or semicolons, or YADE's format (blanks between columns, quotes, `#`
+    comments, `*` for the default, `=` for the value above).
 
     parameters : Parameters of the scene, which say what is allowed. ValueError names file, line and column.
     """

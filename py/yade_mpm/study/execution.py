@@ -80,8 +80,9 @@ def _interruptible():
 def execute(client, folders, stop, timeout, tell, look):
     """Runs the cases in their folders; returns False where the study was interrupted.
 
-    client : of Dask. stop : file of this study alone that ends all of its cases. timeout : s per case, or None. tell : function of a
-    folder and its state, called as each ends. look : function without arguments, called now and then.
+    client : of Dask. stop : file of this study alone that ends all of its cases. timeout : s per case, or
+    None. tell : function of a folder and its state, called as each ends. look : function without arguments,
+    called now and then.
     RuntimeError where the scheduler is lost; what has ended is kept.
     """
     shared = dict(stop=stop, timeout=timeout, variables=environment(), cwd=os.getcwd(), pure=False)

@@ -81,8 +81,8 @@ def _head(study, frame):
     )
     seconds = frame["seconds"].astype(float).sum()
     return (
-        f"<h1>Study of {textOf(study.name)}</h1><p>{len(frame)} cases: {textOf(words)}; {seconds:.0f} s of runs; "
-        f"yade_mpm {textOf(identity.codeVersion())}. Table:{files}</p>"
+        f"<h1>Study of {textOf(study.name)}</h1><p>{len(frame)} cases: {textOf(words)}; {seconds:.0f} s "
+        f"of runs; yade_mpm {textOf(identity.codeVersion())}. Table:{files}</p>"
     )
 
 

@@ -38,11 +38,15 @@ ADVICE = re.compile(
 def unclear(error, tokens):
     """Why an error says too little; empty: it does not."""
     kind = type(error)
-    if not (kind in KINDS or isinstance(error, OSError)):
+    if not (kind in KINDS or isinstance(error, (OSError, TypeError, AttributeError))):
         return f"a {kind.__name__} is from the inside"
     text = str(error)
     if kind in (SystemExit, argparse.ArgumentTypeError):  # whose argument it is, argparse says
         return ""
+    if isinstance(
+        error, (TypeError, AttributeError)
+    ):  # Python's own, of a wrong call or a value of another kind
+        return "" if text else "no characters"
     if not text or len(text) > LONGEST:
         return f"{len(text)} characters"
     if not any(t.lower() in text.lower() for t in tokens):

@@ -163,7 +163,7 @@ def test_nothing_else_is_done(scene, tmp_path, text):
 def test_what_is_refused_is_told_when_it_is_given_and_says_what_is_allowed():
     with pytest.raises(
         ValueError,
-        match=r"History: column 'a' = .* is not allowed: .* is not part of the language; as text a column takes "
-        r"numbers, .*; for anything else give a function",
+        match=r"History: column 'a' = .* is not allowed: .* is not part of the language; as text a column "
+        r"takes numbers, .*; for anything else give a function",
     ):
         mpm.History(iterPeriod=1, columns={"a": "open('x')"})

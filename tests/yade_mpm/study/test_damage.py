@@ -6,11 +6,9 @@ from pathlib import Path
 
 import pytest
 from yade_mpm.study import cases, identity, state
-from yade_mpm.study.program import main
 from yade_mpm.study.study import Study, parametersOf
 
 SCENE = Path(__file__).with_name("curve_scene.py")
-WORDS = [str(SCENE), "x=1,2,3", "--out", "o", "--jobs", "3"]
 
 
 @pytest.fixture(scope="module")

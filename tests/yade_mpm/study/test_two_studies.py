@@ -48,6 +48,7 @@ def test_a_folder_in_use_is_refused_and_says_by_whom(tmp_path):
 
 
 def test_a_lock_waits_as_long_as_it_is_told(tmp_path):
-    with holding(tmp_path, "one"), pytest.raises(Held, match="one, process"):
-        with holding(tmp_path, "two", wait=0.2):
-            pass
+    with holding(tmp_path, "one"):
+        two = holding(tmp_path, "two", wait=0.2)
+        with pytest.raises(Held, match="one, process"):
+            two.__enter__()

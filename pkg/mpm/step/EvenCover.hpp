@@ -6,8 +6,8 @@
 //     dx_k = -2 l_k min(1, rate |D| dt) (e_beyond - e_before),
 // with |D| the norm of the strain rate: what does not deform stays where it is. Towards cells that are not full
 // particles go inside the material alone, e_c = s_c (f_c - 1) where f_c < 1, and at a surface only from cells
-// that are too full. The velocity follows the field, v + L dx; the displacement stays. (In the manner of the
-// position corrections of Baumgarte & Kamrin 2023, Int. J. Numer. Methods Eng.)
+// that are too full. Velocity and displacement of a particle stay, and so does the momentum. (In the manner of
+// the position corrections of Baumgarte & Kamrin 2023, Int. J. Numer. Methods Eng.)
 #pragma once
 
 #include "mpm/scene/Scene.hpp"
@@ -153,11 +153,9 @@ class EvenCover {
                 if (by[k] < 0) by[k] = std::min(0.0, std::max(by[k], grid.lower[k] + half[k] - x[k]));
                 if (by[k] > 0) by[k] = std::max(0.0, std::min(by[k], grid.upper[k] - half[k] - x[k]));
             }
-            const Vec<Dim> velocity = L * by;
             for (int k = 0; k < Dim; ++k) {
                 particles.position.plane(k)[p] += by[k];
                 particles.reference.plane(k)[p] += by[k];
-                particles.velocity.plane(k)[p] += velocity[k];
             }
         }
     }

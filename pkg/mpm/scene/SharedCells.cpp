@@ -141,12 +141,10 @@ template <int Dim> void SharedCells<Dim>::find(const Scene<Dim>& scene) {
     decide(scene);
 }
 
-// Groups with boxes that act by cells; boxes that carry an outline have a surface of their own. And groups of meshes
-// alone, unless they are too light.
+// Groups with boxes that act by cells, and groups of meshes alone, unless they are too light.
 template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
     const size_t groups = scene.groups.size();
     std::vector<double> lightest(groups, std::numeric_limits<double>::infinity());
-    std::vector<char> hasOutline(groups, 0);
     double heaviest = 0;
     isSoil_.assign(groups, 0);
     isSolid_.assign(groups, 1);
@@ -154,18 +152,16 @@ template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
         const int group = body->velocityField;
         const double density = body->inertiaScale * body->material->density;
         if (body->particles.size() == 0) continue;
-        if (auto* boxes = body->domains->boxes()) {
+        if (body->domains->boxes()) {
             isSolid_[group] = 0;
             if (body->fbar) isSoil_[group] = 1;
             if (body->fbar) heaviest = std::max(heaviest, density);
-            if (boxes->outline()) hasOutline[group] = 1;
         } else if (!isDrivenWhole(scene, *body)) {
             lightest[group] = std::min(lightest[group], density);
         }
     }
     lightness_ = 1;
     for (size_t g = 0; g < groups; ++g) {
-        isSoil_[g] &= !hasOutline[g];
         isSolid_[g] &= lightest[g] >= leastDensity * heaviest;
         if (isSolid_[g]) lightness_ = std::min(lightness_, lightest[g] / heaviest);
     }

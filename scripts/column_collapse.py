@@ -125,7 +125,7 @@ def run(a):
             "slopeDegrees": degrees(atan(-np.polyfit(x[slope], y[slope], 1)[0])),
             "heightAtWall": float(y[x < 0.02].mean()),
             "heightRatio": a.height / topOf(scene),
-            "volumeGain": sum(b.volume.sum() for b in scene.bodies)
+            "volumeGain": sum(b.bulkVolume.sum() for b in scene.bodies)
             / sum(b.initialVolume.sum() for b in scene.bodies)
             - 1,
             "kineticEnergy": mpm.diagnostics.kineticEnergy(scene),

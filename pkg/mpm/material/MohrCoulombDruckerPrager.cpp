@@ -260,12 +260,6 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     void mixed(const MaterialPoints<3>& points, const double* change) const override {
         exchangeVolume(points, change);
     }
-    void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const override {
-        stiffnessOfOpen(points, lambda, mu);
-    }
-    void stiffness(const MaterialPoints<3>& points, double* lambda, double* mu) const override {
-        stiffnessOfOpen(points, lambda, mu);
-    }
 
     void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
         strengthAtMeanStress(points, strength);
@@ -297,19 +291,6 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
     template <int Dim> void exchangeVolume(const MaterialPoints<Dim>& points, const double* change) const {
         for (int i = 0; i < points.count; ++i) points.state[1][i] -= change[i] * constants_.bulkCompliance;
-    }
-
-    // Soil that stands open has no bulk stiffness until it has closed, and its full density then; at the apex it has
-    // no shear stiffness either. It counts with as much less as it is lighter, so that waves in it are as fast as in
-    // all soil: the critical step does not follow dust.
-    template <int Dim>
-    void stiffnessOfOpen(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
-        const bool isApex = mostMeanStress() == constants_.apex;
-        for (int i = 0; i < points.count; ++i) {
-            const double part = closes(points.hasFbar) ? std::exp(-points.state[opening()][i]) : 1.0;
-            mu[i] = (isApex ? part : 1.0) * elasticity_.mu();
-            lambda[i] = part * elasticity_.bulk() - 2.0 / 3 * mu[i];
-        }
     }
 
     template <int Dim> void strengthAtMeanStress(const MaterialPoints<Dim>& points, double* strength) const {

@@ -17,7 +17,7 @@ template <int Dim> class Particles {
     Field position{"position", "m", "Position.", {Dim}};
     Field velocity{"velocity", "m/s", "Velocity.", {Dim}};
     Field mass{"mass", "Mg", "Mass (2D: per metre of thickness), without inertial scaling; constant."};
-    Field volume{"volume", "m3", "Current volume (2D: area)."};
+    Field volume{"volume", "m3", "Current volume (2D: area), without what soil stands open by."};
     Field initialVolume{"initialVolume", "m3", "Volume when the body was made."};
     Field stress{
         "stress", "kPa", "Cauchy stress, tension positive; the solver reads the upper triangle.", {3, 3}};

@@ -87,9 +87,20 @@ template <int Dim> struct Power {
     }
 };
 
-// Stress update of particles [begin, end); returns their internal work V sigma : D dt, with the mean
-// of old and new stress. state: memory for MaterialPoints. change: of tr L, by F-bar; isWork: the work is that
-// of the changed L, for the forces are.
+// The volume of particles [begin, end) without their opening: only the solid bears stress. In soil that
+// stands open the other part is a gap (material/Material.hpp, opening).
+template <int Dim> void takeOutOpening(Body<Dim>& body, int begin, int end) {
+    const int number = body.material->opening();
+    if (number < 0) return;
+    const double* opening = body.particles.state[number].plane();
+    double* volume = body.particles.volume.plane();
+    for (int p = begin; p < end; ++p)
+        if (opening[p] > 0) volume[p] *= std::exp(-opening[p]);
+}
+
+// Stress and solid volume of particles [begin, end), from deformation and bulk volume; returns their internal
+// work V sigma : D dt, with the mean of old and new stress. state: memory for MaterialPoints. change: of tr
+// L, by F-bar; isWork: the work is that of the changed L, for the forces are.
 template <int Dim>
 double updateStress(Body<Dim>& body, double dt, int begin, int end, double** state, const double* change,
                     bool isWork) {
@@ -108,6 +119,7 @@ double updateStress(Body<Dim>& body, double dt, int begin, int end, double** sta
 #pragma omp simd
     for (int i = 0; i < points.count; ++i) before[i] = power(i);
     body.material->update(averagedPoints);
+    takeOutOpening(body, begin, end);
     double twice = 0;
 #pragma omp simd reduction(+ : twice)
     for (int i = 0; i < points.count; ++i) twice += (before[i] + power(i)) * V[i];

@@ -215,6 +215,12 @@ class Body(Guarded):
         self._scene.stepper.noteChange()
 
     @property
+    def bulkVolume(self):
+        """Volume of the particles with the gaps that soil stands open by, volume exp(opening), m3 (N,); 2D:
+        area."""
+        return self.volume * np.exp(self.opening) if "opening" in self._fields else self.volume.copy()
+
+    @property
     def halfSize(self):
         """Half edges of the box domains, m (dim); zero for meshed domains."""
         return np.array(self.core.halfSize)

@@ -52,7 +52,7 @@ def _places(scene, body, numbers, who):
 
 def _refuseGaps(body, numbers, mesh, gaps, tolerance, who):
     """ValueError where a mesh through the particles is not what they are."""
-    volumes = cellVolumes(mesh.points, mesh.cells) / body.volume[numbers]
+    volumes = cellVolumes(mesh.points, mesh.cells) / body.bulkVolume[numbers]
     error = np.maximum(gaps, np.abs(volumes - 1))
     worst = np.argmax(error)
     if error[worst] > tolerance:

@@ -10,7 +10,7 @@ from ..engine.prescribed import Drive, Hold
 STANDARD = {  # name -> (unit in 3D, function of the scene)
     "time": ("s", lambda scene: scene.time),
     "step": ("-", lambda scene: scene.steps),
-    "dt": ("s", lambda scene: scene.dt),
+    "dt": ("s", lambda scene: scene.stepper.dt),
     "dtCritical": ("s", lambda scene: math.nan if scene.dtCritical is None else scene.dtCritical),
     "particles": ("-", lambda scene: scene.particleCount),
     "mass": ("Mg", diagnostics.mass),

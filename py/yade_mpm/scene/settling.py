@@ -160,12 +160,12 @@ def _look(scene, damping):
     for body, (ids, velocity) in zip(scene.bodies, before):
         # By their ids: the step may have sorted particles, or cut some.
         found, old, now = np.intersect1d(ids, body.id, assume_unique=True, return_indices=True)
-        change = (body.velocity[now] - velocity[old]) / scene.dt
+        change = (body.velocity[now] - velocity[old]) / scene.stepper.dt
         felt = body.inertiaScale * (body.mass / body.volume)[now] * np.linalg.norm(change, axis=1)
         cell = np.prod(scene.cellSizeAt(body.position[now]), axis=1)
         largest = max(largest, (felt * cell).max(initial=0.0))
         # Damping took or gave a part of the acceleration: it acts against the velocity.
-        middle = velocity[old] + 0.5 * scene.dt * change
+        middle = velocity[old] + 0.5 * scene.stepper.dt * change
         free = change / (1 - damping * np.sign(change * middle))
         force = body.inertiaScale * body.mass[now, None] * free
         looks[body.name] = _Look(found, body.position[now], force, body.stress[now], body.volume[now])

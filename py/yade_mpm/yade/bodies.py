@@ -146,13 +146,12 @@ class Bodies:
         if self._waiting or self._watch.hasChanged(isNewRun):
             self._follow(coupling.scene)
         self._run = coupling.runs
-        duration, self._saved = coupling.scene.dt * coupling.mpmSteps, None
+        duration, self._saved = coupling.cycle, None
         self._exchange.read(self._O.iter, loop.dt.now(self._O), duration, coupling.mpmSteps, isEvery)
 
     def apply(self, coupling):
         """In every DEM step: mean force and moment of the cycle's MPM steps to the bodies."""
-        duration = coupling.scene.dt * coupling.mpmSteps / self.thickness
-        self._exchange.apply(self._O.iter, loop.dt.now(self._O), duration)
+        self._exchange.apply(self._O.iter, loop.dt.now(self._O), coupling.cycle / self.thickness)
 
     def cyclesToLook(self, coupling):
         """Cycles before all states are read again."""

@@ -35,6 +35,7 @@ class Coupling:
     engines : its engines in O.engines, in order.
     plot : whether new rows of histories go to yade.plot.
     timeOffset : s, scene.time - O.time; 0 unless one of the two clocks was ahead when the scene was attached.
+    cycle : s, duration of the MPM steps of a cycle as they are taken.
     maxDt : s, largest O.dt that the scene wants: its own step (scene.dt, or a share of the critical step:
         0.8, USL 0.55) times mpmSteps / demSteps.
     criticalDt : s, O.dt above which a step is refused; infinite with scene.allowUnstable.
@@ -95,6 +96,10 @@ class Coupling:
         return f"<{self.label}: {self.scene!r} in YADE, {ratio}>"
 
     engines = property(lambda self: list(self._list.engines), doc="Its engines in O.engines.")
+    cycle = property(
+        lambda self: self.scene.stepper.dt * self.mpmSteps,
+        doc="Duration of the MPM steps of a cycle as they are taken, s; scene.dt is only the largest one allowed.",
+    )
     timeOffset = property(lambda self: self._clock.timeOffset, doc="scene.time - O.time, s.")
     maxDt = property(lambda self: self._timeStep.maxDt, doc="Largest O.dt that the scene wants, s.")
     criticalDt = property(

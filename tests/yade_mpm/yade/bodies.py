@@ -13,10 +13,11 @@ MASS, G = 0.02, 10.0  # Mg, m/s2
 IDS = [0, 1]
 
 
-def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False):
+def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False, dt=None, demDt=None):
     """Free: all fly, without gravity. Else the soil stands on a held layer and the bodies come to rest on it.
 
-    isPolyhedron: the box is one of YADE's Polyhedra.
+    isPolyhedron: the box is one of YADE's Polyhedra. dt, demDt: of the scene and of YADE, s; None: as they
+    choose them.
     """
     scene = mpm.Scene((0, 0, 0), (1.2, 1.2, 1.2), 0.1)
     soil = scene.add(
@@ -55,7 +56,9 @@ def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False):
     ]
     bodies = inYade.Bodies(contact, IDS, friction=0.3)
     exchange = bodies if isCoupled else Deaf(bodies)
+    scene.dt = dt
     coupling = inYade.attach(scene, mpmSteps=mpmSteps, demSteps=demSteps, bodies=exchange)
+    O.dt = demDt or O.dt
     return soil, contact, coupling
 
 

@@ -313,7 +313,7 @@ def difference(turns):
     O.dt, state.blockedDOFs, state.vel, state.angVel = 0.01, "xyzXYZ", (0.3, 0.2, 0), turns
     O.run(50, True)
     scene = SimpleNamespace(dt=0.01, steps=0)
-    bodies.read(SimpleNamespace(runs=1, exchanges=[bodies], mpmSteps=1, scene=scene))
+    bodies.read(SimpleNamespace(runs=1, exchanges=[bodies], mpmSteps=1, cycle=scene.dt, scene=scene))
     w, *axis = contact.orientations[0]
     now = Quaternion(w, *axis)
     largest = 0.0

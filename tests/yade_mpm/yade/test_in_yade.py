@@ -475,6 +475,16 @@ def test_momentum_goes_from_the_bodies_to_the_soil(tmp_path, mpmSteps, demSteps)
     assert fly["change"] < 1e-12, "momentum, Mg m/s, of 8e-3"
 
 
+@pytest.mark.parametrize("mpmSteps, demSteps", [(1, 1), (3, 1), (1, 3)])
+def test_momentum_is_kept_where_yade_steps_by_less_than_the_scene_may(tmp_path, mpmSteps, demSteps):
+    """A body gets the impulse of the steps that were taken, not of steps of scene.dt."""
+    how = f"mpmSteps={mpmSteps}, demSteps={demSteps}, dt=1e-3, demDt={5e-4 * mpmSteps / demSteps!r}"
+    said, _ = run(f"import bodies\nsay('fly', bodies.fly(300, {how}))", tmp_path)
+    fly = said["fly"]
+    assert fly["contacts"] > 2 and fly["given"] < -1e-3
+    assert fly["change"] < 1e-12, "momentum, Mg m/s, of 8e-3"
+
+
 def test_control_without_the_exchange_momentum_is_not_kept(tmp_path):
     said, _ = run("import bodies\nsay('fly', bodies.fly(150, isCoupled=False))", tmp_path)
     assert said["fly"]["change"] > 1e-4

@@ -20,8 +20,14 @@ LIMITS = {
     "dampedShare": 0.1,  # our choice: twice that of the whole run, for a tenth of it
     "hourglassRatio": 0.05,  # Abaqus: artificial energy below 5 to 10 % of the internal one
     "volumeError": 0.1,  # our choice: few cells of a small body scatter by half of it
+    "loadJump": 0.1,  # our choice: half of it to either side of a smooth curve, which would not be seen
     "rateSensitivity": 0.05,  # what an engineer would not see in a resistance
 }
+# In cells of the path from where the front of a driven body crosses a row of nodes: in the middle of the cell
+# before, and before and behind the jump, which lasts from -1/16 to 1/8. And how far the path has to reach.
+WINDOWS = (-0.5, -0.375), (-0.1875, -0.0625), (0.125, 0.25)
+LEAST_BEFORE, LEAST_BEHIND = 0.5, 0.15
+
 _meaning = {
     "kineticRatio": "kinetic energy is {} of the work done",
     "unbalancedRatio": "the mean out-of-balance force of the nodes is {} of the mean force on a node",
@@ -30,6 +36,8 @@ _meaning = {
     "dampedShare": "damping carried up to {} of the load",
     "hourglassRatio": "hourglass control stores {} of the work done",
     "volumeError": "the volumes of the particles are off by {} of the cells that they fill",
+    "loadJump": "the load jumps by {} when the moving body crosses a row of cells: take smaller cells, or "
+    "the mean over a cell of its path",
     "rateSensitivity": "another rate changes the result by {}",
 }
 
@@ -53,6 +61,8 @@ class Certificate:
     rateSensitivity : relative change of the result at another rate, -; None: not looked at.
     volumeError : largest |`diagnostics.volumeRatio` - 1|, -: whether particles have the volume of the space
         that they fill; None: the history has no such column, or there is no cell inside a body.
+    loadJump : mean jump of the load where the front of a driven body crosses a row of nodes, over the load,
+        -; the largest of all drives; None: none of them crosses one, or the history does not tell.
     after : rows of the history from this time on count, s.
     limits : dict name -> largest allowed value.
 
@@ -68,6 +78,7 @@ class Certificate:
     rateSensitivity: float | None
     after: float
     volumeError: float | None = None
+    loadJump: float | None = None
     limits: dict = field(default_factory=lambda: dict(LIMITS))
 
     @property
@@ -122,13 +133,13 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
     history : `History` of the run, or a mapping of its columns time (s), kineticEnergy, dampedEnergy,
         energyError, workDone (kJ) and unbalancedRatio (-); implicitEnergy, where there is one, counts as
         damped. Used where they exist: freeKineticEnergy (kJ; see below), hourglassEnergy (kJ), volumeRatio
-        (-).
+        (-), and for each drive NAME.work (kJ) with NAME.rowsCrossed (-).
     after : rows from this time on count, s; default: the last nine tenths of the time that the rows span.
     rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another
         rate, -; default: not judged.
     limits : dict of limits that replace some of the default ones: kineticRatio 0.05, unbalancedRatio 0.05,
         energyError 0.02, dampedRatio 0.05, dampedShare 0.1, hourglassRatio 0.05, volumeError 0.1,
-        rateSensitivity 0.05.
+        loadJump 0.1, rateSensitivity 0.05.
 
     Energies are compared with `diagnostics.workDone`. A body that a drive carries along stores kinetic
     energy that the drive prescribes, the more the larger its inertia; it says nothing about how what it
@@ -178,6 +189,7 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
         after=float(after),
         volumeError=_volumeError(history, rows),
+        loadJump=_loadJump(history, rows),
         limits=_limits(limits or {}),
     )
 
@@ -242,6 +254,39 @@ def _volumeError(history, rows):
     except KeyError:
         return None
     return None if np.isnan(ratio).all() else float(np.nanmax(np.abs(ratio - 1)))
+
+
+def _loadJump(history, rows):
+    """Largest mean jump of the load of a drive where its body crosses a row of nodes."""
+    names = [n[: -len(".rowsCrossed")] for n in _names(history) if n.endswith(".rowsCrossed")]
+    columns = ((history[f"{n}.rowsCrossed"], history[f"{n}.work"]) for n in names)
+    jumps = [_meanJump(*(np.asarray(c, dtype=float)[rows] for c in pair)) for pair in columns]
+    return max((j for j in jumps if j is not None), default=None)
+
+
+def _meanJump(path, work):
+    """Mean jump of the load, d work / d path, at whole numbers of the path, over the mean load; None without.
+
+    Means over an eighth of a cell on either side of a row are compared, less what the load changes over that
+    distance in the second half of the cell before. A jump that is not the grid's, as at a layer, is one among
+    many.
+    """
+    furthest = np.maximum.accumulate(np.r_[-np.inf, np.fmax(path, -np.inf)[:-1]])
+    isAhead = path > furthest  # not where it stands or goes back
+    path, work = path[isAhead], work[isAhead]
+    if len(path) < 2:
+        return None
+
+    def load(row, start, end):
+        ends = np.minimum(row + np.array([start, end]), path[-1])
+        return np.diff(np.interp(ends, path, work))[0] / np.diff(ends)[0], ends.mean()
+
+    jumps, loads = [], []
+    for row in np.arange(np.ceil(path[0] + LEAST_BEFORE), np.floor(path[-1] - LEAST_BEHIND) + 1):
+        (early, at), (before, middle), (behind, end) = (load(row, *window) for window in WINDOWS)
+        jumps.append(behind - before - (before - early) / (middle - at) * (end - middle))
+        loads.append(before)
+    return float(abs(np.mean(jumps)) / np.mean(np.abs(loads))) if np.any(loads) else None
 
 
 def _limits(given):

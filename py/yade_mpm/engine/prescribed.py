@@ -142,6 +142,20 @@ class Drive(Prescribed):
             self.core.ids = part.ids
         part.body.scene.loadsAndDrives.append(self)
 
+    @property
+    def rowsCrossed(self):
+        """Rows of nodes behind the front of the driven body, from the edge of the grid on, with the part of
+        the cell that it is in: it grows by one for each cell of the path. nan while the drive stands."""
+        velocity = np.nan_to_num(self.core.velocity)[: self.dim]
+        axis = np.argmax(np.abs(velocity))
+        body = self.part.body
+        if not velocity[axis] or not body.count:
+            return np.nan
+        along, lines = body.corners()[..., axis], body.scene.lines[axis]
+        if velocity[axis] > 0:
+            return float(np.interp(along.max(), lines, np.arange(len(lines))))
+        return float(np.interp(along.min(), lines, np.arange(len(lines))[::-1]))
+
     def bind(self, scene):
         if not any(self.part.body is b for b in scene.bodies):
             raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")

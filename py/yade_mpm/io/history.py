@@ -44,13 +44,13 @@ class History(Callback):
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces):
     NAME.fx, NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz
-    (3D: mx, my, mz); with a `Contact` among the engines contact.A-B.fx, contact.A-B.fy (, .fz), the force
-    on group B by group A for each pair of groups, contact.frictionWork and, of the last step,
-    contact.largestPenetration (see `Contact`); mass, momentum.x ..., kineticEnergy, internalWork,
-    externalWork, dampedEnergy, contactEnergy, energyError, workDone, kineticRatio, unbalancedRatio,
-    minJacobian, hourglassAmplitude, hourglassEnergy, distortedCount, invertedCount, convertedCount (see
-    `yade_mpm.diagnostics`); with implicit bodies also implicitEnergy,
-    with drives freeKineticEnergy. A value that does not exist is nan.
+    (3D: mx, my, mz), of a `Drive` also NAME.rowsCrossed; with a `Contact` among the engines contact.A-B.fx,
+    contact.A-B.fy (, .fz), the force on group B by group A for each pair of groups, contact.frictionWork and,
+    of the last step, contact.largestPenetration (see `Contact`); mass, momentum.x ..., kineticEnergy,
+    internalWork, externalWork, dampedEnergy, contactEnergy, energyError, workDone, kineticRatio,
+    unbalancedRatio, minJacobian, hourglassAmplitude, hourglassEnergy, distortedCount, invertedCount,
+    convertedCount (see `yade_mpm.diagnostics`); with implicit bodies also implicitEnergy, with drives
+    freeKineticEnergy. A value that does not exist is nan.
 
     energyError = externalWork - dampedEnergy - contactEnergy (- implicitEnergy) - internalWork -
     (kineticEnergy - kinetic energy at the start).

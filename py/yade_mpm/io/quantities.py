@@ -76,6 +76,8 @@ def _reactions(scene, means):
             axes = (2,) if dim == 2 else (0, 1, 2)
             row.update((f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in axes)
         row[f"{c.name}.work"] = ("kJ", c.work)
+        if isinstance(c, Drive):
+            row[f"{c.name}.rowsCrossed"] = ("-", c.rowsCrossed)
     return row
 
 

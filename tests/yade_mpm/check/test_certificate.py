@@ -93,6 +93,40 @@ def test_what_damping_carries_for_a_while_is_seen():
     assert told == "NOT quasi-static: damping carried up to 20 % of the load (limit 10 %)"
 
 
+def stairs(jump, period=1.0, only=None, cells=6.0):
+    """The pressed bar, driven over rows of cells by a load of 1 that rises by 0.02 a cell, and by `jump`
+    within an eighth of a cell where a period ends, or at one place only."""
+    held = bar(0.01)
+    path = np.linspace(0.0, cells, 1201)
+    places = np.arange(period, cells, period) if only is None else [only]
+    load = 1 + 0.02 * path + jump * sum(np.clip(8 * (path - at) + 0.5, 0, 1) for at in places)
+    work = np.r_[0, np.cumsum((load[1:] + load[:-1]) / 2 * np.diff(path))]
+    at = np.linspace(0, cells, 101)
+    return {**held, "push.rowsCrossed": 3 + at, "push.work": np.interp(at, path, work)}
+
+
+def test_a_load_that_jumps_at_every_row_of_cells_is_seen():
+    assert mpm.quasiStatic(bar(0.01)).loadJump is None
+    assert mpm.quasiStatic(stairs(0.2, cells=1.1)).loadJump is None  # it ends too close behind the row
+    assert mpm.quasiStatic(stairs(0)).loadJump == pytest.approx(0, abs=1e-3)
+    for share in (0.05, 0.2):  # half and twice the limit, of the load before the rows 2 to 5
+        found = mpm.quasiStatic(stairs(1.07 * share / (1 - 2.5 * share)))
+        assert found.loadJump == pytest.approx(share, rel=0.1)
+        assert found.isQuasiStatic == (share < 0.1)
+    assert "when the moving body crosses a row of cells: take smaller cells" in str(found)
+    assert mpm.quasiStatic(stairs(0.2, period=0.7)).isQuasiStatic  # control: not the period of the cells
+    assert mpm.quasiStatic(stairs(0.3, only=4.0)).isQuasiStatic  # control: a layer
+
+
+def test_a_drive_that_stands_or_goes_back_crosses_no_row():
+    held = stairs(0.2)
+    whole = mpm.quasiStatic(held).loadJump
+    held["push.rowsCrossed"][40:50] = np.nan
+    assert mpm.quasiStatic(held).loadJump == pytest.approx(whole, rel=0.2)
+    held["push.rowsCrossed"] = held["push.rowsCrossed"][::-1].copy()
+    assert mpm.quasiStatic(held).loadJump is None
+
+
 def test_a_peak_after_the_start_is_seen():
     peak = bar(0.1)
     peak["kineticEnergy"][60] += 0.06 * peak["workDone"][60]
@@ -318,3 +352,42 @@ def test_the_sheet_pile_states_that_it_is_not_quasi_static_at_2_metres_per_secon
         and written["rateSensitivity"] > 0
         and written["kineticRatio"] > 0.05
     )
+
+
+def test_a_footing_whose_load_jumps_with_the_grid_is_refused():
+    """Half of a bonded footing of 2 m on 1.5 m of weak clay, pressed by 1.2 cells."""
+    scene = mpm.Scene((0, 0), (4, 2.5), 0.25, threads=1)
+    weak = dict(density=1.7, young=5e3, poisson=0.35, cohesion=20, frictionAngle=0, dilatancyAngle=0)
+    clay = mpm.MohrCoulombDruckerPrager(**weak)
+    concrete = mpm.LinearElastic(density=2.4, young=1e6, poisson=0.2)
+    scene.add("clay", box((0, 0), (4, 1.5)), clay, mpm.UGIMP(perCell=2))
+    footing = scene.add("footing", box((0, 1.5), (1, 2)), concrete, mpm.UGIMP(perCell=2), inertiaScale=10)
+    scene.initialStress(surface=1.5, K0=0.8)
+    push = mpm.Drive(footing, velocity=(0, -0.1), ramp=0.2, name="push")
+    walls = dict(roller=("left", "right"), fixed="bottom")
+    history = mpm.History(period=0.02)
+    scene.engines = [
+        mpm.ParticleToGrid(),
+        mpm.GridSolver(gravity=(0, -9.81), damping=0.05, drive=push, **walls),
+        mpm.GridToParticle(),
+        mpm.DomainUpdater(),
+        history,
+    ]
+    scene.dt = 1.4e-3
+    scene.run(until=3.0, progress=False)
+    found = mpm.quasiStatic(history)
+    assert history["push.rowsCrossed"][[0, -1]] == pytest.approx([4, 5.18], abs=0.05)
+    assert 0.1 < found.loadJump < 0.25 and not found.isQuasiStatic
+    assert mpm.quasiStatic(history, limits={"loadJump": 0.25}).isQuasiStatic, str(
+        found
+    )  # all else is in order
+
+
+@pytest.mark.parametrize("kind", [mpm.UGIMP(), mpm.APDI(size=0.25)], ids=repr)
+def test_rows_crossed_count_from_the_edge_behind_the_body(kind):
+    scene = mpm.Scene((0, 0), (4, 4), 0.5, threads=1)
+    elastic = mpm.LinearElastic(density=2, lame=(1e3, 1e3))
+    body = scene.add("block", box((1, 1.25), (2, 3)), elastic, kind)
+    for velocity, rows in (((1, 0), 4), ((-1, 0), 6), ((0.1, 2), 6), ((None, -1), 5.5)):
+        assert mpm.Drive(body, velocity).rowsCrossed == pytest.approx(rows)
+    assert np.isnan(mpm.Drive(body, (0, None)).rowsCrossed)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// Driven parts of bodies: the nodes whose mass is mostly driven take the velocity of the drive. The driven
-// part is looked up anew in every step: a part defined by height must not dive with the body.
+// Driven parts of bodies: the nodes of which half of the mass or more is driven take the velocity of the
+// drive. The driven part is looked up in every step: a part defined by height must not dive with the body.
 #pragma once
 
 #include "mpm/scene/Scene.hpp"
@@ -8,6 +8,10 @@
 #include <algorithm>
 
 namespace mpm {
+
+// Least share of the mass of a node that is driven: a half, less what sums in another order may differ by.
+// Where a part ends on a line of the grid all nodes of that line have a half.
+constexpr double leastDriven = 0.5 * (1 - 1e-9);
 
 // Numbers of the particles that a drive holds now; sets the drive's centre to their centre of mass.
 template <int Dim> std::vector<int> drivenPart(const Body<Dim>& body, Constraint& drive) {
@@ -47,9 +51,9 @@ template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& 
                                   touched);
         auto& field = scene.grid.fields[body.velocityField];
         for (int node : touched) {
-            const bool mostly =
-                body.inertiaScale * nodalMass[node] > 0.5 * field.sum[node][NodalField<Dim>::mass];
-            for (int k = 0; k < Dim && mostly; ++k)
+            const bool isDriven =
+                body.inertiaScale * nodalMass[node] > leastDriven * field.sum[node][NodalField<Dim>::mass];
+            for (int k = 0; k < Dim && isDriven; ++k)
                 if (!std::isnan(drive.velocity[k])) {
                     scene.driven.push_back({body.velocityField, node, k, field.holder[node][k]});
                     field.holder[node][k] = short(c);

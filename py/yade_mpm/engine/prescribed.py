@@ -123,7 +123,10 @@ class Drive(Prescribed):
     ramp : s, time over which the velocity grows from zero; default 0.
     name : for histories; default "drive".
 
-    Nodes whose mass is to more than one half driven take the velocity.
+    Nodes of which half of the mass or more is driven take the velocity: where the part ends on a line of the
+    grid, all nodes of that line do. While the body moves across the line, that holds as long as half of the
+    mass there is driven: end a part between two lines where that counts. Of two drives that meet on a line,
+    the later one in `GridSolver(drive=[...])` moves it.
     """
 
     def __init__(self, part, velocity, ramp=0.0, name="drive"):

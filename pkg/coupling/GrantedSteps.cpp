@@ -29,10 +29,10 @@ template <int Dim> class GrantedScene : public GrantedSteps {
     bool hasGrown(const std::vector<GrowthLimit>& limits) const override {
         if (limits.size() != scene_->bodies.size()) return true;
         for (size_t k = 0; k < limits.size(); ++k) {
-            const auto& particles = scene_->bodies[k]->particles;
-            const Growth found = growthOf(scene_->grid, particles);
-            if (!(found.volume * found.fineness <= limits[k].volume) ||
-                particles.size() > limits[k].particles)
+            auto& body = *scene_->bodies[k];
+            const PresentStiffness found = presentStiffness(scene_->grid, body);
+            if (!(found.bulk <= limits[k].bulk && found.shear <= limits[k].shear) ||
+                body.particles.size() > limits[k].particles)
                 return true;
         }
         return false;

@@ -26,10 +26,10 @@ struct GrantedExchange {
     double thickness;
 };
 
-// What a body may grow to before Python has to estimate the critical step anew: largest V/V0, times the fineness
-// of its cells; and the number of particles.
+// What a body may grow to before Python has to estimate the critical step again: its PresentStiffness, kPa,
+// and the number of particles.
 struct GrowthLimit {
-    double volume, particles;
+    double bulk, shear, particles;
 };
 
 class GrantedSteps : public std::enable_shared_from_this<GrantedSteps> {

@@ -27,11 +27,12 @@ bool goOn(GrantedSteps& self, int stage, long number) {
     return self.act(stage, {number, 0, 0});
 }
 
-// limits: list of a pair for each body.
+// limits: list of a triple for each body, see GrowthLimit.
 void lookAtGrowth(GrantedSteps& self, long next, int period, const bp::list& limits) {
     std::vector<GrowthLimit> all;
     for (bp::ssize_t k = 0; k < bp::len(limits); ++k)
-        all.push_back({bp::extract<double>(limits[k][0]), bp::extract<double>(limits[k][1])});
+        all.push_back({bp::extract<double>(limits[k][0]), bp::extract<double>(limits[k][1]),
+                       bp::extract<double>(limits[k][2])});
     self.lookAtGrowth(next, period, std::move(all));
 }
 

@@ -159,12 +159,12 @@ template <int Dim> struct BindScene {
         d["stressed"] = found.stressed;
         return d;
     }
-    // Of each body: largest V/V0, and how fine the finest cells are that its particles are in.
-    static bp::list growth(const S& scene) {
+    // Of each body: largest bulk and shear modulus, see PresentStiffness.
+    static bp::list presentStiffness(const S& scene) {
         bp::list all;
         for (const auto& body : scene.bodies) {
-            const Growth found = growthOf(scene.grid, body->particles);
-            all.append(bp::make_tuple(found.volume, found.fineness));
+            const PresentStiffness found = mpm::presentStiffness(scene.grid, *body);
+            all.append(bp::make_tuple(found.bulk, found.shear));
         }
         return all;
     }
@@ -252,7 +252,7 @@ template <int Dim> struct BindScene {
             .def("criticalTimeStep", critical)
             .def("interfaceFault", interfaceFault)
             .def("balance", balance)
-            .def("growth", growth)
+            .def("presentStiffness", presentStiffness)
             .def("innerVolumes", innerVolumes)
             .def("nodalTotals", totals)
             .def("nodalEnergy", nodalEnergy<Dim>)

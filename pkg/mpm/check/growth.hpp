@@ -1,26 +1,39 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// What may have made the vibrations of a body faster since its critical step was estimated.
+// What the squares of the frequencies of a body are proportional to, as its particles stand.
 #pragma once
 
 #include "mpm/scene/Scene.hpp"
 
 namespace mpm {
 
-struct Growth {
-    double volume = 1;   // largest V/V0
-    double fineness = 1; // largest mean over the axes of (smallest cell of the grid/cell of the particle)^2
+// Largest among the particles: the bulk and the shear modulus by Material::stiffness(), times V/V0 and the
+// mean over the axes of (smallest cell of the grid/cell of the particle)^2, kPa.
+struct PresentStiffness {
+    double bulk = 0, shear = 0;
 };
 
-template <int Dim> Growth growthOf(const Grid<Dim>& grid, const Particles<Dim>& particles) {
+template <int Dim> PresentStiffness presentStiffness(const Grid<Dim>& grid, Body<Dim>& body) {
+    PresentStiffness largest;
+    const auto include = [&](double lambda, double mu, double factor) {
+        largest.bulk = std::max(largest.bulk, factor * (lambda + 2.0 / 3 * mu));
+        largest.shear = std::max(largest.shear, factor * mu);
+    };
+    const auto& particles = body.particles;
     const double *volume = particles.volume.plane(), *initial = particles.initialVolume.plane();
-    if (particles.size() == 0) return {};
-    Growth largest{0, grid.isGraded() ? 0.0 : 1.0};
-    for (int p = 0; p < particles.size(); ++p) {
-        largest.volume = std::max(largest.volume, volume[p] / initial[p]);
-        if (!grid.isGraded()) continue;
-        const Vec<Dim> size = grid.sizeAt(vectorAt<Dim>(particles.position, p));
-        largest.fineness =
-            std::max(largest.fineness, grid.smallestCell().cwiseQuotient(size).squaredNorm() / Dim);
+    const auto [lambda0, mu0] = body.material->lame();
+    if (particles.size() == 0) include(lambda0, mu0, 1); // of what may come into it
+    double lambda[chunkSize], mu[chunkSize];
+    for (int begin = 0; begin < particles.size(); begin += chunkSize) {
+        const int end = std::min(particles.size(), begin + chunkSize);
+        body.stiffness(begin, end, lambda, mu);
+        for (int p = begin; p < end; ++p) {
+            double factor = volume[p] / initial[p];
+            if (grid.isGraded()) {
+                const Vec<Dim> size = grid.sizeAt(vectorAt<Dim>(particles.position, p));
+                factor *= grid.smallestCell().cwiseQuotient(size).squaredNorm() / Dim;
+            }
+            include(lambda[p - begin], mu[p - begin], factor);
+        }
     }
     return largest;
 }

@@ -146,7 +146,8 @@ class LoopPolicy:
         growth = stepper.stiffening()
         if max(growth, stepper.refining()) < limits.DT_GROWTH or not self._scene.dtCritical:
             return False
-        if self._scene.steps >= stepper.estimatedAt + limits.DT_LEAST_PERIOD:
+        isKnown = growth < math.inf  # not where what had no stiffness has some
+        if self._scene.steps >= stepper.estimatedAt + limits.DT_LEAST_PERIOD or not isKnown:
             self._estimate()
         elif self._scene.givenDt is None:
             stepper.takeSafeDt(growth)

@@ -304,7 +304,8 @@ class Stepper(Guarded):
         """Bound on what the square of the fastest frequency has grown by since the last estimate, 1 at least.
 
         Each particle adds V (K A + mu B) / m to that of the whole, with A and B that have no negative
-        eigenvalue: none can grow by more than the largest ratio, now to then, of K V/V0 and of mu V/V0.
+        eigenvalue: none can grow by more than the largest ratio, now to then, of K V/V0 and of mu V/V0, with
+        K and mu of the particle as it stands.
         """
         return max([1.0, *(growth for bulk, shear, _ in self._ratios() for growth in (bulk, shear))])
 
@@ -314,18 +315,16 @@ class Stepper(Guarded):
 
     def growthLimits(self):
         """What bodies may become before `stiffening` or `refining` reach DT_GROWTH, a little less: for each
-        body the largest V/V0 times fineness, and the number of particles."""
+        body the bulk and the shear modulus of `core.presentStiffness`, and the number of particles."""
         scene, share, found = self._scene, limits.DT_GROWTH * (1 - 1e-9), []
         blend = _blend(scene)
         for body in scene.bodies:
             if not scene.dtCritical or body.name not in self._estimatedStiffness:
-                found.append((math.inf, math.inf))  # nothing to go by
+                found.append((math.inf, math.inf, math.inf))  # nothing to go by
                 continue
             bulk, shear, count = self._estimatedStiffness[body.name]
-            lame, mu = body.material.lameConstants
-            now = (bulk, lame + 2 / 3 * mu), (shear, mu)
-            room = [a / b for a, b in now if b > 0]
-            found.append((share * min(room, default=math.inf) * body.inertiaScale / blend, share * count))
+            scale = share * body.inertiaScale / blend
+            found.append((scale * bulk, scale * shear, share * count))
         return found
 
     def _ratios(self):
@@ -486,15 +485,14 @@ def _asTime(what, time):
 
 
 def stiffnesses(scene):
-    """What the square of the fastest frequency is proportional to: by the name of a body the bulk and the
-    shear modulus, kPa, times the largest V/V0, over the factor on inertia, with flip and damping; where cells
-    differ, times the mean square of the smallest cell of the grid over that of a particle, where largest; and
-    the number of particles."""
+    """What the square of the fastest frequency is proportional to: by the name of a body the largest present
+    bulk and shear modulus, kPa, times V/V0, over the factor on inertia, with flip and damping; where cells
+    differ, times the mean square of the smallest cell of the grid over that of the particle; and the number
+    of particles."""
     blend, found = _blend(scene), {}
-    for body, (volume, fineness) in zip(scene.bodies, scene.core.growth()):
-        lame, mu = body.material.lameConstants
-        factor = blend * volume / body.inertiaScale * fineness
-        found[body.name] = [factor * (lame + 2 / 3 * mu), factor * mu, float(body.count)]
+    for body, moduli in zip(scene.bodies, scene.core.presentStiffness()):
+        factor = blend / body.inertiaScale
+        found[body.name] = [*(factor * modulus for modulus in moduli), float(body.count)]
     return found
 
 

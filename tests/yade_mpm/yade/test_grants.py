@@ -133,10 +133,21 @@ def test_whoever_holds_the_table_keeps_the_steps(host):
     table.free(table.self)
 
 
+def moduli(body):
+    """Bulk and shear modulus, kPa."""
+    lame, mu = body.material.lameConstants
+    return np.array([lame + 2 / 3 * mu, mu])
+
+
+def growthTo(factor, scene, count=1e9):
+    """Limits at which bodies are stiffer by a factor, or have more particles than a number."""
+    return [(*map(float, factor * moduli(body)), count) for body in scene.bodies]
+
+
 def test_growth_is_looked_at_in_granted_steps(host):
     """Every `period` steps; the one before which a body has passed its limit is not taken."""
     host.grant(steps=100)
-    host.steps.lookAtGrowth(2, 3, [(1.25, 1e9)] * len(host.scene.bodies))
+    host.steps.lookAtGrowth(2, 3, growthTo(1.25, host.scene))
     assert all(host.step() for _ in range(2)) and host.steps.nextLook == 2
     assert host.step() and host.steps.nextLook == 3
     assert host.step() and host.steps.nextLook == 6
@@ -144,9 +155,9 @@ def test_growth_is_looked_at_in_granted_steps(host):
     soil = host.scene.bodies[0]
     soil.volume[0] = 1.3 * soil.initialVolume[0]
     assert not host.step() and host.steps.nextLook == 6
-    host.steps.lookAtGrowth(6, 3, [(1.4, 1e9)] * len(host.scene.bodies))
+    host.steps.lookAtGrowth(6, 3, growthTo(1.4, host.scene))
     assert host.step() and host.steps.nextLook == 9
-    host.steps.lookAtGrowth(7, 3, [(2.0, 1.0)] * len(host.scene.bodies))
+    host.steps.lookAtGrowth(7, 3, growthTo(2.0, host.scene, 1.0))
     assert not host.step()  # more particles than that
 
 
@@ -155,10 +166,10 @@ def test_limits_of_growth_are_those_of_python():
     scene.prepare()
     limits = scene.stepper.growthLimits()
     assert len(limits) == len(scene.bodies)
-    for body, (most, count) in zip(scene.bodies, limits):
+    for body, (*most, count) in zip(scene.bodies, limits):
         assert count == pytest.approx(1.25 * body.count)
         volume = body.volume.copy()
-        room = most * (body.initialVolume / body.volume).min()
+        room = (most / moduli(body)).min() * (body.initialVolume / body.volume).min()
         body.volume[:] = volume * room * (1 - 1e-6)
         assert scene.stepper.stiffening() < 1.25
         body.volume[:] = volume * room * (1 + 1e-6)

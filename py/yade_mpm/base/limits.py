@@ -16,10 +16,12 @@ CHECK_PERIOD = 1000  # steps between looks at the interface and at the quality o
 # Smallest corner of an APDI domain over its area from which on down the run warns; at 0.05 it stops, or
 # converts the domain.
 POOR_QUALITY = 0.2
+# Of a cell: what single precision, in which files keep meshes, rounds an edge by 8000 cells from the origin.
+SINGLE_PRECISION = 1e-3
 # Longest APDI edge beside uGIMP, in cells: when the scene is built, and while running as domains stretch and
 # the interface moves; from 1.5 on the run warns. The sheet pile reaches 1.39; a column errs in stress by up
 # to 15 % at 1.5 and 42 % at 2 (doc/explanation/sheet-pile.md).
-INTERFACE_BUILD, INTERFACE_WARN, INTERFACE_RUN = 1 + 1e-9, 1.5, 2.0
+INTERFACE_BUILD, INTERFACE_WARN, INTERFACE_RUN = 1 + SINGLE_PRECISION, 1.5, 2.0
 # Plastic shear strain that counts as flow, and the share of a body that may flow without F-bar unsaid: slopes
 # and cuts that stand with a margin stay below (doc/explanation/volumes.md).
 FLOW_STRAIN, FLOW_SHARE = 1e-3, 0.01

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base import limits
 from ..base.attributes import keep
 from ..geometry.lattice import checkOverlap
 from ..geometry.numbers import placeText
@@ -129,6 +130,8 @@ def _checkInside(scene, name, geometry):
     isBoxes = isinstance(geometry, tuple)
     positions = geometry.positions if isBoxes else geometry.points
     tolerance = 1e-9 * scene.cell
+    if not isBoxes:
+        _moveOntoWalls(scene, positions, tolerance)
     outside = ((positions < scene.lower - tolerance) | (positions > scene.upper + tolerance)).any(axis=1)
     if outside.any():
         at = positions[np.argmax(outside)]
@@ -136,6 +139,14 @@ def _checkInside(scene, name, geometry):
             f"body '{name}': {'particle' if isBoxes else 'vertex'} at {placeText(at)} is outside the grid "
             f"{placeText(scene.lower)} to {placeText(scene.upper)}; enlarge the grid or move the body"
         )
+
+
+def _moveOntoWalls(scene, vertices, tolerance):
+    """Vertices that a file in single precision has put behind a wall of the grid."""
+    inside = np.clip(vertices, scene.lower, scene.upper)
+    way = np.abs(vertices - inside)
+    isRounded = (way > tolerance) & (way < limits.SINGLE_PRECISION * scene.cell)
+    vertices[isRounded] = inside[isRounded]
 
 
 def drop(scene, body):

@@ -7,7 +7,7 @@ import datetime
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm import box
+from yade_mpm import box, study
 
 ELASTIC = dict(density=1.0, lame=(1e3, 1e3))
 
@@ -67,3 +67,30 @@ def test_nonsense_that_a_callback_writes_ends_the_run(name, value):
         (RuntimeError, ValueError), match="step 3: .*(not positive|not finite|outside the grid)"
     ):
         scene.run(steps=3, progress=False)
+
+
+@pytest.mark.parametrize("left", [0.0, 12.3, 100.7])
+def test_a_mesh_in_single_precision_meets_boxes_and_walls(left):
+    """As files keep it: an edge of a cell was refused for its seventh digit, a vertex for being out of the
+    grid."""
+    x, y = np.meshgrid(np.linspace(left, left + 1, 11), np.linspace(0, 1, 11))
+    points, cells = study.quadrilaterals(x, y)
+    single = np.array(points, np.float32)
+    soil = mpm.LinearElastic(**ELASTIC)
+    scene = mpm.Scene((left, 0), (left + 2, 1), 0.1)
+    mesh = scene.add("mesh", (single, cells), soil, mpm.APDI())
+    scene.add("boxes", box((left + 1, 0), (left + 2, 1)), soil, mpm.UGIMP())
+    scene.run(steps=1, progress=False)
+    assert mesh.vertices == pytest.approx(points, abs=1e-4 * 0.1)
+
+
+def test_control_edges_and_vertices_that_are_off_by_more_than_single_precision_are_refused():
+    soil, cells = mpm.LinearElastic(**ELASTIC), np.array([[0, 1, 2, 3]])
+    scene = mpm.Scene((0, 0), (2, 1), 0.1)
+    scene.add("boxes", box((1, 0), (2, 1)), soil, mpm.UGIMP())
+    corners = np.array([[0.8979, 0.5], [1.0, 0.5], [1.0, 0.6], [0.8979, 0.6]])
+    with pytest.raises(ValueError, match="vertex at .* is outside the grid"):
+        scene.add("far", (corners - (0.8979 + 0.00011, 0), cells), soil, mpm.APDI())
+    scene.add("long", (corners, cells), soil, mpm.APDI())
+    with pytest.raises(ValueError, match="is longer than the cell 0.1 m within one cell of uGIMP"):
+        scene.run(steps=1, progress=False)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Soil that flows without F-bar is warned of, once for each body."""
 
+import warnings
+
 import pytest
 import yade_mpm as mpm
 from yade_mpm import box
@@ -56,3 +58,35 @@ def test_an_implicit_body_that_yields_is_told_of_as_such(capsys):
     said = [line for line in capsys.readouterr().err.splitlines() if "yields" in line]
     assert len(said) == 1 and "body 'one' yields and is implicit: " in said[0]
     assert "leave implicit=True out" in said[0] and "F-bar" not in said[0]
+
+
+def elastic(poisson, type_, **more):
+    """A scene with an elastic block."""
+    scene = mpm.Scene((0, 0), (4, 2), 0.5, threads=1)
+    soil = mpm.LinearElastic(density=2.0, young=1e3, poisson=poisson)
+    scene.add("block", box((0, 0), (2, 1)), soil, type_, **more)
+    scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom")
+    return scene
+
+
+@pytest.mark.parametrize(
+    "poisson, type_, more, isTold",
+    [
+        (0.45, mpm.UGIMP, {}, True),
+        (0.499, mpm.BSpline, {}, True),
+        (0.44, mpm.UGIMP, {}, False),
+        (0.499, mpm.UGIMP, {"fbar": True}, False),
+        (0.499, mpm.APDI, {}, False),
+    ],
+)
+def test_boxes_that_hardly_change_their_volume_are_warned_of_before_the_first_step(
+    poisson, type_, more, isTold
+):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        elastic(poisson, type_(), **more).prepare()
+    said = [str(w.message) for w in caught]
+    told = f"body 'block': its boxes have no F-bar and Poisson's ratio {poisson:.4g}, so they lock: "
+    assert [text.startswith(told) and text.endswith("give fbar=True in scene.add") for text in said] == (
+        [True] if isTold else []
+    )

@@ -5,7 +5,8 @@ import math
 import time
 
 from ..base import limits
-from ..check.domains import OF_THE_RUN, checkFields, checkInterface, distortion, leftBehind, locking, opened
+from ..check import domains
+from ..check.domains import OF_THE_RUN, checkFields, checkInterface, distortion, leftBehind
 from ..engine.callback import Callback
 from ..engine.engine import NO_CALL
 from ..engine.gridSolver import GridSolver
@@ -122,7 +123,8 @@ class LoopPolicy:
                 raise RuntimeError(f"step {self._scene.steps}: {error}") from error
 
     def lookAtDomains(self, longest):
-        """Warns, once each, of long edges beside uGIMP, of distorted domains, of bodies that lock or opened.
+        """Warns, once each, of long edges beside uGIMP, of distorted domains, of bodies that lock or opened,
+        of meshes that flow.
 
         Parameters
         ----------
@@ -131,7 +133,8 @@ class LoopPolicy:
         scene = self._scene
         faults = {"interface": checkInterface(scene, longest), "distortion": distortion(scene)}
         for body in scene.bodies:
-            faults |= {f"locking of {body.name}": locking(body), f"opening of {body.name}": opened(body)}
+            looks = {"locking": domains.locking, "opening": domains.opened, "flow": domains.flowing}
+            faults |= {f"{what} of {body.name}": look(body) for what, look in looks.items()}
         for solver in (e for e in scene.engines if isinstance(e, GridSolver)):
             faults |= {f"way of {hold.name}": leftBehind(scene, hold) for hold in solver.hold}
         for what, fault in faults.items():

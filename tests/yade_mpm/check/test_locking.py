@@ -90,3 +90,30 @@ def test_boxes_that_hardly_change_their_volume_are_warned_of_before_the_first_st
     assert [text.startswith(told) and text.endswith("give fbar=True in scene.add") for text in said] == (
         [True] if isTold else []
     )
+
+
+def flowing(rate, boxes=None, **more):
+    """A mesh of clay that shears by rate/100, bonded to a block of boxes where their F-bar is given."""
+    scene = mpm.Scene((0, 0), (8, 4), 0.5, threads=1)
+    clay = mpm.MohrCoulombDruckerPrager(**CLAY)
+    parts = [scene.add("mesh", box((1, 1), (3, 3)), clay, mpm.APDI(size=0.5), **more)]
+    if boxes is not None:
+        parts.append(scene.add("boxes", box((3, 1), (5, 3)), clay, mpm.UGIMP(perCell=2), fbar=boxes))
+    for part in parts:
+        part.velocity[:, 0] = rate * part.position[:, 1]
+    for until in (0.01, 0.02):
+        scene.run(until=until, progress=False)
+
+
+@pytest.mark.parametrize("boxes, error", [(True, "falls to 12 % below"), (None, "19 % above")])
+def test_a_mesh_that_flows_is_told_of_once(boxes, error, capsys):
+    flowing(4.0, boxes)
+    said = [line for line in capsys.readouterr().err.splitlines() if "is a mesh and flows" in line]
+    assert len(said) == 1 and "body 'mesh' is a mesh and flows: " in said[0]
+    assert error in said[0] and "make boxes (UGIMP) of all that flows" in said[0]
+
+
+def test_control_a_mesh_that_hardly_yields_or_has_no_fbar_is_not_told_to_flow(capsys):
+    flowing(0.3)
+    flowing(4.0, fbar=False)
+    assert "is a mesh and flows" not in capsys.readouterr().err

@@ -132,6 +132,15 @@ TEST(FrictionLaw, startsOfSurfacesThatPartDoNotAgree) {
     EXPECT_EQ(exchanged(1.1).agreeing.norm(), 0);
 }
 
+TEST(FrictionLaw, normalsHaveNoPartAlongAxesThatAreHeldOnBothSides) {
+    const auto isUp = [](int axis) { return axis == 1; };
+    const auto tiltedBy = [&](double x) { return freePart<2>({x, std::sqrt(1 - x * x)}, isUp); };
+    EXPECT_EQ(tiltedBy(0.2), Vec<2>(1, 0));
+    EXPECT_EQ(tiltedBy(0.05), Vec<2>(0, 0)); // too little is left
+    EXPECT_EQ(freePart<2>(tilted, [](int) { return false; }), tilted);
+    EXPECT_EQ(freePart<2>({1, 0}, isUp), Vec<2>(1, 0));
+}
+
 TEST(FrictionLaw, oneBodyDoesNotMoveInItself) {
     const auto [J, w] =
         exchanged<3>({0, 0, false, false, 1}, Vec<3>::UnitX(), skewInSpace, Vec<3>(1.5, 0.7, -2));

@@ -24,6 +24,26 @@ template <int Dim> Mat<Dim> inverseMass(const NodalField<Dim>& field, int node) 
     return W;
 }
 
+// Takes the axes that constraints hold on both sides out of the normals. A site between nodes is held where all of
+// them are.
+template <int Dim> void straighten(const Scene<Dim>& scene, ContactSearch<Dim>& search) {
+    const auto isFree = [&](int i, int k) {
+        const ContactNode<Dim>& contact = search.nodes[i];
+        return scene.grid.fields[contact.field[0]].holder[contact.node][k] < 0 ||
+               scene.grid.fields[contact.field[1]].holder[contact.node][k] < 0;
+    };
+    const auto look = [&](ContactSite<Dim>& site, const int* at, const double* S, int count) {
+        site.normal = freePart<Dim>(site.normal, [&](int k) {
+            bool isHeld = true;
+            for (int i = 0; i < count; ++i) isHeld &= S[i] == 0 || !isFree(at[i], k);
+            return isHeld;
+        });
+    };
+    const double one = 1;
+    for (int i = 0; i < int(search.nodes.size()); ++i) look(search.nodes[i], &i, &one, 1);
+    for (auto& point : search.points) look(point, point.contact, point.S, point.size);
+}
+
 // For velocities made anew. Surfaces that part though all that is carried holds them do so there, too. Held once more
 // they would strain nothing, at whatever speed their particles part, and no stress would answer the pressure.
 template <int Dim> void startAnew(ContactSite<Dim>& site) {
@@ -139,6 +159,7 @@ FrictionLaw Contact::lawOf(int a, int b) const {
 OwnedFacets Contact::ownedFacets() const {
     if (!separation || constraints == "nodes") return OwnedFacets::none;
     if (constraints == "facets") return OwnedFacets::all;
+    straighten(scene, state.search);
     return normals == "mass" ? OwnedFacets::none : OwnedFacets::ofMeshesOnBoxes;
 }
 

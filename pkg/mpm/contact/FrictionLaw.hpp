@@ -13,6 +13,16 @@
 
 namespace mpm {
 
+// A normal without the axes along which constraints hold both groups, isHeld(axis): there they do not push each other,
+// and the impulse that stops what the normal sees of them would grow without bound. Zero where hardly any is left.
+template <int Dim, class IsHeld> Vec<Dim> freePart(const Vec<Dim>& normal, IsHeld&& isHeld) {
+    constexpr double least = 0.1; // below, what is left is how surfaces happen to tilt, no direction
+    Vec<Dim> free = normal;
+    for (int k = 0; k < Dim; ++k)
+        if (free[k] != 0 && isHeld(k)) free[k] = 0;
+    return free == normal ? normal : unit<Dim>(free, least);
+}
+
 struct FrictionLaw {
     double friction;         // -
     double adhesion;         // kPa

@@ -17,9 +17,6 @@ constexpr double leastSum = 1e-6;
 // face each other.
 constexpr double planeFlatness = 0.98;
 constexpr double facingFully = 0.05;
-// Part of a normal that is left where constraints hold both groups along the others; with less it has no
-// direction.
-constexpr double leastFree = 0.1;
 // Steps of the grid round an edge over which velocities are averaged: the boxes at the edge itself have already
 // been given its velocity by contact. With 2 instead of 4 the tip of a sheet pile takes a third more energy, and
 // up to four times as much is missing from the balance.
@@ -215,15 +212,6 @@ template <int Dim> void addBoxes(ContactNode<Dim>& contact, int boxes) {
         unit<Dim>((1 - contact.shareOfBoxes) * contact.normal + contact.shareOfBoxes * theirs, leastSum);
 }
 
-// Where a constraint holds both groups along an axis they do not push each other along it: at a plane of
-// symmetry an outline has facets on that plane, and the normal would tilt.
-template <int Dim> void straighten(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
-    Vec<Dim> free = contact.normal;
-    for (int k = 0; k < Dim; ++k)
-        if (pair.areBothHeld(contact.node, k)) free[k] = 0;
-    if (free.norm() > leastFree) contact.normal = free.normalized();
-}
-
 } // namespace
 
 template <int Dim> void findNormals(PairSearch<Dim>& pair, const SearchRule& rule) {
@@ -234,8 +222,6 @@ template <int Dim> void findNormals(PairSearch<Dim>& pair, const SearchRule& rul
         if (rule.turnsAtEdges) turnAtEdges(pair, side);
     if (pair.isExplicit[0] != pair.isExplicit[1])
         pair.forNodes([&](ContactNode<Dim>& contact) { addBoxes(contact, pair.isExplicit[0] ? 1 : 0); });
-    if (pair.hasOutline[0] || pair.hasOutline[1])
-        pair.forNodes([&](ContactNode<Dim>& contact) { straighten(pair, contact); });
 }
 
 template void findNormals(PairSearch<2>&, const SearchRule&);

@@ -127,7 +127,7 @@ class Contact(_Contact):
         adhesion: float = 0.0,
         separation: bool = True,
         slip: bool = True,
-        impactLoss: float = 0.0,
+        impactLoss: float = 1.0,
         normals: Literal['surface', 'mass'] = 'surface',
         constraints: Literal['auto', 'nodes', 'facets'] = 'auto',
         pairs: Any = (),

@@ -132,6 +132,24 @@ TEST(FrictionLaw, startsOfSurfacesThatPartDoNotAgree) {
     EXPECT_EQ(exchanged(1.1).agreeing.norm(), 0);
 }
 
+// Velocities made anew have no gap to close: what parts there was pressed together by the stress of this step.
+TEST(FrictionLaw, surfacesThatPressedStayTogetherWhateverImpactsLose) {
+    for (const double impactLoss : {0.0, 0.5, 1.0}) {
+        const FrictionLaw law{0, 0, true, true, impactLoss};
+        ContactSite<2> site;
+        site.normal = tilted;
+        const auto parting = [&] {
+            return law
+                .impulses<2>(site, 1e-3, Mat<2>::Identity(), Mat<2>::Identity(), Vec<2>::Zero(),
+                             Vec<2>(-0.2 * tilted))
+                .all;
+        };
+        EXPECT_EQ(parting().norm(), 0); // control: they have not pressed
+        site.presses = true;
+        EXPECT_NEAR((parting() + 0.2 * tilted).norm(), 0, 1e-15);
+    }
+}
+
 TEST(FrictionLaw, normalsHaveNoPartAlongAxesThatAreHeldOnBothSides) {
     const auto isUp = [](int axis) { return axis == 1; };
     const auto tiltedBy = [&](double x) { return freePart<2>({x, std::sqrt(1 - x * x)}, isUp); };

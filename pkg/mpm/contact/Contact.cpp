@@ -73,10 +73,10 @@ std::vector<Parameter> Contact::attributes() {
         {"slip", "", "Whether groups in contact may slip; False: whatever the friction, they do not.", &slip},
         {"impactLoss", "-",
          "Share of the velocity with which nodes of two groups meet that their particles lose. "
-         "0: elastic impacts\n"
-         "keep their energy. 1: they stop a layer of one cell; for soil that flows round a "
-         "structure, where noise\n"
-         "would push the groups apart otherwise.",
+         "1: an impact stops a\n"
+         "layer of one cell. 0: elastic bodies that collide keep their energy; not for soil that flows round a "
+         "structure,\n"
+         "where noise would push the groups apart.",
          &impactLoss, Range::between(0, 1)},
         {"normals",
          "",

@@ -12,7 +12,7 @@ namespace mpm {
 
 class Contact : public EngineOf<Contact>, public VelocityCoupling, public LookingAhead {
   public:
-    double friction = 0, adhesion = 0, impactLoss = 0, frictionWork = 0;
+    double friction = 0, adhesion = 0, impactLoss = 1, frictionWork = 0;
     bool separation = true, slip = true, sharedCells = true;
     std::vector<double> cells, gaps; // see SharedCells
     std::string normals = "surface", constraints = "auto";

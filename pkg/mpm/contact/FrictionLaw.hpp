@@ -65,16 +65,16 @@ struct FrictionLaw {
     }
 };
 
-// What stops an approach faster than the gap allows in a step, as an impulse on the second group. Where
-// impacts are lost, surfaces that pressed on each other in this step do not part either in the velocities
-// that are made anew: the pressure would give energy.
+// What stops an approach faster than the gap allows in a step, as an impulse on the second group. Surfaces that pressed
+// on each other in this step do not part either in the velocities that are made anew: approach would strain nothing but
+// parting would, and pressure times that rate is energy from nothing.
 template <int Dim>
 double FrictionLaw::stopping(const ContactSite<Dim>& site, const Mat<Dim>& mobility, const Vec<Dim>& w,
                              double dt) const {
     const double excess = this->excess(site, w, dt);
     const double alongNormal = site.normal.dot(mobility * site.normal);
-    if (!(alongNormal > 0)) return 0;
-    return (excess > 0 || !separation ? 1 : site.presses ? impactLoss : 0) * excess / alongNormal;
+    const bool isHeld = excess > 0 || !separation || site.presses;
+    return isHeld && alongNormal > 0 ? excess / alongNormal : 0;
 }
 
 template <int Dim>

@@ -1,14 +1,57 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Bodies that press on each other: no impulse along axes that are held."""
+"""Bodies that press on each other: no slip below the limit of friction, no energy from nothing, no impulse
+along axes that are held."""
 
 import numpy as np
 import pytest
 import yade_mpm as mpm
 from yade_mpm import box
 
+LAWS = [dict(), dict(impactLoss=0), dict(impactLoss=0, slip=False)]
+
+
 def engines(contact, **solver):
     stages = mpm.ParticleToGrid(), mpm.GridSolver(**solver), contact, mpm.GridToParticle()
     return [*stages, mpm.DomainUpdater()]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=str)
+def test_a_block_that_is_pushed_below_the_limit_of_friction_stays(law):
+    """A mesh with edges of a cell on an elastic slab, pushed by a fifth of its friction. Where surfaces that
+    press on each other may part while they strain, it slides by 19 mm in 2 s, with slip=False by 348."""
+    scene = mpm.Scene((0, 0), (4, 3), 0.25, threads=1)
+    soft = mpm.LinearElastic(density=1, young=2e4, poisson=0.0)
+    block = scene.add("block", box((1, 0.5), (2, 1)), soft, mpm.APDI(), group="block")
+    slab = scene.add("slab", box((0, 0), (4, 0.5)), soft, mpm.UGIMP(), group="slab")
+    contact = mpm.Contact(friction=0.5, **law)
+    held = mpm.Drive(slab, velocity=(0, 0))
+    scene.engines = engines(contact, gravity=(0, -9.81), damping=0.3, drive=held)
+    scene.settle(progress=False)
+    start, block.bodyForce[:, 0] = block.position[:, 0].mean(), 0.981
+    scene.run(until=scene.time + 1, progress=False)
+    assert abs(block.position[:, 0].mean() - start) < 5e-5  # elastic: 1.1e-5
+    assert contact.forceOn("block")[0] / contact.forceOn("block")[1] == pytest.approx(-0.1, rel=0.01)
+    assert contact.frictionWork > -1e-6
+
+
+@pytest.mark.parametrize("impactLoss", [0.0, 0.5, 1.0])
+def test_a_block_in_a_notch_gains_no_energy(impactLoss):
+    """A mesh that rattles in a notch of boxes, without gravity and damping: the energy grew to 527 times
+    that of the start without loss, and is a quarter of it now."""
+    h = 0.5
+    scene = mpm.Scene((0, 0), (5 * h, 8 * h), h, threads=1)
+    soft = mpm.LinearElastic(density=1.8, young=2.5e3, poisson=0.0)
+    hard = mpm.LinearElastic(density=1.0, young=6e4, poisson=0.45)
+    scene.add("ground", box((0, 0), (5 * h, 2 * h)) - box((h, h), (2 * h, 2 * h)), soft, mpm.UGIMP(perCell=2))
+    block = scene.add("block", box((h, h), (2 * h, 3 * h)), hard, mpm.APDI(size=h), group="block")
+    block.velocity[:] = (-0.15, 0)
+    contact = mpm.Contact(friction=0.3, impactLoss=impactLoss)
+    scene.engines = engines(contact, gravity=(0, 0), fixed="bottom", roller="right")
+    kinetic = [mpm.diagnostics.kineticEnergy(scene)]
+    for _ in range(20):
+        scene.run(steps=100, progress=False)
+        kinetic.append(mpm.diagnostics.kineticEnergy(scene))
+    assert max(kinetic[1:]) < kinetic[0] and 0 < max(kinetic[-5:]) < 0.3 * kinetic[0]
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])

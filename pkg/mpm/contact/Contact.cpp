@@ -90,7 +90,8 @@ std::vector<Parameter> Contact::attributes() {
          "each facet\n"
          "of a mesh belongs to a vertex or to nodes, never to both; else curved and inclined bodies are "
          "too large.\n"
-         "'auto': facets of a mesh against boxes that carry no outline, nodes for all other pairs.",
+         "'auto': facets where one of two groups is of meshes and none has boxes with an outline; else nodes, which\n"
+         "make boxes on boxes 10 to 30 % too stiff or too soft.",
          &constraints,
          {},
          {"auto", "nodes", "facets"}},
@@ -158,9 +159,7 @@ FrictionLaw Contact::lawOf(int a, int b) const {
 
 OwnedFacets Contact::ownedFacets() const {
     if (!separation || constraints == "nodes") return OwnedFacets::none;
-    if (constraints == "facets") return OwnedFacets::all;
-    straighten(scene, state.search);
-    return normals == "mass" ? OwnedFacets::none : OwnedFacets::ofMeshesOnBoxes;
+    return constraints == "facets" ? OwnedFacets::all : OwnedFacets::ofMeshes;
 }
 
 template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) {

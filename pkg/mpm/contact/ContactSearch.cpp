@@ -53,8 +53,8 @@ void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule, b
                 pair_.motion[side].setZero();
                 pair_.edges[side] = 0;
             }
-            pair_.ownsFacets = rule.owned == OwnedFacets::all ||
-                               (rule.owned == OwnedFacets::ofMeshesOnBoxes && pair_.isMeshOnBoxes());
+            pair_.ownsFacets =
+                rule.owned == OwnedFacets::all || (rule.owned == OwnedFacets::ofMeshes && pair_.hasMesh());
             if (!findNodes(pair_)) continue;
             findSurfaces(pair_);
             findNormals(pair_, rule);

@@ -15,7 +15,7 @@ namespace mpm {
 constexpr double edgeFlatness = 0.9;
 
 // Where each facet of a mesh belongs to a contact point or to nodes, never to both.
-enum class OwnedFacets { none, ofMeshesOnBoxes, all };
+enum class OwnedFacets { none, ofMeshes, all };
 
 // How contact is searched for.
 struct SearchRule {
@@ -54,8 +54,8 @@ template <int Dim> struct PairSearch {
         return fieldOf(0).holder[node][axis] >= 0 && fieldOf(1).holder[node][axis] >= 0;
     }
 
-    // Whether one of them is of meshes alone, and the other has boxes whose surface only the nodes see.
-    bool isMeshOnBoxes() const { return isExplicit[0] != isExplicit[1] && !hasOutline[0] && !hasOutline[1]; }
+    // Whether one of them is of meshes alone, and none has boxes that carry an outline.
+    bool hasMesh() const { return (isExplicit[0] || isExplicit[1]) && !hasOutline[0] && !hasOutline[1]; }
 
     // f(contact node) for those of this pair.
     template <class F> void forNodes(F&& f) const {

@@ -621,10 +621,10 @@ def test_a_plate_of_one_cell_between_grid_lines_in_a_mesh_has_its_friction_by_fa
 # --- nodes or facets ------------------------------------------------------------------------------------
 @pytest.mark.parametrize(
     "pair, chosen",
-    [("ua", "facets"), ("au", "facets"), ("uu", "nodes"), ("aa", "nodes"), ("uc", "nodes"), ("ac", "nodes")],
+    [("ua", "facets"), ("au", "facets"), ("uu", "nodes"), ("aa", "facets"), ("uc", "nodes"), ("ac", "nodes")],
 )
-def test_facets_hold_where_a_mesh_meets_boxes_and_nodes_elsewhere(pair, chosen):
-    """A user who chooses nothing gets a T-bar of the right size, and elastic bodies that meet as before."""
+def test_facets_hold_meshes_and_nodes_all_others(pair, chosen):
+    """A user who chooses nothing gets a T-bar of the right size, and the load of a mesh on a mesh."""
 
     def pushed(**law):
         return run(drawn(mpm.Contact(friction=0.3, **law), [pair])[0], steps=60)

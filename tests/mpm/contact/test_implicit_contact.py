@@ -207,12 +207,12 @@ def test_two_bodies_that_answer_in_different_ways(tmp_path):
     assert state(one) == state(two) == state(again)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
+@pytest.mark.parametrize("friction", [0.0, 0.6])
 def test_rounds_that_do_not_settle_are_told(friction):
     """Without friction they always do; with it single steps end at the largest number of rounds."""
     scene, _ = pileAndTower()
     contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
-    contact.friction, contact.impactLoss = friction, 0
+    contact.friction = friction
     told = []
     for _ in range(120):
         scene.step()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies that press on each other: no slip below the limit of friction, no energy from nothing, no impulse
-along axes that are held."""
+along axes that are held, and the load of a plane surface."""
 
 import numpy as np
 import pytest
@@ -75,3 +75,22 @@ def test_what_both_sides_hold_takes_no_impulse(friction):
         table = contact.contactTable()
         isOnRoller = table["node"][:, 1] == 0
         assert not table["normal"][isOnRoller, 1].any()
+
+
+@pytest.mark.parametrize(
+    "ground, plate", [(mpm.APDI, mpm.APDI), (mpm.UGIMP, mpm.APDI), (mpm.APDI, mpm.UGIMP)]
+)
+def test_a_plane_surface_of_a_mesh_bears_its_exact_load(ground, plate):
+    """A column between rollers under a stiff plate, E ln(l)/l; by nodes two meshes bear 31 % too much."""
+    h = 0.25
+    scene = mpm.Scene((0, 0), (1, 2), h, threads=1)
+    soft, hard = (mpm.LinearElastic(density=1, young=young, poisson=0.0) for young in (1e3, 1e5))
+    column = scene.add("column", box((0, 0), (1, 1)), soft, ground(), group="column")
+    top = scene.add("plate", box((0, 1), (1, 1.25)), hard, plate(), group="plate")
+    contact = mpm.Contact()
+    drive = mpm.Drive(top, velocity=(0, -0.02))
+    scene.engines = engines(contact, damping=0.3, roller=("left", "right", "bottom"), drive=drive)
+    scene.run(until=1.0, progress=False)
+    exact = 1e3 * np.log(0.98) / 0.98
+    assert contact.forceOn("plate")[1] == pytest.approx(-exact, rel=0.015)
+    assert column.stress[:, 1, 1] == pytest.approx(exact, rel=0.015)

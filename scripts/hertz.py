@@ -51,7 +51,6 @@ PARAMETERS = mpm.Parameters(
     Parameter("cylinder", "apdi", OF_CYLINDER, choices=TYPES),
     Parameter("two", False, "two cylinders of twice the radius"),
     Parameter("shift", 0.0, SHIFT, least=-1, most=1),
-    Parameter("normals", "surface", "as of Contact", choices=("surface", "mass")),
     smoke={"cells": 5},
     check=refusal,
 )
@@ -111,7 +110,7 @@ def build(a):
     scene.engines = [
         mpm.ParticleToGrid(),
         mpm.GridSolver(damping=0.7, roller="left", drive=[press, base]),
-        mpm.Contact(normals=a.normals),
+        mpm.Contact(),
         mpm.GridToParticle(),
         mpm.DomainUpdater(),
     ]

@@ -114,7 +114,6 @@ class Contact(_Contact):
     separation: bool
     slip: bool
     impactLoss: float
-    normals: Literal['surface', 'mass']
     constraints: Literal['auto', 'nodes', 'facets']
     pairs: Any
     sharedCells: bool
@@ -128,7 +127,6 @@ class Contact(_Contact):
         separation: bool = True,
         slip: bool = True,
         impactLoss: float = 1.0,
-        normals: Literal['surface', 'mass'] = 'surface',
         constraints: Literal['auto', 'nodes', 'facets'] = 'auto',
         pairs: Any = (),
         sharedCells: bool = True,

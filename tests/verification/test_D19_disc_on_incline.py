@@ -53,7 +53,7 @@ def overlap(scene):
     return (np.interp(x, *surface.T) - y).max()
 
 
-def descend(pair, slope, friction, h, normals="surface", cut=True, until=0.5):
+def descend(pair, slope, friction, h, cut=True, until=0.5):
     """Acceleration along the slope over the rigid one, the scene, and the overlap over h. cut: whether a
     disc of boxes is cut by its circle."""
     slope, centre = radians(slope), (R + 0.2, 0.3 + R)
@@ -70,7 +70,7 @@ def descend(pair, slope, friction, h, normals="surface", cut=True, until=0.5):
         mpm.UGIMP(perCell=2, cut=cut) if pair[1] == "u" else mpm.APDI(),
         group="disc",
     )
-    contact = mpm.Contact(friction=friction, normals=normals)
+    contact = mpm.Contact(friction=friction)
     base = mpm.Hold(box((-1, -1), (6, 0.31 - 2 * h)), velocity=(0, 0), name="base")
     solver = mpm.GridSolver(gravity=(0, -G * cos(slope)), damping=0.7, hold=base)
     scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]

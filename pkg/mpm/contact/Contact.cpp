@@ -78,12 +78,6 @@ std::vector<Parameter> Contact::attributes() {
          "structure,\n"
          "where noise would push the groups apart.",
          &impactLoss, Range::between(0, 1)},
-        {"normals",
-         "",
-         "'surface': area vectors of the surfaces; 'mass': gradient of the nodal mass.",
-         &normals,
-         {},
-         {"surface", "mass"}},
         {"constraints",
          "",
          "What may not cross. 'nodes': nodes of both groups, and vertices of meshes between them. 'facets': "
@@ -165,6 +159,7 @@ OwnedFacets Contact::ownedFacets() const {
 template <int Dim> Contact::State<Dim>& Contact::found(const Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
     if (!state.search.isFound(scene)) state.search.find(scene, rule());
+    straighten(scene, state.search);
     state.impulses.nodes.assign(state.search.nodes.size(), {});
     if (scene.sharedCells.isWanted) state.carried.find(scene.sharedCells, state.search);
     return state;

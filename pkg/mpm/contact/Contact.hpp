@@ -15,7 +15,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     double friction = 0, adhesion = 0, impactLoss = 1, frictionWork = 0;
     bool separation = true, slip = true, sharedCells = true;
     std::vector<double> cells, gaps; // see SharedCells
-    std::string normals = "surface", constraints = "auto";
+    std::string constraints = "auto";
     struct PairLaw { // of two groups, by their numbers
         int first = 0, second = 0;
         double friction = 0, adhesion = 0;
@@ -72,7 +72,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
 
     template <int Dim> void check(Scene<Dim>& scene);
     OwnedFacets ownedFacets() const;
-    SearchRule rule() const { return {normals == "mass", separation, ownedFacets(), &edgeMotions}; }
+    SearchRule rule() const { return {separation, ownedFacets(), &edgeMotions}; }
     template <int Dim> void findAhead(const Scene<Dim>& scene) {
         std::get<State<Dim>>(states_).search.findAhead(scene, rule());
     }

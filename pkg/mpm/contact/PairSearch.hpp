@@ -19,8 +19,7 @@ enum class OwnedFacets { none, ofMeshes, all };
 
 // How contact is searched for.
 struct SearchRule {
-    bool normalsByMass; // from the gradient of the nodal mass instead of the surfaces
-    bool turnsAtEdges;  // normals towards where an edge of a mesh moves; not where surfaces cannot part
+    bool turnsAtEdges; // normals towards where an edge of a mesh moves; not where surfaces cannot part
     OwnedFacets owned;
     const EdgeMotions* edgeMotions; // how edges last moved
 };

@@ -94,23 +94,6 @@ template <int Dim> void setNormal(const PairSearch<Dim>& pair, ContactNode<Dim>&
         }
 }
 
-template <int Dim> void setNormalByMass(const PairSearch<Dim>& pair, ContactNode<Dim>& contact) {
-    const Grid<Dim>& grid = pair.grid();
-    const Vec<Dim> size = grid.meanSize(contact.node);
-    Vec<Dim> slope[2] = {Vec<Dim>::Zero(), Vec<Dim>::Zero()};
-    for (int side = 0; side < 2; ++side)
-        forNeighbours(grid, contact.node, [&](int node, const Index<Dim>& at) {
-            const Vec<Dim> step =
-                Eigen::Map<const Eigen::Matrix<int, Dim, 1>>(at.data()).template cast<double>();
-            const double even = std::pow(0.5, step.squaredNorm()); // 1 2 1 across
-            // As much as there would be on cells of one size.
-            const double mass = pair.fieldOf(side).sum[node][NodalField<Dim>::mass] *
-                                size.cwiseQuotient(grid.meanSize(node)).prod();
-            slope[side] += even * mass * step.cwiseQuotient(size);
-        });
-    contact.normal = unit<Dim>(unit<Dim>(slope[1], 0.0) - unit<Dim>(slope[0], 0.0), leastSum);
-}
-
 // f(node) for the nodes at most `reach` steps from one along each axis that the particles of a field touched.
 template <int Dim, class F>
 void forNodesRound(const Grid<Dim>& grid, const NodalField<Dim>& field, int node, int reach, F&& f) {
@@ -215,9 +198,7 @@ template <int Dim> void addBoxes(ContactNode<Dim>& contact, int boxes) {
 } // namespace
 
 template <int Dim> void findNormals(PairSearch<Dim>& pair, const SearchRule& rule) {
-    pair.forNodes([&](ContactNode<Dim>& contact) {
-        rule.normalsByMass ? setNormalByMass(pair, contact) : setNormal(pair, contact);
-    });
+    pair.forNodes([&](ContactNode<Dim>& contact) { setNormal(pair, contact); });
     for (int side = 0; side < 2; ++side)
         if (rule.turnsAtEdges) turnAtEdges(pair, side);
     if (pair.isExplicit[0] != pair.isExplicit[1])

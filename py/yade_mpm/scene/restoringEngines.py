@@ -13,6 +13,9 @@ from ..particle.part import BodyPart
 from .restoringBodies import classOf
 from .saving import CONSTRAINT_STATE
 
+# Class, parameter and value that files of earlier versions have and that go without saying.
+GONE = {("Contact", "normals", "surface")}
+
 
 def buildEngine(spec, scene, callbacks, permissions, file):
     """The engine of an entry of a checkpoint; None: it is left out.
@@ -38,12 +41,14 @@ def buildEngine(spec, scene, callbacks, permissions, file):
         raise ValueError(
             f"checkpoint '{file}' has a {spec['class']} without what it was made from; use another"
         )
+    isGone = {n: isinstance(v, str) and (spec["class"], n, v) in GONE for n, v in spec["attributes"].items()}
+    attributes = {n: v for n, v in spec["attributes"].items() if not isGone[n]}
     if not cls._found:
-        return cls(**spec["attributes"])
+        return cls(**attributes)
     engine = cls()
     # Files of development versions have what a run has found among the attributes.
-    state = {n: v for n, v in spec["attributes"].items() if n in cls._found}
-    options = {n: v for n, v in spec["attributes"].items() if n not in state}
+    state = {n: v for n, v in attributes.items() if n in cls._found}
+    options = {n: v for n, v in attributes.items() if n not in state}
     engine.restoreState({**state, **spec.get("state", {})}, options)
     return engine
 

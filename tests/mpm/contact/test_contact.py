@@ -245,14 +245,6 @@ def test_every_scheme_slides_and_sticks(scheme):
     assert abs(Incline("ua", 0.8, scheme=scheme, damping=0.2, time=0.2).speed[-1]) < 0.005
 
 
-def test_normals_by_mass_tilt_at_the_ends_of_a_plane():
-    """A limit (doc/explanation/contact.md), and the control of the normals from surfaces: the block loses
-    10 % of its acceleration and more."""
-    assert Incline("uu", 0.3, normals="mass").acceleration() < 0.9 * G * (
-        sin(radians(30)) - 0.3 * cos(radians(30))
-    )
-
-
 def test_without_slip_friction_does_not_matter():
     assert abs(Incline("ua", 0.0, damping=0.2, time=0.2, slip=False).speed[-1]) < 0.005
 
@@ -784,8 +776,8 @@ def test_pairs_must_be_groups_and_laws_not_negative():
     for name in ("friction", "adhesion"):
         with raises(name):
             mpm.Contact(**{name: -0.1})
-    with raises("normals"):
-        mpm.Contact(normals="guess")
+    with raises("constraints"):
+        mpm.Contact(constraints="guess")
 
 
 @pytest.mark.parametrize("place", [0, 1, 4])

@@ -476,6 +476,28 @@ def test_unknown_classes_are_named(tmp_path, change, message):
         mpm.load(tmp_path / "a.h5")
 
 
+@pytest.mark.parametrize(
+    "normals, message", [("surface", None), ("mass", "Contact has no attribute 'normals'")]
+)
+def test_parameters_of_earlier_versions_are_read_where_they_say_nothing(tmp_path, normals, message):
+    scene = smallScene()
+    scene.engines.insert(2, mpm.Contact())
+    scene.engines[2].dead = True
+    scene.save(tmp_path / "old.h5")
+    with h5py.File(tmp_path / "old.h5", "a") as h5:
+        spec = json.loads(bytes(h5["scene"][...]))
+        (contact,) = (e for e in spec["engines"] if e["class"] == "Contact")
+        contact["attributes"]["normals"] = normals
+        del h5["scene"]
+        h5["scene"] = np.frombuffer(json.dumps(spec).encode(), np.uint8)
+    checkpoint.seal(tmp_path / "old.h5")
+    if message is None:
+        assert mpm.load(tmp_path / "old.h5", trust=True).engines[2].dead
+    else:
+        with pytest.raises(ValueError, match=message):
+            mpm.load(tmp_path / "old.h5", trust=True)
+
+
 def test_a_checkpoint_is_replaced_as_a_whole(tmp_path, monkeypatch):
     file, scene = tmp_path / "a.h5", smallScene()
     scene.save(file)

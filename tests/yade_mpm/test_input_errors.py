@@ -895,7 +895,7 @@ def test_a_thin_body_alone_or_the_softest_is_no_structure():
 )
 def test_a_coefficient_of_friction_that_looks_like_an_angle_is_warned_of(friction, inPair, isWarned):
     scene = oneBody(group="soil")
-    scene.add("pile", box((1, 0), (2, 1)), elastic(), mpm.UGIMP(), group="pile")
+    scene.add("pile", box((1, 0), (2, 1)), elastic(), mpm.APDI(), group="pile")
     contact = mpm.Contact(friction=friction)
     contact.pair("soil", "pile", friction=inPair)
     scene.engines = [*scene.engines[:2], contact, *scene.engines[2:]]
@@ -959,7 +959,7 @@ def test_groups_without_contact_are_warned_of():
         scene.run(steps=1)
         oneBody(group="soil").run(steps=1)
         slipping = oneBody(group="soil")
-        slipping.add("pile", box((1, 0), (2, 1)), elastic(), mpm.UGIMP(), group="pile")
+        slipping.add("pile", box((1, 0), (2, 1)), elastic(), mpm.APDI(), group="pile")
         slipping.engines.insert(2, mpm.Contact())
         slipping.run(steps=1)
 

@@ -10,6 +10,7 @@ from ..engine.contact import Contact
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..material.materials import MaterialPoint
+from .touching import contactMistakes
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
 STEEPEST = 0.96  # rad, 55 degrees; dense angular gravel has 50
@@ -55,8 +56,11 @@ def likelyMistakes(scene, gravity):
             "the "
             f"engines"
         )
-    for engine in (e for e in scene.engines if isinstance(e, RigidContact) and not e.dead):
-        yield from _overlap(scene, engine)
+    for engine in (e for e in scene.engines if not e.dead):
+        if isinstance(engine, Contact):
+            yield from contactMistakes(scene, engine)
+        if isinstance(engine, RigidContact):
+            yield from _overlap(scene, engine)
     for engine, friction in ((e, f) for e in scene.engines for f in e.frictions()):
         if ANGLES[0] <= friction <= ANGLES[1]:
             yield (

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Warnings of what contact is known to do badly, before the first step."""
+
+import warnings
+
+import pytest
+import yade_mpm as mpm
+from yade_mpm import box
+
+MESH, BOXES = mpm.APDI(size=0.25), mpm.UGIMP(perCell=2)
+
+
+def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, **law):
+    """Messages about contact of a wall between soils."""
+
+    def block(lower, upper):
+        return box(lower, upper) if dim == 2 else box((lower[0], 0, lower[1]), (upper[0], 1, upper[1]))
+
+    upper = (8, 5) if dim == 2 else (8, 1, 5)
+    scene = mpm.Scene((0,) * dim, upper, cell, threads=1)
+    elastic = mpm.LinearElastic(density=2, young=1e4, poisson=0.2)
+    scene.add("front", block((4 + thickness, 0), (8, 4)), elastic, BOXES, group="soil")
+    if back:
+        scene.add("back", block((0, 0), (4, 4)), elastic, BOXES, group=back)
+    made = scene.add("wall", block((4, 0), (4 + thickness, 4)), elastic, wall, group="wall")
+    if tilt:
+        made.vertices[:, 0] += tilt * made.vertices[:, 1]
+    contact = mpm.Contact(**law)
+    stages = mpm.ParticleToGrid(), mpm.GridSolver(), contact, mpm.GridToParticle(), mpm.DomainUpdater()
+    scene.engines = list(stages)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scene.run(steps=1, progress=False)
+        scene.run(steps=1, progress=False)
+    return [str(w.message) for w in caught if "Contact" in str(w.message)]
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_a_wall_thinner_than_two_cells_between_soil_is_warned_of_once(dim):
+    (text,) = told(MESH, dim=dim)
+    assert text.startswith("Contact: 'wall' is 0.5 m thick at (4, ")
+    assert "less than two cells of 0.5 m, with 'soil' on both sides" in text
+    assert text.endswith("give cells of 0.25 m at most")
+    assert told(MESH, thickness=1.0, dim=dim) == []  # control: two cells
+    assert told(MESH, back=None, dim=dim) == []  # control: soil on one side
+
+
+def test_walls_that_lean_are_found_too():
+    (text,) = told(MESH, thickness=0.75, tilt=0.1)
+    assert "'wall' is 0.746 m thick" in text
+    assert told(MESH, thickness=1.25, tilt=0.1) == []
+
+
+def test_boxes_on_boxes_are_warned_of_once():
+    (text,) = told(BOXES)
+    assert text.startswith("Contact: 'soil' and 'wall' are boxes on both sides")
+    assert "give APDI(size=...) to one of the two" in text
+    (text,) = told(MESH, back="fill", thickness=1.0)
+    assert text.startswith("Contact: 'soil' and 'fill' are boxes")
+    assert told(BOXES, slip=False, separation=False) == []  # one body

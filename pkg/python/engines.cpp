@@ -77,6 +77,7 @@ void exposeEngines() {
         .def_readwrite("name", &C::name)
         .def_readwrite("ramp", &C::ramp)
         .def_readwrite("active", &C::active)
+        .def_readwrite("isWall", &C::isWall)
         .def_readwrite("body", &C::body)
         .def_readwrite("work", &C::work)
         .def_readwrite("began", &C::began)
@@ -105,6 +106,9 @@ void exposeEngines() {
         .add_property(
             "angularImpulse", +[](const C& c) { return three(c.angularImpulse); },
             +[](C& c, const bp::object& v) { setThree(c.angularImpulse, v); })
+        .add_property(
+            "before", +[](const C& c) { return three(c.before); },
+            +[](C& c, const bp::object& v) { setThree(c.before, v); })
         .add_property(
             "reaction", +[](const C& c) { return three(c.reaction); },
             +[](C& c, const bp::object& v) { setThree(c.reaction, v); })

@@ -232,6 +232,8 @@ template <int Dim> struct BindScene {
             .def_readwrite("threads", &S::threads)
             .add_property("scheme", scheme, setScheme)
             .add_property("stageOrder", stageOrder)
+            .add_property(
+                "stressFirst", +[](const S& scene) { return scene.scheme->stressFirst; })
             .add_property("energies", energies, setEnergies)
             .add_property("lower", lower)
             .add_property("upper", upper)

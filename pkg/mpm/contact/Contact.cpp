@@ -177,16 +177,17 @@ void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNo
     const Vec<Dim> force = (side == 0 ? -1 : 1) / scene.dt * contact.impulse;
     double gained = 0;
     for (int k = 0; k < Dim; ++k) {
-        const double change = answer.row(k) * J.all;
-        gained += gravity[k] * change;
-        motion.set(Dim + k, motion[Dim + k] + answer.row(k).dot(contact.impulse) / scene.dt);
+        const double change = answer.row(k) * J.all, taken = answer.row(k).dot(contact.impulse);
+        gained += gravity[k] * (change - 0.5 * taken);
+        motion.set(Dim + k, motion[Dim + k] + taken / scene.dt);
         motion.set(k, motion[k] + change);
         if (!scene.scheme->remapsSolution()) field.setVelocity(contact.node, k, motion[k]);
         const int holder = field.holder[contact.node][k];
         if (holder < 0) continue;
         Constraint& constraint = *scene.constraints[holder];
         addReaction<Dim>(x, constraint.centre, k, -force[k], constraint.reaction, constraint.moment);
-        constraint.work -= force[k] * motion[k] * scene.dt;
+        const double own = NF::velocityAtStart(field.sum[contact.node], k);
+        constraint.work -= force[k] * scene.heldMean(holder, k, own) * scene.dt;
     }
     scene.energies.gravity += field.sum[contact.node][NF::weightMass] * gained * scene.dt;
 }

@@ -25,6 +25,7 @@ template <int Dim> class Body {
     Body* convertsTo = nullptr;     // takes the particles of domains that became too distorted
     int converted = 0;              // domains converted so far
     double internalWork = 0;        // kJ (2D: per metre), int V sigma : D dt
+    double lastInternalWork = 0;    // its part of the last step
     double largestInertialMass = 0; // Mg
 
     Body(const std::string& name, std::shared_ptr<Material> material, std::shared_ptr<ParticleType> type,

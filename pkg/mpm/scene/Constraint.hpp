@@ -29,6 +29,7 @@ class Constraint {
     std::vector<double> velocity; // m/s, one per axis; NaN: free in that direction
     double ramp = 0;              // s, over which the velocity grows from zero; 0: at once
     bool active = true;
+    bool isWall = false; // a face of the grid, which stops the nodes and not the particles beside it
 
     std::vector<int> nodes; // fixed set of nodes; not used when a body is driven
 
@@ -47,11 +48,13 @@ class Constraint {
     // Time integrals of reaction and moment since the start, kN s and kN m s: their difference between two
     // times makes a mean.
     double impulse[3] = {0, 0, 0}, angularImpulse[3] = {0, 0, 0};
-    void stepped(double dt) {
+    void stepped(double dt, double time) {
         for (int k = 0; k < 3; ++k) {
             impulse[k] += dt * reaction[k];
             angularImpulse[k] += dt * moment[k];
         }
+        for (size_t k = 0; k < velocity.size(); ++k)
+            before[k] = active ? velocityAt(int(k), time - began) : undefined;
     }
 
     bool drivesBody() const { return !body.empty(); }
@@ -62,6 +65,10 @@ class Constraint {
         return velocity[axis] * (ramp > 0 && time < ramp ? time / ramp : 1.0);
     }
     double began = 0; // s, time from which the ramp counts
+
+    // Velocity at the end of the last step, m/s; NaN where it prescribed none.
+    static constexpr double undefined = std::numeric_limits<double>::quiet_NaN();
+    double before[3] = {undefined, undefined, undefined};
 };
 
 } // namespace mpm

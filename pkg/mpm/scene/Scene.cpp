@@ -68,7 +68,7 @@ template <int Dim> void Scene<Dim>::actAlone(Engine& engine) {
 }
 
 template <int Dim> void Scene<Dim>::endStep(double newTime) {
-    for (auto& constraint : constraints) constraint->stepped(dt);
+    for (auto& constraint : constraints) constraint->stepped(dt, newTime);
     for (auto& engine : engines)
         if (!engine->dead) engine->stepped(dt);
     located = false;

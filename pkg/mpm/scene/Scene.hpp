@@ -9,6 +9,7 @@
 #include "mpm/scene/SharedCells.hpp"
 
 #include <array>
+#include <cmath>
 
 namespace mpm {
 
@@ -95,10 +96,20 @@ template <int Dim> class Scene {
     void actAlone(Engine& engine);
     void endStep(double newTime);
 
-    // Velocity of the nodes as prescribed, at time t.
-    double prescribed(int constraint, int axis, double t) const {
+    // Velocity of a node that a constraint holds, at the start of a step: as it prescribed last. One that begins
+    // takes the node over with the velocity that it has, `own`.
+    double heldAtStart(int constraint, int axis, double own) const {
         const Constraint& c = *constraints[constraint];
-        return c.velocityAt(axis, t - c.began);
+        return c.isWall ? 0 : std::isnan(c.before[axis]) ? own : c.before[axis];
+    }
+    // At the end of the step.
+    double heldAtEnd(int constraint, int axis) const {
+        const Constraint& c = *constraints[constraint];
+        return c.velocityAt(axis, time + dt - c.began);
+    }
+    // The mean of both: the force of the constraint times it is the power that goes into the material.
+    double heldMean(int constraint, int axis, double own) const {
+        return 0.5 * (heldAtStart(constraint, axis, own) + heldAtEnd(constraint, axis));
     }
 };
 

@@ -28,6 +28,8 @@ template <int Dim> struct NodalField {
         for (int k = 0; k < Dim; ++k) f[k] = Dim == 2 ? sum[force(k)] + sum[force(k) + 1] : sum[force(k)];
         return f;
     }
+    // Of the particles, at the start of the step; the node has mass.
+    static double velocityAtStart(const Sum& sum, int k) { return sum[momentum + k] / sum[mass]; }
     static void addForce(Sum& sum, int k, double f) { sum.set(force(k), sum[force(k)] + f); }
 
     // Velocity and acceleration of the solution, which the particles take: component k in lane k, and in lane

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <cmath>
+#include <tuple>
 #include <unordered_map>
 
 namespace mpm {
@@ -111,6 +112,8 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
         std::unordered_map<int64_t, int> number; // particle of an id, needed only once domains were converted
         if (loaded.converted > 0)
             for (int p = 0; p < loaded.particles.size(); ++p) number[loaded.particles.id.integers()[p]] = p;
+        Given<Dim>& given = std::get<Given<Dim>>(given_);
+        given = {&scene, &loaded, loaded.converted, {}};
         for (size_t f = 0; f + 1 < facets.size(); f += 2) {
             int p = int(facets[f]);
             if (loaded.converted > 0) {
@@ -118,11 +121,31 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
                 if (found == number.end()) continue;
                 p = found->second;
             }
-            push(scene, loaded, p, int(facets[f + 1]), factor, nodes);
+            push(given, p, int(facets[f + 1]), factor, nodes);
         }
+        given.addWork(0.5 * scene.dt);
+    }
+    void stepped(double dt) override {
+        std::apply([&](auto&... given) { ((given.addWork(0.5 * dt), given.scene = nullptr), ...); }, given_);
     }
 
   private:
+    // Forces on vertices in a step. They work with the mean of the velocities at its start and its end.
+    template <int Dim> struct Given {
+        Scene<Dim>* scene = nullptr;
+        Body<Dim>* body = nullptr;
+        int converted = 0; // domains of the body so far, with whose number vertices may change theirs
+        std::vector<std::pair<int, Vec<Dim>>> forces;
+
+        void addWork(double time) const {
+            if (!scene || body->converted != converted) return;
+            const Field& velocity = body->domains->mesh()->vertexVelocities();
+            for (const auto& [vertex, force] : forces)
+                scene->energies.loads += time * force.dot(vectorAt<Dim>(velocity, vertex));
+        }
+    };
+    std::tuple<Given<2>, Given<3>> given_;
+
     template <int Dim> void check(Scene<Dim>& scene) {
         Body<Dim>& loaded = *scene.body(body);
         require(loaded.type->isMeshed(), "BoundaryLoad: '", body,
@@ -145,8 +168,8 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
     }
 
     template <int Dim>
-    void push(Scene<Dim>& scene, Body<Dim>& loaded, int p, int facet, double factor,
-              typename NodalField<Dim>::Sum* nodes) {
+    void push(Given<Dim>& given, int p, int facet, double factor, typename NodalField<Dim>::Sum* nodes) {
+        Body<Dim>& loaded = *given.body;
         std::vector<int> vertices;
         std::vector<Vec<Dim>> X;
         for (int a : FacetCorners<Dim>::of[facet]) {
@@ -159,8 +182,7 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
             for (int k = 0; k < Dim; ++k) force[k] += traction[k] * shares[a].area;
             force *= factor;
             loaded.domains->mesh()->addVertexForce(vertices[a], force, nodes);
-            scene.energies.loads +=
-                force.dot(vectorAt<Dim>(loaded.domains->mesh()->vertexVelocities(), vertices[a])) * scene.dt;
+            given.forces.emplace_back(vertices[a], force);
         }
     }
 };

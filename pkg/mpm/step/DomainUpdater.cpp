@@ -62,7 +62,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                     if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
-            scene.bodies[b]->internalWork += work_[b].total();
+            scene.bodies[b]->lastInternalWork = work_[b].total();
+            scene.bodies[b]->internalWork += scene.bodies[b]->lastInternalWork;
             scene.bodies[b]->cellAverage.forget();
             refuseDistortion(scene, *scene.bodies[b]);
         }

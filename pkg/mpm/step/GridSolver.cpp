@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/step/GridSolver.hpp"
 
+#include "mpm/step/GridToParticle.hpp"
 #include "mpm/step/nodes.hpp"
 
 namespace mpm {
@@ -29,6 +30,7 @@ template <int Dim> void GridSolver::checkGravity(Scene<Dim>&) {
 
 template <int Dim> void GridSolver::act(Scene<Dim>& scene) {
     using NF = NodalField<Dim>;
+    flip_ = flipOf(scene);
     const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
     partial_.resize(size_t(slabs) * (n + 1));
     const double least = scene.leastMass();
@@ -72,24 +74,27 @@ MPM_INLINE Quad GridSolver::solve(const Scene<Dim>& scene, NodalField<Dim>& fiel
         field.clearMomentum(node, overMass);
     else
         field.setVelocity(node, v);
-    return weight * v;
+    return weight * (v - 0.5 * scene.dt * a);
 }
 
-// Momentum and force are both replaced where a node is held, or the FLIP increment leaks.
+// The particles take the whole change of the velocity of a node that is held: what is held has the velocity that is
+// prescribed, and the impulse is the change of its momentum. A wall stops the nodes; particles beside it keep the share
+// `flip` of their velocity.
 template <int Dim>
 void GridSolver::hold(const Scene<Dim>& scene, const NodalField<Dim>& field, int node, const Quad& weight,
-                      Quad& v, Quad& a, Tally* tally) {
+                      Quad& v, Quad& a, Tally* tally) const {
     using NF = NodalField<Dim>;
     const auto& sum = field.sum[node];
     const Vec<Dim> force = NF::forceOf(sum);
     for (int k = 0; k < Dim; ++k)
         if (const int c = field.holder[node][k]; c >= 0) {
-            const double after = scene.prescribed(c, k, scene.time + scene.dt);
-            const double change = (after - scene.prescribed(c, k, scene.time)) / scene.dt;
+            const double after = scene.heldAtEnd(c, k), own = NF::velocityAtStart(sum, k);
+            const double change = (after - own) / scene.dt;
+            const double kept = scene.constraints[c]->isWall ? flip_ : 0;
             NF::setComponent(v, k, after);
-            NF::setComponent(a, k, change);
-            react(scene, c, node, k, sum[NF::mass] * change - (force[k] + weight[NF::lane(k)]), after,
-                  tally[c]);
+            NF::setComponent(a, k, scene.constraints[c]->isWall ? 0 : change);
+            react(scene, c, node, k, (1 - kept) * sum[NF::mass] * change - (force[k] + weight[NF::lane(k)]),
+                  scene.heldMean(c, k, own), tally[c]);
         }
 }
 

@@ -26,14 +26,15 @@ class GridSolver : public EngineOf<GridSolver> {
         int nodes = 0;
     };
     std::vector<Tally> partial_;
+    double flip_ = 1; // of GridToParticle
 
     template <int Dim> void checkGravity(Scene<Dim>&);
     template <int Dim>
     Quad solve(const Scene<Dim>& scene, NodalField<Dim>& field, int node, Quad g, double least,
                Tally* tally) const;
     template <int Dim>
-    static void hold(const Scene<Dim>& scene, const NodalField<Dim>& field, int node, const Quad& weight,
-                     Quad& v, Quad& a, Tally* tally);
+    void hold(const Scene<Dim>& scene, const NodalField<Dim>& field, int node, const Quad& weight, Quad& v,
+              Quad& a, Tally* tally) const;
     template <int Dim>
     static void react(const Scene<Dim>& scene, int constraint, int node, int axis, double force, double v,
                       Tally& tally);

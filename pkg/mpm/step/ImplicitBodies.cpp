@@ -93,18 +93,6 @@ void ImplicitBodies::withNumbers(State<Dim>& state, const ImplicitSystem<Dim>& s
     for (int node : system.nodes) state.scratch[node] = -1;
 }
 
-template <int Dim> double inertialMass(const Body<Dim>& body, int p) {
-    return body.inertiaScale * body.particles.mass.plane()[p];
-}
-
-// Of the acceleration.
-template <int Dim> double squareOf(const typename NodalField<Dim>::Motion& motion) {
-    double sum = 0;
-    for (int k = 0; k < Dim; ++k)
-        sum += motion[NodalField<Dim>::acceleration + k] * motion[NodalField<Dim>::acceleration + k];
-    return sum;
-}
-
 // Whether an implicit body moves with a velocity field.
 template <int Dim> bool hasBodies(const Scene<Dim>& scene, int field) {
     return std::any_of(scene.bodies.begin(), scene.bodies.end(),
@@ -131,14 +119,9 @@ template <int Dim>
 void ImplicitBodies::look(const Scene<Dim>& scene, const RigidRows<Dim>& rows, double least,
                           Piece<Dim>& piece) {
     const auto& nodal = scene.grid.fields[piece.body->velocityField];
-    piece.heldSquares = 0;
     piece.strained.find(
         *piece.body, piece.begin, piece.end, gravityOf(scene),
-        [&](int p) {
-            const auto* motion = rows.motionOf(scene.grid, *piece.body, p);
-            if (motion) piece.heldSquares += inertialMass(*piece.body, p) * squareOf<Dim>(*motion);
-            return !motion;
-        },
+        [&](int p) { return !rows.moveRigidly(scene.grid, *piece.body, p); },
         [&](int node) { return nodal.sum[node][NodalField<Dim>::mass] > least; });
 }
 
@@ -244,9 +227,7 @@ template <int Dim> void ImplicitBodies::strainNeighbours(Scene<Dim>& scene) cons
 
 template <int Dim> void ImplicitBodies::finishMotion(Scene<Dim>& scene) {
     State<Dim>& state = std::get<State<Dim>>(states_);
-    for (const auto& system : state.systems) scene.energies.implicit += system.energyTaken(scene);
-    for (const auto& piece : state.pieces) // of what is held and not strained, as of the nodes of a system
-        scene.energies.implicit += 0.5 * scene.dt * scene.dt * piece.heldSquares;
+    for (const auto& system : state.systems) system.addEnergies(scene);
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
         if (!hasBodies(scene, int(f))) continue;
         const auto& field = scene.grid.fields[f];

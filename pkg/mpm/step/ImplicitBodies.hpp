@@ -49,7 +49,6 @@ class ImplicitBodies : public EngineOf<ImplicitBodies> {
         Body<Dim>* body;
         int begin, end;
         StrainedNodes<Dim> strained;
-        double heldSquares; // mass times square of the acceleration of what is held and not strained, kN m/s2
     };
     template <int Dim> struct State {
         using Velocity = typename NodalField<Dim>::Velocity;

@@ -43,12 +43,11 @@ void ImplicitSystem<Dim>::assemble(const std::vector<const StrainedNodes<Dim>*>&
     stiffness_.reset(Dim * int(nodes.size()), Dim * span + Dim - 1);
     for (const auto* body : bodies)
         for (const auto& particle : body->particles) add(*body, particle, number);
-    mass_.assign(nodes.size(), 0.0);
-    atStart_.assign(nodes.size(), Vec<Dim>::Zero());
+    for (auto* force : {&atStart_, &weight_}) force->assign(nodes.size(), Vec<Dim>::Zero());
     for (const auto* body : bodies)
         for (const auto& entry : body->entries) {
-            mass_[number[entry.node]] += entry.mass;
             atStart_[number[entry.node]] += entry.force;
+            weight_[number[entry.node]] += entry.weight;
         }
     for (auto* vector : {&velocity_, &force_, &solved_}) vector->assign(stiffness_.padded(), 0.0);
 }
@@ -109,7 +108,7 @@ template <int Dim> bool ImplicitSystem<Dim>::solve(Scene<Dim>& scene, const Vec<
     double gained = 0; // by gravity, beyond the explicit motion
     for (int i = 0; i < n; ++i) {
         if (holderOf(nodal, i) >= 0) {
-            react(scene, i, dt * force_[i], velocity_[i]);
+            react(scene, i, dt * force_[i]);
             continue;
         }
         const double more = velocity_[i] - nodal.motion[nodes[i / Dim]][i % Dim];
@@ -128,7 +127,7 @@ double ImplicitSystem<Dim>::change(Scene<Dim>& scene, const Vec<Dim>& gravity, i
     motion.set(NF::acceleration + k, motion[NF::acceleration + k] + a);
     motion.set(k, motion[k] + v);
     if (!scene.scheme->remapsSolution()) nodal.setVelocity(node, k, motion[k]);
-    return nodal.sum[node][NF::weightMass] * gravity[k] * v;
+    return nodal.sum[node][NF::weightMass] * gravity[k] * (v - 0.5 * scene.dt * a);
 }
 
 template <int Dim>
@@ -167,7 +166,7 @@ void ImplicitSystem<Dim>::take(Scene<Dim>& scene, const Vec<Dim>& gravity,
         velocity_[i] += solved_[i];
         force_[i] += force[i];
         if (holderOf(nodal, i) >= 0)
-            react(scene, i, scene.dt * force[i], velocity_[i]);
+            react(scene, i, scene.dt * force[i]);
         else
             gained += change(scene, gravity, i, solved_[i], (solved_[i] - unfelt_[i]) / scene.dt);
     }
@@ -175,27 +174,30 @@ void ImplicitSystem<Dim>::take(Scene<Dim>& scene, const Vec<Dim>& gravity,
 }
 
 // What holds a node feels the elastic forces at the end of the step; GridSolver has told it those at its start.
-template <int Dim>
-void ImplicitSystem<Dim>::react(Scene<Dim>& scene, int unknown, double force, double v) const {
-    const int node = nodes[unknown / Dim], k = unknown % Dim;
-    Constraint& constraint = *scene.constraints[scene.grid.fields[field].holder[node][k]];
+template <int Dim> void ImplicitSystem<Dim>::react(Scene<Dim>& scene, int unknown, double force) const {
+    const NF& nodal = scene.grid.fields[field];
+    const int node = nodes[unknown / Dim], k = unknown % Dim, holder = holderOf(nodal, unknown);
+    Constraint& constraint = *scene.constraints[holder];
     addReaction<Dim>(scene.grid.nodePosition(node), constraint.centre, k, force, constraint.reaction,
                      constraint.moment);
-    constraint.work += force * v * scene.dt;
+    constraint.work += force * scene.heldMean(holder, k, NF::velocityAtStart(nodal.sum[node], k)) * scene.dt;
 }
 
-// Like backward Euler: from the elastic energy what forces at the end of the step do beyond their mean, from the
-// kinetic one what these forces, weight and what holds a node do with velocities at the end beyond theirs. (What
-// contact and other bodies on the nodes do is told by their own.)
-template <int Dim> double ImplicitSystem<Dim>::energyTaken(const Scene<Dim>& scene) const {
-    double twice = 0;
+// Like backward Euler: the forces at the end of the step do more with velocities at the end, which strain, than with
+// the mean ones of the step, and more than their own mean. An implicit body has its velocities at the end, so its weight
+// works with these, too.
+template <int Dim> void ImplicitSystem<Dim>::addEnergies(Scene<Dim>& scene) const {
+    const NF& nodal = scene.grid.fields[field];
+    const double half = 0.5 * scene.dt * scene.dt;
+    double taken = 0, fallen = 0;
     for (int i = 0; i < unknowns(); ++i) {
-        const NF& nodal = scene.grid.fields[field];
         const double a = nodal.motion[nodes[i / Dim]][NF::acceleration + i % Dim];
         const double atEnd = atStart_[i / Dim][i % Dim] - scene.dt * force_[i];
-        twice += velocity_[i] * force_[i] + a * (holderOf(nodal, i) >= 0 ? mass_[i / Dim] * a : atEnd);
+        taken += velocity_[i] * force_[i] + a * atEnd;
+        fallen += a * weight_[i / Dim][i % Dim];
     }
-    return 0.5 * scene.dt * scene.dt * twice;
+    scene.energies.implicit += half * (taken + fallen);
+    scene.energies.gravity += half * fallen;
 }
 
 template class ImplicitSystem<2>;

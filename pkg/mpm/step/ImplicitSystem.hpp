@@ -42,8 +42,8 @@ template <int Dim> class ImplicitSystem {
     void take(Scene<Dim>& scene, const Vec<Dim>& gravity, const std::vector<Impulse>& impulses,
               const std::vector<int>& number);
 
-    // What the solution took out of the motion that the nodes have now, kJ.
-    double energyTaken(const Scene<Dim>& scene) const;
+    // What the solution took out of the motion that the nodes have now.
+    void addEnergies(Scene<Dim>& scene) const;
 
     int unknowns() const { return stiffness_.size(); }
 
@@ -51,8 +51,8 @@ template <int Dim> class ImplicitSystem {
     BandMatrix stiffness_, factor_;
     std::vector<double> velocity_, force_, solved_, unfelt_; // of the unknowns, and zeros behind them
     std::vector<std::pair<int, const typename StrainedNodes<Dim>::Entry*>> order_; // of the particle in work
-    std::vector<double> mass_;      // of the bodies alone, on each node,
-    std::vector<Vec<Dim>> atStart_; // and what their stress and weight do at the start of the step, kN
+    std::vector<Vec<Dim>> atStart_,
+        weight_; // of the bodies: force of their stress at the start of the step; kN
 
     short holderOf(const NF& nodal, int unknown) const {
         return nodal.holder[nodes[unknown / Dim]][unknown % Dim];
@@ -61,7 +61,7 @@ template <int Dim> class ImplicitSystem {
     double change(Scene<Dim>& scene, const Vec<Dim>& gravity, int unknown, double v, double a) const;
     void add(const StrainedNodes<Dim>& strained, const typename StrainedNodes<Dim>::Strained& particle,
              const std::vector<int>& number);
-    void react(Scene<Dim>& scene, int unknown, double force, double v) const;
+    void react(Scene<Dim>& scene, int unknown, double force) const;
 };
 
 } // namespace mpm

@@ -24,8 +24,8 @@ template <int Dim> class RigidRows {
             });
     }
 
-    // The motion of all nodes that a particle may touch, if they are held and move alike; else nullptr.
-    const typename NF::Motion* motionOf(const Grid<Dim>& grid, const Body<Dim>& body, int p) const {
+    // Whether all nodes that a particle may touch are held and move alike.
+    bool moveRigidly(const Grid<Dim>& grid, const Body<Dim>& body, int p) const {
         constexpr int axis = Dim - 1;
         const double edge = body.domains->mesh() ? body.domains->mesh()->longestEdge(p) : 0.0;
         const int own = int(grid.inCells(body.particles.position.plane(axis)[p], axis));
@@ -33,10 +33,10 @@ template <int Dim> class RigidRows {
         const typename NF::Motion* motion = nullptr;
         for (int i = std::max(0, own - reach); i <= std::min(int(rows_.size()) - 1, own + reach + 1); ++i) {
             const Row& row = rows_[i];
-            if (!row.isRigid || (motion && row.motion && !areAlike(*motion, *row.motion))) return nullptr;
+            if (!row.isRigid || (motion && row.motion && !areAlike(*motion, *row.motion))) return false;
             if (!motion) motion = row.motion;
         }
-        return motion;
+        return motion != nullptr;
     }
 
   private:
@@ -47,7 +47,7 @@ template <int Dim> class RigidRows {
 
     static bool areAlike(const typename NF::Motion& a, const typename NF::Motion& b) {
         bool alike = true;
-        for (int k = 0; k < Dim; ++k) alike &= a[k] == b[k];
+        for (int k = 0; k < Dim; ++k) alike &= a[NF::velocity + k] == b[NF::velocity + k];
         return alike;
     }
 

@@ -14,8 +14,9 @@ template <int Dim> class StrainedNodes {
 
     struct Entry {
         int node;
-        double g[Dim], gamma[patterns], mass; // 1/m; -; Mg, of the particle, inertial
-        Vec<Dim> force;                       // kN, of the stress and the weight of the particle at the start
+        double g[Dim], gamma[patterns]; // 1/m; -
+        Vec<Dim> force,
+            weight = Vec<Dim>::Zero(); // kN, of the stress of the particle at the start; of gravity
     };
     struct Strained {
         int begin, end;             // of its entries; each node is there once
@@ -37,20 +38,19 @@ template <int Dim> class StrainedNodes {
             const double volume = body.particles.volume.plane()[p];
             particles.push_back(
                 {int(entries.size()), 0, volume * lambda[p - first], volume * mu[p - first], 0});
-            findOf(body, p, gravity, isIn);
+            findOf(body, p, body.particles.mass.plane()[p] * gravity, isIn);
             particles.back().end = int(entries.size());
         }
     }
 
   private:
-    template <class IsIn> void findOf(Body<Dim>& body, int p, const Vec<Dim>& gravity, IsIn&& isIn) {
+    template <class IsIn> void findOf(Body<Dim>& body, int p, const Vec<Dim>& weight, IsIn&& isIn) {
         Strained& particle = particles.back();
         const auto entryOf = [&](int node) -> Entry& {
             for (size_t e = particle.begin; e < entries.size(); ++e)
                 if (entries[e].node == node) return entries[e];
-            return entries.emplace_back(Entry{node, {}, {}, 0, Vec<Dim>::Zero()});
+            return entries.emplace_back(Entry{node, {}, {}, Vec<Dim>::Zero()});
         };
-        const double weighs = body.particles.mass.plane()[p], mass = body.inertiaScale * weighs;
         Mat<Dim> stress;
         for (int i = 0; i < Dim; ++i)
             for (int j = 0; j < Dim; ++j)
@@ -58,8 +58,8 @@ template <int Dim> class StrainedNodes {
         const auto add = [&](int node, double phi, const Vec<Dim>& gradient, const double* gamma) {
             if (!isIn(node)) return;
             Entry& entry = entryOf(node);
-            entry.mass += phi * mass;
-            entry.force += phi * weighs * gravity - stress * gradient;
+            entry.weight += phi * weight;
+            entry.force -= stress * gradient;
             for (int k = 0; k < Dim; ++k) entry.g[k] += gradient[k];
             for (int m = 0; m < patterns && gamma; ++m) entry.gamma[m] += gamma[m];
         };

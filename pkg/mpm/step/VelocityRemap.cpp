@@ -18,16 +18,18 @@ void clearMomentum(ParallelRegion& region, const Scene<Dim>& scene, NodalField<D
     });
 }
 
-// With what is prescribed at the given time.
+// With what is prescribed: at the end of the step, or at its start.
 template <int Dim>
-void momentumToVelocity(ParallelRegion& region, const Scene<Dim>& scene, NodalField<Dim>& field,
-                        double time) {
+void momentumToVelocity(ParallelRegion& region, const Scene<Dim>& scene, NodalField<Dim>& field) {
+    const bool isStart = scene.scheme->stressFirst;
     forActiveNodes(region, scene, field, [&](int node) {
         const bool isMoved = field.momentumToVelocity(node);
         if (!isMoved || !field.isHeld(node)) return;
         for (int k = 0; k < Dim; ++k)
             if (const int c = field.holder[node][k]; c >= 0)
-                field.setVelocity(node, k, scene.prescribed(c, k, time));
+                field.setVelocity(node, k,
+                                  isStart ? scene.heldAtStart(c, k, field.velocityOf(node, k))
+                                          : scene.heldAtEnd(c, k));
     });
 }
 
@@ -47,7 +49,6 @@ std::string VelocityRemap::doc() const {
 template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
     using Straining = typename NodalField<Dim>::Straining;
     auto& fields = scene.grid.fields;
-    const double time = scene.scheme->stressFirst ? scene.time : scene.time + scene.dt;
     const bool isGiven = fields.front().straining == Straining::momentum;                // by GridToParticle
     const bool isCleared = isGiven || fields.front().straining == Straining::noMomentum; // by GridSolver
     for (auto& field : fields)
@@ -59,7 +60,7 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
             if (!isGiven)
                 body->domains->move(region, nullptr, fields[body->velocityField].momenta(),
                                     {scene.dt, 1, 0, body->inertiaScale});
-        for (auto& field : fields) momentumToVelocity(region, scene, field, time);
+        for (auto& field : fields) momentumToVelocity(region, scene, field);
     });
     for (auto& field : fields) field.straining = Straining::velocity;
     for (auto& engine : scene.engines)

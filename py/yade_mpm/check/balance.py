@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Mass, momentum and energy of a scene, and what is missing in their balance."""
+"""Mass, momentum and energy of a scene, and what is missing in their balance.
+
+Velocities stand half a step behind positions and stresses. All energies and works are those of the instant
+of the velocities.
+"""
 
 import numpy as np
 
@@ -22,7 +26,10 @@ def momentum(scene):
 
 
 def kineticEnergy(scene):
-    """Kinetic energy, sum 1/2 s m v.v, kJ, with the inertial mass (s: inertiaScale of the body)."""
+    """Kinetic energy, sum 1/2 s m v.v, kJ, with the inertial mass (s: inertiaScale of the body).
+
+    Velocities stand half a step behind positions and stresses; all energies are those of their instant.
+    """
     return float(sum(body.inertiaScale * body.core.motion()["kineticEnergy"] for body in scene.bodies))
 
 
@@ -65,12 +72,25 @@ def _translation(drives, time):
 
 def internalWork(scene):
     """Work of the stresses since the start, int sum V sigma : D dt, kJ: elastic energy and plastic
-    dissipation."""
-    return float(sum(body.core.internalWork for body in scene.bodies))
+    dissipation.
+
+    Without half of that of the last step, which lies behind the instant of the velocities; with all of it for
+    implicit bodies and under USF.
+    """
+    return float(sum(body.core.internalWork - _ahead(scene, body) for body in scene.bodies))
+
+
+def _ahead(scene, body):
+    """Work of the stresses of a body behind the instant of the velocities, kJ."""
+    isAtOnce = body.implicit or scene.core.stressFirst
+    return 0.0 if isAtOnce else 0.5 * body.core.lastInternalWork
 
 
 def externalWork(scene):
-    """Work of gravity, body forces, boundary loads and prescribed motions since the start, kJ."""
+    """Work of gravity, body forces, boundary loads and prescribed motions since the start, kJ.
+
+    Forces times the mean of the velocities at the start and the end of each step.
+    """
     energies = scene.core.energies
     return float(energies["gravity"] + energies["loads"] + sum(c.work for c in scene.constraints))
 
@@ -86,7 +106,8 @@ def contactEnergy(scene):
 
 
 def implicitEnergy(scene):
-    """Energy taken by the solution for implicit bodies since the start, 1/2 dt^2 sum (v.K v + a.M a), kJ."""
+    """Energy taken by the solution for implicit bodies since the start, 1/2 dt^2 sum (v.K v + a.f), kJ,
+    with the forces f of stress and weight of the bodies at the end of the steps."""
     return float(scene.core.energies["implicit"])
 
 
@@ -101,8 +122,8 @@ def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
         0 where all are zero.
     kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
 
-    Positive: energy was lost in the transfers, in hourglass control or in conversions. Velocities belong to
-    the middle of steps, so dt/2 dE_kin/dt is always part of it; that oscillates and does not add up.
+    Positive: energy was lost in the transfers, in hourglass control or in conversions, and where a drive or
+    hold stops what moves. What is left open in an elastic scene falls with the square of the step under MUSL.
     """
     kinetic = kineticEnergy(scene) if kinetic is None else kinetic
     external, internal, damped = (

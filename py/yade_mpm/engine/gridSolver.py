@@ -55,7 +55,7 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
             if face in self._roller and face not in self._fixed:
                 velocity = [0.0 if k == FACES[scene.dim][face][0] else None for k in range(scene.dim)]
             if face not in self._faceHolds:
-                self._faceHolds[face] = Hold(face, velocity)
+                self._faceHolds[face] = wall(face, velocity)
             if not any(h is self._faceHolds[face] for h in faces):
                 faces.append(self._faceHolds[face])
         everything = faces + self._hold + self._drive
@@ -66,6 +66,13 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
                     f"GridSolver: two prescribed motions are named '{c.name}'; give each a name of its own"
                 )
         return everything
+
+
+def wall(face, velocity):
+    """The `Hold` of a face of the grid, which stops nodes and not the particles beside it."""
+    hold = Hold(face, velocity)
+    hold.core.isWall = True
+    return hold
 
 
 def _names(what, names):

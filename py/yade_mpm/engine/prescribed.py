@@ -23,6 +23,9 @@ class Prescribed(Guarded):
     Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D),
     both exerted by the constraint on the material (2D: per metre). Since the start: `work` kJ, and `impulse`
     (dim,) kN s, the time integral of the reaction, whose difference between two times makes the mean.
+    The impulse is the change of momentum of what is held, less that by other forces. Work is done with the
+    mean of the velocities prescribed at the start and the end of a step; one that begins takes over the
+    velocity that it finds.
     """
 
     _owner = None

@@ -18,8 +18,9 @@ class Body(Guarded):
     (N, 3, 3), mass, volume, initialVolume, id (N,), velocityGradient, bodyForce, reference, and the state
     variables of the material; `fields()` lists them with unit and meaning. They are views: writing to
     them changes the particles, but for the stress of elastic materials, which follows from their deformation:
-    give that by `setStress`. uGIMP particles are sorted when they are made and now and then as they move,
-    which reorders all fields alike: `id` tells who is who, and `byId("stress")` gives a copy in its order.
+    give that by `setStress`. Velocities stand half a step behind positions and stresses. uGIMP particles are
+    sorted when they are made and now and then as they move, which reorders all fields alike: `id` tells who
+    is who, and `byId("stress")` gives a copy in its order.
     """
 
     _instead = "np.array(body.stress) copies a field, scene.save(file) keeps the whole scene"

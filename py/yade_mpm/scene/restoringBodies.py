@@ -66,6 +66,7 @@ def _buildBody(scene, entry, stored, material, kind, file):
     except RuntimeError as error:  # particles where the grid is not
         raise ValueError(f"'{file}' is damaged: {error}") from error
     core.converted, core.internalWork = entry["converted"], entry["internalWork"]
+    core.lastInternalWork = entry.get("lastInternalWork", 0.0)
     core.largestInertialMass = entry["largestInertialMass"]
     if kind.core.isMeshed and body.converted == 0:
         keep(body, mesh=_meshOf(body, stored))

@@ -5,7 +5,7 @@ from ..base.attributes import keep
 from ..base.warn import warnUser
 from ..engine.callback import Callback, PyRunner
 from ..engine.engines import classes as engineClasses
-from ..engine.gridSolver import GridSolver
+from ..engine.gridSolver import GridSolver, wall
 from ..engine.prescribed import Drive, Hold
 from ..geometry.regions import regionFromSpec
 from ..io.columns import Columns
@@ -118,7 +118,7 @@ def _buildSolver(spec, scene):
         roller=spec["roller"], fixed=spec["fixed"], hold=holds, drive=drives, **spec["attributes"]
     )
     for face, h in spec["faces"].items():
-        solver.faceHolds[face] = _restored(Hold(face, h["velocity"]), h)
+        solver.faceHolds[face] = _restored(wall(face, h["velocity"]), h)
     return solver
 
 

@@ -22,6 +22,7 @@ CONSTRAINT_STATE = (
     "angularImpulse",
     "centre",
     "heldNodes",
+    "before",
 )
 
 
@@ -139,6 +140,7 @@ def _describeBody(body, material, kind):
         "count": body.count,
         "converted": body.converted,
         "internalWork": body.core.internalWork,
+        "lastInternalWork": body.core.lastInternalWork,
         "largestInertialMass": body.core.largestInertialMass,
         "hasBodyForce": body.core.hasBodyForce,
         "convertsTo": body.convertsTo,

@@ -31,9 +31,9 @@ template <int Dim> Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>
         const auto& sum = field.sum[node];
         if (sum[NF::mass] <= least) return;
         for (int k = 0; k < Dim; ++k) {
+            const double v = NF::velocityAtStart(sum, k);
             const int c = field.holder[node][k];
-            straining[k] +=
-                phi * (c < 0 ? sum[NF::momentum + k] / sum[NF::mass] : scene.prescribed(c, k, scene.time));
+            straining[k] += phi * (c < 0 ? v : scene.heldAtStart(c, k, v));
         }
     });
     for (int k = 0; k < Dim; ++k) own[k] = soil.particles.velocity.plane(k)[p];

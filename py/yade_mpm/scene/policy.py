@@ -27,10 +27,12 @@ class LoopPolicy:
     save : function without argument that writes a checkpoint; default: none is written.
     savePeriod : float, s of wall time between checkpoints; None (default): none is written.
     stride : int, steps that the loop takes at a time; default 1.
+    followsSpeed : bool, whether an automatic step follows the speed between estimates; default True.
     """
 
-    def __init__(self, scene, say, save=None, savePeriod=None, stride=1):
+    def __init__(self, scene, say, save=None, savePeriod=None, stride=1, followsSpeed=True):
         self._scene, self._say, self._save, self._savePeriod = scene, say, save, savePeriod
+        self._followsSpeed = followsSpeed
         self._checkAt = _firstAt(scene.steps, limits.CHECK_PERIOD, stride)
         self._estimateAt = _firstAt(scene.steps, limits.DT_PERIOD, stride)
         self._lookAt = _firstAt(scene.steps, limits.DT_LOOK, stride)
@@ -50,7 +52,7 @@ class LoopPolicy:
         isChanged = False
         if steps >= self._lookAt:
             self._lookAt = _nextAt(steps, limits.DT_LOOK)
-            isChanged = self._followGrowth()
+            isChanged = self._followGrowth() or self._followSpeed()
         if steps < self._estimateAt:
             return isChanged
         self._estimateAt = _nextAt(steps, limits.DT_PERIOD)
@@ -155,6 +157,15 @@ class LoopPolicy:
         elif self._scene.givenDt is None:
             stepper.takeSafeDt(growth)
         return True
+
+    def _followSpeed(self):
+        """Whether a step that was left out has become another one, for the speed has."""
+        stepper = self._scene.stepper
+        if not self._followsSpeed or self._scene.givenDt is not None or stepper.automaticDt is None:
+            return False
+        before = stepper.dt
+        stepper.followSpeed()
+        return stepper.dt != before
 
     def _estimate(self):
         scene, stepper = self._scene, self._scene.stepper

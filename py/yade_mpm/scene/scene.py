@@ -77,6 +77,8 @@ class Scene(Guarded):
         `criticalTimeStep(asIfExplicit=True)` tells what it would be with their stiffness.
     stiffest : body in which the mode of dtCritical moves most.
     dtStable : s, longest stable step of the scheme, with flip and damping, as estimated last; None before.
+    dtSpeed : s, step in which the fastest particle or prescribed motion moves 0.2 of the smallest cell; the
+        automatic step is no longer.
     stepper : `Stepper`, for loops of your own.
     """
 
@@ -171,6 +173,10 @@ class Scene(Guarded):
     )
     particleCount = property(
         lambda self: sum(b.count for b in self.bodies), doc="Number of particles of all bodies."
+    )
+    dtSpeed = property(
+        lambda self: self.stepper.speedDt(),
+        doc="Step in which what moves fastest moves 0.2 of the smallest cell, s.",
     )
     time = property(lambda self: self.core.time, doc="Scene time, s.")
     steps = property(lambda self: self.core.step, doc="Number of steps taken.")

@@ -265,7 +265,16 @@ class Stepper(Guarded):
                     f"a line of the grid: give {good:.3g} s, or leave dt out"
                 )
             self.dt = given
+            self._warnOfCells()
         self.noteEstimate()
+
+    def _warnOfCells(self):
+        fast = self.speedDt()
+        if self.dt > 2 * fast:
+            warnUser(
+                f"Scene: with dt = {self.dt:.3g} s something moves {limits.DT_CELLS * self.dt / fast:.2g} "
+                f"of a cell in a step, and impacts make energy; give at most {fast:.3g} s, or leave dt out"
+            )
 
     def _leftOut(self):
         names = [f"'{body.name}'" for body in self._scene.bodies if body.implicit]
@@ -345,7 +354,20 @@ class Stepper(Guarded):
         law = "USL" if _sharesImplicit(self._scene) else self._scene.scheme
         longest = limits.DT_STABLE[law] * self._scene.dtStable / math.sqrt(growth)
         keep(self, automaticDt=min(self.safeDt(), longest))
-        self.dt = self.automaticDt
+        self.followSpeed()
+
+    def speedDt(self):
+        """The step in which what moves fastest, a particle or a prescribed motion, moves DT_CELLS of the
+        smallest cell, s."""
+        scene = self._scene
+        speeds = [np.abs(body.velocity).max(axis=0) for body in scene.bodies if body.count]
+        speeds += [np.abs(np.nan_to_num(c.core.velocity)) for c in self._constraints]
+        rate = np.max(speeds / np.array(scene.cell)) if speeds else 0.0
+        return limits.DT_CELLS / rate if rate > 0 else math.inf
+
+    def followSpeed(self):
+        """Steps by the automatic step, or a shorter one that suits the speed."""
+        self.dt = min(self.automaticDt, self.speedDt())
 
     def safeDt(self):
         """The share of the critical step that is taken where nobody has given dt, s."""

@@ -66,7 +66,7 @@ class Coupling:
         self._loop = loop.LoopOfYade(self, omega)
         scene.handOver(self._loop)
         self._rescue = Rescue(scene, f"{omega.tags['id']}.{label}.h5")
-        self._policy = LoopPolicy(scene, loop.warn, stride=mpmSteps)
+        self._policy = LoopPolicy(scene, loop.warn, stride=mpmSteps, followsSpeed=False)
         self._chain = scene.engines
         self._energies = Energies(omega, scene, label)
         self._rows = PlotRows(self._chain, areAllNew=bool(saved))

@@ -49,6 +49,7 @@ class TimeStep:
         own = scene.givenDt
         if own is None:
             own = scene.stepper.automaticDt or (scene.stepper.safeDt() if critical > 0 else scene.stepper.dt)
+            own = min(own, scene.stepper.speedDt())
         self.maxDt = own * self._mpmSteps / self._demSteps
         isBounded = critical > 0 and not scene.allowUnstable
         self.criticalDt = scene.dtStable * self._mpmSteps / self._demSteps if isBounded else math.inf

@@ -4,15 +4,11 @@
 
 Set-up: a free elastic block of 2 x 2 cells with random velocities of 1e-6 m/s, aligned with the grid and
 0.1 and 50 mm beside it.
-Reference: eigenvalues of M^-1 (A K + 2 K_h) for MUSL and USF, of M^-1 (2 - A) K for USL, from dense
-matrices that
-are put together here from the plain weights; A = C M^-1, C the consistent mass. Of uGIMP on the lines of
+Reference: eigenvalues of M^-1 A K for MUSL and USF, of M^-1 (2 - A) K for USL, from dense matrices that are
+put together here from the plain weights; A = C M^-1, C the consistent mass. Of uGIMP on the lines of
 the grid under USL, and up to 0.1 mm beside them, it is that of a block that has grown over them on all sides.
-Tolerance: 1 % (dense solve); with hourglass control of meshes under MUSL and USF the estimate adds the
-largest eigenvalue and a bound on that of the control wherever the mesh lies in the grid. It is up to 12 %
-short with the default control and 61 % with full control, whose dense step varies by 2.3 with the place,
-never long. Runs: at 0.95 of the dense step the energy stays bounded over 4000 steps, at 1.05 it grows tenfold
-or the run ends (control; not under USL with APDI, whose few domains lose what grows).
+Tolerance: 1 % (dense solve). Runs: at 0.95 of the dense step the energy stays bounded over 4000 steps, at
+1.05 it grows tenfold or the run ends (control; not under USL with APDI, whose few domains lose what grows).
 """
 
 import importlib.util
@@ -95,7 +91,7 @@ def matrices(scene):
 def denseStep(scene, scheme):
     K, Kh, overM, C = matrices(scene)
     A, one = C * overM, np.eye(len(overM))
-    operator = (2 * one - A) @ (K + Kh) if scheme == "USL" else A @ (K + Kh) + 2 * Kh
+    operator = (2 * one - A if scheme == "USL" else A) @ (K + Kh)
     return 2 / np.sqrt(eigvals(overM[:, None] * operator).real.max())
 
 
@@ -124,13 +120,6 @@ def test_affine_velocities_count_such_nodes_too(perCell):
     assert told[0] == pytest.approx(told[1], rel=0.01)
 
 
-SHORT = {
-    "APDI h/2": 0.97,
-    "APDI h": 0.88,
-    "APDI h, full control": 0.39,
-}  # of the dense step, under MUSL and USF
-
-
 def longestStable(scene):
     scene.criticalTimeStep()
     return scene.dtStable
@@ -153,11 +142,10 @@ def growth(scene, body, dt, steps=4000):
 def test_step_is_that_of_the_dense_one_step_map(name, scheme):
     for shift in (0, 1e-4, 0.05):
         scene, _ = block(TYPES[name], shift, scheme)
-        least = SHORT.get(name, 0.99) if scheme != "USL" else 0.99
         told = longestStable(scene)
         if shift < 1e-3 and scheme == "USL" and name.startswith("uGIMP"):
             scene["block"].position += 2e-3 * (scene["block"].position - 0.75)
-        assert least < told / denseStep(scene, scheme) < 1.01, shift
+        assert 0.99 < told / denseStep(scene, scheme) < 1.01, shift
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
@@ -174,12 +162,13 @@ def test_runs_agree_within_five_percent(tmp_path, monkeypatch, name, scheme):
 
 @pytest.mark.parametrize("hourglass", [0.05, 0.5, 1])
 def test_the_step_of_a_mesh_holds_wherever_it_goes(hourglass):
-    """A mesh with edges of a cell drifts from half way between the lines of the grid onto them. The step
-    by itself was up to 1.4 times the longest stable one there: vibrations grew by 1e9 within 4500 steps."""
+    """A mesh with edges of a cell drifts from half way between the lines of the grid onto them, where the
+    longest stable step is shorter by 1.5 times."""
     scene, body = block(mpm.APDI(size=0.25, hourglass=hourglass), 0.135, "MUSL")
     scene.criticalTimeStep()
     first, onLines = scene.dtStable, block(mpm.APDI(size=0.25, hourglass=hourglass), 0.0, "MUSL")[0]
-    assert limits.DT_STABLE["MUSL"] * first < 0.95 * denseStep(onLines, "MUSL")
+    own = min(limits.DT_SAFETY["MUSL"] * scene.dtCritical, limits.DT_STABLE["MUSL"] * first)
+    assert own < 0.75 * denseStep(onLines, "MUSL") < 0.75 / 1.45 * first  # it varies that much
     body.velocity += 0.115 / (1500 * scene.dtCritical)
     start = relativeEnergy(body)
     scene.run(steps=4500, progress=False)
@@ -187,8 +176,8 @@ def test_the_step_of_a_mesh_holds_wherever_it_goes(hourglass):
 
 
 @pytest.mark.parametrize("size", [0.125, (0.25, 0.05), (0.125, 0.05)])
-def test_control_of_thin_domains_is_bounded(size):
-    """Domains by themselves, in single rows: the bound of the control is reached there."""
+def test_the_step_of_thin_domains_is_that_of_the_map(size):
+    """Domains by themselves, in single rows."""
     for top in (0.55, 0.6):
         for shift in ((0, 0), (0, 0.05), (0.1, 0.125), (0.02, 0.2)):
             scene = mpm.Scene(lower=(0, 0), upper=(1.5, 1.5), cell=0.25, threads=1)
@@ -201,7 +190,7 @@ def test_control_of_thin_domains_is_bounded(size):
             body.position += shift
             vertices = body.vertices
             vertices += shift
-            assert longestStable(scene) < 1.01 * denseStep(scene, "MUSL"), (top, shift)
+            assert longestStable(scene) == pytest.approx(denseStep(scene, "MUSL"), rel=0.01), (top, shift)
 
 
 @pytest.mark.parametrize("size", [(0.25, 0.25, 0.05), (0.25, 0.05, 0.05)], ids=["", "control"])

@@ -184,14 +184,13 @@ double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double to
     auto law = scene.scheme->stepLaw;
     // With affine velocities the operator of a remap is (A (1 - E) + 2 E)/(1 + E^2) M^-1 K, A what comes back
     // of velocities and E of slopes, A + E <= 1: at most M^-1 K. The law of USL stays, with A + E for A.
-    if (scene.scheme->remaps && movesAffinely(scene)) law = {mixesAny(scene) ? 2.0 : 1.0, 0, law.control};
+    if (scene.scheme->remaps && movesAffinely(scene)) law = {mixesAny(scene) ? 2.0 : 1.0, 0};
     const auto stiffness = [&](auto& x, auto& y) { K.apply(x, y); };
     const auto mobility = [&](auto& x, auto& y) {
         K.passThroughParticles(x, y);
         for (size_t i = 0; i < y.size(); ++i) y[i] = law.direct * x[i] + law.mapped * y[i];
     };
     double square = largestOfProduct(K.mass(), stiffness, mobility, tolerance, most).value;
-    if (law.control > 0) square += law.control * K.largestOfControl();
     // A mode that loses momentum but not force (flip < 1); a force that local damping strengthens while it slows.
     square *= 2 / (1 + flipOf(scene)) * (1 + dampingOf(scene));
     return 2 / std::sqrt(square);

@@ -135,16 +135,6 @@ template <int Dim> void ElasticOperator<Dim>::apply(const std::vector<double>& x
     readForces(y);
 }
 
-template <int Dim> double ElasticOperator<Dim>::largestOfControl() const {
-    double largest = 0;
-    for (size_t b = 0; b < scene_.bodies.size(); ++b) {
-        const auto& body = *scene_.bodies[b];
-        auto* mesh = body.domains->mesh();
-        if (isIn_[b] && mesh) largest = std::max(largest, mesh->fastestPattern() / body.inertiaScale);
-    }
-    return largest;
-}
-
 template <int Dim>
 void ElasticOperator<Dim>::passThroughParticles(const std::vector<double>& x, std::vector<double>& y) {
     if (isSolved_.empty()) return passAll(x, y);

@@ -20,9 +20,6 @@ template <int Dim> class ElasticOperator {
 
     // y = M^-1 K x, x a velocity (m/s) and y in m/s2 per s.
     void apply(const std::vector<double>& x, std::vector<double>& y);
-    // A bound on the largest eigenvalue of M^-1 K_h, K_h the stiffness of hourglass control alone, wherever the
-    // particles lie in the grid.
-    double largestOfControl() const;
 
     // y = M^-1 C x: what is left of a nodal velocity that the particles take and give back; C is the
     // consistent mass. Nodes that implicit bodies share with others are strained by what was solved for: there

@@ -55,8 +55,7 @@ template <int Dim> class MPM_PUBLIC Domains {
     virtual void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
                         bool withForce) = 0;
     // Particle velocity and position from nodal velocity and acceleration (nullptr: they stay). Then
-    // node += phi * momentum + dt * forces of hourglass control, with weights and forces of the step's start
-    // (nullptr: not wanted).
+    // node += phi * momentum, with weights of the step's start (nullptr: not wanted).
     virtual void move(ParallelRegion& region, const typename NF::Motion* nodes,
                       typename NF::Velocity* momentum, const Move& how) = 0;
     // The velocity gradient of particles [begin, end); dt = 0: nothing else.

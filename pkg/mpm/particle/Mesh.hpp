@@ -28,16 +28,13 @@ template <int Dim> class Mesh {
     // Node += share of a force on one vertex.
     virtual void addVertexForce(int vertex, const Vec<Dim>& force, typename NF::Sum* nodes) const = 0;
     // What strains domain p: each(node, phi, gradient, gamma), a node once for each vertex that feels it. gamma:
-    // what unit velocity of the node adds to the rate of each hourglass pattern, `patterns` numbers. Returns what the
-    // domain resists these with, kN/m (2D: per m), the same for all.
+    // what unit velocity of the node adds to the rate of each hourglass pattern, `patterns` numbers;
+    // `stiffness`: what the domain resists each with, kN/m (2D: per m).
     static constexpr int patterns = Dim == 2 ? 1 : 4;
     using EachStrain = std::function<void(int, double, const Vec<Dim>&, const double*)>;
-    virtual double strains(int p, const EachStrain& each) const = 0;
+    virtual void strains(int p, const EachStrain& each, double* stiffness) const = 0;
     // And how far the domain is from a linear deformation, what they resist: of each pattern and axis, m.
     virtual void amplitude(int p, double (*h)[Dim]) const = 0;
-    // Bound on the squared frequency of hourglass patterns under their control, 1/s2 (inertiaScale = 1), wherever the
-    // mesh lies in the grid.
-    virtual double fastestPattern() = 0;
     // Longest edge of domain p, m, and what it was when the displacement was zero.
     virtual double longestEdge(int p) const = 0;
     virtual double initialEdge(int p) const = 0;

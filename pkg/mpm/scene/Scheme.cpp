@@ -27,7 +27,7 @@ bool offer(const Scheme& scheme) {
         scheme.name, [=] { return std::make_shared<Scheme>(scheme); }, MPM_BUILD, sizeof(Scheme));
 }
 
-const Scheme::StepLaw ofMappedVelocity{0, 1, 2}, ofSolvedVelocity{2, -1, 0};
+const Scheme::StepLaw ofMappedVelocity{0, 1}, ofSolvedVelocity{2, -1};
 
 const bool offered =
     offer({"MUSL", "Stress at the end of the step, with the velocity that the moved particles map back.",

@@ -13,11 +13,11 @@ class Scheme {
     bool stressFirst; // the stress is updated before the forces are summed, not at the end of the step
     bool remaps;      // the velocity that strains is mapped back from the particles, not that of the solution
 
-    // The longest stable step is 2 over the root of the largest eigenvalue of M^-1 (direct K + mapped C M^-1 K)
-    // plus that of control M^-1 K_h: K stiffness, K_h that of hourglass control, M lumped and C consistent mass
+    // The longest stable step is 2 over the root of the largest eigenvalue of
+    // M^-1 (direct K + mapped C M^-1 K): K stiffness, M lumped and C consistent mass
     // (doc/explanation/time-step.md).
     struct StepLaw {
-        double direct, mapped, control;
+        double direct, mapped;
     };
     StepLaw stepLaw;
 

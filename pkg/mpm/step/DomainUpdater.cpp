@@ -55,11 +55,11 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                     mesh->takeVelocity(region, strainingVelocity(scene, *body));
             for (size_t b = 0; b < scene.bodies.size(); ++b) update(region, scene, *scene.bodies[b], int(b));
             region.wait();
-            if (scene.scheme->stressFirst)
-                sumOnNodes(region, scene, &cells_, scene.sharedCells.isWanted);
-            else
-                for (auto& body : scene.bodies)
-                    if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
+            for (auto& body : scene.bodies)
+                if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
+            if (!scene.scheme->stressFirst) return;
+            region.wait();
+            sumOnNodes(region, scene, &cells_, scene.sharedCells.isWanted);
         });
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
             scene.bodies[b]->lastInternalWork = work_[b].total();

@@ -26,9 +26,6 @@ template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
             const Move how{scene.dt, flip, isDamped ? damping : 0, body->inertiaScale};
             body->domains->move(region, field.motion.data(), givesMomentum ? field.momenta() : nullptr, how);
         }
-        if (scene.scheme->stressFirst)
-            for (auto& body : scene.bodies)
-                if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
     });
     for (auto& field : fields)
         if (givesMomentum) field.straining = Straining::momentum;

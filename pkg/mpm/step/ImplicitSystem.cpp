@@ -61,18 +61,18 @@ void ImplicitSystem<Dim>::add(const StrainedNodes<Dim>& strained,
     for (int e = particle.begin; e < particle.end; ++e)
         order_.emplace_back(Dim * number[strained.entries[e].node], &strained.entries[e]);
     std::sort(order_.begin(), order_.end(), [](auto& a, auto& b) { return a.first < b.first; });
-    const auto [begin, end, lambda, mu, control] = particle;
+    const double lambda = particle.lambda, mu = particle.mu;
     for (size_t b = 0; b < order_.size(); ++b) {
         const int column = order_[b].first;
         const Entry& q = *order_[b].second;
         for (size_t a = b; a < order_.size(); ++a) {
             const int row = order_[a].first;
             const Entry& g = *order_[a].second;
-            double product = 0, patterns = 0;
+            double product = 0, diagonal = 0;
             for (int k = 0; k < Dim; ++k) product += g.g[k] * q.g[k];
-            if (control > 0)
-                for (int m = 0; m < StrainedNodes<Dim>::patterns; ++m) patterns += g.gamma[m] * q.gamma[m];
-            const double diagonal = mu * product + control * patterns;
+            for (int m = 0; m < StrainedNodes<Dim>::patterns; ++m)
+                diagonal += particle.control[m] * g.gamma[m] * q.gamma[m];
+            diagonal += mu * product;
             for (int j = 0; j < Dim; ++j) {
                 double* below = &stiffness_.at(row, column + j);
                 for (int i = a == b ? j : 0; i < Dim; ++i)

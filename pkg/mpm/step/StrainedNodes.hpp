@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Which nodes strain some particles of a body, and how: the elastic energy of particle p that moves by u is
-//     1/2 V [lambda (tr e)^2 + 2 mu e : e] + 1/2 control sum_m |h_m|^2,
+//     1/2 V [lambda (tr e)^2 + 2 mu e : e] + 1/2 sum_m control_m |h_m|^2,
 //     e = sym sum_n u_n (x) g_n,  h_m = sum_n gamma_nm u_n.
 #pragma once
 
@@ -15,12 +15,13 @@ template <int Dim> class StrainedNodes {
     struct Entry {
         int node;
         double g[Dim], gamma[patterns]; // 1/m; -
-        Vec<Dim> force,
-            weight = Vec<Dim>::Zero(); // kN, of the stress of the particle at the start; of gravity
+        Vec<Dim> force;                 // kN, of the stress of the particle at the start
+        Vec<Dim> weight = Vec<Dim>::Zero(); // kN, of gravity
     };
     struct Strained {
-        int begin, end;             // of its entries; each node is there once
-        double lambda, mu, control; // times the volume, kN m (2D: per m)
+        int begin, end;           // of its entries; each node is there once
+        double lambda, mu;        // times the volume, kN m (2D: per m)
+        double control[patterns]; // kN/m (2D: per m)
     };
     std::vector<Entry> entries;
     std::vector<Strained> particles;
@@ -37,7 +38,7 @@ template <int Dim> class StrainedNodes {
             if (!isStrained(p)) continue;
             const double volume = body.particles.volume.plane()[p];
             particles.push_back(
-                {int(entries.size()), 0, volume * lambda[p - first], volume * mu[p - first], 0});
+                {int(entries.size()), 0, volume * lambda[p - first], volume * mu[p - first], {}});
             findOf(body, p, body.particles.mass.plane()[p] * gravity, isIn);
             particles.back().end = int(entries.size());
         }
@@ -65,12 +66,12 @@ template <int Dim> class StrainedNodes {
         };
         if (const auto* mesh = body.domains->mesh()) {
             double h[patterns][Dim];
-            particle.control = mesh->strains(p, add);
+            mesh->strains(p, add, particle.control);
             mesh->amplitude(p, h);
             for (size_t e = particle.begin; e < entries.size(); ++e)
                 for (int m = 0; m < patterns; ++m)
                     for (int k = 0; k < Dim; ++k)
-                        entries[e].force[k] -= particle.control * entries[e].gamma[m] * h[m][k];
+                        entries[e].force[k] -= particle.control[m] * entries[e].gamma[m] * h[m][k];
         } else
             body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
                 add(node, phi, gradient, nullptr);

@@ -73,9 +73,6 @@ template <int Dim> void locateCells(ParallelRegion& region, Scene<Dim>& scene) {
 }
 
 // Sums of mass, momentum and force on the nodes, from the particles where locate() found them.
-// Hourglass control is a force here. Under MUSL and USF it also enters the velocity that moves the vertices
-// (VelocityRemap): that is a sum over particles, which cannot hold a pattern of single domains, so
-// the force alone would never undo one.
 // cells: room for each body, with forces. isShared: whether cells of the grid may be shared.
 template <int Dim>
 void sumOnNodes(ParallelRegion& region, Scene<Dim>& scene, std::vector<CellForces>* cells, bool isShared) {

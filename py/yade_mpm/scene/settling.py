@@ -146,8 +146,8 @@ def unbalancedForce(scene):
 
     Takes one step to see it. The force is that of a cell full of the particle's material, rho h^dim |a|,
     with the change a of its velocity in the step (local damping takes part in it). What nodes have left
-    that cancels over every particle does not count: hourglass control keeps a distorted mesh from ever
-    losing it under MUSL. Infinite where nothing but inertia acts against a force.
+    that cancels over every particle does not count: under MUSL nothing ever moves it. Infinite
+    where nothing but inertia acts against a force.
     """
     return _look(scene, 0.0)[0]
 

@@ -49,6 +49,7 @@ struct QuadrilateralShape {
     double smallestCorner; // 4 det J at a corner: the area of a parallelogram, <= 0 where concave or inverted
     std::array<double, 2> skew; // what follows is w; both zero for a parallelogram
     double pattern[1][2];       // coefficient of xi eta in the position: the hourglass pattern of the corners
+    double steepness[1];        // 3/4 of the mean square of the gradient of xi eta
 
     MPM_INLINE static std::array<double, 4> weights(const std::array<double, 2>& skew) {
         return {0.25 - (skew[0] + skew[1]), 0.25 - (skew[0] - skew[1]), 0.25 + (skew[0] + skew[1]),
@@ -78,6 +79,7 @@ struct QuadrilateralShape {
         g[3][1] = -g[1][1];
         MPM_UNROLL
         for (int k = 0; k < 2; ++k) pattern[0][k] = 0.25 * (X[k][0] - X[k][1] + X[k][2] - X[k][3]);
+        steepness[0] = 2 * (g[0][0] * g[0][0] + g[0][1] * g[0][1] + g[1][0] * g[1][0] + g[1][1] * g[1][1]);
     }
 };
 
@@ -154,6 +156,7 @@ struct HexahedronShape {
     double w[8], g[8][3], volume, overVolume;
     std::array<double, 7> skew; // the coefficients of w but for the mean, 1/8; all zero for a parallelepiped
     double pattern[4][3];       // h
+    double steepness[4];        // of each term of h, 3/4 of the mean square of its gradient
 
     MPM_INLINE static std::array<double, 8> weights(const std::array<double, 7>& s) {
         return Trilinear<double>{0.125, {s[0], s[1], s[2]}, {s[3], s[4], s[5], s[6]}}.atCorners();
@@ -198,6 +201,12 @@ struct HexahedronShape {
             pattern[m][1] = h[m].y;
             pattern[m][2] = h[m].z;
         }
+        double square[3]; // of the gradients of xi, eta, zeta, which are 8 gradient.a
+        MPM_UNROLL
+        for (int k = 0; k < 3; ++k) square[k] = 64 * dot(gradient.a[k], gradient.a[k]);
+        MPM_UNROLL
+        for (int k = 0; k < 3; ++k) steepness[k] = (square[k] + square[(k + 1) % 3]) / 4;
+        steepness[3] = (square[0] + square[1] + square[2]) / 12;
 
         const auto gradients = gradient.atCorners();
         const auto fromSkew = weights(skew);

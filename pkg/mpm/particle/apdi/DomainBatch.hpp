@@ -136,7 +136,7 @@ template <int Dim> struct alignas(64) BatchWeights {
 template <int Dim> struct alignas(64) BatchShapes {
     static constexpr int NC = corners<Dim>, modes = hourglassModes<Dim>, most = Batch<Dim>::most;
     static constexpr int skews = BatchWeights<Dim>::skews;
-    double w[NC][most], g[NC][Dim][most], volume[most], pattern[modes][Dim][most];
+    double w[NC][most], g[NC][Dim][most], pattern[modes][Dim][most];
 
     BatchShapes(const Batch<Dim>& batch, const Field& positions, Field& skewField) {
         const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(positions));
@@ -144,7 +144,6 @@ template <int Dim> struct alignas(64) BatchShapes {
         for (int m = 0; m < skews; ++m) skew[m] = skewField.plane(m) + batch.first;
         auto one = [&](int p) MPM_INLINE_LAMBDA {
             const ClosedShape<Dim> shape(X.at(p));
-            volume[p] = shape.volume;
             MPM_UNROLL
             for (int a = 0; a < NC; ++a) {
                 w[a][p] = shape.w[a];

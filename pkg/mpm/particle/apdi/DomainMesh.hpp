@@ -25,10 +25,11 @@ template <int Dim> class DomainMesh {
         rowEnd = Batch<Dim>::rowEnds(corner);
     }
 
-    Corners<Dim> cornersOf(int p) const {
+    Corners<Dim> cornersOf(int p) const { return cornersOf(p, vertices.position); }
+    Corners<Dim> cornersOf(int p, const Field& positions) const {
         Corners<Dim> x;
         for (int a = 0; a < NC; ++a)
-            for (int k = 0; k < Dim; ++k) x(k, a) = vertices.position.plane(k)[corner[NC * p + a]];
+            for (int k = 0; k < Dim; ++k) x(k, a) = positions.plane(k)[corner[NC * p + a]];
         return x;
     }
     CornerNumbers<Dim> cornerNumbersOf(int p) const { return numbersOf<Dim>(cornersOf(p)); }

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Forces against the hourglass patterns of the vertices, which the averaged gradient of a domain does not
-// see: the stiffness form of Flanagan & Belytschko 1981,
-//     f_a = -k h gamma_a,   gamma_a = G_a / 2^Dim - g_a . (pattern of X),
-//     k = coefficient (2/3)(lambda + 3 mu) V sum |g|^2,
-// so that it does no work in a linear field. With coefficient 1 a square is as stiff against the pattern as
-// the exactly integrated bilinear element. What is resisted is the pattern of the domain less that of the
-// undeformed one, deformed. Soil that yields bears no more: the stress of the pattern, k |h| / (V sqrt(sum |g|^2)),
-// stays below a part of the shear strength, else the load of a footing would grow with the elastic modulus.
+// see: the stiffness form of Flanagan & Belytschko 1981, from an energy,
+//     U = 1/2 sum_m k_m |h_m|^2,   k_m = coefficient (2/3)(lambda + 3 mu) V q_m,
+//     f_a = -sum_m k_m h_m gamma_am.
+// h is the pattern of the domain less that of the undeformed one, deformed; its rate is sum_a gamma_am v_a,
+// and the vertices get the work that U loses:
+//     h_m = pattern_m(X) - F pattern_m(X0),   gamma_am = G_am / 2^Dim - g_a . F pattern_m(X0).
+// V and the steepness q_m are those of the undeformed domain. With coefficient 1 a square is as stiff against
+// its pattern as the exactly integrated bilinear element; q makes a cube as stiff against the patterns of its
+// faces, so that plane strain is a slab between rollers. Soil that yields bears no more: the stress of the
+// patterns, k |h| / (V sqrt(q)), stays below a part of the shear strength, else the load of a footing would
+// grow with the elastic modulus.
 #pragma once
 
 #include "mpm/particle/apdi/DomainMesh.hpp"
@@ -18,7 +22,6 @@ template <int Dim> class HourglassControl {
   public:
     using Shapes = BatchShapes<Dim>;
     static constexpr int NC = corners<Dim>, modes = Shapes::modes;
-    using Forces = double[modes][Dim][Batch<Dim>::most]; // of a batch, times gamma
 
     // Part of the shear strength: soil ten times as stiff then carries the same footing (a part of 1: 1.4 % more,
     // without a limit 11 %).
@@ -39,13 +42,26 @@ template <int Dim> class HourglassControl {
             if (std::abs(h.data()[i]) > roundOff) reference.plane(i)[p] = h.data()[i];
     }
 
-    void restored() {
+    void restored(const DomainMesh<Dim>& mesh) {
+        const int domains = mesh.domains();
         isPatterned_ = false;
         for (int i = 0; i < reference.components(); ++i)
             isPatterned_ |= std::any_of(reference.plane(i), reference.plane(i) + reference.size(),
                                         [](double h) { return h != 0; });
+        modulus_.resize(domains);
+        limit_.resize(domains);
+        volume_.resize(domains);
+        steepness_.resize(domains);
+        for (int p = 0; p < domains; ++p) {
+            const ClosedShape<Dim> shape(numbersOf<Dim>(mesh.cornersOf(p, mesh.vertices.reference)));
+            volume_[p] = shape.volume;
+            for (int m = 0; m < modes; ++m) steepness_.plane(m)[p] = shape.steepness[m];
+        }
     }
     bool isPatterned() const { return isPatterned_; } // any undeformed domain
+    size_t bytes() const {
+        return reference.bytes() + steepness_.bytes() + 3 * volume_.size() * sizeof(double);
+    }
 
     // What the deformation makes of the patterns of the undeformed domains.
     struct DeformedPattern {
@@ -57,30 +73,37 @@ template <int Dim> class HourglassControl {
                 for (int m = 0; m < modes; ++m) pattern[m][i] = control.reference.plane(Dim * m + i);
             }
         }
-        MPM_INLINE void takeFrom(double (*h)[Dim], int p) const {
+        MPM_INLINE double at(int m, int i, int p) const {
+            double sum = 0;
             MPM_UNROLL
-            for (int m = 0; m < modes; ++m) MPM_UNROLL
-            for (int i = 0; i < Dim; ++i) {
-                double sum = 0;
-                MPM_UNROLL
-                for (int j = 0; j < Dim; ++j) sum += F[i][j][p] * pattern[m][j][p];
-                h[m][i] -= sum;
-            }
+            for (int j = 0; j < Dim; ++j) sum += F[i][j][p] * pattern[m][j][p];
+            return sum;
         }
     };
 
-    // What a linear field does not show of pattern m at corner a.
-    MPM_INLINE static double gamma(const Shapes& d, int m, int a, int p) {
-        double sum = hourglassSign(Dim, m, a) / NC;
-        MPM_UNROLL
-        for (int j = 0; j < Dim; ++j) sum -= d.g[a][j][p] * d.pattern[m][j][p];
-        return sum;
-    }
+    // Of a batch: the patterns of the undeformed domains, deformed (empty where there are none), and the
+    // forces against h, times gamma.
+    struct alignas(64) OfBatch {
+        static constexpr int most = Batch<Dim>::most;
+        double undeformed[modes][Dim][most], force[modes][Dim][most];
 
-    void resize(int domains) {
-        modulus_.resize(domains);
-        limit_.resize(domains);
-    }
+        void take(const Batch<Dim>& batch, const DeformedPattern& deformed) {
+            auto one = [&](int p) MPM_INLINE_LAMBDA {
+                MPM_UNROLL
+                for (int m = 0; m < modes; ++m) MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) undeformed[m][k][p] = deformed.at(m, k, batch.first + p);
+            };
+            forEachSimd(batch.count, one);
+        }
+        template <bool isPatterned> MPM_INLINE double gamma(const Shapes& d, int m, int a, int p) const {
+            double sum = hourglassSign(Dim, m, a) / NC;
+            if constexpr (isPatterned) {
+                MPM_UNROLL
+                for (int j = 0; j < Dim; ++j) sum -= d.g[a][j][p] * undeformed[m][j][p];
+            }
+            return sum;
+        }
+    };
 
     // Of domains [begin, end), whose material is asked once per step: a call for every batch takes 6 % of it.
     template <class Stiffness, class Strength>
@@ -94,53 +117,66 @@ template <int Dim> class HourglassControl {
         }
     }
 
-    // Against each pattern of domain p, kN/m (2D: per m).
-    double stiffnessOf(int p, const ClosedShape<Dim>& shape) const {
-        double sum = 0;
-        for (int a = 0; a < NC; ++a)
-            for (int k = 0; k < Dim; ++k) sum += shape.g[a][k] * shape.g[a][k];
-        return modulus_[p] * shape.volume * sum;
-    }
-    static double gamma(const ClosedShape<Dim>& shape, int m, int a) {
-        double sum = hourglassSign(Dim, m, a) / NC;
-        for (int j = 0; j < Dim; ++j) sum -= shape.g[a][j] * shape.pattern[m][j];
-        return sum;
-    }
-
-    // The forces of a batch. h, per mode and axis, is what they resist: the pattern of a domain, which
-    // resisted(p, h) may change.
-    template <class Resisted>
-    void resist(const Batch<Dim>& batch, const Shapes& d, Forces& forces, Resisted&& resisted) const {
-        const double *modulus = modulus_.data() + batch.first, *limit = limit_.data() + batch.first;
+    // The forces of a batch against the patterns as they are.
+    template <bool isPatterned> void resist(const Batch<Dim>& batch, const Shapes& d, OfBatch& out) const {
+        const Constants c(*this, batch.first);
+        const double* limit = limit_.data() + batch.first;
         auto one = [&](int p) MPM_INLINE_LAMBDA {
-            double h[modes][Dim], sum = 0;
+            double h[modes][Dim], square = 0; // of the strain of the patterns
             MPM_UNROLL
-            for (int m = 0; m < modes; ++m) MPM_UNROLL
-            for (int k = 0; k < Dim; ++k) h[m][k] = d.pattern[m][k][p];
-            resisted(p, h);
-            MPM_UNROLL
-            for (int a = 0; a < NC; ++a) MPM_UNROLL
-            for (int k = 0; k < Dim; ++k) sum += d.g[a][k][p] * d.g[a][k][p];
-            double square = 0;
-            MPM_UNROLL
-            for (int m = 0; m < modes; ++m) MPM_UNROLL
-            for (int k = 0; k < Dim; ++k) square += h[m][k] * h[m][k];
-            const double stress = modulus[p] * std::sqrt(sum * square);
+            for (int m = 0; m < modes; ++m) {
+                double sum = 0;
+                MPM_UNROLL
+                for (int k = 0; k < Dim; ++k) {
+                    h[m][k] = d.pattern[m][k][p];
+                    if constexpr (isPatterned) h[m][k] -= out.undeformed[m][k][p];
+                    sum += h[m][k] * h[m][k];
+                }
+                square += c.steepness[m][p] * sum;
+            }
+            const double stress = c.modulus[p] * std::sqrt(square);
             const double most = std::max(limit[p], leastShare * stress);
             const double share = stress > most ? most / stress : 1.0;
-            const double stiffness = share * modulus[p] * d.volume[p] * sum;
             MPM_UNROLL
-            for (int m = 0; m < modes; ++m) MPM_UNROLL
-            for (int k = 0; k < Dim; ++k) forces[m][k][p] = -stiffness * h[m][k];
+            for (int m = 0; m < modes; ++m) {
+                const double k = share * c.stiffness(m, p);
+                MPM_UNROLL
+                for (int i = 0; i < Dim; ++i) out.force[m][i][p] = -k * h[m][i];
+            }
         };
         forEachSimd(batch.count, one);
+    }
+
+    // Those against the rates of the patterns over unit time, without a limit; V: velocities at the corners.
+    template <bool isPatterned, int n>
+    void resistRates(const Batch<Dim>& batch, const Shapes& d, const AtCorners<Dim, n>& V,
+                     OfBatch& out) const {
+        const Constants c(*this, batch.first);
+        for (int p = 0; p < batch.count; ++p)
+            for (int m = 0; m < modes; ++m)
+                for (int k = 0; k < Dim; ++k) {
+                    double rate = 0;
+                    for (int a = 0; a < NC; ++a)
+                        rate += out.template gamma<isPatterned>(d, m, a, p) * V.x[a][k][p];
+                    out.force[m][k][p] = -c.stiffness(m, p) * rate;
+                }
+    }
+
+    // k of pattern m of domain p, kN/m (2D: per m), and what the velocity of corner a gives to the rate of h.
+    double stiffnessOf(int p, int m) const { return Constants(*this, p).stiffness(m, 0); }
+    double gammaOf(const ClosedShape<Dim>& shape, const DeformedPattern& deformed, int p, int m,
+                   int a) const {
+        double sum = hourglassSign(Dim, m, a) / NC;
+        for (int j = 0; j < Dim; ++j) sum -= shape.g[a][j] * deformed.at(m, j, p);
+        return sum;
     }
 
     // How far domain p is from a linear deformation: of each pattern and axis, m.
     HourglassAmplitude<Dim> amplitude(const DomainMesh<Dim>& mesh, const DeformedPattern& deformed,
                                       int p) const {
         HourglassAmplitude<Dim> h = hourglassPattern<Dim>(mesh.cornersOf(p));
-        deformed.takeFrom(reinterpret_cast<double(*)[Dim]>(h.data()), p);
+        for (int m = 0; m < modes; ++m)
+            for (int k = 0; k < Dim; ++k) h(k, m) -= deformed.at(m, k, p);
         return h;
     }
     // Largest hourglass amplitude over the mean edge of its domain.
@@ -163,15 +199,25 @@ template <int Dim> class HourglassControl {
         double total = 0;
         for (int p = begin; p < end; ++p) {
             const HourglassAmplitude<Dim> h = amplitude(mesh, deformed, p);
-            const Shape<Dim> shape(numbersOf<Dim>(mesh.cornersOf(p)));
-            double sum = 0;
-            for (const Vec<Dim>& g : shape.g) sum += g.squaredNorm();
-            total += shape.volume * energyDensity(p, std::sqrt(sum * h.squaredNorm()));
+            double square = 0;
+            for (int m = 0; m < modes; ++m) square += steepness_.plane(m)[p] * h.col(m).squaredNorm();
+            total += volume_[p] * energyDensity(p, std::sqrt(square));
         }
         return total;
     }
 
   private:
+    // Of domains from `first` on.
+    struct Constants {
+        const double *modulus, *volume, *steepness[modes];
+
+        Constants(const HourglassControl& of, int first)
+            : modulus(of.modulus_.data() + first), volume(of.volume_.data() + first) {
+            for (int m = 0; m < modes; ++m) steepness[m] = of.steepness_.plane(m) + first;
+        }
+        MPM_INLINE double stiffness(int m, int p) const { return modulus[p] * volume[p] * steepness[m][p]; }
+    };
+
     // The stress of the pattern grows with its strain up to the limit, stays there, and grows on where a part
     // of the elastic stress exceeds it.
     double energyDensity(int p, double strain) const {
@@ -184,8 +230,9 @@ template <int Dim> class HourglassControl {
     }
 
     const double coefficient_;
-    std::vector<double> modulus_; // kPa
-    std::vector<double> limit_;   // kPa, of the stress against the patterns
+    std::vector<double> modulus_, limit_; // kPa, of the stress of the patterns over their strain; at most
+    std::vector<double> volume_;          // of the undeformed domains
+    Field steepness_{"hourglassSteepness", "1/m2", "Square of the strain of unit patterns.", {modes}};
     bool isPatterned_ = true;
 };
 

@@ -53,7 +53,7 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
     }
     size_t bytes() const override {
         return sizeof(int) * (mesh_.corner.size() + mesh_.rowEnd.size()) + mesh_.vertices.bytes() +
-               Base::carried_.bytes() + Base::skew_.bytes() + hourglass_.reference.bytes() +
+               Base::carried_.bytes() + Base::skew_.bytes() + hourglass_.bytes() +
                (Base::isAffine ? Base::slopes_.bytes() : 0);
     }
 
@@ -83,44 +83,26 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
                 nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + part * S * force[k]);
         });
     }
-    double strains(int p, const typename Mesh<Dim>::EachStrain& each) const override {
+    void strains(int p, const typename Mesh<Dim>::EachStrain& each, double* stiffness) const override {
         constexpr int patterns = Mesh<Dim>::patterns;
         const auto corner = mesh_.cornerNumbersOf(p);
         const ClosedShape<Dim> closed(corner);
         const Shape<Dim> shape(corner);
+        const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
         for (int a = 0; a < NC; ++a) {
             double gamma[patterns], given[patterns];
-            for (int m = 0; m < patterns; ++m) gamma[m] = HourglassControl<Dim>::gamma(closed, m, a);
+            for (int m = 0; m < patterns; ++m) gamma[m] = hourglass_.gammaOf(closed, deformed, p, m, a);
             Base::forNodes(mesh_.corner[NC * p + a], [&](int node, double part, double S) {
                 for (int m = 0; m < patterns; ++m) given[m] = part * S * gamma[m];
                 each(node, part * shape.w[a] * S, Vec<Dim>(part * S * shape.g[a]), given);
             });
         }
-        return hourglass_.stiffnessOf(p, closed);
+        for (int m = 0; m < patterns; ++m) stiffness[m] = hourglass_.stiffnessOf(p, m);
     }
     void amplitude(int p, double (*h)[Dim]) const override {
         const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
         const HourglassAmplitude<Dim> all = hourglass_.amplitude(mesh_, deformed, p);
         std::copy(all.data(), all.data() + all.size(), &h[0][0]);
-    }
-    // No pattern is faster than those of the fastest domain by itself, with its mass w m on its corners: k/m times
-    // the largest eigenvalue of sum_a gamma_am gamma_an/w_a, at most the largest sum of a row. Nodes move edges
-    // shorter than a cell less. Along an axis in which the pattern alternates that is r/(2 - r) at most, r the edge
-    // over the cell: a corner on a node, the other one between it and a node whose whole mass that is. Domains at
-    // an angle to the axes feel the kinks of the field, by the product of both r: no bound, but enough for meshes
-    // (a single domain of a tenth of a cell may be faster by five times).
-    double fastestPattern() override {
-        double fastest = 0;
-        forStiffChunks([&](int begin, int end) {
-            for (int p = begin; p < end; ++p) {
-                const auto corner = mesh_.cornerNumbersOf(p);
-                const ClosedShape<Dim> closed(corner);
-                const double rate = hourglass_.stiffnessOf(p, closed) / particles.mass.plane()[p];
-                const double rows = largestRowOfPatterns(closed, Shape<Dim>(corner));
-                fastest = std::max(fastest, rate * rows * shareOfNodes(mesh_.cornersOf(p)));
-            }
-        });
-        return fastest;
     }
     double longestEdge(int p) const override {
         return std::sqrt(mesh_.longestSquare(p, mesh_.vertices.position));
@@ -154,28 +136,6 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
   private:
     using Base::mesh_, Base::hourglass_;
 
-    static double largestRowOfPatterns(const ClosedShape<Dim>& closed, const Shape<Dim>& shape) {
-        Eigen::Matrix<double, NC, Mesh<Dim>::patterns> gamma;
-        for (int m = 0; m < gamma.cols(); ++m)
-            for (int a = 0; a < NC; ++a)
-                gamma(a, m) = HourglassControl<Dim>::gamma(closed, m, a) / std::sqrt(shape.w[a]);
-        return (gamma.transpose() * gamma).cwiseAbs().rowwise().sum().maxCoeff();
-    }
-    double shareOfNodes(const Corners<Dim>& X) const {
-        const double cell = Base::grid.smallestCell().minCoeff();
-        Vec<Dim> r;
-        double turned = 0; // sin^2 of twice an edge's angle to the axis next to it; 1 from 45 degrees on
-        for (int k = 0; k < Dim; ++k) {
-            Vec<Dim> edge = Vec<Dim>::Zero();
-            for (int a = 0; a < NC; ++a) edge += 2.0 / NC * cornerSign(a, k) * X.col(a);
-            const double along = edge.cwiseAbs2().maxCoeff() / edge.squaredNorm();
-            turned = std::max(turned, along < 0.5 ? 1.0 : 4 * along * (1 - along));
-            r[k] = std::min(1.0, edge.norm() / cell);
-        }
-        const Vec<Dim> share = r.cwiseQuotient(Vec<Dim>::Constant(2) - r);
-        const auto ofLongest = [](const Vec<Dim>& x) { return x.prod() / (Dim == 3 ? x.minCoeff() : 1.0); };
-        return std::min(1.0, ofLongest(share) + turned * ofLongest(r));
-    }
     // visit(begin, end) for domains whose stiffness against patterns is that of now.
     template <class Visit> void forStiffChunks(Visit&& visit) {
         for (int begin = 0; begin < particles.size(); begin += chunkSize) {

@@ -29,8 +29,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
         carried_.resize(mesh_.vertices.size());
         slopes_.resize(mesh_.vertices.size());
         skew_.resize(particles.size());
-        hourglass_.restored();
-        hourglass_.resize(particles.size());
+        hourglass_.restored(mesh_);
         pieces_.cut(mesh_);
         if (!order.isOf(grid)) regroup();
     }
@@ -67,19 +66,21 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
             const Shapes d(batch, mesh_.vertices.position, skew_);
             GivenByDomains<Dim> given;
             q.momenta(batch.first, batch.count, inertiaScale, given.momentum);
-            if (withForce)
+            if (withForce) {
                 q.tension(batch.first, batch.count, stress.data(), given.tension);
-            else
+            } else {
                 std::memset(given.tension, 0, sizeof given.tension);
-            if (hourglass_.isPatterned())
-                hourglass_.resist(batch, d, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
-                    deformed.takeFrom(h, batch.first + p);
-                });
-            else
-                hourglass_.resist(batch, d, given.control, [](int, double(*)[Dim]) MPM_INLINE_LAMBDA {});
-            batch.addToCorners(carried_.template planes<Carried::all>(0),
-                               [&](int a, int k, int p)
-                                   MPM_INLINE_LAMBDA { return given.toCorner(d, a, k, p); });
+                std::memset(given.control.force, 0, sizeof given.control.force);
+            }
+            const auto add = [&](auto isPatterned) {
+                if (isPatterned) given.control.take(batch, deformed);
+                if (withForce) hourglass_.template resist<isPatterned>(batch, d, given.control);
+                batch.addToCorners(carried_.template planes<Carried::sums>(0),
+                                   [&](int a, int k, int p) MPM_INLINE_LAMBDA {
+                                       return given.template toCorner<isPatterned>(d, a, k, p);
+                                   });
+            };
+            hourglass_.isPatterned() ? add(std::true_type()) : add(std::false_type());
             if (hasBodyForce) {
                 q.bodyForces(batch.first, batch.count, given.bodyForce);
                 batch.addToCorners(carried_.template planes<Dim>(Carried::force),
@@ -90,18 +91,17 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
                 slopes_.take(batch, d.w, q, mesh_.vertices.position, inertiaScale,
                              carried_.template planes<Dim>(Carried::momentum));
         });
-        carried_.toNodes(region, mesh_.vertices, nodes, withForce, 1 / inertiaScale);
+        carried_.toNodes(region, mesh_.vertices, nodes, 1 / inertiaScale);
         if (isAffine) slopes_.toNodes(region, mesh_.vertices, nodes);
     }
 
-    // Nodes -> vertices -> domains, and back with what the domains have then. The forces of hourglass control
-    // wait on the vertices since addSum().
+    // Nodes -> vertices -> domains, and back with what the domains have then.
     void move(ParallelRegion& region, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
               const Move& how) override {
         const Planes q(particles);
         isCleared_ = false;
         if (momentum && isAffine) slopes_.clear(region);
-        if (momentum) carried_.startMomentum(region, mesh_.vertices, how.dt);
+        if (momentum) carried_.clearBack(region);
         nodes ? carried_.takeMotion(region, mesh_.vertices, nodes) : region.wait();
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int piece) {
             const BatchWeights<Dim> d(batch, skew_);
@@ -118,12 +118,12 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
             if (momentum) {
                 double given[Dim + 1][Batch<Dim>::most];
                 q.momenta(batch.first, batch.count, how.inertiaScale, given);
-                batch.addToCorners(carried_.template planes<Dim>(Carried::control),
+                batch.addToCorners(carried_.template planes<Dim>(Carried::back),
                                    [&](int a, int k, int p)
                                        MPM_INLINE_LAMBDA { return d.w[a][p] * given[k][p]; });
                 if (isAffine)
                     slopes_.take(batch, d.w, q, mesh_.vertices.position, how.inertiaScale,
-                                 carried_.template planes<Dim>(Carried::control));
+                                 carried_.template planes<Dim>(Carried::back));
             }
         });
         if (momentum) carried_.momentumToNodes(region, mesh_.vertices, momentum);
@@ -145,25 +145,25 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
     // vertices holds, over unit time.
     void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) override {
         const Planes q(particles);
+        const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
         carried_.clear(region);
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
             const Shapes d(batch, mesh_.vertices.position, skew_);
             GivenByDomains<Dim> given;
             q.tension(batch.first, batch.count, tensor, given.tension);
             const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(mesh_.vertices.velocity));
-            hourglass_.resist(batch, d, given.control, [&](int p, double(*h)[Dim]) MPM_INLINE_LAMBDA {
-                for (int m = 0; m < Shapes::modes; ++m)
-                    for (int k = 0; k < Dim; ++k) {
-                        h[m][k] = 0;
-                        for (int a = 0; a < NC; ++a)
-                            h[m][k] += HourglassControl<Dim>::gamma(d, m, a, p) * V.x[a][k][p];
-                    }
-            });
-            batch.addToCorners(carried_.template planes<2 * Dim>(Carried::force),
-                               [&](int a, int k, int p)
-                                   MPM_INLINE_LAMBDA { return given.toCorner(d, a, Carried::force + k, p); });
+            const auto add = [&](auto isPatterned) {
+                if (isPatterned) given.control.take(batch, deformed);
+                hourglass_.template resistRates<isPatterned>(batch, d, V, given.control);
+                batch.addToCorners(carried_.template planes<Dim>(Carried::force),
+                                   [&](int a, int k, int p) MPM_INLINE_LAMBDA {
+                                       return given.template toCorner<isPatterned>(d, a, Carried::force + k,
+                                                                                   p);
+                                   });
+            };
+            hourglass_.isPatterned() ? add(std::true_type()) : add(std::false_type());
         });
-        carried_.toNodes(region, mesh_.vertices, nodes, true, 1);
+        carried_.toNodes(region, mesh_.vertices, nodes, 1);
     }
 
     // By way of the vertices, like all transfers.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Groups between which contact is known to be wrong: boxes on boxes, and soil on both sides of a thin wall."""
+"""Where contact is known to be wrong: boxes on boxes, and soil on both sides of a thin wall."""
 
 from itertools import combinations
 
@@ -58,12 +58,12 @@ def _thinWall(scene, body, soils):
         if not len(found):
             continue
         worst = found[np.argmin(thickness[found] / cell[first[found]])]
-        thin, size = thickness[worst], cell[first[worst]]
+        thin, size, place = thickness[worst], cell[first[worst]], placeText(middle[first[worst]])
         yield (
-            f"Contact: '{body.name}' is {thin:.3g} m thick at {placeText(middle[first[worst]])}, "
-            f"less than two cells of {size:.3g} m, with '{group}' on both sides, which shares nodes: where the "
-            "wall is pushed across itself the soil stays behind by half of its way, though the reaction looks "
-            "right, and between grid lines it keeps a third to a half of its friction; give cells of "
+            f"Contact: '{body.name}' is {thin:.3g} m thick at {place}, less than two "
+            f"cells of {size:.3g} m, with '{group}' on both sides, which shares nodes: where the wall is "
+            "pushed across itself the soil stays behind by half of its way, though the reaction looks right, "
+            "and between grid lines it keeps a third to a half of its friction; give cells of "
             f"{thin / THIN:.3g} m at most"
         )
         return

@@ -33,6 +33,20 @@ def kineticEnergy(scene):
     return float(sum(body.inertiaScale * body.core.motion()["kineticEnergy"] for body in scene.bodies))
 
 
+def unseenEnergy(scene, kinetic=None):
+    """Kinetic energy of the particles that the nodes do not have, kJ: of motion against each other.
+
+    Where it grows in soil that yields, the particles follow the strain of the soil less and less, and the
+    soil becomes too weak. It is small where velocities are smooth.
+
+    Parameters
+    ----------
+    kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
+    """
+    kinetic = kineticEnergy(scene) if kinetic is None else kinetic
+    return max(0.0, kinetic - float(scene.core.nodalEnergy()))
+
+
 def freeKineticEnergy(scene):
     """Kinetic energy that no drive prescribes, sum 1/2 s m |v - v_d|^2, kJ, with the inertial mass.
 

@@ -15,6 +15,7 @@ MOVING = 0.05  # of the mean work of a tenth of the time: where less is done no 
 LIMITS = {
     "kineticRatio": 0.05,  # Getting Started with Abaqus, 13.4: 0.05 to 0.1 of the internal energy mostly
     "unbalancedRatio": 0.05,  # measured: doc/explanation/quasi-static.md; YADE asks 0.01 of its own at rest
+    "unseenRatio": 0.01,  # measured: doc/explanation/quasi-static.md
     "energyError": 0.02,  # Abaqus: total energy within 1 percent; Radioss: 1 or 2 percent are acceptable
     "dampedRatio": 0.05,  # our choice; artificial energies in Abaqus: 0.02 no problem, 0.15 substantial
     "dampedShare": 0.1,  # our choice: twice that of the whole run, for a tenth of it
@@ -31,6 +32,7 @@ LEAST_BEFORE, LEAST_BEHIND = 0.5, 0.15
 _meaning = {
     "kineticRatio": "kinetic energy is {} of the work done",
     "unbalancedRatio": "the mean out-of-balance force of the nodes is {} of the mean force on a node",
+    "unseenRatio": "particles swing, unseen by the grid, with {} of the work done, which weakens soil",
     "energyError": "the energy balance is open by {} of the work done",
     "dampedRatio": "damping took {} of the work done",
     "dampedShare": "damping carried up to {} of the load",
@@ -63,6 +65,8 @@ class Certificate:
         that they fill; None: the history has no such column, or there is no cell inside a body.
     loadJump : mean jump of the load where the front of a driven body crosses a row of nodes, over the load,
         -; the largest of all drives; None: none of them crosses one, or the history does not tell.
+    unseenRatio : largest `diagnostics.unseenEnergy` over the work done, -: where particles move against each
+        other soil that yields becomes too weak; None: the history has no such column.
     after : rows of the history from this time on count, s.
     limits : dict name -> largest allowed value.
 
@@ -79,6 +83,7 @@ class Certificate:
     after: float
     volumeError: float | None = None
     loadJump: float | None = None
+    unseenRatio: float | None = None
     limits: dict = field(default_factory=lambda: dict(LIMITS))
 
     @property
@@ -132,14 +137,14 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
     ----------
     history : `History` of the run, or a mapping of its columns time (s), kineticEnergy, dampedEnergy,
         energyError, workDone (kJ) and unbalancedRatio (-); implicitEnergy, where there is one, counts as
-        damped. Used where they exist: freeKineticEnergy (kJ; see below), hourglassEnergy (kJ), volumeRatio
-        (-), and for each drive NAME.work (kJ) with NAME.rowsCrossed (-).
+        damped. Used where they exist: freeKineticEnergy (kJ; see below), hourglassEnergy, unseenEnergy (kJ),
+        volumeRatio (-), and for each drive NAME.work (kJ) with NAME.rowsCrossed (-).
     after : rows from this time on count, s; default: the last nine tenths of the time that the rows span.
     rateSensitivity : what `mpm.rateSensitivity` gives for the result that matters and a run at another
         rate, -; default: not judged.
     limits : dict of limits that replace some of the default ones: kineticRatio 0.05, unbalancedRatio 0.05,
-        energyError 0.02, dampedRatio 0.05, dampedShare 0.1, hourglassRatio 0.05, volumeError 0.1,
-        loadJump 0.1, rateSensitivity 0.05.
+        unseenRatio 0.01, energyError 0.02, dampedRatio 0.05, dampedShare 0.1, hourglassRatio 0.05,
+        volumeError 0.1, loadJump 0.1, rateSensitivity 0.05.
 
     Energies are compared with `diagnostics.workDone`. A body that a drive carries along stores kinetic
     energy that the drive prescribes, the more the larger its inertia; it says nothing about how what it
@@ -185,7 +190,8 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         energyError=_largest(np.abs(error), work),
         dampedRatio=_largest(damped[-1:], work[-1:]),
         dampedShare=_carried(damped, work),
-        hourglassRatio=_hourglassRatio(history, rows, work),
+        hourglassRatio=_ratioOf("hourglassEnergy", history, rows, work),
+        unseenRatio=_ratioOf("unseenEnergy", history, rows, work),
         rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
         after=float(after),
         volumeError=_volumeError(history, rows),
@@ -230,13 +236,11 @@ def _largest(part, work):
     return float((part / work).max())
 
 
-def _hourglassRatio(history, rows, work):
-    """None for a history without the column, as older versions wrote them."""
-    try:
-        stored = np.asarray(history["hourglassEnergy"], dtype=float)
-    except KeyError:
+def _ratioOf(name, history, rows, work):
+    """Largest value of a column over the work; None for a history without it, as of an older version."""
+    if name not in _names(history):
         return None
-    return _largest(stored[rows], work)
+    return _largest(np.asarray(history[name], dtype=float)[rows], work)
 
 
 def _carried(damped, work):

@@ -16,6 +16,7 @@ from .balance import (
     kineticRatio,
     mass,
     momentum,
+    unseenEnergy,
     workDone,
 )
 from .forces import meanStressAlong, sectionForce, stripes, unbalancedRatio
@@ -36,6 +37,7 @@ __all__ = [
     "momentum",
     "kineticEnergy",
     "freeKineticEnergy",
+    "unseenEnergy",
     "internalWork",
     "externalWork",
     "dampedEnergy",

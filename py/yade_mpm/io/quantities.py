@@ -15,6 +15,7 @@ STANDARD = {  # name -> (unit in 3D, function of the scene)
     "particles": ("-", lambda scene: scene.particleCount),
     "mass": ("Mg", diagnostics.mass),
     "kineticEnergy": ("kJ", diagnostics.kineticEnergy),
+    "unseenEnergy": ("kJ", diagnostics.unseenEnergy),
     "internalWork": ("kJ", diagnostics.internalWork),
     "externalWork": ("kJ", diagnostics.externalWork),
     "dampedEnergy": ("kJ", diagnostics.dampedEnergy),

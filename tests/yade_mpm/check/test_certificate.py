@@ -80,6 +80,19 @@ def test_each_ratio_is_judged_by_its_limit(name, column, words):
         assert [words in reason for reason in found.reasons] == [True] * (factor > 1)
 
 
+@pytest.mark.parametrize("factor", [0.5, 0.999, 1.001, 2.0])
+def test_motion_that_the_grid_does_not_see_is_judged_by_its_limit(factor):
+    history = bar(0.01)
+    assert mpm.quasiStatic(history).unseenRatio is None, "of an older history"
+    history["unseenEnergy"] = factor * 0.01 * history["workDone"]
+    found = mpm.quasiStatic(history)
+    assert found.unseenRatio == pytest.approx(factor * 0.01, rel=1e-12)
+    assert found.isQuasiStatic == (factor < 1)
+    assert [reason.startswith("particles swing, unseen by the grid, with") for reason in found.reasons] == [
+        True
+    ] * (factor > 1)
+
+
 def test_what_damping_carries_for_a_while_is_seen():
     """0.9 % of the work in all, and a fifth of the load while the bar goes from 0.6 to 0.7 m."""
     held = bar(0.1)

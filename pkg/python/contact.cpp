@@ -54,5 +54,6 @@ void exposeContact() {
         .def_readonly("unsettled", &Contact::unsettled)
         .def_readonly("largestPenetration", &Contact::largestPenetration);
 }
+        .def_readonly("springEnergy", &RigidContact::springEnergy)
 
 } // namespace mpm::python

@@ -161,6 +161,9 @@ too."""
     largestPenetration = property(
         lambda self: self.core.largestPenetration, doc="Largest overlap in the last step, m."
     )
+    springEnergy = property(
+        lambda self: self.core.springEnergy, doc="Energy in the springs of all contacts in the last step, kJ."
+    )
     stiffnessUsed = property(
         lambda self: self.core.stiffnessUsed, doc="Normal stiffness per area in the last step, kPa/m."
     )

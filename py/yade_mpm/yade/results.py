@@ -8,14 +8,26 @@ from types import SimpleNamespace
 import numpy as np
 
 from ..check import diagnostics
+from ..engine.rigidContact import RigidContact
 
+
+def _ofRigid(name):
+    """A function of a scene: the sum of an attribute over its contacts with rigid bodies, kJ."""
+    return lambda scene: sum(getattr(e, name) for e in scene.engines if isinstance(e, RigidContact))
+
+
+_bodyWork, _soilWork = _ofRigid("bodyWork"), _ofRigid("soilWork")
 ENERGIES = {
     "kinetic": diagnostics.kineticEnergy,
     "internalWork": diagnostics.internalWork,
     "damped": diagnostics.dampedEnergy,
     "contact": diagnostics.contactEnergy,
-    "externalWork": lambda scene: -diagnostics.externalWork(scene),
-}  # rows of O.energy; they add up to what the scene began with
+    "implicit": diagnostics.implicitEnergy,
+    "friction": _ofRigid("frictionWork"),
+    "springs": _ofRigid("springEnergy"),
+    "externalWork": lambda scene: _soilWork(scene) - diagnostics.externalWork(scene),
+    "bodyWork": lambda scene: -_bodyWork(scene),
+}  # rows of O.energy; with the row "error" they add up to what the scene began with
 ENERGY_PERIOD = 100  # DEM steps between two looks: they go through all particles
 
 
@@ -64,13 +76,15 @@ def unbalancedForce(coupling, useMaxForce=False):
 
 
 class Energies:
-    """Rows of a scene in O.energy while O.trackEnergy is set: label_kinetic, label_internalWork ..., kJ.
+    """Rows of a scene in O.energy while O.trackEnergy is set: label_kinetic, label_internalWork ..., kJ. The
+    row label_error is what the others lack of their sum when the scene was attached.
 
     omega : O of YADE. scene : Scene. label : of the coupling.
     """
 
     def __init__(self, omega, scene, label):
         self._omega, self._scene, self._label, self._lookAt = omega, scene, label, 0
+        self._start = sum(function(scene) for function in ENERGIES.values())
 
     def stepsToNext(self):
         """DEM steps before the next look."""
@@ -81,9 +95,10 @@ class Energies:
         if not self._omega.trackEnergy or not (isDue or self._omega.iter >= self._lookAt):
             return
         self._lookAt = self._omega.iter + ENERGY_PERIOD
-        energy = self._omega.energy
-        for name, function in ENERGIES.items():
-            energy[f"{self._label}_{name}"] = function(self._scene)
+        rows = {name: function(self._scene) for name, function in ENERGIES.items()}
+        rows["error"] = self._start - sum(rows.values())
+        for name, value in rows.items():
+            self._omega.energy[f"{self._label}_{name}"] = value
 
 
 class Materials(Sequence):

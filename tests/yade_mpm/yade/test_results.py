@@ -99,3 +99,37 @@ def test_friction_goes_by_the_materials_of_a_pair_the_smaller_angle_counts(tmp_p
     }.items():
         ratio, sliding = said[name]
         assert sliding > 4 and ratio == pytest.approx(expected, rel=1e-6), name
+
+
+ENERGY = """
+from yade import utils
+steel = O.materials.append(FrictMat(density=7.8, young=1e5, poisson=0.3, frictionAngle=0.5))
+number = O.bodies.append(utils.box((0.5, 0.5, 0.4), (0.2, 0.2, 0.1), material=steel))
+state = O.bodies[number].state
+state.blockedDOFs, state.vel = "XYZ", (1, 0, 0)
+O.engines = [ForceResetter(), NewtonIntegrator(gravity=(0, 0, -9.81), damping=0)]
+scene = mpm.Scene((0, 0, 0), (1.5, 1, 0.6), 0.1)
+scene.add("soil", mpm.box((0, 0, 0), (1.5, 1, 0.3)), mpm.LinearElastic(density=1.8, young=2e4, poisson=0.3),
+    mpm.UGIMP(perCell=2))
+contact = mpm.RigidContact()
+sides = dict(roller=("left", "right", "front", "back"))
+scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(fixed="bottom", damping=0.05, **sides),
+    mpm.GridToParticle(), mpm.DomainUpdater()]
+inYade.attach(scene, bodies=inYade.Bodies(contact, [number], friction=0.4))
+O.trackEnergy = True
+before = 0.5 * state.mass
+O.run(int(0.12 / O.dt), True)
+say("energy", dict(O.energy.items()))
+say("lost", before - 0.5 * state.mass * state.vel.norm() ** 2 + state.mass * 9.81 * (0.4 - state.pos[2]))
+say("friction", contact.frictionWork)
+"""
+
+
+def test_the_heat_of_friction_at_bodies_is_a_row_and_all_rows_add_up(tmp_path):
+    said, _ = run(ENERGY, tmp_path, patience=200)
+    rows = {k[4:]: v for k, v in said["energy"].items() if k.startswith("mpm_")}
+    assert rows["friction"] == said["friction"] > 0.05
+    assert -rows["bodyWork"] == pytest.approx(said["lost"], rel=0.01), "what the body lost it has given"
+    assert sum(rows.values()) == pytest.approx(0, abs=1e-9 * said["lost"])
+    assert abs(rows["error"]) < 0.01 * said["lost"]
+    assert abs(rows["error"] + rows["friction"]) > 0.5 * said["lost"], "control: without the row of friction"

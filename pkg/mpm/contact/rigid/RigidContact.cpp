@@ -70,6 +70,13 @@ double RigidContact::overlapFelt(double overlap) const {
     return 2.0 / 3 * overlap * std::sqrt(std::max(0.0, overlap) / softTo_);
 }
 
+// Its integral over the overlap, m2: the energy of the spring over its stiffness.
+double RigidContact::storedBy(double overlap) const {
+    const double felt = overlapFelt(overlap);
+    if (overlap >= softTo_) return 0.5 * felt * felt + 2.0 / 45 * softTo_ * softTo_;
+    return 0.4 * overlap * felt;
+}
+
 // kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points
 // alone, for any number of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times 1 + 2 l/h;
 // of friction kappa_t A/m (1 + 2 Dim l/h).
@@ -173,6 +180,7 @@ void RigidContact::moveOn(double dt) {
     for (int b = 0; b < bodies(); ++b) {
         for (int k = 0; k < 3; ++k) {
             impulses[b].force[k] += dt * forces.plane(k)[b];
+    springEnergy = 0;
             impulses[b].torque[k] += dt * torques.plane(k)[b];
         }
         states[b].advance(dt);
@@ -220,7 +228,14 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
         forces.plane(k)[c.body] -= c.force[k];
         torques.plane(k)[c.body] -= torque[k];
     }
-    if (isOld) scene.energies.loads += 0.5 * (c.forceBefore + c.force).dot(opened * n + along + carried);
+    springEnergy += kn * storedBy(-c.gap) + 0.5 * kt * c.slip.squaredNorm();
+    if (isOld) {
+        const Vec3 mean = 0.5 * (c.forceBefore + c.force);
+        const double ofBody = mean.dot(carried), ofSoil = ofBody + mean.dot(opened * n + along);
+        bodyWork += ofBody;
+        soilWork += ofSoil;
+        scene.energies.loads += ofSoil;
+    }
     largestPenetration = std::max(largestPenetration, -c.gap);
 }
 

@@ -50,7 +50,8 @@ class RigidContact : public EngineOf<RigidContact> {
         }
     };
     std::vector<BodySize> sizes; // of the bodies of the scene in the last step
-    double stiffness = notGiven, stiffnessFactor = 0.3, shearRatio = 0.8, normalDamping = 0, frictionWork = 0;
+    double stiffness = notGiven, stiffnessFactor = 0.3, shearRatio = 0.8, normalDamping = 0;
+    double frictionWork = 0, bodyWork = 0, soilWork = 0; // kJ, since the start
     std::string normalLaw = "penalty";
     double hertzOverlap = notGiven;
     bool checkBalance = false;
@@ -58,6 +59,7 @@ class RigidContact : public EngineOf<RigidContact> {
     // Outputs of the last step.
     Field forces{"forces", "kN", "", {3}}, torques{"torques", "kN m", "", {3}};
     double largestPenetration = 0, stiffnessUsed = 0; // stiffness: of bodies that do not yield
+    double springEnergy = 0;                          // kJ, in all contacts
     int sliding = 0;
     std::optional<Reach> reach; // who reads it takes it, so it is there only after a step
 
@@ -110,4 +112,5 @@ class RigidContact : public EngineOf<RigidContact> {
     void moveOn(double dt);
 };
 
+    double storedBy(double overlap) const;
 } // namespace mpm

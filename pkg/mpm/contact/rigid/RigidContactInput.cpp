@@ -69,6 +69,12 @@ std::vector<Parameter> RigidContact::attributes() {
          "Compare force and moment of every rigid body with the sum over the nodes in every step.",
          &checkBalance},
         {"frictionWork", "kJ", "Work lost to friction since the start.", &frictionWork},
+        {"bodyWork", "kJ", "Work that the rigid bodies have given to their contacts since the start.",
+         &bodyWork},
+        {"soilWork", "kJ",
+         "Work that the soil has got from the contacts since the start; the rest of bodyWork went to "
+         "friction and to the springs of the contacts.",
+         &soilWork},
         {"shapes", "", "Shapes of the rigid bodies, a row each; made by addBody.", recordsOf(shapes)},
         {"states", "", "Position, orientation, velocity and angular velocity, a row per rigid body.",
          recordsOf(states)},

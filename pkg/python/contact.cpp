@@ -24,6 +24,16 @@ template <int Dim> bp::list overlaps(RigidContact& c, Scene<Dim>& scene) {
     return all;
 }
 
+template <int Dim> bp::list overlapping(RigidContact& c, Scene<Dim>& scene, int soil) {
+    return listOf(c.overlapping(scene, soil));
+}
+
+// The first deep overlap so far, as (rigid body, body of the scene, depth in m, step); None: there was none.
+bp::object deep(const RigidContact& c) {
+    if (c.deep.body < 0) return {};
+    return bp::make_tuple(c.deep.body, c.deep.soil, c.deep.depth, c.deep.step);
+}
+
 } // namespace
 
 void exposeContact() {
@@ -32,6 +42,9 @@ void exposeContact() {
         .def("setStates", setStates)
         .def("overlaps", overlaps<2>)
         .def("overlaps", overlaps<3>)
+        .def("overlapping", overlapping<2>)
+        .def("overlapping", overlapping<3>)
+        .def("deep", deep)
         .def("clearImpulses", &RigidContact::clearImpulses)
         .add_property(
             "forces", +[](const RigidContact& c) { return ArrayView(c.forces); })
@@ -41,6 +54,7 @@ void exposeContact() {
         .add_property("contacts", &RigidContact::contacts)
         .def_readonly("sliding", &RigidContact::sliding)
         .def_readonly("largestPenetration", &RigidContact::largestPenetration)
+        .def_readonly("springEnergy", &RigidContact::springEnergy)
         .def_readonly("stiffnessUsed", &RigidContact::stiffnessUsed);
     bp::class_<Contact, std::shared_ptr<Contact>, bp::bases<Engine>, boost::noncopyable>("ContactCore",
                                                                                          bp::no_init)
@@ -54,6 +68,5 @@ void exposeContact() {
         .def_readonly("unsettled", &Contact::unsettled)
         .def_readonly("largestPenetration", &Contact::largestPenetration);
 }
-        .def_readonly("springEnergy", &RigidContact::springEnergy)
 
 } // namespace mpm::python

@@ -5,6 +5,7 @@ import numpy as np
 
 from ..base import limits
 from ..engine.prescribed import FACES
+from ..engine.rigidContact import RigidContact
 from ..geometry.numbers import placeText
 
 HELD = 0.4  # of a cell: the way of a Hold from which on its load falls, measured with a strip footing
@@ -43,6 +44,21 @@ def checkInterface(scene, limit):
     if edge > limit * cell:
         raise (ValueError(text) if scene.steps == 0 else RuntimeError(f"step {scene.steps}: {text}"))
     return text
+
+
+def deepOverlap(scene):
+    """Which rigid body was the first to overlap with a particle by more than a quarter of its width, as
+    text; or None."""
+    for contact in (e for e in scene.engines if isinstance(e, RigidContact)):
+        if (found := contact.core.deep()) is not None:
+            body, soil, depth, step = found
+            return (
+                f"RigidContact: rigid body {body} was {depth:.3g} m deep in '{scene.bodies[soil].name}' in "
+                f"step {step}, more than a quarter of the width of what it touches; at a whole width the run "
+                "ends. Lower dt, give a larger stiffness, move the body more slowly, or give a thin shape a "
+                "thickness"
+            )
+    return None
 
 
 def distortion(scene):

@@ -82,7 +82,7 @@ def _overlap(scene, contact):
             f"RigidContact: rigid body {body} is {depth:.3g} m deep in '{scene.bodies[soil].name}'{others}; "
             "what overlaps at the start is thrown out, the "
             f"faster the smaller the time step; start where the two only touch, or leave the place of the "
-            "body empty (region - box(...))"
+            "body empty: scene.add(..., exclude=contact)"
         )
 
 

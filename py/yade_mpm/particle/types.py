@@ -30,6 +30,16 @@ class Boxes(NamedTuple):
     offsets: np.ndarray = ()
     areas: np.ndarray = ()
 
+    def only(self, numbers):
+        """The boxes of some numbers, in their order, with the facets that these carry."""
+        place = np.full(len(self.positions), -1)
+        place[numbers] = np.arange(len(numbers))
+        carriers = np.asarray(self.carriers, dtype=int)
+        kept = place[carriers] >= 0
+        shares = None if self.shares is None else self.shares[numbers]
+        facets = (place[carriers][kept], *(np.asarray(a)[kept] for a in (self.offsets, self.areas)))
+        return Boxes(self.positions[numbers], self.halfSize, shares, *facets)
+
 
 class ParticleType(Attributed):
     """Base of all particle types. A type that is not meshed is a lattice of boxes, `perCell` per cell and

@@ -5,6 +5,7 @@ import numpy as np
 
 from ..base import limits
 from ..base.attributes import keep
+from ..engine.rigidContact import RigidContact
 from ..geometry.lattice import checkOverlap
 from ..geometry.numbers import placeText
 from ..geometry.region import Region
@@ -28,7 +29,18 @@ class Bodies(tuple):
         raise AttributeError(f"Scene: bodies has no attribute '{name}'; it is a tuple of Body")
 
 
-def add(scene, name, region, material, type, inertiaScale=1.0, fbar=None, group="main", implicit=False):
+def add(
+    scene,
+    name,
+    region,
+    material,
+    type,
+    inertiaScale=1.0,
+    fbar=None,
+    group="main",
+    implicit=False,
+    exclude=None,
+):
     """Adds a body and returns it.
 
     Parameters
@@ -48,6 +60,8 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=None, group=
     implicit : bool, solve for the elastic forces of the body at the end of each step: its stiffness does not
         limit the time step, and GridSolver's damping leaves it alone. For structures much stiffer than what
         is around them (doc/explanation/implicit-bodies.md); default False.
+    exclude : RigidContact, whose rigid bodies keep their place: boxes that would overlap with one are left
+        out, also beside thin and inclined shapes. Of boxes only. Default None: the region is filled.
 
     Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
@@ -57,10 +71,10 @@ def add(scene, name, region, material, type, inertiaScale=1.0, fbar=None, group=
     if fbar is None:
         fbar = material.core.yields and not implicit
     with scene.holder.held("add"):
-        return _added(scene, name, region, material, type, (inertiaScale, fbar, group, implicit))
+        return _added(scene, name, region, material, type, (inertiaScale, fbar, group, implicit), exclude)
 
 
-def _added(scene, name, region, material, type, options):
+def _added(scene, name, region, material, type, options, exclude=None):
     geometry = type.geometry(region, scene, name)
     if not isinstance(geometry, tuple) and geometry.dim != scene.dim:
         raise ValueError(
@@ -68,6 +82,8 @@ def _added(scene, name, region, material, type, options):
         )
     _checkInside(scene, name, geometry)
     region = region if isinstance(region, Region) else None
+    if exclude is not None:
+        geometry = _without(exclude, geometry, scene, (name, material, type, region, *options))
     body = newBody(scene, name, material, type, region, *options)
     try:
         build(body, geometry)
@@ -79,6 +95,30 @@ def _added(scene, name, region, material, type, options):
     if type.core.converts:
         addConverted(scene, body)
     return body
+
+
+def _without(contact, boxes, scene, how):
+    """Boxes that overlap with none of the rigid bodies of a contact, by the rule of the contact itself.
+
+    how : arguments of newBody behind the scene.
+    """
+    if not isinstance(contact, RigidContact):
+        raise TypeError(f"body '{how[0]}': exclude = {contact!r}; give the mpm.RigidContact of the bodies")
+    if not isinstance(boxes, Boxes):
+        raise ValueError(
+            f"body '{how[0]}': exclude leaves boxes out, and the type is {how[2]!r}; give UGIMP, or a region "
+            "without the place of the bodies"
+        )
+    body = newBody(scene, *how)
+    try:
+        build(body, boxes)
+        number = len(scene.bodies) - 1
+        left = np.delete(
+            np.arange(len(boxes.positions)), body.id[contact.core.overlapping(scene.core, number)]
+        )
+    finally:
+        drop(scene, body)
+    return boxes.only(left)
 
 
 def newBody(scene, name, material, type, region, inertiaScale, fbar, group, implicit=False):

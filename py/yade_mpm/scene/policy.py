@@ -45,6 +45,7 @@ class LoopPolicy:
         coarse.
         """
         steps = self._scene.steps
+        self._warnOnce({"deep overlap": domains.deepOverlap(self._scene)})
         if steps >= self._checkAt:
             self._checkAt = _nextAt(steps, limits.CHECK_PERIOD)
             self.lookAtDomains(limits.INTERFACE_RUN)
@@ -139,6 +140,11 @@ class LoopPolicy:
             faults |= {f"{what} of {body.name}": look(body) for what, look in looks.items()}
         for solver in (e for e in scene.engines if isinstance(e, GridSolver)):
             faults |= {f"way of {hold.name}": leftBehind(scene, hold) for hold in solver.hold}
+        self._warnOnce(faults)
+
+    def _warnOnce(self, faults):
+        """Says each fault that is one, as a dict of texts or None, once in the life of the scene."""
+        scene = self._scene
         for what, fault in faults.items():
             if fault is not None and what not in scene.warnedOf:
                 scene.warnedOf.add(what)

@@ -137,12 +137,23 @@ template <int Dim> RigidContact::Points<Dim>& RigidContact::look(Scene<Dim>& sce
     return points;
 }
 
+template <int Dim> std::vector<RigidContactPoint> RigidContact::findOverlaps(Scene<Dim>& scene) {
+    std::vector<RigidContactPoint> contacts = findNearContacts(scene, look(scene), shape_, states);
+    dropRepeats(contacts, shape_);
+    return contacts;
+}
+
+template <int Dim> std::vector<int> RigidContact::overlapping(Scene<Dim>& scene, int soil) {
+    std::vector<int> points;
+    for (const RigidContactPoint& c : findOverlaps(scene))
+        if (c.soil == soil && c.gap < 0) points.push_back(c.place);
+    return points;
+}
+
 template <int Dim> std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<Dim>& scene) {
     std::vector<Overlap> deepest;
     for (int b = 0; b < bodies(); ++b) deepest.push_back({b, 0, 0.0});
-    std::vector<RigidContactPoint> contacts = findNearContacts(scene, look(scene), shape_, states);
-    dropRepeats(contacts, shape_);
-    for (const RigidContactPoint& c : contacts)
+    for (const RigidContactPoint& c : findOverlaps(scene))
         if (-c.gap > deepest[c.body].depth) deepest[c.body] = {c.body, c.soil, -c.gap};
     const auto isNone = [](const Overlap& o) { return o.depth == 0; };
     deepest.erase(std::remove_if(deepest.begin(), deepest.end(), isNone), deepest.end());
@@ -169,6 +180,7 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     torques.fill(0);
     largestPenetration = 0;
     sliding = 0;
+    springEnergy = 0;
     RigidBalance<Dim> balance(scene, checkBalance ? bodies() : 0);
     for (RigidContactPoint& c : contacts) push(scene, points[c.soil], c, balance);
     if (checkBalance) balance.check(states, forces, torques);
@@ -180,7 +192,6 @@ void RigidContact::moveOn(double dt) {
     for (int b = 0; b < bodies(); ++b) {
         for (int k = 0; k < 3; ++k) {
             impulses[b].force[k] += dt * forces.plane(k)[b];
-    springEnergy = 0;
             impulses[b].torque[k] += dt * torques.plane(k)[b];
         }
         states[b].advance(dt);
@@ -237,6 +248,8 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
         scene.energies.loads += ofSoil;
     }
     largestPenetration = std::max(largestPenetration, -c.gap);
+    if (deep.body < 0 && -c.gap > deepShare * points.width(c.place, n))
+        deep = {c.body, c.soil, -c.gap, scene.step};
 }
 
 template void RigidContact::check<2>(Scene<2>&);
@@ -245,6 +258,8 @@ template void RigidContact::act<2>(Scene<2>&);
 template void RigidContact::act<3>(Scene<3>&);
 template std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<2>&);
 template std::vector<RigidContact::Overlap> RigidContact::overlaps(Scene<3>&);
+template std::vector<int> RigidContact::overlapping(Scene<2>&, int);
+template std::vector<int> RigidContact::overlapping(Scene<3>&, int);
 
 MPM_REGISTER(Engine, RigidContact);
 

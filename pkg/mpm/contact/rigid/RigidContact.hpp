@@ -86,6 +86,17 @@ class RigidContact : public EngineOf<RigidContact> {
         double depth;   // m
     };
     template <int Dim> std::vector<Overlap> overlaps(Scene<Dim>& scene);
+    // The points of a body of the scene that overlap with any, likewise.
+    template <int Dim> std::vector<int> overlapping(Scene<Dim>& scene, int soil);
+
+    // The first overlap of more than deepShare of what the point is wide; body -1: none so far. From a whole
+    // width on the run ends.
+    static constexpr double deepShare = 0.25;
+    struct Deep {
+        int body = -1, soil = 0;
+        double depth = 0; // m
+        long step = 0;
+    } deep;
 
   private:
     template <int Dim> using Points = std::vector<BodyPoints<Dim>>; // per body of the scene
@@ -101,10 +112,12 @@ class RigidContact : public EngineOf<RigidContact> {
     void pairUp(int soils);
     RigidPair pairOf(int body, int soil, int soils) const;
     double overlapFelt(double overlap) const;
+    double storedBy(double overlap) const;
     template <int Dim> Reach reachOf(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> double chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const;
     template <int Dim> void softenForLightBodies(const Scene<Dim>& scene, const Points<Dim>& points);
     template <int Dim> Points<Dim>& look(Scene<Dim>& scene);
+    template <int Dim> std::vector<RigidContactPoint> findOverlaps(Scene<Dim>& scene);
     template <int Dim> void forgetRenumbered(const Scene<Dim>& scene);
     template <int Dim>
     void push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidContactPoint& contact,
@@ -112,5 +125,4 @@ class RigidContact : public EngineOf<RigidContact> {
     void moveOn(double dt);
 };
 
-    double storedBy(double overlap) const;
 } // namespace mpm

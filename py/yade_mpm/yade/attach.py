@@ -50,7 +50,7 @@ def attach(
     label : of the engine, or the start of the labels of the engines, e.g. "mpm_GridSolver"; default "mpm".
         Two scenes need two.
     plot : pass new rows of every `History` of the scene to yade.plot.addData, with `i` and `t`; default
-        False.
+        False. A list of names of columns, such as ["kineticEnergy", "bottom.fy"], passes these alone.
     callbacks : as for `yade_mpm.load`, where the checkpoint needs functions; only without `scene`.
     bodies : `Bodies` of YADE that touch the scene, or a list of them; also other objects for `exchanges`.
         Default: those that the scene had when it was attached last (after O.load: as saved).
@@ -112,7 +112,7 @@ def attach(
     loop.errors.clear()
     if label in loop.attached:
         loop.attached.pop(label).letGo()
-    coupling = Coupling(omega, scene, mpmSteps, demSteps, stages, label, bool(plot), saved, bodies)
+    coupling = Coupling(omega, scene, mpmSteps, demSteps, stages, label, _chosen(plot), saved, bodies)
     loop.attached[label], coupling.checkpointPeriod = coupling, checkpointPeriod
     checkpoints.insert(omega, label, checkpointPeriod)
     loop.defineCommands(omega.engines)
@@ -129,6 +129,17 @@ def _listed(bodies):
                 f"inYade.attach: bodies = {exchange!r}; give inYade.Bodies(contact, ids), or a list of them"
             )
     return bodies
+
+
+def _chosen(plot):
+    """True, False, or a list of names of columns; TypeError for anything else."""
+    if isinstance(plot, (list, tuple)) and all(isinstance(name, str) for name in plot):
+        return list(plot)
+    if plot in (True, False):
+        return bool(plot)
+    raise TypeError(
+        f"inYade.attach: plot = {plot!r} is not allowed; give True, False, or a list of names of columns"
+    )
 
 
 def _checkPeriod(period):

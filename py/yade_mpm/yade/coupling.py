@@ -33,7 +33,7 @@ class Coupling:
     scene : the scene (read only, as are the others but for plot and exchanges).
     label, mpmSteps, demSteps, stages : as given to `attach`.
     engines : its engines in O.engines, in order.
-    plot : whether new rows of histories go to yade.plot.
+    plot : whether new rows of histories go to yade.plot; or names of the columns that do.
     timeOffset : s, scene.time - O.time; 0 unless one of the two clocks was ahead when the scene was attached.
     cycle : s, duration of the MPM steps of a cycle as they are taken.
     maxDt : s, largest O.dt that the scene wants: its own step (scene.dt, or a share of the critical step:
@@ -98,7 +98,7 @@ class Coupling:
     engines = property(lambda self: list(self._list.engines), doc="Its engines in O.engines.")
     cycle = property(
         lambda self: self.scene.stepper.dt * self.mpmSteps,
-        doc="Duration of the MPM steps of a cycle as they are taken, s; scene.dt is only the largest one allowed.",
+        doc="Duration of the MPM steps of a cycle as they are taken, s; scene.dt is the largest one allowed.",
     )
     timeOffset = property(lambda self: self._clock.timeOffset, doc="scene.time - O.time, s.")
     maxDt = property(lambda self: self._timeStep.maxDt, doc="Largest O.dt that the scene wants, s.")
@@ -350,7 +350,9 @@ class Coupling:
     def _forward(self):
         """New rows of histories to yade.plot."""
         if self.plot:
-            self._rows.forward(self._clock.iterationOf, self.timeOffset)
+            chosen, self.plot = self.plot, False  # in case of an error
+            self._rows.forward(self._clock.iterationOf, self.timeOffset, None if chosen is True else chosen)
+            self.plot = chosen
 
     def picture(
         self,

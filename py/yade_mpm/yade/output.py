@@ -40,22 +40,33 @@ class PlotRows:
 
     def __init__(self, engines, areAllNew):
         self._histories = [e for e in engines if isinstance(e, History)]
+        self._seen = set()  # names of columns so far
         self._known = {history: 0 if areAllNew else len(history) for history in self._histories}
 
-    def forward(self, iterationOf, timeOffset):
+    def forward(self, iterationOf, timeOffset, chosen=None):
         """Passes on what yade.plot does not have yet.
 
         Parameters
         ----------
         iterationOf : function of the number of an MPM step that returns the iteration of YADE.
         timeOffset : float, s, scene time less that of YADE.
+        chosen : names of columns, those of a labelled history with its label; None: all.
+
+        Raises ValueError for a name that no history has.
         """
         from yade import plot
 
         for history in self._histories:
             prefix = f"{history.label}." if history.label else ""
             for columns in history.rowsFrom(self._known[history]):
-                row = {"i": iterationOf(columns["step"]), "t": columns["time"] - timeOffset}
-                row.update((prefix + name, value) for name, value in columns.items())
-                plot.addData(row)
+                row = {prefix + name: value for name, value in columns.items()}
+                self._seen |= row.keys()
+                if chosen is not None:
+                    row = {name: row[name] for name in chosen if name in row}
+                plot.addData({"i": iterationOf(columns["step"]), "t": columns["time"] - timeOffset, **row})
             self._known[history] = len(history)
+        if chosen is not None and self._seen and (unknown := [c for c in chosen if c not in self._seen]):
+            raise ValueError(
+                f"inYade.attach: plot names the column {unknown[0]!r}, which no History has; columns: "
+                + ", ".join(sorted(self._seen))
+            )

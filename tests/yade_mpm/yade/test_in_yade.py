@@ -216,6 +216,31 @@ def test_without_yade_attach_says_how_to_get_it(monkeypatch):
         inYade.attach(None)
 
 
+CHOSEN = """
+from yade import plot
+def rows(plot_):
+    O.reset(); plot.reset()
+    scene = hybrid(mpm.History(iterPeriod=5), mpm.History(iterPeriod=5, label="second"))
+    empty()
+    inYade.attach(scene, plot=plot_)
+    O.run(20, True)
+    return sorted(plot.data)
+say("all", len(rows(True)))
+say("chosen", rows(["kineticEnergy", "second.mass"]))
+say("none", rows(False))
+say("unknown", fails(ValueError, lambda: rows(["cineticEnergy"])))
+say("wrong", fails(TypeError, lambda: rows("mass")))
+"""
+
+
+def test_plot_takes_the_columns_that_are_named(tmp_path):
+    said, _ = run(CHOSEN, tmp_path)
+    assert said["chosen"] == ["i", "kineticEnergy", "second.mass", "t"]
+    assert said["all"] > 20 and said["none"] == []
+    assert "plot names the column 'cineticEnergy', which no History has; columns: " in said["unknown"]
+    assert "plot = 'mass' is not allowed; give True, False, or a list of names of columns" in said["wrong"]
+
+
 # --- habits -----------------------------------------------------------------------------------------------
 HABITS = """
 import h5py, numpy as np

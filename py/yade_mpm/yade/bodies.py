@@ -11,6 +11,7 @@ import numpy as np
 from .. import _core
 from ..engine import rigid
 from ..engine.rigidContact import RigidContact
+from ..geometry.numbers import placeText
 from . import loop, native
 from .grants import revokeAll
 from .grids import Element, NodeForces, isElement
@@ -33,8 +34,9 @@ class Bodies:
     ----------
     contact : the `RigidContact` in the engines of the scene, before its first run.
     ids : numbers of bodies in O.bodies, or a single one: Sphere, Box, Facet, Polyhedra (3D; its faces touch,
-        as facets), Wall (with sense 1 or -1), clumps of these (the clump's own number), GridConnection and
-        PFacet, whose forces go to their nodes.
+        as facets), Wall (with sense 1 or -1), clumps of these (the clump's own number; YADE needs a member
+        with mass in it, so a clump of facets needs a sphere as its hub), GridConnection and PFacet, whose
+        forces go to their nodes.
     friction : coefficient against the soil, -, or a rule as Ip2 functors have one: a function of the
         materials of body and soil that returns it. Default: tan(frictionAngle) of the body, and for each pair
         the smaller one of body and soil, as Ip2_FrictMat_FrictMat_FrictPhys has it; a soil without the
@@ -101,6 +103,10 @@ class Bodies:
         self._states = [None] * len(self.ids)
         self._connect()
         self._lookAt, self._run, self._isWeighed = 0, None, False
+        self._within, self._hasLeft = (
+            set(),
+            False,
+        )  # rigid bodies seen inside the scene; whether one has left it
         if isNew:
             self._exchange.read(-2, 0.0, 0.0, 1, True)  # in no step
 
@@ -148,6 +154,8 @@ class Bodies:
         self._run = coupling.runs
         duration, self._saved = coupling.cycle, None
         self._exchange.read(self._O.iter, loop.dt.now(self._O), duration, coupling.mpmSteps, isEvery)
+        if isEvery and not self._hasLeft:
+            self._warnOfLeft(coupling.scene)
 
     def apply(self, coupling):
         """In every DEM step: mean force and moment of the cycle's MPM steps to the bodies."""
@@ -183,6 +191,22 @@ class Bodies:
                 )
                 break
         self._isWeighed = True
+
+    def _warnOfLeft(self, scene):
+        """Once, of a body that was inside the scene and is below or beside it, where nothing holds it up."""
+        x, lower, upper = self.contact.positions[:, : scene.dim], scene.lower, scene.upper.copy()
+        upper[-1] = np.inf  # above the soil a body may come back
+        isInside = ((x >= lower) & (x <= upper)).all(axis=1)
+        left = [k for k in np.flatnonzero(~isInside) if k in self._within]
+        self._within |= set(np.flatnonzero(isInside).tolist())
+        if left:
+            self._hasLeft = True
+            box, at = f"{placeText(lower)} to {placeText(scene.upper)}", placeText(x[left[0]])
+            loop.warn(
+                f"warning: inYade.Bodies: body {self.ids[left[0]]} has left the box of the scene, {box}, and "
+                f"is at {at}: there is no soil, and it falls; make the scene larger, or erase such bodies "
+                "(DomainLimiter, O.bodies.erase)"
+            )
 
     def spec(self):
         """Dict of constructor arguments besides the contact, of plain types, with which `attach` after O.load

@@ -48,6 +48,7 @@ def fall(name, as_=None, steps=400, thickness=0.5, isSaved=False):
     bodies = inYade.Bodies(contact, [block, clump], friction=0.3, thickness=thickness, plane=as_ or name)
     inYade.attach(scene, stages=False).exchanges.append(bodies)
     O.run(3 * steps // 4, True)
+    contacts = contact.contacts
     if isSaved:
         O.save("fall.yade.gz")
         O.load("fall.yade.gz")
@@ -59,5 +60,5 @@ def fall(name, as_=None, steps=400, thickness=0.5, isSaved=False):
         "forces": [
             plane.toScene([list(O.forces.f(n)), list(O.forces.t(n))]).tolist() for n in (block, clump)
         ],
-        "contacts": contact.contacts,
+        "contacts": contacts + contact.contacts,
     }

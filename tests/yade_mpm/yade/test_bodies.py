@@ -312,7 +312,7 @@ def difference(turns):
     O.engines = [ForceResetter(), NewtonIntegrator(damping=0)]
     O.dt, state.blockedDOFs, state.vel, state.angVel = 0.01, "xyzXYZ", (0.3, 0.2, 0), turns
     O.run(50, True)
-    scene = SimpleNamespace(dt=0.01, steps=0)
+    scene = SimpleNamespace(dim=3, lower=np.zeros(3), upper=np.ones(3), dt=0.01, steps=0)
     bodies.read(SimpleNamespace(runs=1, exchanges=[bodies], mpmSteps=1, cycle=scene.dt, scene=scene))
     w, *axis = contact.orientations[0]
     now = Quaternion(w, *axis)
@@ -378,3 +378,63 @@ say("half thickness", sorted(set(shapes["radius"])))
     )
     assert said["sum"] == pytest.approx([0, 0, 0], abs=1e-12) and said["half thickness"] == [0.005]
     assert said["area"] == pytest.approx(8 * (0.02 + 0.06 + 0.03)) and said["volume"] == pytest.approx(0.048)
+
+
+# --- warnings, and clumps of facets -------------------------------------------------------------------------
+LEFT = """
+from yade import utils
+scene = mpm.Scene((0, 0, 0), (1, 1, 1), 0.25)
+scene.add("soil", mpm.box((0, 0, 0), (1, 1, 0.25)), mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3),
+    mpm.UGIMP(perCell=2))
+rock = O.materials.append(FrictMat(density=2.6, young=1e5))
+ids = O.bodies.append([utils.sphere((x, 0.5, 0.8), 0.1, material=rock) for x in (0.5, 0.9)])
+for k, speed in zip(ids, ({slow}, {fast})): O.bodies[k].state.vel = (speed, 0, 0)
+contact = mpm.RigidContact()
+scene.engines = [mpm.ParticleToGrid(), contact, *scene.engines[1:]]
+O.engines = [ForceResetter(), NewtonIntegrator()]
+scene.dt = O.dt = 1e-3
+inYade.attach(scene, bodies=inYade.Bodies(contact, ids))
+O.run(310, True)
+O.run(310, True)
+"""
+
+
+@needsYade
+@pytest.mark.parametrize("slow, fast, number", [(0, 0, None), (0, 1, 1), (2, 2, 0)])
+def test_the_first_body_that_leaves_the_box_of_the_scene_is_warned_of_once(tmp_path, slow, fast, number):
+    _, err = run(LEFT.format(slow=slow, fast=fast), tmp_path)
+    assert err.count("has left the box of the scene") == (number is not None)
+    assert number is None or "body " in err and "(0, 0, 0) to (1, 1, 1)" in err
+
+
+@needsYade
+def test_a_clump_of_facets_with_a_hub_sphere_gets_the_moment_of_the_soil(tmp_path):
+    """As the page says: YADE needs mass in a clump. One facet stands upright in the soil, and turns."""
+    said, _ = run(
+        """
+from yade import utils
+rock = O.materials.append(FrictMat(density=2.6, young=1e5, frictionAngle=0.4))
+corners = [Vector3(0, 0, 0.2), Vector3(0.3, 0, 0.2), Vector3(0.3, 0, 0.5)]
+hub = utils.sphere((0, 0, 0.9), 0.05, material=rock)
+number, _ = O.bodies.appendClumped([utils.facet(corners, material=rock), hub])
+state = O.bodies[number].state
+state.blockedDOFs, state.angVel = "xyzXYZ", (0, 0, 0.5)
+scene = mpm.Scene((-0.5, -0.5, 0), (0.5, 0.5, 1), 0.1)
+contact = mpm.RigidContact()
+bodies = inYade.Bodies(contact, [number], facetThickness=0.02)
+scene.add("soil", mpm.box((-0.5, -0.5, 0), (0.5, 0.5, 0.7)), mpm.LinearElastic(density=2.0, young=1e3,
+    poisson=0.3), mpm.UGIMP(perCell=2), exclude=contact)
+faces = ("bottom", "left", "right", "front", "back")
+scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(fixed=faces), mpm.GridToParticle(),
+    mpm.DomainUpdater()]
+O.engines = [ForceResetter(), NewtonIntegrator()]
+inYade.attach(scene, bodies=bodies)
+say("start", scene.particleCount)
+O.run(int(0.1 / O.dt), True)
+say("moment", [O.forces.t(number)[2], bodies.torques[0, 2]])
+""",
+        tmp_path,
+    )
+    ofYade, ours = said["moment"]
+    assert ofYade == pytest.approx(ours, rel=1e-9) and ours < -1e-3
+    assert 7 * 400 < said["start"] < 14 * 400

@@ -79,7 +79,7 @@ def slowRunsPass(names, said):
 def studyGoesOn(names, said):
     runOut = names["table"]["runOut"]
     assert list(runOut) == sorted(runOut, reverse=True) and len(list(Path("column/cases").iterdir())) == 4
-    assert abs(names["finer"]["runOut"].item() / names["coarse"] - 1) < 0.25
+    assert abs(names["finer"]["runOut"].item() / names["coarse"] - 1) < 0.1
 
 
 CLAIMS = {

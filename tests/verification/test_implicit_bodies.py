@@ -155,9 +155,10 @@ def dropped(implicit, dt):
 def test_an_implicit_block_hits_soil_like_the_explicit_one(dt, velocity, height):
     """It falls with 3 m/s, is stopped and bounces off with 1.4 m/s. Tolerances: share of 3 m/s, and m.
 
-    The explicit block is 0.7 mm lower, too, where its step is a quarter; the two then differ by 0.1 mm."""
+    At the same step the implicit block is 0.45 mm lower. That is the error of the explicit one's step: with a
+    quarter of it that is 0.7 mm lower, too, and the two differ by 0.1 mm."""
     (high, fast), (y, v) = dropped(False, 5e-5), dropped(True, dt)
-    assert fast[-1] > 1.2  # control: it has bounced off
+    assert fast[-1] > 1.3  # control: it has bounced off, with 1.42 m/s: sand that yields keeps the rest
     assert v == pytest.approx(fast, abs=3 * velocity)
     assert y == pytest.approx(high, abs=height)
 

@@ -4,7 +4,7 @@ and its shaft apart (scripts/clay_pile.py); and a wedge in soil with friction (s
 
 References and their sources are in the docstrings of the scripts and in doc/explanation/penetration.md; none
 but that of the plate is a theorem. Tolerances: plate 7 % (5 % were asked for), pipe as mean over its depth
-7 %, tip 10 % of the deep one, shaft 5 % of the adhesion where soil touches, wedge 13 % (8 % were asked for).
+7 %, rough 10 %, tip 10 % of the deep one, shaft 5 % of the adhesion where soil touches, wedge 8 %.
 Controls: nodes make a pipe too large, soil without F-bar locks, a smooth shaft bears nothing.
 """
 
@@ -71,9 +71,10 @@ def test_control_soil_without_fbar_locks_round_a_plate():
     "options", [("--smoke",), pytest.param((), marks=slow), pytest.param(("--alpha", "1"), marks=slow)]
 )
 def test_a_pipe_sinks_in(options):
-    """The rough one is 8 % high with shared cells, 4 to 5 % without.
+    """Within 7 %, the rough one 10 %: it is 8.2 % high, from 15 % at w/D = 0.2 to 2.5 % at 0.5.
 
-    Its reference is at second hand, and other authors have more (doc/explanation/penetration.md).
+    The rough reference, 7.4 (w/D)^0.40, is at second hand and too low at first: 6.73 (w/D)^0.29, which
+    leaves out the heave, is 8 % more at w/D = 0.2 and 4 % at 0.3 (doc/explanation/penetration.md).
     """
     assert abs(run("pipe", *options)["meanError"]) < (0.1 if "--alpha" in options else 0.07)
 
@@ -90,7 +91,7 @@ def test_a_shaft_bears_its_adhesion_where_soil_touches():
     assert 0.6 < summary["touchingOverLength"] < 0.9
     assert summary["shaftOverAdhesion"] / summary["touchingOverLength"] == pytest.approx(1, abs=0.05)
     assert summary["contactOverDrive"] == pytest.approx(1, abs=0.02)
-    assert 2 + pi < summary["tipFactor"] < 1.25 * (2 + 2 * pi)  # 1.20; four cells across the tip
+    assert 2 + pi < summary["tipFactor"] < 1.2 * (2 + 2 * pi)
 
 
 @slow

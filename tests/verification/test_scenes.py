@@ -277,7 +277,8 @@ def test_column_runs_out_alike_with_meshed_core():
         run("column_collapse", *BARE, "--smoke", "--types", kind) for kind in ("ugimp", "hybrid")
     )
     assert hybrid["runout"] == pytest.approx(plain["runout"], rel=0.05)
-    assert hybrid["unmovedTop"] == pytest.approx(plain["unmovedTop"], abs=0.011)  # a cell
+    # Two particles: the top ends at the first one that has moved by a millimetre, which round-off decides.
+    assert hybrid["unmovedTop"] == pytest.approx(plain["unmovedTop"], abs=0.011)
     for summary in (plain, hybrid):
         assert 10 < summary["slopeDegrees"] < 19.8
         assert summary["heightAtWall"] == pytest.approx(0.1, rel=0.01)

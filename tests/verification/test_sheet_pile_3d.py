@@ -20,7 +20,8 @@ def scene():
 def test_a_coarse_sheet_feels_more_per_width_than_in_plane_strain(scene, tmp_path, recwarn):
     """Half of a symmetric sheet that is thinner than a cell cannot bend: no warning."""
     summary = scene.run(scene.arguments(["--smoke", "--threads", "1", "--out", str(tmp_path)]))[0]
-    assert summary["bodies"]["sheet"]["type"] == "UGIMP" and summary["dt"] > 1.5e-3  # steel: 1e-4
+    # 1.76e-3 s: a bonded implicit body leaves 0.55 of the soil's 3.2e-3 s; steel by itself has 1e-4 s.
+    assert summary["bodies"]["sheet"]["type"] == "UGIMP" and summary["dt"] > 1.5e-3
     assert summary["resistance"]["0.5"] == pytest.approx(2270, rel=0.05)
     assert summary["ratio"]["0.5"] == pytest.approx(1.48, abs=0.1)
     assert {f.name for f in tmp_path.iterdir()} == {"sheet_pile_3d.png", "summary.json"}

@@ -181,7 +181,9 @@ def test_volume_grows_with_the_trace_of_the_velocity_gradient(name, dim, scheme)
     scene.run(steps=1, progress=False)
     L = body.velocityGradient
     rate = np.trace(L, axis1=1, axis2=2)
-    assert np.abs(rate).max() > 1  # control: the two velocity fields differ by something like this
+    # Control: the two velocity fields differ by something like this. USF strains by the velocity of the start
+    # of the step, which is smoother: 3.3 to 4.8 1/s; the other schemes have more than 5.
+    assert np.abs(rate).max() > (3 if scheme == "USF" else 5)
     tolerance = 10 * (scene.dt * np.abs(L).max()) ** 2  # what is of second order in a step
     assert np.abs(body.volume / volume - 1 - scene.dt * rate).max() <= tolerance
     if vertices is not None and scheme != "USF":

@@ -38,10 +38,10 @@ _meaning = {
     "dampedShare": "damping carried up to {} of the load",
     "hourglassRatio": "hourglass control stores {} of the work done",
     "volumeError": "the volumes of the particles are off by {} of the cells that they fill",
-    "loadJump": "the load jumps by {} when the moving body crosses a row of cells: take smaller cells, or "
-    "the mean over a cell of its path",
+    "loadJump": "the load jumps by {} when the moving body crosses a row of cells",
     "rateSensitivity": "another rate changes the result by {}",
 }
+_remedy = {"loadJump": ": take smaller cells, or the mean load over a cell of the path"}
 
 
 @dataclass(frozen=True)
@@ -89,9 +89,8 @@ class Certificate:
     @property
     def reasons(self):
         """List of sentences that say why the run is not quasi-static; empty if it is."""
-        return [
-            self._sentence(name) for name in self._judged() if not getattr(self, name) <= self.limits[name]
-        ]
+        failed = [name for name in self._judged() if not getattr(self, name) <= self.limits[name]]
+        return [self._sentence(name) + _remedy.get(name, "") for name in failed]
 
     @property
     def isQuasiStatic(self):

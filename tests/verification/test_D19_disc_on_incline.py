@@ -102,8 +102,9 @@ def test_a_disc_of_five_cells_rolls_or_slides(pair, slope):
 
 @slow
 @pytest.mark.parametrize("slope", [SLIDING, SLIPPERY, ROLLING])
-@pytest.mark.parametrize("pair, error", [("aa", 0.01), ("ua", 0.017), ("uu", 0.05), ("au", 0.05)])
+@pytest.mark.parametrize("pair, error", [("aa", 0.01), ("ua", 0.011), ("uu", 0.05), ("au", 0.05)])
 def test_a_disc_of_ten_cells_rolls_or_slides(pair, error, slope):
+    """A mesh on boxes touches them by its vertices alone: 1.03 % too slow where it slips, else within 1 %."""
     ratio, scene, deepest = descend(pair, *slope, h=0.05)
     assert ratio == pytest.approx(1, abs=error)
     assert deepest < 0.02
@@ -163,7 +164,7 @@ def test_a_ball_of_cut_boxes_rolls_or_slides(base, slope, friction):
         5 / 7 * G * sin(slope) if tan(slope) <= 3.5 * friction else G * (sin(slope) - friction * cos(slope))
     )
     assert np.polyfit(time[time > 0.07], speed[time > 0.07], 1)[0] == pytest.approx(exact, rel=0.05)
-    assert 0.005 < deepest < 0.025
+    assert 0.005 < deepest < 0.02
 
 
 def test_control_whole_boxes_are_no_disc():

@@ -89,12 +89,20 @@ def draw(a, scene, depth, factor, file):
     """Plastic strain under the pipe, and resistance over depth."""
 
     def field(axes):
-        plot.domains(axes, scene.bodies, reference.strain, (0, 1), "plastic shear strain", scale=DIAMETER)
+        plot.domains(
+            axes,
+            scene.bodies,
+            reference.strain,
+            (0, 1),
+            "plastic shear strain (-)",
+            extend="max",
+            scale=DIAMETER,
+        )
 
-    window = dict(xlim=(0, 1.5), ylim=(-1.2, 0.6), xlabel="x / D", ylabel="y / D")
+    window = dict(xlim=(0, 1.5), ylim=(-1.2, 0.6), xlabel="x/D", ylabel="y/D")
     way = np.linspace(0.02, depth[-1], 100)
     lines = {"Merifield et al. 2009": (way, fitted(way, a.alpha))}
-    reference.compare(file, field, (depth, factor), lines, ("w / D", "V / (su D)"), window)
+    reference.compare(file, field, (depth, factor), lines, ("w/D", "$V/(s_u D)$"), window)
 
 
 def tell(a, s):

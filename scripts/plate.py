@@ -85,19 +85,21 @@ def run(a, scene=None):
 
 
 def draw(a, scene, depth, factor, file):
-    """Velocity of the soil round the plate, and factor over depth."""
+    """How far the soil round the plate has moved, and factor over depth."""
 
     def field(axes):
-        speed = lambda body: np.linalg.norm(body.velocity, axis=1) / a.rate  # noqa: E731
-        plot.domains(axes, scene.bodies, speed, (0, 1.5), "speed over that of the plate", scale=BREADTH)
+        plot.domains(axes, scene.bodies, moved, (0, 1), "displacement over that of the plate", scale=BREADTH)
+
+    def moved(body):
+        return (
+            None if body.name == "plate" else np.linalg.norm(body.displacement, axis=1) / (a.depth * BREADTH)
+        )
 
     middle = 0.5 * a.extent
-    window = dict(xlim=(0, 1.5), ylim=(middle - 1.5, middle + 1.5), xlabel="x / D", ylabel="y / D")
-    lines = {
-        "3π + 2 + √2 t/D": ([0, depth[-1]], 2 * [exactFactor(a)]),
-        "3π + 2": ([0, depth[-1]], 2 * [3 * pi + 2]),
-    }
-    reference.compare(file, field, (depth, factor), lines, ("displacement / D", "F / (su D)"), window)
+    window = dict(xlim=(0, 1.5), ylim=(middle - 1.5, middle + 1.5), xlabel="x/D", ylabel="y/D")
+    lines = {"$3\\pi + 2 + \\sqrt{2}\\,t/D$, exact": ([0, depth[-1]], 2 * [exactFactor(a)])}
+    labels = "displacement of the plate / D", "$F/(s_u D)$"
+    reference.compare(file, field, (depth, factor), lines, labels, window, mean=1 / a.cells)
 
 
 def tell(a, s):

@@ -53,7 +53,8 @@ def run(a):
 
 
 def draw(a, scene, trials, file):
-    stability.draw(scene, trials, HEIGHT, {"Griffiths & Lane": (PUBLISHED - 0.005, PUBLISHED + 0.005)}, file)
+    published = {f"Griffiths & Lane 1999: {PUBLISHED}": (PUBLISHED - 0.005, PUBLISHED + 0.005)}
+    stability.draw(scene, trials, HEIGHT, published, file)
 
 
 def tell(a, s):

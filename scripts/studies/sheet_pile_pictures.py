@@ -53,23 +53,16 @@ def drawResistance(a, scene, history):
     """Resistance at drive and base."""
     depth, raw, smooth = resistanceCurve(a, scene, history)
     figure, ax = plot.plt.subplots(figsize=(4.2, 4.6), layout="constrained")
-    ax.plot(raw, depth, color="0.8", lw=0.6, label="at the drive, mean over each sample")
-    ax.plot(smooth, depth, color="C3", lw=1.6, label="at the drive, mean over one cell")
-    ax.plot(
-        baseCurve(a, scene, history),
-        depth,
-        color="k",
-        lw=0.9,
-        ls="--",
-        label="at the base, mean over one cell",
-    )
+    ax.plot(raw, depth, color="0.8", lw=0.6, label="drive, each sample")
+    ax.plot(smooth, depth, color="C3", lw=1.6, label="drive, mean over one cell")
+    ax.plot(baseCurve(a, scene, history), depth, color="k", lw=0.9, ls="--", label="base, mean over one cell")
     ax.set(
         xlabel="penetration resistance (kN/m)",
         ylabel="further penetration (m)",
-        xlim=(0, 1.25 * smooth.max()),
+        xlim=(0, 1.1 * smooth.max()),
+        ylim=(depth[-1], 0),
     )
-    ax.invert_yaxis()
-    ax.legend()
+    ax.legend(loc="upper right", fontsize=8)
     plot.save(figure, os.path.join(a.out, "resistance.png"))
 
 
@@ -107,5 +100,5 @@ def drawConversion(a, snapshot, file):
     axes[0].legend(loc="lower left", frameon=True, fontsize=8)
     axes[0].set(xlabel="x (m)", ylabel="y (m)")
     axes[1].set(xlabel="x (m)")
-    figure.colorbar(coloured, ax=axes[1], label=LABEL, extend="max", shrink=0.8)
+    plot.colourBar(axes[1], coloured, LABEL, extend="max", shrink=0.8)
     plot.save(figure, file)

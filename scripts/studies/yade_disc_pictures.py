@@ -18,15 +18,7 @@ def draw(results, file, incline, closedForm):
     frictions = sorted({s["friction"] for s, _ in results})
     for summary, rows in results:
         colour, isMeshed = f"C{frictions.index(summary['friction'])}", summary["types"] == "apdi"
-        right.plot(
-            rows[::24, 0],
-            rows[::24, 2],
-            "o" if isMeshed else "x",
-            color=colour,
-            ms=4,
-            mfc="none",
-            label=f"μ = {summary['friction']:g}" if summary["types"] == results[-1][0]["types"] else None,
-        )
+        right.plot(rows[::24, 0], rows[::24, 2], "o" if isMeshed else "x", color=colour, ms=4, mfc="none")
     for friction in frictions:
         right.plot(
             [0, incline["running"]],
@@ -34,14 +26,17 @@ def draw(results, file, incline, closedForm):
             "-",
             color=f"C{frictions.index(friction)}",
             lw=0.8,
+            label=f"μ = {friction:g}",
         )
+    for mark, types in (("x", "uGIMP"), ("o", "APDI")):
+        right.plot([], [], mark, color="k", ms=4, mfc="none", label=types)
     right.set(
         xlabel="time since it was let go (s)",
         ylabel="velocity along the slope (m/s)",
         xlim=(0, None),
         ylim=(0, None),
     )
-    right.legend(title="x uGIMP, o APDI, lines: closed form", title_fontsize=8, fontsize=8)
+    right.legend(title="lines: closed form", title_fontsize=8, fontsize=8, loc="upper left", ncols=2)
     plot.save(figure, file)
 
 
@@ -52,8 +47,13 @@ def drawIncline(axes, last, incline):
     ground = np.array([(0, 0), (length, 0), (length, depth), (0, depth)]) @ turn.T
     axes.fill(*ground.T, fc="0.85", ec="0.4")
     circle = radius * np.array([(np.cos(t), np.sin(t)) for t in np.linspace(0, 2 * np.pi, 100)])
-    for x, spin, style in ((0.6, 0.0, "--"), (last, (0.6 - last) / radius, "-")):
-        axes.plot(*((circle + (x, depth + radius)) @ turn.T).T, "C3" + style, lw=1.2)
+    places = (
+        (0.6, 0.0, "--", "start"),
+        (last, (0.6 - last) / radius, "-", f"{incline['running']:g} s later"),
+    )
+    for x, spin, style, label in places:
+        axes.plot(*((circle + (x, depth + radius)) @ turn.T).T, "C3" + style, lw=1.2, label=label)
         spoke = np.array([(0, 0), radius * np.array((np.cos(spin), np.sin(spin)))]) + (x, depth + radius)
         axes.plot(*(spoke @ turn.T).T, "C3" + style, lw=1.2)
-    axes.set(aspect="equal", xlabel="m", ylabel="m")
+    axes.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
+    axes.legend(fontsize=8, loc="upper right")

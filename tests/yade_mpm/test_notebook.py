@@ -97,7 +97,7 @@ def test_a_picture_has_the_values_of_the_field_and_says_what_they_are(ran):
     shown = np.concatenate([c.get_array() for c in axes.collections if c.get_array() is not None][:2])
     assert np.array_equal(shown, np.concatenate([b.stress[:, 1, 1] for b in scene.bodies]))
     assert axes.collections[0].get_clim() == (-30, 0)
-    labels = [a.get_ylabel() for a in axes.figure.axes]
+    labels = [a.get_ylabel() for a in (axes, *axes.child_axes)]
     assert labels == ["y (m)", "stress yy (kPa)"]
 
 
@@ -116,7 +116,7 @@ def test_colours_are_scaled_to_the_soil_not_to_a_stiff_body_or_one_particle():
     axes = scene.plot("stress", "yy")
     low, high = axes.collections[0].get_clim()
     assert ground.stress[:, 1, 1].min() <= low < high <= ground.stress[:, 1, 1].max()
-    assert axes.figure.axes[1].get_ylim() == pytest.approx((low, high))  # and an arrow for what lies below
+    assert axes.child_axes[0].get_ylim() == pytest.approx((low, high))  # and an arrow for what lies below
     assert [drawn.colorbar.extend for drawn in axes.collections if drawn.colorbar] == ["min"]
     stress = ground.stress.copy()
     stress[7, 1, 1] = 1e5
@@ -126,9 +126,17 @@ def test_colours_are_scaled_to_the_soil_not_to_a_stiff_body_or_one_particle():
     assert max(alone.collections[0].get_clim()) < -5e3
 
 
+def holes(corners, places):
+    """How many of the places no quadrilateral covers."""
+    ahead = np.roll(corners, -1, axis=1) - corners
+    toPlace = places[:, None, None] - corners
+    side = ahead[..., 0] * toPlace[..., 1] - ahead[..., 1] * toPlace[..., 0]
+    return int((~(side >= -1e-12).all(axis=2).any(axis=1)).sum())
+
+
 @pytest.mark.parametrize("splitAt", [None, 1.3])
 def test_domains_are_drawn_as_they_are_deformed(splitAt):
-    """Together as large as the strained block; whole neighbours keep their common corners."""
+    """Whole neighbours keep their common corners; what was cut leaves no hole in the strained block."""
     scene = mpm.Scene((-4, -4), (8, 8), 0.5)
     soil = mpm.MohrCoulombDruckerPrager(
         density=1.8, young=5e3, poisson=0.3, cohesion=1, frictionAngle=0.5, dilatancyAngle=0
@@ -143,10 +151,29 @@ def test_domains_are_drawn_as_they_are_deformed(splitAt):
         block.core.splitStretched()
         assert block.count > 16
         drawn = block.deformedCorners()
-    x, y = drawn[..., 0], drawn[..., 1]
-    areas = 0.5 * (x * np.roll(y, -1, 1) - y * np.roll(x, -1, 1)).sum(axis=1)
-    assert areas.sum() == pytest.approx(1.6 * 0.9, rel=1e-12)
-    assert not np.allclose(block.corners(), drawn, rtol=0, atol=0.05)  # control: boxes do not follow
+    places = np.random.default_rng(1).uniform(0.02, 0.98, (500, 2)) @ strain.T
+    assert holes(drawn, places) == 0
+    assert holes(block.corners(), places) > 10  # control: boxes leave slits
+
+
+@pytest.mark.parametrize(
+    "longest, hasHoles, isLong", [(2.0, False, False), (1.0, True, False), (4.0, False, True)]
+)
+def test_a_domain_is_drawn_twice_as_long_as_its_box_at_most(longest, hasHoles, isLong, monkeypatch):
+    """Half of the limit leaves slits in whole soil, twice of it makes needles of single boxes."""
+    monkeypatch.setattr("yade_mpm.particle.body.LONGEST_DRAWN", longest)
+    scene = mpm.Scene((-8, -4), (12, 8), 0.5)
+    rubber = mpm.LinearElastic(density=1, young=1e3, poisson=0.3)
+    whole = scene.add("whole", box((0, 0), (1, 1)), rubber, mpm.UGIMP(perCell=2))
+    single = scene.add("single", box((3, 3), (3.25, 3.25)), rubber, mpm.UGIMP(perCell=2))
+    strain = np.array([[1.6, 0.8], [0.0, 0.9]])
+    whole.position[...] = whole.position @ strain.T
+    whole.deformationGradient[:, :2, :2] = strain
+    single.deformationGradient[:, :2, :2] = np.diag((20, 0.05))
+    places = np.random.default_rng(1).uniform(0.02, 0.98, (500, 2)) @ strain.T
+    assert (holes(whole.deformedCorners(), places) > 10) == hasHoles
+    length = np.ptp(single.deformedCorners()[0, :, 0])
+    assert length == pytest.approx(longest * 0.25) and (length > 0.5) == isLong
 
 
 def test_the_label_of_a_colour_bar_keeps_off_the_next_axes(ran):
@@ -155,7 +182,7 @@ def test_the_label_of_a_colour_bar_keeps_off_the_next_axes(ran):
     scene.plot("stress", "yy", axes=left)
     right.set_ylabel("force (kN/m)")
     figure.canvas.draw()
-    bar = figure.axes[2]
+    (bar,) = left.child_axes
     gap = right.get_tightbbox().x0 - bar.get_tightbbox().x1  # pixels
     assert gap / figure.dpi > 0.15  # inches: as much as a line of text
 

@@ -14,6 +14,8 @@ from .plot import colourBar, drawDomains
 
 FEW = 2000  # arrows at most: more hide each other
 YIELDS = "plasticShearStrain"  # field of every body whose material yields
+WIDE, LOWEST = 6.4, 2.0  # inches: width of a picture, and its least height
+FIELD, BESIDE = 4.8, 0.8  # inches of it: width of the field, and height of what stands above and below
 OUTLIERS = 1  # percent of the particles at each end of a colour scale that may lie beyond it
 LONGEST = 0.12  # of the width of the picture: length of the longest arrow
 
@@ -67,7 +69,7 @@ def drawField(axes, parts, field, component=None, limits=None, colours="viridis"
     extend = {(True, False): "min", (False, True): "max", (True, True): "both"}.get(
         (np.nanmin(shown) < limits[0], np.nanmax(shown) > limits[1]), "neither"
     )
-    colourBar(axes, coloured, labelOf(field, component, unit), shrink=0.8, extend=extend)
+    colourBar(axes, coloured, labelOf(field, component, unit), extend=extend)
 
 
 def _numbersOf(parts, field, component):
@@ -171,8 +173,9 @@ def labelOf(field, component, unit):
 def draw(parts, field=None, component=None, limits=None, **options):
     """A picture of parts: see `Scene.plot`. Returns the axes."""
     arrows, window, axes = (options.get(name) for name in ("arrows", "window", "axes"))
-    if axes is None:
-        axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")[1]
+    isOwn = axes is None
+    if isOwn:
+        axes = plt.subplots(figsize=(WIDE, WIDE), layout="constrained")[1]
     if field is None:
         drawBodies(axes, parts)
     else:
@@ -184,4 +187,13 @@ def draw(parts, field=None, component=None, limits=None, **options):
         axes.set(xlim=window[:2], ylim=window[2:])
     else:
         axes.autoscale_view()
+    if isOwn:
+        _fitHeight(axes)
     return axes
+
+
+def _fitHeight(axes):
+    """Makes the figure as high as what it shows asks for."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    high = FIELD * (top - bottom) / (right - left) + BESIDE
+    axes.figure.set_size_inches(WIDE, min(max(high, LOWEST), WIDE))

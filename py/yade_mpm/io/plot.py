@@ -28,6 +28,7 @@ STYLE = {
 }
 
 
+BAR = (1.03, 0, 0.04, 1)  # left, bottom, width and height of a colour bar, in parts of its axes
 BESIDE_BAR = 0.12  # inches of room on both sides of axes, so that the label of a colour bar stands alone
 
 
@@ -187,7 +188,7 @@ def domains(axes, bodies, values, limits, label=None, colours="inferno_r", scale
     ----------
     axes : of matplotlib.
     bodies : list of Body.
-    values : function of a body that gives a number for each domain.
+    values : function of a body that gives a number for each domain, or None: it is drawn grey.
     limits : ends of the colour scale.
     label : of a colour bar; default none.
     colours : name of a colour map of matplotlib; default "inferno_r".
@@ -195,12 +196,15 @@ def domains(axes, bodies, values, limits, label=None, colours="inferno_r", scale
     edge : colour of the edges; default that of the face.
     bar : for `Figure.colorbar`.
     """
+    coloured = None
     for body in bodies:
-        style = dict(
-            array=values(body), cmap=colours, clim=limits, edgecolors=edge or "face", linewidths=0.12
-        )
-        coloured = PolyCollection(body.deformedCorners() / scale, **style)
-        axes.add_collection(coloured)
+        numbers = values(body)
+        style = dict(array=numbers, cmap=colours, clim=limits, edgecolors=edge or "face", linewidths=0.12)
+        if numbers is None:
+            style = dict(facecolors="0.6", edgecolors="face", linewidths=0.12)
+        drawn = PolyCollection(body.deformedCorners() / scale, **style)
+        axes.add_collection(drawn)
+        coloured = coloured if numbers is None else drawn
     axes.set_aspect("equal")
     if label:
         colourBar(axes, coloured, label, **bar)
@@ -208,7 +212,7 @@ def domains(axes, bodies, values, limits, label=None, colours="inferno_r", scale
 
 
 def colourBar(axes, coloured, label, **bar):
-    """A colour bar whose label keeps off the axes beside it, where the layout is constrained; returns it.
+    """A colour bar as high as its axes, whose label keeps off the axes beside it; returns it.
 
     Parameters
     ----------
@@ -220,7 +224,9 @@ def colourBar(axes, coloured, label, **bar):
     figure = coloured.figure
     if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
         figure.get_layout_engine().set(w_pad=BESIDE_BAR)
-    return figure.colorbar(coloured, ax=axes, label=label, **bar)
+    if isinstance(axes, list):
+        return figure.colorbar(coloured, ax=axes, label=label, **bar)
+    return figure.colorbar(coloured, cax=axes.inset_axes(BAR), label=label, **bar)
 
 
 def save(figure, file, **how):

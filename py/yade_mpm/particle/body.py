@@ -10,6 +10,18 @@ from ..geometry.numbers import floats
 from ..geometry.region import Region
 from .part import BodyPart
 
+# Length over that of its box to which a domain is drawn: boxes of half a cell that are farther apart than
+# that have come apart, and a longer one would bridge a gap that is there.
+LONGEST_DRAWN = 2.0
+
+
+def shortened(deformed):
+    """Deformations (N, dim, dim) without stretches above LONGEST_DRAWN, in place."""
+    isLong = (deformed**2).sum(axis=(1, 2)) > LONGEST_DRAWN**2  # no stretch of the others is larger
+    turn, stretch, back = np.linalg.svd(deformed[isLong])
+    deformed[isLong] = turn * np.clip(stretch, 1 / LONGEST_DRAWN, LONGEST_DRAWN)[:, None] @ back
+    return deformed
+
 
 class Body(Guarded):
     """Set of particles with one particle type and one material, made by `Scene.add`.
@@ -260,14 +272,18 @@ class Body(Guarded):
     def deformedCorners(self):
         """Corner positions of every domain as it is deformed, m (N, 4 or 8, dim): what pictures and files
         show. A box keeps its size in the solver (`corners`) and would leave slits where the soil is whole;
-        here it is strained as its particle, less what cuts have taken of it."""
+        here it is strained as its particle, to twice its length at most, and pieces of a cut one overlap."""
         if self.cells is not None:
             return self.corners()
         dim = self._scene.dim
-        deformed = self.deformationGradient[:, :dim, :dim]
+        deformed = np.array(self.deformationGradient[:, :dim, :dim])
         if "splitShare" in [f["name"] for f in self.core.fields(True)]:
-            deformed = deformed @ np.asarray(self.core.view("splitShare", True))
-        return self.position[:, None] + self._boxCorners() @ deformed.swapaxes(1, 2)
+            share = np.asarray(self.core.view("splitShare", True))
+            # The share keeps the second moments of the halves, not their corners: a square that is cut on
+            # its diagonal is covered by halves that are larger by the square root of two.
+            isCut = np.linalg.det(share) < 0.75
+            deformed[isCut] = np.sqrt(2) * deformed[isCut] @ share[isCut]
+        return self.position[:, None] + self._boxCorners() @ shortened(deformed).swapaxes(1, 2)
 
     def _boxCorners(self):
         """Corners of the box of a particle from its middle, m (4 or 8, dim)."""

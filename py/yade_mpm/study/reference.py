@@ -8,13 +8,11 @@ complete. Units: Mg, m, s, kPa, per metre of thickness.
 import os
 import time
 
-import numpy as np
-
 import yade_mpm as mpm
 
 from ..io import plot
 from ..io.files import saveJson
-from .curves import travel
+from .curves import movingAverage, travel
 from .ground import addGround
 from .record import record
 
@@ -84,21 +82,30 @@ def press(a, scene, way, ramp, columns=None):
 
 
 def strain(body):
-    """Plastic shear strain of a body, for a picture: zero where nothing yields."""
-    return body.plasticShearStrain if body.name.endswith("soil") else np.zeros(body.count)
+    """Plastic shear strain of a body, for a picture; None where nothing yields."""
+    return body.plasticShearStrain if body.name.endswith("soil") else None
 
 
-def compare(file, field, computed, exact, labels, window, start=0):
+def compare(file, field, computed, exact, labels, window, start=0, mean=None):
     """Picture of a field beside a curve and its closed form.
 
     field : function of axes that draws. computed, exact : x and y; exact is a dict label -> (x, y). labels :
     of both axes of the curve. window : x and y limits of the field, with the labels of its axes. start : of
-    the curve's axis.
+    the curve's axis. mean : width over which the curve is averaged besides, such as that of a cell.
     """
-    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(8.6, 4.2), layout="constrained")
+    (x0, x1), (y0, y1) = window["xlim"], window["ylim"]
+    figure, (left, right) = plot.plt.subplots(
+        1, 2, figsize=(8.6, 4.2), layout="constrained", width_ratios=((x1 - x0) / (y1 - y0), 1)
+    )
     field(left)
     left.set(**window)
-    right.plot(*computed, "C3", lw=1, label="computed")
+    if mean is None:
+        right.plot(*computed, "C3", lw=1.2, label="computed")
+    else:
+        right.plot(*computed, "0.75", lw=0.6, label="computed")
+        whole = computed[0] > mean  # not over the start
+        means = computed[0][whole], movingAverage(*computed, mean)[whole]
+        right.plot(*means, "C3", lw=1.4, label="mean over one cell")
     for style, (label, curve) in zip(("--", ":", "-."), exact.items()):
         right.plot(*curve, color="k", lw=0.9, ls=style, label=label)
     right.set(xlabel=labels[0], ylabel=labels[1], xlim=(start, None), ylim=(0, None))

@@ -93,17 +93,22 @@ def reduce(a, build, between, ramp, hold):
 
 def draw(scene, trials, height, labels, file):
     """The ground as it fails, and the displacement of every trial beside references (label -> factors)."""
-    figure, (left, right) = plot.plt.subplots(1, 2, figsize=(9, 3.4), layout="constrained")
+    figure, (left, right) = plot.plt.subplots(
+        1, 2, figsize=(9, 3.0), layout="constrained", width_ratios=(1.5, 1)
+    )
     strain = np.concatenate([b.plasticShearStrain for b in scene.bodies if b.count])
-    plot.Snapshot(scene, "plasticShearStrain").draw(left, float(np.quantile(strain, 0.98)))
-    left.set(title="plastic shear strain", xlabel="x (m)", ylabel="y (m)", aspect="equal")
+    coloured = plot.Snapshot(scene, "plasticShearStrain").draw(left, float(np.quantile(strain, 0.98)))
+    plot.colourBar(left, coloured, "plastic shear strain (-)", extend="max")
+    left.set(
+        xlabel="x (m)", ylabel="y (m)", title=f"strength over {min(f for f, _, fails in trials if fails):.4g}"
+    )
     factors, moved, failed = (np.array(column) for column in zip(*trials))
     for fails, style in ((False, "C0o"), (True, "C3x")):
         chosen = failed == fails
         right.semilogy(factors[chosen], moved[chosen] / height, style, label="fails" if fails else "stands")
     for label, ends in labels.items():
-        right.axvspan(ends[0], ends[-1], color="0.8", label=label)
-    right.set(xlabel="factor on the strength", ylabel="largest displacement over height")
+        right.axvspan(ends[0], ends[-1], color="0.8", lw=0, label=label)
+    right.set(xlabel="factor that divides the strength", ylabel="largest displacement / height")
     right.legend()
     plot.save(figure, file)
 

@@ -105,7 +105,7 @@ def draw(a, scene, curves):
     for ax, axis, name in zip(axes, (1, 0), "xy"):
         drawn = drawSection(ax, scene, axis, 0.2 * a.cell)
         ax.set(xlabel=f"{name} (m)", xlim=(0, a.width / 2 + 2), ylim=(DEPTH - 5, DEPTH + 1), aspect="equal")
-    figure.colorbar(drawn, ax=axes[:2], label="plastic shear strain (-)", extend="max")
+    plot.colourBar(list(axes[:2]), drawn, "plastic shear strain (-)", extend="max")
     for (depth, force), label in zip(curves, (f"sheet {a.width:g} m wide", "plane strain")):
         axes[2].plot(force, depth, label=label)
     axes[0].set(ylabel="z (m)")

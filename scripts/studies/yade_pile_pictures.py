@@ -27,7 +27,7 @@ def draw(a, results, file):
     for ax, (title, result) in zip(axes, results.items()):
         coloured = panel(a, ax, result, title)
     axes[0].set_ylabel("y (m)")
-    figure.colorbar(coloured, ax=axes[:-1], label="plastic shear strain (-)", extend="max", shrink=0.7)
+    plot.colourBar(list(axes[:-1]), coloured, "plastic shear strain (-)", extend="max", shrink=0.7)
     (curvesOfBlows if a.drive == "hammer" else curvesOfResistance)(axes[-1], results)
     plot.save(figure, file)
 

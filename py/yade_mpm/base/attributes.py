@@ -124,7 +124,13 @@ class Attributed:
         if value is None and self._make is not None and self._make(self._coreName).value(name) is None:
             self.core.clear(name)
         else:
-            self.core.set(name, plain(value))
+            try:
+                value = plain(value)
+            except RecursionError:
+                raise ValueError(
+                    f"{type(self).__name__}: {name} is nested too deeply; give numbers"
+                ) from None
+            self.core.set(name, value)
 
     def _refuseFixed(self, name, before):
         isFixed = self._usedBy is not None and (self._fixed is None or name in self._fixed)

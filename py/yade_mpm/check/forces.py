@@ -5,6 +5,7 @@ from operator import itemgetter
 
 import numpy as np
 
+from ..base.wording import shown
 from ..geometry.numbers import isNumber
 
 
@@ -23,7 +24,7 @@ def meanStressAlong(bodies, x, width, lower, upper):
     for name, value in (("x", x), ("width", width), ("lower", lower), ("upper", upper)):
         if not (isNumber(value) and np.isfinite(value)):
             raise ValueError(
-                f"meanStressAlong: {name} = {value!r} is not allowed; give metres, a finite number"
+                f"meanStressAlong: {name} = {shown(value)} is not allowed; give metres, a finite number"
             )
     rows = [body.core.meanStresses(x, width / 2, lower, upper) for body in bodies]
     pairs = (pair for found in rows for pair in zip(found["height"], found["meanStress"]))
@@ -82,6 +83,8 @@ def sectionForce(body, height, thickness=None):
 
     Raises ValueError for a thickness that is not positive.
     """
+    if not (isNumber(height) and np.isfinite(height)):
+        raise ValueError(f"sectionForce: height = {shown(height)} is not allowed; give metres")
     if thickness is None:
         middle = (*(0.5 * (body.scene.lower + body.scene.upper))[:-1], height)
         thickness = body.scene.cellSizeAt([middle])[0, -1]

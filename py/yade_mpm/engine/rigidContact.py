@@ -133,12 +133,12 @@ too."""
         velocities : (N, 3), m/s.
         angularVelocities : (N, 3), rad/s.
         """
-        self.core.setStates(
-            *(
-                np.ascontiguousarray(a, np.float64)
-                for a in (positions, orientations, velocities, angularVelocities)
-            )
-        )
+        try:
+            states = positions, orientations, velocities, angularVelocities
+            arrays = [np.ascontiguousarray(a, np.float64) for a in states]
+        except ValueError as error:
+            raise ValueError(f"RigidContact: setStates: {error}; give arrays of numbers") from None
+        self.core.setStates(*arrays)
 
     forces = property(
         lambda self: np.array(self.core.forces),

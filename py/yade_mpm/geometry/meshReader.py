@@ -16,6 +16,7 @@ import numpy as np
 # What meshio may take for a file: text of 1 MB needs 1 s and 20 MB.
 SECONDS, SECONDS_PER_BYTE = 20.0, 2e-5  # of a processor
 WAITING = 6  # s for each second of a processor: other jobs, slow disks
+SHOWN = 300  # characters of what meshio says
 MEMORY, MEMORY_PER_BYTE = 4 << 30, 200  # bytes, and bytes per byte
 
 
@@ -34,7 +35,7 @@ def readMesh(path):
         raise RuntimeError(f"meshio was ended by signal {-done.returncode}: out of time, or it crashed")
     if done.returncode != 0:
         lines = done.stderr.decode(errors="replace").strip().splitlines()
-        raise RuntimeError(lines[-1] if lines else f"meshio ended with code {done.returncode}")
+        raise RuntimeError(lines[-1][:SHOWN] if lines else f"meshio ended with code {done.returncode}")
     arrays = np.load(io.BytesIO(done.stdout), allow_pickle=False)
     kinds = [name.split() for name in arrays if name != "points"]
     return arrays["points"], [(kind, int(dim), arrays[f"{k} {kind} {dim}"]) for k, kind, dim in kinds]

@@ -6,6 +6,7 @@ import numpy as np
 from ..base import limits
 from ..base.attributes import Guarded
 from ..base.html import card, table
+from ..base.wording import shown
 from ..geometry.numbers import floats
 from ..geometry.region import Region
 from .part import BodyPart
@@ -173,7 +174,7 @@ class Body(Guarded):
     @inertiaScale.setter
     def inertiaScale(self, value):
         if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
-            raise ValueError(f"body '{self.name}': inertiaScale = {value!r}; give a positive number")
+            raise ValueError(f"body '{self.name}': inertiaScale = {shown(value)}; give a positive number")
         self.core.inertiaScale = float(value)
 
     @property
@@ -325,9 +326,11 @@ class Body(Guarded):
         ----------
         particle : its number in the order of the solver.
         """
-        if not (isinstance(particle, (int, np.integer)) and not isinstance(particle, bool)):
+        isWhole = isinstance(particle, (int, np.integer)) and not isinstance(particle, bool)
+        if not (isWhole and 0 <= particle < self.count):
             raise ValueError(
-                f"body '{self.name}': weights: particle = {particle!r} is not allowed; give a whole number"
+                f"body '{self.name}': weights: particle = {shown(particle)} is not allowed; give a whole "
+                f"number from 0 to {self.count - 1}"
             )
         return list(self.core.weights(int(particle)))
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
 from ..base.html import textOf
+from ..base.wording import shortened
 from ..io.files import replacing, saveJson
 from . import execution, pictures, report, state
 from .record import CURVE
@@ -104,9 +105,15 @@ def _measured(measured):
     """Points, in the order of x, and names of the axes."""
     names = ("x", "y")
     if isinstance(measured, (str, os.PathLike)):
-        with open(measured, encoding="utf-8") as text:
-            names = tuple(text.readline().strip().split(","))
-        measured = np.loadtxt(measured, delimiter=",", skiprows=1, ndmin=2)
+        try:
+            with open(measured, encoding="utf-8-sig") as text:
+                names = tuple(text.readline().strip().split(","))
+                measured = np.loadtxt(text, delimiter=",", ndmin=2)
+        except ValueError as error:  # UnicodeDecodeError, too
+            raise ValueError(
+                f"calibrate: the measured curve '{measured}' is no CSV of two columns: "
+                f"{shortened(str(error), 300)}; give a line of names, then x and y"
+            ) from None
     points = np.asarray(measured, float)
     if points.ndim != 2 or points.shape[1] != 2 or len(points) < 2 or not np.isfinite(points).all():
         raise ValueError(

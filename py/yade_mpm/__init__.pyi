@@ -114,15 +114,9 @@ class Contact(_Contact):
     separation: bool
     slip: bool
     impactLoss: float
-    normals: Literal['surface', 'mass']
     constraints: Literal['auto', 'nodes', 'facets']
     pairs: Any
     sharedCells: bool
-    cells: float | Sequence[float]
-    gaps: float | Sequence[float]
-    frictionWork: float
-    edgeMotions: float | Sequence[float]
-    impulses: float | Sequence[float]
     label: str
     dead: bool
     def __init__(
@@ -132,16 +126,10 @@ class Contact(_Contact):
         adhesion: float = 0.0,
         separation: bool = True,
         slip: bool = True,
-        impactLoss: float = 0.0,
-        normals: Literal['surface', 'mass'] = 'surface',
+        impactLoss: float = 1.0,
         constraints: Literal['auto', 'nodes', 'facets'] = 'auto',
         pairs: Any = (),
         sharedCells: bool = True,
-        cells: float | Sequence[float] = (),
-        gaps: float | Sequence[float] = (),
-        frictionWork: float = 0.0,
-        edgeMotions: float | Sequence[float] = (),
-        impulses: float | Sequence[float] = (),
         label: str = '',
         dead: bool = False,
     ) -> None: ...
@@ -308,14 +296,8 @@ class RigidContact(_RigidContact):
     normalLaw: Literal['penalty', 'Hertz']
     hertzOverlap: float | None
     checkBalance: bool
-    frictionWork: float
     bodyWork: float
     soilWork: float
-    shapes: Any
-    states: Any
-    history: Any
-    sizes: Any
-    impulses: Any
     label: str
     dead: bool
     def __init__(
@@ -333,14 +315,8 @@ class RigidContact(_RigidContact):
         normalLaw: Literal['penalty', 'Hertz'] = 'penalty',
         hertzOverlap: float | None = None,
         checkBalance: bool = False,
-        frictionWork: float = 0.0,
         bodyWork: float = 0.0,
         soilWork: float = 0.0,
-        shapes: Any = (),
-        states: Any = (),
-        history: Any = (),
-        sizes: Any = (),
-        impulses: Any = (),
         label: str = '',
         dead: bool = False,
     ) -> None: ...

@@ -45,7 +45,9 @@ class Layout:
 
     def build(self, threads=1):
         """The scene, and its bodies in the order of the blocks."""
-        scene = mpm.Scene(tuple(self.lower), tuple(self.upper), self.cell, scheme=self.scheme, threads=threads)
+        scene = mpm.Scene(
+            tuple(self.lower), tuple(self.upper), self.cell, scheme=self.scheme, threads=threads
+        )
         bodies = [scene.add(*self.parts(b), group=b.group) for b in self.blocks]
         for block, body in zip(self.blocks, bodies):
             body.velocity = tuple(block.velocity)
@@ -164,8 +166,8 @@ def order(points):
 
 
 def runLayout(layout, steps, back=lambda points: points, **more):
-    """Scene after so many steps, and for each body the order of its particles by where they were at the start,
-    mapped by `back` to where they are in the scene that this one is compared with."""
+    """Scene after so many steps, and for each body the order of its particles by their places at the start,
+    mapped by `back` to those in the scene that this one is compared with."""
     scene, bodies = layout.build(**more)
     orders = {body.name: order(back(body.byId("position"))) for body in bodies}
     scene.run(steps=steps, progress=False)

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A scene that is mirrored, turned, moved, renamed, or given in other units has the same results.
 
-The scenes are random (layouts.py). Each relation is asked of positions, velocities and stresses after 40 steps,
-against the largest of each. Tolerances:
-- units by powers of two, order of names, threads: no bit may differ
-- mirror, quarter turn, shift by whole cells without contact: sums have another order. Soil at the edge of yield
-  carries that on, so 1e-9 (2e-12 is usual).
-- the same with contact: sweeps over the sites of contact have a fixed order, so images differ by 1e-8 in a step
-  (doc/explanation/limits.md): 1e-5 after 40.
+The scenes are random (layouts.py). Each relation is asked of positions, velocities and stresses after 40
+steps, against the largest of each. Tolerances:
+- units by powers of two, names, threads: no bit may differ
+- mirror, quarter turn, shift by whole cells, order of the bodies: sums have another order. Soil at the edge
+  of yield carries that on, so 1e-9 (1e-13 is usual).
+- mirror with contact: sweeps over the sites of contact go along the grid in a fixed order, so images of
+  meshes differ by up to 0.1 % of the largest velocity (doc/explanation/limits.md): 0.5 %.
 """
 
 from dataclasses import replace
@@ -17,15 +17,15 @@ import pytest
 from layouts import randomLayout, runLayout
 
 STEPS = 40
-EXACT, ROUND_OFF, SWEEPS = 0.0, 1e-9, 1e-5
+EXACT, ROUND_OFF, SWEEPS = 0.0, 1e-9, 5e-3
 MIRROR, TURN, SWAP = [[-1, 0], [0, 1]], [[0, -1], [1, 0]], [[0, 1], [1, 0]]
 seeds = pytest.mark.parametrize("seed", range(6))
 contacts = pytest.mark.parametrize("contact", [False, True], ids=["bonded", "contact"])
 
 
 def difference(one, other, Q=np.eye(2), shift=(0, 0), scales=(1, 1, 1)):
-    """Largest difference of two runs (scene, orders), of position, velocity and stress, over the largest value
-    of each; the second one is mapped by x -> Q x + shift, and its units are smaller by `scales`."""
+    """Largest difference of two runs (scene, orders), of position, velocity and stress, over the largest
+    value of each; the second one is mapped by x -> Q x + shift, and its units are smaller by `scales`."""
     Q3 = np.eye(3)
     Q3[:2, :2] = Q
     (a, ordersA), (b, ordersB), worst = one, other, []
@@ -56,13 +56,14 @@ def compare(layout, Q, shift=(0, 0)):
 @seeds
 @pytest.mark.parametrize("Q", [MIRROR, TURN, SWAP], ids=["mirror", "quarter turn", "axes swapped"])
 def test_an_image_of_a_scene_has_the_image_of_its_results(Q, seed, contact):
-    assert compare(randomLayout(seed, contact), Q) <= (SWEEPS if contact else ROUND_OFF)
+    isSwept = contact and Q is MIRROR
+    assert compare(randomLayout(seed, contact), Q) <= (SWEEPS if isSwept else ROUND_OFF)
 
 
 @contacts
 @seeds
 def test_a_scene_moved_by_whole_cells_has_the_same_results(seed, contact):
-    assert compare(randomLayout(seed, contact), np.eye(2), (8, -16)) <= (SWEEPS if contact else ROUND_OFF)
+    assert compare(randomLayout(seed, contact), np.eye(2), (8, -16)) <= ROUND_OFF
 
 
 def test_control_an_image_with_other_gravity_differs():
@@ -99,4 +100,4 @@ def test_threads_and_names_change_no_bit(seed, contact):
 def test_the_order_of_the_bodies_does_not_matter(seed, contact):
     layout = randomLayout(seed, contact)
     turned = replace(layout, blocks=layout.blocks[::-1])
-    assert difference(runLayout(layout, STEPS), runLayout(turned, STEPS)) <= (SWEEPS if contact else ROUND_OFF)
+    assert difference(runLayout(layout, STEPS), runLayout(turned, STEPS)) <= ROUND_OFF

@@ -2,9 +2,9 @@
 """Random scenes (layouts.py) keep momentum and make no energy, and go on after a restart with the same bits.
 
 - Momentum: nothing acts from outside, so the sum of m v stays, within 1e-11 of the sum of |m v|.
-- Energy: kinetic and elastic energy never exceed what was there at the start and what the walls and gravity have
-  put in, within 1 % of that. Yield, friction and impacts take energy; the bound leaves room for the error of the
-  time step, which falls with its square.
+- Energy: kinetic and elastic energy never exceed what was there at the start and what the walls and gravity
+  have put in, within 1 % of that. Yield, friction and impacts take energy; the bound leaves room for the
+  error of the time step, which falls with its square.
 - Restart: every bit.
 
 Twenty scenes of each in every run of the tests, 1000 with --slow.
@@ -39,7 +39,7 @@ def test_no_momentum_comes_from_nowhere(seeds):
 
 
 def gained(layout):
-    """Largest energy in the scene that neither its start nor its surroundings account for, over the sum of those."""
+    """Largest energy that neither the start nor the surroundings account for, over the sum of those."""
     scene, _ = layout.build()
     history = mpm.History(iterPeriod=1)
     scene.engines = [*scene.engines, history]

@@ -14,8 +14,8 @@ template <int Dim> class StrainedNodes {
 
     struct Entry {
         int node;
-        double g[Dim], gamma[patterns]; // 1/m; -
-        Vec<Dim> force;                 // kN, of the stress of the particle at the start
+        double g[Dim], gamma[patterns];     // 1/m; -
+        Vec<Dim> force;                     // kN, of the stress of the particle at the start
         Vec<Dim> weight = Vec<Dim>::Zero(); // kN, of gravity
     };
     struct Strained {

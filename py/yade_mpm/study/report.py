@@ -38,8 +38,16 @@ def write(study, frame):
     measured = study.show or _measured(done, found)
     with pictures.plainText():
         parts = [_head(study, frame), _findings(study), _table(study, frame, varied, found)]
-        parts += [_failures(study, frame), _curves(study, frame, varied), _effects(study, done, varied, measured)]
-        parts += [_indices(study, done, varied, measured), _maps(study, done, varied, measured), _cards(study)]
+        parts += [
+            _failures(study, frame),
+            _curves(study, frame, varied),
+            _effects(study, done, varied, measured),
+        ]
+        parts += [
+            _indices(study, done, varied, measured),
+            _maps(study, done, varied, measured),
+            _cards(study),
+        ]
     text = page(f"Study of {study.name}", "".join(p for p in parts if p))
     with replacing(os.path.join(study.out, "report.html")) as part, open(part, "w") as opened:
         opened.write(text)

@@ -78,7 +78,8 @@ def test_soil_closes_by_default_where_it_has_fbar(capsys):
 
 
 def test_single_boxes_keep_their_volume_in_a_collapse():
-    """All keep their solid volume, and nine of ten the bulk volume. What the others open by in flight is chance."""
+    """All keep their solid volume, and nine of ten the bulk volume. How far the others open in flight is
+    chance."""
     for sand in collapses():
         assert sand.volume / sand.initialVolume == pytest.approx(1, abs=0.02)
         ratio = sand.bulkVolume / sand.initialVolume

@@ -74,7 +74,7 @@ MPM_INLINE Quad GridSolver::solve(const Scene<Dim>& scene, NodalField<Dim>& fiel
         field.clearMomentum(node, overMass);
     else
         field.setVelocity(node, v);
-    return weight * (v - 0.5 * scene.dt * a);
+    return weight * (v + (-0.5 * scene.dt) * a);
 }
 
 // The particles take the whole change of the velocity of a node that is held: what is held has the velocity that is

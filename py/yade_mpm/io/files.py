@@ -145,9 +145,17 @@ def _isAlive(process):
     return True
 
 
-def saveJson(file, value):
-    """Writes numbers, texts, lists and dicts of them as JSON, complete on the disk or not at all."""
-    writeWhole(file, json.dumps(value, indent=1).encode())
+def saveJson(file, value, wait=True):
+    """Writes numbers, texts, lists and dicts of them as JSON, whole or not at all.
+
+    wait : for the disk; False for what is written again when it is lost.
+    """
+    content = json.dumps(value, indent=1).encode()
+    if wait:
+        writeWhole(file, content)
+        return
+    with replacing(file) as part, open(part, "wb") as opened:
+        opened.write(content)
 
 
 def saveTable(file, columns):

@@ -118,7 +118,7 @@ class Study:
             raise ValueError(f"study: cases {same} and {number} are the same; give each once")
         os.makedirs(folder, exist_ok=True)
         about = dict(identity=name, code=identity.codeVersion(), arguments=arguments, threads=self.threads)
-        saveJson(os.path.join(folder, state.CASE), {**about, **more})
+        saveJson(os.path.join(folder, state.CASE), {**about, **more}, wait=False)
         self.folders.append(folder)
         self.argumentNames |= set(arguments)
 
@@ -195,7 +195,7 @@ class Study:
         for folder in folders:
             case = state.readCase(folder)
             if case["threads"] != threads:
-                saveJson(os.path.join(folder, state.CASE), {**case, "threads": threads})
+                saveJson(os.path.join(folder, state.CASE), {**case, "threads": threads}, wait=False)
 
     def _execute(self, client, waiting, live, timeout):
         writer = _Writer(self)

@@ -36,8 +36,8 @@ def test_a_block_that_is_pushed_below_the_limit_of_friction_stays(law):
 
 @pytest.mark.parametrize("impactLoss", [0.0, 0.5, 1.0])
 def test_a_block_in_a_notch_gains_no_energy(impactLoss):
-    """A mesh that rattles in a notch of boxes, without gravity and damping: the energy grew to 527 times
-    that of the start without loss, and is a quarter of it now."""
+    """A mesh that rattles in a notch of boxes, without gravity and damping: with impactLoss=0 it ends with
+    0.24 of its energy. Where surfaces that press may part while they strain, it makes 527 times that."""
     h = 0.5
     scene = mpm.Scene((0, 0), (5 * h, 8 * h), h, threads=1)
     soft = mpm.LinearElastic(density=1.8, young=2.5e3, poisson=0.0)

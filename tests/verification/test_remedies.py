@@ -74,7 +74,7 @@ def test_the_remedied_run_keeps_its_energy(results):
         return [results[name]["quasiStatic"][what] for what in ("energyError", "dampedRatio")]
 
     assert max(ratios("all, psi = 0")) < 0.01
-    assert min(ratios("friction")) > 0.02  # control: a flat tip, damped
+    assert ratios("friction")[1] > 0.02  # control: a damped pile
 
 
 def test_the_table_names_every_run(results):

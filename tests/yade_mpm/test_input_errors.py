@@ -528,7 +528,7 @@ QUAD = [(0.5, 0.5), (1, 0.5), (1, 1), (0.5, 1)]
         lambda: oneBody()["block"].inside(box((2, 2), (3, 3))),
     ),
     (
-        "body 'block': weights: particle = 99 is not allowed; give a number from 0 to 15",
+        "body 'block': weights: particle = 99 is not allowed; give a whole number from 0 to 15",
         lambda: oneBody()["block"].weights(99),
     ),
 )

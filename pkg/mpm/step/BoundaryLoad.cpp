@@ -57,7 +57,7 @@ std::vector<double> rowAt(const std::vector<double>& table, size_t width, double
     const double *first = &table[below * width], *last = &table[above * width];
     const double share = above > below ? (time - first[0]) / (last[0] - first[0]) : 0;
     std::vector<double> values;
-    for (size_t k = 1; k < width; ++k) values.push_back((1 - share) * first[k] + share * last[k]);
+    for (size_t k = 1; k < width; ++k) values.push_back(first[k] + share * (last[k] - first[k]));
     return values;
 }
 

@@ -41,7 +41,8 @@ def runCase(folder, stop, timeout=None, variables=None, cwd=None):
     began = time.monotonic()
     with open(os.path.join(folder, state.LOG), "ab") as log:
         process = subprocess.Popen(
-            [sys.executable, "-m", "yade_mpm.study.caseProcess", folder],
+            # -u: the log has all that a case has said, also of one that is killed.
+            [sys.executable, "-u", "-m", "yade_mpm.study.caseProcess", folder],
             stdin=subprocess.DEVNULL,
             stdout=log,
             stderr=subprocess.STDOUT,

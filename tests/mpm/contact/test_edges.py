@@ -84,7 +84,7 @@ def test_motions_of_another_length_are_refused(numbers):
     with pytest.raises(
         ValueError, match="edgeMotions has . numbers; give 8 for each pair of groups, or none"
     ):
-        contact.edgeMotions = numbers
+        contact.restoreState({"edgeMotions": numbers})
 
 
 def test_two_piles_that_touch_make_no_energy_out_of_soil():

@@ -77,19 +77,12 @@ def test_a_body_that_no_drive_carries_along_has_all_its_energy(drives, velocity)
 @pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
 def test_energy_balances_within_one_percent_in_an_undamped_elastic_column(kind):
     """Free oscillation under suddenly applied gravity, somewhat beyond the lowest point (half a period: 0.2
-    s).
-
-    What is left is what the kinetic energy changes in half a step, since velocities belong to the middle of
-    steps.
-    """
+    s)."""
     scene = column(kind)
     scene.engines = chain()
     scene.run(steps=250, progress=False)
     assert d.internalWork(scene) > 1 and d.externalWork(scene) > 1
-    assert abs(d.energyError(scene, relative=True)) < 0.01
-    error, kinetic = d.energyError(scene), d.kineticEnergy(scene)
-    scene.step()
-    assert error == pytest.approx(0.5 * (d.kineticEnergy(scene) - kinetic), rel=0.1)
+    assert abs(d.energyError(scene, relative=True)) < 0.005
     scene["soil"].core.internalWork *= 0.9  # the control: 10 % of one part missing is noticed
     assert abs(d.energyError(scene, relative=True)) > 0.02
 

@@ -440,8 +440,8 @@ def cantilever():
 
 
 def test_settle_waits_for_what_bends_slowly():
-    """The force alone, below the same tolerance, ended 2.5 % off. What is still to come is an estimate: with a
-    tolerance of 1 % the tip is 1.03 % off."""
+    """The force alone, below the same tolerance, ended 2.5 % off. What is still to come is an estimate: with
+    a tolerance of 1 % the tip is 1.03 % off."""
     tips = []
     for damping in (0.7, None):
         scene, body = cantilever()

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Soil that is squeezed between rigid walls loses strength by motion of its particles that the nodes do not see
-(doc/explanation/rigid-contact.md, limits): the diagnostics tell it."""
+"""Soil that is squeezed between rigid walls loses strength by motion of its particles that the nodes do not
+see (doc/explanation/rigid-contact.md, limits): the diagnostics tell it."""
 
 from math import radians
 
@@ -63,8 +63,8 @@ def squeeze(dim, until, rate=0.02, lateral=20.0, **options):
 
 @pytest.mark.parametrize("dim, kind", [(3, mpm.UGIMP), (2, mpm.BSpline)])
 def test_motion_that_nodes_do_not_see_is_told(dim, kind):
-    """Boxes lose a sixth of the strength by Mohr-Coulomb at 6.5 % of strain, B-spline particles more: both are
-    beyond the limit of `quasiStatic`, 1 %."""
+    """Boxes lose a sixth of the strength by Mohr-Coulomb at 6.5 % of strain, B-spline particles more: both
+    are beyond the limit of `quasiStatic`, 1 %."""
     stress, unseen = squeeze(dim, 0.95, kind=kind)
     Kp = np.tan(np.pi / 4 + radians(15)) ** 2
     strength = stress[:-1].mean() * Kp + 2 * 2.0 * np.sqrt(Kp)

@@ -233,7 +233,7 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     c.force = pushed + dragged;
 
     addForce(soil, index, arm, pushed, dragged, scene.grid.fields[soil.velocityField].sum.data());
-    if (checkBalance) balance.add(soil, c.body, index, arm, pushed, dragged);
+    if (checkBalance) balance.add(c.soil, c.body, index, arm, pushed, dragged);
     const Vec3 torque = (at - rigid.position).cross(c.force);
     for (int k = 0; k < 3; ++k) {
         forces.plane(k)[c.body] -= c.force[k];

@@ -13,6 +13,8 @@
 #include "mpm/contact/rigid/RigidContactPoint.hpp"
 #include "mpm/scene/Scene.hpp"
 
+#include <map>
+
 namespace mpm {
 
 // Where the surface of a point is, d from it, and the part q of its strain along d that the gap sees.
@@ -73,17 +75,17 @@ void addForce(const Body<Dim>& soil, int index, const Arm& arm, const Vec3& norm
     });
 }
 
-// What the nodes get from each rigid body, added up on nodes of its own, against what the body gets.
+// What the nodes get from each rigid body by each body of the scene, against what the rigid body gets.
 template <int Dim> class RigidBalance {
   public:
     using NF = NodalField<Dim>;
 
     RigidBalance(const Scene<Dim>& scene, int bodies) : scene_(scene), nodes_(bodies) {}
 
-    void add(const Body<Dim>& soil, int body, int index, const Arm& arm, const Vec3& normal,
-             const Vec3& friction) {
-        if (nodes_[body].empty()) nodes_[body].assign(scene_.grid.count, NF::Sum::zero());
-        addForce(soil, index, arm, normal, friction, nodes_[body].data());
+    void add(int soil, int body, int index, const Arm& arm, const Vec3& normal, const Vec3& friction) {
+        auto& nodes = nodes_[body][soil];
+        if (nodes.empty()) nodes.assign(scene_.grid.count, NF::Sum::zero());
+        addForce(*scene_.bodies[soil], index, arm, normal, friction, nodes.data());
     }
 
     // forces, torques: on the rigid bodies.
@@ -91,17 +93,18 @@ template <int Dim> class RigidBalance {
         for (size_t b = 0; b < nodes_.size(); ++b) {
             Vec3 force = vectorAt<3>(forces, int(b)), torque = vectorAt<3>(torques, int(b));
             double size = 0, moments = 0;
-            for (int node = 0; node < int(nodes_[b].size()); ++node) {
-                Vec3 f = Vec3::Zero(), x = Vec3::Zero();
-                f.head<Dim>() = NF::forceOf(nodes_[b][node]);
-                if (f.isZero(0)) continue;
-                x.head<Dim>() = scene_.grid.nodePosition(node);
-                const Vec3 arm = x - states[b].position;
-                force += f;
-                torque += arm.cross(f);
-                size += f.norm();
-                moments += arm.norm() * f.norm();
-            }
+            for (const auto& [soil, nodes] : nodes_[b])
+                for (int node = 0; node < int(nodes.size()); ++node) {
+                    Vec3 f = Vec3::Zero(), x = Vec3::Zero();
+                    f.head<Dim>() = NF::forceOf(nodes[node]);
+                    if (f.isZero(0)) continue;
+                    x.head<Dim>() = placeOf(*scene_.bodies[soil], node);
+                    const Vec3 arm = x - states[b].position;
+                    force += f;
+                    torque += arm.cross(f);
+                    size += f.norm();
+                    moments += arm.norm() * f.norm();
+                }
             if (force.norm() <= roundOff * size && torque.norm() <= roundOff * moments) continue;
             throw RunError(message("step ", scene_.step, ": RigidContact: rigid body ", b,
                                    " and the nodes differ by ", force.norm(), " kN of ", size, " and ",
@@ -113,7 +116,16 @@ template <int Dim> class RigidBalance {
     static constexpr double roundOff = 1e-12; // of the sum of the sizes of all forces and moments
 
     const Scene<Dim>& scene_;
-    std::vector<std::vector<typename NF::Sum>> nodes_;
+    std::vector<std::map<int, std::vector<typename NF::Sum>>> nodes_;
+
+    // Under USF vertices have moved with the nodes before they are touched: a force on them acts there.
+    Vec<Dim> placeOf(const Body<Dim>& soil, int node) const {
+        Vec<Dim> x = scene_.grid.nodePosition(node);
+        if (!soil.type->isMeshed() || !scene_.scheme->stressFirst) return x;
+        const auto& field = scene_.grid.fields[soil.velocityField];
+        for (int k = 0; k < Dim; ++k) x[k] += scene_.dt * field.velocityOf(node, k);
+        return x;
+    }
 };
 
 } // namespace mpm

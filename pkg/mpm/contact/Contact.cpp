@@ -11,6 +11,7 @@
 #include "mpm/contact/Contact.hpp"
 
 #include "mpm/step/GridSolver.hpp"
+#include "mpm/step/GridToParticle.hpp"
 
 namespace mpm {
 
@@ -174,7 +175,9 @@ void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNo
     NF& field = scene.grid.fields[contact.field[side]];
     auto& motion = field.motion[contact.node];
     const Vec<Dim>& x = contact.position;
-    const Vec<Dim> force = (side == 0 ? -1 : 1) / scene.dt * contact.impulse;
+    // What the particles of the other side get, who keep the share flip of their velocity: the holder gives it.
+    const double flip = flipOf(scene), sign = side == 0 ? -1 : 1;
+    const Vec<Dim> force = sign / scene.dt * (flip * contact.impulse + (1 - flip) * J.all);
     double gained = 0;
     for (int k = 0; k < Dim; ++k) {
         const double change = answer.row(k) * J.all, taken = answer.row(k).dot(contact.impulse);

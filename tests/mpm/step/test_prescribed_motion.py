@@ -115,6 +115,24 @@ def test_a_floor_takes_the_momentum_of_what_falls_on_it(flip):
     assert floor.work == 0
 
 
+@pytest.mark.parametrize("loss", [1.0, 0.0])
+@pytest.mark.parametrize("flip", [1.0, 0.95, 0.5, 0.0])
+@pytest.mark.parametrize("scheme", ["MUSL", "USL"])
+def test_a_plate_that_is_held_takes_the_momentum_of_what_falls_on_it(scheme, flip, loss):
+    """By contact: the share of an impact that flip leaves is a part of the impulse, too."""
+    scene = mpm.Scene((0, 0), (4, 4), 0.25, threads=1, scheme=scheme)
+    plate = scene.add("plate", box((1, 0), (3, 0.5)), STEEL, mpm.UGIMP(perCell=2), group="plate")
+    block = scene.add("block", box((1.5, 0.75), (2.5, 1.5)), STEEL, mpm.APDI(size=0.125))
+    block.velocity[:, 1] = -2
+    drive = mpm.Drive(plate, velocity=(0, 0))
+    chain = [mpm.ParticleToGrid(), mpm.GridSolver(drive=drive), mpm.Contact(impactLoss=loss)]
+    scene.engines = [*chain, mpm.GridToParticle(flip=flip), mpm.DomainUpdater()]
+    scene.dt, before = 1e-3, mpm.diagnostics.momentum(scene)
+    scene.run(steps=200, progress=False)
+    assert block.velocity[:, 1].mean() > 0.5  # it did bounce
+    assert scene.constraints[-1].impulse == pytest.approx(mpm.diagnostics.momentum(scene) - before, abs=1e-11)
+
+
 def test_a_run_goes_on_from_a_file_with_the_same_bits(tmp_path):
     """Though the drive has just got another velocity."""
 

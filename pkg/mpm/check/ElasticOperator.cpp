@@ -6,6 +6,7 @@
 #include "mpm/step/nodes.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace mpm {
 
@@ -31,6 +32,12 @@ template <int Dim> std::vector<char> reachOf(const Grid<Dim>& grid, const Body<D
             for (int b = 0; b < corners<Dim>; ++b) isReached[cornerOf(grid, cell, b)] = 1;
     }
     return isReached;
+}
+
+template <int Dim> std::vector<int> allOf(const Body<Dim>& body) {
+    std::vector<int> all(body.particles.size());
+    std::iota(all.begin(), all.end(), 0);
+    return all;
 }
 
 void join(std::vector<char>& all, const std::vector<char>& more) {
@@ -67,6 +74,7 @@ ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : s
     });
     std::vector<double> scratch;
     holdDrivenNodes(scene, scratch);
+    freeSharedNodes(explicitAlone);
     findDofs();
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
         velocity_.emplace_back(scene.grid.count, NF::Velocity::zero());
@@ -82,6 +90,35 @@ ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : s
         if (auto* mesh = body->domains->mesh()) vertices_.emplace_back(mesh->vertexVelocities());
     }
     if (explicitAlone && scene.scheme->remapsSolution()) findSolved();
+}
+
+// A drive holds a node only while half of its mass is driven. Where the driven body pokes over a line of the
+// grid the nodes behind it are free and feel its stiffness: those that it shares with other bodies count,
+// wherever it is now. Where it shares none it may meet one anywhere before the next look: all of its nodes
+// count.
+template <int Dim> void ElasticOperator<Dim>::freeSharedNodes(bool explicitAlone) {
+    std::vector<double> own(scene_.grid.count);
+    std::vector<int> touched;
+    for (const auto& drive : scene_.constraints) {
+        if (!drive->drivesBody() || !drive->active) continue;
+        const Body<Dim>& body = *scene_.body(drive->body);
+        if (explicitAlone && isSolvedImplicitly(scene_, body)) continue;
+        const auto isOther = [&](const auto& other) {
+            return other.get() != &body && other->velocityField == body.velocityField;
+        };
+        if (std::none_of(scene_.bodies.begin(), scene_.bodies.end(), isOther)) continue;
+        std::fill(own.begin(), own.end(), 0.0);
+        touched.clear();
+        body.domains->addQuantity(body.particles.mass.plane(), allOf(body), own.data(), touched);
+        auto& field = scene_.grid.fields[body.velocityField];
+        const auto isShared = [&](int node) {
+            return body.inertiaScale * own[node] < (1 - 1e-9) * field.sum[node][NF::mass];
+        };
+        const bool isApart = std::none_of(touched.begin(), touched.end(), isShared);
+        for (auto held = scene_.driven.rbegin(); held != scene_.driven.rend(); ++held)
+            if (held->field == body.velocityField && own[held->node] > 0 && (isApart || isShared(held->node)))
+                field.holder[held->node][held->axis] = held->before;
+    }
 }
 
 template <int Dim> void ElasticOperator<Dim>::findDofs() {

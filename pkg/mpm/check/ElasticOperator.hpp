@@ -56,6 +56,7 @@ template <int Dim> class ElasticOperator {
     std::vector<StandIn> gradient_; // of its velocity,
     std::vector<StandIn> vertices_; // of its particles, and of its vertices where it has some
 
+    void freeSharedNodes(bool explicitAlone);
     void findDofs();
     void findSolved();
     void passAll(const std::vector<double>& x, std::vector<double>& y);

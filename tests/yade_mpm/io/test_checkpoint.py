@@ -158,7 +158,7 @@ def continued(file, steps, out):
 
 @pytest.mark.parametrize(
     "make, scheme, steps",
-    [(hybrid, "MUSL", 25), (hybrid, "USF", 25), (hybrid, "USL", 40), (solid, "MUSL", 25)],
+    [(hybrid, "MUSL", 25), (hybrid, "USF", 25), (hybrid, "USL", 40), (solid, "MUSL", 30)],
 )
 def test_restart_in_a_new_process_continues_bitwise(tmp_path, make, scheme, steps):
     scene = make(scheme)

@@ -71,14 +71,18 @@ def test_a_study_runs_at_the_root_too_and_finds_the_scenes(checkout, name):
 
 
 @onDebian
-def test_what_is_not_there_is_named_and_the_scenes_listed(checkout):
-    wrong = run(checkout, "dmeo", cwd=checkout)
-    assert (
-        wrong.returncode == 2
-        and "there is no scene 'dmeo'" in wrong.stderr
-        and "did you mean demo?" in wrong.stderr
-        and f"{'demo':23} Tells where it runs." in wrong.stderr
-    )
+@pytest.mark.parametrize(
+    "name, isListed, end",
+    (
+        ("dmeo", False, "run: there is no scene 'dmeo', and no file 'dmeo'; did you mean demo?"),
+        ("qqqq", True, "run: there is no scene 'qqqq', and no file 'qqqq'; scripts/run lists the scenes"),
+        ("--hlep", False, "give scripts/run NAME --hlep, or scripts/run --help"),
+    ),
+)
+def test_the_last_line_says_what_to_give_for_a_name_that_is_not_there(checkout, name, isListed, end):
+    wrong = run(checkout, name, cwd=checkout)
+    assert wrong.returncode == 2 and wrong.stderr.rstrip().endswith(end)
+    assert (f"{'demo':23} Tells where it runs." in wrong.stderr) is isListed
     assert "demo  " in run(checkout, cwd=checkout).stdout
 
 

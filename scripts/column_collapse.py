@@ -42,7 +42,7 @@ MOVED = 1e-3  # m: less is unmoved
 def refusal(a, given):
     """What is wrong with the arguments, or None."""
     if a.types == "hybrid" and not commandLine.isWhole(0.02 / a.cell):
-        return f"--cell {a.cell:g} with --types hybrid is not allowed; give 0.02 over a whole number"
+        return f"--cell {a.cell:g} with --types hybrid is not allowed; give 0.02 m divided by a whole number"
     if not commandLine.isWhole(a.height / a.cell):
         return f"--height {a.height:g} with --cell {a.cell:g} is not allowed; give a whole number of cells"
     return None

@@ -34,7 +34,7 @@ DEPTHS = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
 def refusal(a, given):
     """What is wrong with the arguments, or None."""
     if not commandLine.isWhole(B / a.size):  # the load would not end at B
-        return f"--cell {a.cell:g} is not allowed; give {2 * B:g} over a whole number, or --size too"
+        return f"--cell {a.cell:g} is not allowed; give {commandLine.partOfInWords(2 * B)}, or --size too"
     for name in ("cell", "size"):
         if not commandLine.isWhole(0.5 * a.extent / vars(a)[name]):
             refused = f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed"

@@ -445,7 +445,7 @@ QUAD = [(0.5, 0.5), (1, 0.5), (1, 1), (0.5, 1)]
         ),
     ),
     (
-        "bodies 'block' and 'other' overlap at (0.625, 0.625)",
+        "Scene.add: bodies 'block' and 'other' overlap at (0.625, 0.625)",
         lambda: oneBody().add("other", box((0.5, 0.5), (2, 2)), elastic(), mpm.UGIMP()),
     ),
     (
@@ -467,7 +467,7 @@ QUAD = [(0.5, 0.5), (1, 0.5), (1, 1), (0.5, 1)]
         lambda: oneBody(([(*p, z) for z in (0, 1) for p in QUAD], [range(8)]), mpm.APDI()),
     ),
     (
-        "'block': there is no mesh file '/ ... /gone.msh'; correct the name",
+        "'block': there is no mesh file '/ ... /gone.msh'; give the name of a mesh file",
         lambda: oneBody("gone.msh", mpm.APDI()),
         FileNotFoundError,
     ),
@@ -1189,8 +1189,13 @@ def changed(change, **options):
         lambda: oneBody().initialStress("top", K0=0.5),
     ),
     (
-        "initialStress: 'block' among the bodies is not a body",
+        "initialStress: 'block' among the bodies is not a body; give scene['block']",
         lambda: oneBody().initialStress(1, 0.5, bodies=["block"]),
+        TypeError,
+    ),
+    (
+        "initialStress: 'block' among the bodies is not a body; give scene['block']",
+        lambda: oneBody().initialStress(1, 0.5, bodies="block"),
         TypeError,
     ),
     (

@@ -117,13 +117,13 @@ def flowing(body):
         other.group == body.group and other.fbar and other.count and not other.type.core.isMeshed
         for other in body.scene.bodies
     )
-    error = "rises to 19 % above the exact one on stiff soil"
+    error = "on stiff soil a strip footing resists up to 19 % too much"
     if isAmongBoxes:
-        error = "beside boxes rises to 8 % above the exact one and falls to 12 % below"
+        error = "beside boxes a strip footing resists from 12 % too little to 8 % too much"
     return (
         f"body '{body.name}' is a mesh and flows: {100 * share:.3g} % of its domains have a plastic shear "
         f"strain above {100 * limits.MESH_FLOW_STRAIN:g} %, and their edges stay straight where the flow "
-        f"bends (the load of a strip footing {error}); make boxes (UGIMP) of all that flows, or compare with "
+        f"bends ({error}); make boxes (UGIMP) of all that flows, or compare with "
         "a run that has them"
     )
 

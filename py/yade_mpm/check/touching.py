@@ -61,9 +61,9 @@ def _thinWall(scene, body, soils):
         thin, size, place = thickness[worst], cell[first[worst]], placeText(middle[first[worst]])
         yield (
             f"Contact: '{body.name}' is {thin:.3g} m thick at {place}, less than two "
-            f"cells of {size:.3g} m, with '{group}' on both sides, which shares nodes: where the wall is "
-            "pushed across itself the soil stays behind by half of its way, though the reaction looks right, "
-            "and between grid lines it keeps a third to a half of its friction; give cells of "
+            f"cells of {size:.3g} m, with '{group}' on both sides, which shares nodes: if the wall moves "
+            "sideways, the soil moves only half as far, though the force on the wall looks right; if the "
+            "wall stands between grid lines, only a third to a half of its friction acts; give cells of "
             f"{thin / THIN:.3g} m at most"
         )
         return

@@ -158,9 +158,10 @@ def checkOverlap(nameA, positionsA, halfSizeA, nameB, positionsB, halfSizeB):
         start = np.maximum(a[i] - halfA[i], b[j] - halfB[j])
         end = np.minimum(a[i] + halfA[i], b[j] + halfB[j])
         place = ((start + end) / 2).round(9)
+        count = f"{len(overlapping)} {'particle' if len(overlapping) == 1 else 'particles'}"
         raise ValueError(
-            f"bodies '{nameA}' and '{nameB}' overlap at {formatPoint(place)} "
-            f"({len(overlapping)} particles of '{nameA}'); subtract one region from the other"
+            f"Scene.add: bodies '{nameA}' and '{nameB}' overlap at {formatPoint(place)} "
+            f"({count} of '{nameA}'); subtract one region from the other"
         )
 
 

@@ -68,7 +68,7 @@ def meshFromFile(path, name):
     path = os.fsdecode(path)
     if not os.path.exists(path):
         raise FileNotFoundError(
-            f"mesh '{name}': there is no mesh file '{os.path.abspath(path)}'; correct the name"
+            f"mesh '{name}': there is no mesh file '{os.path.abspath(path)}'; give the name of a mesh file"
         )
     if not os.path.isfile(path):  # a pipe would wait, a device has no end
         raise ValueError(f"mesh '{name}': {path} is no regular file; give the name of a mesh file")

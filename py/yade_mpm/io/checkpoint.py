@@ -117,7 +117,9 @@ def _damaged(file, error):
 def _checkSeal(file):
     """Refuses a file whose bytes are not those that were written, before HDF5 sees them."""
     if not os.path.isfile(file):
-        raise FileNotFoundError(f"load: checkpoint '{file}' does not exist; correct the name")
+        raise FileNotFoundError(
+            f"load: checkpoint '{file}' does not exist; give the name of a checkpoint (.h5) of a run"
+        )
     if not h5py.is_hdf5(file):
         raise ValueError(f"'{file}' is no checkpoint, or damaged: it is not an HDF5 file")
     total = hashlib.sha256()

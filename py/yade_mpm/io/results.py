@@ -28,7 +28,8 @@ class Results(Sequence):
         self.file = os.fspath(file)
         if not os.path.exists(self.file):
             raise FileNotFoundError(
-                f"read: there is no file '{os.path.abspath(self.file)}'; correct the name"
+                f"read: there is no file '{os.path.abspath(self.file)}'; give the name of the .vtkhdf "
+                "file of a run"
             )
         names = self._asked(resultsFile.names) if h5py.is_hdf5(self.file) else None
         if names is None:

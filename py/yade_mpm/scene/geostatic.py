@@ -52,11 +52,10 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
     scene.refuseWhileRunning("initialStress")
     for name, value in dict(surface=surface, K0=K0, gravity=gravity, unitWeight=unitWeight).items():
         _checkNumber(name, value)
-    for body in bodies or ():
+    for body in [bodies] if isinstance(bodies, str) else bodies or ():
         if not isinstance(body, Body):
-            raise TypeError(
-                f"initialStress: {body!r} among the bodies is not a body, as scene.add returns it"
-            )
+            instead = f"give scene[{body!r}]" if isinstance(body, str) else "give what scene.add returns"
+            raise TypeError(f"initialStress: {body!r} among the bodies is not a body; {instead}")
     ground = bodies or [b for b in scene.bodies if b.count and b.position[:, -1].max() < surface]
     if not ground:
         raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")

@@ -7,6 +7,11 @@ import time
 import warnings
 
 
+def significant(number):
+    """A number with three digits that mean something, and no power of ten: 1680, 41.2."""
+    return f"{float(f'{number:.3g}'):.15g}"
+
+
 def threadsInWords(count):
     """A number of threads: "1 thread", "2 threads"."""
     return f"{count} thread{'s' if count > 1 else ''}"
@@ -37,7 +42,7 @@ class Progress:
         wall = time.monotonic() - self.began
         rate = wall / max(1, steps) / max(1, self.scene.particleCount) * 1e9
         threads = threadsInWords(self.scene.core.threads)
-        return f"t = {self.scene.time:.4g} s, {rate:.3g} ns per particle-step on {threads}"
+        return f"t = {self.scene.time:.4g} s, {significant(rate)} ns per particle-step on {threads}"
 
     def update(self):
         """Shows the present state; to be called between steps."""

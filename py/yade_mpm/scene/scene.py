@@ -149,8 +149,9 @@ class Scene(Guarded):
 
     def __repr__(self):
         cells = " x ".join(str(n - 5) for n in self.core.nodes)
+        bodies = f"{len(self.bodies)} {'body' if len(self.bodies) == 1 else 'bodies'}"
         return (
-            f"<Scene {self.dim}D, {cells} cells, {len(self.bodies)} bodies, {self.particleCount} particles, "
+            f"<Scene {self.dim}D, {cells} cells, {bodies}, {self.particleCount} particles, "
             f"t = {self.time:g} s>"
         )
 

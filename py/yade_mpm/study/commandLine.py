@@ -54,11 +54,13 @@ def partOf(length):
     """Function that takes lengths (m) of which `length` is a whole number, such as cells that have to fit
     into it, and rounds to the digits of that."""
     return lambda text: (
-        length
-        / round(
-            length / _number(text, lambda x: x > 0 and isWhole(length / x), f"{length:g} over a whole number")
-        )
+        length / round(length / _number(text, lambda x: x > 0 and isWhole(length / x), partOfInWords(length)))
     )
+
+
+def partOfInWords(length):
+    """What `partOf` allows."""
+    return f"{length:g} m divided by a whole number, e.g. {length / 16:.4g}"
 
 
 def isWhole(ratio):
@@ -105,7 +107,7 @@ class Parser(argparse.ArgumentParser):
             help=f"{SMOKE}; where nothing else is given: " + ", ".join(map(_pair, smoke.items())),
         )
         if threads:
-            shared.add_argument("--threads", type=count, help="number of threads (default: chosen)")
+            shared.add_argument("--threads", type=count, help="number of threads (default: automatic)")
         # With --resume the default is the folder of the run.
         shared.add_argument("--out", help=f"folder of the results (default {self._folder})")
         if resume is not None:

@@ -5,7 +5,7 @@ import argparse
 from itertools import islice
 from math import inf, isfinite
 
-from .commandLine import partOf
+from .commandLine import partOf, partOfInWords
 
 MOST_CHOICES = 1000
 
@@ -94,7 +94,7 @@ class Parameter:
         if self.choices is not None:
             return "one of " + ", ".join(map(str, self.choices))
         if self.partOf is not None:
-            return f"{self.partOf:g} over a whole number"
+            return partOfInWords(self.partOf)
         kind = "a whole number" if self.whole else "a number"
         if (self.above, self.most, self.below) == (0, None, None):
             return "a positive number"

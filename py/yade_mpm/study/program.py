@@ -62,7 +62,9 @@ def main(words=None):
     a, sceneWords = parser().parse_known_args([w for w in words if w not in axes])
     file = findScene(a.scene)
     if a.findings and not os.path.isfile(a.findings):
-        raise FileNotFoundError(f"--findings {a.findings}: there is no such file; correct the name")
+        raise FileNotFoundError(
+            f"--findings {a.findings}: there is no such file; give a text file, or leave the option out"
+        )
     parameters = parametersOf(file)
     listed = _cases(a, axes, parameters)
     if a.yade_table:

@@ -108,7 +108,7 @@ def test_touching_bodies_do_not_overlap_and_shifted_ones_do(dim):
 
 def test_overlap_is_found_where_sizes_differ_widely():
     small = np.array([(0.6, 0.6)])
-    with pytest.raises(ValueError, match=r"overlap at \(0.6, 0.6\) \(1 particles of 'large'\)"):
+    with pytest.raises(ValueError, match=r"overlap at \(0.6, 0.6\) \(1 particle of 'large'\)"):
         checkOverlap("large", [(0, 0), (50, 50)], [(1, 1), (0.1, 0.1)], "small", small, 0.01)
     checkOverlap("large", [(0, 0), (50, 50)], [(0.5, 0.5), (0.1, 0.1)], "small", small, 0.01)
 

@@ -135,3 +135,17 @@ def test_a_notebook_has_a_bar(monkeypatch, capsys):
     assert shown.bar.total == 100
     shown.close()
     assert "0/100" in "".join(capsys.readouterr()) and np.isinf(shown.lastLine)
+
+
+def test_numbers_in_texts_have_no_power_of_ten_and_one_body_is_no_bodies():
+    assert [progress.significant(x) for x in (1684.3, 41.23, 0.5, 23456.0)] == [
+        "1680",
+        "41.2",
+        "0.5",
+        "23500",
+    ]
+    scene = mpm.Scene((0, 0), (2, 2), 0.5)
+    for name, said in (("a", ", 1 body, "), ("b", ", 2 bodies, ")):
+        at = float(len(scene.bodies))
+        scene.add(name, mpm.box((at, 0), (at + 1, 1)), mpm.LinearElastic(density=1, lame=(1, 1)), mpm.UGIMP())
+        assert said in repr(scene)

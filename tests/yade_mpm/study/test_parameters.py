@@ -69,13 +69,14 @@ def test_a_smoke_run_ends_with_what_its_numbers_are_worth(words, isSmoke, monkey
     commandLine.run(lambda: print("805 kN/m"))
     ends = f"--smoke: {MEANINGLESS}" if isSmoke else "805 kN/m"
     assert capsys.readouterr().out.splitlines()[-1] == ends
-    assert MEANINGLESS in " ".join(parameters().parser().format_help().split())
+    said = " ".join(parameters().parser().format_help().split())
+    assert MEANINGLESS in said and "number of threads (default: automatic)" in said
 
 
 @pytest.mark.parametrize(
     "words, message",
     [
-        ("--cell 0.3", "--cell: 0.3 is not allowed; give 2 over a whole number"),
+        ("--cell 0.3", "--cell: 0.3 is not allowed; give 2 m divided by a whole number, e.g. 0.125"),
         ("--phi 60", "--phi: 60 is not allowed; give a number from 0 to below 60"),
         ("--phi nan", "--phi: nan is not allowed"),
         ("--count 1.5", "--count: 1.5 is not allowed; give a whole number from 1 on"),

@@ -124,20 +124,18 @@ def _units(body, gravity):
             f"if it is one"
         )
     weight = density * np.linalg.norm(gravity) * np.ptp(body.corners()[..., -1]) if body.count else 0.0
-    if weight > lame + 2 * mu:
+    isCrushed = weight > lame + 2 * mu
+    # A scene in kg, m, s, Pa has faster waves, one without units no weight.
+    if density > UNIT_WEIGHTS[1] and (isCrushed or weight and body.material.waveSpeed < SLOWEST):
+        yield (
+            f"body '{body.name}': density = {density:g} Mg/m3; did you mean {density / 1e3:g} (units are Mg, "
+            "m, s, kPa)?"
+        )
+    elif isCrushed:
         yield (
             f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness "
-            "lambda + 2 mu = "
-            f"{lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in kg/m3, or the "
-            "stiffness in MPa?"
-        )
-    elif (
-        weight and density > UNIT_WEIGHTS[1] and body.material.waveSpeed < SLOWEST
-    ):  # a scene in kg, m, s, Pa has faster waves
-        yield (
-            f"body '{body.name}': density = {density:g} Mg/m3 is more than any matter has, and compression "
-            f"waves travel at {body.material.waveSpeed:.3g} m/s only; "
-            f"units are Mg/m3, m and kPa: is the density in kg/m3?"
+            f"lambda + 2 mu = {lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in "
+            "kg/m3, or the stiffness in MPa?"
         )
     if body.material.waveSpeed > FASTEST:
         yield (

@@ -32,6 +32,8 @@ class Layer:
 def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None):
     """Geostatic stress below a level surface: sigma_v = -q - gamma z, sigma_h = K0 sigma_v, z the depth.
 
+    Under a slope this is a first guess: run `scene.settle()` after it, which finds the stress of the slope.
+
     Ground of several layers takes one call for each: `bodies` are those of the layer, `surface` its top. q is
     the weight of the layers above, whether their call comes before or after; of bodies that stand beside each
     other only what lies straight above counts.
@@ -45,7 +47,9 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
     unitWeight : float, kN/m3, gamma; default: density of each body times gravity.
 
     Warns where `surface` is not the top of the ground, by more than half a particle; ground of the same unit
-    weight that stands above the bodies counts as theirs. Warns where a layer stands on another one but
+    weight that stands above given bodies counts as theirs. Warns where the ground is lower over a part of the
+    plan, column by column of cells, and of soil that the surface cuts and that is left out: a body whose
+    material is of a type that the ground has, too. Warns where a layer stands on another one but
     reaches below its top, as inclined layers do: what it weighs there does not count. Raises ValueError when
     nothing lies below the surface or layers of different weight need a call each.
     """
@@ -87,19 +91,83 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
     layers.update(made)
     isAlike = [unitWeight is not None or b.material.density * gravity == weight for b in scene.bodies]
     alike = [b for b, isSo in zip(scene.bodies, isAlike) if isSo and b.count]
-    _warnOfSurface(ground, alike, surface, weight)
+    if not _warnOfSurface(ground, alike if bodies else ground, surface, weight):
+        _warnOfSlope(scene, ground, surface, weight)
+    if not bodies:
+        _warnOfCut(scene, ground, surface)
     _warnOfInclined(scene, layers, made)
 
 
 def _warnOfSurface(ground, alike, surface, weight):
-    """Warns of a surface above the top of all bodies of that weight, or below that of the ground itself."""
+    """Warns of a surface above the top of all bodies of that weight, or below that of the ground itself;
+    whether it did."""
+    isOff = False
     for bodies, sign, says in ((alike, 1, "more than there is"), (ground, -1, "less, with tension above it")):
         top, tolerance, name = max(_topOf(body) for body in bodies)
         if sign * (surface - top) > tolerance:
+            isOff = True
             warnUser(
                 f"initialStress: surface = {surface:g} m, but the top of '{name}' is at {top:g} m: the "
                 f"stress is that of {abs(surface - top):g} m of ground {says}, "
                 f"{weight * abs(surface - top):.3g} kPa; give the top of the bodies, a call for each layer"
+            )
+    return isOff
+
+
+def _warnOfSlope(scene, ground, surface, weight):
+    """Warns where the top of the ground, with all that stands on it, is lower over a part of the plan."""
+    lines = scene.lines[:-1]
+    shape = [len(x) + 1 for x in lines]
+    top, slack, isGround = np.full(shape, -np.inf), np.zeros(shape), np.zeros(shape, dtype=bool)
+    for body in scene.bodies:
+        if not body.count:
+            continue
+        corners = body.corners()
+        height, half = corners[..., -1].max(axis=1), corners[..., -1].max(axis=1) - body.position[:, -1]
+        inside = body.position[:, None, :-1] * 1e-6 + corners[..., :-1] * (1 - 1e-6)
+        for at in _columnsOf(inside, lines):
+            np.maximum.at(top, at, height)
+            isTop = height == top[at]
+            np.maximum.at(slack, tuple(i[isTop] for i in at), half[isTop])
+        if body in ground:
+            isGround[next(_columnsOf(body.position[:, None, :-1], lines))] = True
+    missing = np.where(isGround & (surface - top > slack * (1 + 1e-6)), surface - top, 0.0)
+    if not missing.any():
+        return
+    at = np.unravel_index(missing.argmax(), shape)
+    place = ", ".join(f"{name} = {(x[i - 1] + x[i]) / 2:g}" for name, x, i in zip("xy", lines, at))
+    warnUser(
+        f"initialStress: surface = {surface:g} m, but the ground is lower over "
+        f"{100 * (missing > 0).sum() / isGround.sum():.0f} % of its plan, most at {place} m with its top at "
+        f"{top[at]:g} m: the stress there is that of {missing[at]:g} m of ground more than there is, "
+        f"{weight * missing[at]:.3g} kPa; a level surface is a first guess of a slope: run scene.settle() "
+        "before anything else happens, or set body.stress"
+    )
+
+
+def _columnsOf(points, lines):
+    """Columns of cells that the boxes round points (N, M, dim - 1) reach, as index arrays to go through."""
+    first, last = (
+        [np.searchsorted(x, edge[:, k]) for k, x in enumerate(lines)]
+        for edge in (points.min(axis=1), points.max(axis=1))
+    )
+    for step in np.ndindex(*(1 + int((b - a).max()) for a, b in zip(first, last))):
+        yield tuple(np.minimum(a + i, b) for a, b, i in zip(first, last, step))
+
+
+def _warnOfCut(scene, ground, surface):
+    """Warns of soil that the surface cuts, so that it is left out."""
+    kinds = {type(body.material) for body in ground}
+    for body in scene.bodies:
+        if body in ground or not body.count or type(body.material) not in kinds:
+            continue
+        lowest, highest = body.position[:, -1].min(), body.position[:, -1].max()
+        if lowest < surface <= highest:
+            bottom, top = (float(f(body.corners()[..., -1])) for f in (np.min, np.max))
+            warnUser(
+                f"initialStress: surface = {surface:g} m cuts '{body.name}', which reaches from {bottom:g} to "
+                f"{top:g} m: it is left out, and keeps the stress that it has; call initialStress for it with "
+                f"bodies=[...] and its top as surface, and name the bodies of this call, too"
             )
 
 

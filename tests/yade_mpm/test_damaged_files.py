@@ -187,3 +187,73 @@ def test_two_thousand_files_do_no_harm(script):
     found = blows.summary(results)
     harm = [found[k] for k in ("crash", "hang", "silent")]
     assert harm == [0, 0, 0] and found["unclear"] < 10, blows.harmful(results)
+
+
+def instead(place, make):
+    """A file of results with something else at a place."""
+    file = written()
+    with h5py.File(file, "r+") as h5:
+        group, name = h5[place.rpartition("/")[0]], place.rpartition("/")[2]
+        data = group[name][()]
+        del group[name]
+        make(group, name, data)
+    return file
+
+
+def zippedTwice(group, name, data):
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    plist.set_chunk((1, *data.shape[1:]))
+    plist.set_deflate(9)
+    plist.set_deflate(9)
+    space, kind = h5py.h5s.create_simple(data.shape), h5py.h5t.py_create(data.dtype)
+    h5py.h5d.create(group.id, name.encode(), kind, space, plist)
+
+
+ELSEWHERE = {
+    "link to a file": lambda group, name, data: group.__setitem__(name, h5py.ExternalLink("pipe", "/x")),
+    "raw numbers": lambda group, name, data: group.create_dataset(
+        name, data.shape, data.dtype, external=[("pipe", 0, h5py.h5f.UNLIMITED)]
+    ),
+    "link inside": lambda group, name, data: group.__setitem__(name, h5py.SoftLink("/VTKHDF/Steps/step")),
+    "zipped twice": zippedTwice,
+}
+
+
+@pytest.mark.parametrize("how", ELSEWHERE)
+@pytest.mark.parametrize("place", ["VTKHDF/Points", "history/time"])
+def test_results_are_in_their_file_only(how, place):
+    os.mkfifo("pipe")  # whoever opens it waits
+    file = instead(place, ELSEWHERE[how])
+    with pytest.raises(
+        ValueError, match="read: 'a.vtkhdf' is damaged: .* is (a link to|compressed, or) else"
+    ):
+        mpm.read(file)
+
+
+def test_a_pipe_is_no_file_of_results():
+    os.mkfifo("a.vtkhdf")
+    for work in (mpm.read, mpm.Recorder.recover):
+        with pytest.raises(ValueError, match="'a.vtkhdf' is no regular file"):
+            work("a.vtkhdf")
+
+
+def test_a_pipe_is_no_journal_and_no_plugin():
+    file = written()
+    os.mkfifo("a.vtkhdf.journal")
+    for work in (mpm.Recorder.recover, lambda file: pagedFile.appendingTo(file).__enter__()):
+        with pytest.raises(ValueError, match="recover: 'a.vtkhdf.journal' is no regular file"):
+            work(file)
+    with pytest.raises(ValueError, match="loadPlugin: 'a.vtkhdf.journal' is no regular file"):
+        mpm.loadPlugin("a.vtkhdf.journal")
+
+
+def test_a_checkpoint_whose_body_is_in_another_file_is_refused():
+    with open("a.h5", "wb") as f:
+        f.write(damagedFiles.checkpoint())
+    os.mkfifo("pipe")
+    with h5py.File("a.h5", "r+") as h5:
+        del h5["bodies/0"]
+        h5["bodies/0"] = h5py.ExternalLink("pipe", "/x")
+    checkpoint.seal("a.h5")
+    with pytest.raises(ValueError, match="0 is a link to elsewhere"):
+        mpm.load("a.h5")

@@ -96,6 +96,7 @@ def read(file):
     try:
         with h5py.File(file, "r") as h5:
             _checkVersion(h5, file)
+            checkPlain(h5)
             reader = _Reader(h5, file)
             spec = json.loads(bytes(reader.array(h5, "scene", np.dtype(np.uint8), 1)).decode())
             count = len(spec["bodies"])
@@ -149,6 +150,32 @@ def _checkVersion(h5, file):
         )
 
 
+def checkPlain(h5, filters=()):
+    """Refuses an HDF5 file, with a ValueError, of which something is in other files or needs their code.
+
+    filters : numbers of those that arrays may have passed, each once.
+    """
+    groups, known = [h5["/"]], set()
+    while groups:
+        group = groups.pop()
+        for name in group:
+            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
+                raise ValueError(f"{name} is a link to elsewhere")
+            one = group[name]
+            if isinstance(one, h5py.Dataset):
+                _checkPlainArray(name, one.id.get_create_plist(), filters)
+            elif isinstance(one, h5py.Group) and (place := h5py.h5o.get_info(one.id).addr) not in known:
+                known.add(place)
+                groups.append(one)
+
+
+def _checkPlainArray(name, plist, filters):
+    found = [plist.get_filter(k)[0] for k in range(plist.get_nfilters())]
+    isElsewhere = plist.get_external_count() or plist.get_layout() == h5py.h5d.VIRTUAL
+    if isElsewhere or len(found) > len(set(found)) or not set(found) <= set(filters):
+        raise ValueError(f"{name} is compressed, or elsewhere")
+
+
 class _Reader:
     """Arrays of an open checkpoint, whose kind and size are checked before memory is taken for them."""
 
@@ -169,8 +196,6 @@ class _Reader:
 
     def array(self, group, name, dtype=None, ndim=None):
         """An array by its name."""
-        if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-            raise ValueError(f"{name} is a link to elsewhere")
         data = group[name]
         if not isinstance(data, h5py.Dataset):
             raise ValueError(f"{name} is no array")
@@ -178,9 +203,6 @@ class _Reader:
             raise ValueError(f"{name} has numbers of the kind {data.dtype}")
         if data.ndim not in ([ndim] if ndim else [1, 2, 3]):
             raise ValueError(f"{name} has {data.ndim} dimensions")
-        plist = data.id.get_create_plist()
-        if plist.get_nfilters() or plist.get_external_count() or data.is_virtual:
-            raise ValueError(f"{name} is compressed, or elsewhere")
         self._left -= data.nbytes
         if self._left < 0 or data.id.get_storage_size() < data.nbytes:
             raise ValueError(f"{name} with the shape {data.shape} is larger than the file")

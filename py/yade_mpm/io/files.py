@@ -171,6 +171,12 @@ def saveTable(file, columns):
         )
 
 
+def requireRegular(who, file):
+    """Refuses what is there and is no regular file, with a ValueError: a pipe waits, a device has no end."""
+    if os.path.exists(file) and not os.path.isfile(file):
+        raise ValueError(f"{who}: '{os.fspath(file)}' is no regular file; give the name of a file")
+
+
 def checkWritable(file, who="checkpoint"):
     """Raises OSError unless a file of that name can be made or replaced; `who` writes it."""
     file = os.fspath(file)

@@ -11,7 +11,7 @@ from hashlib import sha256
 import h5py
 import numpy as np
 
-from .files import replacing, reserve
+from .files import replacing, requireRegular, reserve
 
 PAGE = 4096  # bytes
 HEAD, TOTAL = 16, 32  # bytes of a journal: its first two numbers, and its SHA-256 sum
@@ -38,9 +38,11 @@ def appendingTo(file):
 def recover(file):
     """Completes a file whose writer was killed in the middle of a frame; returns whether that was needed.
 
-    Raises ValueError for a journal that is not as it was written, or that is not of the file.
+    Raises ValueError for a journal that is not as it was written, is not of the file, or is no regular file.
     """
     journal = journalOf(file)
+    for name in (file, journal):
+        requireRegular("recover", name)
     if not (os.path.exists(journal) and os.path.exists(file)):
         return False
     with open(journal, "rb") as f:

@@ -19,11 +19,11 @@ from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
 from . import owners
-from .checkpoint import READING
+from .checkpoint import READING, checkPlain
 from .files import checkWritable, fillWhole, naming, temporaryBeside
 from .frame import DERIVED, Frame
 from .pagedFile import appendingTo, journalOf, recover, removeIfThere
-from .vtkhdf import appendFrame, createLayout, cutAfter
+from .vtkhdf import FILTERS, appendFrame, createLayout, cutAfter
 
 OTHERS = (
     ".vtk",
@@ -273,6 +273,7 @@ class Recorder(Callback):
                 f"Recorder: '{self._file}' is not the file that this run has written; move it away, or set "
                 "scene.engines to a Recorder with another file"
             )
+        checkPlain(h5, FILTERS)
         self._frames, self._topology = cutAfter(h5["VTKHDF"], steps)
         self._lastStep = int(h5["VTKHDF/Steps/step"][-1]) if self._frames else None
 

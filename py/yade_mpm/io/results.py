@@ -9,6 +9,7 @@ import numpy as np
 
 from ..geometry.numbers import isNumber
 from . import resultsFile
+from .files import requireRegular
 
 
 class Results(Sequence):
@@ -31,6 +32,7 @@ class Results(Sequence):
                 f"read: there is no file '{os.path.abspath(self.file)}'; give the name of the .vtkhdf "
                 "file of a run"
             )
+        requireRegular("read", self.file)
         names = self._asked(resultsFile.names) if h5py.is_hdf5(self.file) else None
         if names is None:
             raise ValueError(

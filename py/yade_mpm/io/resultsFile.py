@@ -6,9 +6,10 @@ import os
 import h5py
 import numpy as np
 
-from .checkpoint import READING
+from .checkpoint import READING, checkPlain
 from .frame import MEMBER, QUADRILATERAL
 from .pagedFile import committing, journalOf
+from .vtkhdf import FILTERS
 
 TRIES = 20  # of a file that another process writes to all the time
 
@@ -23,6 +24,7 @@ def asked(file, work):
         before, found, wrong = _stamp(file), None, None
         try:
             with committing, h5py.File(file) as h5:
+                checkPlain(h5, FILTERS)
                 found = work(h5)
         except (ValueError, IndexError, *READING) as error:
             wrong = error

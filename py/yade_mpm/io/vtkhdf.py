@@ -6,6 +6,7 @@ import numpy as np
 
 from .frame import COMPONENTS
 
+FILTERS = (h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE)  # that arrays may have passed
 CHUNK = 16384  # rows at most in a piece of a growing array
 
 

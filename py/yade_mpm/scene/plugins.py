@@ -8,6 +8,7 @@ from .. import _core
 from ..base.attributes import makeClasses
 from ..engine import engines
 from ..engine.engine import Engine
+from ..io.files import requireRegular
 from ..material import materials
 from ..particle import types
 
@@ -42,6 +43,7 @@ def loadPlugin(path):
     Returns the names of the new classes. Raises ValueError for a library that cannot be loaded, that was
     built for another version, compiler or -march, or that has a class whose name is taken.
     """
+    requireRegular("loadPlugin", path)
     _core.loadPlugin(os.path.abspath(os.fspath(path)))
     package = sys.modules[__name__.split(".")[0]]
     found = []

@@ -193,7 +193,9 @@ SLOPE = [(0, 0), (8, 0), (8, 1), (6, 1), (4, 4), (0, 4)]
 @pytest.mark.parametrize("type_", [mpm.UGIMP(perCell=2), mpm.UGIMP(cut=True), mpm.APDI(size=0.5)], ids=repr)
 def test_a_level_surface_over_a_slope_is_warned_of(type_):
     """The lower ground has the stress of 3 m that are not there; the highest point is that of the surface."""
-    region = mpm.polygon(SLOPE) if not isinstance(type_, mpm.APDI) else box((0, 0), (4, 4)) + box((4, 0), (8, 1))
+    region = (
+        mpm.polygon(SLOPE) if not isinstance(type_, mpm.APDI) else box((0, 0), (4, 4)) + box((4, 0), (8, 1))
+    )
     [said] = saidOf({"slope": region}, 4, type_)
     assert "surface = 4 m, but the ground is lower over" in said and "with its top at 1 m" in said
     assert "3 m of ground more than there is, 60 kPa" in said and "scene.settle()" in said

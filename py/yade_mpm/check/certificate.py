@@ -63,12 +63,14 @@ class Certificate:
     rateSensitivity : relative change of the result at another rate, -; None: not looked at.
     volumeError : largest |`diagnostics.volumeRatio` - 1|, -: whether particles have the volume of the space
         that they fill; None: the history has no such column, or there is no cell inside a body.
-    loadJump : mean jump of the load where the front of a driven body crosses a row of nodes, over the load,
-        -; the largest of all drives; None: none of them crosses one, or the history does not tell.
+    loadJump : mean size of the jumps of the load where the front of a driven body crosses a row of nodes, up
+        or down, over the load, -; the largest of all drives; None: the history does not tell, or no path is
+        long enough (`notJudged`): it needs half a cell before a row and 0.15 behind it.
     unseenRatio : largest `diagnostics.unseenEnergy` over the work done, -: where particles move against each
         other soil that yields becomes too weak; None: the history has no such column.
     after : rows of the history from this time on count, s.
     limits : dict name -> largest allowed value.
+    notJudged : dict name -> what a ratio needs that this run did not give; it does not refuse the verdict.
 
     Shown or printed it is the verdict, the reasons against it in words, and a table of the ratios.
     """
@@ -85,6 +87,7 @@ class Certificate:
     loadJump: float | None = None
     unseenRatio: float | None = None
     limits: dict = field(default_factory=lambda: dict(LIMITS))
+    notJudged: dict = field(default_factory=dict)
 
     @property
     def reasons(self):
@@ -94,7 +97,7 @@ class Certificate:
 
     @property
     def isQuasiStatic(self):
-        """Whether every ratio is known and within its limit."""
+        """Whether every ratio that is judged is known and within its limit."""
         return not self.reasons
 
     def asDict(self):
@@ -109,7 +112,9 @@ class Certificate:
         reasons = [f"NOT quasi-static: {reason}" for reason in self.reasons]
         rows = [("", "found", "limit", ""), *map(self._row, self._judged())]
         table = ["  {:<16}{:>10}{:>8}  {}".format(*row).rstrip() for row in rows]
-        return "\n".join([*(reasons or ["quasi-static: every ratio is within its limit"]), *table])
+        table += [f"  {name:<16}not judged, needs {needs}" for name, needs in self.notJudged.items()]
+        every = "every ratio that is judged" if self.notJudged else "every ratio"
+        return "\n".join([*(reasons or [f"quasi-static: {every} is within its limit"]), *table])
 
     __repr__ = __str__
 
@@ -183,6 +188,7 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         kinetic, onLoad = free, work - (kinetic - free)
     if "implicitEnergy" in _names(history):
         damped = damped + np.asarray(history["implicitEnergy"], dtype=float)[rows]
+    loadJump, needs = _loadJump(history, rows)
     return Certificate(
         kineticRatio=_largest(kinetic, onLoad),
         unbalancedRatio=float(unbalanced.mean()),
@@ -194,8 +200,9 @@ def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
         rateSensitivity=None if rateSensitivity is None else float(rateSensitivity),
         after=float(after),
         volumeError=_volumeError(history, rows),
-        loadJump=_loadJump(history, rows),
+        loadJump=loadJump,
         limits=_limits(limits or {}),
+        notJudged={"loadJump": needs} if needs else {},
     )
 
 
@@ -260,25 +267,37 @@ def _volumeError(history, rows):
 
 
 def _loadJump(history, rows):
-    """Largest mean jump of the load of a drive where its body crosses a row of nodes."""
+    """Largest mean jump of the load of a drive where its body crosses a row of nodes, or None, and what the
+    longest path lacks to tell."""
     names = [n[: -len(".rowsCrossed")] for n in _names(history) if n.endswith(".rowsCrossed")]
     columns = ((history[f"{n}.rowsCrossed"], history[f"{n}.work"]) for n in names)
-    jumps = [_meanJump(*(np.asarray(c, dtype=float)[rows] for c in pair)) for pair in columns]
-    return max((j for j in jumps if j is not None), default=None)
+    paths = [_ahead(*(np.asarray(c, dtype=float)[rows] for c in pair)) for pair in columns]
+    paths = [(path, work) for path, work in paths if len(path) > 1]
+    jumps = [_meanJump(path, work) for path, work in paths]
+    known = [jump for jump in jumps if jump is not None]
+    if known or not paths:
+        return max(known, default=None), None
+    longest = max(path[-1] - path[0] for path, _ in paths)
+    return None, (
+        f"a path of {LEAST_BEFORE:g} cells before a row of nodes and {LEAST_BEHIND:g} behind it "
+        f"(it is {longest:.2g} cells in all)"
+    )
+
+
+def _ahead(path, work):
+    """Path and work of the rows of a history where a body goes further, not where it stands or goes back."""
+    isAhead = path > np.maximum.accumulate(np.r_[-np.inf, np.fmax(path, -np.inf)[:-1]])
+    return path[isAhead], work[isAhead]
 
 
 def _meanJump(path, work):
-    """Mean jump of the load, d work / d path, at whole numbers of the path, over the mean load; None without.
+    """Mean size of the jumps of the load, d work / d path, at whole numbers of the path, over the mean load;
+    None without.
 
     Means over an eighth of a cell on either side of a row are compared, less what the load changes over that
     distance in the second half of the cell before. A jump that is not the grid's, as at a layer, is one among
     many.
     """
-    furthest = np.maximum.accumulate(np.r_[-np.inf, np.fmax(path, -np.inf)[:-1]])
-    isAhead = path > furthest  # not where it stands or goes back
-    path, work = path[isAhead], work[isAhead]
-    if len(path) < 2:
-        return None
 
     def load(row, start, end):
         ends = np.minimum(row + np.array([start, end]), path[-1])
@@ -289,7 +308,7 @@ def _meanJump(path, work):
         (early, at), (before, middle), (behind, end) = (load(row, *window) for window in WINDOWS)
         jumps.append(behind - before - (before - early) / (middle - at) * (end - middle))
         loads.append(before)
-    return float(abs(np.mean(jumps)) / np.mean(np.abs(loads))) if np.any(loads) else None
+    return float(np.mean(np.abs(jumps)) / np.mean(np.abs(loads))) if np.any(loads) else None
 
 
 def _limits(given):

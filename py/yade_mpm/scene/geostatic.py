@@ -165,8 +165,8 @@ def _warnOfCut(scene, ground, surface):
         if lowest < surface <= highest:
             bottom, top = (float(f(body.corners()[..., -1])) for f in (np.min, np.max))
             warnUser(
-                f"initialStress: surface = {surface:g} m cuts '{body.name}', which reaches from {bottom:g} to "
-                f"{top:g} m: it is left out, and keeps the stress that it has; call initialStress for it with "
+                f"initialStress: surface = {surface:g} m cuts '{body.name}', which reaches from {bottom:g} "
+                f"to {top:g} m: it is left out and keeps its stress; call initialStress for it with "
                 f"bodies=[...] and its top as surface, and name the bodies of this call, too"
             )
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Damaged and hand-made files are refused in words: no crash, no hang, nothing taken that was changed."""
 
+import json
 import os
 import threading
 
@@ -228,6 +229,48 @@ def test_results_are_in_their_file_only(how, place):
         ValueError, match="read: 'a.vtkhdf' is damaged: .* is (a link to|compressed, or) else"
     ):
         mpm.read(file)
+
+
+def ofNothing(group, name, data):
+    group.create_dataset(name, (2**40, 3), chunks=(64, 3))
+
+
+@pytest.mark.parametrize(
+    "place, make, told",
+    [
+        ("NumberOfCells", -16, "Connectivity|cannot reshape|rows"),
+        ("NumberOfPoints", 10**6, "Points has .* rows, and not 1000000 from 0 on"),
+        ("NumberOfConnectivityIds", -4, "Connectivity has .* rows, and not -4"),
+        ("Connectivity", 2**40, "cells have corners 1099511627776 to 1099511627776 of 25 points"),
+        ("Connectivity", -1, "cells have corners -1 to -1"),
+        ("Steps/PartOffsets", -1, "has 1 rows, and not 1 from -1 on"),
+        ("Points", ofNothing, "Points with the shape .* is larger than the file"),
+    ],
+)
+def test_results_with_impossible_counts_are_refused(place, make, told):
+    whole = make if callable(make) else lambda group, name, data: group.__setitem__(name, data * 0 + make)
+    file = instead("VTKHDF/" + place, whole)
+    with pytest.raises(ValueError, match=f"read: 'a.vtkhdf' is damaged: ValueError: .*({told})"):
+        mpm.read(file)[0]
+
+
+@pytest.mark.parametrize("row", [["a", "b", "c", "d"], [0.0], "text"])
+def test_integrals_of_a_history_are_checked_on_loading(row):
+    scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
+    scene.add("mesh", mpm.box((1, 0), (2, 1)), damagedFiles.elastic(mpm), mpm.APDI(size=0.25))
+    scene.engines = [*scene.engines[:1], mpm.GridSolver(gravity=(0, -9.81), fixed="bottom")]
+    scene.engines = [*scene.engines, mpm.GridToParticle(), mpm.DomainUpdater(), mpm.History(iterPeriod=1)]
+    scene.run(steps=1, progress=False)
+    scene.save("a.h5")
+    with h5py.File("a.h5", "r+") as h5:
+        spec = json.loads(bytes(h5["scene"][...]))
+        state = next(e["state"] for e in spec["engines"] if e["class"] == "History")
+        state["before"] = dict.fromkeys(state["before"], row)
+        del h5["scene"]
+        h5["scene"] = np.frombuffer(json.dumps(spec).encode(), np.uint8)
+    checkpoint.seal("a.h5")
+    with pytest.raises(ValueError, match="History: .*(no number|not complete)"):
+        mpm.load("a.h5").run(steps=1, progress=False)
 
 
 def test_a_pipe_is_no_file_of_results():

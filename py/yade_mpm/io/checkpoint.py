@@ -150,10 +150,11 @@ def _checkVersion(h5, file):
         )
 
 
-def checkPlain(h5, filters=()):
+def checkPlain(h5, filters=(), most=float("inf")):
     """Refuses an HDF5 file, with a ValueError, of which something is in other files or needs their code.
 
     filters : numbers of those that arrays may have passed, each once.
+    most : bytes that an array may have.
     """
     groups, known = [h5["/"]], set()
     while groups:
@@ -164,6 +165,8 @@ def checkPlain(h5, filters=()):
             one = group[name]
             if isinstance(one, h5py.Dataset):
                 _checkPlainArray(name, one.id.get_create_plist(), filters)
+                if one.nbytes > most:
+                    raise ValueError(f"{name} with the shape {one.shape} is larger than the file")
             elif isinstance(one, h5py.Group) and (place := h5py.h5o.get_info(one.id).addr) not in known:
                 known.add(place)
                 groups.append(one)

@@ -173,11 +173,8 @@ class History(Callback):
         self._count = max((len(column) for column in self._data.values()), default=0)
         if any(len(column) < self._count or "\n" in name for name, column in self._data.items()):
             raise ValueError("History: the rows of a checkpoint are not complete")
-        self._units, self._before, self._initialEnergy = (
-            dict(state["units"]),
-            dict(state["before"]),
-            state["initialEnergy"],
-        )
+        self._units, self._initialEnergy = dict(state["units"]), state["initialEnergy"]
+        self._before = {str(name): [_asNumber(v) for v in row] for name, row in state["before"].items()}
 
     # --- engine ---
     def bind(self, scene):
@@ -192,7 +189,8 @@ class History(Callback):
                 self._before.pop(c.name, None)
                 self._motions[c.name] = c
         for name, integrals in quantities.timeIntegrals(scene).items():
-            self._before.setdefault(name, [scene.time, *integrals])
+            if len(self._before.setdefault(name, [scene.time, *integrals])) != 1 + len(integrals):
+                raise ValueError(f"History: the integrals of '{name}' in a checkpoint are not complete")
         if self._file is not None:
             checkWritable(self._file, "History")
             owners.take(self._file, self)
@@ -268,5 +266,5 @@ class History(Callback):
 
 def _asNumber(value):
     if not isinstance(value, (int, float)):
-        raise TypeError(f"History: {value!r} in a row of a checkpoint is no number")
+        raise TypeError(f"History: {value!r} in the rows or integrals of a checkpoint is no number")
     return value

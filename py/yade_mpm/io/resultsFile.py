@@ -11,6 +11,7 @@ from .frame import MEMBER, QUADRILATERAL
 from .pagedFile import committing, journalOf
 from .vtkhdf import FILTERS
 
+MOST_DEFLATED = 1032  # times that deflate can make bytes fewer
 TRIES = 20  # of a file that another process writes to all the time
 
 
@@ -24,7 +25,7 @@ def asked(file, work):
         before, found, wrong = _stamp(file), None, None
         try:
             with committing, h5py.File(file) as h5:
-                checkPlain(h5, FILTERS)
+                checkPlain(h5, FILTERS, MOST_DEFLATED * before[1])
                 found = work(h5)
         except (ValueError, IndexError, *READING) as error:
             wrong = error
@@ -71,20 +72,33 @@ def columns(h5, label, of):
 def frame(root, k, bodies):
     """What a `ResultFrame` is made of."""
     steps, cells = root["Steps"], root["CellData"]
-    part = int(steps["PartOffsets"][k])
-    count, points = int(root["NumberOfCells"][part]), int(root["NumberOfPoints"][part])
-    where = _rows(root["Points"], steps["PointOffsets"][k], points)
-    ids = int(root["NumberOfConnectivityIds"][part])
-    corners = _rows(root["Connectivity"], steps["ConnectivityIdOffsets"][k], ids)
-    isFlat = count == 0 or root["Types"][int(steps["CellOffsets"][k])] == QUADRILATERAL
+    part, firstPoint, firstCell, firstId = (
+        _row(steps[f"{name}Offsets"], k) for name in ("Part", "Point", "Cell", "ConnectivityId")
+    )
+    count, points, ids = (
+        _row(root[f"NumberOf{name}"], part) for name in ("Cells", "Points", "ConnectivityIds")
+    )
+    where, corners = _rows(root["Points"], firstPoint, points), _rows(root["Connectivity"], firstId, ids)
+    isFlat = count == 0 or _row(root["Types"], firstCell) == QUADRILATERAL
     corners = corners.reshape(count, 4 if isFlat else 8)
+    if ids and not (corners.min() >= 0 and corners.max() < points):
+        raise ValueError(f"cells have corners {corners.min()} to {corners.max()} of {points} points")
     used = np.bincount(corners.ravel(), minlength=points)
-    data = {name: _rows(cells[name], steps["CellDataOffsets"][name][k], count) for name in _fields(cells)}
+    data = {
+        name: _rows(cells[name], _row(steps["CellDataOffsets"][name], k), count) for name in _fields(cells)
+    }
     data = {name: v.reshape(-1, 3, 3) if v.shape[1:] == (9,) else v for name, v in data.items()}
     shared = (used[corners] > 1).any(axis=1)
     time, step = float(steps["Values"][k]), int(steps["step"][k])
     return time, step, bodies, where[corners], shared, data, units(cells)
 
 
+def _row(array, k):
+    return int(_rows(array, k, 1)[0])
+
+
 def _rows(array, first, count):
-    return array[int(first) : int(first) + count]
+    """Rows of an array; ValueError where it has not that many."""
+    if not 0 <= first <= first + count <= len(array):
+        raise ValueError(f"{array.name} has {len(array)} rows, and not {count} from {first} on")
+    return array[first : first + count]

@@ -10,6 +10,8 @@ import shlex
 import numpy as np
 from scipy.stats import qmc
 
+from .commandLine import numberIn
+
 DEFAULTS = ("", "*")  # what a table may have in place of a value that is the scene's default
 LONGEST = 1000  # characters of a cell
 MOST_CASES = 100_000  # each is a folder of its own
@@ -135,7 +137,7 @@ def _values(word, text):
     if not re.fullmatch(r"[^:,]+:[^:,]+:[^:,]+", text):
         return text.split(",")
     try:
-        first, last, step = (float(part) for part in text.split(":"))
+        first, last, step = (numberIn(part) for part in text.split(":"))
         count = int(np.floor((last - first) / step * (1 + 1e-12) + 1e-9)) + 1
     except (ValueError, OverflowError, ZeroDivisionError):
         count = 0

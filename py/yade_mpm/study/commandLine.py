@@ -68,9 +68,16 @@ def isWhole(ratio):
     return round(ratio) >= 1 and abs(ratio - round(ratio)) < 1e-6
 
 
+def numberIn(text):
+    """The number that a text is, of the digits 0 to 9 and without `_`; ValueError where it is none."""
+    if "_" in text or not text.isascii():
+        raise ValueError(f"{text} is no number")
+    return float(text)
+
+
 def _number(text, isAllowed, allowed):
     try:
-        number = float(text)
+        number = numberIn(text)
     except ValueError:
         number = inf
     if not (isfinite(number) and isAllowed(number)):

@@ -5,7 +5,7 @@ import argparse
 from itertools import islice
 from math import inf, isfinite
 
-from .commandLine import partOf, partOfInWords
+from .commandLine import numberIn, partOf, partOfInWords
 
 MOST_CHOICES = 1000
 
@@ -130,7 +130,7 @@ class Parameter:
 
     def _number(self, text):
         try:
-            number = float(text)
+            number = numberIn(text)
         except ValueError:
             number = inf
         low = (self.least is None or number >= self.least) and (self.above is None or number > self.above)

@@ -139,7 +139,10 @@ class Contact(generated["Contact"]):
 
     def forceImpulses(self):
         """Dict (A, B) -> time integral of the force on group B by group A since the start, kN s (3,), for all
-        pairs of groups."""
+        pairs of groups that bodies of the scene are in.
+
+        The integral of a pair goes with its group: where the last body of a group is taken out, it is lost.
+        """
         return self._byPair(self.impulses)
 
     def _byPair(self, values):

@@ -9,6 +9,7 @@ from glob import escape, glob
 import numpy as np
 
 from .. import __version__, _core
+from ..io.columns import namesOf
 from ..io.files import saveTable
 from ..io.history import History
 
@@ -54,15 +55,17 @@ def saveCurve(out, name, columns):
 
 
 def saveHistories(out, scene):
-    """Writes the columns that the histories of a scene were asked for as curves over time; without such
-    columns the vertical forces. Where the scene has left curves of its own they are all."""
+    """Writes the columns that the histories of a scene were asked for, and the vertical forces, as curves
+    over time. Where the scene has left curves of its own they are all."""
     if glob(os.path.join(escape(out), CURVE.format("*"))):
         return
     vertical = f".f{'xyz'[scene.dim - 1]}"
     for history in (
         engine for engine in scene.engines if isinstance(engine, History) and len(engine["time"])
     ):
-        asked = list(history.columns) or [name for name in history.names if name.endswith(vertical)]
-        for name in asked:
-            y = f"{name} ({history.units[name]})"
+        forces = [name for name in history.names if name.endswith(vertical)]
+        asked = [name for key in history.columns for name in namesOf(key)]
+        for name in dict.fromkeys([*asked, *forces]):
+            unit = history.units[name]
+            y = f"{name} ({unit})" if unit else name
             saveCurve(out, name.replace(os.sep, " "), {"time (s)": history["time"], y: history[name]})

@@ -16,6 +16,7 @@ from .sensitivity import firstOrder
 RESULTS, EFFECTS, MAPS, SHOWN = 8, 4, 3, 60  # columns, rows of effects, heat maps, cases with a picture
 SAMPLE = 8  # cases at least for indices
 COLOURED = 4  # parameters at most by which curves are coloured
+SEEN = 2e-3  # of the height of a picture: half a line
 FINDINGS = "findings.txt"  # beside the report: paragraphs that it begins with
 STYLE = """
 body{font:16px/1.45 system-ui,sans-serif;margin:0 auto;max-width:70rem;padding:1rem;color:#222}
@@ -48,7 +49,7 @@ def write(study, frame):
             _maps(study, done, varied, measured),
             _cards(study),
         ]
-    text = page(f"Study of {study.name}", "".join(p for p in parts if p))
+    text = page(study.title, "".join(p for p in parts if p))
     with replacing(os.path.join(study.out, "report.html")) as part, open(part, "w") as opened:
         opened.write(text)
 
@@ -89,7 +90,7 @@ def _head(study, frame):
     )
     seconds = frame["seconds"].astype(float).sum()
     return (
-        f"<h1>Study of {textOf(study.name)}</h1><p>{len(frame)} cases: {textOf(words)}; {seconds:.0f} s "
+        f"<h1>{textOf(study.title)}</h1><p>{len(frame)} cases: {textOf(words)}; {seconds:.0f} s "
         f"of runs; yade_mpm {textOf(identity.codeVersion())}. Table:{files}</p>"
     )
 
@@ -150,11 +151,21 @@ def _curves(study, frame, varied):
                 named.setdefault(name, {})[label] = _readCurve(file)
                 rows.setdefault(name, {})[label] = row
     parts = []
+    same = [name for name, own in named.items() if len(own) > 1 and _areSame(own.values())]
+    for name in same if len(same) < len(named) else ():  # a curve that no parameter changes shows nothing
+        del named[name]
     for name, own in named.items():
         cases = list(rows[name].values())
         values = {study.head(p): list(frame[p].iloc[cases]) for p in varied[:COLOURED]}
         parts.append(f"<h2>{textOf(name)}</h2>{pictures.curves(own, values)}")
     return "".join(parts)
+
+
+def _areSame(curves):
+    """Whether nobody can tell the curves of all cases apart in a picture."""
+    (x, y), *others = (points.T for _, points in curves)
+    rise = all((np.diff(at) >= 0).all() and len(at) for at, _ in ((x, y), *others))
+    return rise and all((abs(np.interp(x, *other) - y) <= SEEN * np.ptp(y)).all() for other in others)
 
 
 def _readCurve(file):

@@ -137,6 +137,14 @@ class Study:
             if n in values
         )
 
+    @property
+    def title(self):
+        """Name of what is studied, and the first sentence of its description."""
+        first = " ".join(
+            (self.parameters.doc if self.parameters else "").strip().partition("\n\n")[0].split()
+        )
+        return f"Study of {self.name}" + (f": {first.partition('. ')[0].rstrip('.')}" if first else "")
+
     def head(self, name):
         """A parameter with its unit, or the name of a result as it is."""
         known = {} if self.parameters is None else self.parameters.all

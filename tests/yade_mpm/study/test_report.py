@@ -88,12 +88,32 @@ def test_a_study_from_python_has_title_units_and_curves_and_no_effects_of_counts
     axes = {"cell": [0.5, 0.25], "density": [1.0, 2.0]}
     mpm.study(fall, axes, found, until=0.05, out=tmp_path, parameters=parameters, quiet=True, jobs=1)
     page = (tmp_path / "report.html").read_text()
-    assert "<h1>Study of falling block</h1>" in page and "<th>cell (m)</th><th>density (Mg/m3)</th>" in page
+    assert (
+        "<h1>Study of falling block: A block falls</h1>" in page
+        and "<th>cell (m)</th><th>density (Mg/m3)</th>" in page
+    )
     curves = page.split("<h2>height</h2>")[1].split("</svg>")[0]
-    assert "<!-- time (s) -->" in curves and "<!-- cell 0.25, density 2 -->" in curves
+    assert "<!-- time (s) -->" in curves and "<!-- height -->" in curves  # without a unit, no brackets
+    assert "<!-- cell 0.25, density 2 -->" in curves
     effects = page.split("<h2>Main effects</h2>")[1].split("</svg>")[0]
     assert "<!-- weight -->" in effects and "<!-- density (Mg/m3) -->" in effects
     assert "particlesInside" not in effects and "<th>particlesInside</th>" in page
+
+
+def fallWithForce(a):
+    """The same, with a curve that depends on the density, and one that does not."""
+    scene = fall(a)
+    scene.engines[-1].columns["weight"] = "9.81 * scene['block'].mass.sum()"
+    scene.engines[-1].columns["solid"] = "scene['block'].initialVolume.sum()"
+    return scene
+
+
+def test_a_curve_that_is_the_same_in_all_cases_is_left_out_where_others_differ(tmp_path):
+    axes = {"density": [1.0, 2.0], "cell": [0.5]}
+    mpm.study(fallWithForce, axes, found, until=0.05, out=tmp_path, quiet=True, jobs=1)
+    page = (tmp_path / "report.html").read_text()
+    assert "<h2>weight</h2>" in page and "<h2>solid</h2>" not in page
+    assert "<h1>Study of fallWithForce</h1>" in page
 
 
 def test_many_curves_are_coloured_by_each_parameter(tmp_path):

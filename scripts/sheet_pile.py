@@ -181,7 +181,8 @@ def run(a):
     summary = {"resistance": study.atSteps(curve[0], curve[2]), "quasiStatic": certificate.asDict()}
     study.saveCurve(a.out, "resistance", {"penetration (m)": curve[0], "resistance (kN/m)": curve[2]})
     told = ", ".join(f"{depth} m: {force:.0f}" for depth, force in summary["resistance"].items())
-    print(certificate, f"resistance in kN/m at {told or 'no depth yet'}", f"results in {a.out}/", sep="\n")
+    commandLine.printCheck(certificate)
+    print(f"resistance in kN/m at {told or 'no depth yet'}", f"results in {a.out}/", sep="\n")
     return run.save(summary), scene, history
 
 

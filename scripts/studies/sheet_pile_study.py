@@ -82,7 +82,7 @@ def run(a, again=None):
     scene, history = run.finish()
     sensitivity = rateCheck(a, *sheet_pile.resistanceCurve(a, scene, history)) if a.rateCheck else None
     certificate = mpm.quasiStatic(history, rateSensitivity=sensitivity)
-    print(certificate, flush=True)
+    commandLine.printCheck(certificate)
     results = run.savedSummary() if run.isAtEnd else None
     if results is None:
         results = summarise(a, scene, history)

@@ -230,7 +230,7 @@ def colourBar(axes, coloured, label, **bar):
 
 
 def save(figure, file, **how):
-    """Writes a picture and closes the figure.
+    """Writes a picture and closes the figure; with --smoke its title says what its numbers are worth.
 
     Parameters
     ----------
@@ -238,6 +238,8 @@ def save(figure, file, **how):
     file : name of the file; its ending says the format, default PNG.
     how : for `Figure.savefig`, such as dpi.
     """
+    if program.isSmoke:
+        figure.suptitle("coarse: no numbers")
     with replacing(file) as part:
         figure.savefig(part, format=os.path.splitext(file)[1][1:] or "png", bbox_inches="tight", **how)
     plt.close(figure)

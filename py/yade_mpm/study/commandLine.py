@@ -24,6 +24,13 @@ from .resume import resumed
 
 SMOKE = "coarse, thick and fast: no numbers"  # thick: a thin body is at least a cell across
 
+CHECKED = "--smoke: the check below judges the run, not the soil; take no number from here"
+
+
+def printCheck(certificate):
+    """Prints the quasi-static check of a run; with --smoke first what it does not say."""
+    print(*[CHECKED] * program.isSmoke, certificate, sep="\n", flush=True)
+
 
 def positive(text):
     """A number above zero."""
@@ -175,9 +182,10 @@ def run(main):
     fail, end the program with their message and 1, Ctrl-C ends it with 130; any other error keeps its
     traceback. Pictures go to files, never to a screen."""
     _drawToFiles()
+    program.isSmoke = "--smoke" in sys.argv
     try:
         main()
-        if "--smoke" in sys.argv:
+        if program.isSmoke:
             print(f"--smoke: {SMOKE}")
     except KeyboardInterrupt:
         raise SystemExit(130) from None

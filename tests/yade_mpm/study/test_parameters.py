@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 import yade_mpm as mpm
-from yade_mpm import Parameter, Parameters
+from matplotlib.figure import Figure
+from yade_mpm import Parameter, Parameters, plot
+from yade_mpm.base import program
 from yade_mpm.study import commandLine
 
 SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
@@ -63,12 +65,25 @@ MEANINGLESS = "coarse, thick and fast: no numbers"
 
 
 @pytest.mark.parametrize("words, isSmoke", [(["--smoke"], True), (["--cell", "1"], False)])
-def test_a_smoke_run_ends_with_what_its_numbers_are_worth(words, isSmoke, monkeypatch, capsys):
+def test_a_smoke_run_ends_with_what_its_numbers_are_worth(words, isSmoke, monkeypatch, capsys, tmp_path):
     monkeypatch.setattr("sys.argv", ["demo", *words])
     monkeypatch.setattr(commandLine, "_drawToFiles", lambda: None)
-    commandLine.run(lambda: print("805 kN/m"))
+    monkeypatch.setattr(program, "isSmoke", False)
+    picture = Figure()
+
+    def main():
+        commandLine.printCheck("quasi-static: every ratio is within its limit")
+        plot.save(picture, tmp_path / "a.png")
+        print("805 kN/m")
+
+    commandLine.run(main)
     ends = f"--smoke: {MEANINGLESS}" if isSmoke else "805 kN/m"
-    assert capsys.readouterr().out.splitlines()[-1] == ends
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[-1] == ends
+    assert lines[0].startswith(
+        "--smoke: the check below judges the run, not the soil" if isSmoke else "quasi"
+    )
+    assert [text.get_text() for text in picture.texts] == ["coarse: no numbers"] * isSmoke
     said = " ".join(parameters().parser().format_help().split())
     assert MEANINGLESS in said and "number of threads (default: automatic)" in said
 

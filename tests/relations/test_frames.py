@@ -5,6 +5,7 @@ between rollers; a floor that accelerates is as good as gravity. For every parti
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 CELL, DENSITY = 0.5, 1.6
@@ -21,12 +22,7 @@ def makeType(name):
 
 
 def run(scene, steps, **solver):
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(**solver),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(**solver)
     scene.dt = scene.dt or 0.4 * scene.criticalTimeStep()
     scene.run(steps=steps, progress=False)
 

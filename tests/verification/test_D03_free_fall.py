@@ -17,6 +17,7 @@ noticed.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm.particle.types import MeshedType, classes
 
 H = 0.25
@@ -48,12 +49,7 @@ def blockScene(kind, dim, scheme, gravity=None, damping=0.0):
         lower[-1] += i * size[-1] / len(halves)
         upper[-1] = lower[-1] + size[-1] / len(halves)
         scene.add(name, mpm.box(tuple(lower), tuple(upper)), soil, particleType(name))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=gravity or (0,) * dim, damping=damping),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=gravity or (0,) * dim, damping=damping)
     scene.dt = DT
     return scene
 

@@ -18,6 +18,7 @@ column that hangs on a wall by friction (fixed sides) fails.
 
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 DENSITY, GRAVITY, HEIGHT, TOLERANCE = 1.8, 9.81, 0.1, 2e-3
 PUBLISHED = {0.01: -1.6802, 0.005: -1.7246, 0.0025: -1.7468}
@@ -40,12 +41,7 @@ def bottomStress(h, kind="UGIMP", walls="roller", width=None):
         if walls == "roller"
         else {"fixed": ("bottom", "left", "right")}
     )
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -GRAVITY), damping=0.7, **faces),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -GRAVITY), damping=0.7, **faces)
     scene.settle(tolerance=1e-4)
     return column.stress[column.reference[:, 1] < h, 1, 1].mean()
 

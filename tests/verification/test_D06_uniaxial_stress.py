@@ -24,6 +24,7 @@ creeps.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 YOUNG, POISSON, STRAIN = 1.0, 0.2, 1e-3
 TYPES = {
@@ -42,12 +43,7 @@ def compress(lower, upper, density=1e-5, moving=2.0, resting=0.3):
     for name, kind, z in (("lower", lower, 0.0), ("upper", upper, 0.5)):
         scene.add(name, mpm.box((0, 0, z), (1, 1, z + 0.5)), material, TYPES[kind](cell, perCell))
     top = mpm.Hold("top", (None, None, 0.0))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(roller=("left", "front", "bottom"), hold=top, damping=0.7),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(roller=("left", "front", "bottom"), hold=top, damping=0.7)
     steps = int(np.ceil(moving / (0.7 * scene.criticalTimeStep())))
     scene.dt = moving / steps
 

@@ -20,6 +20,7 @@ held end stops the wave.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 LENGTH, CELL, MODULUS, DENSITY, SPEED = 20.0, 0.25, 22100.0, 1.53, 0.01
 WAVE, IMPEDANCE = 120.19, 183.9
@@ -44,12 +45,7 @@ class Bar:
                 f"half {i}", mpm.box((i * middle, 0), ((i + 1) * middle, CELL)), material, TYPES[kind]()
             )
         hold = [mpm.Hold("left", (speed, None), ramp=ramp)] if speed else []
-        self.scene.engines = [
-            mpm.ParticleToGrid(),
-            mpm.GridSolver(roller=("top", "bottom", *end), hold=hold),
-            mpm.GridToParticle(),
-            mpm.DomainUpdater(),
-        ]
+        self.scene.engines = chain(roller=("top", "bottom", *end), hold=hold)
         self.scene.dt = 0.5 * self.scene.criticalTimeStep()
 
     def run(self, travel):

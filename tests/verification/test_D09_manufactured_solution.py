@@ -16,6 +16,7 @@ MUSL within
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 YOUNG, POISSON, DENSITY = 1e7, 0.3, 1000.0
@@ -74,10 +75,7 @@ class Solution:
 
         scene.engines = [
             mpm.PyRunner(follow, iterPeriod=1),
-            mpm.ParticleToGrid(),
-            mpm.GridSolver(roller=("left", "right", "bottom", "top")),
-            mpm.GridToParticle(),
-            mpm.DomainUpdater(),
+            *chain(roller=("left", "right", "bottom", "top")),
         ]
         scene.run(steps=steps, progress=False)
         follow()

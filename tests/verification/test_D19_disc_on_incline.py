@@ -22,6 +22,7 @@ from math import cos, radians, sin, tan
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import elastic
 from yade_mpm import box, sphere
 
 R, G = 0.5, 10.0
@@ -58,7 +59,7 @@ def descend(pair, slope, friction, h, cut=True, until=0.5):
     disc of boxes is cut by its circle."""
     slope, centre = radians(slope), (R + 0.2, 0.3 + R)
     scene = mpm.Scene((0, 0), (5, 2), h, threads=1)
-    rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
+    rubber = elastic(1e5)
     boxes = mpm.UGIMP(perCell=2)
     scene.add(
         "base", box((0, 0), (5, 0.3)), rubber, boxes if pair[0] == "u" else mpm.APDI(size=h / 2), group="base"
@@ -139,7 +140,7 @@ def test_a_ball_of_cut_boxes_rolls_or_slides(base, slope, friction):
     """R = 4 h."""
     slope, h, radius = radians(slope), 0.1, 0.4
     scene = mpm.Scene((0, 0, 0), (2.4, 1.2, 1.4), h, threads=1)
-    rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
+    rubber = elastic(1e5)
     scene.add("base", box((0, 0, 0), (2.4, 1.2, 0.3)), rubber, base, group="base")
     ball = scene.add(
         "ball", sphere((0.6, 0.6, 0.3 + radius), radius), rubber, mpm.UGIMP(perCell=2, cut=True), group="ball"

@@ -19,6 +19,7 @@ Control: an undamped node keeps its amplitude; the column with a = 0.04 misses t
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 HEIGHT, MODULUS, DENSITY, GRAVITY, PERIOD = 10.0, 22100.0, 1.53, 9.81, 0.3328
 TYPES = {
@@ -46,10 +47,7 @@ def amplitudesOfOneNode(kind, damping):
     block.velocity[:, 1] = 1e-6 * block.position[:, 1]
     stress = []
     scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(roller=("left", "right"), fixed=("bottom",), damping=damping),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
+        *chain(roller=("left", "right"), fixed=("bottom",), damping=damping),
         mpm.PyRunner(lambda: stress.append(block.stress[:, 1, 1].mean()), iterPeriod=1),
     ]
     scene.dt = scene.criticalTimeStep() / 200
@@ -76,12 +74,7 @@ class Column:
         )
         self.time, self.mode, self.top = [], [], []
         self.scene.engines = [
-            mpm.ParticleToGrid(),
-            mpm.GridSolver(
-                gravity=(0, -gravity), roller=("left", "right"), fixed=("bottom",), damping=damping
-            ),
-            mpm.GridToParticle(),
-            mpm.DomainUpdater(),
+            *chain(gravity=(0, -gravity), roller=("left", "right"), fixed=("bottom",), damping=damping),
             mpm.PyRunner(self.note, iterPeriod=1),
         ]
         self.scene.dt = 0.25 * self.scene.criticalTimeStep()

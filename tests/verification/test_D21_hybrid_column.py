@@ -17,6 +17,7 @@ tenth of rho g H (measured elsewhere: 89 %).
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm.scene import policy, stepper
 
 CELL, HEIGHT, WIDTH, DENSITY, GRAVITY = 0.5, 10.0, 1.0, 1.53, 9.81
@@ -34,10 +35,7 @@ def column(parts, damping=0.7):
     soil = mpm.LinearElastic(density=DENSITY, young=16408.4, poisson=0.3002)
     for i, (kind, lower, upper) in enumerate(parts):
         scene.add(f"part {i}", mpm.box(lower, upper), soil, kind())
-    solver = mpm.GridSolver(
-        gravity=(0, -GRAVITY), damping=damping, roller=("left", "right"), fixed=("bottom",)
-    )
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(gravity=(0, -GRAVITY), damping=damping, roller=("left", "right"), fixed=("bottom",))
     return scene
 
 

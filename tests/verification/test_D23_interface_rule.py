@@ -12,6 +12,7 @@ Tolerance: exact; and for edge h the stress of a loaded column within 0.7 % of t
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 H = 0.5
@@ -136,12 +137,7 @@ def columnStress(edge):
     low = scene.add("boxes", box((0, 0), (1, 2)), mpm.LinearElastic(**SOIL), mpm.UGIMP(perCell=2))
     upperType = mpm.UGIMP(perCell=2) if edge is None else mpm.APDI(size=edge)
     high = scene.add("upper", box((0, 2), (1, 4)), mpm.LinearElastic(**SOIL), upperType)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed=("bottom",)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -9.81), roller=("left", "right"), fixed=("bottom",))
     scene.settle(tolerance=1e-4)
     position, stress = (np.concatenate([getattr(b, f) for b in (low, high)]) for f in ("position", "stress"))
     return position[:, 1], stress[:, 1, 1]

@@ -15,6 +15,7 @@ loses, at any amplitude; and plane strain is a slab between rollers.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain, elastic
 from yade_mpm import box
 
 CELL = 0.5
@@ -136,8 +137,7 @@ def block(scheme, shift, size=(1, 2), edge=1.0, hourglass=0.05, ground=None):
         body.position[...] += CELL * np.array(shift)
         if body.cells is not None:
             body.vertices[...] += CELL * np.array(shift)
-    solver = mpm.GridSolver(fixed="bottom" if ground is not None else ())
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(fixed="bottom" if ground is not None else ())
     return scene
 
 
@@ -205,7 +205,7 @@ def shaken(layers):
         return (x, z, y) if layers else (x, y)
 
     scene = mpm.Scene(place(0, 0, 0), place(4, 4, max(depth, CELL)), CELL, threads=1)
-    solid = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+    solid = elastic(1e4)
     type_ = mpm.APDI(size=place(CELL, CELL, CELL / 2), hourglass=1)
     body = scene.add("block", box(place(1, 1, 0), place(3, 2, depth)), solid, type_)
     plane = [0, scene.dim - 1]

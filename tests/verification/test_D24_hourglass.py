@@ -22,6 +22,7 @@ patterns that particles feel.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 EDGE, DT, DURATION, ACCELERATION = 1.0, 2e-3, 7.5, 1.0
 DRIFT = ACCELERATION * DT * DURATION
@@ -32,12 +33,7 @@ def block(hourglass, scheme, gravity=(0.0, 0.0)):
     scene = mpm.Scene(lower=(0, 0), upper=(40, 40), cell=EDGE, scheme=scheme)
     soil = mpm.LinearElastic(density=1.53, young=16408.4, poisson=0.3002)
     body = scene.add("block", mpm.box((2, 2), (6, 6)), soil, mpm.APDI(size=EDGE, hourglass=hourglass))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=gravity),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=gravity)
     scene.dt = DT
     return scene, body
 

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from scipy.linalg import eigvalsh
+from setups import chain
 from yade_mpm import box
 
 SOIL = dict(density=1.53, lame=(9.48e3, 6.31e3))
@@ -44,12 +45,7 @@ def soilBlock(type_, cells=4, cell=0.25, **solver):
     """Square block in the lower left corner of a grid with two free cells on the other sides."""
     scene = mpm.Scene(lower=(0, 0), upper=((cells + 2) * cell,) * 2, cell=cell, threads=1)
     scene.add("block", box((0, 0), (cells * cell, cells * cell)), mpm.LinearElastic(**SOIL), type_)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(**solver),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(**solver)
     return scene
 
 
@@ -65,12 +61,7 @@ def pileScene(h, thickness, inertiaScale=1.0, width=6, height=10):
     )
     ground = box((0, 0), (width * h, height * h)) - pile
     scene.add("soil", ground, mpm.LinearElastic(**SOIL), mpm.UGIMP(perCell=(columns, 2)))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(roller=("left", "right"), fixed=("bottom",)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(roller=("left", "right"), fixed=("bottom",))
     return scene
 
 

@@ -5,6 +5,7 @@ pressure stay, whatever flows inside (doc/explanation/volumes.md)."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 SIZE, PRESSURE = 4.0, 200.0  # m, kPa
@@ -53,13 +54,7 @@ def stirred(cell, fbar=True, scheme="MUSL", dt=None, dim=2, height=None, core=No
             body.bodyForce[:, 0], body.bodyForce[:, 1] = -force * y, force * x
 
     walls = ("left", "right", "bottom", "top", "front", "back")[: 2 * dim]
-    scene.engines = [
-        mpm.PyRunner(stir, iterPeriod=5),
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(roller=walls),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = [mpm.PyRunner(stir, iterPeriod=5), *chain(roller=walls)]
     if dt:
         scene.dt = dt
     return scene, bodies
@@ -188,12 +183,7 @@ def test_domains_larger_than_a_cell_keep_rates_of_their_own():
     for body in (near, far):
         depth = 8 - body.position[:, 1]
         body.setStress(-weight * depth[:, None, None] * np.diag([3 / 7, 1, 3 / 7]))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), damping=0.3, roller=("left", "right"), fixed="bottom"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -9.81), damping=0.3, roller=("left", "right"), fixed="bottom")
     scene.run(steps=3000, progress=False)
     error = far.stress[:, 1, 1] + weight * (8 - far.position[:, 1])
     assert np.abs(error).max() < 0.04 * weight * 8

@@ -8,6 +8,7 @@ import hashlib
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box, disc, study
 
 PRESSURE, STRENGTH, SHEAR, POISSON = 200.0, 10.0, 1000.0, 0.49  # kPa, kPa, kPa, -
@@ -85,8 +86,7 @@ def driven(
     drive = [mpm.Drive(block, velocity=velocity, ramp=0.05, name="drive")] if isDriven else []
     walls = ("left", "right", "bottom", "top", "front", "back")[: 2 * dim]
     contact = mpm.Contact(**{"impactLoss": 1, **contact})
-    solver = mpm.GridSolver(drive=drive, roller=walls)
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(contact=contact, drive=drive, roller=walls)
     return scene, soil, block, contact
 
 
@@ -273,8 +273,7 @@ def onBed(gap, velocity, soil="clay", width=2.4, at=0.8, gravity=0.0, friction=0
     contact = mpm.Contact(friction=friction, impactLoss=1)
     drive = mpm.Drive(block, velocity=velocity)
     walls = ("left", "right", "bottom")
-    solver = mpm.GridSolver(drive=drive, roller=walls, gravity=(0, -gravity))
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(contact=contact, drive=drive, roller=walls, gravity=(0, -gravity))
     return scene, block, contact, drive
 
 
@@ -388,11 +387,12 @@ def test_soil_that_is_cut_to_an_outline_keeps_its_pressure(constraints):
     bar = scene.add("bar", mesh, stiff, mpm.APDI(), group="bar")
     for body in (soil, bar):
         body.setStress(-PRESSURE * np.eye(3))
-    solver = mpm.GridSolver(
-        roller=("left", "right", "bottom", "top"), drive=mpm.Drive(bar, velocity=(0, -0.4), ramp=0.1)
-    )
     contact = mpm.Contact(friction=0.0, constraints=constraints)
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(
+        contact=contact,
+        roller=("left", "right", "bottom", "top"),
+        drive=mpm.Drive(bar, velocity=(0, -0.4), ramp=0.1),
+    )
     scene.run(until=0.6, progress=False)
     assert soil.outline() is not None and len(contact.cells) > 0
     assert pressureOf(soil) == pytest.approx(1, abs=0.02)

@@ -9,6 +9,7 @@ compared.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 from yade_mpm.study.meshes import wedgedColumn
 
@@ -30,8 +31,9 @@ def works(x, dt, isElastic):
     wedge = scene.add("wedge", mesh, material, mpm.APDI(), group="wedge", implicit=isElastic)
     drive = mpm.Drive(wedge.above(0.35) if isElastic else wedge, velocity=(0, -RATE), ramp=RAMP)
     contact = mpm.Contact(friction=0.3, impactLoss=1.0)
-    solver = mpm.GridSolver(drive=drive, damping=0.05, roller=("left", "right"), fixed="bottom")
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(
+        contact=contact, drive=drive, damping=0.05, roller=("left", "right"), fixed="bottom"
+    )
     scene.dt = dt
     scene.run(until=DEPTH / RATE + 0.5 * RAMP, progress=False)
     return drive.work, contact.frictionWork

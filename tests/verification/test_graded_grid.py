@@ -5,6 +5,7 @@ threads and after a restart, wrong inputs."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 GRAVITY = 9.81
@@ -65,8 +66,7 @@ def column(threads=1):
     near = scene.add("near", box((0, 9), (2, 10)), sand, mpm.UGIMP(perCell=2))
     scene.add("far", box((0, 0), (2, 9)), sand, mpm.APDI(matched=near))
     scene.initialStress(surface=10.0, K0=0.5, gravity=GRAVITY)
-    solver = mpm.GridSolver(gravity=(0, -GRAVITY), roller=("left", "right"), fixed="bottom", damping=0.1)
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(gravity=(0, -GRAVITY), roller=("left", "right"), fixed="bottom", damping=0.1)
     return scene
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from scipy.integrate import solve_bvp
+from setups import chain
 from yade_mpm import box, diagnostics
 
 CELL, LENGTH, THICKNESS, DENSITY = 0.25, 5.0, 0.25, 7.85
@@ -112,12 +113,7 @@ def test_a_hundred_times_the_critical_step_stays_bounded(steps):
     steel = mpm.LinearElastic(density=DENSITY, lame=LAME)
     body = scene.add("column", region, steel, mpm.APDI(size=CELL / 2), implicit=True)
     drive = mpm.Drive(body.below(2 * CELL), velocity=(1e-3 / steps, 1e-3 / steps))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), drive=drive),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -9.81), drive=drive)
     scene.dt = 100 * CRITICAL
     scene.run(steps=steps, progress=False)
     moved = 1e-3 / steps * scene.time
@@ -141,9 +137,8 @@ def dropped(implicit, dt):
     block = scene.add("block", region, steel, mpm.APDI(size=CELL / 2), group="block", implicit=implicit)
     scene.initialStress(surface=1.0, K0=0.43, gravity=9.81)
     block.stress[...], block.velocity = 0, (0, -3)
-    solver = mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom")
     contact = mpm.Contact(friction=0.3, impactLoss=1.0, constraints="nodes")
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(contact=contact, gravity=(0, -9.81), roller=("left", "right"), fixed="bottom")
     scene.dt, rows = dt, []
     for end in np.linspace(0.005, 0.06, 12):
         scene.run(until=end, progress=False)

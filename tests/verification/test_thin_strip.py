@@ -11,6 +11,7 @@ Tolerance: 2.5 % of the deflection. Control: the beam itself is 11 to 29 % off.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 CELL, LENGTH, YOUNG = 0.25, 3.0, 1e5  # m, m, kPa
@@ -27,8 +28,7 @@ def deflection(columns, cells=1, scheme="MUSL"):
     rigidity = YOUNG * thickness**3 / 12
     force = DEFLECTION * 8 * rigidity / (thickness * LENGTH**3)  # m/s2
     clamp = mpm.Hold(box((0, -1), (2, 0)), velocity=(0, 0))
-    solver = mpm.GridSolver(gravity=(force, 0), hold=clamp, damping=0.7)
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(gravity=(force, 0), hold=clamp, damping=0.7)
     scene.dt = 0.5 * CELL / np.sqrt(YOUNG)
     start = strip.position.copy()
     top = start[:, 1] > LENGTH - 0.6 * CELL

@@ -8,6 +8,7 @@ from math import cos, radians, sin, tan
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain, elastic
 from yade_mpm import box, study
 
 PAIRS = ["uu", "ua", "au", "aa"]  # u: uGIMP, a: APDI,
@@ -23,21 +24,6 @@ pytestmark = pytest.mark.filterwarnings(
 
 def typeOf(letter, cell):
     return mpm.APDI(size=cell / 2) if letter == "a" else mpm.UGIMP(perCell=2, cut=letter == "c")
-
-
-def elastic(young=1e5):
-    return mpm.LinearElastic(density=2.0, young=young, poisson=0.3)
-
-
-def chain(contact, **solver):
-    engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(**solver),
-        contact,
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
-    return [e for e in engines if e is not None]
 
 
 def run(scene, **until):
@@ -58,7 +44,7 @@ def stacked(contact, pair, dim, scheme):
     at = (lambda a, b: box(a, b)) if dim == 2 else (lambda a, b: box((a[0], 0.25, a[1]), (b[0], 0.75, b[1])))
     scene.add("lower", at((0.25, 0), (wide, 1)), elastic(1e4), typeOf(pair[0], 0.25), group="a")
     scene.add("upper", at((0.75, 1), (wide - 0.5, 1.75)), elastic(1e4), typeOf(pair[1], 0.25), group="b")
-    scene.engines = chain(contact, gravity=inPlane(0.5, -G, dim), damping=0.1, fixed="bottom")
+    scene.engines = chain(contact=contact, gravity=inPlane(0.5, -G, dim), damping=0.1, fixed="bottom")
     scene.dt = 2e-4
     return run(scene, steps=300 if dim == 2 else 60)
 
@@ -89,7 +75,7 @@ def threeBlocks(groups):
         for i, (shape, group) in enumerate(zip(shapes, groups))
     ]
     bodies[1].velocity, bodies[2].velocity = (0.5, -1.5), (-1.0, -1.0)
-    scene.engines = chain(mpm.Contact(slip=False, separation=False))
+    scene.engines = chain(contact=mpm.Contact(slip=False, separation=False))
     scene.dt = 2e-4
     start, energies = mpm.diagnostics.kineticEnergy(scene), []
     for _ in range(10):
@@ -110,7 +96,9 @@ def pressed(contact, pair, scheme):
     scene.add("lower", box((0, 0), (2, 1)), elastic(1e4), typeOf(pair[0], 0.25), group="a")
     scene.add("upper", box((0, 1), (2, 1.75)), elastic(1e4), typeOf(pair[1], 0.25), group="b")
     scene.initialStress(surface=1.75, K0=0.43, gravity=G)
-    scene.engines = chain(contact, gravity=(0.5, -G), damping=0.1, fixed="bottom", roller=("left", "right"))
+    scene.engines = chain(
+        contact=contact, gravity=(0.5, -G), damping=0.1, fixed="bottom", roller=("left", "right")
+    )
     scene.dt = 2e-4
     return run(scene, steps=300)
 
@@ -170,11 +158,13 @@ class Incline:
             else ((1.6, 1.6, 0.2), ((0.4, 0.4, 0.2), (0.8, 0.8, 0.4)))
         )
         self.base = self.scene.add(
-            "base", box((0,) * dim, base), elastic(), typeOf(pair[0], cell), group="base"
+            "base", box((0,) * dim, base), elastic(1e5), typeOf(pair[0], cell), group="base"
         )
-        self.block = self.scene.add("block", box(*block), elastic(), typeOf(pair[1], cell), group="block")
+        self.block = self.scene.add("block", box(*block), elastic(1e5), typeOf(pair[1], cell), group="block")
         self.contact = mpm.Contact(friction=friction, **law)
-        self.scene.engines = chain(self.contact, gravity=self.gravity(0), damping=0.7, fixed=["bottom"])
+        self.scene.engines = chain(
+            contact=self.contact, gravity=self.gravity(0), damping=0.7, fixed=["bottom"]
+        )
         self.solver = next(e for e in self.scene.engines if isinstance(e, mpm.GridSolver))
         run(self.scene, until=0.08)
         for body in self.scene.bodies:
@@ -254,20 +244,20 @@ def drawn(contact, pairs=("ua",), length=0.6):
     """Blocks on one base, drawn along it at 0.5 m/s: for each the drive, and its weight."""
     scene = mpm.Scene((0, 0), (1 + 1.2 * len(pairs), 1), 0.1, threads=1)
     scene.add(
-        "base", box((0, 0), (1 + 1.2 * len(pairs), 0.2)), elastic(), typeOf(pairs[0][0], 0.1), group="base"
+        "base", box((0, 0), (1 + 1.2 * len(pairs), 0.2)), elastic(1e5), typeOf(pairs[0][0], 0.1), group="base"
     )
     drives, weights = [], []
     for k, pair in enumerate(pairs):
         block = scene.add(
             f"block {k}",
             box((0.3 + 1.2 * k, 0.2), (0.3 + length + 1.2 * k, 0.5)),
-            elastic(),
+            elastic(1e5),
             typeOf(pair[1], 0.1),
             group=f"block {k}",
         )
         drives.append(mpm.Drive(block, velocity=(0.5, None), ramp=0.05, name=f"drive {k}"))
         weights.append(G * block.mass.sum())
-    scene.engines = chain(contact, gravity=(0, -G), damping=0.3, fixed="bottom", drive=drives)
+    scene.engines = chain(contact=contact, gravity=(0, -G), damping=0.3, fixed="bottom", drive=drives)
     return scene, drives, weights
 
 
@@ -347,14 +337,14 @@ def test_bodies_that_are_both_driven_feel_their_friction():
     """Neither yields to friction, which acts all the same: base and block are held along, and the weight
     presses."""
     scene = mpm.Scene((0, 0), (2, 1), 0.1, threads=1)
-    base = scene.add("base", box((0, 0), (2, 0.2)), elastic(), mpm.UGIMP(perCell=2), group="base")
-    block = scene.add("block", box((0.5, 0.2), (1.1, 0.5)), elastic(), mpm.APDI(size=0.05), group="block")
+    base = scene.add("base", box((0, 0), (2, 0.2)), elastic(1e5), mpm.UGIMP(perCell=2), group="base")
+    block = scene.add("block", box((0.5, 0.2), (1.1, 0.5)), elastic(1e5), mpm.APDI(size=0.05), group="block")
     drives = [
         mpm.Drive(block, velocity=(0.5, None), name="block"),
         mpm.Drive(base, velocity=(0, None), name="base"),
     ]
     contact = mpm.Contact(friction=0.4, adhesion=1.0)
-    scene.engines = chain(contact, gravity=(0, -G), damping=0.3, fixed="bottom", drive=drives)
+    scene.engines = chain(contact=contact, gravity=(0, -G), damping=0.3, fixed="bottom", drive=drives)
     run(scene, until=0.2)
     expected = 0.4 * G * block.mass.sum() + 0.6
     on = means(scene, 0.05, lambda: [d.reaction[0] for d in drives])
@@ -365,10 +355,10 @@ def test_contact_takes_energy_and_never_gives_any():
     """A block thrown along a base: every step's friction work is positive, and what is lost is what
     friction took."""
     scene = mpm.Scene((0, 0), (3, 1), 0.1, threads=1)
-    base = scene.add("base", box((0, 0), (3, 0.2)), elastic(), mpm.APDI(size=0.05), group="base")
-    block = scene.add("block", box((0.5, 0.2), (1.1, 0.5)), elastic(), mpm.UGIMP(perCell=2), group="block")
+    base = scene.add("base", box((0, 0), (3, 0.2)), elastic(1e5), mpm.APDI(size=0.05), group="base")
+    block = scene.add("block", box((0.5, 0.2), (1.1, 0.5)), elastic(1e5), mpm.UGIMP(perCell=2), group="block")
     contact = mpm.Contact(friction=0.5)
-    scene.engines = chain(contact, gravity=(0, -G), fixed="bottom")
+    scene.engines = chain(contact=contact, gravity=(0, -G), fixed="bottom")
     block.velocity = (1.0, 0.0)
     start, works = mpm.diagnostics.kineticEnergy(scene), [0.0]
     while scene.time < 0.1:
@@ -388,7 +378,7 @@ def test_friction_at_a_node_on_a_roller_books_no_energy_that_bodies_do_not_have(
     scene.add("block", block, mpm.LinearElastic(density=7.85, lame=(4e5, 3e5)), mesh)
     scene.add("other", box((0, 1), (3, 1.5)), elastic(2e4), mesh, group="other")
     contact = mpm.Contact(friction=0.5, impactLoss=1)
-    scene.engines = chain(contact, gravity=(0.3, -9.81), fixed="bottom", roller=("left", "right"))
+    scene.engines = chain(contact=contact, gravity=(0.3, -9.81), fixed="bottom", roller=("left", "right"))
     run(scene, until=0.27)
     assert 0 < mpm.diagnostics.contactEnergy(scene) < 0.01
     assert abs(mpm.diagnostics.energyError(scene)) < 0.02
@@ -403,7 +393,7 @@ def test_forces_on_two_groups_are_opposite_and_keep_the_momentum(constraints):
     )
     first.velocity, second.velocity = (1.0, 0.3), (-1.0, -0.4)
     contact = mpm.Contact(friction=0.3, constraints=constraints)
-    scene.engines = chain(contact)
+    scene.engines = chain(contact=contact)
     before, hits = mpm.diagnostics.momentum(scene), 0
     while scene.time < 0.15:
         own = first.mass @ first.velocity
@@ -428,7 +418,7 @@ def test_nothing_acts_before_surfaces_touch():
         scene.add("b", box((1.0, 0.3), (1.5, 0.7)), elastic(1e3), typeOf(pair[1], 0.1), group="b")
         a.velocity = (2.0, 0.0)
         contact = mpm.Contact()
-        scene.engines, scene.dt = chain(contact), 1e-3
+        scene.engines, scene.dt = chain(contact=contact), 1e-3
         run(scene, steps=49)
         assert np.ptp(a.velocity[:, 0]) < 1e-12 and not contact.forceOn("a").any(), pair
         run(scene, steps=3)
@@ -444,13 +434,13 @@ def workOnTheGap(pair, impactLoss, constraints="nodes"):
     scene = mpm.Scene((0, 0), (3, 2), 0.1, threads=1)
     # Bare: F-bar acts by cells, of which those that a surface cuts are shared; -2.5 % for "ua" then.
     scene.add("soil", box((0, 0), (3, 1)), soil, typeOf(pair[0], 0.1), group="soil", fbar=False)
-    punch = scene.add("punch", box((1.3, 1), (1.7, 1.3)), elastic(), typeOf(pair[1], 0.1), group="punch")
+    punch = scene.add("punch", box((1.3, 1), (1.7, 1.3)), elastic(1e5), typeOf(pair[1], 0.1), group="punch")
     contact, drive = (
         mpm.Contact(friction=0.3, impactLoss=impactLoss, constraints=constraints),
         mpm.Drive(punch.above(1.2), velocity=(0, -1.0), ramp=0.02),
     )
     scene.engines = chain(
-        contact, gravity=(0, -G), damping=0.05, roller=("left", "right"), fixed="bottom", drive=drive
+        contact=contact, gravity=(0, -G), damping=0.05, roller=("left", "right"), fixed="bottom", drive=drive
     )
     work = 0.0
     while scene.time < 0.08:
@@ -479,14 +469,14 @@ def test_pressure_on_facets_does_no_work_either():
 def caughtInAPile(isDriven, pressure=0.0, dt=1e-4):
     """Contact and pile after one step: soil that rises beside a pile and, caught, within it."""
     scene = mpm.Scene((0, 0), (4.5, 4), 0.5, threads=1)
-    pile = scene.add("pile", box((2, 1.5), (2.5, 3)), elastic(), typeOf("a", 0.5), group="pile")
-    soil = scene.add("soil", box((1, 3), (3.5, 4)), elastic(), typeOf("u", 0.5), group="soil")
+    pile = scene.add("pile", box((2, 1.5), (2.5, 3)), elastic(1e5), typeOf("a", 0.5), group="pile")
+    soil = scene.add("soil", box((1, 3), (3.5, 4)), elastic(1e5), typeOf("u", 0.5), group="soil")
     soil.position[:, 1] -= 1.5
     soil.velocity = (0, 1.0)
     soil.setStress(-pressure * (soil.position[:, 0] < 2)[:, None, None] * np.diag([3, 1, 1]))
     contact = mpm.Contact(impactLoss=1.0)
     drive = mpm.Drive(pile, velocity=(0, 0)) if isDriven else ()
-    scene.engines, scene.dt = chain(contact, drive=drive), dt
+    scene.engines, scene.dt = chain(contact=contact, drive=drive), dt
     return run(scene, steps=1), contact
 
 
@@ -526,7 +516,7 @@ def normalsUnderATip(step):
     soil.position[soil.position[:, 0] > 2.25, 1] -= step
     pile.velocity = (0, -60.0)  # closes every gap in a step, so that the table has all nodes
     contact = mpm.Contact(impactLoss=1.0)
-    scene.engines, scene.dt = chain(contact), 5e-3
+    scene.engines, scene.dt = chain(contact=contact), 5e-3
     run(scene, steps=1)
     table = contact.contactTable()
     nodes = [(table["node"][:, 0] == x) & (table["node"][:, 1] == 1.5) for x in (2.0, 2.5)]
@@ -554,16 +544,16 @@ def pullOut(pair, wide, shift, friction=0.2, adhesion=0.0, squeeze=0.0, constrai
     scene = mpm.Scene((0, 0), (4, 4.5), h, threads=1)
     plate = box((left, 0.25), (left + wide * h, 3))
     soil = scene.add(
-        "soil", box((0, bottom), (4, bottom + D)) - plate, elastic(), typeOf(pair[0], h), group="soil"
+        "soil", box((0, bottom), (4, bottom + D)) - plate, elastic(1e5), typeOf(pair[0], h), group="soil"
     )
-    pile = scene.add("plate", plate, elastic(), typeOf(pair[1], h), group="plate")
+    pile = scene.add("plate", plate, elastic(1e5), typeOf(pair[1], h), group="plate")
     vertical = -2 * G * (bottom + D - soil.position[:, 1])
     soil.setStress(vertical[:, None, None] * np.diag([K0, 1, K0]) - np.diag([squeeze, 0, 0]))
     contact = mpm.Contact(friction=friction, adhesion=adhesion, constraints=constraints)
     drive = mpm.Drive(pile, velocity=(0, 0.02), ramp=0.03)
     base = mpm.Drive(soil.below(bottom + 0.5 * h), velocity=(None, 0), name="base")
     scene.engines = chain(
-        contact, gravity=(0, -G), damping=0.5, roller=("left", "right"), drive=[drive, base]
+        contact=contact, gravity=(0, -G), damping=0.5, roller=("left", "right"), drive=[drive, base]
     )
     run(scene, until=0.1)
     pulls = []
@@ -638,7 +628,7 @@ def test_half_a_body_presses_as_the_whole_one_does():
         lens = study.quadrilaterals(x, 0.301 + 0.2 * x**2 + 0.2 * t)
         scene.add("lens", lens, elastic(1e3), mpm.APDI(), group="lens").velocity = (0, -1.0)
         contact = mpm.Contact(impactLoss=1.0)
-        scene.engines = chain(contact, damping=0.1, fixed="bottom", roller=("left", "right"))
+        scene.engines = chain(contact=contact, damping=0.1, fixed="bottom", roller=("left", "right"))
         scene.dt, force = 5e-4, np.zeros(21)
         for _ in range(30):
             run(scene, steps=1)
@@ -701,7 +691,9 @@ def test_a_mesh_that_might_be_converted_is_still_a_mesh():
             mpm.APDI(size=0.125, onDistortion=onDistortion),
             group="b",
         )
-        scene.engines = chain(mpm.Contact(friction=0.2), gravity=(1.0, -G), damping=0.1, fixed="bottom")
+        scene.engines = chain(
+            contact=mpm.Contact(friction=0.2), gravity=(1.0, -G), damping=0.1, fixed="bottom"
+        )
         scene.dt = 2e-4
         run(scene, steps=200)
         assert block.converted == 0
@@ -713,7 +705,7 @@ def test_a_mesh_that_might_be_converted_is_still_a_mesh():
 def test_converted_domains_stay_in_their_group():
     """A sliding mesh, one vertex of which is pulled so far that its domains are given up, slides on."""
     scene = mpm.Scene((0, 0), (2.4, 1), 0.1, threads=1)
-    scene.add("base", box((0, 0), (2.4, 0.2)), elastic(), mpm.UGIMP(perCell=2), group="base")
+    scene.add("base", box((0, 0), (2.4, 0.2)), elastic(1e5), mpm.UGIMP(perCell=2), group="base")
     block = scene.add(
         "block",
         box((0.5, 0.2), (1.1, 0.5)),
@@ -723,7 +715,7 @@ def test_converted_domains_stay_in_their_group():
     )
     block.velocity = (1.0, 0.0)
     contact = mpm.Contact(friction=0.3)
-    scene.engines = chain(contact, gravity=(0, -G), fixed="bottom")
+    scene.engines = chain(contact=contact, gravity=(0, -G), fixed="bottom")
     run(scene, steps=20)
     corner = np.argmin(block.vertices[:, 1] + np.abs(block.vertices[:, 0] - block.position[:, 0].mean()))
     block.vertices[corner] += (0.0, 0.06)
@@ -742,7 +734,7 @@ def two(groups=("a", "b")):
         scene.add(
             f"body {k}",
             box((0.5, 0.5 + 0.5 * k), (1.5, 1.0 + 0.5 * k)),
-            elastic(),
+            elastic(1e5),
             mpm.UGIMP(perCell=2),
             group=group,
         )
@@ -755,7 +747,7 @@ def raises(text):
 
 def test_one_group_alone_cannot_be_in_contact():
     scene = two(("main", "main"))
-    scene.engines = chain(mpm.Contact())
+    scene.engines = chain(contact=mpm.Contact())
     with raises("Contact: all bodies belong to one group, 'main'; give scene.add(..., group=...)"):
         run(scene, steps=1)
 
@@ -763,7 +755,7 @@ def test_one_group_alone_cannot_be_in_contact():
 def test_pairs_must_be_groups_and_laws_not_negative():
     scene, contact = two(), mpm.Contact()
     contact.pair("a", "c", friction=0.1)
-    scene.engines = chain(contact)
+    scene.engines = chain(contact=contact)
     with raises("Contact: there is no group 'c'; groups: a, b"):
         run(scene, steps=1)
     for name, value in (
@@ -783,7 +775,7 @@ def test_pairs_must_be_groups_and_laws_not_negative():
 
 @pytest.mark.parametrize("place", [0, 1, 4])
 def test_contact_stands_between_solver_and_particles(place):
-    engines = chain(None)
+    engines = chain()
     engines.insert(place, mpm.Contact())
     with raises("do not make a step"):
         two().engines = engines
@@ -791,7 +783,7 @@ def test_contact_stands_between_solver_and_particles(place):
 
 def test_two_contacts_are_refused():
     with raises("do not make a step"):
-        two().engines = chain(mpm.Contact())[:3] + chain(mpm.Contact())[2:]
+        two().engines = chain(contact=mpm.Contact())[:3] + chain(contact=mpm.Contact())[2:]
 
 
 def test_groups_have_names():
@@ -803,12 +795,12 @@ def test_groups_have_names():
 def test_a_body_added_between_two_runs_touches_too():
     """What a run knows of the surfaces of bodies stays for the next one."""
     scene = mpm.Scene((0, 0), (3, 2), 0.1)
-    scene.add("base", box((0, 0), (3, 0.2)), elastic(), mpm.APDI(size=0.05), group="base")
-    scene.add("first", box((0.5, 0.2), (1.1, 0.5)), elastic(), mpm.APDI(size=0.05), group="first")
+    scene.add("base", box((0, 0), (3, 0.2)), elastic(1e5), mpm.APDI(size=0.05), group="base")
+    scene.add("first", box((0.5, 0.2), (1.1, 0.5)), elastic(1e5), mpm.APDI(size=0.05), group="first")
     contact = mpm.Contact(friction=0.3)
-    scene.engines = chain(contact, gravity=(0, -9.81), fixed="bottom")
+    scene.engines = chain(contact=contact, gravity=(0, -9.81), fixed="bottom")
     scene.run(until=0.01)
-    scene.add("second", box((1.7, 0.2), (2.3, 0.5)), elastic(), mpm.APDI(size=0.05), group="second")
+    scene.add("second", box((1.7, 0.2), (2.3, 0.5)), elastic(1e5), mpm.APDI(size=0.05), group="second")
     scene.run(until=0.2)
     forces = contact.forces()
     assert forces["base", "first"][1] > 0 and forces["base", "second"][1] > 0

@@ -3,6 +3,7 @@
 
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 
@@ -20,13 +21,7 @@ def pressed(constraints="auto", friction=0.3, velocity=(0, -0.1), implicit=True)
     drive = mpm.Drive(pile.above(6.5), velocity=velocity, ramp=0.2, name="pile")
     walls = {"fixed": "bottom", "roller": ("left", "right")}
     contact = mpm.Contact(friction=friction, impactLoss=1, constraints=constraints)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), damping=0.05, drive=drive, **walls),
-        contact,
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(contact=contact, gravity=(0, -9.81), damping=0.05, drive=drive, **walls)
     scene.dt = 8e-4
     return scene, drive, contact
 
@@ -103,13 +98,9 @@ def test_two_piles_that_touch_make_no_energy_out_of_soil():
         drives.append(mpm.Drive(pile.above(6.5), velocity=(0, speed), name=name))
     scene.initialStress(surface=5, K0=0.43, bodies=[soil])
     walls = {"fixed": "bottom", "roller": ("left", "right")}
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), damping=0.05, drive=drives, **walls),
-        mpm.Contact(friction=0.3),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(
+        contact=mpm.Contact(friction=0.3), gravity=(0, -9.81), damping=0.05, drive=drives, **walls
+    )
     scene.dt = 8e-4
     scene.run(until=0.5, progress=False)
     assert mpm.diagnostics.energyError(scene) > -0.2  # kJ; -3 then

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box, diagnostics
 
 CELL = 0.25
@@ -23,13 +24,7 @@ def thrown(implicit=True, impactLoss=0.0, dim=2, threads=1, kind="APDI"):
     upper = scene.add("steel", region, steel, mpm.APDI(size=CELL / 2), group="steel", implicit=implicit)
     upper.velocity = (0.3, *(0.0,) * (dim - 2), -2.0)
     contact = mpm.Contact(friction=0.3, impactLoss=impactLoss)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(),
-        contact,
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(contact=contact)
     return scene, lower, upper
 
 
@@ -120,9 +115,8 @@ def pressed(threads, symmetric=True):
     steel = mpm.LinearElastic(density=7.85, lame=STEEL)
     pile = scene.add("pile", shaft, steel, mpm.APDI(size=CELL / 2), group="pile", implicit=True)
     drive = mpm.Drive(pile.above(2.0), velocity=(0, -1.0), ramp=0.02)
-    solver = mpm.GridSolver(fixed="bottom", roller=("left", "right"), drive=drive)
     contact = mpm.Contact(friction=0.3, impactLoss=1.0)
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(contact=contact, fixed="bottom", roller=("left", "right"), drive=drive)
     scene.dt = 5e-4
     return scene
 
@@ -160,7 +154,7 @@ def test_a_rigid_ball_bounces_off_an_implicit_block():
         x[:] += v * scene.dt
         contact.setStates(x, q, v, w)
 
-    stages = [mpm.ParticleToGrid(), contact, mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    stages = chain(contact)
     scene.engines = [*stages, mpm.PyRunner(move, iterPeriod=1)]
     scene.dt = 3e-4
     assert scene.dt > 15 * scene.criticalTimeStep(asIfExplicit=True)

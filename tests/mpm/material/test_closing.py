@@ -6,6 +6,7 @@ from math import radians
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 SAND = dict(density=2.0, young=5e3, poisson=0.3, cohesion=0.0, frictionAngle=radians(31))
@@ -144,12 +145,7 @@ def collapsed(fbar=None, cell=0.02, **soil):
     law = mpm.MohrCoulombDruckerPrager(**{**SAND, **soil})
     sand = scene.add("sand", box((0, 0), (0.2, 0.2)), law, mpm.UGIMP(perCell=2), fbar=fbar)
     scene.initialStress(surface=0.2, K0=0.5)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(roller="left", fixed="bottom", gravity=(0, -9.81), damping=0.05),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(roller="left", fixed="bottom", gravity=(0, -9.81), damping=0.05)
     scene.run(until=0.8, progress=False)
     return sand
 

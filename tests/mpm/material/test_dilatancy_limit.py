@@ -19,6 +19,7 @@ Controls: without the limit the volume goes on growing; a limit that is 1e-9 hig
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 C, PHI, PSI = 8.5, np.radians(30), np.radians(10)
 LAMBDA, MU = 9.48e3, 6.31e3
@@ -234,12 +235,7 @@ def shearedBlock(limit):
         fbar=False,  # it exchanges elastic against plastic volume within a cell
     )
     top = mpm.Drive(body.above(1.7), velocity=(2.0, 0.0))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(fixed=("bottom",), drive=top),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(fixed=("bottom",), drive=top)
     scene.dt = 2e-4
     scene.run(steps=400, progress=False)
     middle = np.argmin(np.linalg.norm(body.position - (2.1, 1.1), axis=1))

@@ -19,6 +19,7 @@ out of the plane.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*stress outside the yield surface")  # random ones
@@ -74,12 +75,7 @@ def bodies(material, L, stress, most=MOST):
         body.position[...] = PLACE[:dim]
         if stress is not None:
             body.stress = stress[: body.count]
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(hold=heldNodes(L)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(hold=heldNodes(L))
     scene.dt, scene.allowUnstable = DT, True
     scene.run(steps=1, progress=False)
     return made

@@ -9,6 +9,7 @@ values, of the transfers that a step really uses.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 CASES = [(name, dim) for name in mpm._core.particleTypeNames() for dim in (2, 3)]
@@ -54,7 +55,7 @@ def addBlock(scene, name, jitter=0.1, young=1e3):
 
 
 def engines(**solver):
-    return [mpm.ParticleToGrid(), mpm.GridSolver(**solver), mpm.GridToParticle(), mpm.DomainUpdater()]
+    return chain(**solver)
 
 
 def weights(body, particle):

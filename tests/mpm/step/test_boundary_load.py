@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 ELASTIC = dict(density=2.0, young=1e4, poisson=0.3)
@@ -18,13 +19,7 @@ def distortedBlock(dim, distortion, scheme="MUSL", **load):
     x[isOuter] += distortion * H * np.random.default_rng(1).uniform(-1, 1, (isOuter.sum(), dim))
     scene = mpm.Scene((0,) * dim, (2,) * dim, H, scheme=scheme, threads=1)
     body = scene.add("block", (x, body.mesh.cells), mpm.LinearElastic(**ELASTIC), mpm.APDI())
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.BoundaryLoad(body, **load),
-        mpm.GridSolver(),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(mpm.BoundaryLoad(body, **load))
     return scene, body
 
 

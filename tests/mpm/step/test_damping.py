@@ -9,6 +9,7 @@ their accelerations cancel in every particle. The pair moves at a constant veloc
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 SPEED, SHEAR = -0.1, 25000.0
@@ -23,12 +24,7 @@ def lockedPair(shear=SHEAR):
     stress = np.zeros((pile.count, 3, 3))
     stress[:, 0, 1] = stress[:, 1, 0] = np.where(pile.position[:, 0] < 1, shear, -shear)
     pile.stress = stress
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(damping=0.5),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(damping=0.5)
     scene.dt = 1e-6
     return scene, pile
 

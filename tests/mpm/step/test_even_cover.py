@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 CLAY = dict(density=2.0, young=2e3, poisson=0.45, cohesion=2.0, frictionAngle=0.0)
@@ -37,7 +38,7 @@ def test_the_centre_of_mass_of_a_free_body_goes_straight_on():
     body = scene.add("clay", box((3, 3), (5, 5)), mpm.MohrCoulombDruckerPrager(**CLAY), mpm.UGIMP(perCell=2))
     body.velocity[:, 0] = 3 * (body.position[:, 1] - 4) * np.abs(body.position[:, 1] - 4)
     body.velocity[:, 1] = 0.3
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain()
     scene.run(steps=200, progress=False)
     way = np.average(body.position, axis=0, weights=body.mass) - (4, 4)
     assert way == pytest.approx(np.array([0, 0.3]) * scene.time, abs=1e-3 * 0.25)

@@ -5,6 +5,7 @@ pressure acts on its corners."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*stick together")
@@ -26,12 +27,7 @@ def holed(dim, lame=(1e-3, 1e-3), length=1, halves=False, filled=False):
         soft = mpm.LinearElastic(density=1.5, lame=(1e-3, 1e-3))
         scene.add("block", box(low, high), soft, mpm.UGIMP(), group="block")
     walls = ("left", "right", "bottom", "top", "front", "back")[: 2 * dim]
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(roller=walls),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(roller=walls)
     return scene, bodies
 
 

@@ -5,6 +5,7 @@ does not limit the step; everything else stays as it was."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain, elastic
 from yade_mpm import box, diagnostics
 
 CELL, LENGTH, THICKNESS = 0.25, 5.0, 0.25
@@ -22,12 +23,7 @@ def column(kind="uGIMP", dim=2, across=0.0, along=0.0, implicit=True, **solver):
     kind = KINDS[kind]()
     scene.add("column", box((*lower, 0), (*upper, height)), steel, kind, implicit=implicit)
     gravity = (across, *(0.0,) * (dim - 2), along)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=gravity, fixed="bottom", **solver),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=gravity, fixed="bottom", **solver)
     return scene
 
 
@@ -40,10 +36,9 @@ def soilWithPile(implicit=True, damping=0.05, scheme="MUSL", threads=1, **option
     steel = mpm.LinearElastic(density=7.85, lame=LAME)
     pile = scene.add("pile", shaft, steel, mpm.UGIMP(), implicit=implicit, **options)
     drive = mpm.Drive(pile.above(2.25), velocity=(0, -0.1), ramp=0.01, name="drive")
-    solver = mpm.GridSolver(
+    scene.engines = chain(
         gravity=(0, -9.81), damping=damping, fixed="bottom", roller=("left", "right"), drive=drive
     )
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     return scene
 
 
@@ -58,7 +53,7 @@ def state(scene):
 # --- the chain ------------------------------------------------------------------------------------------
 def test_the_scene_puts_the_engine_behind_the_solver_where_a_body_is_implicit():
     scene = soilWithPile()
-    chain = [
+    stages = [
         "ParticleToGrid",
         "GridSolver",
         "ImplicitBodies",
@@ -66,13 +61,13 @@ def test_the_scene_puts_the_engine_behind_the_solver_where_a_body_is_implicit():
         "VelocityRemap",
         "DomainUpdater",
     ]
-    assert names(scene) == chain
+    assert names(scene) == stages
     assert "ImplicitBodies" not in names(soilWithPile(implicit=False))
     late = soilWithPile(implicit=False)
     late["pile"].implicit = True
     late.dt = 1e-4
     late.run(steps=3, progress=False)
-    assert names(late) == chain and late.timing()["ImplicitBodies"][1] == 3
+    assert names(late) == stages and late.timing()["ImplicitBodies"][1] == 3
 
 
 def test_what_it_cannot_do_is_refused():
@@ -111,13 +106,12 @@ def blockOnSoil(soilKind, blockKind, width, perCell=2, lift=0.0, scheme="MUSL"):
     """A block of steel stands on an elastic one, or over it, bonded; gravity is switched on."""
     scene = mpm.Scene((0, 0), (3, 4), CELL, threads=1, scheme=scheme)
     kinds = {"uGIMP": lambda: mpm.UGIMP(perCell=perCell), "APDI": lambda: mpm.APDI(size=CELL)}
-    soft = mpm.LinearElastic(density=2.0, young=2e4, poisson=0.3)
+    soft = elastic(2e4)
     base = box((1.5 - width / 2, 0), (1.5 + width / 2, 1))
     scene.add("soil", base, soft, kinds[soilKind]())
     steel = mpm.LinearElastic(density=7.85, lame=LAME)
     scene.add("block", box((1, 1 + lift), (2, 2 + lift)), steel, KINDS[blockKind](), implicit=True)
-    solver = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
     return scene
 
 
@@ -191,14 +185,14 @@ def test_a_body_in_contact_with_both_gets_no_energy_either():
     """Contact gave what shares nodes another velocity than the block's: 0.06 kJ in 3 s came from nowhere,
     where gravity does 0.2."""
     scene = mpm.Scene((0, 0), (3, 4), CELL, threads=1)
-    soft, within = mpm.LinearElastic(density=2.0, young=2e4, poisson=0.3), box((1, 0), (2, 1))
+    soft, within = elastic(2e4), box((1, 0), (2, 1))
     steel = mpm.LinearElastic(density=7.85, lame=LAME)
     scene.add("soil", box((0, 0), (3, 1)) - within, soft, mpm.UGIMP())
     scene.add("block", within, steel, mpm.UGIMP(), implicit=True)
     scene.add("other", box((0.5, 1), (2.5, 2)), soft, mpm.UGIMP(), group="other")
-    solver = mpm.GridSolver(gravity=(0.3, -9.81), fixed="bottom", roller=("left", "right"))
-    chain = [mpm.ParticleToGrid(), solver, mpm.Contact(friction=0), mpm.GridToParticle(), mpm.DomainUpdater()]
-    scene.engines = chain
+    scene.engines = chain(
+        contact=mpm.Contact(friction=0), gravity=(0.3, -9.81), fixed="bottom", roller=("left", "right")
+    )
     scene.run(until=3.0, progress=False)
     assert energyGained(scene) < 0.01
 
@@ -217,13 +211,12 @@ def test_a_block_that_swings_on_soil_books_no_loss(kind):
     times mass times square of the acceleration, as if the forces of the soil were implicit, too: 64 % of what
     gravity does."""
     scene = mpm.Scene((0, 0), (1, 5), CELL, threads=1, scheme="USL")
-    soft = mpm.LinearElastic(density=2.0, young=2e4, poisson=0.3)
+    soft = elastic(2e4)
     kinds = {"uGIMP": mpm.UGIMP, "APDI": lambda: mpm.APDI(size=CELL)}
     scene.add("soil", box((0, 0), (1, 2)), soft, kinds[kind]())
     steel = mpm.LinearElastic(density=7.85, lame=LAME)
     scene.add("block", box((0, 2), (1, 3)), steel, kinds[kind](), implicit=True)
-    solver = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
     scene.dt = 8e-4
     scene.run(until=2.0, progress=False)
     done = diagnostics.externalWork(scene)
@@ -369,8 +362,7 @@ def test_usl_and_musl_move_an_implicit_body_alike():
         scene = mpm.Scene((0, 0), (1, 3), CELL, scheme=scheme, threads=1)
         steel = mpm.LinearElastic(density=7.85, lame=LAME)
         scene.add("column", box((0.375, 0), (0.625, 2)), steel, mpm.APDI(size=CELL / 2), implicit=True)
-        solver = mpm.GridSolver(gravity=(1.0, -9.81), fixed="bottom")
-        scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+        scene.engines = chain(gravity=(1.0, -9.81), fixed="bottom")
         scene.dt = 20 * CRITICAL
         scene.run(steps=50, progress=False)
         states.append(state(scene))
@@ -389,8 +381,7 @@ def test_two_bodies_that_touch_are_one_system_and_others_are_systems_of_their_ow
             region = box((0.375, lower), (0.625, upper))
             scene.add(f"to {upper}", region, steel, mpm.UGIMP(), implicit=True)
         far = scene.add("far", box((3.375, 0), (3.625, 2)), steel, mpm.UGIMP(), implicit=True)
-        solver = mpm.GridSolver(gravity=(1.0, -1.0), fixed="bottom")
-        scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+        scene.engines = chain(gravity=(1.0, -1.0), fixed="bottom")
         scene.dt = 50 * CRITICAL
         scene.run(steps=30, progress=False)
         tops.append((scene["to 2.0"].displacement[-1], far.displacement[-1]))
@@ -431,12 +422,7 @@ def test_what_is_driven_and_not_strained_loses_nothing(hasBase):
     if hasBase:
         scene.add("far", mpm.box((0, 0), (0.25, 0.25)), steel, mpm.UGIMP(), implicit=True)
     drive = mpm.Drive(pile.above(2.0), velocity=(0, 0.5), ramp=0.02)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(drive=drive, **({"fixed": "bottom"} if hasBase else {})),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(drive=drive, **({"fixed": "bottom"} if hasBase else {}))
     scene.dt = 2e-3
     scene.run(steps=30, progress=False)
     work = mpm.diagnostics.externalWork(scene)

@@ -5,6 +5,7 @@ component."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 
@@ -19,12 +20,7 @@ def test_force_and_moment_of_a_drive_balance_body_forces(dim, kind):
         kind,
     )
     drive = mpm.Drive(body, velocity=(0,) * dim)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0,) * dim, drive=drive),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0,) * dim, drive=drive)
     arm = body.position - (body.mass @ body.position) / body.mass.sum()
     body.bodyForce[:] = 3.0 + arm @ np.random.default_rng(dim).uniform(-5, 5, (dim, dim))
     force = -body.mass[:, None] * body.bodyForce

@@ -5,6 +5,7 @@ time it."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 CHAINS = {
@@ -23,7 +24,7 @@ def names(scene):
 
 
 def four():
-    return [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    return chain()
 
 
 def thrown(scheme="MUSL", contact=False, kinds=(mpm.UGIMP, mpm.APDI)):

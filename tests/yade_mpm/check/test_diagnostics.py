@@ -2,17 +2,15 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 from yade_mpm import diagnostics as d
 
 SOFT = dict(density=2.0, lame=(1e3, 1e3))
 
 
-def chain(*more, damping=0.0, gravity=(0, -9.81), **arguments):
-    solver = mpm.GridSolver(
-        gravity=gravity, damping=damping, roller=("left", "right"), fixed=("bottom",), **arguments
-    )
-    return [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), *more]
+def engines(*more, gravity=(0, -9.81), **arguments):
+    return [*chain(gravity=gravity, roller=("left", "right"), fixed=("bottom",), **arguments), *more]
 
 
 def column(kind, inertiaScale=1.0):
@@ -40,7 +38,7 @@ def driven(*drives):
     scene = column("UGIMP", inertiaScale=3)
     parts = {"all": scene["soil"].all(), "top": scene["soil"].above(3), "foot": scene["soil"].below(1)}
     drives = [mpm.Drive(parts[of], velocity, ramp=ramp, name=of) for of, velocity, ramp in drives]
-    scene.engines = chain(gravity=(0, 0), drive=drives)
+    scene.engines = engines(gravity=(0, 0), drive=drives)
     scene.run(steps=1, progress=False)
     return scene
 
@@ -79,7 +77,7 @@ def test_energy_balances_within_one_percent_in_an_undamped_elastic_column(kind):
     """Free oscillation under suddenly applied gravity, somewhat beyond the lowest point (half a period: 0.2
     s)."""
     scene = column(kind)
-    scene.engines = chain()
+    scene.engines = engines()
     scene.run(steps=250, progress=False)
     assert d.internalWork(scene) > 1 and d.externalWork(scene) > 1
     assert abs(d.energyError(scene, relative=True)) < 0.005
@@ -89,7 +87,7 @@ def test_energy_balances_within_one_percent_in_an_undamped_elastic_column(kind):
 
 def test_damped_energy_closes_the_balance():
     scene = column("APDI")
-    scene.engines = chain(damping=0.3)
+    scene.engines = engines(damping=0.3)
     scene.run(steps=400, progress=False)
     scale = d.externalWork(scene)
     assert d.dampedEnergy(scene) > 0.1 * scale
@@ -100,7 +98,7 @@ def test_damped_energy_closes_the_balance():
 def test_the_work_of_a_drive_closes_the_balance():
     scene = column("UGIMP")
     press = mpm.Drive(scene["soil"].above(3.6), (None, -0.2), ramp=0.1)
-    scene.engines = chain(gravity=(0, 0), drive=press)
+    scene.engines = engines(gravity=(0, 0), drive=press)
     scene.run(steps=500, progress=False)
     assert press.work > 1 and d.externalWork(scene) == pytest.approx(press.work)
     assert abs(d.energyError(scene)) < 0.02 * press.work
@@ -109,7 +107,7 @@ def test_the_work_of_a_drive_closes_the_balance():
 def test_the_initial_kinetic_energy_enters_the_balance():
     scene = column("APDI")
     scene["soil"].velocity[:, 1] = -0.3 * scene["soil"].position[:, 1] / 4
-    scene.engines = chain(gravity=(0, 0))
+    scene.engines = engines(gravity=(0, 0))
     start = d.kineticEnergy(scene)
     scene.run(steps=150, progress=False)
     assert d.internalWork(scene) > 0.2 * start
@@ -119,7 +117,7 @@ def test_the_initial_kinetic_energy_enters_the_balance():
 
 def test_kinetic_ratio_is_nan_before_any_work_and_falls_as_a_column_settles():
     scene = column("APDI")
-    scene.engines = chain(damping=0.5)
+    scene.engines = engines(damping=0.5)
     assert np.isnan(d.kineticRatio(scene))
     scene.run(steps=30, progress=False)
     early = d.kineticRatio(scene)
@@ -185,7 +183,7 @@ def test_converted_domains_are_counted():
         "soil", box((0, 0), (2, 1)), mpm.LinearElastic(**SOFT), mpm.APDI(size=0.5, onDistortion="convert")
     )
     scene.dt = 1e-3
-    scene.engines = chain()
+    scene.engines = engines()
     scene.run(steps=1, progress=False)
     assert d.convertedCount(scene) == 0
     corner = body.cells[3]
@@ -223,7 +221,7 @@ def test_section_force_of_a_uniform_stress_is_stress_times_width_at_any_height(k
 
 def test_section_force_of_a_settled_column_is_the_weight_above():
     scene = column("UGIMP")
-    scene.engines = chain(damping=0.5, gravity=(0, -0.1))
+    scene.engines = engines(damping=0.5, gravity=(0, -0.1))
     scene.run(steps=2500, progress=False)
     for height in (1.0, 2.0, 3.0):
         assert d.sectionForce(scene["soil"], height) == pytest.approx(-0.1 * 2 * 2 * (4 - height), rel=0.01)

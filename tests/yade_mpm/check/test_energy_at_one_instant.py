@@ -5,9 +5,10 @@ the square of the step."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import elastic
 from yade_mpm import box
 
-SOFT = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+SOFT = elastic(1e4)
 
 
 def scene_(kind, scheme="MUSL", gravity=(0, 0), implicit=False, **motions):

@@ -5,9 +5,10 @@ import warnings
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import elastic
 from yade_mpm import box
 
-ELASTIC = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+ELASTIC = elastic(1e4)
 
 
 def twoBodies(dim, kind, group="main", contact=False, where=None, **options):

@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import elastic
 from yade_mpm.geometry.lattice import checkOverlap, cutCells, firstNear, latticePoints
 from yade_mpm.geometry.regions import box, disc, halfSpace, polygon, sphere
 
@@ -178,7 +179,7 @@ def test_cut_cells_of_two_sides_make_up_the_whole():
 
 def test_a_cut_body_has_the_mass_of_its_region_and_may_touch_another():
     scene = mpm.Scene((0, 0), (4, 4), 0.5)
-    material = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3)
+    material = elastic(1e3)
     scene.add("base", box((0, 0), (4, 1)), material, mpm.UGIMP(perCell=2))
     wheel = scene.add("wheel", disc((2, 2), 1), material, mpm.UGIMP(perCell=2, cut=True))
     assert wheel.mass.sum() == pytest.approx(2 * np.pi, rel=2e-3)

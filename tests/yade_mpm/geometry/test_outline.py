@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain, elastic
 from yade_mpm import box, disc, halfSpace, polygon, sphere
 from yade_mpm.geometry.lattice import cutCells, cutOutline
 
@@ -20,9 +21,7 @@ def facets(region, spacing=0.25):
 
 def scene(region, type_=CUT, cell=0.5, **options):
     made = mpm.Scene((0,) * region.dim, (4,) * region.dim, cell, threads=1)
-    return made, made.add(
-        "body", region, mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3), type_, **options
-    )
+    return made, made.add("body", region, elastic(1e3), type_, **options)
 
 
 def enclosed(middles, areas):
@@ -109,7 +108,7 @@ def pressed(angle, isTurned=True):
     that contact finds."""
     angle = np.radians(angle)
     made = mpm.Scene((0, 0), (4, 3), 0.25, threads=1)
-    material = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+    material = elastic(1e4)
     made.add("base", box((0, 0), (4, 1)), material, mpm.UGIMP(perCell=2), group="base")
     corner = np.array((2.0, 1.5))
     wedge = made.add(
@@ -125,13 +124,7 @@ def pressed(angle, isTurned=True):
         wedge.deformationGradient[:, :2, :2] = back
     wedge.velocity = (0, -300.0)
     contact = mpm.Contact()
-    made.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(),
-        contact,
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    made.engines = chain(contact=contact)
     made.dt = 1e-4
     made.run(steps=1, progress=False)
     table = contact.contactTable()
@@ -170,12 +163,7 @@ def test_facets_stay_where_they_are_when_their_particle_is_split(dim):
 
 def test_a_checkpoint_keeps_the_outline(tmp_path):
     made, body = scene(disc((2.1, 1.9), 0.8), group="one")
-    made.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(1, -5)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    made.engines = chain(gravity=(1, -5))
     made.dt = 1e-3
     made.run(steps=20, progress=False)
     made.save(tmp_path / "a.h5")

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box, diagnostics
 
 
@@ -23,9 +24,8 @@ def inAFolderOfItsOwn(tmp_path_factory, monkeypatch):
     monkeypatch.chdir(tmp_path_factory.mktemp("run"))
 
 
-def chain(*more, **arguments):
-    solver = mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed=("bottom",), **arguments)
-    return [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), *more]
+def engines(*more, **arguments):
+    return [*chain(gravity=(0, -9.81), roller=("left", "right"), fixed=("bottom",), **arguments), *more]
 
 
 def makeScene():
@@ -45,7 +45,7 @@ def press(scene):
 
 def runWith(history, steps=100, before=(), scene=None):
     scene = scene or makeScene()
-    scene.engines = chain(*before, history, drive=press(scene))
+    scene.engines = engines(*before, history, drive=press(scene))
     scene.run(steps=steps, progress=False)
     return scene
 
@@ -124,16 +124,8 @@ def slidingScene():
 
 def slide(history, steps, *more):
     scene, drive, contact = slidingScene()
-    solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.05, drive=drive)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        solver,
-        contact,
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-        *more,
-        history,
-    ]
+    stages = chain(contact=contact, gravity=(0, -9.81), damping=0.05, drive=drive)
+    scene.engines = [*stages, *more, history]
     scene.run(steps=steps, progress=False)
     return scene, contact
 
@@ -227,7 +219,7 @@ def test_units_are_per_metre_in_2d_only():
 
 def test_a_hold_in_a_region_has_force_and_moment():
     scene, history = makeScene(), mpm.History(iterPeriod=20)
-    scene.engines = chain(history, hold=mpm.Hold(box((0, 0.4), (2, 0.6)), (None, 0), name="layer"))
+    scene.engines = engines(history, hold=mpm.Hold(box((0, 0.4), (2, 0.6)), (None, 0), name="layer"))
     scene.run(steps=20, progress=False)
     assert history["layer.fy"][0] > 0 and "layer.mz" in history.names
 
@@ -238,7 +230,7 @@ def test_reactions_are_means_over_all_steps_since_the_row_before():
     watch = mpm.PyRunner(
         lambda s: seen.append((*s.engines[1].drive.reaction, s.engines[1].drive.moment)), iterPeriod=1
     )
-    scene.engines = chain(watch, history, drive=press(scene))
+    scene.engines = engines(watch, history, drive=press(scene))
     scene.run(steps=80, progress=False)
     steps = np.array(seen).reshape(2, 40, 3)
     for name, column in zip(("drive.fx", "drive.fy", "drive.mz"), np.moveaxis(steps.mean(axis=1), 1, 0)):
@@ -254,12 +246,12 @@ def test_reactions_are_means_over_all_steps_since_the_row_before():
 def test_a_motion_that_begins_amid_two_rows_is_averaged_over_its_own_steps(before):
     seen = []
     scene, history = makeScene(), mpm.History(iterPeriod=40)
-    scene.engines = chain(
+    scene.engines = engines(
         history, **({"drive": press(scene)} if before else {})
     )  # another one of the same name
     scene.run(steps=20, progress=False)
     watch = mpm.PyRunner(lambda s: seen.append(s.engines[1].drive.reaction[1]), iterPeriod=1)
-    scene.engines = chain(watch, history, drive=press(scene))
+    scene.engines = engines(watch, history, drive=press(scene))
     scene.run(steps=20, progress=False)
     assert history["drive.fy"][0] == pytest.approx(np.mean(seen), rel=1e-12) and len(seen) == 20
 
@@ -267,10 +259,10 @@ def test_a_motion_that_begins_amid_two_rows_is_averaged_over_its_own_steps(befor
 def test_a_history_that_begins_late_is_averaged_over_its_own_steps():
     scene, history = makeScene(), mpm.History(iterPeriod=40)
     drive = press(scene)
-    scene.engines = chain(drive=drive)
+    scene.engines = engines(drive=drive)
     scene.run(steps=60, progress=False)
     impulse, time = drive.impulse, scene.time
-    scene.engines = chain(history, drive=drive)
+    scene.engines = engines(history, drive=drive)
     scene.run(steps=20, progress=False)
     assert history["drive.fy"][0] == pytest.approx(
         (drive.impulse - impulse)[1] / (scene.time - time), rel=1e-12
@@ -411,7 +403,7 @@ def test_a_history_loaded_from_a_checkpoint_continues_bitwise_in_memory_and_file
         lambda scene: scene.steps == 50 and scene.save(tmp_path / "state.h5"), iterPeriod=1, label="save"
     )
     scene = makeScene()  # the state is saved amid two rows, after which the files go on for a while
-    scene.engines = chain(mpm.Recorder(tmp_path / "cut.h5", iterPeriod=20), first, save, drive=press(scene))
+    scene.engines = engines(mpm.Recorder(tmp_path / "cut.h5", iterPeriod=20), first, save, drive=press(scene))
     scene.run(steps=90, progress=False)
     assert len(first) == 4
 

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 from yade_mpm.io import pagedFile, vtkhdf
 
@@ -26,9 +27,8 @@ def inAFolderOfItsOwn(tmp_path_factory, monkeypatch):
 GRAVITY = {2: (0, -9.81), 3: (0, 0, -9.81)}
 
 
-def chain(*more, dim=2):
-    solver = mpm.GridSolver(gravity=GRAVITY[dim], fixed=("bottom",))
-    return [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), *more]
+def engines(*more, dim=2):
+    return [*chain(gravity=GRAVITY[dim], fixed=("bottom",)), *more]
 
 
 def makeScene(dim=2, onDistortion="stop", perCell=2):
@@ -65,7 +65,7 @@ def runAndWatch(scene, file, steps=30, every=10):
     """Runs with a recorder; returns what every frame should hold."""
     frames = [snapshot(scene)]
     watch = mpm.PyRunner(lambda s: frames.append(snapshot(s)), iterPeriod=every)
-    scene.engines = chain(mpm.Recorder(file, iterPeriod=every), watch, dim=scene.dim)
+    scene.engines = engines(mpm.Recorder(file, iterPeriod=every), watch, dim=scene.dim)
     scene.run(steps=steps, progress=False)
     return frames
 
@@ -135,7 +135,7 @@ def test_the_vtk_reader_sees_the_same_steps_cells_and_arrays(tmp_path, dim, comp
     from vtk.util.numpy_support import vtk_to_numpy as asArray
 
     scene, file = makeScene(dim), str(tmp_path / "a.vtkhdf")
-    scene.engines = chain(mpm.Recorder(file, iterPeriod=10, compress=compress), dim=dim)
+    scene.engines = engines(mpm.Recorder(file, iterPeriod=10, compress=compress), dim=dim)
     scene.run(steps=20, progress=False)
     wide = ((1.5, 1), (2, 1.5)) if dim == 2 else ((1.5, 0, 1), (2, 1, 1.5))
     scene.add("late", box(*wide), mpm.LinearElastic(density=1, lame=(1e3, 1e3)), mpm.APDI(size=0.5))
@@ -187,7 +187,7 @@ def test_two_scenes_do_not_mix_their_frames_in_one_file(tmp_path):
     file = str(tmp_path / "a.vtkhdf")
     one, other = makeScene(), makeScene()
     for scene in (one, other):
-        scene.engines = chain(mpm.Recorder(file, iterPeriod=5))
+        scene.engines = engines(mpm.Recorder(file, iterPeriod=5))
     one.run(steps=10, progress=False)
     with pytest.warns(UserWarning, match="the first step replaces"):
         other.run(steps=10, progress=False)
@@ -199,7 +199,7 @@ def test_two_scenes_do_not_mix_their_frames_in_one_file(tmp_path):
 
 def test_a_converted_domain_becomes_boxes_in_the_next_frame(tmp_path):
     scene = makeScene(onDistortion="convert")
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=1, bodies=["low"]))
+    scene.engines = engines(mpm.Recorder(tmp_path / "a.h5", iterPeriod=1, bodies=["low"]))
     scene.run(steps=1, progress=False)
     vertices, cells = scene["low"].vertices, scene["low"].cells
     vertices[cells[3, 2]] = vertices[cells[3, 0]] + 0.51 * (vertices[cells[3, 2]] - vertices[cells[3, 0]])
@@ -235,7 +235,7 @@ def test_components_have_names_and_the_stress_those_that_paraview_shows(tmp_path
 
 def test_a_body_has_a_field_of_its_name(tmp_path):
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.vtkhdf", iterPeriod=5))
+    scene.engines = engines(mpm.Recorder(tmp_path / "a.vtkhdf", iterPeriod=5))
     scene.run(steps=5, progress=False)
     rock = mpm.LinearElastic(density=1, lame=(1e3, 1e3))
     late = scene.add("rock, 1/2", box((1.5, 1), (2, 1.5)), rock, mpm.APDI(size=0.5))
@@ -256,7 +256,7 @@ def test_what_only_elastic_materials_remember_is_recorded_where_it_is_asked_for(
     assert "stretchXX" in {f["name"] for f in scene["low"].fields()} and "stretchXX" not in frame
     assert "plasticShearStrain" in frame
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(tmp_path / "b.h5", iterPeriod=5, fields=["stretchXX"]))
+    scene.engines = engines(mpm.Recorder(tmp_path / "b.h5", iterPeriod=5, fields=["stretchXX"]))
     scene.run(steps=5, progress=False)
     assert np.isfinite(readWithH5py(tmp_path / "b.h5")[-1]["stretchXX"]).any()
 
@@ -278,7 +278,7 @@ def test_a_variable_that_appears_later_is_nan_before(tmp_path):
     scene = mpm.Scene((0, 0), (2, 2), 0.5)
     elastic = mpm.LinearElastic(density=2, lame=(1e3, 1e3))
     low = scene.add("low", box((0, 0), (2, 1)), elastic, mpm.APDI(size=0.5))
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5))
+    scene.engines = engines(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5))
     scene.run(steps=5, progress=False)
     soil = mpm.MohrCoulombDruckerPrager(
         density=1.5, lame=(1e3, 1e3), cohesion=5, frictionAngle=0.5, dilatancyAngle=0
@@ -293,7 +293,7 @@ def test_a_variable_that_appears_later_is_nan_before(tmp_path):
 
 def test_fields_and_bodies_can_be_chosen(tmp_path):
     scene = makeScene()
-    scene.engines = chain(
+    scene.engines = engines(
         mpm.Recorder(
             tmp_path / "a.h5",
             iterPeriod=5,
@@ -325,7 +325,7 @@ def test_fields_and_bodies_can_be_chosen(tmp_path):
 
 def test_frames_come_every_period_of_scene_time(tmp_path):
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", period=0.01))
+    scene.engines = engines(mpm.Recorder(tmp_path / "a.h5", period=0.01))
     scene.run(until=0.035, progress=False)
     times = [f["time"] for f in readWithH5py(tmp_path / "a.h5")]
     assert np.allclose(times, [0, 0.01, 0.02, 0.03], atol=0.51 * scene.dt)
@@ -339,9 +339,9 @@ def test_a_restored_recorder_cuts_its_file_and_continues_to_the_same_content(tmp
     runAndWatch(scene, cut, steps=30)  # 30 steps are in the file,
     old = scene.engines[5]
     scene = makeScene()
-    scene.engines = chain()
+    scene.engines = engines()
     scene.run(steps=resumedAt, progress=False)  # the state is older
-    scene.engines = chain(again(old))
+    scene.engines = engines(again(old))
     scene.prepare()
     assert [f["steps"] for f in readWithH5py(cut)] == list(range(0, resumedAt + 1, 10))
     scene.run(steps=40 - resumedAt, progress=False)
@@ -353,7 +353,7 @@ def test_a_restored_recorder_without_its_file_begins_a_new_one(tmp_path):
     runAndWatch(scene, file, steps=20)
     old = scene.engines[5]
     os.remove(file)
-    scene.engines = chain(again(old))
+    scene.engines = engines(again(old))
     scene.run(steps=15, progress=False)
     assert [f["steps"] for f in readWithH5py(file)] == [20, 30]
 
@@ -361,19 +361,19 @@ def test_a_restored_recorder_without_its_file_begins_a_new_one(tmp_path):
 def test_a_file_of_another_run_is_not_continued(tmp_path):
     runAndWatch(makeScene(), tmp_path / "a.h5", steps=10)
     scene = makeScene()
-    scene.engines = chain(again(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5)))
+    scene.engines = engines(again(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5)))
     with pytest.raises(ValueError, match="is not the file that this run has written; move it away"):
         scene.run(steps=10, progress=False)
 
 
 def test_two_recorders_need_two_files(tmp_path):
     scene = makeScene()
-    scene.engines = chain(
+    scene.engines = engines(
         mpm.Recorder(tmp_path / "a.h5", iterPeriod=5), mpm.Recorder(tmp_path / "a.h5", iterPeriod=7)
     )
     with pytest.raises(ValueError, match="two recorders write to .*; give each its own file"):
         scene.run(steps=10, progress=False)
-    scene.engines = chain(
+    scene.engines = engines(
         mpm.Recorder(tmp_path / "a.h5", iterPeriod=5), mpm.Recorder(tmp_path / "b.h5", iterPeriod=7)
     )
     scene.run(steps=10, progress=False)
@@ -395,7 +395,7 @@ def test_an_old_file_stays_until_the_first_step_is_taken(tmp_path):
     runAndWatch(makeScene(), file, steps=10)
     kept = contentOf(file)
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(file, iterPeriod=5))
+    scene.engines = engines(mpm.Recorder(file, iterPeriod=5))
     scene.dt = 1.0
     with pytest.raises(ValueError, match="exceeds the longest stable step"):
         scene.run(steps=5, progress=False)
@@ -407,7 +407,7 @@ def test_an_old_file_stays_until_the_first_step_is_taken(tmp_path):
 
 def test_the_initial_frame_holds_what_was_set_after_an_early_check(tmp_path):
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5))
+    scene.engines = engines(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5))
     scene.criticalTimeStep()
     scene["high"].velocity[...] = (0, -0.25)
     scene.run(steps=5, progress=False)
@@ -439,7 +439,7 @@ def test_wrong_arguments_are_refused(arguments, text):
 )
 def test_unknown_fields_and_bodies_are_refused_before_the_first_step(tmp_path, arguments, text):
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, **arguments))
+    scene.engines = engines(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, **arguments))
     with pytest.raises(ValueError, match=text):
         scene.run(steps=5, progress=False)
     assert scene.steps == 0
@@ -448,7 +448,7 @@ def test_unknown_fields_and_bodies_are_refused_before_the_first_step(tmp_path, a
 @pytest.mark.parametrize("place", ["missing/a.h5", "."])
 def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path, place):
     scene = makeScene()
-    scene.engines = chain(mpm.Recorder(tmp_path / place, iterPeriod=5))
+    scene.engines = engines(mpm.Recorder(tmp_path / place, iterPeriod=5))
     with pytest.raises(OSError, match="Recorder '.*give .* file"):
         scene.run(steps=5, progress=False)
     assert scene.steps == 0
@@ -464,7 +464,7 @@ def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(
 ):
     """Kills the writer before its write number `survived` + 1 of a frame that takes new pages of the file."""
     scene, file = makeScene(perCell=8), tmp_path / "a.h5"
-    scene.engines = chain(mpm.Recorder(file, iterPeriod=10))
+    scene.engines = engines(mpm.Recorder(file, iterPeriod=10))
     scene.run(steps=20, progress=False)
     shutil.copy(file, tmp_path / "before.h5")
     writes, write = [], pagedFile._writeAll
@@ -493,7 +493,7 @@ def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(
 def test_the_journal_is_what_saves_a_killed_writer(tmp_path, monkeypatch):
     """The control of the test above: between two writes the file alone is not what it should be."""
     scene, file = makeScene(perCell=8), tmp_path / "a.h5"
-    scene.engines = chain(mpm.Recorder(file, iterPeriod=10))
+    scene.engines = engines(mpm.Recorder(file, iterPeriod=10))
     scene.run(steps=20, progress=False)
     count, write = [0], pagedFile._writeAll
 

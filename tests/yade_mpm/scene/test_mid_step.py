@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 ELASTIC = dict(density=2.0, young=1000, poisson=0.3)
@@ -27,9 +28,9 @@ def makeScene(name, place):
         for body in scene.bodies:
             setattr(body, name, NEW[name])
 
-    chain = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
-    chain.insert(place, mpm.PyRunner(change, iterPeriod=1))
-    scene.engines, scene.dt = chain, 1e-4
+    engines = chain()
+    engines.insert(place, mpm.PyRunner(change, iterPeriod=1))
+    scene.engines, scene.dt = engines, 1e-4
     return scene
 
 
@@ -59,8 +60,7 @@ def stacked(order):
         region, kind = box((x0, y0), (x1, y1)), mpm.UGIMP(perCell=2)
         scene.add(name, region, mpm.LinearElastic(**ELASTIC), kind, group=f"of {name}")
     contact = mpm.Contact(friction=0.3)
-    solver = mpm.GridSolver(gravity=(0, -10), fixed="bottom")
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(contact=contact, gravity=(0, -10), fixed="bottom")
     scene.dt = 1e-3
     scene.run(steps=100, progress=False)
     return scene, contact

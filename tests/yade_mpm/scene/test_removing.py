@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 ELASTIC = dict(density=2.0, young=2e4, poisson=0.3)
@@ -17,8 +18,7 @@ def ground(type_=None, **more):
         layer = box((0, bottom), (4, bottom + 1))
         scene.add(name, layer, soil, type_ or mpm.UGIMP(perCell=2), **more)
     scene.initialStress(surface=2, K0=0.3 / 0.7)
-    solver = mpm.GridSolver(gravity=(0, -9.81), damping=0.7, roller=("left", "right"), fixed="bottom")
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(gravity=(0, -9.81), damping=0.7, roller=("left", "right"), fixed="bottom")
     return scene
 
 
@@ -84,16 +84,16 @@ def test_what_still_has_the_body_is_told():
     scene = ground(mpm.APDI(size=0.5))
     upper = scene["upper"]
     load = mpm.BoundaryLoad(upper, where=box((0, 1.9), (4, 2.1)), pressure=1.0)
-    chain = list(scene.engines)
-    scene.engines = [chain[0], load, *chain[1:]]
+    engines = list(scene.engines)
+    scene.engines = [engines[0], load, *engines[1:]]
     with pytest.raises(ValueError, match="body 'upper': remove: a BoundaryLoad is for it; take that out of"):
         scene.remove(upper)
     drive = mpm.Drive(upper, velocity=(0, -0.1), name="press")
     solver = mpm.GridSolver(drive=drive, fixed="bottom")
-    scene.engines = [chain[0], solver, *chain[2:]]
+    scene.engines = [engines[0], solver, *engines[2:]]
     with pytest.raises(ValueError, match="a Drive 'press' is for it; take that out of the GridSolver"):
         scene.remove(upper)
-    scene.engines = [chain[0], mpm.RigidContact(), *chain[1:]]
+    scene.engines = [engines[0], mpm.RigidContact(), *engines[1:]]
     with pytest.raises(ValueError, match="RigidContact knows what touches by the number of its particle"):
         scene.remove(upper)
     with pytest.raises(ValueError, match="body 'upper': remove: it is not a body of this scene"):

@@ -7,6 +7,7 @@ from math import radians
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box, rigid
 
 SIDE, PRESSURE = 0.4, 100.0  # m, kPa
@@ -36,13 +37,7 @@ def squeeze(dim, until, rate=0.02, lateral=20.0, **options):
     )
     scene, body, contact = squeezed(dim, 0.3, soil, **options)
     scene.dt = 3e-4
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        contact,
-        mpm.GridSolver(damping=0.1),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(contact, damping=0.1)
     place, turn = contact.positions.copy(), contact.orientations.copy()
     sign = np.tile([-1.0, 1.0], dim)
     rows, axes = np.arange(2 * dim), np.repeat(np.arange(dim), 2)

@@ -4,28 +4,14 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain, elastic
 from yade_mpm import box, rigid
 
 KINDS = ["UGIMP", "APDI"]
 
 
-def elastic(young=1e4):
-    return mpm.LinearElastic(density=2.0, young=young, poisson=0.3)
-
-
 def typeOf(kind, cell):
     return mpm.UGIMP(perCell=2) if kind == "UGIMP" else mpm.APDI(size=cell / 2)
-
-
-def chain(contact, *callbacks, **solver):
-    return [
-        mpm.ParticleToGrid(),
-        contact,
-        mpm.GridSolver(**solver),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-        *callbacks,
-    ]
 
 
 class Free:
@@ -67,13 +53,15 @@ def thrown(kind, dim, threads=1, friction=0.4, **attributes):
     """A sphere thrown at an angle onto a free block: scene, contact, block, and what moves the sphere."""
     cell = 0.1 if dim == 2 else 0.2
     scene = mpm.Scene((0,) * dim, (2,) * dim, cell, threads=threads)
-    block = scene.add("block", box((0.4,) * dim, (1.6,) * (dim - 1) + (1.0,)), elastic(), typeOf(kind, cell))
+    block = scene.add(
+        "block", box((0.4,) * dim, (1.6,) * (dim - 1) + (1.0,)), elastic(1e4), typeOf(kind, cell)
+    )
     contact = mpm.RigidContact(**attributes)
     at, velocity = np.full(3, 1.03), np.zeros(3)
     at[dim - 1], velocity[dim - 1], velocity[0] = 1.2, -3, 1
     contact.addBody(rigid.Sphere(0.2), friction=friction, position=at[:dim], velocity=velocity)
     sphere = Free(contact, 0.5, 0.4 * 0.5 * 0.2**2)
-    scene.engines = chain(contact, mpm.PyRunner(sphere, iterPeriod=1))
+    scene.engines = [*chain(contact), mpm.PyRunner(sphere, iterPeriod=1)]
     return scene, contact, block, sphere
 
 
@@ -137,7 +125,7 @@ def test_friction_acts_where_the_normal_leaves_the_box(angle):
     edge of a wedge, and its pile met 30 % more."""
     scene = mpm.Scene((0, 0), (1, 1), 0.2, threads=1)
     half = 0.05
-    block = scene.add("box", box((0.4, 0.4), (0.5, 0.5)), elastic(), mpm.UGIMP(perCell=2))
+    block = scene.add("box", box((0.4, 0.4), (0.5, 0.5)), elastic(1e4), mpm.UGIMP(perCell=2))
     normal, along = np.array((np.sin(angle), np.cos(angle), 0)), np.array((np.cos(angle), -np.sin(angle), 0))
     centre = np.append(block.position[0], 0)
     contact = mpm.RigidContact(stiffnessFactor=0.1)
@@ -163,14 +151,15 @@ def test_friction_acts_where_the_normal_leaves_the_box(angle):
 def plateOnGround(kind, friction=0.3, weight=10.0, length=4.0):
     """Scene, contact and plate (0.9 m wide) after it has come to rest under its weight."""
     scene = mpm.Scene((0, 0), (length, 1.5), 0.1, threads=1)
-    scene.add("soil", box((0, 0), (length, 0.5)), elastic(), typeOf(kind, 0.1))
+    scene.add("soil", box((0, 0), (length, 0.5)), elastic(1e4), typeOf(kind, 0.1))
     contact = mpm.RigidContact(normalDamping=0.3)
     contact.addBody(rigid.Box((0.45, 0.2)), friction=friction, position=(1.5, 0.7))
     plate = Free(contact, weight / 10, load=(0, -weight, 0), drag=50)
     plate.isHeldBack = True
-    scene.engines = chain(
-        contact, mpm.PyRunner(plate, iterPeriod=1), fixed=("bottom", "left", "right"), damping=0.3
-    )
+    scene.engines = [
+        *chain(contact, fixed=("bottom", "left", "right"), damping=0.3),
+        mpm.PyRunner(plate, iterPeriod=1),
+    ]
     scene.run(steps=700, progress=False)
     plate.isHeldBack = False
     return scene, contact, plate
@@ -251,7 +240,7 @@ def test_a_chattering_block_is_braked_in_every_touch(kind):
         touches.append(contact.contacts)
 
     weight = np.sqrt(50)
-    scene.engines = chain(contact, mpm.PyRunner(look, iterPeriod=1), gravity=(weight, -weight))
+    scene.engines = [*chain(contact, gravity=(weight, -weight)), mpm.PyRunner(look, iterPeriod=1)]
     scene.run(until=0.1, progress=False)
     x, y, _ = np.sum(forces, axis=0)
     assert x / -y == pytest.approx(0.3, rel=1e-12)
@@ -266,7 +255,7 @@ def test_a_sphere_lighter_than_a_particle_leaves_no_faster_than_it_came(ratio, d
     def speed(mass):
         cell = 0.1 * (dim - 1)
         scene = mpm.Scene((0,) * dim, (1.6,) * dim, cell, threads=1)
-        scene.add("soil", box((0,) * dim, (1.6,) * (dim - 1) + (0.6,)), elastic(), typeOf("UGIMP", cell))
+        scene.add("soil", box((0,) * dim, (1.6,) * (dim - 1) + (0.6,)), elastic(1e4), typeOf("UGIMP", cell))
         own = ratio * 2.0 * (cell / 2) ** dim
         radius = (own / 2.0 / np.pi) ** 0.5 if dim == 2 else (3 * own / 8.0 / np.pi) ** (1 / 3)
         at, velocity = np.array((0.83, 0.83, 0.83)), np.zeros(3)
@@ -274,7 +263,7 @@ def test_a_sphere_lighter_than_a_particle_leaves_no_faster_than_it_came(ratio, d
         contact = mpm.RigidContact()
         contact.addBody(rigid.Sphere(radius), position=at[:dim], velocity=velocity, mass=mass * own)
         sphere = Free(contact, own)
-        scene.engines = chain(contact, mpm.PyRunner(sphere, iterPeriod=1), fixed="bottom")
+        scene.engines = [*chain(contact, fixed="bottom"), mpm.PyRunner(sphere, iterPeriod=1)]
         scene.run(steps=200, progress=False)
         return sphere.v[0, dim - 1]
 
@@ -298,9 +287,10 @@ def test_a_disc_slides_or_rolls_down_an_incline(kind, friction):
     weight = mass * g * np.array([np.sin(theta), -np.cos(theta), 0])
     disc = Free(contact, mass, mass * radius**2 / 2, load=weight, drag=30)
     disc.isHeldBack = True
-    scene.engines = chain(
-        contact, mpm.PyRunner(disc, iterPeriod=1), fixed=("bottom", "left", "right"), damping=0.3
-    )
+    scene.engines = [
+        *chain(contact, fixed=("bottom", "left", "right"), damping=0.3),
+        mpm.PyRunner(disc, iterPeriod=1),
+    ]
     scene.run(until=0.3, progress=False)
     disc.isHeldBack, first = False, len(disc.log)
     scene.run(until=0.7, progress=False)
@@ -410,7 +400,7 @@ def test_a_body_that_only_touches_flat_ground_gets_no_force(kind, dim, name):
     turn = (np.sqrt(0.5), np.sqrt(0.5), 0, 0) if dim == 3 else (1, 0, 0, 0)  # y of the shapes is up
     found = {0.0: 0, lower: 0}
     scene = mpm.Scene((0,) * dim, (1.2,) * (dim - 1) + (0.8,), 0.1, threads=1)
-    scene.add("soil", box((0,) * dim, (1.2,) * (dim - 1) + (0.5,)), elastic(), typeOf(kind, 0.1))
+    scene.add("soil", box((0,) * dim, (1.2,) * (dim - 1) + (0.5,)), elastic(1e4), typeOf(kind, 0.1))
     contact = mpm.RigidContact(checkBalance=True)
     contact.addBody(shape, position=(0.6, 0.6, 0.6))
     scene.engines = chain(contact, fixed="bottom")
@@ -433,11 +423,11 @@ def test_a_body_that_touches_the_ground_is_not_thrown_off_by_small_steps():
 
     def velocities(deep):
         scene = mpm.Scene((0, 0), (1.2, 1.8), 0.1, threads=1)
-        scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), mpm.UGIMP(perCell=2))
+        scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(1e4), mpm.UGIMP(perCell=2))
         contact = mpm.RigidContact()
         contact.addBody(rigid.Sphere(0.5), position=(0.62, 1.0 - deep))
         disc = Free(contact, 1.5, 1.5 * 0.5**2 / 2, load=(0, -15, 0))
-        scene.engines = chain(contact, mpm.PyRunner(disc, iterPeriod=1), fixed="bottom")
+        scene.engines = [*chain(contact, fixed="bottom"), mpm.PyRunner(disc, iterPeriod=1)]
         scene.dt = 0.05 * scene.criticalTimeStep()
         scene.run(steps=400, progress=False)
         return np.array(disc.log)[:, 2], contact.forces[0, 1]
@@ -491,11 +481,11 @@ def test_contact_gives_no_more_energy_than_its_springs_had(kind, friction, x):
     of a step's end the work was up to 35 % off.
     """
     scene = mpm.Scene((0, 0), (1.2, 1.6), 0.1, threads=1)
-    scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), typeOf(kind, 0.1))
+    scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(1e4), typeOf(kind, 0.1))
     contact, rows = mpm.RigidContact(stiffnessFactor=0.7), []
     contact.addBody(rigid.Sphere(0.3), friction=friction, position=(x, 0.795))
     look = mpm.PyRunner(lambda: rows.append(energies(scene, contact)), iterPeriod=1)
-    scene.engines = chain(contact, look, fixed=("bottom", "left", "right"))
+    scene.engines = [*chain(contact, fixed=("bottom", "left", "right")), look]
     scene.dt = 0.8 * scene.criticalTimeStep()
     scene.run(steps=4000, progress=False)
     springs, soil, work = np.array(rows).T / rows[0][0]
@@ -508,11 +498,11 @@ def test_a_disc_that_bounces_off_takes_no_more_energy_than_it_brought(kind):
     """Undamped soil, both together within 5 %. With uGIMP the disc left with 1.01 of its energy, and the
     soil had 0.07 more."""
     scene = mpm.Scene((0, 0), (1.2, 1.6), 0.1, threads=1)
-    scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), typeOf(kind, 0.1))
+    scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(1e4), typeOf(kind, 0.1))
     contact = mpm.RigidContact(stiffnessFactor=0.7)
     contact.addBody(rigid.Sphere(0.3), position=(0.6, 0.81), velocity=(0, -1))
     disc = Free(contact, 0.5)
-    scene.engines = chain(contact, mpm.PyRunner(disc, iterPeriod=1), fixed=("bottom", "left", "right"))
+    scene.engines = [*chain(contact, fixed=("bottom", "left", "right")), mpm.PyRunner(disc, iterPeriod=1)]
     scene.dt = 0.8 * scene.criticalTimeStep()
     scene.run(steps=1000, progress=False)
     own, before = 0.25 * (disc.v**2).sum(), 0.25
@@ -551,7 +541,7 @@ def test_a_restart_goes_on_with_the_same_bits(kind):
 
     def driven():
         scene = mpm.Scene((0, 0), (2, 1), 0.1, threads=1)
-        scene.add("soil", box((0, 0), (2, 0.5)), elastic(), typeOf(kind, 0.1))
+        scene.add("soil", box((0, 0), (2, 0.5)), elastic(1e4), typeOf(kind, 0.1))
         contact = mpm.RigidContact()
         contact.addBody(
             [rigid.Sphere(0.1, (-0.1, 0)), rigid.Sphere(0.1, (0.1, 0))],
@@ -591,7 +581,7 @@ def test_shapes_with_the_same_face_press_alike(shapes):
     """A flat face pressed 1 mm into ground 0.8 m wide: 32 particles with the same force, no matter what the
     face belongs to."""
     scene = mpm.Scene((0, 0), (1.2, 1), 0.1, threads=1)
-    scene.add("soil", box((0.2, 0), (1.0, 0.5)), elastic(), mpm.UGIMP(perCell=4))
+    scene.add("soil", box((0.2, 0), (1.0, 0.5)), elastic(1e4), mpm.UGIMP(perCell=4))
     contact = mpm.RigidContact()
     contact.addBody(shapes, position=(0.6, 0.599))
     scene.engines = chain(contact)
@@ -606,7 +596,7 @@ def test_a_turned_clump_in_3D_is_where_it_should_be():
 
     def contacts(orientation):
         scene = mpm.Scene((0, 0, 0), (1, 1, 1), 0.1, threads=1)
-        scene.add("soil", box((0, 0, 0), (1, 1, 0.5)), elastic(), mpm.UGIMP(perCell=2))
+        scene.add("soil", box((0, 0, 0), (1, 1, 0.5)), elastic(1e4), mpm.UGIMP(perCell=2))
         contact = mpm.RigidContact(checkBalance=True)
         contact.addBody(
             [
@@ -629,11 +619,11 @@ def test_a_turned_clump_in_3D_is_where_it_should_be():
 @pytest.mark.parametrize("kind", KINDS)
 def test_momentum_under_the_other_schemes(kind, scheme):
     scene = mpm.Scene((0, 0), (2, 2), 0.1, scheme=scheme, threads=1)
-    block = scene.add("block", box((0.4, 0.4), (1.6, 1.0)), elastic(), typeOf(kind, 0.1))
+    block = scene.add("block", box((0.4, 0.4), (1.6, 1.0)), elastic(1e4), typeOf(kind, 0.1))
     contact = mpm.RigidContact(checkBalance=True)
     contact.addBody(rigid.Sphere(0.2), friction=0.4, position=(1, 1.2), velocity=(1, -3, 0))
     sphere = Free(contact, 0.5)
-    scene.engines = chain(contact, mpm.PyRunner(sphere, iterPeriod=1))
+    scene.engines = [*chain(contact), mpm.PyRunner(sphere, iterPeriod=1)]
     before = momentum(block, sphere)
     scene.run(steps=40, progress=False)
     assert momentum(block, sphere) == pytest.approx(before, rel=1e-12)
@@ -662,7 +652,7 @@ def test_bodies_move_on_with_their_velocities():
 # --- what a penalty does not push back --------------------------------------------------------------------
 def pushedIn(kind, shape, y, velocity, steps, **attributes):
     scene = mpm.Scene((0, 0), (1.2, 1.2), 0.1, threads=1)
-    scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(), typeOf(kind, 0.1))
+    scene.add("soil", box((0, 0), (1.2, 0.5)), elastic(1e4), typeOf(kind, 0.1))
     contact = mpm.RigidContact(**attributes)
     contact.addBody(shape, position=(0.6, y), velocity=(0, velocity))
     scene.engines, scene.dt = chain(contact, fixed="bottom"), 2e-4
@@ -772,7 +762,7 @@ def test_wrong_input_is_refused_and_changes_nothing(make, error, text):
 )
 def test_what_does_not_fit_the_scene_is_refused_before_the_run(kind, dim, shape, orientation, text):
     scene = mpm.Scene((0,) * dim, (1,) * dim, 0.25)
-    scene.add("soil", box((0,) * dim, (1,) * (dim - 1) + (0.5,)), elastic(), typeOf(kind, 0.25))
+    scene.add("soil", box((0,) * dim, (1,) * (dim - 1) + (0.5,)), elastic(1e4), typeOf(kind, 0.25))
     contact = mpm.RigidContact()
     if shape is not None:
         contact.addBody(shape, position=(0.5, 0.9, 0.9), orientation=orientation)

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain, elastic
 from yade_mpm import box, rigid
 
 
@@ -16,21 +17,12 @@ def slide(pull=2.0, materials=1, steps=60, **contactGiven):
     for k in range(materials):
         left = k * 2.0 / materials
         scene.add(
-            f"soil {k}",
-            box((left, 0), (left + 2.0 / materials, 0.5)),
-            mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3),
-            mpm.UGIMP(perCell=2),
+            f"soil {k}", box((left, 0), (left + 2.0 / materials, 0.5)), elastic(1e4), mpm.UGIMP(perCell=2)
         )
     contact = mpm.RigidContact(**contactGiven)
     contact.addBody(rigid.Box((0.45, 0.2)), position=(1.0, 0.7), velocity=(pull, -0.3), **given)
     contact.setPairs(pairs)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        contact,
-        mpm.GridSolver(fixed="bottom"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(contact, fixed="bottom")
     scene.run(steps=steps, progress=False)
     table = contact.contactTable()
     normal = (table["force"] * table["normal"]).sum(axis=1)

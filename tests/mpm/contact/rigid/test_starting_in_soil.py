@@ -4,13 +4,14 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import elastic
 from yade_mpm import box, rigid
 
 
 @pytest.mark.parametrize("share, isWarned", [(0.125, False), (0.24, False), (0.26, True), (0.5, True)])
 def test_an_overlap_of_a_quarter_of_a_box_is_warned_of_once(share, isWarned, capfd):
     """At half of the limit, beside it, and at twice of it."""
-    soil = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+    soil = elastic(1e4)
     scene = mpm.Scene((0, 0), (1, 1), 0.1, threads=1)
     scene.add("soil", box((0.3, 0.3), (0.7, 0.7)), soil, mpm.UGIMP(perCell=2))
     contact = mpm.RigidContact(stiffness=1e-3)
@@ -35,7 +36,7 @@ def test_soil_keeps_the_place_of_an_inclined_plate_free(dim):
             rigid.Facet([(-0.25, -0.25, -0.15), (0.25, 0.25, 0.15), (-0.25, 0.25, -0.15)], thickness=0.02),
         ],
     }
-    soil = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+    soil = elastic(1e4)
     counts, depths = {}, {}
     for isExcluded in (False, True):
         scene, contact = mpm.Scene((0,) * dim, (1,) * dim, 0.1, threads=1), mpm.RigidContact()
@@ -55,7 +56,7 @@ def test_soil_keeps_the_place_of_an_inclined_plate_free(dim):
 
 
 def test_exclude_refuses_what_it_cannot_do():
-    soil = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
+    soil = elastic(1e4)
     scene, contact = mpm.Scene((0, 0), (1, 1), 0.1), mpm.RigidContact()
     contact.addBody(rigid.Sphere(0.1), position=(0.5, 0.5))
     region = box((0.2, 0.2), (0.8, 0.8))

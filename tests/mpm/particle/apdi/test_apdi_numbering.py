@@ -8,6 +8,7 @@ from math import radians
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 
 def meshOf(dim, n):
@@ -37,12 +38,7 @@ def shear(points, cells, steps=60):
     scene = mpm.Scene((0,) * dim, (2,) * dim, 0.1, threads=1)
     body = scene.add("soil", (points, cells), soil, mpm.APDI(hourglass=0.1))
     body.velocity[:, 0] = 2 * (body.position[:, -1] - 0.5)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0,) * (dim - 1) + (-9.81,)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0,) * (dim - 1) + (-9.81,))
     scene.dt = 2e-4
     scene.run(steps=steps, progress=False)
     return body.stress.copy(), body.position.copy()

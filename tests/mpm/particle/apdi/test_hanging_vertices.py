@@ -5,6 +5,7 @@ masters, once."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain, elastic
 from yade_mpm.geometry.mesh import Mesh
 from yade_mpm.geometry.meshing import meshRegion, refineNear
 
@@ -30,10 +31,8 @@ def block(dim, hourglass):
     assert len(mesh.slaves) >= 4 and len(mesh.cells) > 4**dim
     points = mesh.points + 0.05 * np.random.default_rng(1).uniform(-1, 1, mesh.points.shape) + 0.1
     mesh = Mesh(onMasters(points, mesh), mesh.cells, mesh.slaves, mesh.masters, mesh.masterWeights)
-    body = scene.add(
-        "block", mesh, mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3), mpm.APDI(hourglass=hourglass)
-    )
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    body = scene.add("block", mesh, elastic(1e3), mpm.APDI(hourglass=hourglass))
+    scene.engines = chain()
     scene.dt, scene.allowUnstable = 1e-4, True
     return scene, body
 

@@ -6,9 +6,10 @@ nothing to compare with, and the deformation gradient is not asked."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import elastic
 
 EDGE = 0.06
-SOIL = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.3)
+SOIL = elastic(1e3)
 
 
 def emptyScene(dim):

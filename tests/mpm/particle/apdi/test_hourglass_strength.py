@@ -5,6 +5,7 @@ the elastic modulus. Its energy is the work that bringing the pattern about take
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 EDGE = 0.1
 STRONG = 1e9  # kPa: does not yield here
@@ -102,12 +103,7 @@ def bearing(stiffness):
     )
     scene.add("clay", mpm.box((0, 0), (6, 3)), clay, mpm.APDI(size=0.25), fbar=True)
     footing = mpm.Hold(mpm.box((-1, 2.95), (1.05, 3.9)), velocity=(0, -0.25), ramp=0.02, name="footing")
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(damping=0.5, roller=("left", "right"), fixed="bottom", hold=footing),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(damping=0.5, roller=("left", "right"), fixed="bottom", hold=footing)
     history = mpm.History(period=0.01)
     scene.engines = [*scene.engines, history]
     scene.run(until=0.3, progress=False)

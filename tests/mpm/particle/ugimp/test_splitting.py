@@ -5,6 +5,7 @@ threads and after a restart."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 SOIL = dict(density=1.5, young=1e4, poisson=0.3, cohesion=5, frictionAngle=0.5, dilatancyAngle=0.1)
@@ -124,7 +125,7 @@ def pulled(splitAt=1.2, scheme="MUSL", threads=1, dim=2):
         mpm.UGIMP(perCell=2, splitAt=splitAt),
     )
     soil.velocity = 4 * (soil.position - 4) + 0.3 * np.sin(5 * soil.position)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain()
     scene.dt = 5e-3
     return scene
 

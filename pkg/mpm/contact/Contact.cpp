@@ -176,8 +176,8 @@ void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNo
     auto& motion = field.motion[contact.node];
     const Vec<Dim>& x = contact.position;
     // What the particles of the other side get, who keep the share flip of their velocity: the holder gives it.
-    const double flip = flipOf(scene), sign = side == 0 ? -1 : 1;
-    const Vec<Dim> force = sign / scene.dt * (flip * contact.impulse + (1 - flip) * J.all);
+    const double sign = side == 0 ? -1 : 1;
+    const Vec<Dim> force = sign / scene.dt * (flip_ * contact.impulse + (1 - flip_) * J.all);
     double gained = 0;
     for (int k = 0; k < Dim; ++k) {
         const double change = answer.row(k) * J.all, taken = answer.row(k).dot(contact.impulse);
@@ -249,6 +249,7 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
     sliding = reduced = unsettled = 0;
     forces.assign(3 * pairOf(0, int(scene.groups.size())), 0.0);
     const Vec<Dim> gravity = gravityOf(scene);
+    flip_ = flipOf(scene);
     State<Dim>& state = found(scene);
     ContactSearch<Dim>& search = state.search;
     auto& nodes = state.impulses.nodes;

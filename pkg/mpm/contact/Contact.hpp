@@ -68,6 +68,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
         std::map<std::pair<int, int>, Vec<Dim>> starts;
     };
     std::tuple<State<2>, State<3>> states_;
+    double flip_ = 1;                                     // of the particles, in this step
     std::tuple<SharedCells<2>*, SharedCells<3>*> shared_; // of the scene
 
     template <int Dim> void check(Scene<Dim>& scene);
@@ -83,8 +84,8 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     template <int Dim>
     void addFriction(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double loss);
     template <int Dim>
-    static void change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNode<Dim>& contact, int side,
-                       const Mat<Dim>& answer, const Impulses<Dim>& J);
+    void change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNode<Dim>& contact, int side,
+                const Mat<Dim>& answer, const Impulses<Dim>& J);
     template <int Dim>
     void exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<Dim>& contact,
                   const NodeMotion<Dim>& node);

@@ -47,11 +47,10 @@ class History(Callback):
     (3D: mx, my, mz), of a `Drive` also NAME.rowsCrossed; with a `Contact` among the engines contact.A-B.fx,
     contact.A-B.fy (, .fz), the force on group B by group A for each pair of groups, contact.frictionWork and,
     of the last step, contact.largestPenetration (see `Contact`); mass, momentum.x ..., kineticEnergy,
-    unseenEnergy,
-    internalWork, externalWork, dampedEnergy, contactEnergy, energyError, workDone, kineticRatio,
-    unbalancedRatio, minJacobian, hourglassAmplitude, hourglassEnergy, distortedCount, invertedCount,
-    convertedCount (see `yade_mpm.diagnostics`); with implicit bodies also implicitEnergy, with drives
-    freeKineticEnergy. A value that does not exist is nan.
+    unseenEnergy, internalWork, externalWork, dampedEnergy, contactEnergy, energyError, workDone,
+    kineticRatio, unbalancedRatio, minJacobian, hourglassAmplitude, hourglassEnergy, distortedCount,
+    invertedCount, convertedCount (see `yade_mpm.diagnostics`); with implicit bodies also implicitEnergy, with
+    drives freeKineticEnergy. A value that does not exist is nan.
 
     energyError = externalWork - dampedEnergy - contactEnergy (- implicitEnergy) - internalWork -
     (kineticEnergy - kinetic energy at the start).

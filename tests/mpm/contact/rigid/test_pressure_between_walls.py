@@ -10,32 +10,29 @@ import yade_mpm as mpm
 from setups import chain
 from yade_mpm import box, rigid
 
-SIDE, PRESSURE = 0.4, 100.0  # m, kPa
+SIDE = 0.4  # m
 
 
-def squeezed(dim, at, material, overlap=0.0, kind=mpm.UGIMP, **options):
-    """A block between two walls along each axis that overlap with it: scene, body, contact. at: lower corner,
-    m."""
+def squeezed(dim, material, kind):
+    """A block between two walls along each axis that touch it: scene, body, contact."""
     scene = mpm.Scene((0,) * dim, (1,) * dim, 0.1, threads=1)
-    lower, upper = np.full(dim, at), np.full(dim, at + SIDE)
-    body = scene.add("soil", box((0.3,) * dim, (0.7,) * dim), material, kind(perCell=2), **options)
-    body.position += at - 0.3
+    body = scene.add("soil", box((0.3,) * dim, (0.7,) * dim), material, kind(perCell=2))
     contact = mpm.RigidContact()
     for axis in range(dim):
         for sign in (-1, 1):
-            half, place = np.full(dim, SIDE), 0.5 * (lower + upper)
-            half[axis], place[axis] = 0.05, place[axis] + sign * (SIDE / 2 + 0.05 - overlap)
+            half, place = np.full(dim, SIDE), np.full(dim, 0.5)
+            half[axis], place[axis] = 0.05, place[axis] + sign * (SIDE / 2 + 0.05)
             contact.addBody(rigid.Box(tuple(half)), position=tuple(place))
     return scene, body, contact
 
 
-def squeeze(dim, until, rate=0.02, lateral=20.0, **options):
+def squeeze(dim, until, kind, rate=0.02, lateral=20.0):
     """Presses along the last axis, with a slow servo that keeps the pressure along the others: stress of the
     soil (dim,), kPa, and the part of the work that nodes do not see."""
     soil = mpm.MohrCoulombDruckerPrager(
         density=2.0, young=1e4, poisson=0.3, cohesion=2.0, frictionAngle=radians(30), dilatancyAngle=0.0
     )
-    scene, body, contact = squeezed(dim, 0.3, soil, **options)
+    scene, body, contact = squeezed(dim, soil, kind)
     scene.dt = 3e-4
     scene.engines = chain(contact, damping=0.1)
     place, turn = contact.positions.copy(), contact.orientations.copy()
@@ -60,7 +57,7 @@ def squeeze(dim, until, rate=0.02, lateral=20.0, **options):
 def test_motion_that_nodes_do_not_see_is_told(dim, kind):
     """Boxes lose a sixth of the strength by Mohr-Coulomb at 6.5 % of strain, B-spline particles more: both
     are beyond the limit of `quasiStatic`, 1 %."""
-    stress, unseen = squeeze(dim, 0.95, kind=kind)
+    stress, unseen = squeeze(dim, 0.95, kind)
     Kp = np.tan(np.pi / 4 + radians(15)) ** 2
     strength = stress[:-1].mean() * Kp + 2 * 2.0 * np.sqrt(Kp)
     assert stress[-1] < 0.95 * strength and unseen > 0.01

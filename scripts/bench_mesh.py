@@ -14,13 +14,13 @@ from math import radians
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import commandLine
+from yade_mpm import app
 
 
 def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("files", nargs="*", help="mesh files; default: the block")
-    p.add_argument("--seconds", type=commandLine.positive, default=2.0, help="of measuring, each (default 2)")
+    p.add_argument("--seconds", type=app.positive, default=2.0, help="of measuring, each (default 2)")
     return p.parse_args()
 
 
@@ -77,4 +77,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

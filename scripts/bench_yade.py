@@ -28,8 +28,8 @@ from math import radians
 
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, PyRunner, utils
-from yade_mpm import commandLine, inYade
-from yade_mpm.commandLine import count
+from yade_mpm import app, inYade
+from yade_mpm.app import count
 
 CELL, WIDE, DEEP, YOUNG = 0.1, 250, 20, 1e4  # m, cells, cells, kPa
 SPEED, DEPTH, AWAY = 0.01, 0.07, 100.0  # m/s; first overlap over the half size of a particle; m
@@ -171,4 +171,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -14,7 +14,7 @@ import os
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, files, plot
+from yade_mpm import Parameter, app, box, files, plot
 
 LENGTH, DEPTH = 4.0, 1.0  # m
 # Tip at mid-height and centre of mass of total-Lagrangian finite elements, 64 x 16 bilinear quadrilaterals.
@@ -125,4 +125,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

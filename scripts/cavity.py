@@ -28,9 +28,9 @@ from math import ceil, log, pi, radians
 import numpy as np
 import yade_mpm as mpm
 from scipy.integrate import cumulative_trapezoid
-from yade_mpm import Parameter, box, commandLine, disc, plot, study
-from yade_mpm.study import reference
-from yade_mpm.study.reference import STRENGTH
+from yade_mpm import Parameter, app, box, disc, geotech, plot
+from yade_mpm.geotech import reference
+from yade_mpm.geotech.reference import STRENGTH
 
 OUTSIDE = 200.0  # m: radius of the body; a free surface there takes 0.4 % off the pressure at a/a0 = 3
 EVEN = 4.5  # m: cells are equal up to here
@@ -107,7 +107,7 @@ def meshOf(a):
     )
     x, y = radius * np.cos(turn), radius * np.sin(turn)
     x[:, -1] = 0
-    return study.quadrilaterals(x, y)
+    return geotech.quadrilaterals(x, y)
 
 
 class Mandrel:
@@ -131,7 +131,7 @@ class Mandrel:
         return 0.5 * (points[1:] + points[:-1])
 
     def __call__(self, scene):
-        way = study.travel(scene.time, self.a.rate, RAMP / self.a.rate)
+        way = geotech.travel(scene.time, self.a.rate, RAMP / self.a.rate)
         radius = np.hypot(*self.middles().T) / self.before
         pressure = self.a.confinement + SPRING * self.a.shear * (1 + way - radius)
         for load, value in zip(self.loads, pressure):
@@ -172,7 +172,7 @@ def run(a):
     found = [float(pressure[np.abs(radius - x) < 0.02].mean()) for x in asked]
     theory = [float(undrained(x, a) if a.phi == 0 else np.interp(x, expansion, curve)) for x in asked]
     summary = {
-        **study.record(a, scene, time.monotonic() - began),
+        **app.record(a, scene, time.monotonic() - began),
         "expansion": asked,
         "pressure": found,
         "exact": theory,
@@ -208,4 +208,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -18,9 +18,9 @@ from math import ceil, pi
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, plot, study
-from yade_mpm.study import reference
-from yade_mpm.study.reference import DENSITY, STRENGTH
+from yade_mpm import Parameter, app, box, geotech, plot
+from yade_mpm.geotech import reference
+from yade_mpm.geotech.reference import DENSITY, STRENGTH
 
 THICKNESS, GRAVITY = 0.8, 10.0  # m, B; m/s2
 HALF, BELOW = 5, 4  # width of the half and depth of the soil below the tip at the end, B
@@ -62,7 +62,9 @@ def build(a):
         np.linspace(tip, above - cell, 2 * round((above - cell - tip) / cell) + 1),
     )
     walls = dict(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed="bottom")
-    reference.drive(scene, "pile", study.quadrilaterals(x, y), a, RAMP, adhesion=a.alpha * STRENGTH, **walls)
+    reference.drive(
+        scene, "pile", geotech.quadrilaterals(x, y), a, RAMP, adhesion=a.alpha * STRENGTH, **walls
+    )
     return scene
 
 
@@ -150,4 +152,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -30,7 +30,7 @@ from math import atan, ceil, degrees, radians, sqrt
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, files, plot, study
+from yade_mpm import Parameter, app, box, files, plot
 
 WIDTH, UNTIL = 0.2, 0.8  # m; s, of a column of 0.1 m
 YOUNG, POISSON, DENSITY = 5840.0, 0.3, 2.04  # kPa, -, Mg/m3
@@ -41,9 +41,9 @@ MOVED = 1e-3  # m: less is unmoved
 
 def refusal(a, given):
     """What is wrong with the arguments, or None."""
-    if a.types == "hybrid" and not commandLine.isWhole(0.02 / a.cell):
+    if a.types == "hybrid" and not app.isWhole(0.02 / a.cell):
         return f"--cell {a.cell:g} with --types hybrid is not allowed; give 0.02 m divided by a whole number"
-    if not commandLine.isWhole(a.height / a.cell):
+    if not app.isWhole(a.height / a.cell):
         return f"--height {a.height:g} with --cell {a.cell:g} is not allowed; give a whole number of cells"
     return None
 
@@ -118,7 +118,7 @@ def run(a):
     centre = sum(b.mass @ b.position[:, 0] for b in scene.bodies) / mpm.diagnostics.mass(scene)
     return (
         {
-            **study.record(a, scene, time.monotonic() - began),
+            **app.record(a, scene, time.monotonic() - began),
             "front": front,
             "runout": (front - WIDTH) / WIDTH,
             "unmovedTop": unmoved,
@@ -203,4 +203,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -23,7 +23,7 @@ from math import atan, pi, radians, tan
 
 import yade_mpm as mpm
 from scipy.optimize import brentq
-from yade_mpm import Parameter, box, commandLine, study
+from yade_mpm import Parameter, app, box, geotech
 from yade_mpm.study import reference, stability
 
 COHESION, PHI, DENSITY, LAME = 8.5, 30.0, 1.53, (9.48e3, 6.31e3)  # kPa, degrees, Mg/m3, kPa
@@ -42,7 +42,7 @@ PARAMETERS = mpm.Parameters(
     smoke={"cell": 0.5, "within": 0.05},
     check=lambda a, given: (
         None
-        if commandLine.isWhole(a.height / a.cell)
+        if app.isWhole(a.height / a.cell)
         else f"--height {a.height:g} with --cell {a.cell:g} is not allowed; give a whole number of cells"
     ),
 )
@@ -69,7 +69,7 @@ def build(a, factor):
     soil = stability.soil(factor, COHESION, PHI, density=DENSITY, lame=LAME)
     outline = box((0, 0), (end, BASE)) + box((0, BASE), (face, top))
     zone = box((1, 0), (end, BASE)) + box((1, BASE), (face, top))
-    study.addGround(scene, "soil", outline, zone, soil, a.types, fbar=not a.noFbar)
+    geotech.addGround(scene, "soil", outline, zone, soil, a.types, fbar=not a.noFbar)
     return scene
 
 
@@ -97,4 +97,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -33,7 +33,7 @@ from math import exp, pi, radians, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, files, plot, study
+from yade_mpm import Parameter, app, box, files, geotech, plot
 
 WIDTH, DEPTH = 20.0, 10.0  # m
 SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0  # kPa, kPa, kPa, Mg/m3 (inertia only)
@@ -42,7 +42,7 @@ SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0  # kPa, kPa, kPa, Mg/m3 (i
 PARAMETERS = mpm.Parameters(
     "footing",
     __doc__,
-    Parameter("types", "hybrid", "particle types", choices=study.TYPES),
+    Parameter("types", "hybrid", "particle types", choices=geotech.TYPES),
     Parameter("phi", 0.0, "friction and dilatancy", unit="degrees", least=0, below=60),
     Parameter("noFbar", False, "without F-bar: the ground locks and carries too much"),
     Parameter("cell", 2 / 9, "size of the grid's cells", unit="m", partOf=DEPTH),
@@ -82,7 +82,7 @@ def build(a):
     # uGIMP where the edge of the footing shears the ground most
     edge = round(a.halfWidth / a.cell) * a.cell
     zone = box((0, DEPTH - 5 * a.cell), (edge + 3 * a.cell, DEPTH))
-    study.addGround(scene, "ground", box((0, 0), (WIDTH, DEPTH)), zone, clay, a.types, fbar=a.fbar)
+    geotech.addGround(scene, "ground", box((0, 0), (WIDTH, DEPTH)), zone, clay, a.types, fbar=a.fbar)
 
     last = effectiveHalfWidth(a) - 0.5 * a.cell
     nodes = box((-3 * a.cell, DEPTH - 0.1 * a.cell), (last + 0.1 * a.cell, DEPTH + 3 * a.cell))
@@ -110,10 +110,10 @@ def run(a, out=None):
     history = mpm.History(period=until / 200, file=None if out is None else os.path.join(out, name))
     scene.engines = [*scene.engines, history]
     scene.run(until=until)
-    settlement = study.travel(history["time"], a.rate, ramp)
+    settlement = geotech.travel(history["time"], a.rate, ramp)
     pressure = -history["footing.fy"] / effectiveHalfWidth(a)
     found = {**evaluate(a, settlement, pressure), "dampedShare": mpm.quasiStatic(history).dampedShare}
-    return {**study.record(a, scene, time.monotonic() - began), **found}, scene, settlement, pressure
+    return {**app.record(a, scene, time.monotonic() - began), **found}, scene, settlement, pressure
 
 
 def evaluate(a, settlement, pressure):
@@ -171,4 +171,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

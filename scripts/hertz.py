@@ -22,7 +22,7 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, disc, files, plot, study
+from yade_mpm import Parameter, app, box, disc, files, geotech, plot
 
 RADIUS, EXTENT = (
     20.0,
@@ -66,7 +66,7 @@ def block(bottom, top, size):
     """Mesh of a block 0 <= x <= EXTENT; bottom, top: heights as functions of x."""
     n, m = round(EXTENT / size), round((top(0.0) - bottom(0.0)) / size)
     x, t = np.meshgrid(np.linspace(0, EXTENT, n + 1), np.linspace(0, 1, m + 1), indexing="ij")
-    return study.quadrilaterals(x, bottom(x) + t * (top(x) - bottom(x)))
+    return geotech.quadrilaterals(x, bottom(x) + t * (top(x) - bottom(x)))
 
 
 def build(a):
@@ -156,7 +156,7 @@ def run(a):
     reached = 2 * np.sqrt(2 * (force * x**2).sum() / load - h**2 / 6)
     pressure, exact = force / h, peak * hatMean(x, h, hertz)
     return {
-        **study.record(a, scene, time.monotonic() - began),
+        **app.record(a, scene, time.monotonic() - began),
         "unbalancedRatio": mpm.diagnostics.unbalancedRatio(scene),
         "load": load,
         "pressOverLoad": -2 * press.reaction[1] / load,
@@ -212,4 +212,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -18,9 +18,9 @@ from math import ceil, pi
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, plot, study
-from yade_mpm.study import reference
-from yade_mpm.study.reference import STRENGTH
+from yade_mpm import Parameter, app, box, geotech, plot
+from yade_mpm.geotech import reference
+from yade_mpm.geotech.reference import STRENGTH
 
 DIAMETER = 0.8  # m
 HALF, DEEP = 3, 2  # width of the half and depth of the soil, diameters
@@ -54,7 +54,7 @@ def halfRing(cell):
     )
     x = radius * np.cos(turn)
     x[[0, -1]] = 0
-    return study.quadrilaterals(x, outer + radius * np.sin(turn))
+    return geotech.quadrilaterals(x, outer + radius * np.sin(turn))
 
 
 def build(a):
@@ -115,4 +115,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

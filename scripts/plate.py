@@ -22,9 +22,9 @@ from math import pi, sqrt
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, plot, study
-from yade_mpm.study import reference
-from yade_mpm.study.reference import STRENGTH
+from yade_mpm import Parameter, app, box, geotech, plot
+from yade_mpm.geotech import reference
+from yade_mpm.geotech.reference import STRENGTH
 
 BREADTH = 1.6  # m, D
 CONFINEMENT = 20 * STRENGTH  # kPa
@@ -64,7 +64,7 @@ def build(a):
         np.linspace(lower[0], upper[0], a.cells + 1), np.linspace(lower[1], upper[1], 2 * THICK + 1)
     )
     walls = ("left", "right", "bottom", "top")
-    reference.drive(scene, "plate", study.quadrilaterals(x, y), a, RAMP, roller=walls, damping=DAMPING)
+    reference.drive(scene, "plate", geotech.quadrilaterals(x, y), a, RAMP, roller=walls, damping=DAMPING)
     return scene
 
 
@@ -114,4 +114,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -19,7 +19,7 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, files, plot, study
+from yade_mpm import Parameter, app, box, files, geotech, plot
 
 HALF_WIDTH, HALF_LENGTH, RADIUS = 2.5, 4.0, 0.5  # m; the load is along y
 SIGMA0, YOUNG, POISSON, DENSITY = 100.0, 1e6, 0.3, 1000.0  # Pa, Pa, -, kg/m3: strains of 1e-4
@@ -58,7 +58,7 @@ def quarterMesh(cell):
     s = np.linspace(0, 1, rings + 1)[:, None, None]
     s = 0.6 * s + 0.4 * s**2  # steps from 0.6 to 1.4 of the mean
     points = (1 - s) * inner + s * outer
-    return study.quadrilaterals(points[..., 0], points[..., 1])
+    return geotech.quadrilaterals(points[..., 0], points[..., 1])
 
 
 def build(a):
@@ -123,7 +123,7 @@ def run(a, tolerance=1e-2):
     reached = {side: atHole(plate, side) for side in REFERENCE}
     base = next(c for c in scene.constraints if c.name == "bottom")
     return {
-        **study.record(a, scene, time.monotonic() - began),
+        **app.record(a, scene, time.monotonic() - began),
         "domains": scene.particleCount,
         "unbalancedForce": scene.unbalancedForce(),
         "baseReactionOverLoad": -base.reaction[1] / (SIGMA0 * HALF_WIDTH),
@@ -167,4 +167,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -18,8 +18,8 @@ m, s, kPa, per metre of thickness.
 from math import ceil, radians
 
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, plot, study
-from yade_mpm.study import penetration
+from yade_mpm import Parameter, app, box, geotech, plot
+from yade_mpm.geotech import penetration
 
 WIDTH, DEPTH, FREE, PILE_LENGTH, EMBEDDED = 30.0, 12.0, 12.0, 10.0, 1.0  # m; FREE: grid above the soil
 ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5  # m: uGIMP zone, and how far it reaches below the final tip
@@ -40,13 +40,13 @@ DERIVED = dict(
     # Where soil and pile may slip they meet at grid lines: an odd number of cells across needs one more.
     width=lambda a: WIDTH + oddCell(a),
     zoneWidth=lambda a: ZONE_WIDTH + oddCell(a),
-    penetration=lambda a: float(study.travel(a.until, a.rate, a.ramp)),
+    penetration=lambda a: float(geotech.travel(a.until, a.rate, a.ramp)),
 )
 
 
 def refusal(a, given):
     """What is wrong with the arguments, or None."""
-    if not commandLine.isWhole(a.thickness / a.cell):
+    if not app.isWhole(a.thickness / a.cell):
         refused = f"--thickness {a.thickness:g} with --cell {a.cell:g} is not allowed; give a whole number of"
         return f"{refused} cells, e.g. --thickness {cellsOf(a, a.thickness) * a.cell:g}"
     if a.types == "apdi" and a.friction is not None:
@@ -62,7 +62,7 @@ HOW |= dict(smoke={"cell": 0.5, "rate": 1.0, "ramp": 0.5, "until": 4.0})
 MODEL = mpm.Parameters(  # of studies: the published model, and what may be changed in it
     "sheet_pile",
     __doc__,
-    Parameter("types", "hybrid", "particle types of the soil", choices=study.TYPES),
+    Parameter("types", "hybrid", "particle types of the soil", choices=geotech.TYPES),
     Parameter("cell", 0.25, "size of the grid's cells", unit="m", partOf=ZONE_WIDTH),
     Parameter("rate", 0.1, "of the pile; published 0.01", unit="m/s", above=0),
     Parameter("until", lambda a: 4.0 / a.rate + 0.5 * a.ramp, "end (default: 4 m deep)", unit="s", above=0),
@@ -126,7 +126,7 @@ def ground(a):
     scene = mpm.Scene((0, 0), (a.width, DEPTH + FREE), a.cell, threads=a.threads, grading=grading)
     soil = box((0, 0), (a.width, DEPTH)) - shaft
     variant = dict(splitAt=a.split, onDistortion=a.on_distortion, fbar=a.fbar)
-    study.addGround(scene, "soil", soil, zone, sand, a.types, **variant)
+    geotech.addGround(scene, "soil", soil, zone, sand, a.types, **variant)
     return scene, shaft
 
 
@@ -134,7 +134,9 @@ def build(a):
     """The scene: soil, pile, boundary conditions, engines (without output)."""
     scene, body = ground(a)
     if a.tip < 180:
-        body = study.wedgedColumn(a.width / 2, DEPTH - EMBEDDED, a.thickness, PILE_LENGTH, a.tip, a.cell / 2)
+        body = geotech.wedgedColumn(
+            a.width / 2, DEPTH - EMBEDDED, a.thickness, PILE_LENGTH, a.tip, a.cell / 2
+        )
     steel = mpm.LinearElastic(density=7.85, lame=(4.20e7, 2.80e7))
     slips = a.friction is not None  # the surface of the pile must be a mesh then
     kind, group = (mpm.APDI(size=a.cell / 2), "pile") if slips else (mpm.UGIMP(perCell=2), "main")
@@ -172,16 +174,16 @@ def resistanceCurve(a, scene, history):
 def run(a):
     """Runs the scene and leaves its results in a.out; returns summary, scene and history."""
     snapshots = plot.Snapshots("plasticShearStrain")
-    run = study.Run(a, lambda: recorded(a, snapshots), {"snapshots": snapshots})
+    run = app.Run(a, lambda: recorded(a, snapshots), {"snapshots": snapshots})
     scene, history = run.finish()
     curve, certificate = resistanceCurve(a, scene, history), mpm.quasiStatic(history)
     window = (a.width / 2 - 4, a.width / 2 + 4, DEPTH - EMBEDDED - a.penetration - 2, DEPTH + 2)
     moments = snapshots or [plot.Snapshot(scene, "plasticShearStrain")]
     penetration.draw(f"{a.out}/sheet_pile.png", a, curve, moments, window)
-    summary = {"resistance": study.atSteps(curve[0], curve[2]), "quasiStatic": certificate.asDict()}
-    study.saveCurve(a.out, "resistance", {"penetration (m)": curve[0], "resistance (kN/m)": curve[2]})
+    summary = {"resistance": geotech.atSteps(curve[0], curve[2]), "quasiStatic": certificate.asDict()}
+    app.saveCurve(a.out, "resistance", {"penetration (m)": curve[0], "resistance (kN/m)": curve[2]})
     told = ", ".join(f"{depth} m: {force:.0f}" for depth, force in summary["resistance"].items())
-    commandLine.printCheck(certificate)
+    app.printCheck(certificate)
     print(f"resistance in kN/m at {told or 'no depth yet'}", f"results in {a.out}/", sep="\n")
     return run.save(summary), scene, history
 
@@ -191,4 +193,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

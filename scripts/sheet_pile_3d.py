@@ -20,8 +20,8 @@ from math import radians
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, files, plot, study
-from yade_mpm.study import penetration
+from yade_mpm import Parameter, app, box, files, geotech, plot
+from yade_mpm.geotech import penetration
 
 EMBEDDED, LENGTH, DEPTH, BESIDE = 1.0, 5.0, 8.0, 9.0  # m: sheet; ground, and how far it reaches beside
 ZONE, ZONE_BELOW = 1.0, 1.5  # m: uGIMP zone beside the sheet and below its last tip
@@ -30,7 +30,7 @@ GRAVITY, K0 = 9.81, 0.43  # m/s2, -
 
 def refusal(a, given):
     """What is wrong with the arguments, or None."""
-    if not commandLine.isWhole(0.5 * a.width / a.cell):
+    if not app.isWhole(0.5 * a.width / a.cell):
         refused = f"--width {a.width:g} with --cell {a.cell:g} is not allowed"
         return f"{refused}; give an even number of cells, e.g. --width {4 * a.cell:g}"
     return None
@@ -66,7 +66,7 @@ def build(a, dim=3):
     sheet = block(h / 2, wide, tip, tip + LENGTH)
     soil = block(ZONE + BESIDE, wide + BESIDE, 0, DEPTH) - sheet
     zone = block(ZONE, wide + ZONE, zoneBottom, DEPTH) - sheet
-    study.addGround(scene, "soil", soil, zone, sand, "hybrid", splitAt=1.3, fbar=False)
+    geotech.addGround(scene, "soil", soil, zone, sand, "hybrid", splitAt=1.3, fbar=False)
     steel = mpm.LinearElastic(density=7.85, lame=(4.20e7, 2.80e7))
     pile = scene.add("sheet", sheet, steel, mpm.UGIMP(perCell=(4, 2, 2)[:dim]), implicit=True)
     scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
@@ -119,9 +119,9 @@ def run(a):
     """Both runs; returns (summary, scene in 3D)."""
     os.makedirs(a.out, exist_ok=True)
     began, (scene, *wide) = time.monotonic(), press(a)
-    summary, (_, *plane) = study.record(a, scene, time.monotonic() - began), press(a, dim=2)
+    summary, (_, *plane) = app.record(a, scene, time.monotonic() - began), press(a, dim=2)
     draw(a, scene, (wide, plane))
-    summary["resistance"], summary["planeStrain"] = (study.atSteps(*curve) for curve in (wide, plane))
+    summary["resistance"], summary["planeStrain"] = (geotech.atSteps(*curve) for curve in (wide, plane))
     summary["ratio"] = {d: r / summary["planeStrain"][d] for d, r in summary["resistance"].items()}
     files.saveJson(f"{a.out}/summary.json", summary)
     return summary, scene
@@ -135,4 +135,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

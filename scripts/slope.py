@@ -16,7 +16,7 @@ Units: Mg, m, s, kPa, per metre of thickness.
 """
 
 import yade_mpm as mpm
-from yade_mpm import Parameter, commandLine, polygon, study
+from yade_mpm import Parameter, app, geotech, polygon
 from yade_mpm.study import reference, stability
 
 HEIGHT, UNIT_WEIGHT, COHESION, PHI = 10.0, 20.0, 10.0, 20.0  # m, kN/m3, kPa (0.05 gamma H), degrees
@@ -42,7 +42,7 @@ def build(a, factor):
     soil = stability.soil(factor, COHESION, PHI, **elastic)
     outline = polygon([(0, 0), (TOE, 0), (CREST, HEIGHT), (0, HEIGHT)])
     zone = polygon([(4, 0), (TOE, 0), (CREST, HEIGHT), (4, HEIGHT)])  # what slides
-    study.addGround(scene, "soil", outline, zone, soil, a.types, fbar=not a.noFbar)
+    geotech.addGround(scene, "soil", outline, zone, soil, a.types, fbar=not a.noFbar)
     return scene
 
 
@@ -66,4 +66,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

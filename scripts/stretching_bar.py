@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, files, plot
+from yade_mpm import Parameter, app, box, files, plot
 
 REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "verification" / "stretching_bar_reference.csv"
 LOWEST = 0.09  # s, when the bar is longest
@@ -146,4 +146,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -20,7 +20,7 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, files, plot, study
+from yade_mpm import Parameter, app, box, files, plot
 
 B, Q = 1.0, 10.0  # m: half width of the strip; kPa
 YOUNG, POISSON, DENSITY = (
@@ -33,10 +33,10 @@ DEPTHS = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
 
 def refusal(a, given):
     """What is wrong with the arguments, or None."""
-    if not commandLine.isWhole(B / a.size):  # the load would not end at B
-        return f"--cell {a.cell:g} is not allowed; give {commandLine.partOfInWords(2 * B)}, or --size too"
+    if not app.isWhole(B / a.size):  # the load would not end at B
+        return f"--cell {a.cell:g} is not allowed; give {app.partOfInWords(2 * B)}, or --size too"
     for name in ("cell", "size"):
-        if not commandLine.isWhole(0.5 * a.extent / vars(a)[name]):
+        if not app.isWhole(0.5 * a.extent / vars(a)[name]):
             refused = f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed"
             return f"{refused}; give two, four, six ... times that"
     return None
@@ -102,7 +102,7 @@ def run(a, tolerance=1e-3):
     reached, exact = np.interp(DEPTHS, *axisProfile(scene)), closedForm(DEPTHS)
     base = next(c for c in scene.constraints if c.name == "bottom")
     return {
-        **study.record(a, scene, time.monotonic() - began),
+        **app.record(a, scene, time.monotonic() - began),
         "domains": scene.particleCount,
         "unbalancedForce": scene.unbalancedForce(),
         "baseReactionOverLoad": base.reaction[1] / (Q * B),
@@ -143,4 +143,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -23,10 +23,10 @@ from math import asin, cos, pi, sin
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, disc, plot
-from yade_mpm.study import reference
-from yade_mpm.study.meshes import ring
-from yade_mpm.study.reference import STRENGTH
+from yade_mpm import Parameter, app, box, disc, plot
+from yade_mpm.geotech import reference
+from yade_mpm.geotech.meshes import ring
+from yade_mpm.geotech.reference import STRENGTH
 
 DIAMETER = 0.8  # m
 CONFINEMENT = 20 * STRENGTH  # kPa
@@ -111,4 +111,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -31,7 +31,7 @@ from math import radians, sqrt, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, box, commandLine, files, plot, study
+from yade_mpm import Parameter, app, box, files, geotech, plot
 
 HEIGHT, LENGTH, BEHIND = 5.0, 12.0, 0.5  # m: soil; soil behind the wall's line
 GRAVITY, DENSITY, LAME = 9.81, 1.53, (9.48e3, 6.31e3)  # m/s2, Mg/m3, kPa
@@ -75,7 +75,7 @@ def build(a, state):
     scene = mpm.Scene(lower=(-2 * BEHIND, 0), upper=upper, cell=a.cell, threads=a.threads)
     strength = dict(cohesion=COHESION, frictionAngle=FRICTION, dilatancyAngle=radians(a.psi))
     soil = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=LAME, **strength)
-    study.addGround(scene, "soil", box((-fed, 0), (LENGTH, HEIGHT)), None, soil, a.types, fbar=False)
+    geotech.addGround(scene, "soil", box((-fed, 0), (LENGTH, HEIGHT)), None, soil, a.types, fbar=False)
     scene.initialStress(surface=HEIGHT, K0=K0, gravity=GRAVITY)
     line = box((-9 * BEHIND, -HEIGHT), (0.1 * a.cell, 3 * HEIGHT))
     velocity = np.sign(MOVEMENT[state]) * a.rate, None
@@ -102,13 +102,13 @@ def run(a, state, out=None):
     history = mpm.History(period=until / 200, file=file)
     scene.engines = [*scene.engines, history]
     scene.run(until=until)
-    movement, thrust = study.travel(history["time"], a.rate, ramp) / HEIGHT, history["wall.fx"]
+    movement, thrust = geotech.travel(history["time"], a.rate, ramp) / HEIGHT, history["wall.fx"]
     late = movement > 0.8 * movement[-1]
     z, pressure = pressureOnWall(scene, a.cell)
     pressureThrust = float((np.maximum(pressure, 0) * np.gradient(z)).sum())
     reference, pressureReference = rankineThrust(state), rankineThrust(state, tension=False)
     summary = {
-        **study.record(a, scene, time.monotonic() - began),
+        **app.record(a, scene, time.monotonic() - began),
         "thrust": float(thrust[late].mean()),
         "reference": reference,
         "error": float(thrust[late].mean() / reference - 1),
@@ -169,4 +169,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

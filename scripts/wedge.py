@@ -34,10 +34,10 @@ from math import acos, cos, degrees, exp, pi, radians, sin, tan
 import numpy as np
 import yade_mpm as mpm
 from scipy.optimize import brentq
-from yade_mpm import Parameter, box, commandLine, plot
-from yade_mpm.study import reference
-from yade_mpm.study.meshes import wedgedColumn
-from yade_mpm.study.reference import SHEAR, STRENGTH
+from yade_mpm import Parameter, app, box, plot
+from yade_mpm.geotech import reference
+from yade_mpm.geotech.meshes import wedgedColumn
+from yade_mpm.geotech.reference import SHEAR, STRENGTH
 
 RAMP = 0.02  # m, over which the rate grows from zero
 
@@ -178,4 +178,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -40,7 +40,7 @@ from yade import (
 )
 from yade_boulders_balance import GRAVITY, Balance, summary
 from yade_boulders_pictures import draw
-from yade_mpm import Parameter, box, commandLine, files, inYade
+from yade_mpm import Parameter, app, box, files, inYade
 
 DROP = 2.0  # m from the bed to the lowest boulder
 SOIL = dict(
@@ -56,7 +56,7 @@ FRAME = 0.05  # s
 def refusal(a, given):
     """What is wrong with the arguments, or None."""
     for name in ("width", "depth"):
-        if not commandLine.isWhole(vars(a)[name] / a.cell):
+        if not app.isWhole(vars(a)[name] / a.cell):
             refused = f"--{name} {vars(a)[name]:g} with --cell {a.cell:g} is not allowed"
             return f"{refused}; give a whole number of cells"
     return None
@@ -199,4 +199,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

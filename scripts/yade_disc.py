@@ -25,7 +25,7 @@ import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
 from yade_disc_pictures import draw
-from yade_mpm import Parameter, box, commandLine, files, inYade
+from yade_mpm import Parameter, app, box, files, inYade
 from yade_mpm.yadePlane import Plane
 
 SLOPE, G = np.radians(30), 9.81  # rad, m/s2
@@ -147,4 +147,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

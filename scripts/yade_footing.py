@@ -27,7 +27,7 @@ import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, PyRunner, utils
 from yade.minieigenHP import Vector3
 from yade_footing_pictures import draw
-from yade_mpm import Parameter, box, commandLine, files, inYade, plot
+from yade_mpm import Parameter, app, box, files, inYade, plot
 
 WIDTH, DEPTH, HALF_WIDTH, HEIGHT = 15.0, 7.5, 3.0, 0.6  # m
 THICKNESS = 0.5  # m, of the slice that YADE sees
@@ -122,4 +122,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -29,7 +29,7 @@ from hertz_on_layer import layerFactor
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
 from yade_hertz_pictures import draw
-from yade_mpm import Parameter, box, commandLine, files, inYade
+from yade_mpm import Parameter, app, box, files, inYade
 
 CELL, YOUNG, POISSON, DENSITY = 0.1, 1e4, 0.3, 2.0  # m, kPa, -, Mg/m3
 THICKNESS, LENGTH, RATIO = 3, 9, 0.02  # T/a, L/a, a/R
@@ -145,4 +145,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

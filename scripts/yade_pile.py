@@ -32,7 +32,7 @@ from yade import (
     VTKRecorder,
     utils,
 )
-from yade_mpm import commandLine, inYade
+from yade_mpm import app, inYade
 
 here = os.path.dirname(os.path.abspath(sys.argv[0]))
 sys.path[:0] = [here, os.path.join(here, "studies")]  # yade-batch does not know them
@@ -193,4 +193,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

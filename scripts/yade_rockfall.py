@@ -35,7 +35,7 @@ from yade import (
     ViscElMat,
     utils,
 )
-from yade_mpm import Parameter, commandLine, files, inYade, plot
+from yade_mpm import Parameter, app, files, inYade, plot
 
 SLOPE, HEIGHT, FOOT, TOE, END = radians(35), 14.0, 4.0, 26.0, 38.0  # rad, m
 CREST = TOE - HEIGHT / tan(SLOPE)  # m
@@ -141,4 +141,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -117,6 +117,8 @@ PYTHON_ROOMS = [
     {"check"},
     {"io"},
     {"scene"},
+    {"app"},
+    {"geotech"},
     {"study", "yade"},
     {""},  # the face of the package: public names of what is in the rooms
 ]

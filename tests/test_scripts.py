@@ -116,13 +116,13 @@ def test_a_scene_ends_with_a_message_and_only_its_own_mistakes_show_a_traceback(
 import signal
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import commandLine
+from yade_mpm import app
 def main():
     scene = mpm.Scene((0, 0), (1, 1), 0.25)
     rubber = mpm.LinearElastic(density=1, lame=(100, 100))
     scene.add("block", mpm.box((0.25, 0.25), (0.5, 0.5)), rubber, mpm.UGIMP(perCell=2))
     {what}
-commandLine.run(main)
+app.run(main)
 """)
     ended = subprocess.run(
         [sys.executable, "demo.py"],
@@ -156,7 +156,7 @@ SCENES = [f for f in sorted(RUN.parent.rglob("*.py")) if f.stem not in PARTS]
 
 @pytest.mark.parametrize("file", SCENES, ids=lambda f: f.stem)
 def test_every_scene_ends_that_way(file):
-    assert file.read_text().endswith('\nif __name__ == "__main__":\n    commandLine.run(main)\n')
+    assert file.read_text().endswith('\nif __name__ == "__main__":\n    app.run(main)\n')
 
 
 @pytest.mark.parametrize(

@@ -50,7 +50,7 @@ def test_every_page_of_the_manual_is_in_the_site(site):
     assert {str(page.relative_to(ROOT)) for page in PAGES} - built == set()
 
 
-MODULES = ("yade_mpm", *(f"yade_mpm.{name}" for name in ("diagnostics", "plot", "rigid", "surface")))
+MODULES = ("yade_mpm", *(f"yade_mpm.{name}" for name in ("diagnostics", "plot", "rigid", "geotech.surface")))
 PUBLIC = {name: thing for module in MODULES for name, thing in docstrings.publicNames(module)}
 
 

@@ -22,12 +22,14 @@ quasiStatic, rateSensitivity, Certificate                        is the run slow
 Parameter, Parameters, study   what a scene takes; many cases of it
 diagnostics, rigid             modules: energies and other numbers of a scene; shapes for RigidContact
 
-Modules to import where needed: `yade_mpm.plot` (pictures of 2D scenes), `yade_mpm.surface` (ground surface),
-`yade_mpm.inYade`, `yade_mpm.commandLine` (of scenes: numbers for argparse, how a scene ends),
-`yade_mpm.study` (of scenes: runs, curves).
+Rooms to import where needed: `yade_mpm.app` (a scene as a program: its command line, its run with --resume),
+`yade_mpm.geotech` (ground, its surface, its safety), `yade_mpm.plot` (pictures of 2D scenes),
+`yade_mpm.inYade`.
 """
 
+import importlib as _importlib
 import os as _os
+import sys as _sys
 import types as _types
 
 __version__ = "0.1.0"
@@ -44,7 +46,10 @@ except ImportError as _error:
     from .base.missingSolver import explain as _explain
 
     raise ImportError(_explain(_os.path.dirname(__file__), _error)) from None
-from . import certificate, diagnostics, engines, files, rigid, study
+from . import diagnostics, engines, files, rigid, study
+from .app.parameter import Parameter
+from .app.parameters import Parameters
+from .base import deprecated as _deprecated
 from .base.notebook import makeInlineReady as _makeInlineReady
 from .check.certificate import Certificate, quasiStatic, rateSensitivity
 from .engine import engines as _engines
@@ -72,24 +77,35 @@ from .scene.plugins import loadPlugin
 from .scene.restoring import load
 from .scene.scene import Scene
 from .scene.undoing import undo
-from .study.parameter import Parameter
-from .study.parameters import Parameters
 
-globals().update({**_materials.classes, **_particles.classes, **_engines.classes})
+_sys.meta_path.append(_deprecated.OldModules)
 _makeInlineReady()
 
 __all__ = sorted(
-    [
+    {
         "diagnostics",
         "rigid",
         "study",
+        *_materials.classes,
+        *_particles.classes,
+        *_engines.classes,
         *(
             name
             for name, thing in globals().items()
             if not (name.startswith("_") or isinstance(thing, _types.ModuleType))
         ),
-    ]
+    }
 )
+
+
+def __getattr__(name):
+    """Classes of the solver, those of a plugin too, and modules by their old names."""
+    for room in (_materials, _particles, _engines):
+        if name in room.classes:
+            return room.classes[name]
+    if name in _deprecated.MODULES:
+        return _importlib.import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 
 
 def __dir__():

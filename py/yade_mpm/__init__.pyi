@@ -6,6 +6,8 @@ from typing import Any, Literal
 from . import diagnostics as diagnostics
 from . import rigid as rigid
 from . import study as study
+from .app.parameter import Parameter as Parameter
+from .app.parameters import Parameters as Parameters
 from .check.certificate import Certificate as Certificate
 from .check.certificate import quasiStatic as quasiStatic
 from .check.certificate import rateSensitivity as rateSensitivity
@@ -44,8 +46,6 @@ from .scene.plugins import loadPlugin as loadPlugin
 from .scene.restoring import load as load
 from .scene.scene import Scene as Scene
 from .scene.undoing import undo as undo
-from .study.parameter import Parameter as Parameter
-from .study.parameters import Parameters as Parameters
 
 
 __version__: str

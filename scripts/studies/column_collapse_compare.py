@@ -10,7 +10,7 @@ import os
 import column_collapse
 import yade_mpm as mpm
 from column_collapse import WIDTH, surfaceOf
-from yade_mpm import Parameter, commandLine, files, plot
+from yade_mpm import Parameter, app, files, plot
 
 CELLS = 0.01, 0.005  # m
 
@@ -53,4 +53,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

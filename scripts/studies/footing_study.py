@@ -13,7 +13,7 @@ import argparse
 import os
 
 import footing
-from yade_mpm import Parameter, commandLine, files
+from yade_mpm import Parameter, app, files
 
 
 def refusal(a, given):
@@ -77,4 +77,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

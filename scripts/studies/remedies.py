@@ -17,7 +17,7 @@ import os
 import sheet_pile
 import sheet_pile_study
 import yade_mpm as mpm
-from yade_mpm import Parameter, commandLine, files, plot
+from yade_mpm import Parameter, app, files, plot
 
 FRICTION, LIMIT = 0.3, 0.05
 REMEDIES = {
@@ -118,4 +118,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, commandLine, study
+from yade_mpm import Parameter, app, study
 from yade_mpm.study.calibration import METHODS
 from yade_mpm.study.study import Study
 
@@ -58,4 +58,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -16,7 +16,7 @@ import numpy as np
 import sheet_pile
 import sheet_pile_study
 from sheet_pile_pictures import LABEL, LIMIT, windowOf
-from yade_mpm import commandLine, files, plot, study
+from yade_mpm import app, files, plot
 
 MAY_CHANGE = ("until", "rateCheck")
 
@@ -91,7 +91,7 @@ def allUGIMPRun(a):
     b = argparse.Namespace(
         **{**vars(a), "types": "ugimp", "resume": None, "out": os.path.join(a.out, "ugimp")}
     )
-    checkpoint, file = os.path.join(b.out, "checkpoint.h5"), os.path.join(b.out, study.ARGUMENTS)
+    checkpoint, file = os.path.join(b.out, "checkpoint.h5"), os.path.join(b.out, app.ARGUMENTS)
     hasBegun = os.path.exists(checkpoint) and os.path.exists(file)
     if a.resume and hasBegun and os.path.getmtime(checkpoint) >= os.path.getmtime(file):
         with open(file) as text:
@@ -116,4 +116,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

@@ -10,8 +10,8 @@ from math import nan
 
 import numpy as np
 from sheet_pile import DEPTH, EMBEDDED, GRAVITY, ZONE_BELOW, resistanceCurve
-from yade_mpm import diagnostics, study
-from yade_mpm.surface import groundSurface
+from yade_mpm import diagnostics, geotech
+from yade_mpm.geotech import groundSurface
 
 STRIPES = {
     "stripes": 0,
@@ -35,10 +35,10 @@ def summarise(a, scene, history):
         "allUGIMPSoilParticles": allUGIMP(a),
         "soilParticleRatio": soilCount / allUGIMP(a),
         "penetration": float(depth[-1]),
-        "resistance": study.atSteps(depth, smooth),
-        "resistanceScatter": study.scatter(depth, smooth, study.movingAverage(depth, raw, 1.0)),
-        "appliedForce": study.atSteps(depth, smooth - pile.mass.sum() * GRAVITY),
-        "resistanceAtBase": study.atSteps(depth, baseCurve(a, scene, history)),
+        "resistance": geotech.atSteps(depth, smooth),
+        "resistanceScatter": geotech.scatter(depth, smooth, geotech.movingAverage(depth, raw, 1.0)),
+        "appliedForce": geotech.atSteps(depth, smooth - pile.mass.sum() * GRAVITY),
+        "resistanceAtBase": geotech.atSteps(depth, baseCurve(a, scene, history)),
         "heaveArea": heave,
         "troughArea": trough,
         "cavityArea": openCavity + a.thickness * (EMBEDDED + float(depth[-1])),
@@ -98,8 +98,8 @@ def baseCurve(a, scene, history):
     act where particles rattle, make the difference.
     """
     weight = sum(b.mass.sum() for b in soilBodies(scene)) * GRAVITY
-    return study.movingAverage(
-        study.travel(history["time"], a.rate, a.ramp), history["bottom.fy"] - weight, a.cell
+    return geotech.movingAverage(
+        geotech.travel(history["time"], a.rate, a.ramp), history["bottom.fy"] - weight, a.cell
     )
 
 
@@ -121,7 +121,7 @@ def stripesFrom(a, scene):
     particles beside the pile, -: from so many cells below its tip down as far as the uGIMP zone of the
     hybrid reaches below the final one. Mean of both sides. It changes with the place of the tip in its
     cell: only means over a cell of penetration tell something."""
-    tip = DEPTH - EMBEDDED - study.travel(scene.time, a.rate, a.ramp)
+    tip = DEPTH - EMBEDDED - geotech.travel(scene.time, a.rate, a.ramp)
     lines = [
         diagnostics.meanStressAlong(
             soilBodies(scene),
@@ -147,7 +147,9 @@ def stripeMeans(a, depth, history):
         known = np.isfinite(history[name])
         at, values = depth[known], history[name][known]
         means[name] = extreme(values[at > depth[-1] - a.cell], np.mean)
-        means[name + "At"] = study.atSteps(at, study.movingAverage(at, values, a.cell)) if len(values) else {}
+        means[name + "At"] = (
+            geotech.atSteps(at, geotech.movingAverage(at, values, a.cell)) if len(values) else {}
+        )
     return means
 
 

@@ -6,7 +6,7 @@ import os
 import numpy as np
 from sheet_pile import DEPTH, EMBEDDED, resistanceCurve
 from sheet_pile_measures import baseCurve, surfaceOf
-from yade_mpm import files, plot, study
+from yade_mpm import files, geotech, plot
 
 LIMIT, LABEL = 0.5, "plastic shear strain (-)"  # end of the colour scale, and its name
 
@@ -28,7 +28,7 @@ def draw(a, scene, history, snapshots, summary):
         os.path.join(a.out, "surface.csv"),
         {"x_m": surface.x, "y_m": surface.y, "is_mesh_vertex": surface.explicit},
     )
-    titles = [f"{study.travel(s.time, a.rate, a.ramp):.2g} m" for s in snapshots]
+    titles = [f"{geotech.travel(s.time, a.rate, a.ramp):.2g} m" for s in snapshots]
     figure, _ = plot.panels(snapshots, titles, LIMIT, LABEL, windowOf(a))
     plot.save(figure, os.path.join(a.out, "domains.png"))
 

@@ -17,7 +17,7 @@ import sheet_pile
 import yade_mpm as mpm
 from sheet_pile_measures import stripeColumns, summarise
 from sheet_pile_pictures import draw
-from yade_mpm import Parameter, commandLine, plot, study
+from yade_mpm import Parameter, app, plot
 
 
 def refusal(a, given):
@@ -76,13 +76,13 @@ def run(a, again=None):
     resumed at its end
     keeps its results. again : checkpoint that continues an interrupted run; default: its own."""
     snapshots, stripes = plot.Snapshots("plasticShearStrain"), stripeColumns(a)
-    run = study.Run(
+    run = app.Run(
         a, lambda: sheet_pile.recorded(a, snapshots, stripes), {"snapshots": snapshots}, stripes, again
     )
     scene, history = run.finish()
     sensitivity = rateCheck(a, *sheet_pile.resistanceCurve(a, scene, history)) if a.rateCheck else None
     certificate = mpm.quasiStatic(history, rateSensitivity=sensitivity)
-    commandLine.printCheck(certificate)
+    app.printCheck(certificate)
     results = run.savedSummary() if run.isAtEnd else None
     if results is None:
         results = summarise(a, scene, history)
@@ -90,7 +90,7 @@ def run(a, again=None):
             snapshots(scene)
         results["files"] = draw(a, scene, history, snapshots, results)
     depth, _, smooth = sheet_pile.resistanceCurve(a, scene, history)
-    study.saveCurve(a.out, "resistance", {"penetration (m)": depth, "resistance (kN/m)": smooth})
+    app.saveCurve(a.out, "resistance", {"penetration (m)": depth, "resistance (kN/m)": smooth})
     summary = run.save({**results, "quasiStatic": certificate.asDict()})
     tell(summary, a.out)
     return summary, scene, history
@@ -127,4 +127,4 @@ def main():
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

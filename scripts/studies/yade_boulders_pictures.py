@@ -2,9 +2,9 @@
 """Ground and pictures of scripts/yade_boulders.py."""
 
 import numpy as np
+from landscape import SAND, landscape
 from scipy.ndimage import median_filter
 from yade_mpm import plot
-from yade_mpm.study.landscape import SAND, landscape
 
 
 def groundOf(scene, a):

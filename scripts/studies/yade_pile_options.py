@@ -7,8 +7,8 @@ import sys
 import sheet_pile
 from sheet_pile import EMBEDDED, PILE_LENGTH
 from yade import O, utils
-from yade_mpm import commandLine
-from yade_mpm.commandLine import below, count, notNegative, positive
+from yade_mpm import app
+from yade_mpm.app import below, count, notNegative, positive
 
 BATCH = os.path.join("results", "yade_pile", "batch")
 FRICTIONS = (0.0, 0.3, 0.6)
@@ -16,7 +16,7 @@ IGNORED = {"velocity": ("hammer", "drop", "blows", "damping"), "hammer": ("rate"
 
 
 def options(doc):
-    p = commandLine.Parser("yade_pile", doc, smoke={"penetration": 0.6, "blows": 1})
+    p = app.Parser("yade_pile", doc, smoke={"penetration": 0.6, "blows": 1})
     p.add_argument(
         "--friction", type=notNegative, default=0.3, help="between pile and soil (default %(default)s)"
     )

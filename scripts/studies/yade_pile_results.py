@@ -9,7 +9,7 @@ import os
 import numpy as np
 from sheet_pile import GRAVITY
 from yade import O
-from yade_mpm import files, plot, study
+from yade_mpm import files, geotech, plot
 from yade_mpm.yade.picture import outlines
 from yade_pile_options import BATCH
 
@@ -48,8 +48,8 @@ def report(a, out, number, scene, history, gauge, wall):
         "base": history["bottom.fy"] - weight(scene),
     }
     if a.drive == "velocity":
-        curves["smooth"] = study.movingAverage(depth, raw, a.cell)
-        curves["base"] = study.movingAverage(depth, curves["base"], a.cell)
+        curves["smooth"] = geotech.movingAverage(depth, raw, a.cell)
+        curves["base"] = geotech.movingAverage(depth, curves["base"], a.cell)
     files.saveTable(os.path.join(out, "resistance.csv"), curves)
     state = O.bodies[number].state
     summary = {
@@ -69,8 +69,8 @@ def report(a, out, number, scene, history, gauge, wall):
         "penetration": gauge.start - state.pos[1],
     }
     if a.drive == "velocity":
-        summary["resistance"] = study.atSteps(depth, curves["smooth"])
-        summary["resistanceAtBase"] = study.atSteps(depth, curves["base"])
+        summary["resistance"] = geotech.atSteps(depth, curves["smooth"])
+        summary["resistanceAtBase"] = geotech.atSteps(depth, curves["base"])
     else:
         ends = HAMMER_PERIOD * np.arange(1, a.blows + 2)
         summary["afterBlow"] = {

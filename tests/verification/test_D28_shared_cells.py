@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from setups import chain
-from yade_mpm import box, disc, study
+from yade_mpm import box, disc, geotech
 
 PRESSURE, STRENGTH, SHEAR, POISSON = 200.0, 10.0, 1000.0, 0.49  # kPa, kPa, kPa, -
 CELL, HALF = 0.2, 0.4  # m, of the grid, and half the edge of the block
@@ -266,7 +266,7 @@ def onBed(gap, velocity, soil="clay", width=2.4, at=0.8, gravity=0.0, friction=0
     soil = scene.add("soil", bed, material, mpm.UGIMP(perCell=2), group="soil", fbar=True)
     soil.setStress(1.8 * gravity * (soil.position[:, 1] - TOP)[:, None, None] * np.eye(3))
     bottom = TOP + gap * CELL
-    mesh = study.quadrilaterals(
+    mesh = geotech.quadrilaterals(
         *np.meshgrid(np.linspace(at, at + 0.8, 9), np.linspace(bottom, bottom + 0.6, 7))
     )
     block = scene.add("block", mesh, elastic, mpm.APDI(), group="block")
@@ -383,7 +383,7 @@ def test_soil_that_is_cut_to_an_outline_keeps_its_pressure(constraints):
     x, y = np.meshgrid(*2 * [np.linspace(-1, 1, 17)])
     x, y = HALF * x * np.sqrt(1 - y**2 / 2), HALF * y * np.sqrt(1 - x**2 / 2)
     stiff = mpm.LinearElastic(density=1.5, young=2e4, poisson=0.3)
-    mesh = study.quadrilaterals(centre[0] + x, centre[1] + y)
+    mesh = geotech.quadrilaterals(centre[0] + x, centre[1] + y)
     bar = scene.add("bar", mesh, stiff, mpm.APDI(), group="bar")
     for body in (soil, bar):
         body.setStress(-PRESSURE * np.eye(3))

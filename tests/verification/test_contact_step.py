@@ -11,7 +11,7 @@ import pytest
 import yade_mpm as mpm
 from setups import chain
 from yade_mpm import box
-from yade_mpm.study.meshes import wedgedColumn
+from yade_mpm.geotech.meshes import wedgedColumn
 
 CELL, DEPTH, RATE, RAMP = 0.1, 0.3, 0.2, 0.05  # m, m, m/s, s
 STEP = 1.2e-3  # s, 0.7 of the critical one

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm import box, study
+from yade_mpm import box, geotech
 
 HERE = Path(__file__).parent
 
@@ -143,7 +143,7 @@ def test_a_block_slides_as_coulomb_says_from_small_cells_into_large_ones(alongOn
     scene = mpm.Scene((0, 0), (6, 2), h, threads=1, grading=mpm.Grading(even, largest=3 * h))
     rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
     scene.add("base", box((0, 0), (6, 0.4)), rubber, mpm.APDI(size=h / 2), group="base")
-    mesh = study.quadrilaterals(*np.meshgrid(np.linspace(0.3, 0.8, 11), np.linspace(0.4, 0.9, 11)))
+    mesh = geotech.quadrilaterals(*np.meshgrid(np.linspace(0.3, 0.8, 11), np.linspace(0.4, 0.9, 11)))
     block = scene.add("block", mesh, rubber, mpm.APDI(), group="block")
     base = mpm.Hold(box((-1, -1), (7, 0.21)), velocity=(0, 0), name="base")
     solver = mpm.GridSolver(gravity=(0, -g * cos(slope)), damping=0.7, hold=base)

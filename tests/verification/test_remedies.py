@@ -14,7 +14,7 @@ import pytest
 import remedies
 import sheet_pile
 import sheet_pile_study
-from yade_mpm import study
+from yade_mpm import geotech
 
 
 @pytest.fixture(scope="module")
@@ -141,8 +141,8 @@ def test_a_tip_that_cannot_be_is_refused(given, message, capsys):
 
 def test_scatter_is_zero_of_a_straight_line_and_that_of_a_wave_elsewhere():
     x = np.linspace(0, 4, 4001)
-    assert study.scatter(x, 100 + 50 * x, 100 + 50 * x) == 0
-    assert study.scatter(x, 100 + 10 * np.sin(2 * np.pi * x), np.full_like(x, 100.0)) == pytest.approx(
+    assert geotech.scatter(x, 100 + 50 * x, 100 + 50 * x) == 0
+    assert geotech.scatter(x, 100 + 10 * np.sin(2 * np.pi * x), np.full_like(x, 100.0)) == pytest.approx(
         0.1 / 2**0.5, rel=1e-3
     )
-    assert study.scatter(x[:500], x[:500], x[:500]) is None
+    assert geotech.scatter(x[:500], x[:500], x[:500]) is None

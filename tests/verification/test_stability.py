@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm.study import stability
+from yade_mpm.geotech import stability
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 PUBLISHED = 1.4

@@ -79,14 +79,14 @@ def test_a_backend_that_a_notebook_chooses_stays(monkeypatch):
 
 def test_a_program_that_does_not_draw_does_not_wait_for_matplotlib():
     code = (
-        "import sys; from yade_mpm import commandLine\n"
+        "import sys; from yade_mpm import app\n"
         "def main():\n"
         "    assert 'matplotlib' not in sys.modules\n"
         "    import matplotlib.pyplot\n"
         "    assert matplotlib.get_backend().lower() == 'agg'\n"
         "    from yade_mpm import plot\n"
         "    assert matplotlib.rcParams['savefig.dpi'] == plot.STYLE['savefig.dpi']\n"
-        "commandLine.run(main)"
+        "app.run(main)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 

@@ -1,39 +1,68 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Modules that scripts import by name stay, wherever what is in them stands."""
+"""The public name of a module is its room; old spellings work for one version, and warn."""
 
 import importlib
 import subprocess
 import sys
+import warnings
 
 import pytest
 import yade_mpm as mpm
+from yade_mpm.base import deprecated
 
-MODULES = {
-    "certificate": ["Certificate", "quasiStatic", "rateSensitivity"],
-    "commandLine": ["Parser", "below", "between", "count", "notNegative", "partOf", "positive", "run"],
+ROOMS = {
+    "app": ["Parser", "Run", "below", "between", "count", "notNegative", "partOf", "positive", "run"],
     "diagnostics": ["energyError", "kineticEnergy", "mass", "sectionForce"],
     "engines": ["Callback", "Contact", "Engine", "GridSolver", "ParticleToGrid", "PyRunner", "classes"],
     "files": ["checkWritable", "replacing", "saveJson", "saveTable"],
+    "geotech": ["Surface", "addGround", "groundSurface", "travel"],
     "inYade": ["Bodies", "act", "attach", "checkpointOf"],
     "plot": ["Snapshot", "plt", "save"],
     "rigid": ["Box", "Facet", "Sphere", "Wall"],
-    "surface": ["Surface", "groundSurface"],
+    "study": ["calibrate", "run"],
     "yadePlane": ["Plane"],
 }
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_a_public_module_has_its_names(name):
-    module = importlib.import_module(f"yade_mpm.{name}")
-    assert set(MODULES[name]) <= set(dir(module))
-    assert module.__doc__.startswith("The public name of `yade_mpm.")
+@pytest.mark.parametrize("name", ROOMS)
+def test_a_room_has_its_public_names(name):
+    assert set(ROOMS[name]) <= set(dir(importlib.import_module(f"yade_mpm.{name}")))
 
 
-def test_the_modules_of_every_scene_are_there_at_once():
+def test_the_rooms_of_every_scene_are_there_at_once():
     asked = "import yade_mpm as mpm; mpm.diagnostics, mpm.engines, mpm.files, mpm.rigid; import sys; "
     asked += "print('matplotlib' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)
     assert done.stdout == "False\n", done.stderr
+
+
+IMPORTS = "import {0}", "from {1} import {2}"
+OLD = [(how, *names) for names in deprecated.MODULES.items() for how in IMPORTS]
+OLD += [("{0}", old, new) for old, new in deprecated.MODULES.items() if "." not in old]
+
+
+@pytest.mark.parametrize("how, old, new", OLD)
+def test_a_module_has_its_old_name_for_one_version(how, old, new):
+    """On the line that says it; a control: the new name says nothing."""
+    sys.modules.pop(f"yade_mpm.{old}", None)
+    room, _, name = f"yade_mpm.{old}".rpartition(".")
+    vars(importlib.import_module(room)).pop(name, None)
+    line, space = how.format(f"yade_mpm.{old}", room, name), {"yade_mpm": mpm}
+    with pytest.warns(DeprecationWarning, match=f"yade_mpm.{old} is .*; use yade_mpm.{new}$") as told:
+        exec(compile(line, "scene.py", "exec"), space)
+    assert {one.filename for one in told} == {"scene.py"}
+    assert importlib.import_module(f"yade_mpm.{old}") is importlib.import_module(f"yade_mpm.{new}")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        exec(compile(f"import yade_mpm.{new}", "scene.py", "exec"), space)
+
+
+def test_a_name_that_has_moved_warns_and_an_unknown_one_is_refused():
+    with pytest.warns(DeprecationWarning, match="study.Run is deprecated .*; use yade_mpm.app.Run"):
+        assert mpm.study.Run is mpm.app.Run
+    for room in (mpm, mpm.study, mpm.engines):
+        with pytest.raises(AttributeError, match="nothing"):
+            _ = room.nothing
 
 
 def test_yade_finds_the_module_that_scripts_have():

@@ -261,3 +261,15 @@ def makeClass(name, make, base=Attributed, state=()):
 def makeClasses(names, make, base=Attributed, states=None):
     """Dict name -> class for all registered names. states : dict name -> parameters that are none."""
     return {name: makeClass(name, make, base, (states or {}).get(name, ())) for name in names}
+
+
+def classAttribute(classes):
+    """The `__getattr__` of a module that has classes by their names in a dict, later ones too."""
+
+    def find(name):
+        try:
+            return classes[name]
+        except KeyError:
+            raise AttributeError(f"there is no class {name}") from None
+
+    return find

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """All engines by name: those registered in the solver, some with a class of their own here, and callbacks."""
 
+from ..base.attributes import classAttribute
 from .boundaryLoad import BoundaryLoad
 from .callback import Callback, PyRunner
 from .contact import Contact
@@ -13,6 +14,6 @@ classes = {
     **generated,
     **{own.__name__: own for own in (GridSolver, BoundaryLoad, RigidContact, Contact, PyRunner)},
 }
-globals().update(classes)
+__getattr__ = classAttribute(classes)
 __all__ = ["Callback", "Drive", "Engine", "Hold", "Prescribed", "classes"]
 __all__ += classes

@@ -6,7 +6,7 @@ import copy
 import numpy as np
 
 from .. import _core
-from ..base.attributes import Attributed, makeClasses
+from ..base.attributes import Attributed, classAttribute, makeClasses
 from ..geometry.numbers import numbers
 
 
@@ -44,7 +44,7 @@ def rebuilt(cls, attributes):
 
 
 classes = makeClasses(_core.materialNames(), _core.makeMaterial, Material)
-globals().update(classes)
+__getattr__ = classAttribute(classes)
 
 
 class MaterialPoint:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import _core
-from ..base.attributes import Attributed, makeClasses
+from ..base.attributes import Attributed, classAttribute, makeClasses
 from ..geometry.graded import folded, meshOnLines, refined
 from ..geometry.lattice import asSpacing, cutCells, cutOutline, latticePoints
 from ..geometry.mesh import Mesh
@@ -149,4 +149,4 @@ def makeTypes(names):
 
 
 classes = makeTypes(_core.particleTypeNames())
-globals().update(classes)
+__getattr__ = classAttribute(classes)

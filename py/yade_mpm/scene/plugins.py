@@ -50,8 +50,6 @@ def loadPlugin(path):
     for module, registered, make in KINDS:
         new = make([name for name in registered() if name not in module.classes])
         module.classes.update(new)
-        for place in (module, package):
-            vars(place).update(new)
         found += new
     package.__all__ = sorted({*package.__all__, *found})
     return found

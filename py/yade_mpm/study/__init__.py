@@ -1,51 +1,36 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What scenes and studies share: command lines, runs that can be resumed, curves along a way, summaries.
+"""Studies: one scene, many cases, side by side, resumable, one table and one report.
 
-Run                                         a scene run to its end, its results in a folder; --resume
-keep, resumed                               the arguments of a run, kept beside its results
-record, saveCurve                           what every summary says of a run, and curves that studies overlay
-Parameter, Parameters                       what a scene takes, declared once
-study(build, cases, results)                the module itself is called: many cases, one table
-calibrate                                   parameters fitted to a measured curve
-travel, movingAverage, atSteps, scatter     curves over the way of a driven body
-addGround, TYPES                            ground of uGIMP, of APDI, or of both
-quadrilaterals, wedgedColumn                structured meshes
+run(build, cases, results)                  many cases of a scene, one table
+calibrate(scene, ranges, measured, ...)     parameters fitted to a measured curve
 
-Modules to import by name: `commandLine`, `penetration`, `reference`, `stability`, `surface`.
+`scripts/run study` is the same from the command line; `yade_mpm.app` has what scenes of studies are made of.
 """
 
-import sys as _sys
-import types as _types
+from ..base.deprecated import moved
 
-from .curves import atSteps, movingAverage, scatter, travel
-from .ground import TYPES, addGround
-from .meshes import quadrilaterals, wedgedColumn
-from .parameter import Parameter
-from .parameters import Parameters
-from .record import record, saveCurve
-from .resume import ARGUMENTS, SUMMARY, keep, resumed
-from .run import Run
+__all__ = ["calibrate", "run"]
 
-__all__ = [
-    "ARGUMENTS",
-    "SUMMARY",
-    "TYPES",
-    "Parameter",
-    "Parameters",
-    "Run",
-    "addGround",
-    "atSteps",
-    "calibrate",
-    "keep",
-    "movingAverage",
-    "quadrilaterals",
-    "record",
-    "resumed",
-    "saveCurve",
-    "scatter",
-    "travel",
-    "wedgedColumn",
-]
+
+def run(build, cases, results=None, *, until=None, out="results/study", parameters=None, **how):
+    """Runs a scene for many cases and returns a table (pandas.DataFrame) with a row for each.
+
+    Parameters
+    ----------
+    build : function of the arguments of a case (a namespace) that returns a Scene; or the file of a scene.
+    cases : list of dicts, DataFrame, or dict name -> list of values for all combinations.
+    results : function of the Scene after the run that returns a dict of numbers.
+    until : scene time of the end, s.
+    out : folder; cases that are finished there are not run again.
+    parameters : a `Parameters`, for defaults and checks.
+    how : jobs, threads, timeout, scheduler, retry, quiet, ... as of `Study` and `Study.run`.
+
+    table = mpm.study.run(build, {"friction": [0.0, 0.3], "cell": [0.5, 0.25]}, results, until=1.0)
+    """
+    from .study import Study  # brings what only studies need
+
+    own = {name: how.pop(name) for name in ("threads", "words", "show") if name in how}
+    return Study(build, cases, out, results, until, parameters, **own).run(**how)
 
 
 def calibrate(scene, ranges, measured, curve, out, *what, **how):
@@ -55,24 +40,10 @@ def calibrate(scene, ranges, measured, curve, out, *what, **how):
     return calibrate(scene, ranges, measured, curve, out, *what, **how)
 
 
-class _Study(_types.ModuleType):
-    """The module, which is also the function `study.study.study`: `mpm.study(build, cases, results)`."""
-
-    def __call__(self, build, cases, results=None, **how):
-        """Runs a scene for many cases and returns a table, see `yade_mpm.study.study.study`.
-
-        Parameters
-        ----------
-        build : function of the arguments of a case that returns a Scene, or the file of a scene.
-        cases : list of dicts, a DataFrame, or a dict name -> list of values for all combinations.
-        results : function of the Scene after the run that returns a dict of numbers.
-        out : name of a folder.
-        """
-        from .study import study  # brings what only studies need
-
-        return study(build, cases, results, **how)
-
-
-_Study.__name__ = "study"  # in errors
-
-_sys.modules[__name__].__class__ = _Study
+_OF_APP = "ARGUMENTS", "SUMMARY", "Parameter", "Parameters", "Run", "keep", "record", "resumed", "saveCurve"
+_OF_GEOTECH = "TYPES", "addGround", "atSteps", "movingAverage", "quadrilaterals", "scatter", "travel"
+__getattr__ = moved(
+    __name__,
+    {name: f"app.{name}" for name in _OF_APP}
+    | {name: f"geotech.{name}" for name in (*_OF_GEOTECH, "wedgedColumn")},
+)

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
+from ..app.record import CURVE
 from ..base.html import textOf
 from ..base.wording import shortened
 from ..io.files import replacing, saveJson
 from . import execution, pictures, report, state
-from .record import CURVE
 from .study import Study
 
 METHODS = ("least_squares", "differential_evolution")

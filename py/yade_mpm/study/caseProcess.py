@@ -16,12 +16,12 @@ import sys
 import time
 import traceback
 
+from ..app.record import saveHistories
+from ..app.resume import ARGUMENTS, SUMMARY
 from ..io.files import saveJson
 from ..scene.restoring import load
 from . import state
 from .lock import Held, holding
-from .record import saveHistories
-from .resume import ARGUMENTS, SUMMARY
 
 CHECKPOINT = "checkpoint.h5"
 LOCK_WAIT = 60.0  # s that a case waits for an older process of the same case to end

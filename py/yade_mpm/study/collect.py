@@ -3,10 +3,10 @@
 
 import os
 
+from ..app.resume import SUMMARY
 from ..io.files import replacing
 from . import state
 from .optional import needed
-from .resume import SUMMARY
 
 ABOUT = ("case", "state", "message", "seconds")  # of a run, not of what it found
 RUN = ("arguments", "versions", "bodies", "timing", "threads", "dtCritical", "nsPerParticleStep")

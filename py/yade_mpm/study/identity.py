@@ -13,19 +13,7 @@ from pathlib import Path
 from .. import __version__, _core
 
 DIGITS = 12  # of the name of a case: 1e6 cases collide with a probability of 2e-3
-LATER = (
-    "calibration",
-    "cases",
-    "collect",
-    "execution",
-    "live",
-    "lock",
-    "optional",
-    "pictures",
-    "program",
-    "report",
-)
-LATER += ("sensitivity", "study", "watch")
+OF_A_CASE = "__init__", "caseProcess", "identity", "state"  # modules of studies that a case runs
 
 
 @lru_cache
@@ -33,7 +21,9 @@ def codeVersion():
     """Version and digest of the package and its solver; modules that only start and show runs do not
     count."""
     package, digest = Path(__file__).parents[1], hashlib.sha256()
-    files = sorted(f for f in package.rglob("*.py") if not (f.parent.name == "study" and f.stem in LATER))
+    files = sorted(
+        f for f in package.rglob("*.py") if not (f.parent.name == "study" and f.stem not in OF_A_CASE)
+    )
     for file in (*files, Path(_core.__file__)):
         digest.update(file.read_bytes())
     return f"{__version__}+{digest.hexdigest()[:DIGITS]}"

@@ -7,8 +7,8 @@ import re
 import shutil
 import sys
 
+from ..app.commandLine import count, positive
 from . import cases, state
-from .commandLine import count, positive
 from .report import FINDINGS
 from .study import Study, findScene, parametersOf
 

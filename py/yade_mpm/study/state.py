@@ -5,8 +5,8 @@ import json
 import math
 import os
 
+from ..app.resume import SUMMARY
 from ..io.files import saveJson
-from .resume import SUMMARY
 
 CASE, STATE, LOG, STOP = "case.json", "state.json", "log.txt", "stop"
 WAITING, RUNNING, DONE, FAILED = "waiting", "running", "done", "failed"

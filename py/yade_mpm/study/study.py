@@ -11,6 +11,7 @@ from functools import cached_property
 from glob import escape, glob
 from hashlib import sha256
 
+from ..app.parameters import Parameters
 from ..base.warn import warnUser
 from ..io.files import saveJson, writeWhole
 from . import cases as casesOf
@@ -18,7 +19,6 @@ from . import collect, execution, identity, report, state
 from .live import Live
 from .lock import Held, holding
 from .optional import needed
-from .parameters import Parameters
 
 REPORT_SHARE = 60.0  # a report that took a second to write is not written again for a minute
 REPORT_PAUSE = 2.0  # s at least
@@ -292,19 +292,3 @@ def _onPath(folder):
         yield
     finally:
         sys.path.remove(folder)
-
-
-def study(build, cases, results=None, *, until=None, out="results/study", parameters=None, **how):
-    """Runs a scene for many cases and returns a table (pandas.DataFrame) with a row for each.
-
-    build : function of the arguments of a case (a namespace) that returns a Scene; or the file of a scene.
-    cases : list of dicts, DataFrame, or dict name -> list of values for all combinations. results : function
-    of the Scene after the run that returns a dict of numbers. until : scene time of the end, s. out :
-    folder; cases that are finished there are not run again. parameters : a `Parameters`, for defaults and
-    checks. how : jobs, threads, timeout, scheduler, retry, quiet, ... as of `Study.run`.
-
-    table = mpm.study(build, {"friction": [0.0, 0.3], "cell": [0.5, 0.25]}, results, until=1.0)
-    """
-    own = {name: how.pop(name) for name in ("threads", "words", "show") if name in how}
-    one = Study(build, cases, out, results, until, parameters, **own)
-    return one.run(**how)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from setups import chain, elastic
-from yade_mpm import box, study
+from yade_mpm import box, geotech
 
 PAIRS = ["uu", "ua", "au", "aa"]  # u: uGIMP, a: APDI,
 CUT = ["uc", "ac", "cc"]  # c: uGIMP that carries its outline
@@ -510,7 +510,7 @@ def test_normals_at_edges_do_not_depend_on_the_time_step():
 def normalsUnderATip(step):
     """Normals at the two nodes under the tip of a pile in soil that lies lower on the right by `step`, m."""
     scene = mpm.Scene((0, 0), (4.5, 4), 0.5, threads=1)
-    tip = mpm.Mesh(*study.wedgedColumn(2.25, 1.35, 0.5, 1.5, 90.0, 0.25))
+    tip = mpm.Mesh(*geotech.wedgedColumn(2.25, 1.35, 0.5, 1.5, 90.0, 0.25))
     pile = scene.add("pile", tip, elastic(1e3), mpm.APDI(), group="pile")
     soil = scene.add("soil", box((0.5, 0.5), (4.0, 1.5)), elastic(1e3), mpm.UGIMP(perCell=2), group="soil")
     soil.position[soil.position[:, 0] > 2.25, 1] -= step
@@ -625,7 +625,7 @@ def test_half_a_body_presses_as_the_whole_one_does():
         scene = mpm.Scene((left, 0), (1, 1), 0.1, threads=1)
         scene.add("base", box((left, 0), (1, 0.3)), elastic(1e3), mpm.UGIMP(perCell=2), group="base")
         x, t = np.meshgrid(np.arange(0.4 * left, 0.41, 0.05), np.linspace(0, 1, 5), indexing="ij")
-        lens = study.quadrilaterals(x, 0.301 + 0.2 * x**2 + 0.2 * t)
+        lens = geotech.quadrilaterals(x, 0.301 + 0.2 * x**2 + 0.2 * t)
         scene.add("lens", lens, elastic(1e3), mpm.APDI(), group="lens").velocity = (0, -1.0)
         contact = mpm.Contact(impactLoss=1.0)
         scene.engines = chain(contact=contact, damping=0.1, fixed="bottom", roller=("left", "right"))

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm import box, study
+from yade_mpm import box, geotech
 
 CELLS = 8
 
@@ -16,7 +16,7 @@ def test_boxes_beside_a_mesh_between_lines_are_strained_as_the_rest(edge):
     soft = mpm.LinearElastic(density=2.0, lame=(1e-3, 1e-3))
     boxes = scene.add("boxes", box((0, 0), (edge, CELLS)), soft, mpm.UGIMP(perCell=4), fbar=True)
     x, y = np.linspace(edge, CELLS, int(np.ceil(CELLS - edge)) + 1), np.linspace(0, CELLS, CELLS + 1)
-    mesh = study.quadrilaterals(*np.meshgrid(x, y))
+    mesh = geotech.quadrilaterals(*np.meshgrid(x, y))
     for body in boxes, scene.add("mesh", mesh, soft, mpm.APDI(), fbar=True):
         body.velocity[...] = -0.1 * body.position[:, :1] * [1, 0]
     scene.dt = 1e-3

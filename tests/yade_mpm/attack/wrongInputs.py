@@ -18,17 +18,7 @@ import blows
 import numpy as np
 from fixtures import Fixtures, shown
 
-MODULES = (
-    "certificate",
-    "diagnostics",
-    "engines",
-    "files",
-    "plot",
-    "rigid",
-    "surface",
-    "commandLine",
-    "study",
-)
+MODULES = ("diagnostics", "engines", "files", "plot", "rigid", "geotech", "app", "study")
 
 
 class Setter:
@@ -52,7 +42,7 @@ def signatureOf(thing):
 
 def entriesOf(fixtures):
     """List of (label, function(fixtures) -> Entry): all that users can call or set."""
-    found = [("mpm.study()", lambda f: (f.mpm.study.__call__, ["study"]))]
+    found = []
 
     def isOurs(thing):
         return str(getattr(thing, "__module__", "")).startswith("yade_mpm")
@@ -175,7 +165,7 @@ def attack(number, seed, entries=None):
     told = ", ".join([*map(shown, positional), *(f"{n} = {shown(v)}" for n, v in named.items())])
     try:
         made = thing(*positional, **named)
-        if rng.random() < 0.5 and not label.startswith(("commandLine", "files", "plot")):
+        if rng.random() < 0.5 and not label.startswith(("app", "files", "plot")):
             label += " then run"
             wrong = nonsense(use(fixtures, made))
             if wrong:

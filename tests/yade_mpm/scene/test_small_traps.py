@@ -7,7 +7,7 @@ import datetime
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm import box, study
+from yade_mpm import box, geotech
 
 ELASTIC = dict(density=1.0, lame=(1e3, 1e3))
 
@@ -74,7 +74,7 @@ def test_a_mesh_in_single_precision_meets_boxes_and_walls(left):
     """As files keep it: an edge of a cell was refused for its seventh digit, a vertex for being out of the
     grid."""
     x, y = np.meshgrid(np.linspace(left, left + 1, 11), np.linspace(0, 1, 11))
-    points, cells = study.quadrilaterals(x, y)
+    points, cells = geotech.quadrilaterals(x, y)
     single = np.array(points, np.float32)
     soil = mpm.LinearElastic(**ELASTIC)
     scene = mpm.Scene((left, 0), (left + 2, 1), 0.1)

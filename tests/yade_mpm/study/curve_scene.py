@@ -5,7 +5,7 @@ import json
 import os
 
 import numpy as np
-from yade_mpm import Parameter, Parameters, study
+from yade_mpm import Parameter, Parameters, app
 
 PARAMETERS = Parameters(
     "curve",
@@ -24,7 +24,7 @@ def main():
         t = t[::-1]
     elif a.how == "turns":
         t = np.concatenate([t, t[-2::-1]])
-    study.saveCurve(a.out, "c", {"t (s)": t, "y": t * a.x * (a.how != "zeros")})
+    app.saveCurve(a.out, "c", {"t (s)": t, "y": t * a.x * (a.how != "zeros")})
     with open(os.path.join(a.out, "summary.json"), "w") as opened:
         json.dump({"y": a.x}, opened)
 

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import yade_mpm as mpm
-from yade_mpm import Parameter, commandLine, study
+from yade_mpm import Parameter, app
 
 PARAMETERS = mpm.Parameters(
     "demo_scene",
@@ -90,13 +90,13 @@ def main():
         started.write("x")
     print("hello of", a.end)
     fail(a.end)
-    run = study.Run(a, lambda: recorded(a), {"slow": lambda scene: pause(a, scene)})
+    run = app.Run(a, lambda: recorded(a), {"slow": lambda scene: pause(a, scene)})
     scene, history = run.finish()
     height = float(scene["block"].position[:, 1].mean())
     columns = {"time (s)": history["time"], "kinetic energy (kJ)": history["kineticEnergy"]}
-    study.saveCurve(a.out, "energy", columns)
+    app.saveCurve(a.out, "energy", columns)
     run.save({"height": float("nan") if a.end == "nan" else height, "fallen": 0.625 - height})
 
 
 if __name__ == "__main__":
-    commandLine.run(main)
+    app.run(main)

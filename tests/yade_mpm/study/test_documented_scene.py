@@ -43,4 +43,4 @@ def test_a_scene_that_runs_when_it_is_read_is_refused(tmp_path):
 
 def test_a_run_needs_until_and_resume(tmp_path):
     with pytest.raises(ValueError, match="the arguments have no `until` or no `resume`; give Parameters"):
-        mpm.study.Run(argparse.Namespace(out=str(tmp_path)), lambda: None)
+        mpm.app.Run(argparse.Namespace(out=str(tmp_path)), lambda: None)

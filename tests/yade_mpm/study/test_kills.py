@@ -38,7 +38,7 @@ def letThemGo():
 
 
 def start(*more, words=WORDS):
-    code = "from yade_mpm import commandLine; from yade_mpm.study.program import main; commandLine.run(main)"
+    code = "from yade_mpm import commandLine; from yade_mpm.study.program import main; app.run(main)"
     command = [sys.executable, "-c", code, str(SCENE), *words, *more]
     return subprocess.Popen(
         command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 import yade_mpm as mpm
 from matplotlib.figure import Figure
-from yade_mpm import Parameter, Parameters, plot
+from yade_mpm import Parameter, Parameters, app, plot
+from yade_mpm.app import commandLine
 from yade_mpm.base import program
-from yade_mpm.study import commandLine
 
 SCRIPTS = Path(__file__).resolve().parents[3] / "scripts"
 INSIDE_YADE = "from yade import"  # such a scene can be read by YADE's Python alone
@@ -72,11 +72,11 @@ def test_a_smoke_run_ends_with_what_its_numbers_are_worth(words, isSmoke, monkey
     picture = Figure()
 
     def main():
-        commandLine.printCheck("quasi-static: every ratio is within its limit")
+        app.printCheck("quasi-static: every ratio is within its limit")
         plot.save(picture, tmp_path / "a.png")
         print("805 kN/m")
 
-    commandLine.run(main)
+    app.run(main)
     ends = f"--smoke: {MEANINGLESS}" if isSmoke else "805 kN/m"
     lines = capsys.readouterr().out.splitlines()
     assert lines[-1] == ends

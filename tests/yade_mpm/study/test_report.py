@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from yade_mpm.app.record import saveCurve
 from yade_mpm.io.files import saveJson
 from yade_mpm.study import collect, pictures, report, state
 from yade_mpm.study.program import main
-from yade_mpm.study.record import saveCurve
 from yade_mpm.study.study import Study
 
 SCENE = Path(__file__).with_name("demo_scene.py")
@@ -86,7 +86,7 @@ def test_a_study_from_python_has_title_units_and_curves_and_no_effects_of_counts
     density = mpm.Parameter("density", 1.0, "of the block", unit="Mg/m3", above=0)
     parameters = mpm.Parameters("falling block", "A block falls.", cell, density)
     axes = {"cell": [0.5, 0.25], "density": [1.0, 2.0]}
-    mpm.study(fall, axes, found, until=0.05, out=tmp_path, parameters=parameters, quiet=True, jobs=1)
+    mpm.study.run(fall, axes, found, until=0.05, out=tmp_path, parameters=parameters, quiet=True, jobs=1)
     page = (tmp_path / "report.html").read_text()
     assert (
         "<h1>Study of falling block: A block falls</h1>" in page
@@ -110,7 +110,7 @@ def fallWithForce(a):
 
 def test_a_curve_that_is_the_same_in_all_cases_is_left_out_where_others_differ(tmp_path):
     axes = {"density": [1.0, 2.0], "cell": [0.5]}
-    mpm.study(fallWithForce, axes, found, until=0.05, out=tmp_path, quiet=True, jobs=1)
+    mpm.study.run(fallWithForce, axes, found, until=0.05, out=tmp_path, quiet=True, jobs=1)
     page = (tmp_path / "report.html").read_text()
     assert "<h2>weight</h2>" in page and "<h2>solid</h2>" not in page
     assert "<h1>Study of fallWithForce</h1>" in page

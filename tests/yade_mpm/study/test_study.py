@@ -125,20 +125,22 @@ def test_functions_are_studied_too_with_the_bits_of_a_run_alone(tmp_path):
 
     axes = {"gravity": [5.0, 10.0]}
     how = dict(until=0.05, out=tmp_path, parameters=demo_scene.PARAMETERS, jobs=2, threads=1, quiet=True)
-    table = mpm.study(demo_scene.build, axes, results, **how)
+    table = mpm.study.run(demo_scene.build, axes, results, **how)
     assert list(table["state"]) == [state.DONE] * 2 and list(table["gravity"]) == axes["gravity"]
     for gravity, height in zip(table["gravity"], table["height"]):
         scene = demo_scene.build(demo_scene.PARAMETERS.parse(["--gravity", str(gravity)]))
         scene.run(until=0.05)
         assert results(scene)["height"] == height
-    assert mpm.study(demo_scene.build, axes, results, **how).equals(table)
+    assert mpm.study.run(demo_scene.build, axes, results, **how).equals(table)
 
 
 def test_a_build_that_forgets_to_return_its_scene_is_told(tmp_path):
     def build(a):
         mpm.Scene((0, 0), (1, 1), 0.25)
 
-    table = mpm.study(build, {"x": [1]}, lambda scene: {"n": scene.steps}, out=tmp_path, jobs=1, quiet=True)
+    table = mpm.study.run(
+        build, {"x": [1]}, lambda scene: {"n": scene.steps}, out=tmp_path, jobs=1, quiet=True
+    )
     assert table["message"][0] == "TypeError: build returned None; end it with `return scene`"
 
 

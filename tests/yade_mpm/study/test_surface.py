@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from yade_mpm import box
-from yade_mpm.surface import groundSurface
+from yade_mpm.geotech import groundSurface
 
 SOIL = mpm.LinearElastic(density=2.0, lame=(1e3, 1e3))
 UGIMP, APDI = mpm.UGIMP(perCell=2), mpm.APDI(size=0.5)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What a body that is pressed into the ground feels: its resistance over the depth, and a picture of it.
 
-To import by name, `from yade_mpm.study import penetration`: it draws with matplotlib.
+To import by name, `from yade_mpm.geotech import penetration`: it draws with matplotlib.
 """
 
 import numpy as np

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Ground of one material whose particle types are chosen on the command line."""
 
-from ..particle.types import classes
+from ..particle.types import APDI, UGIMP
 
 TYPES = ("hybrid", "ugimp", "apdi")
 
@@ -18,7 +18,6 @@ def addGround(scene, name, region, zone, material, types, splitAt=None, onDistor
     of uGIMP they have the size of a cell, and a ring of them is matched to the boxes.
     """
     cell = float(min(scene.cell))
-    UGIMP, APDI = classes["UGIMP"], classes["APDI"]
     boxes = UGIMP(perCell=2, splitAt=splitAt)
     if types == "ugimp":
         scene.add(name, region, material, boxes, **more)

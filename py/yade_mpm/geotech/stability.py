@@ -6,7 +6,7 @@ last quarter of that time its largest displacement still grows, or is a large pa
 down then, and may rest (velocities of single particles tell nothing:
 where soil yields at rest, some swing against their neighbours, which nodes do not feel).
 
-To import by name, `from yade_mpm.study import stability`.
+To import by name, `from yade_mpm.geotech import stability`: it draws with matplotlib.
 """
 
 import time
@@ -14,11 +14,14 @@ from math import atan, radians, tan
 
 import numpy as np
 
-import yade_mpm as mpm
-
+from ..app.parameter import Parameter
+from ..app.record import record
+from ..engine.callback import PyRunner
+from ..engine.engines import DomainUpdater, GridToParticle, ParticleToGrid
+from ..engine.gridSolver import GridSolver
 from ..io import plot
+from ..material.materials import MohrCoulombDruckerPrager
 from .ground import TYPES
-from .record import record
 
 GRAVITY, DAMPING = 9.81, 0.3  # m/s2, -
 STILL = 0.02  # growth of the largest displacement in the last quarter that is none
@@ -26,29 +29,29 @@ FALLEN = 0.2  # displacement over the height of the ground at which it has come 
 RAISE_EVERY = 10  # steps between two increments of gravity
 
 PARAMETERS = (
-    mpm.Parameter("types", "hybrid", "particle types", choices=TYPES),
-    mpm.Parameter("noFbar", False, "without F-bar: the soil locks and stands too steep"),
-    mpm.Parameter("factor", None, "look at this factor alone, instead of bisection", above=0),
-    mpm.Parameter("within", 0.02, "width of the bisected interval", above=0, most=0.2),
+    Parameter("types", "hybrid", "particle types", choices=TYPES),
+    Parameter("noFbar", False, "without F-bar: the soil locks and stands too steep"),
+    Parameter("factor", None, "look at this factor alone, instead of bisection", above=0),
+    Parameter("within", 0.02, "width of the bisected interval", above=0, most=0.2),
 )
 
 
 def soil(factor, cohesion, phi, **more):
     """Soil whose strength is divided by a factor; cohesion in kPa, phi in degrees, psi = 0."""
     angle = atan(tan(radians(phi)) / factor)
-    return mpm.MohrCoulombDruckerPrager(cohesion=cohesion / factor, frictionAngle=angle, **more)
+    return MohrCoulombDruckerPrager(cohesion=cohesion / factor, frictionAngle=angle, **more)
 
 
 def trial(scene, ramp, hold):
     """Lets gravity grow over `ramp` s and act for `hold` s; returns (whether the ground fails, its largest
     displacement, m)."""
-    solver = mpm.GridSolver(gravity=(0, 0), damping=DAMPING, roller=("left", "right"), fixed="bottom")
+    solver = GridSolver(gravity=(0, 0), damping=DAMPING, roller=("left", "right"), fixed="bottom")
 
     def raiseGravity():
         solver.gravity = (0, -GRAVITY * min(1.0, scene.time / ramp))
 
-    stages = mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()
-    scene.engines = [mpm.PyRunner(raiseGravity, iterPeriod=RAISE_EVERY), *stages]
+    stages = ParticleToGrid(), solver, GridToParticle(), DomainUpdater()
+    scene.engines = [PyRunner(raiseGravity, iterPeriod=RAISE_EVERY), *stages]
     heights = np.concatenate([b.reference[:, -1] for b in scene.bodies])
     moved = []
     for share in (0.75, 1.0):

@@ -1,34 +1,40 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What scenes beside a closed form share: clay, a rigid body driven through it, a picture, the program.
 
-To import by name, `from yade_mpm.study import reference`: it draws with matplotlib, and the package must be
-complete. Units: Mg, m, s, kPa, per metre of thickness.
+To import by name, `from yade_mpm.geotech import reference`: it draws with matplotlib. Units: Mg, m, s, kPa,
+per metre of thickness.
 """
 
 import os
 import time
 
-import yade_mpm as mpm
-
+from ..app.parameter import Parameter
+from ..app.record import record
+from ..check.certificate import quasiStatic
+from ..engine.engines import Contact, DomainUpdater, GridToParticle, ParticleToGrid
+from ..engine.gridSolver import GridSolver
+from ..engine.prescribed import Drive
 from ..io import plot
 from ..io.files import saveJson
+from ..io.history import History
+from ..material.materials import LinearElastic, MohrCoulombDruckerPrager
+from ..particle.types import APDI
 from .curves import movingAverage, travel
 from .ground import addGround
-from .record import record
 
 STRENGTH, SHEAR, POISSON, DENSITY = 10.0, 1000.0, 0.49, 1.5  # kPa, kPa, -, Mg/m3 (inertia only)
 LAME = 2 * SHEAR * POISSON / (1 - 2 * POISSON), SHEAR  # kPa
 ROWS = 400  # of a history
 
-RATE = mpm.Parameter("rate", 0.1, "of the body", unit="m/s", above=0)
-FBAR = mpm.Parameter("noFbar", False, "without F-bar: the soil locks")
-CONSTRAINTS = mpm.Parameter("constraints", "auto", "as of Contact", choices=("auto", "nodes", "facets"))
+RATE = Parameter("rate", 0.1, "of the body", unit="m/s", above=0)
+FBAR = Parameter("noFbar", False, "without F-bar: the soil locks")
+CONSTRAINTS = Parameter("constraints", "auto", "as of Contact", choices=("auto", "nodes", "facets"))
 
 
 def clay(**changes):
     """Undrained clay of the strength STRENGTH, with attributes changed."""
     given = dict(density=DENSITY, lame=LAME, cohesion=STRENGTH, frictionAngle=0.0)
-    return mpm.MohrCoulombDruckerPrager(**given | changes)
+    return MohrCoulombDruckerPrager(**given | changes)
 
 
 def addSoil(scene, region, a, zone=None, types="ugimp", **changes):
@@ -52,15 +58,15 @@ def drive(scene, name, mesh, a, ramp, adhesion=0.0, friction=0.0, **solver):
     mesh : points and cells of the body. a : arguments with `rate` (m/s) and `constraints`. ramp : way over
     which the rate grows from zero, m. adhesion, friction : of its surface, kPa and -. solver : of GridSolver.
     """
-    rigid = mpm.LinearElastic(density=DENSITY, lame=LAME)
-    body = scene.add(name, mesh, rigid, mpm.APDI(), group=name)
-    motion = mpm.Drive(body, velocity=(0, -a.rate), ramp=ramp / a.rate)
+    rigid = LinearElastic(density=DENSITY, lame=LAME)
+    body = scene.add(name, mesh, rigid, APDI(), group=name)
+    motion = Drive(body, velocity=(0, -a.rate), ramp=ramp / a.rate)
     scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(drive=motion, **solver),
-        mpm.Contact(friction=friction, adhesion=adhesion, impactLoss=1.0, constraints=a.constraints),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
+        ParticleToGrid(),
+        GridSolver(drive=motion, **solver),
+        Contact(friction=friction, adhesion=adhesion, impactLoss=1.0, constraints=a.constraints),
+        GridToParticle(),
+        DomainUpdater(),
     ]
     return body
 
@@ -71,13 +77,10 @@ def press(a, scene, way, ramp, columns=None):
     a : arguments with `rate`, m/s. way, ramp : m. columns : of the History.
     """
     began, until = time.monotonic(), (way + 0.5 * ramp) / a.rate
-    history = mpm.History(period=until / ROWS, columns=columns or {})
+    history = History(period=until / ROWS, columns=columns or {})
     scene.engines = [*scene.engines, history]
     scene.run(until=until)
-    summary = {
-        **record(a, scene, time.monotonic() - began),
-        "dampedShare": mpm.quasiStatic(history).dampedShare,
-    }
+    summary = {**record(a, scene, time.monotonic() - began), "dampedShare": quasiStatic(history).dampedShare}
     return summary, travel(history["time"], a.rate, ramp / a.rate), -history["drive.fy"], history
 
 

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Old spellings that work until the next minor version; the first use on a line of the user's warns.
+
+A name that has moved stands in a table: of modules in `MODULES`, of names in a module in the table that the
+module gives to `moved`.
+"""
+
+import importlib
+import sys
+from importlib.machinery import ModuleSpec
+
+from .warn import warnUser
+
+PACKAGE = __name__.split(".")[0]
+MODULES = {  # old -> new, both without the package's name
+    "certificate": "check.certificate",
+    "commandLine": "app",
+    "surface": "geotech.surface",
+    "study.commandLine": "app",
+    "study.penetration": "geotech.penetration",
+    "study.reference": "geotech.reference",
+    "study.stability": "geotech.stability",
+    "study.surface": "geotech.surface",
+}
+
+
+def deprecated(old, new):
+    """Warns that a spelling goes, with the one to take instead."""
+    warnUser(f"{old} is deprecated and goes with the next minor version; use {new}", DeprecationWarning)
+
+
+def moved(module, names):
+    """The `__getattr__` of a module, from which names have moved. names : dict old -> "module.name"."""
+
+    def find(name):
+        if name not in names:
+            raise AttributeError(f"module '{module}' has no attribute '{name}'")
+        room, _, new = names[name].rpartition(".")
+        deprecated(f"{module}.{name}", f"{PACKAGE}.{names[name]}")
+        return getattr(importlib.import_module(f"{PACKAGE}.{room}"), new)
+
+    return find
+
+
+class OldModules:
+    """Finds modules by their old names, for `import`: a finder and a loader of importlib."""
+
+    @staticmethod
+    def find_spec(name, path=None, target=None):
+        old = name.partition(f"{PACKAGE}.")[2]
+        return ModuleSpec(name, OldModules) if old in MODULES else None
+
+    @staticmethod
+    def create_module(spec):
+        return None
+
+    @staticmethod
+    def exec_module(module):
+        name = module.__name__
+        new = f"{PACKAGE}.{MODULES[name.partition('.')[2]]}"
+        deprecated(name, new)
+        sys.modules[name] = importlib.import_module(new)

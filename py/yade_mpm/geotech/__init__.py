@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Geotechnics: ground, what is pressed into it, its surface and its safety.
+
+addGround, TYPES                            ground of uGIMP, of APDI, or of both
+groundSurface, Surface                      heave, trough and cavity of the ground surface
+quadrilaterals, ring, wedgedColumn          structured meshes
+travel, movingAverage, atSteps, scatter     curves over the way of a driven body
+
+Modules to import by name, which draw with matplotlib: `penetration`, `reference`, `stability`.
+"""
+
+from .curves import atSteps, movingAverage, scatter, travel
+from .ground import TYPES, addGround
+from .meshes import quadrilaterals, ring, wedgedColumn
+from .surface import Surface, groundSurface
+
+__all__ = [
+    "TYPES",
+    "Surface",
+    "addGround",
+    "atSteps",
+    "groundSurface",
+    "movingAverage",
+    "quadrilaterals",
+    "ring",
+    "scatter",
+    "travel",
+    "wedgedColumn",
+]

@@ -14,7 +14,7 @@ Undrained clay (phi = 0) keeps its volume, r2 - r0^2 = a2 - a0^2, and yields out
 
 5.017, 5.317 and 5.487 at a/a0 = 1.5, 2 and 3 for G/su = 100. With friction and dilatancy the pressure tends
 to a limit as the cavity grows (Carter, Booker & Yeung 1986; Yu & Houlsby 1991), see
-doc/explanation/penetration.md.
+doc/theory/penetration.md.
 
 Units: Mg, m, s, kPa, per metre of thickness; a0 = 1 m.
 

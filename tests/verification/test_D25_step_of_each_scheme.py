@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """D25, each scheme: the longest stable step is that of the one-step map, not 2/omega_max of the grid
-(doc/explanation/time-step.md).
+(doc/theory/time.md).
 
 Set-up: a free elastic block of 2 x 2 cells with random velocities of 1e-6 m/s, aligned with the grid and
 0.1 and 50 mm beside it.

@@ -2,7 +2,7 @@
 """A cylindrical cavity expands in clay and in soil with friction (scripts/cavity.py).
 
 Closed forms: Gibson & Anderson 1961 (undrained, finite strain); Carter, Booker & Yeung 1986, Yu & Houlsby
-1991 (friction and dilatancy), derived in doc/explanation/penetration.md. Tolerance of p - p0: 3 % undrained
+1991 (friction and dilatancy), derived in doc/theory/penetration.md. Tolerance of p - p0: 3 % undrained
 at a/a0 = 1.5, 2 and 3, 4 % with friction up to a/a0 = 4. Controls: a small body, soil that does not dilate.
 """
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Contact never adds energy: what it takes from the motion of the nodes, measured at every step
-(doc/explanation/contact.md, Energy).
+(doc/theory/contact.md, Energy).
 
 Set-up: discs that collide head-on (D16) and off-centre; a block thrown along a base, 2D and 3D; a disc that
 rolls down an incline; the sheet pile

@@ -3,7 +3,7 @@
 faces far away, waves that come back from growing cells, sliding contact, F-bar.
 
 Cells of 0.25 m that grow to 1 m, pulses cos^2 of half length 2 and 4 m: a bar of two-node elements sends back
-4.1 and 1.0 % (growth 1.2), 0.9 and 0.25 % (1.1) (doc/explanation/graded-grids.md)."""
+4.1 and 1.0 % (growth 1.2), 0.9 and 0.25 % (1.1)."""
 
 import importlib.util
 from math import cos, radians, sin

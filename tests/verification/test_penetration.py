@@ -2,7 +2,7 @@
 """Penetration against exact solutions: T-bar (scripts/tbar.py) and wedge (scripts/wedge.py) in undrained
 clay.
 
-Set-ups and closed forms are in the docstrings of the scripts and in doc/explanation/penetration.md. Coarse:
+Set-ups and closed forms are in the docstrings of the scripts and in doc/theory/penetration.md. Coarse:
 a T-bar of 8 cells in a box of 6 diameters, over a quarter to half a diameter; a wedge to a depth of 6 cells.
 Tolerance: factor of the T-bar 5 %, force of the wedge over its depth 7 %, lip 0.05 of the depth. (The wedge
 was held to 6 % and 4.8 % was found; since F-bar's cover counts the bodies of all groups 6.0 to 6.1 % are.)

@@ -2,7 +2,7 @@
 """Bodies in undrained clay: a deep plate (scripts/plate.py), a pipe (scripts/pipe.py), a sheet pile, its tip
 and its shaft apart (scripts/clay_pile.py); and a wedge in soil with friction (scripts/wedge.py --phi).
 
-References and their sources are in the docstrings of the scripts and in doc/explanation/penetration.md; none
+References and their sources are in the docstrings of the scripts and in doc/theory/penetration.md; none
 but that of the plate is a theorem. Tolerances: plate 7 % (5 % were asked for), pipe as mean over its depth
 7 %, rough 10 %, tip 10 % of the deep one, shaft 5 % of the adhesion where soil touches, wedge 8 %.
 Controls: nodes make a pipe too large, soil without F-bar locks, a smooth shaft bears nothing.
@@ -74,7 +74,7 @@ def test_a_pipe_sinks_in(options):
     """Within 7 %, the rough one 10 %: it is 8.2 % high, from 15 % at w/D = 0.2 to 2.5 % at 0.5.
 
     The rough reference, 7.4 (w/D)^0.40, is at second hand and too low at first: 6.73 (w/D)^0.29, which
-    leaves out the heave, is 8 % more at w/D = 0.2 and 4 % at 0.3 (doc/explanation/penetration.md).
+    leaves out the heave, is 8 % more at w/D = 0.2 and 4 % at 0.3.
     """
     assert abs(run("pipe", *options)["meanError"]) < (0.1 if "--alpha" in options else 0.07)
 

@@ -4,7 +4,7 @@
 Reference: the beam, w = g b L^4/(8 E I) with shear, times what a row of bilinear cells adds, which cannot
 curve: with m cells across, n columns of particles in each and nu = 0 the bending stiffness is that of the
 beam times k = 1 - 1/(n m)^2 + (1 - 1/n^2)/(2 m^2): sampling at the middles of the columns, and the shear of a
-cell that bends (doc/explanation/sheet-pile.md). 1.125 for one cell and two columns, 1.406 for four.
+cell that bends (doc/theory/transfers.md). 1.125 for one cell and two columns, 1.406 for four.
 Tolerance: 2.5 % of the deflection. Control: the beam itself is 11 to 29 % off.
 """
 

@@ -24,18 +24,18 @@ POOR_QUALITY = 0.2
 SINGLE_PRECISION = 1e-3
 # Longest APDI edge beside uGIMP, in cells: when the scene is built, and while running as domains stretch and
 # the interface moves; from 1.5 on the run warns. The sheet pile reaches 1.39; a column errs in stress by up
-# to 15 % at 1.5 and 42 % at 2 (doc/explanation/sheet-pile.md).
+# to 15 % at 1.5 and 42 % at 2.
 INTERFACE_BUILD, INTERFACE_WARN, INTERFACE_RUN = 1 + SINGLE_PRECISION, 1.5, 2.0
 # Plastic shear strain that counts as flow, and the share of a body that may flow without F-bar unsaid: slopes
-# and cuts that stand with a margin stay below (doc/explanation/volumes.md).
+# and cuts that stand with a margin stay below.
 FLOW_STRAIN, FLOW_SHARE = 1e-3, 0.01
 # Plastic shear strain from which on a domain of a mesh flows, and the share of a mesh with F-bar that may
 # flow unsaid. A hybrid strip footing has 0.05 and 0.11 of its mesh beyond that strain while its load is
-# right, and 0.34 where it is 8 % too high and begins to fall (doc/explanation/volumes.md).
+# right, and 0.34 where it is 8 % too high and begins to fall.
 MESH_FLOW_STRAIN, MESH_FLOW_SHARE = 0.01, 0.1
 # Poisson's ratio from which on boxes without F-bar are warned of: a strip load settles 2 % less than with
 # F-bar at 0.45, 4 % at 0.475, 8 % at 0.49 and 42 % at 0.499 (0.5 % at 0.4).
 LOCKING_POISSON = 0.45
 # Growth of a body of soil that does not dilate from which on a run tells that it has opened: columns of sand
-# gain 2.5 to 50 % in a collapse, elasticity and noise well below 1 % (doc/explanation/volumes.md).
+# gain 2.5 to 50 % in a collapse, elasticity and noise well below 1 %.
 OPENED_VOLUME = 0.02

@@ -3,6 +3,7 @@
 
 import contextlib
 import errno
+import fcntl
 import glob
 import json
 import os
@@ -15,6 +16,7 @@ import numpy as np
 
 HOST = re.sub(r"[^A-Za-z0-9]", "", socket.gethostname()) or "host"
 NO_RESERVE = {errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS, errno.ENODEV}  # file systems that cannot
+NO_LOCKS = {errno.EOPNOTSUPP, errno.ENOLCK, errno.ENOSYS}
 
 
 @contextmanager
@@ -104,6 +106,19 @@ def reserve(number, at, count):
     except OSError as error:
         if error.errno not in NO_RESERVE:
             raise
+
+
+def takeLock(number):
+    """Locks an open file until it is closed; returns whether no other process has locked it. File systems
+    without locks let everybody have it."""
+    try:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError as error:
+        if error.errno not in NO_LOCKS:
+            raise
+    return True
 
 
 @contextmanager

@@ -193,6 +193,7 @@ class History(Callback):
         if self._file is not None:
             checkWritable(self._file, "History")
             owners.take(self._file, self)
+            owners.lock(self._file, self)
             if not self._files.isOpen:
                 self._files.checkIsOwn(
                     next(zip(self._data["time"], self._data["step"]), None) if self._count else None
@@ -227,8 +228,11 @@ class History(Callback):
         self._flushed = time.monotonic()
         if self._file is not None:
             owners.check(self._file, self)
+            owners.lock(self._file, self)
         if self._count:
             self._files.write(self._data, self._units, self.label, self._scene.engines)
+            if self._file is not None:
+                owners.lock(self._file, self)  # it may have taken the place of another one
 
     # --- rows ---
     def _row(self, scene):

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Who writes a file of results: one engine at a time, the one whose run began last."""
+"""Who writes a file of results: one engine at a time, the one whose run began last, of one process."""
 
 import os
 import weakref
 
+from .files import takeLock
+
 _owners = {}  # real path -> weak reference to the engine that writes it
+_locks = {}  # real path -> descriptor of the file, locked by this process until the engine is gone
 
 
 def take(file, engine):
@@ -18,21 +21,47 @@ def take(file, engine):
     if other is engine:
         return
     if getattr(engine, "_owned", None) == path and other is not None:
-        _refuse(file, engine, "has written to it since")
+        _refuse(file, engine, "belongs to another scene, which has written to it since")
     if other is not None and other._scene is not engine._scene and other._scene.holder.isHeld:
-        _refuse(file, engine, "is writing to it")
-    _owners[path] = weakref.ref(engine)
+        _refuse(file, engine, "belongs to another scene, which is writing to it")
+    _owners[path] = weakref.ref(engine, lambda gone: _release(path, gone))
     object.__setattr__(engine, "_owned", path)
 
 
 def check(file, engine):
     """Refuses an engine that has lost its file while its run went on."""
     if _owners.get(os.path.realpath(file), lambda: engine)() is not engine:
-        _refuse(file, engine, "has written to it since")
+        _refuse(file, engine, "belongs to another scene, which has written to it since")
+
+
+def lock(file, engine):
+    """Locks a file as it is now, if it is there, until its owner is gone; RuntimeError where another process
+    has locked it. Not for files of HDF5, whose readers lock them, too."""
+    path = os.path.realpath(file)
+    try:
+        number = os.open(path, os.O_RDWR | os.O_NONBLOCK)
+    except OSError:  # not there, or not for us: what writes it says so
+        return
+    held = _locks.get(path)
+    if held is not None and os.path.samestat(os.fstat(held), os.fstat(number)):
+        os.close(number)
+    elif takeLock(number):
+        _locks[path] = number
+        if held is not None:
+            os.close(held)
+    else:
+        os.close(number)
+        _refuse(file, engine, "is written by another process")
+
+
+def _release(path, owner):
+    if _owners.get(path) is owner:
+        del _owners[path]
+        if path in _locks:
+            os.close(_locks.pop(path))
 
 
 def _refuse(file, engine, what):
     raise RuntimeError(
-        f"{type(engine).__name__}: '{file}' belongs to another scene, which {what}; go on with that one, or "
-        "give each scene a file of its own"
+        f"{type(engine).__name__}: '{file}' {what}; go on with that one, or give each run a file of its own"
     )

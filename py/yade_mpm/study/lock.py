@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A folder that one process works in at a time: a lock that ends with its process and says who holds it."""
 
-import errno
-import fcntl
 import os
 import time
 from contextlib import contextmanager
 
+from ..io.files import takeLock
+
 LOCK = "lock"
-CANNOT = (errno.ENOLCK, errno.EOPNOTSUPP, errno.ENOSYS)  # file systems without locks
 LOOK = 0.1  # s between looks at a lock that another process holds
 
 
@@ -24,7 +23,7 @@ def holding(folder, who, wait=0.0):
     """
     with open(os.path.join(folder, LOCK), "a+", encoding="utf-8") as lock:
         until = time.monotonic() + wait
-        while not _isTaken(lock):
+        while not takeLock(lock.fileno()):
             if time.monotonic() >= until:
                 lock.seek(0)
                 raise Held(lock.read().strip() or "another process")
@@ -33,14 +32,3 @@ def holding(folder, who, wait=0.0):
         lock.write(f"{who}, process {os.getpid()} on {os.uname().nodename}, since {time.ctime()}\n")
         lock.flush()
         yield
-
-
-def _isTaken(lock):
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return False
-    except OSError as error:
-        if error.errno not in CANNOT:
-            raise
-    return True

@@ -1,12 +1,25 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A file of results has one owner: the engine whose run began last."""
+"""A file of results has one owner: the engine whose run began last, of one process."""
 
 import gc
+import os
+import subprocess
+import sys
+from contextlib import contextmanager
 
 import pytest
 import yade_mpm as mpm
 
 LOST = "belongs to another scene, which has written to it since; go on with that one"
+OF_ANOTHER_PROCESS = """
+import sys
+sys.path += sys.argv[1:]
+import test_owners
+scene = test_owners.makeScene(test_owners.history())
+test_owners.run(scene)
+print("written", flush=True)
+sys.stdin.read()
+"""
 
 
 def makeScene(*engines):
@@ -70,3 +83,36 @@ def test_a_scene_that_is_gone_owns_nothing():
     gc.collect()
     run(one)
     assert stepsInFile() == [1, 2, 3, 4, 5, 6]
+
+
+@contextmanager
+def anotherProcess():
+    """A process that has run a scene, and has not ended."""
+    words = [sys.executable, "-c", OF_ANOTHER_PROCESS, os.path.dirname(__file__)]
+    path = os.path.dirname(os.path.dirname(mpm.__file__))
+    with subprocess.Popen(
+        words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=dict(os.environ, PYTHONPATH=path)
+    ) as process:
+        assert process.stdout.readline() == "written\n"
+        yield
+
+
+def test_a_csv_that_another_process_writes_is_refused_until_it_ends():
+    scene = makeScene(history())
+    with anotherProcess(), pytest.raises(RuntimeError, match="'a.csv' is written by another process"):
+        run(scene)
+    run(scene)
+
+
+def test_a_csv_that_another_process_has_begun_meanwhile_is_refused():
+    scene = makeScene(history())
+    scene.prepare()  # when the file is not there yet
+    with anotherProcess(), pytest.raises(RuntimeError, match="is written by another process"):
+        run(scene)
+
+
+def test_files_of_scenes_that_are_gone_are_not_kept_open():
+    run(makeScene(history()))
+    gc.collect()
+    left = [os.path.realpath(f"/proc/self/fd/{n}") for n in os.listdir("/proc/self/fd")]
+    assert not [name for name in left if name.endswith("a.csv")]

@@ -31,9 +31,7 @@ def test_links_lead_to_files_and_headings(page):
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_files_that_a_page_names_are_there(page):
-    """Notes may name what has moved since, pages on adding a class a file to be written."""
-    if page.parent.name == "notes":
-        return
+    """Pages on adding a class may name a file to be written."""
     named = re.findall(r"`((?:tests|pkg|py|scripts|doc)/[\w./-]+)`", page.read_text())
     toBeWritten = "pkg/" if page.stem.startswith("adding") else None
     missing = [name for name in named if not (ROOT / name).exists()]

@@ -13,11 +13,14 @@ namespace {
 // One material point, deformed by hand: the same code as in a scene.
 class MaterialPoint {
   public:
-    MaterialPoint(std::shared_ptr<Material> material, const bp::object& stress) : material_(material) {
-        const std::vector<double> given = numbers<double>(stress);
-        require(given.size() == 9, "MaterialPoint: stress must be 3x3");
-        std::copy(given.begin(), given.end(), stress_);
-        for (const StateVariable& v : material->stateVariables()) state_.push_back(v.initial);
+    // given: state variables that differ from their initial value.
+    MaterialPoint(std::shared_ptr<Material> material, const bp::object& stress, const bp::dict& given)
+        : material_(material) {
+        const std::vector<double> components = numbers<double>(stress);
+        require(components.size() == 9, "MaterialPoint: stress must be 3x3");
+        std::copy(components.begin(), components.end(), stress_);
+        for (const StateVariable& v : material->stateVariables())
+            state_.push_back(given.has_key(v.name) ? double(bp::extract<double>(given[v.name])) : v.initial);
         state_.push_back(0);
         material_->stateFromStress(stress_, state_.data());
         for (int i = 0; i < 9; ++i) F_[i] = i % 4 == 0;
@@ -72,6 +75,15 @@ bp::list stateVariables(const Material& m) {
     return all;
 }
 
+// Whether each particle has a value of its own of a parameter.
+void vary(Material& m, const std::string& name, bool does) {
+    m.varying.erase(std::remove(m.varying.begin(), m.varying.end(), name), m.varying.end());
+    if (!does) return;
+    m.varying.push_back(name);
+    for (const Parameter& p : m.parameters())
+        if (p.name == name) *std::get<double*>(p.target) = notGiven;
+}
+
 } // namespace
 
 void exposeMaterials() {
@@ -80,6 +92,7 @@ void exposeMaterials() {
         .add_property("lameConstants", lame)
         .add_property("waveSpeed", &Material::waveSpeed)
         .add_property("yields", &Material::yields)
+        .def("vary", vary)
         .def("stateVariables", stateVariables);
     bp::def("makeMaterial", &Registry<Material>::make);
     bp::def("materialNames", +[] { return listOf(Registry<Material>::names()); });
@@ -91,7 +104,7 @@ void exposeMaterials() {
     bp::def("makeParticleType", &Registry<ParticleType>::make);
     bp::def("particleTypeNames", +[] { return listOf(Registry<ParticleType>::names()); });
 
-    bp::class_<MaterialPoint>("MaterialPoint", bp::init<std::shared_ptr<Material>, bp::object>())
+    bp::class_<MaterialPoint>("MaterialPoint", bp::init<std::shared_ptr<Material>, bp::object, bp::dict>())
         .def(bp::init<const MaterialPoint&>())
         .def("gradient", &MaterialPoint::gradient)
         .add_property("stress", &MaterialPoint::stress)

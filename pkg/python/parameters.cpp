@@ -178,6 +178,7 @@ bp::list parameters(Configurable& object) {
             std::holds_alternative<bool*>(p.target) || std::holds_alternative<std::optional<bool>*>(p.target);
         d["allowed"] = p.range.text();
         d["choices"] = listOf(p.choices);
+        d["mayVary"] = p.mayVary;
         all.append(d);
     }
     return all;

@@ -9,8 +9,10 @@ loadPlugin                     classes that were built outside of this package
 Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
 Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes a file's name, too
-LinearElastic, NeoHookean, MohrCoulombDruckerPrager, Material    materials
-MaterialPoint                  one point of a material, strained by hand
+LinearElastic, NeoHookean, Material    elastic materials, and the base of all
+MohrCoulombDruckerPrager, MohrCoulomb, Tresca, ModifiedCamClay   soils
+RandomField                    a parameter of a soil that varies at random in space
+MaterialPoint, elementTest     one point of a material, strained by hand or in a laboratory test
 UGIMP, APDI, BSpline, ParticleType                               particle types
 ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of every step, in this order
 VelocityRemap, ImplicitBodies  added by the scene: behind GridToParticle; GridSolver (implicit bodies)
@@ -66,8 +68,10 @@ from .geometry.regions import box, disc, everywhere, halfSpace, polygon, sphere
 from .io.history import History
 from .io.recorder import Recorder
 from .io.results import ResultFrame, Results, read
+from .material import elementTest
 from .material import materials as _materials
 from .material.materials import Material, MaterialPoint
+from .material.spatial import RandomField
 from .particle import types as _particles
 from .particle.body import Body
 from .particle.part import BodyPart
@@ -84,6 +88,7 @@ _makeInlineReady()
 __all__ = sorted(
     {
         "diagnostics",
+        "elementTest",
         "rigid",
         "study",
         *_materials.classes,

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 from . import diagnostics as diagnostics
+from . import elementTest as elementTest
 from . import rigid as rigid
 from . import study as study
 from .app.parameter import Parameter as Parameter
@@ -37,6 +38,7 @@ from .io.results import Results as Results
 from .io.results import read as read
 from .material.materials import Material as Material
 from .material.materials import MaterialPoint as MaterialPoint
+from .material.spatial import RandomField as RandomField
 from .particle.body import Body as Body
 from .particle.part import BodyPart as BodyPart
 from .particle.types import MeshedType
@@ -216,6 +218,70 @@ class LinearElastic(Material):
     ) -> None: ...
 
 
+class ModifiedCamClay(Material):
+    """Modified Cam-Clay: an elliptic yield surface that hardens with the plastic volumetric strain."""
+
+    density: float | None
+    compression: float | None
+    swelling: float | None
+    poisson: float
+    frictionAngle: float | None
+    initialVoidRatio: float | None
+    preconsolidation: float | None
+    overconsolidationRatio: float | None
+    smallestPressure: float
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        compression: float | None = None,
+        swelling: float | None = None,
+        poisson: float = 0.3,
+        frictionAngle: float | None = None,
+        initialVoidRatio: float | None = None,
+        preconsolidation: float | None = None,
+        overconsolidationRatio: float | None = None,
+        smallestPressure: float = 1.0,
+    ) -> None: ...
+
+
+class MohrCoulomb(Material):
+    """Elastic-plastic soil: Mohr-Coulomb yield surface and a plastic potential of the same shape."""
+
+    density: float | None
+    lame: float | Sequence[float]
+    young: float | None
+    poisson: float | None
+    cohesion: float | None
+    frictionAngle: float | None
+    dilatancyAngle: float
+    residualCohesion: float | None
+    residualFrictionAngle: float | None
+    residualDilatancyAngle: float | None
+    softeningStrain: float | None
+    bandWidth: float | None
+    tensileStrength: float | None
+    closing: bool | None
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        lame: float | Sequence[float] = (),
+        young: float | None = None,
+        poisson: float | None = None,
+        cohesion: float | None = None,
+        frictionAngle: float | None = None,
+        dilatancyAngle: float = 0.0,
+        residualCohesion: float | None = None,
+        residualFrictionAngle: float | None = None,
+        residualDilatancyAngle: float | None = None,
+        softeningStrain: float | None = None,
+        bandWidth: float | None = None,
+        tensileStrength: float | None = None,
+        closing: bool | None = None,
+    ) -> None: ...
+
+
 class MohrCoulombDruckerPrager(Material):
     """Elastic-perfectly plastic soil: Mohr-Coulomb yield surface f, Drucker-Prager potential g."""
 
@@ -226,6 +292,11 @@ class MohrCoulombDruckerPrager(Material):
     cohesion: float | None
     frictionAngle: float | None
     dilatancyAngle: float
+    residualCohesion: float | None
+    residualFrictionAngle: float | None
+    residualDilatancyAngle: float | None
+    softeningStrain: float | None
+    bandWidth: float | None
     coneFit: Literal['planeStrain', 'triaxialCompression', 'triaxialExtension']
     tensionCutOff: float | None
     dilatancyLimit: float | None
@@ -242,6 +313,11 @@ class MohrCoulombDruckerPrager(Material):
         cohesion: float | None = None,
         frictionAngle: float | None = None,
         dilatancyAngle: float = 0.0,
+        residualCohesion: float | None = None,
+        residualFrictionAngle: float | None = None,
+        residualDilatancyAngle: float | None = None,
+        softeningStrain: float | None = None,
+        bandWidth: float | None = None,
         coneFit: Literal['planeStrain', 'triaxialCompression', 'triaxialExtension'] = 'planeStrain',
         tensionCutOff: float | None = None,
         dilatancyLimit: float | None = None,
@@ -319,6 +395,35 @@ class RigidContact(_RigidContact):
         soilWork: float = 0.0,
         label: str = '',
         dead: bool = False,
+    ) -> None: ...
+
+
+class Tresca(Material):
+    """Undrained clay: Tresca's yield surface, associated flow, softening and rate dependence."""
+
+    density: float | None
+    lame: float | Sequence[float]
+    young: float | None
+    poisson: float | None
+    undrainedStrength: float | None
+    remouldedRatio: float | None
+    softeningStrain: float | None
+    bandWidth: float | None
+    rateFactor: float
+    referenceRate: float | None
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        lame: float | Sequence[float] = (),
+        young: float | None = None,
+        poisson: float | None = None,
+        undrainedStrength: float | None = None,
+        remouldedRatio: float | None = None,
+        softeningStrain: float | None = None,
+        bandWidth: float | None = None,
+        rateFactor: float = 0.0,
+        referenceRate: float | None = None,
     ) -> None: ...
 
 

@@ -2,6 +2,7 @@
 """Random scenes as plain data, which can be mirrored, turned, moved or given in other units before they are
 built. Types, laws and schemes come from the registry: a new one is in these scenes without being named."""
 
+import inspect
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -11,7 +12,22 @@ CELL = 0.5
 CELLS = np.array([14, 12])
 SCHEMES = ("MUSL", "USL", "USF")
 ELASTIC = dict(density=1.6, young=2e3, poisson=0.3)
-LAWS = {"MohrCoulombDruckerPrager": dict(cohesion=4.0, frictionAngle=0.5, dilatancyAngle=0.1)}
+# What laws need besides density and elastic constants; those that are stresses, kPa.
+SOIL = dict(cohesion=4.0, frictionAngle=0.5, dilatancyAngle=0.1)
+LAWS = {
+    "MohrCoulombDruckerPrager": SOIL,
+    "MohrCoulomb": SOIL,
+    "Tresca": dict(undrainedStrength=4.0),
+    "ModifiedCamClay": dict(
+        compression=0.1,
+        swelling=0.02,
+        frictionAngle=0.5,
+        initialVoidRatio=0.8,
+        preconsolidation=40.0,
+        smallestPressure=5.0,
+    ),
+}
+STRESSES = "young", "cohesion", "undrainedStrength", "preconsolidation", "smallestPressure"
 NORMALS = {(-1, 0): "left", (1, 0): "right", (0, -1): "bottom", (0, 1): "top"}
 
 
@@ -25,8 +41,7 @@ class Block:
     group: str
     velocity: np.ndarray  # m/s
     density: float = ELASTIC["density"]
-    young: float = ELASTIC["young"]
-    cohesion: float = LAWS["MohrCoulombDruckerPrager"]["cohesion"]
+    stress: float = 1.0  # unit of stresses, kPa
 
 
 @dataclass(frozen=True)
@@ -66,8 +81,11 @@ class Layout:
     def parts(self, block):
         """Name, region, material and type of a body."""
         region = mpm.box(tuple(block.lower), tuple(block.upper))
-        law = {k: getattr(block, k, v) for k, v in LAWS.get(block.law, {}).items()}
-        law = getattr(mpm, block.law)(density=block.density, young=block.young, poisson=0.3, **law)
+        kind = getattr(mpm, block.law)
+        known = inspect.signature(kind).parameters
+        given = {k: v for k, v in {**ELASTIC, **LAWS.get(block.law, {})}.items() if k in known}
+        given |= {k: v * block.stress for k, v in given.items() if k in STRESSES}
+        law = kind(**given | {"density": block.density})
         kind = getattr(mpm, block.type)
         meshed = mpm._core.makeParticleType(block.type).isMeshed
         return block.name, region, law, kind(size=self.cell / 2) if meshed else kind(perCell=2)
@@ -92,8 +110,8 @@ class Layout:
         stress = mass / length / time**2
 
         def block(b):
-            more = dict(density=b.density * mass / length**3, young=b.young * stress)
-            more |= dict(velocity=b.velocity * length / time, cohesion=b.cohesion * stress)
+            more = dict(density=b.density * mass / length**3, stress=b.stress * stress)
+            more |= dict(velocity=b.velocity * length / time)
             return replace(b, lower=b.lower * length, upper=b.upper * length, **more)
 
         return replace(

@@ -41,6 +41,7 @@ struct MPM_PUBLIC Parameter {
     Range range = {};
     std::vector<std::string> choices = {}; // for strings
     bool isAngle = false;                  // a value that looks like degrees is refused with a hint
+    bool mayVary = false;                  // each particle may have a value of its own (Material::varying)
 };
 
 // A class whose attributes are its parameter list.

@@ -38,11 +38,19 @@ template <int Dim> struct MaterialPoints {
 struct StateVariable {
     std::string name, unit, doc;
     double initial = 0;
+    bool isCellSize = false; // initial is the size of the cell of the grid, where the particle is made
 };
 
 class MPM_PUBLIC Material : public Configurable {
   public:
     double density = notGiven; // Mg/m3, of the initial configuration
+
+    // Parameters that each particle has a value of its own of: a state variable of the same name holds it, and the
+    // parameter itself is not given.
+    std::vector<std::string> varying;
+    bool varies(const std::string& name) const {
+        return std::find(varying.begin(), varying.end(), name) != varying.end();
+    }
 
     virtual std::vector<StateVariable> stateVariables() const { return {}; }
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Elastic-perfectly plastic c-phi soil: Mohr-Coulomb yield surface, Drucker-Prager plastic potential.
 #include "mpm/base/simd/forEachSimdPair.hpp"
-#include "mpm/material/Material.hpp"
+#include "mpm/material/Strength.hpp"
 #include "mpm/material/hypoelastic.hpp"
-#include "mpm/material/tensors.hpp"
+#include "mpm/material/lode.hpp"
+#include "mpm/material/opening.hpp"
 
 #include <limits>
 
@@ -11,17 +12,20 @@ namespace mpm {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-const double pi = std::acos(-1.0);
 
 double orInfinity(double limit) { return std::isnan(limit) ? infinity : limit; }
+
+// The cone: numbers, or one of each particle.
+template <class Number> struct Cone {
+    Number sinPhi, cCosPhi; // f = q A(theta) + p sin(phi) - c cos(phi)
+    Number apex;            // mean stress c cot(phi)
+    Number beta;            // g = q + 3 beta p
+};
 
 // What the loops need, from the parameters.
 struct Constants {
     double lambda, mu, bulk;
-    double sinPhi, cCosPhi; // f = q A(theta) + p sin(phi) - c cos(phi)
-    double apex;            // mean stress c cot(phi)
-    double beta;            // g = q + 3 beta p
-    double dilatancyLimit;  // of the plastic volumetric strain
+    double dilatancyLimit; // of the plastic volumetric strain
     double tensionCutOff;
     double shearCompliance; // plastic shear strain per unit loss of q, 1/(sqrt(3) mu)
     double bulkCompliance;  // 1/K
@@ -38,11 +42,11 @@ template <class Number> struct Returned {
 // Dilation may lower p by no more than `room`, K times what is left up to the limit. A return that would pass
 // it (volumetric f/slope > room) goes along the potential down to there and on at constant p, in one division.
 // Where it would end beyond the apex, so would the return without limit, and both go there.
-template <bool limited, class Number>
-MPM_INLINE Returned<Number> returnMap(const Constants& k, Number p, Number q, Number qA,
-                                      Number plasticVolumetric) {
-    const Number f = qA + (p * k.sinPhi - k.cCosPhi), volumetric = 3 * k.bulk * k.beta * q;
-    const Number freely = k.mu * qA + volumetric * k.sinPhi;
+template <bool limited, class Number, class Its>
+MPM_INLINE Returned<Number> returnMap(const Constants& k, const Cone<Its>& cone, Number p, Number q,
+                                      Number qA, Number plasticVolumetric) {
+    const Number f = qA + (p * cone.sinPhi - cone.cCosPhi), volumetric = 3 * k.bulk * cone.beta * q;
+    const Number freely = k.mu * qA + volumetric * cone.sinPhi;
     Number excess = f, slope = freely, room = 0;
     const auto ifPasses = [&](Number then, Number otherwise) MPM_INLINE_LAMBDA {
         return limited ? whereGreater(volumetric * f, room * freely, then, otherwise) : otherwise;
@@ -50,51 +54,34 @@ MPM_INLINE Returned<Number> returnMap(const Constants& k, Number p, Number q, Nu
     if constexpr (limited) {
         const Number left = k.dilatancyLimit - plasticVolumetric;
         room = whereGreater(left, 0, k.bulk * left, 0);
-        excess = ifPasses(f - room * k.sinPhi, f);
+        excess = ifPasses(f - room * cone.sinPhi, f);
         slope = ifPasses(k.mu * qA, freely);
     }
     const Number ratio = excess / slope;
     const Number dlamOverQ = whereGreater(ratio, 0, ratio, 0);
     const Number scale = 1 - k.mu * dlamOverQ, dilated = ifPasses(p - room, p - volumetric * dlamOverQ);
-    const Number pBack = whereGreater(0, scale, k.apex, dilated);
+    const Number pBack = whereGreater(0, scale, cone.apex, dilated);
     return {whereGreater(scale, 0, scale, 0), whereGreater(pBack, k.tensionCutOff, k.tensionCutOff, pBack)};
 }
 
-// Trial stress in, stress out. The mean stress of soil that is open is that at which it opened, until what the
-// trial stress closes, (mostTension - p)/K, has used the opening up.
-template <int Dim> void closeUp(const Constants& constants, const MaterialPoints<Dim>& points) {
-    const Constants k = constants;
-    const double most = std::min(k.apex, k.tensionCutOff);
-    double *xx = points.stress[0], *yy = points.stress[4], *zz = points.stress[8];
-    double *plasticVolumetric = points.state[1], *opening = points.state[2];
-    const int count = points.count;
-#pragma omp simd
-    for (int i = 0; i < count; ++i) {
-        const double below = (most - (xx[i] + yy[i] + zz[i]) / 3) * k.bulkCompliance;
-        const double closed = std::min(std::max(below, 0.0), opening[i]), p = k.bulk * closed;
-        xx[i] += p;
-        yy[i] += p;
-        zz[i] += p;
-        plasticVolumetric[i] -= closed;
-        opening[i] -= closed;
+// Where the cones of particles are taken from: `at` reads a plane.
+struct OneCone {
+    Cone<double> cone;
+    template <class At> MPM_INLINE Cone<double> operator()(At&&) const { return cone; }
+};
+struct ConeOfEach {
+    Cone<const double*> planes;
+    template <class At> MPM_INLINE auto operator()(At&& at) const {
+        using Number = std::decay_t<decltype(at(planes.beta) + 0.0)>;
+        return Cone<Number>{at(planes.sinPhi), at(planes.cCosPhi), at(planes.apex), at(planes.beta)};
     }
-}
+};
 
-// After closeUp(): what takes the mean stress of a trial beyond the apex or the tension cut-off opens the soil.
-template <int Dim> void openUp(const Constants& constants, const MaterialPoints<Dim>& points) {
+template <bool limited, class Cones>
+void returnToYield(const Constants& constants, const Cones& cones, const MaterialPoints<2>& points) {
     const Constants k = constants;
-    const double most = std::min(k.apex, k.tensionCutOff);
-    const double *xx = points.stress[0], *yy = points.stress[4], *zz = points.stress[8];
-    double* opening = points.state[2];
-    const int count = points.count;
-#pragma omp simd
-    for (int i = 0; i < count; ++i)
-        opening[i] += std::max((xx[i] + yy[i] + zz[i]) / 3 - most, 0.0) * k.bulkCompliance;
-}
-
-template <bool limited> void returnToYield(const Constants& constants, const MaterialPoints<2>& points) {
-    const Constants k = constants;
-    const double third = 1.0 / 3, major = (1 + k.sinPhi) / 2, minor = (1 - k.sinPhi) / 2;
+    const Cones coneOf = cones;
+    const double third = 1.0 / 3;
     double *xx = points.stress[0], *xy = points.stress[1], *yx = points.stress[3], *yy = points.stress[4],
            *zz = points.stress[8];
     double *plasticShear = points.state[0], *plasticVolumetric = points.state[1];
@@ -105,9 +92,11 @@ template <bool limited> void returnToYield(const Constants& constants, const Mat
         const auto r2 = half * half + shear * shear, r = root(r2), q = root(r2 + 3 * a * a);
         const auto s1 = whereGreater(a + r, -2 * a, a + r, -2 * a),
                    s3 = whereGreater(-2 * a, a - r, a - r, -2 * a);
+        const auto cone = coneOf(at);
+        const auto major = (1 + cone.sinPhi) / 2, minor = (1 - cone.sinPhi) / 2;
         const auto qA = major * s1 - minor * s3; // (s1 - s3)/2 + (s1 + s3)/2 sin(phi)
 
-        const auto back = returnMap<limited>(k, p, q, qA, at(plasticVolumetric));
+        const auto back = returnMap<limited>(k, cone, p, q, qA, at(plasticVolumetric));
         at.set(xx, back.p + back.scale * (a + half));
         at.set(yy, back.p + back.scale * (a - half));
         at.set(zz, back.p - back.scale * 2 * a);
@@ -119,38 +108,16 @@ template <bool limited> void returnToYield(const Constants& constants, const Mat
     });
 }
 
-// q A(theta) = q (cos(theta) - sin(theta) sin(phi)/sqrt(3)) of a deviator s with q^2 = J2. cos(3 theta) comes
-// from the part of s^2 orthogonal to I and s, adj(s) + J2/3 I - 3 J3/(2 J2) s, whose norm is the root of the
-// discriminant: from sin(3 theta) alone, half the digits would be lost near triaxial states.
-//
-// c = cos(theta) is the root of 4 c^3 - 3 c = cos(3 theta) in [sqrt(3)/2, 1], where the slope of the cubic
-// lies in [6, 9]. From the parabola through the roots at cos(3 theta) = 0, 1/2 and 1, a step of Halley gets
-// within 3e-10, and a step d of Newton to round-off. Then sin(theta) = sin(3 theta)/(4 c^2 - 1), three over
-// the slope.
-MPM_INLINE double lodeStrength(const Symmetric& s, double J2, double q, double sinPhi) {
-    const double third = 1.0 / 3, root3 = std::sqrt(3.0);
-    const double J4 = J2 * J2, overJ4 = 1 / (J4 + 1e-150); // q < 1e-37: none
-    const Symmetric adj = adjugate(s);
-    const double J3 = determinant(s, adj);
-    const Symmetric orthogonal = plusSpherical(J2 * adj, third * J4) + (-1.5 * J3) * s;
-    const double cos3 = std::sqrt(3 * halfSquare(orthogonal)) * overJ4;
-    const double sin3 = -1.5 * root3 * (overJ4 * (q * J3));
-
-    const double cos30 = 0.5 * root3, cos20 = 0.93969262078590838, bend = 2 - 4 * cos20 + 2 * cos30;
-    const double guess = cos30 + cos3 * (1 - cos30 - bend + bend * cos3);
-    const double error = (4 * guess * guess - 3) * guess - cos3, steep = 12 * guess * guess - 3;
-    const double c = guess - error * steep / (steep * steep - 12 * guess * error);
-    const double overSlope = 1 / (12 * c * c - 3), d = ((4 * c * c - 3) * c - cos3) * overSlope;
-    const double sine = 3 * sin3 * overSlope * (1 + 24 * c * d * overSlope);
-    return q * (c - d - sine * (sinPhi / root3));
-}
-
-template <bool limited> void returnToYield(const Constants& constants, const MaterialPoints<3>& points) {
+template <bool limited, class Cones>
+void returnToYield(const Constants& constants, const Cones& cones, const MaterialPoints<3>& points) {
     const Constants k = constants;
+    const Cones coneOf = cones;
     const double third = 1.0 / 3;
     const auto stress = planes<9>(points.stress);
     double *plasticShear = points.state[0], *plasticVolumetric = points.state[1];
     const int count = points.count;
+    const auto first = coneOf([](const double* plane) { return plane[0]; });
+    const double sinPhi = first.sinPhi, cCosPhi = first.cCosPhi, apex = first.apex, beta = first.beta;
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
         const Symmetric trial = gatherUpper(stress, i);
@@ -158,8 +125,11 @@ template <bool limited> void returnToYield(const Constants& constants, const Mat
         const Symmetric s = plusSpherical(trial, -p);
         const double J2 = halfSquare(s), q = std::sqrt(J2);
 
+        Cone<double> cone{sinPhi, cCosPhi, apex, beta};
+        if constexpr (!std::is_same_v<Cones, OneCone>)
+            cone = coneOf([i](const double* plane) MPM_INLINE_LAMBDA { return plane[i]; });
         const Returned<double> back =
-            returnMap<limited>(k, p, q, lodeStrength(s, J2, q, k.sinPhi), plasticVolumetric[i]);
+            returnMap<limited>(k, cone, p, q, lodeStrength(s, J2, q, cone.sinPhi), plasticVolumetric[i]);
         scatter(plusSpherical(back.scale * s, back.p), stress, i);
         plasticShear[i] += (1 - back.scale) * q * k.shearCompliance;
         plasticVolumetric[i] += (p - back.p) * k.bulkCompliance;
@@ -197,17 +167,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         std::vector<Parameter> all{
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters()) all.push_back(p);
-        const Range acute{0, pi / 2, false, true};
-        all.push_back({"cohesion", "kPa", "required: cohesion c", &cohesion_, Range::notNegative()});
-        all.push_back(
-            {"frictionAngle", "rad", "required: friction angle phi", &frictionAngle_, acute, {}, true});
-        all.push_back({"dilatancyAngle",
-                       "rad",
-                       "dilatancy angle psi, at most frictionAngle",
-                       &dilatancyAngle_,
-                       acute,
-                       {},
-                       true});
+        for (auto& p : strength_.parameters()) all.push_back(p);
         all.push_back({"coneFit",
                        "",
                        "state in which the cone dilates at the dilatancy angle",
@@ -239,10 +199,8 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         std::vector<StateVariable> all{
             {"plasticShearStrain", "-", "accumulated plastic shear strain, sum of sqrt(2/3 de:de)"},
             {"plasticVolumetricStrain", "-", "plastic volumetric strain, dilation positive"}};
-        if (closing_.value_or(true))
-            all.push_back(
-                {"opening", "-",
-                 "volumetric strain by which the soil stands open, at the apex or the tension cut-off"});
+        if (closing_.value_or(true)) all.push_back(openingVariable());
+        for (auto& variable : strength_.stateVariables()) all.push_back(variable);
         return all;
     }
     bool yields() const override { return true; }
@@ -270,21 +228,42 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
 
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
-        std::fill_n(state, stateVariables().size(), 0.0);
+        std::fill_n(state, ofStrength(), 0.0);
     }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         trialStress(constants_.lambda, constants_.mu, points);
-        if (closes(points.hasFbar)) {
-            closeUp(constants_, points);
-            openUp(constants_, points);
+        if (strength_.isUniform()) return finishStress(OneCone{cone_}, points);
+        StrengthRun run(points.count);
+        strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
+        std::vector<double> sinPhi(points.count), cCosPhi(sinPhi), apex(sinPhi), beta(sinPhi);
+        for (int i = 0; i < points.count; ++i) {
+            const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
+            sinPhi[i] = cone.sinPhi;
+            cCosPhi[i] = cone.cCosPhi;
+            apex[i] = cone.apex;
+            beta[i] = cone.beta;
         }
-        std::isinf(constants_.dilatancyLimit) ? returnToYield<false>(constants_, points)
-                                              : returnToYield<true>(constants_, points);
+        finishStress(ConeOfEach{{sinPhi.data(), cCosPhi.data(), apex.data(), beta.data()}}, points);
     }
 
   private:
     bool closes(bool hasFbar) const { return opening() >= 0 && closing_.value_or(hasFbar); }
+    int ofStrength() const { return closing_.value_or(true) ? 3 : 2; } // first state variable of the strength
+
+    template <class Cones, int Dim>
+    void finishStress(const Cones& cones, const MaterialPoints<Dim>& points) const {
+        if (closes(points.hasFbar)) {
+            const double cutOff = constants_.tensionCutOff;
+            const auto most = [cones, cutOff](int i) {
+                return std::min(cones([i](const double* plane) { return plane[i]; }).apex, cutOff);
+            };
+            closeUp(constants_.bulk, most, points);
+            openUp(constants_.bulk, most, points);
+        }
+        std::isinf(constants_.dilatancyLimit) ? returnToYield<false>(constants_, cones, points)
+                                              : returnToYield<true>(constants_, cones, points);
+    }
 
     template <int Dim> void bookOpening(const MaterialPoints<Dim>& points, const double* change) const {
         for (int i = 0; i < points.count; ++i) points.state[1][i] += change[i];
@@ -294,30 +273,42 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
 
     template <int Dim> void strengthAtMeanStress(const MaterialPoints<Dim>& points, double* strength) const {
+        StrengthRun run(points.count);
+        strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
         for (int i = 0; i < points.count; ++i) {
             const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
-            strength[i] = std::max(0.0, constants_.cCosPhi - p * constants_.sinPhi);
+            const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
+            strength[i] = std::max(0.0, cone.cCosPhi - p * cone.sinPhi);
         }
     }
 
-    double mostMeanStress() const { return std::min(constants_.apex, constants_.tensionCutOff); }
-    double beta() const;
+    // Highest mean stress of all particles.
+    double mostMeanStress() const {
+        return std::min(strength_.isUniform() ? cone_.apex : std::numeric_limits<double>::max(),
+                        constants_.tensionCutOff);
+    }
+    Cone<double> coneOf(double cohesion, double frictionAngle, double dilatancyAngle) const {
+        return {std::sin(frictionAngle), cohesion * std::cos(frictionAngle),
+                frictionAngle > 0 ? cohesion / std::tan(frictionAngle) : infinity, beta(dilatancyAngle)};
+    }
+    double beta(double dilatancyAngle) const;
     double limitOfDilatancy() const;
 
     Elasticity elasticity_;
-    double cohesion_ = notGiven, frictionAngle_ = notGiven, dilatancyAngle_ = 0;
+    Strength strength_;
     std::string coneFit_ = "planeStrain";
     double tensionCutOff_ = notGiven, dilatancyLimit_ = notGiven;
     double initialVoidRatio_ = notGiven, criticalVoidRatio_ = notGiven;
     std::optional<bool> closing_; // not given: where there is F-bar
     Constants constants_{};
+    Cone<double> cone_{}; // where all particles have one
 };
 
-double MohrCoulombDruckerPrager::beta() const {
-    const double s = std::sin(dilatancyAngle_);
+double MohrCoulombDruckerPrager::beta(double dilatancyAngle) const {
+    const double s = std::sin(dilatancyAngle);
     if (coneFit_ == "triaxialCompression") return 2 * s / (std::sqrt(3.0) * (3 - s));
     if (coneFit_ == "triaxialExtension") return 2 * s / (std::sqrt(3.0) * (3 + s));
-    const double t = std::tan(dilatancyAngle_);
+    const double t = std::tan(dilatancyAngle);
     return t / std::sqrt(9 + 12 * t * t);
 }
 
@@ -342,30 +333,22 @@ void MohrCoulombDruckerPrager::finish() {
     const std::string who = className();
     require(density > 0, who, ": density is required; give density in Mg/m3");
     elasticity_.finish(who);
-    require(!std::isnan(cohesion_), who, ": cohesion is required; give cohesion in kPa (0 for sand)");
-    require(!std::isnan(frictionAngle_), who,
-            ": frictionAngle is required; give it in radians (0 for undrained clay)");
-    require(cohesion_ > 0 || frictionAngle_ > 0, who,
-            ": cohesion and frictionAngle are both 0, which is a fluid; "
-            "give one of them a positive value");
-    require(dilatancyAngle_ <= frictionAngle_, who, ": dilatancyAngle = ", dilatancyAngle_,
-            " exceeds frictionAngle = ", frictionAngle_,
-            "; give 0 <= dilatancyAngle <= frictionAngle (radians)");
+    strength_.finish(*this);
 
     Constants k;
     k.lambda = elasticity_.lambda();
     k.mu = elasticity_.mu();
     k.bulk = elasticity_.bulk();
-    k.sinPhi = std::sin(frictionAngle_);
-    k.cCosPhi = cohesion_ * std::cos(frictionAngle_);
-    k.apex = frictionAngle_ > 0 ? cohesion_ / std::tan(frictionAngle_) : infinity;
-    k.beta = beta();
     k.dilatancyLimit = limitOfDilatancy();
     k.tensionCutOff = orInfinity(tensionCutOff_);
     k.shearCompliance = 1 / (std::sqrt(3.0) * k.mu);
     k.bulkCompliance = 1 / k.bulk;
-    require(std::isnan(tensionCutOff_) || tensionCutOff_ <= k.apex, who, ": tensionCutOff = ", tensionCutOff_,
-            " kPa lies beyond the apex of the cone, c cot(phi) = ", k.apex, " kPa; lower it or leave it out");
+    if (strength_.isUniform())
+        cone_ = coneOf(strength_.cohesion, strength_.frictionAngle, strength_.dilatancyAngle);
+    require(std::isnan(tensionCutOff_) || !strength_.isUniform() || tensionCutOff_ <= cone_.apex, who,
+            ": tensionCutOff = ", tensionCutOff_,
+            " kPa lies beyond the apex of the cone, c cot(phi) = ", cone_.apex,
+            " kPa; lower it or leave it out");
     constants_ = k;
 }
 

@@ -30,7 +30,7 @@ template <int Dim> class Body {
 
     Body(const std::string& name, std::shared_ptr<Material> material, std::shared_ptr<ParticleType> type,
          const Grid<Dim>& grid)
-        : name(name), material(material), type(type), domains(type->make(particles, grid)) {
+        : name(name), material(material), type(type), domains(type->make(particles, grid)), grid_(grid) {
         domains->bodyName = name;
         domains->stiffness = [this](int begin, int end, double* lambda, double* mu) {
             stiffness(begin, end, lambda, mu);
@@ -56,7 +56,8 @@ template <int Dim> class Body {
         for (int p = first; p < particles.size(); ++p) {
             particles.mass.plane()[p] = material->density * particles.initialVolume.plane()[p];
             for (size_t k = 0; k < variables.size(); ++k)
-                particles.state[k].plane()[p] = variables[k].initial;
+                particles.state[k].plane()[p] =
+                    variables[k].isCellSize ? cellSizeAt(p) : variables[k].initial;
         }
     }
 
@@ -107,6 +108,14 @@ template <int Dim> class Body {
                 component = stress[c];
         for (size_t k = 0; k < particles.state.size(); ++k) particles.state[k].plane()[p] = state[k];
     }
+
+  private:
+    // Edge of a square or cube as large as the cell of the grid around a particle, m.
+    double cellSizeAt(int p) const {
+        return std::pow(grid_.sizeAt(vectorAt<Dim>(particles.position, p)).prod(), 1.0 / Dim);
+    }
+
+    const Grid<Dim>& grid_;
 };
 
 } // namespace mpm

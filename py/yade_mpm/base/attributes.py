@@ -243,7 +243,7 @@ def makeClass(name, make, base=Attributed, state=()):
             else f" Allowed: {p['allowed']}."
             if p["isNumber"]
             else ""
-        )
+        ) + (" May vary in space." if p.get("mayVary") else "")
         lines.append(f"{p['name']} : default {default!r}{unit}\n    {p['doc'].rstrip('.')}.{allowed}")
     return type(
         name,

@@ -7,6 +7,7 @@ from ..base import limits
 from ..engine.prescribed import FACES
 from ..engine.rigidContact import RigidContact
 from ..geometry.numbers import placeText
+from ..material.spatial import largestOf
 
 HELD = 0.4  # of a cell: the way of a Hold from which on its load falls, measured with a strip footing
 
@@ -132,7 +133,11 @@ def opened(body):
     """Tells of soil that does not dilate and has gained volume, as text; or None."""
     given = body.material.attributes()
     mayClose = "closing" in body.material.attributeNames()
-    if not (body.count and mayClose) or given.get("closing", body.fbar) or given["dilatancyAngle"] > 0:
+    if (
+        not (body.count and mayClose)
+        or given.get("closing", body.fbar)
+        or largestOf(body, "dilatancyAngle") > 0
+    ):
         return None
     growth = body.volume.sum() / body.initialVolume.sum() - 1
     if growth <= limits.OPENED_VOLUME:

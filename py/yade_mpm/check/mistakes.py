@@ -10,6 +10,7 @@ from ..engine.contact import Contact
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..material.materials import MaterialPoint
+from ..material.spatial import largestOf
 from .touching import contactMistakes
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
@@ -116,7 +117,7 @@ def _leftOut(scene):
 def _units(body, gravity):
     """A density that looks like a unit weight, a body that its own weight would crush, one stiffer than any
     solid."""
-    density, (lame, mu) = body.material.density, body.material.lameConstants
+    density, (bulk, shear) = body.material.density, _present(body)
     if UNIT_WEIGHTS[0] <= density <= UNIT_WEIGHTS[1]:
         yield (
             f"body '{body.name}': density = {density:g} Mg/m3 looks like a unit weight in kN/m3; give "
@@ -124,7 +125,7 @@ def _units(body, gravity):
             f"if it is one"
         )
     weight = density * np.linalg.norm(gravity) * np.ptp(body.corners()[..., -1]) if body.count else 0.0
-    isCrushed = weight > lame + 2 * mu
+    isCrushed = weight > bulk + 4 / 3 * shear
     # A scene in kg, m, s, Pa has faster waves, one without units no weight.
     if density > UNIT_WEIGHTS[1] and (isCrushed or weight and body.material.waveSpeed < SLOWEST):
         yield (
@@ -133,9 +134,9 @@ def _units(body, gravity):
         )
     elif isCrushed:
         yield (
-            f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its stiffness "
-            f"lambda + 2 mu = {lame + 2 * mu:.3g} kPa; units are Mg/m3, m/s2 and kPa: is the density in "
-            "kg/m3, or the stiffness in MPa?"
+            f"body '{body.name}': its own weight, {weight:.3g} kPa at the bottom, exceeds its "
+            f"stiffness lambda + 2 mu = {bulk + 4 / 3 * shear:.3g} kPa; units are Mg/m3, m/s2 and kPa: is "
+            "the density in kg/m3, or the stiffness in MPa?"
         )
     if body.material.waveSpeed > FASTEST:
         yield (
@@ -145,9 +146,15 @@ def _units(body, gravity):
         )
 
 
+def _present(body):
+    """Largest bulk and shear modulus of a body as it stands, kPa."""
+    scene = body.scene
+    return scene.core.presentStiffness()[scene.bodies.index(body)]
+
+
 def _strength(body):
     """An angle of friction or a cohesion that no soil has."""
-    angle, cohesion = (getattr(body.material, name, 0.0) for name in ("frictionAngle", "cohesion"))
+    angle, cohesion = (largestOf(body, name) for name in ("frictionAngle", "cohesion"))
     if angle > STEEPEST:
         yield (
             f"body '{body.name}': frictionAngle = {angle:g} rad is {np.degrees(angle):.3g} degrees, more "
@@ -182,7 +189,9 @@ def _beyondYield(body):
         return
     up = body.scene.dim - 1
     vertical, horizontal = body.stress[worst, up, up], body.stress[worst, 0, 0]
-    bearable = _bearableK0(body.material, vertical, up) if vertical < 0 else None
+    names = [variable[0] for variable in body.material.core.stateVariables()]
+    state = {name: getattr(body, name)[worst] for name in names}
+    bearable = _bearableK0(body.material, state, vertical, up) if vertical < 0 else None
     advice = (
         "give a stress inside the yield surface"
         if bearable is None
@@ -198,14 +207,14 @@ def _beyondYield(body):
     )
 
 
-def _bearableK0(material, vertical, up):
+def _bearableK0(material, state, vertical, up):
     """Least and largest K0 that a material bears at a vertical stress, by bisection from K0 = 1; None if it
     does not bear that."""
 
     def bears(K0):
         stress = vertical * np.diag([1.0 if k == up else K0 for k in range(3)])
         return np.abs(
-            MaterialPoint(material, stress).gradient(np.zeros((3, 3)), 1.0) - stress
+            MaterialPoint(material, stress, state).gradient(np.zeros((3, 3)), 1.0) - stress
         ).max() <= ROUNDOFF * abs(vertical)
 
     if not bears(1.0):

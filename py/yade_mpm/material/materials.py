@@ -6,18 +6,77 @@ import copy
 import numpy as np
 
 from .. import _core
-from ..base.attributes import Attributed, classAttribute, makeClasses
+from ..base.attributes import Attributed, classAttribute, didYouMean, makeClasses
 from ..geometry.numbers import numbers
+from .spatial import PER_PARTICLE, isSpatial, valuesAt
 
 
 class Material(Attributed):
-    """Base of all materials."""
+    """Base of all materials.
+
+    Some parameters may vary in space, as the class tells: a function of positions (N, dim) at which
+    particles are made, a profile [(elevation, value), ...], an array in the order of body.id, or
+    "per particle", and you set the field of that name of the body yourself.
+    """
 
     _fixed = ("density", "closing")  # the particles have their mass and state
 
     def __reduce__(self):
         """Copies and pickles are new materials with the same attributes."""
-        return rebuilt, (type(self), self.attributes())
+        return rebuilt, (type(self), {**self.attributes(), **self._spatial})
+
+    @property
+    def _spatial(self):
+        """Parameters that vary in space: name -> what was given."""
+        return self.__dict__.setdefault("_given", {})
+
+    def _assign(self, name, value):
+        mayVary = any(p["name"] == name and p["mayVary"] for p in self.core.parameters())
+        if mayVary and isSpatial(value):
+            self.core.vary(name, True)
+            self._spatial[name] = value
+            return
+        if self._spatial.pop(name, None) is not None:
+            self.core.vary(name, False)
+        super()._assign(name, value)
+
+    def __getattr__(self, name):
+        if not name.startswith("_") and name in self._spatial:
+            return self._spatial[name]
+        return super().__getattr__(name)
+
+    def attributes(self):
+        """Dict of all attributes that have a value; "per particle" for those that vary in space."""
+        values = super().attributes() | dict.fromkeys(self._spatial, PER_PARTICLE)
+        return {name: values[name] for name in self.attributeNames() if name in values}
+
+    def markUsed(self, name):
+        super().markUsed(name)
+        object.__setattr__(self, "_states", self.core.stateVariables())
+
+    def _refuseFixed(self, name, before):
+        """Particles keep the state variables that they were made with, and their values."""
+        if self._usedBy is None:
+            return
+        isState = any(name == variable[0] for variable in self._states)
+        if isState or self.core.stateVariables() != self._states:
+            raise ValueError(
+                f"{type(self).__name__}: {name} cannot change any more, the particles of '{self._usedBy}' "
+                f"have values of their own; " + (f"set body.{name}" if isState else "set it before scene.add")
+            )
+        super()._refuseFixed(name, before)
+
+    def giveTo(self, body):
+        """Gives the particles of a new body what varies in space."""
+        for name, spec in self._spatial.items():
+            if isinstance(spec, str):
+                continue
+            who = f"{type(self).__name__}: {name}"
+            values = valuesAt(f"{who} of body '{body.name}'", spec, body.position, body.id)
+            probe = type(self)._make(self._coreName)
+            for end in (values.min(), values.max()) if len(values) else ():
+                probe.set(name, float(end))
+            setattr(body, name, values)
 
     @property
     def waveSpeed(self):
@@ -54,11 +113,13 @@ class MaterialPoint:
     ----------
     material : the material.
     stress : (3, 3) initial Cauchy stress, kPa, tension positive, symmetric; default zero.
+    state : dict of state variables that differ from their initial value, e.g. {"preconsolidation": 200.0};
+        needed for what varies in space.
 
     It runs the same code as the particles of a scene.
     """
 
-    def __init__(self, material, stress=None):
+    def __init__(self, material, stress=None, state=None):
         if not isinstance(material, Material):
             raise TypeError(
                 f"MaterialPoint: material = {material!r}; give a material, e.g. mpm.LinearElastic(...)"
@@ -67,7 +128,7 @@ class MaterialPoint:
         stress = _tensor("stress", np.zeros((3, 3)) if stress is None else stress)
         if not np.allclose(stress, stress.T):
             raise ValueError("MaterialPoint: stress must be symmetric; give the same shear on both sides")
-        self._point = _core.MaterialPoint(material.core, stress)
+        self._point = _core.MaterialPoint(material.core, stress, _knownState(material, state or {}))
 
     def strain(self, increment):
         """Applies a logarithmic strain increment without rotation and returns the new stress.
@@ -120,6 +181,20 @@ class MaterialPoint:
         other = copy.copy(self)
         other._point = _core.MaterialPoint(self._point)
         return other
+
+
+def _knownState(material, state):
+    names = [variable[0] for variable in material.core.stateVariables()]
+    for name in state:
+        if name not in names:
+            raise ValueError(
+                f"MaterialPoint: {type(material).__name__} has no state variable '{name}'"
+                f"{didYouMean(name, names)}; it has {', '.join(names) or 'none'}"
+            )
+    for name in material._spatial:
+        if name not in state:
+            raise ValueError(f"MaterialPoint: {name} varies in space; give its value at the point by state=")
+    return {name: float(numbers("MaterialPoint", name, value, ())) for name, value in state.items()}
 
 
 def _tensor(what, value):

@@ -5,6 +5,8 @@ import math
 
 import numpy as np
 
+from ..geometry.numbers import isNumber
+
 NO_LIMIT = 1e30  # coefficient of friction of a soil that has none of its own
 
 
@@ -12,12 +14,20 @@ def smallerFriction(ofBody, ofSoil):
     """Coefficient of Ip2_FrictMat_FrictMat_FrictPhys: tangent of the smaller `frictionAngle`; a body without
     the attribute is smooth, a soil without it sets no limit."""
     angle = getattr(ofBody, "frictionAngle", 0.0)
-    return float(np.tan(min(angle, getattr(ofSoil, "frictionAngle", angle))))
+    return min(float(np.tan(angle)), limitOf(ofSoil))
 
 
 def limitOf(soil):
     """Coefficient of friction that the material of a soil allows."""
-    return math.tan(soil.frictionAngle) if hasattr(soil, "frictionAngle") else NO_LIMIT
+    angle = getattr(soil, "frictionAngle", None)
+    if angle is None:
+        return NO_LIMIT
+    if not isNumber(angle):
+        raise ValueError(
+            f"{type(soil).__name__}: frictionAngle varies in space, friction against bodies is one number "
+            "a pair; give it: friction=..."
+        )
+    return math.tan(angle)
 
 
 def materialOf(omega, body):

@@ -5,7 +5,14 @@ asserted."""
 import pytest
 import yade_mpm as mpm
 
-MATERIALS = ["LinearElastic", "MohrCoulombDruckerPrager", "NeoHookean"]
+MATERIALS = [
+    "LinearElastic",
+    "ModifiedCamClay",
+    "MohrCoulomb",
+    "MohrCoulombDruckerPrager",
+    "NeoHookean",
+    "Tresca",
+]
 TYPES = ["APDI", "BSpline", "UGIMP"]
 ENGINES = [
     "BoundaryLoad",

@@ -34,6 +34,34 @@ MATERIALS = {
     "strong soil": lambda: mpm.MohrCoulombDruckerPrager(
         density=1.5, lame=(9e3, 6e3), cohesion=1e6, frictionAngle=0.5
     ),
+    "Mohr-Coulomb": lambda: mpm.MohrCoulomb(
+        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, dilatancyAngle=0.2, tensileStrength=4
+    ),
+    "softening soil": lambda: mpm.MohrCoulombDruckerPrager(
+        density=1.5,
+        lame=(9e3, 6e3),
+        cohesion=8.5,
+        frictionAngle=0.5,
+        residualCohesion=2,
+        softeningStrain=0.01,
+    ),
+    "clay": lambda: mpm.Tresca(
+        density=1.5,
+        lame=(9e3, 6e3),
+        undrainedStrength=8.5,
+        remouldedRatio=0.3,
+        softeningStrain=0.01,
+        rateFactor=0.1,
+        referenceRate=0.1,
+    ),
+    "Cam-Clay": lambda: mpm.ModifiedCamClay(
+        density=1.5,
+        compression=0.2,
+        swelling=0.04,
+        frictionAngle=0.4,
+        initialVoidRatio=1,
+        preconsolidation=50,
+    ),
     "elastic": lambda: mpm.LinearElastic(density=1.5, lame=(9e3, 6e3)),
     "neo-Hookean": lambda: mpm.NeoHookean(density=1.5, lame=(9e3, 6e3)),
 }

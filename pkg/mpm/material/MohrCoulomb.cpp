@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Elastic-plastic c-phi soil: the Mohr-Coulomb surface with its edges and apex, and a potential of the same shape.
+#include "mpm/material/Strength.hpp"
+#include "mpm/material/hypoelastic.hpp"
+#include "mpm/material/opening.hpp"
+#include "mpm/material/principal.hpp"
+
+namespace mpm {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Of one particle. Plane of the major and the minor stress: f = s1 (1 + sin phi) - s3 (1 - sin phi) - 2 c cos(phi), and
+// the potential alike with psi.
+struct Surface {
+    double lambda, mu, sinPhi, sinPsi, twiceCCosPhi, apex;
+
+    double yield(double major, double minor) const {
+        return (1 + sinPhi) * major - (1 - sinPhi) * minor - twiceCCosPhi;
+    }
+    // Change of f of one plane by a unit of flow on another, whose directions have the inner product `both`.
+    double slope(double both) const { return 4 * lambda * sinPhi * sinPsi + 2 * mu * both; }
+
+    // From a trial stress beyond the surface back along D : dg/ds. To a plane, else to the edge where two meet (s1 = s2
+    // or s2 = s3), else to the apex.
+    void returnTo(double s[3]) const {
+        const double trial[] = {s[0], s[1], s[2]}, f = yield(s[0], s[2]);
+        flow(s, f / slope(2 * (1 + sinPhi * sinPsi)), 0, 2);
+        if (s[0] >= s[1] && s[1] >= s[2]) return;
+        const bool isMajor = s[1] > s[0]; // the edge s1 = s2
+        std::copy(trial, trial + 3, s);
+        const double other = isMajor ? yield(s[1], s[2]) : yield(s[0], s[1]);
+        const double own = slope(2 * (1 + sinPhi * sinPsi)),
+                     both = slope(isMajor ? (1 - sinPhi) * (1 - sinPsi) : (1 + sinPhi) * (1 + sinPsi));
+        const double determinant = own * own - both * both;
+        flow(s, (own * f - both * other) / determinant, 0, 2);
+        flow(s, (own * other - both * f) / determinant, isMajor ? 1 : 0, isMajor ? 2 : 1);
+        const double mean = (s[0] + s[1] + s[2]) / 3;
+        if (mean > apex || s[0] < s[2])
+            std::fill_n(s, 3, apex);
+        else if (isMajor)
+            s[0] = s[1] = 0.5 * (s[0] + s[1]); // equal but for round-off
+        else
+            s[1] = s[2] = 0.5 * (s[1] + s[2]);
+    }
+
+  private:
+    void flow(double s[3], double multiplier, int major, int minor) const {
+        for (int k = 0; k < 3; ++k) s[k] -= multiplier * 2 * lambda * sinPsi;
+        s[major] -= multiplier * 2 * mu * (1 + sinPsi);
+        s[minor] += multiplier * 2 * mu * (1 - sinPsi);
+    }
+};
+
+class MohrCoulomb : public MaterialOf<MohrCoulomb> {
+  public:
+    std::string className() const override { return "MohrCoulomb"; }
+    std::string doc() const override {
+        return R"(Elastic-plastic soil: Mohr-Coulomb yield surface and a plastic potential of the same shape.
+
+    f = s1 - s3 + (s1 + s3) sin(phi) - 2 c cos(phi)
+    g = s1 - s3 + (s1 + s3) sin(psi)
+    s1 >= s2 >= s3 principal Cauchy stresses, tension positive
+    x = x_r + (x_0 - x_r) exp(-3 xi/xi_95),  x = c, phi, psi,  xi the plastic shear strain
+
+Flow is associated where psi = phi; the law is Tresca's where phi = 0. Trial stress and finite rotation are those
+of MohrCoulombDruckerPrager, and so is the opening of soil in bodies with F-bar (`closing`). The return goes to a
+plane, to an edge or to the apex in closed form; with tensileStrength no principal stress is above it (Rankine).
+Both laws give the same strength in plane strain and in triaxial states; between them MohrCoulombDruckerPrager
+dissipates less (0.928 for phi = 0 at a Lode angle of 15 degrees), and circular loads are 5 % lower.
+
+Source: Clausen, Damkilde & Andersen 2006, Comput. Struct. 84, 2123-2134 (return to planes, edges and apex);
+softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
+    }
+    std::vector<Parameter> parameters() override {
+        std::vector<Parameter> all{
+            {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
+        for (auto& p : elasticity_.parameters()) all.push_back(p);
+        for (auto& p : strength_.parameters()) all.push_back(p);
+        all.push_back({"tensileStrength", "kPa", "highest principal stress; not given: off",
+                       &tensileStrength_, Range::notNegative()});
+        all.push_back(
+            {"closing", "",
+             "whether soil that has opened, at the apex or at tensileStrength, closes before it bears pressure "
+             "again; not given: in bodies with F-bar",
+             &closing_});
+        return all;
+    }
+    void finish() override {
+        require(density > 0, className(), ": density is required; give density in Mg/m3");
+        elasticity_.finish(className());
+        strength_.finish(*this);
+    }
+
+    std::vector<StateVariable> stateVariables() const override {
+        std::vector<StateVariable> all{
+            {"plasticShearStrain", "-", "accumulated plastic shear strain, sum of sqrt(2/3 de:de)"},
+            {"plasticVolumetricStrain", "-", "plastic volumetric strain, dilation positive"},
+            openingVariable()};
+        for (auto& variable : strength_.stateVariables()) all.push_back(variable);
+        return all;
+    }
+    bool yields() const override { return true; }
+    int opening() const override {
+        const bool isBounded =
+            !strength_.isUniform() || strength_.frictionAngle > 0 || !std::isnan(tensileStrength_);
+        return closing_.value_or(true) && isBounded ? 2 : -1;
+    }
+    void shared(const MaterialPoints<2>& points, const double* change) const override {
+        add(points, change, 1);
+    }
+    void shared(const MaterialPoints<3>& points, const double* change) const override {
+        add(points, change, 1);
+    }
+    void mixed(const MaterialPoints<2>& points, const double* change) const override {
+        add(points, change, -1 / elasticity_.bulk());
+    }
+    void mixed(const MaterialPoints<3>& points, const double* change) const override {
+        add(points, change, -1 / elasticity_.bulk());
+    }
+    std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
+    void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
+        bear(points, strength);
+    }
+    void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
+        bear(points, strength);
+    }
+
+    // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
+    void stateFromStress(const double*, double* state) const override { std::fill_n(state, ofStrength, 0.0); }
+
+    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
+        trialStress(elasticity_.lambda(), elasticity_.mu(), points);
+        const std::vector<Surface> surfaces = surfacesOf(points);
+        if (opening() >= 0 && closing_.value_or(points.hasFbar)) {
+            const auto most = [&](int i) { return std::min(surfaces[i].apex, cutOff()); };
+            closeUp(elasticity_.bulk(), most, points);
+            openUp(elasticity_.bulk(), most, points);
+        }
+        for (int i = 0; i < points.count; ++i) returnToYield(points, i, surfaces[i]);
+    }
+
+  private:
+    static constexpr int ofStrength = 3; // first state variable of the strength
+
+    double cutOff() const { return std::isnan(tensileStrength_) ? infinity : tensileStrength_; }
+
+    template <int Dim> std::vector<Surface> surfacesOf(const MaterialPoints<Dim>& points) const {
+        const auto surface = [&](double c, double phi, double psi) {
+            return Surface{elasticity_.lambda(),  elasticity_.mu(),
+                           std::sin(phi),         std::sin(psi),
+                           2 * c * std::cos(phi), phi > 0 ? c / std::tan(phi) : infinity};
+        };
+        if (strength_.isUniform())
+            return std::vector<Surface>(
+                points.count, surface(strength_.cohesion, strength_.frictionAngle, strength_.dilatancyAngle));
+        StrengthRun run(points.count);
+        strength_.find(points.count, points.state + ofStrength, points.state[0], run);
+        std::vector<Surface> all;
+        for (int i = 0; i < points.count; ++i)
+            all.push_back(surface(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]));
+        return all;
+    }
+
+    template <int Dim>
+    void returnToYield(const MaterialPoints<Dim>& points, int i, const Surface& surface) const {
+        PrincipalStress<Dim> principal(points, i);
+        double* s = principal.value;
+        const double trial[] = {s[0], s[1], s[2]};
+        if (surface.yield(s[0], s[2]) <= 0 && s[0] <= cutOff()) return mirror(points, i);
+        if (surface.yield(s[0], s[2]) > 0) surface.returnTo(s);
+        for (int k = 0; k < 3; ++k) s[k] = std::min(s[k], cutOff());
+        principal.write();
+        double lost[3], mean = 0, square = 0;
+        for (int k = 0; k < 3; ++k) mean += (lost[k] = trial[k] - s[k]) / 3;
+        for (int k = 0; k < 3; ++k) square += (lost[k] - mean) * (lost[k] - mean);
+        points.state[0][i] += std::sqrt(2.0 / 3 * square) / (2 * surface.mu);
+        points.state[1][i] += mean / elasticity_.bulk();
+    }
+
+    template <int Dim>
+    static void add(const MaterialPoints<Dim>& points, const double* change, double factor) {
+        for (int i = 0; i < points.count; ++i) points.state[1][i] += factor * change[i];
+    }
+    template <int Dim> void bear(const MaterialPoints<Dim>& points, double* strength) const {
+        const std::vector<Surface> surfaces = surfacesOf(points);
+        for (int i = 0; i < points.count; ++i) {
+            const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
+            strength[i] = std::max(0.0, 0.5 * surfaces[i].twiceCCosPhi - p * surfaces[i].sinPhi);
+        }
+    }
+
+    Elasticity elasticity_;
+    Strength strength_;
+    double tensileStrength_ = notGiven;
+    std::optional<bool> closing_; // not given: where there is F-bar
+};
+
+MPM_REGISTER(Material, MohrCoulomb);
+
+} // namespace
+} // namespace mpm

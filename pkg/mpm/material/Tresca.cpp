@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Undrained clay: Tresca's surface with associated flow, a strength of each particle that falls as the clay is remoulded
+// and rises with the rate of shear.
+#include "mpm/material/Strength.hpp"
+#include "mpm/material/hypoelastic.hpp"
+#include "mpm/material/principal.hpp"
+
+namespace mpm {
+namespace {
+
+// Largest shear strain rate d1 - d3, 1/s.
+inline double shearRate(const MaterialPoints<2>& points, int i) {
+    auto L = points.velocityGradient;
+    const double mean = 0.5 * (L[0][i] + L[3][i]), half = 0.5 * (L[0][i] - L[3][i]),
+                 shear = 0.5 * (L[1][i] + L[2][i]), radius = std::sqrt(half * half + shear * shear);
+    return std::max(mean + radius, 0.0) - std::min(mean - radius, 0.0);
+}
+inline double shearRate(const MaterialPoints<3>& points, int i) {
+    Mat<3> L;
+    for (int c = 0; c < 9; ++c) L(c / 3, c % 3) = points.velocityGradient[c][i];
+    const Eigen::SelfAdjointEigenSolver<Mat<3>> spectrum(0.5 * (L + L.transpose()), Eigen::EigenvaluesOnly);
+    return spectrum.eigenvalues()[2] - spectrum.eigenvalues()[0];
+}
+
+class Tresca : public MaterialOf<Tresca> {
+  public:
+    std::string className() const override { return "Tresca"; }
+    std::string doc() const override {
+        return R"(Undrained clay: Tresca's yield surface, associated flow, softening and rate dependence.
+
+    f = s1 - s3 - 2 su
+    su = su_0 (d + (1 - d) exp(-3 xi/xi_95)) (1 + m log10(max(rate, rate_ref)/rate_ref))
+
+su_0 is the undrainedStrength of a particle as it was placed: a number, a function of position, a profile or an
+array. d is the remouldedRatio (one over the sensitivity), xi the plasticShearStrain, sum of de1 - de3; m the
+rateFactor for each factor of ten of the rate of shear d1 - d3. Stress is total; the volume changes elastically
+(give poisson = 0.49). The return to the hexagon is exact, edges included.
+
+Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou & Randolph 2009, Int. J. Geomech. 9,
+173-182.)";
+    }
+    std::vector<Parameter> parameters() override {
+        std::vector<Parameter> all{
+            {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
+        for (auto& p : elasticity_.parameters()) all.push_back(p);
+        all.push_back({"undrainedStrength",
+                       "kPa",
+                       "required: undrained shear strength su_0 at the reference rate",
+                       &strength_,
+                       Range::positive(),
+                       {},
+                       false,
+                       true});
+        all.push_back(
+            {"remouldedRatio",
+             "-",
+             "strength of fully remoulded clay over undrainedStrength, together with softeningStrain",
+             &remouldedRatio_,
+             {0, 1, true, false}});
+        for (auto& p : softening_.parameters()) all.push_back(p);
+        all.push_back({"rateFactor", "-", "gain of strength for each factor of ten of the rate of shear",
+                       &rateFactor_, Range::notNegative()});
+        all.push_back({"referenceRate", "1/s",
+                       "rate of shear up to which su is undrainedStrength, with rateFactor", &referenceRate_,
+                       Range::positive()});
+        return all;
+    }
+    void finish() override {
+        const std::string who = className();
+        require(density > 0, who, ": density is required; give density in Mg/m3");
+        elasticity_.finish(who);
+        require(
+            !std::isnan(strength_) || varies("undrainedStrength"), who,
+            ": undrainedStrength is required; give su in kPa, a number, a function of position or a profile");
+        require(softening_.isGiven() == !std::isnan(remouldedRatio_), who, ": ",
+                softening_.isGiven() ? "softeningStrain" : "remouldedRatio", " is given without ",
+                softening_.isGiven() ? "remouldedRatio" : "softeningStrain", "; give both");
+        softening_.check(who);
+        require((rateFactor_ > 0) == !std::isnan(referenceRate_), who, ": rateFactor = ", rateFactor_,
+                " and referenceRate belong together; give both (1/s), or none");
+    }
+    std::vector<StateVariable> stateVariables() const override {
+        std::vector<StateVariable> all{
+            {"plasticShearStrain", "-", "accumulated plastic shear strain, sum of de1 - de3"},
+            {"undrainedStrength", "kPa", "undrained shear strength of the clay as it was placed", strength_}};
+        for (auto& variable : softening_.stateVariables()) all.push_back(variable);
+        return all;
+    }
+    bool yields() const override { return true; }
+    std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
+    void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
+        bear(points, strength);
+    }
+    void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
+        bear(points, strength);
+    }
+    // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
+    void stateFromStress(const double*, double* state) const override { state[0] = 0; }
+
+    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
+        trialStress(elasticity_.lambda(), elasticity_.mu(), points);
+        for (int i = 0; i < points.count; ++i) {
+            PrincipalStress<Dim> principal(points, i);
+            double* s = principal.value;
+            const double su = strengthOf(points, i, rateFactor_ > 0 ? shearRate(points, i) : 0),
+                         excess = s[0] - s[2] - 2 * su;
+            if (excess <= 0) {
+                mirror(points, i);
+                continue;
+            }
+            // Half sums of major and minor deviator from -su/3 to su/3 lie on a plane of the hexagon, others beyond an
+            // edge.
+            const double p = (s[0] + s[1] + s[2]) / 3,
+                         middle = std::clamp(0.5 * (s[0] + s[2]) - p, -su / 3, su / 3);
+            s[0] = p + middle + su;
+            s[1] = p - 2 * middle;
+            s[2] = p + middle - su;
+            principal.write();
+            points.state[0][i] += excess / (2 * elasticity_.mu());
+        }
+    }
+
+  private:
+    template <int Dim> double strengthOf(const MaterialPoints<Dim>& points, int i, double rate) const {
+        double su = points.state[1][i];
+        if (softening_.isGiven()) {
+            const double cellSize = std::isnan(softening_.bandWidth) ? 0 : points.state[2][i];
+            su *= remouldedRatio_ + (1 - remouldedRatio_) * softening_.left(points.state[0][i], cellSize);
+        }
+        if (rate > referenceRate_) su *= 1 + rateFactor_ * std::log10(rate / referenceRate_);
+        return su;
+    }
+    template <int Dim> void bear(const MaterialPoints<Dim>& points, double* strength) const {
+        for (int i = 0; i < points.count; ++i) strength[i] = strengthOf(points, i, 0);
+    }
+
+    Elasticity elasticity_;
+    double strength_ = notGiven, remouldedRatio_ = notGiven, rateFactor_ = 0, referenceRate_ = notGiven;
+    Softening softening_;
+};
+
+MPM_REGISTER(Material, Tresca);
+
+} // namespace
+} // namespace mpm

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Laboratory tests on one point of a material: triaxial, oedometer and simple shear, drained or at constant volume.
+"""Laboratory tests on one point of a material: triaxial, oedometer and simple shear.
 
     curve = mpm.elementTest.triaxial(clay, pressure=100, strain=0.2, drained=False)
     curve.q.max(), curve.plot()
 
-They run the code of a scene (MaterialPoint). Pressures and strains are positive in compression here, as in a laboratory.
+They run the code of a scene (MaterialPoint). Pressures and strains are positive in compression here, as in a
+laboratory.
 """
 
 import numpy as np
@@ -19,9 +20,9 @@ HELD = 1e-9  # relative to the largest stress: what a stress that is held may mi
 class Curve:
     """What a test measured, one entry per step, the first at its start.
 
-    strain : axial or shear strain, -. volume : volumetric strain, -. p : mean pressure, kPa. q : axial less radial
-    pressure, kPa; in shear, the shear stress. stress : (N, 3, 3), kPa, tension positive. point : the MaterialPoint
-    at the end. name : of the test.
+    strain : axial or shear strain, -. volume : volumetric strain, -. p : mean pressure, kPa. q : axial less
+    radial pressure, kPa; in shear, the shear stress. stress : (N, 3, 3), kPa, tension positive. point : the
+    MaterialPoint at the end. name : of the test.
     """
 
     def __init__(self, name, point):
@@ -41,7 +42,8 @@ class Curve:
     stress = property(lambda self: self._column(4), doc="Cauchy stress (N, 3, 3), kPa, tension positive.")
 
     def plot(self, axes=None, **style):
-        """Draws q over the strain, and q over p, into two axes of matplotlib (new ones by default); returns them."""
+        """Draws q over the strain, and q over p, into two axes of matplotlib (new ones by default); returns
+        them."""
         if axes is None:
             import matplotlib.pyplot as plt
 
@@ -65,7 +67,8 @@ def triaxial(material, pressure, strain, drained=True, steps=400, state=None):
     pressure : cell pressure, kPa.
     strain : axial strain at the end, -, compression positive; negative: extension. A list is a path from one
         to the next, for cycles.
-    drained : bool; the radial stress stays. False: the volume stays (undrained, effective stress); default True.
+    drained : bool; the radial stress stays. False: the volume stays (undrained, effective stress); default
+        True.
     steps : int, of each part of the path; default 400.
     state : dict of state variables that differ from their initial value.
 
@@ -84,8 +87,8 @@ def triaxial(material, pressure, strain, drained=True, steps=400, state=None):
 
 
 def oedometer(material, strain, pressure=1.0, steps=400, state=None):
-    """A sample in a ring, compressed along its axis: no lateral strain. Parameters as `triaxial`; pressure : isotropic
-    pressure at the start, kPa."""
+    """A sample in a ring, compressed along its axis: no lateral strain. Parameters as `triaxial`; pressure :
+    isotropic pressure at the start, kPa."""
     point = _point("oedometer", material, pressure, state)
     curve = Curve("oedometer test", point)
     return _follow(
@@ -98,8 +101,8 @@ def oedometer(material, strain, pressure=1.0, steps=400, state=None):
 
 
 def simpleShear(material, pressure, strain, drained=True, steps=400, state=None):
-    """A layer sheared at no lateral strain; the pressure on it stays (drained), or its volume. strain : shear strain.
-    Parameters as `triaxial`."""
+    """A layer sheared at no lateral strain; the pressure on it stays (drained), or its volume. strain : shear
+    strain. Parameters as `triaxial`."""
     point = _point("simpleShear", material, pressure, state)
     curve = Curve(f"{'drained' if drained else 'undrained'} simple shear", point)
 

@@ -30,7 +30,8 @@ def testDrainedTriaxialOfSand(law, sign):
 
 
 def testDilatancyOfSandInTriaxialCompression():
-    """Slope of the volume over axial strain: -2 sin(psi)/(1 - sin(psi)), of a potential of Mohr-Coulomb's shape."""
+    """Slope of the volume over axial strain: -2 sin(psi)/(1 - sin(psi)), of a potential of Mohr-Coulomb's
+    shape."""
     curve = mpm.elementTest.triaxial(mpm.MohrCoulomb(**SAND), 100.0, 0.03, steps=150)
     slope = (curve.volume[-1] - curve.volume[-51]) / (curve.strain[-1] - curve.strain[-51])
     assert slope == pytest.approx(-2 * np.sin(PSI) / (1 - np.sin(PSI)), rel=1e-3)

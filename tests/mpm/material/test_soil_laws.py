@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """MohrCoulomb, Tresca and ModifiedCamClay at a point, against the equations that define them.
 
-Set-up: a single point, thousands of random trial stresses for the returns, paths of triaxial tests for the clay.
-Reference: of a return, the conditions that make it the only one: the stress is on the surface or inside, and the
-plastic strain is a sum of the gradients of the planes that meet there with factors that are not negative (NNLS). Of
-Cam-Clay: lines of compression and swelling, the undrained strength (M/2) p (R/2)^((lambda - kappa)/lambda), the
-critical state. Of Tresca: the law of softening and rate in its own words.
+Set-up: a single point, thousands of random trial stresses for the returns, paths of triaxial tests for the
+clay.
+Reference: of a return, the conditions that make it the only one: the stress is on the surface or inside, and
+the plastic strain is a sum of the gradients of the planes that meet there with factors that are not negative
+(NNLS). Of Cam-Clay: lines of compression and swelling, the undrained strength (M/2) p (R/2)^((lambda -
+kappa)/lambda), the critical state. Of Tresca: the law of softening and rate in its own words.
 Tolerance: returns 1e-10 of the stress; Cam-Clay 0.1 % (200 to 1000 steps of a path).
-Controls: planes that do not meet there, associated for non-associated flow, and a strength 1 % off are told apart.
+Controls: planes that do not meet there, associated for non-associated flow, and a strength 1 % off are told
+apart.
 """
 
 import numpy as np
@@ -29,8 +31,8 @@ def gradients(angle):
 
 
 def residual(trial, stress, c, phi, psi):
-    """Of a return in principal axes: (largest yield function, what no sum of gradients explains of the plastic
-    strain), both over the stress."""
+    """Of a return in principal axes: (largest yield function, what no sum of gradients explains of the
+    plastic strain), both over the stress."""
     f = gradients(phi) @ stress - 2 * c * np.cos(phi)
     size = np.abs(trial).max()
     lost = trial - stress
@@ -100,7 +102,8 @@ def testTensileStrengthBoundsEveryPrincipalStress():
 
 @pytest.mark.parametrize("lode, ratio", [(0, 1.0), (15, 0.928), (30, 1.0), (45, 0.928), (60, 1.0)])
 def testTheTwoSoilsDissipateAlikeInTriaxialStatesAndPureShear(lode, ratio):
-    """Between them the potential of MohrCoulombDruckerPrager goes through less work: cos 30/(cos a cos(30 - a))."""
+    """Between them the potential of MohrCoulombDruckerPrager goes through less work: cos 30/(cos a cos(30 -
+    a))."""
     step = np.diag(np.cos(np.radians(lode + np.array([0, -120, 120]))))
     work = []
     for law in (mpm.MohrCoulombDruckerPrager, mpm.MohrCoulomb):
@@ -194,13 +197,12 @@ def testDrainedTriaxialEndsAtTheCriticalState():
     """Constant radial stress: q_f = 3 M p0/(3 - M) of normally consolidated clay."""
     p0 = 100.0
     point = clay(p0, overconsolidationRatio=1.0)
+    axial = -2e-4
+
+    def radialStress(radial):
+        return point.copy().strain(np.diag([radial, radial, axial]))[0, 0] + p0
+
     for _ in range(4000):
-        axial = -2e-4
-
-        def radialStress(radial):
-            trial = point.copy()
-            return trial.strain(np.diag([radial, radial, axial]))[0, 0] + p0
-
         radial = scipy.optimize.brentq(radialStress, -3e-4, 3e-4, xtol=1e-12)
         stress = point.strain(np.diag([radial, radial, axial]))
     assert stress[0, 0] - stress[2, 2] == pytest.approx(3 * M * p0 / (3 - M), rel=2e-3)

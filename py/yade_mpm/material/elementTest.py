@@ -158,7 +158,7 @@ def _hold(point, gradient, components, stress):
     found = scipy.optimize.root(missed, np.zeros(len(unknown)), tol=1e-12)
     if np.abs(missed(found.x)).max() > HELD:
         raise ValueError(
-            f"element test: {type(point.material).__name__} does not reach a stress of {wanted.tolist()} kPa (it "
-            f"misses {size * np.abs(missed(found.x)).max():.3g} kPa); take more steps, or another pressure"
+            f"element test: {type(point.material).__name__} does not reach a stress of {wanted.tolist()} kPa "
+            f"(it misses {size * np.abs(missed(found.x)).max():.3g} kPa); take more steps or another pressure"
         )
     point.gradient(increment(found.x), 1.0)

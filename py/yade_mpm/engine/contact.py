@@ -101,12 +101,12 @@ class Contact(generated["Contact"]):
     gridLoss = property(
         lambda self: self.core.gridLoss,
         doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative "
-        "(doc/explanation/contact.md).",
+        "(doc/theory/contact.md).",
     )
     reduced = property(
         lambda self: self.core.reduced,
         doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut "
-        "(doc/explanation/contact.md).",
+        "(doc/theory/contact.md).",
     )
     unsettled = property(
         lambda self: self.core.unsettled,

@@ -83,6 +83,49 @@ def test_every_abbreviation_is_in_the_glossary():
     assert [word for word in ABBREVIATIONS if word not in explained] == []
 
 
+EXPLAINED = [
+    page
+    for page in sorted((ROOT / "doc" / "explanation").glob("*.md"))
+    if page.stem not in ("index", "gallery", "verification", "verification-manual")
+]
+
+
+def numbersPer100Words(text):
+    """Of the sentences of a page: without tables, code, formulas, places of links and references."""
+    hidden = r"^```.*?^```|\$\$.*?\$\$|\$[^$]*\$|`[^`]*`|^\|.*?$|\]\([^)]*\)|^## References.*"
+    words = re.sub(hidden, " x ", text, flags=re.M | re.S).split()
+    return 100 * sum(word.strip("-−+(*,.;:")[:1].isdigit() for word in words) / len(words)
+
+
+@pytest.mark.parametrize("page", EXPLAINED, ids=lambda page: page.stem)
+def test_sentences_of_explanation_have_few_numbers(page):
+    """At most five in a hundred words; more belong into a table."""
+    assert numbersPer100Words(page.read_text()) <= 5
+
+
+def test_control_many_numbers_are_found():
+    assert numbersPer100Words("It is 3 % off at 0.25 m and 5 % at 0.5 m. | 1 | 2 |\n| 7 | 8 | 9 |\n") > 5
+
+
+def test_equations_have_one_number_and_references_lead_to_one():
+    tags = []
+    for page in sorted((ROOT / "doc" / "theory").glob("*.md")):
+        chapter, here = (
+            re.match(r"# (\d*)", page.read_text())[1],
+            re.findall(r"\\tag\{(.*?)\}", page.read_text()),
+        )
+        assert here == [f"{chapter}.{n}" for n in range(1, len(here) + 1)], page.stem
+        tags += here
+    named = [
+        number
+        for page in PAGES
+        for cited in re.findall(r"equations?((?:\s+(?:to|and)?\s*\(\d+\.\d+\))+)", page.read_text())
+        for number in re.findall(r"\d+\.\d+", cited)
+    ]
+    assert len(tags) > 50 and len(named) > 10
+    assert set(named) - set(tags) == set()
+
+
 def test_every_picture_is_shown():
     shown = {
         (page.parent / name).resolve()

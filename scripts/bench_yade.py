@@ -7,7 +7,7 @@ into its surface, all of them touching. One line per number of discs, microsecon
 repeats:
 
     far       the same bodies 100 m away: exchange and contact
-    exchange  states in and forces out (inYade.Bodies.read and apply)
+    exchange  states in and forces out (mpm.yade.Bodies.read and apply)
     contact   the engine RigidContact
     mpm       the other engines of the scene
     bridge    what is left: PyRunner, clocks, the scene's way into the loop
@@ -21,14 +21,13 @@ repeats:
 """
 
 import argparse
-import builtins
 import json
 import time
 from math import radians
 
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, PyRunner, utils
-from yade_mpm import app, inYade
+from yade_mpm import app
 from yade_mpm.app import count
 
 CELL, WIDE, DEEP, YOUNG = 0.1, 250, 20, 1e4  # m, cells, cells, kPa
@@ -103,9 +102,9 @@ def build(count, away, stages, isTimed):
         disc.state.blockedDOFs, disc.state.vel = "xyzXYZ", (0, -SPEED, 0)
         O.bodies.append(disc)
     O.engines = [ForceResetter(), NewtonIntegrator()]
-    bodies = inYade.Bodies(contact, range(count), friction=0.5)
+    bodies = mpm.yade.Bodies(contact, range(count), friction=0.5)
     exchange = Timed(bodies)
-    coupling = inYade.attach(scene, stages=stages, bodies=exchange if isTimed else bodies)
+    coupling = mpm.yade.attach(scene, stages=stages, bodies=exchange if isTimed else bodies)
     return scene, contact, exchange, coupling
 
 
@@ -113,7 +112,7 @@ def stretches(repeats, look):
     """us per step of `repeats` stretches of a run, and what `look()` gave for each. O.run itself waits in
     steps of 40 ms."""
     stamps = []
-    builtins.stamp = lambda: stamps.append((time.perf_counter(), look()))
+    mpm.yade.setCommand("stamp()", lambda: stamps.append((time.perf_counter(), look())))
     O.engines = [PyRunner(command="stamp()", iterPeriod=STEPS, initRun=True, updateGlobals=False)] + O.engines
     O.run(repeats * STEPS + 1, True)
     O.engines = O.engines[1:]

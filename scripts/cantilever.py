@@ -14,7 +14,8 @@ import os
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, box, files, plot
+from yade_mpm import Parameter, app, box, plot
+from yade_mpm.io import files
 
 LENGTH, DEPTH = 4.0, 1.0  # m
 # Tip at mid-height and centre of mass of total-Lagrangian finite elements, 64 x 16 bilinear quadrilaterals.

@@ -30,7 +30,8 @@ from math import atan, ceil, degrees, radians, sqrt
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, box, files, plot
+from yade_mpm import Parameter, app, box, plot
+from yade_mpm.io import files
 
 WIDTH, UNTIL = 0.2, 0.8  # m; s, of a column of 0.1 m
 YOUNG, POISSON, DENSITY = 5840.0, 0.3, 2.04  # kPa, -, Mg/m3

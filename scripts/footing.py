@@ -33,7 +33,8 @@ from math import exp, pi, radians, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, box, files, geotech, plot
+from yade_mpm import Parameter, app, box, geotech, plot
+from yade_mpm.io import files
 
 WIDTH, DEPTH = 20.0, 10.0  # m
 SHEAR, BULK, COHESION, DENSITY = 1e5, 2e5, 100.0, 2.0  # kPa, kPa, kPa, Mg/m3 (inertia only)

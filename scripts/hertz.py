@@ -22,7 +22,8 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, box, disc, files, geotech, plot
+from yade_mpm import Parameter, app, box, disc, geotech, plot
+from yade_mpm.io import files
 
 RADIUS, EXTENT = (
     20.0,

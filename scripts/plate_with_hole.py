@@ -19,7 +19,8 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, box, files, geotech, plot
+from yade_mpm import Parameter, app, box, geotech, plot
+from yade_mpm.io import files
 
 HALF_WIDTH, HALF_LENGTH, RADIUS = 2.5, 4.0, 0.5  # m; the load is along y
 SIGMA0, YOUNG, POISSON, DENSITY = 100.0, 1e6, 0.3, 1000.0  # Pa, Pa, -, kg/m3: strains of 1e-4

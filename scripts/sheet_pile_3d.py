@@ -20,8 +20,9 @@ from math import radians
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, box, files, geotech, plot
+from yade_mpm import Parameter, app, box, geotech, plot
 from yade_mpm.geotech import penetration
+from yade_mpm.io import files
 
 EMBEDDED, LENGTH, DEPTH, BESIDE = 1.0, 5.0, 8.0, 9.0  # m: sheet; ground, and how far it reaches beside
 ZONE, ZONE_BELOW = 1.0, 1.5  # m: uGIMP zone beside the sheet and below its last tip

@@ -17,7 +17,8 @@ from pathlib import Path
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, box, files, plot
+from yade_mpm import Parameter, app, box, plot
+from yade_mpm.io import files
 
 REFERENCE = Path(__file__).resolve().parents[1] / "tests" / "verification" / "stretching_bar_reference.csv"
 LOWEST = 0.09  # s, when the bar is longest

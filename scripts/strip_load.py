@@ -20,7 +20,8 @@ import time
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, box, files, plot
+from yade_mpm import Parameter, app, box, plot
+from yade_mpm.io import files
 
 B, Q = 1.0, 10.0  # m: half width of the strip; kPa
 YOUNG, POISSON, DENSITY = (

@@ -31,7 +31,8 @@ from math import radians, sqrt, tan
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, box, files, geotech, plot
+from yade_mpm import Parameter, app, box, geotech, plot
+from yade_mpm.io import files
 
 HEIGHT, LENGTH, BEHIND = 5.0, 12.0, 0.5  # m: soil; soil behind the wall's line
 GRAVITY, DENSITY, LAME = 9.81, 1.53, (9.48e3, 6.31e3)  # m/s2, Mg/m3, kPa

@@ -40,7 +40,8 @@ from yade import (
 )
 from yade_boulders_balance import GRAVITY, Balance, summary
 from yade_boulders_pictures import draw
-from yade_mpm import Parameter, app, box, files, inYade
+from yade_mpm import Parameter, app, box
+from yade_mpm.io import files
 
 DROP = 2.0  # m from the bed to the lowest boulder
 SOIL = dict(
@@ -131,8 +132,8 @@ def build(a):
         ),
         NewtonIntegrator(gravity=(0, 0, -GRAVITY), damping=0),
     ]
-    bodies = inYade.Bodies(contact, ids, friction=FRICTION)
-    return scene, contact, inYade.attach(scene, bodies=bodies)
+    bodies = mpm.yade.Bodies(contact, ids, friction=FRICTION)
+    return scene, contact, mpm.yade.attach(scene, bodies=bodies)
 
 
 def record(a, scene):
@@ -163,12 +164,12 @@ def run(a, isRecorded=True):
     scene, contact, coupling = build(a)
     if isRecorded:
         record(a, scene)
-        coupling = inYade.attach(scene)
+        coupling = mpm.yade.attach(scene)
     ids = coupling.exchanges[0].ids
     balance = Balance(scene, contact, ids)
-    inYade.balance = balance  # found by the command below wherever the script runs
+    mpm.yade.setCommand("stepBalance()", balance.step)
     O.engines = O.engines + [
-        PyRunner(command="inYade.balance.step()", iterPeriod=1, initRun=True, updateGlobals=False)
+        PyRunner(command="stepBalance()", iterPeriod=1, initRun=True, updateGlobals=False)
     ]
     began = time.monotonic()
     while O.time < a.until:

@@ -25,8 +25,9 @@ import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
 from yade_disc_pictures import draw
-from yade_mpm import Parameter, app, box, files, inYade
-from yade_mpm.yadePlane import Plane
+from yade_mpm import Parameter, app, box
+from yade_mpm.io import files
+from yade_mpm.yade import Plane
 
 SLOPE, G = np.radians(30), 9.81  # rad, m/s2
 RADIUS, DENSITY, THICKNESS = 0.5, 2.0, 0.25  # m, Mg/m3, m
@@ -80,8 +81,8 @@ def build(types, friction, cell=0.1, planeName="xy"):
     scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     disc = addDisc(plane)
     O.engines = [ForceResetter(), NewtonIntegrator(gravity=Vector3(*plane.toYade(gravity)), damping=0.3)]
-    bodies = inYade.Bodies(contact, [disc], friction=friction, thickness=THICKNESS, plane=planeName)
-    return inYade.attach(scene, stages=False, bodies=bodies), disc, plane
+    bodies = mpm.yade.Bodies(contact, [disc], friction=friction, thickness=THICKNESS, plane=planeName)
+    return mpm.yade.attach(scene, stages=False, bodies=bodies), disc, plane
 
 
 class Track:

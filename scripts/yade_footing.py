@@ -27,7 +27,8 @@ import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, PyRunner, utils
 from yade.minieigenHP import Vector3
 from yade_footing_pictures import draw
-from yade_mpm import Parameter, app, box, files, inYade, plot
+from yade_mpm import Parameter, app, box, plot
+from yade_mpm.io import files
 
 WIDTH, DEPTH, HALF_WIDTH, HEIGHT = 15.0, 7.5, 3.0, 0.6  # m
 THICKNESS = 0.5  # m, of the slice that YADE sees
@@ -76,9 +77,9 @@ def build(types="hybrid", cell=0.3, friction=0.5, rate=0.04, fbar=True):
     state = O.bodies[footing].state
     state.blockedDOFs, state.vel = "xyzXYZ", Vector3(0, -rate, 0)
     O.engines = [ForceResetter(), NewtonIntegrator()]
-    bodies = inYade.Bodies(contact, [footing], friction=friction, thickness=THICKNESS)
+    bodies = mpm.yade.Bodies(contact, [footing], friction=friction, thickness=THICKNESS)
     scene.dt = 0.65 * scene.criticalTimeStep()  # constant: the stiffness of the contact follows the step
-    return inYade.attach(scene, stages=False, bodies=bodies), footing
+    return mpm.yade.attach(scene, stages=False, bodies=bodies), footing
 
 
 def run(types="hybrid", cell=0.3, friction=0.5, rate=0.04, settlement=0.06, fbar=True):
@@ -87,8 +88,12 @@ def run(types="hybrid", cell=0.3, friction=0.5, rate=0.04, settlement=0.06, fbar
     coupling, footing = build(types, cell, friction, rate, fbar)
     curve = []  # settlement, m, and force of the ground on the box, kN, in every twentieth step
     state = O.bodies[footing].state
-    inYade.look = lambda: curve.append((DEPTH + HEIGHT - state.pos[1], O.forces.f(footing)[1]))
-    O.engines = [*O.engines, PyRunner(command="inYade.look()", iterPeriod=20)]
+
+    def look():
+        curve.append((DEPTH + HEIGHT - state.pos[1], O.forces.f(footing)[1]))
+
+    mpm.yade.setCommand("look()", look)
+    O.engines = [*O.engines, PyRunner(command="look()", iterPeriod=20)]
     O.run(int(settlement / rate / O.dt) + 1, True)
     depth, force = np.array(curve).T
     pressure = force / THICKNESS / HALF_WIDTH

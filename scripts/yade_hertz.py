@@ -29,7 +29,8 @@ from hertz_on_layer import layerFactor
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Vector3
 from yade_hertz_pictures import draw
-from yade_mpm import Parameter, app, box, files, inYade
+from yade_mpm import Parameter, app, box
+from yade_mpm.io import files
 
 CELL, YOUNG, POISSON, DENSITY = 0.1, 1e4, 0.3, 2.0  # m, kPa, -, Mg/m3
 THICKNESS, LENGTH, RATIO = 3, 9, 0.02  # T/a, L/a, a/R
@@ -67,9 +68,9 @@ def build(types, radius):
     sphere = O.bodies.append(utils.sphere((0, 0, thickness + radius / RATIO), radius / RATIO))
     O.bodies[sphere].state.blockedDOFs = "xyzXYZ"
     O.engines = [ForceResetter(), NewtonIntegrator()]
-    bodies = inYade.Bodies(contact, [sphere], friction=0)
+    bodies = mpm.yade.Bodies(contact, [sphere], friction=0)
     scene.dt = 0.3 * scene.criticalTimeStep()  # small, for a stiff contact
-    return inYade.attach(scene, stages=False, bodies=bodies), contact, sphere
+    return mpm.yade.attach(scene, stages=False, bodies=bodies), contact, sphere
 
 
 class LoadCurve:

@@ -32,7 +32,7 @@ from yade import (
     VTKRecorder,
     utils,
 )
-from yade_mpm import app, inYade
+from yade_mpm import app
 
 here = os.path.dirname(os.path.abspath(sys.argv[0]))
 sys.path[:0] = [here, os.path.join(here, "studies")]  # yade-batch does not know them
@@ -161,9 +161,9 @@ def run(a, out):
         history,
         mpm.Recorder(os.path.join(out, "vtk", "soil.vtkhdf"), period=drive.until / 40),
     ]
-    bodies = inYade.Bodies(contact, [number], friction=a.friction)
+    bodies = mpm.yade.Bodies(contact, [number], friction=a.friction)
     O.dt = a.dt
-    coupling = inYade.attach(scene, stages=False, bodies=bodies)
+    coupling = mpm.yade.attach(scene, stages=False, bodies=bodies)
 
     steps = round(drive.until / O.dt)
     print(

@@ -35,7 +35,8 @@ from yade import (
     ViscElMat,
     utils,
 )
-from yade_mpm import Parameter, app, files, inYade, plot
+from yade_mpm import Parameter, app, plot
+from yade_mpm.io import files
 
 SLOPE, HEIGHT, FOOT, TOE, END = radians(35), 14.0, 4.0, 26.0, 38.0  # rad, m
 CREST = TOE - HEIGHT / tan(SLOPE)  # m
@@ -100,12 +101,12 @@ def run(a):
         ),
         NewtonIntegrator(gravity=(0, 0, GRAVITY[1]), damping=0),
     ]
-    bodies = inYade.Bodies(contact, [*numbers, dam], plane="xz")
+    bodies = mpm.yade.Bodies(contact, [*numbers, dam], plane="xz")
     scene.settle()
-    coupling = inYade.attach(scene, stages=False, bodies=bodies)
+    coupling = mpm.yade.attach(scene, stages=False, bodies=bodies)
     states, track = [O.bodies[n].state for n in numbers], []
-    inYade.look = lambda: track.append([O.time, *([*s.pos, *s.vel] for s in states)])
-    O.engines = [*O.engines, PyRunner(command="inYade.look()", virtPeriod=0.01, initRun=True)]
+    mpm.yade.setCommand("look()", lambda: track.append([O.time, *([*s.pos, *s.vel] for s in states)]))
+    O.engines = [*O.engines, PyRunner(command="look()", virtPeriod=0.01, initRun=True)]
     figure, axes = plot.plt.subplots(3, 1, figsize=(7.2, 9.6), layout="constrained")
     begun = O.time
     for ax, share in zip(axes, (0.35, 0.6, 1.0)):

@@ -21,12 +21,12 @@ Drive, Hold                    prescribed motions, given to the GridSolver
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
 read, Results, ResultFrame     what a Recorder has written, by time
 quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
-Parameter, Parameters, study   what a scene takes; many cases of it
-diagnostics, rigid             modules: energies and other numbers of a scene; shapes for RigidContact
+Parameter, Parameters, study   what a scene takes; a room: many cases of it
+diagnostics, rigid             rooms: energies and other numbers of a scene; shapes for RigidContact
 
-Rooms to import where needed: `yade_mpm.app` (a scene as a program: its command line, its run with --resume),
-`yade_mpm.geotech` (ground, its surface, its safety), `yade_mpm.plot` (pictures of 2D scenes),
-`yade_mpm.inYade`.
+Rooms, `mpm.NAME` each: `app` (a scene as a program: its command line, its run with --resume), `diagnostics`,
+`engine` (what engines of your own derive from), `geotech` (ground, its surface, its safety), `io` (files),
+`plot` (pictures of 2D scenes), `rigid`, `study`, `yade` (scenes inside YADE).
 """
 
 import importlib as _importlib
@@ -48,12 +48,12 @@ except ImportError as _error:
     from .base.missingSolver import explain as _explain
 
     raise ImportError(_explain(_os.path.dirname(__file__), _error)) from None
-from . import diagnostics, engines, files, rigid, study
+from . import app, diagnostics, engine, geotech, io, rigid, study
 from .app.parameter import Parameter
 from .app.parameters import Parameters
 from .base import deprecated as _deprecated
 from .base.notebook import makeInlineReady as _makeInlineReady
-from .check.certificate import Certificate, quasiStatic, rateSensitivity
+from .diagnostics.certificate import Certificate, quasiStatic, rateSensitivity
 from .engine import engines as _engines
 from .engine.boundaryLoad import BoundaryLoad
 from .engine.callback import PyRunner
@@ -67,7 +67,6 @@ from .geometry.region import Region
 from .geometry.regions import box, disc, everywhere, halfSpace, polygon, sphere
 from .io.history import History
 from .io.recorder import Recorder
-from .io.results import ResultFrame, Results, read
 from .material import elementTest
 from .material import materials as _materials
 from .material.materials import Material, MaterialPoint
@@ -76,6 +75,7 @@ from .particle import types as _particles
 from .particle.body import Body
 from .particle.part import BodyPart
 from .particle.types import ParticleType
+from .results.results import ResultFrame, Results, read
 from .scene.grading import Grading
 from .scene.plugins import loadPlugin
 from .scene.restoring import load
@@ -104,11 +104,11 @@ __all__ = sorted(
 
 
 def __getattr__(name):
-    """Classes of the solver, those of a plugin too, and modules by their old names."""
+    """Classes of the solver, those of a plugin too, rooms on demand, modules by their old names."""
     for room in (_materials, _particles, _engines):
         if name in room.classes:
             return room.classes[name]
-    if name in _deprecated.MODULES:
+    if name in ("plot", "yade", *_deprecated.MODULES):  # what few scenes need
         return _importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 

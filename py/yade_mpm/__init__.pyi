@@ -9,9 +9,9 @@ from . import rigid as rigid
 from . import study as study
 from .app.parameter import Parameter as Parameter
 from .app.parameters import Parameters as Parameters
-from .check.certificate import Certificate as Certificate
-from .check.certificate import quasiStatic as quasiStatic
-from .check.certificate import rateSensitivity as rateSensitivity
+from .diagnostics.certificate import Certificate as Certificate
+from .diagnostics.certificate import quasiStatic as quasiStatic
+from .diagnostics.certificate import rateSensitivity as rateSensitivity
 from .engine.boundaryLoad import BoundaryLoad as _BoundaryLoad
 from .engine.callback import PyRunner as PyRunner
 from .engine.contact import Contact as _Contact
@@ -33,9 +33,6 @@ from .geometry.regions import polygon as polygon
 from .geometry.regions import sphere as sphere
 from .io.history import History as History
 from .io.recorder import Recorder as Recorder
-from .io.results import ResultFrame as ResultFrame
-from .io.results import Results as Results
-from .io.results import read as read
 from .material.materials import Material as Material
 from .material.materials import MaterialPoint as MaterialPoint
 from .material.spatial import RandomField as RandomField
@@ -43,6 +40,9 @@ from .particle.body import Body as Body
 from .particle.part import BodyPart as BodyPart
 from .particle.types import MeshedType
 from .particle.types import ParticleType as ParticleType
+from .results.results import ResultFrame as ResultFrame
+from .results.results import Results as Results
+from .results.results import read as read
 from .scene.grading import Grading as Grading
 from .scene.plugins import loadPlugin as loadPlugin
 from .scene.restoring import load as load

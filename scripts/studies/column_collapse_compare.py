@@ -10,7 +10,8 @@ import os
 import column_collapse
 import yade_mpm as mpm
 from column_collapse import WIDTH, surfaceOf
-from yade_mpm import Parameter, app, files, plot
+from yade_mpm import Parameter, app, plot
+from yade_mpm.io import files
 
 CELLS = 0.01, 0.005  # m
 

@@ -13,7 +13,8 @@ import argparse
 import os
 
 import footing
-from yade_mpm import Parameter, app, files
+from yade_mpm import Parameter, app
+from yade_mpm.io import files
 
 
 def refusal(a, given):

@@ -17,7 +17,8 @@ import os
 import sheet_pile
 import sheet_pile_study
 import yade_mpm as mpm
-from yade_mpm import Parameter, app, files, plot
+from yade_mpm import Parameter, app, plot
+from yade_mpm.io import files
 
 FRICTION, LIMIT = 0.3, 0.05
 REMEDIES = {

@@ -16,7 +16,8 @@ import numpy as np
 import sheet_pile
 import sheet_pile_study
 from sheet_pile_pictures import LABEL, LIMIT, windowOf
-from yade_mpm import app, files, plot
+from yade_mpm import app, plot
+from yade_mpm.io import files
 
 MAY_CHANGE = ("until", "rateCheck")
 

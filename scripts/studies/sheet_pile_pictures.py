@@ -6,7 +6,8 @@ import os
 import numpy as np
 from sheet_pile import DEPTH, EMBEDDED, resistanceCurve
 from sheet_pile_measures import baseCurve, surfaceOf
-from yade_mpm import files, geotech, plot
+from yade_mpm import geotech, plot
+from yade_mpm.io import files
 
 LIMIT, LABEL = 0.5, "plastic shear strain (-)"  # end of the colour scale, and its name
 

@@ -9,7 +9,8 @@ import os
 import numpy as np
 from sheet_pile import GRAVITY
 from yade import O
-from yade_mpm import files, geotech, plot
+from yade_mpm import geotech, plot
+from yade_mpm.io import files
 from yade_mpm.yade.picture import outlines
 from yade_pile_options import BATCH
 

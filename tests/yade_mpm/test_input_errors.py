@@ -728,7 +728,7 @@ def test_a_chain_without_one_of_its_stages_is_refused_before_the_first_step(sche
     scene.engines = [e for k, e in enumerate(scene.engines) if k != place]
     refused(f"Scene: {missing} ... {scheme}", lambda: scene.run(steps=1))
     isDead = missing == "DomainUpdater"  # left out on purpose
-    scene.engines.insert(place, mpm.engines.classes[missing](dead=isDead))
+    scene.engines.insert(place, mpm.engine.classes[missing](dead=isDead))
     scene.run(steps=1)
 
 
@@ -744,7 +744,7 @@ def test_engines_put_into_the_list_itself_take_part_and_are_checked():
 
 
 def test_every_engine_refuses_unknown_attributes():
-    for name, make in mpm.engines.classes.items():
+    for name, make in mpm.engine.classes.items():
         needed = {"BoundaryLoad": ("block",), "PyRunner": ("pass", 1)}.get(name, ())
         refused("'nonsense'", partial(make, *needed, nonsense=1))
         refused("'nonsense'", partial(setattr, make(*needed), "nonsense", 1))

@@ -13,14 +13,13 @@ from yade_mpm.base import deprecated
 ROOMS = {
     "app": ["Parser", "Run", "below", "between", "count", "notNegative", "partOf", "positive", "run"],
     "diagnostics": ["energyError", "kineticEnergy", "mass", "sectionForce"],
-    "engines": ["Callback", "Contact", "Engine", "GridSolver", "ParticleToGrid", "PyRunner", "classes"],
-    "files": ["checkWritable", "replacing", "saveJson", "saveTable"],
+    "engine": ["Callback", "Engine", "Prescribed", "classes"],
+    "io.files": ["checkWritable", "replacing", "saveJson", "saveTable"],
     "geotech": ["Surface", "addGround", "groundSurface", "travel"],
-    "inYade": ["Bodies", "act", "attach", "checkpointOf"],
     "plot": ["Snapshot", "plt", "save"],
     "rigid": ["Box", "Facet", "Sphere", "Wall"],
     "study": ["calibrate", "run"],
-    "yadePlane": ["Plane"],
+    "yade": ["Bodies", "Plane", "act", "attach", "checkpointOf"],
 }
 
 
@@ -30,7 +29,7 @@ def test_a_room_has_its_public_names(name):
 
 
 def test_the_rooms_of_every_scene_are_there_at_once():
-    asked = "import yade_mpm as mpm; mpm.diagnostics, mpm.engines, mpm.files, mpm.rigid; import sys; "
+    asked = "import yade_mpm as mpm; mpm.diagnostics, mpm.engine, mpm.io.files, mpm.rigid; import sys; "
     asked += "print('matplotlib' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True)
     assert done.stdout == "False\n", done.stderr
@@ -60,18 +59,10 @@ def test_a_module_has_its_old_name_for_one_version(how, old, new):
 def test_a_name_that_has_moved_warns_and_an_unknown_one_is_refused():
     with pytest.warns(DeprecationWarning, match="study.Run is deprecated .*; use yade_mpm.app.Run"):
         assert mpm.study.Run is mpm.app.Run
-    for room in (mpm, mpm.study, mpm.engines):
+    for room in (mpm, mpm.study, mpm.engine):
         with pytest.raises(AttributeError, match="nothing"):
             _ = room.nothing
 
 
-def test_yade_finds_the_module_that_scripts_have():
-    import builtins
-
-    from yade_mpm import inYade
-
-    assert builtins.inYade is inYade and inYade is sys.modules["yade_mpm.inYade"]
-
-
-def test_the_engines_of_the_package_are_those_of_the_module():
-    assert mpm.engines.GridSolver is mpm.GridSolver and mpm.engines.classes["Contact"] is mpm.Contact
+def test_the_classes_of_the_solver_are_those_of_the_rooms():
+    assert mpm.engine.classes["GridSolver"] is mpm.GridSolver and mpm.engine.classes["Contact"] is mpm.Contact

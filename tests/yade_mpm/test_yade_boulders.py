@@ -83,7 +83,7 @@ def test_control_without_the_forces_on_the_boulders(tmp_path):
         "--out",
         str(tmp_path),
         until=0.2,
-        change="inYade.Bodies.apply = lambda self, coupling: None; boulders.DROP = 0.05; "
+        change="mpm.yade.Bodies.apply = lambda self, coupling: None; boulders.DROP = 0.05; "
         "from yade_mpm.yade import grants; grants.MOST = 0",  # granted steps do not ask it
     )
     assert summary["momentumError"] > 1e-2 * summary["momentumExchanged"]

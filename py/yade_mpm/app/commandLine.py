@@ -200,7 +200,7 @@ def _drawToFiles():
     draw."""
     program.drawsToFiles = True
     if "matplotlib.pyplot" in sys.modules:
-        from ..io.plot import drawToFiles
+        from ..plot.figures import drawToFiles
 
         drawToFiles()
     else:

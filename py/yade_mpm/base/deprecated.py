@@ -13,9 +13,14 @@ from .warn import warnUser
 
 PACKAGE = __name__.split(".")[0]
 MODULES = {  # old -> new, both without the package's name
-    "certificate": "check.certificate",
+    "certificate": "diagnostics.certificate",
     "commandLine": "app",
+    "engines": "engine",
+    "files": "io.files",
+    "inYade": "yade",
     "surface": "geotech.surface",
+    "yadePlane": "yade",
+    "io.plot": "plot",
     "study.commandLine": "app",
     "study.penetration": "geotech.penetration",
     "study.reference": "geotech.reference",

@@ -6,7 +6,7 @@ To import by name, `from yade_mpm.geotech import penetration`: it draws with mat
 
 import numpy as np
 
-from ..io import plot
+from ..plot import figures as plot
 from .curves import movingAverage, travel
 
 

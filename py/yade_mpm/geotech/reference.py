@@ -10,15 +10,15 @@ import time
 
 from ..app.parameter import Parameter
 from ..app.record import record
-from ..check.certificate import quasiStatic
+from ..diagnostics.certificate import quasiStatic
 from ..engine.engines import Contact, DomainUpdater, GridToParticle, ParticleToGrid
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive
-from ..io import plot
 from ..io.files import saveJson
 from ..io.history import History
 from ..material.materials import LinearElastic, MohrCoulombDruckerPrager
 from ..particle.types import APDI
+from ..plot import figures as plot
 from .curves import movingAverage, travel
 from .ground import addGround
 

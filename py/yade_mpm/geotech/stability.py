@@ -19,8 +19,8 @@ from ..app.record import record
 from ..engine.callback import PyRunner
 from ..engine.engines import DomainUpdater, GridToParticle, ParticleToGrid
 from ..engine.gridSolver import GridSolver
-from ..io import plot
 from ..material.materials import MohrCoulombDruckerPrager
+from ..plot import figures as plot
 from .ground import TYPES
 
 GRAVITY, DAMPING = 9.81, 0.3  # m/s2, -

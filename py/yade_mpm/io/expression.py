@@ -14,8 +14,8 @@ import operator
 
 import numpy as np
 
+from .. import diagnostics
 from ..base.wording import shown
-from ..check import diagnostics
 
 MOST_TEXT = 1000  # characters
 SCENE = ("time", "steps", "dt", "dtCritical", "particleCount")

@@ -9,9 +9,9 @@ import time
 
 import numpy as np
 
+from .. import diagnostics
 from ..base.html import card, paragraph, table
 from ..base.warn import warnUser
-from ..check import diagnostics
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
 from . import owners, quantities

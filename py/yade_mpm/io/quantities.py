@@ -3,7 +3,7 @@
 
 import math
 
-from ..check import diagnostics
+from .. import diagnostics
 from ..engine.contact import Contact
 from ..engine.prescribed import Drive, Hold
 

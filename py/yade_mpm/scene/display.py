@@ -37,7 +37,7 @@ def plot(
     Raises ValueError for a scene in 3D (open the file of a Recorder in ParaView), a field that no body has, a
     component that is not allowed.
     """
-    from ..io import picture
+    from ..plot import picture
 
     if scene.dim != 2:
         raise ValueError("plot: pictures are made of 2D scenes; open the file of a Recorder in ParaView")

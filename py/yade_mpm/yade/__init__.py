@@ -1,2 +1,24 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A scene inside YADE, on one clock with the discrete elements."""
+"""A scene inside YADE, on one clock with the discrete elements.
+
+    import yade_mpm as mpm
+    soil = mpm.yade.attach(scene)   # adds engines before the NewtonIntegrator, chooses O.dt
+    O.run(1000, True)
+
+attach                     makes the engines of a scene engines of O.engines; returns the Coupling
+Bodies, Plane              bodies of YADE that touch the scene; planes for scenes in 2D
+Display                    shows the soil in YADE's view
+setCommand                 what the command of a PyRunner of YADE calls
+checkpointOf, act          the scene's checkpoint beside YADE's file; what an engine of ours does
+"""
+
+from .attach import attach
+from .bodies import Bodies
+from .commands import setCommand
+from .coupling import Coupling
+from .display import Display
+from .loop import act
+from .output import checkpointOf
+from .plane import Plane
+
+__all__ = ["Bodies", "Coupling", "Display", "Plane", "act", "attach", "checkpointOf", "setCommand"]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Inside YADE: the engines of a scene become engines of O.engines, on one clock with the discrete elements.
 
-    from yade_mpm import inYade
-    soil = inYade.attach(scene)   # adds engines before the NewtonIntegrator, chooses O.dt
+    import yade_mpm as mpm
+    soil = mpm.yade.attach(scene)   # adds engines before the NewtonIntegrator, chooses O.dt
     O.run(1000, True)
 
 YADE is used through its Python interface. An engine of ours is a PyRunner, see `runners`; with the plugin, of
@@ -70,36 +70,35 @@ def attach(
     """
     omega = loop.omega()
     if omega.running:
-        raise RuntimeError("inYade.attach: YADE is running; O.pause() first")
+        raise RuntimeError("yade.attach: YADE is running; O.pause() first")
     if not (isinstance(label, str) and label.isidentifier()):
         raise ValueError(
-            f"inYade.attach: label = {label!r} is not allowed; give letters, digits and underscores, e.g. "
-            "'mpm'"
+            f"yade.attach: label = {label!r} is not allowed; give letters, digits and underscores, e.g. 'mpm'"
         )
     saved = {}
     if scene is None:
         scene, saved = _fromTag(omega, label, callbacks)
     elif callbacks is not None:
         raise ValueError(
-            "inYade.attach: callbacks go with a checkpoint; leave them out where the scene is given"
+            "yade.attach: callbacks go with a checkpoint; leave them out where the scene is given"
         )
     if not isinstance(scene, Scene):
-        raise TypeError(f"inYade.attach: scene = {scene!r}; give a yade_mpm.Scene")
+        raise TypeError(f"yade.attach: scene = {scene!r}; give a yade_mpm.Scene")
     for other in loop.attached.values():
         if other.scene is scene and other.label != label:
             raise ValueError(
-                f"inYade.attach: this scene is attached as '{other.label}' already; detach() it there"
+                f"yade.attach: this scene is attached as '{other.label}' already; detach() it there"
             )
     mpmSteps = saved.get("mpmSteps", 1) if mpmSteps is None else _count("mpmSteps", mpmSteps)
     demSteps = saved.get("demSteps", 1) if demSteps is None else _count("demSteps", demSteps)
     if mpmSteps > 1 and demSteps > 1:
         raise ValueError(
-            f"inYade.attach: mpmSteps = {mpmSteps}, demSteps = {demSteps}; one of the two has to be 1"
+            f"yade.attach: mpmSteps = {mpmSteps}, demSteps = {demSteps}; one of the two has to be 1"
         )
     stages = saved.get("stages", mpmSteps == 1) if stages is None else bool(stages)
     if stages and mpmSteps > 1:
         raise ValueError(
-            "inYade.attach: engines per stage cannot act several times in a DEM step; give stages=False "
+            "yade.attach: engines per stage cannot act several times in a DEM step; give stages=False "
             "(scene.timing() still tells the time of each stage)"
         )
     bodies = None if bodies is None else _listed(bodies)
@@ -126,7 +125,7 @@ def _listed(bodies):
     for exchange in bodies:
         if not (hasattr(exchange, "read") and hasattr(exchange, "apply")):
             raise TypeError(
-                f"inYade.attach: bodies = {exchange!r}; give inYade.Bodies(contact, ids), or a list of them"
+                f"yade.attach: bodies = {exchange!r}; give mpm.yade.Bodies(contact, ids), or a list of them"
             )
     return bodies
 
@@ -138,7 +137,7 @@ def _chosen(plot):
     if plot in (True, False):
         return bool(plot)
     raise TypeError(
-        f"inYade.attach: plot = {plot!r} is not allowed; give True, False, or a list of names of columns"
+        f"yade.attach: plot = {plot!r} is not allowed; give True, False, or a list of names of columns"
     )
 
 
@@ -147,13 +146,13 @@ def _checkPeriod(period):
         isinstance(period, bool) or not isinstance(period, (int, float)) or not 0 < period < math.inf
     ):
         raise ValueError(
-            f"inYade.attach: checkpointPeriod = {period!r} is not allowed; give a wall time in s, or None"
+            f"yade.attach: checkpointPeriod = {period!r} is not allowed; give a wall time in s, or None"
         )
 
 
 def _count(name, value):
     if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-        raise ValueError(f"inYade.attach: {name} = {value!r} is not allowed; give a whole number from 1 on")
+        raise ValueError(f"yade.attach: {name} = {value!r} is not allowed; give a whole number from 1 on")
     return value
 
 
@@ -162,13 +161,13 @@ def _fromTag(omega, label, callbacks):
     tag = tagOf(label)
     if tag not in list(omega.tags.keys()):
         raise ValueError(
-            f"inYade.attach: no scene was given, and YADE's state names none for the label '{label}' "
+            f"yade.attach: no scene was given, and YADE's state names none for the label '{label}' "
             f"(O.tags['{tag}'])"
         )
     saved = json.loads(omega.tags[tag])
     if saved["iter"] != omega.iter:
         raise ValueError(
-            f"inYade.attach: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE "
+            f"yade.attach: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE "
             "is at "
             f"{omega.iter}; load a file that O.save wrote with the scene attached, or give the scene"
         )

@@ -52,8 +52,8 @@ class Bodies:
     Functions are not saved: what they have returned holds after O.load.
 
     O.engines needs a ForceResetter. YADE knows no units: give it Mg, m, s, kPa (kN), as the solver. After
-    O.load `inYade.attach` makes it again. Raises ValueError for a body that is not there, is of another shape
-    or stands in a clump, for a wall with sense 0, for friction and adhesion that are no numbers, and for a
+    O.load `attach` makes it again. Raises ValueError for a body that is not there, is of another shape or
+    stands in a clump, for a wall with sense 0, for friction and adhesion that are no numbers, and for a
     contact that has other rigid bodies already; TypeError for a contact, numbers or laws that are none.
     RuntimeError at the beginning of a run where two of them serve one contact, or where the scene does not
     have it. Warns of a free body that is 30 times as dense as
@@ -62,8 +62,8 @@ class Bodies:
         contact = mpm.RigidContact()
         scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(...), mpm.GridToParticle(),
         mpm.DomainUpdater()]
-        bodies = inYade.Bodies(contact, O.bodies.append([sphere((0, 1, 0), 0.2)]), friction=0.5)
-        inYade.attach(scene, bodies=bodies)
+        bodies = mpm.yade.Bodies(contact, O.bodies.append([sphere((0, 1, 0), 0.2)]), friction=0.5)
+        mpm.yade.attach(scene, bodies=bodies)
     """
 
     def __init__(
@@ -80,12 +80,12 @@ class Bodies:
         from yade import O
 
         if not isinstance(contact, RigidContact):
-            raise TypeError(f"inYade.Bodies: contact = {contact!r}; give a mpm.RigidContact()")
+            raise TypeError(f"yade.Bodies: contact = {contact!r}; give a mpm.RigidContact()")
         self._O, self.contact, self.ids, self.thickness = O, contact, _numbers(ids), float(thickness)
         self._facetThickness, self._saved = float(facetThickness), forces
         if not 0 < self.thickness < np.inf:
             raise ValueError(
-                f"inYade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number"
+                f"yade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number"
             )
         self.plane = Plane(plane)
         self._laws, self._waiting = Laws(friction, adhesion), []
@@ -96,7 +96,7 @@ class Bodies:
         rows = self._rows(None if isNew else contact)
         if not isNew and not _areSame(contact.core.value("shapes"), self._asMade(rows)):
             raise ValueError(
-                "inYade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its "
+                "yade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its "
                 "own"
             )
         hosted.setdefault(contact, weakref.WeakSet()).add(self)
@@ -140,9 +140,9 @@ class Bodies:
             and sum(e.contact is self.contact for e in coupling.exchanges if isinstance(e, Bodies)) > 1
         ):
             raise RuntimeError(
-                "inYade.Bodies: two of them serve one RigidContact, and its forces would count twice; take "
+                "yade.Bodies: two of them serve one RigidContact, and its forces would count twice; take "
                 "one out of "
-                "exchanges (after O.load, inYade.attach() has brought it back)"
+                "exchanges (after O.load, mpm.yade.attach() has brought it back)"
             )
         isNewRun = coupling.runs != self._run
         steps = coupling.scene.steps
@@ -183,7 +183,7 @@ class Bodies:
             density = densityOf(self._O, self._O.bodies[number], self.thickness if scene.dim == 2 else None)
             if density > most:
                 print(
-                    f"warning: inYade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the "
+                    f"warning: yade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the "
                     "densest of the scene "
                     f"{most / DENSER:.3g}; YADE's default material has 1000 (kg/m3): give it a material with "
                     "a density in Mg/m3",
@@ -203,7 +203,7 @@ class Bodies:
             self._hasLeft = True
             box, at = f"{placeText(lower)} to {placeText(scene.upper)}", placeText(x[left[0]])
             loop.warn(
-                f"warning: inYade.Bodies: body {self.ids[left[0]]} has left the box of the scene, {box}, and "
+                f"warning: yade.Bodies: body {self.ids[left[0]]} has left the box of the scene, {box}, and "
                 f"is at {at}: there is no soil, and it falls; make the scene larger, or erase such bodies "
                 "(DomainLimiter, O.bodies.erase)"
             )
@@ -235,7 +235,7 @@ class Bodies:
         for number in numbers:
             self._refuseMissing(number)
             if number in self.ids or number in (n for n, _ in self._waiting):
-                raise ValueError(f"inYade.Bodies: body {number} touches the soil already")
+                raise ValueError(f"yade.Bodies: body {number} touches the soil already")
             self._shapes(number)
         self._waiting += [(number, self._lawsOf(number, friction)) for number in numbers]
         revokeAll()
@@ -251,7 +251,7 @@ class Bodies:
 
     def _refuseMissing(self, number):
         if bodyOf(self._O, number) is None:
-            raise ValueError(f"inYade.Bodies: there is no body {number} in O.bodies")
+            raise ValueError(f"yade.Bodies: there is no body {number} in O.bodies")
 
     def _shapes(self, number, mayBeMember=False):
         """mayBeMember: of a clump, which then gets its forces by YADE."""
@@ -354,9 +354,9 @@ def _numbers(ids):
         numbers = [operator.index(i) for i in numbers]
     except TypeError:
         raise TypeError(
-            f"inYade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them"
+            f"yade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them"
         ) from None
     twice = [number for number, times in Counter(numbers).items() if times > 1]
     if twice:
-        raise ValueError(f"inYade.Bodies: body {twice[0]} is given twice, and would feel the soil twice")
+        raise ValueError(f"yade.Bodies: body {twice[0]} is given twice, and would feel the soil twice")
     return numbers

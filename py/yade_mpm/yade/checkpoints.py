@@ -4,10 +4,11 @@
 There every engine of YADE has the step before it, so that a run from the file takes the whole step anew.
 """
 
-import builtins
 import re
 import sys
 import time
+
+from .commands import setCommand
 
 SHARE = 0.01  # of the wall time that checkpoints may take
 COMMAND = re.compile(r"yadeMpmSave_(\w+)\(\)")
@@ -37,7 +38,7 @@ def define(engines, save):
     """Makes the names in the commands of such engines known. save : function of the engine."""
     for engine in engines:
         if COMMAND.fullmatch(command := getattr(engine, "command", "")):
-            setattr(builtins, command[:-2], Saver(engine, save))
+            setCommand(command, Saver(engine, save))
 
 
 class Saver:

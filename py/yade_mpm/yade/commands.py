@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Commands of our PyRunners: calls of functions that Python finds among its built-in names.
+"""Commands of our PyRunners: calls of functions in the module `__main__`, where YADE runs commands.
 
 YADE compiles the command in every step; a call without arguments of a plain name takes half the time of
-`inYade.act('mpm', 3)`.
+one with arguments.
 """
 
-import builtins
 import re
+import sys
 
 COMMAND = re.compile(r"yadeMpm(\d*)_(\w+)\(\)|inYade\.act\('(\w+)'(?:, (\d+))?\)")  # the second: of old files
 
@@ -35,4 +35,11 @@ def define(engines, actOf):
         found = COMMAND.fullmatch(command)
         if found and found[2]:
             number = int(found[1]) if found[1] else None
-            setattr(builtins, command[:-2], actOf(found[2], number))
+            setCommand(command, actOf(found[2], number))
+        elif found:
+            vars(sys.modules["__main__"]).setdefault("inYade", sys.modules[__package__])
+
+
+def setCommand(command, function):
+    """Makes the command of a PyRunner of YADE, such as "look()", call a function without arguments."""
+    setattr(sys.modules["__main__"], command.removesuffix("()"), function)

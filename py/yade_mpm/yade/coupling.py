@@ -124,16 +124,15 @@ class Coupling:
         self._refusePeriodic()
         if steppersIn(self._list.others[self._list.place :]):
             raise ValueError(
-                "inYade.attach: a time stepper stands behind the place of the MPM engines and would change "
+                "yade.attach: a time stepper stands behind the place of the MPM engines and would change "
                 "O.dt "
                 "in the middle of a step; put it before the NewtonIntegrator"
             )
         self.scene.refuseWhileRunning("attach")
         if any(isinstance(e, RigidContact) and not e.frictions() for e in self.scene.engines):
             raise ValueError(
-                "inYade.attach: a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, "
-                "ids) "
-                "before"
+                "yade.attach: a RigidContact of the scene has no rigid bodies; make "
+                "mpm.yade.Bodies(contact, ids) before"
             )
 
     # --- runs of YADE -----------------------------------------------------------------------------------
@@ -157,7 +156,7 @@ class Coupling:
     def _refusePeriodic(self):
         if self._omega.periodic:
             raise ValueError(
-                f"inYade: YADE's cell is periodic, and the scene '{self.label}' is not; O.periodic = False"
+                f"yade: YADE's cell is periodic, and the scene '{self.label}' is not; O.periodic = False"
             )
 
     def _refuseUnfitRun(self):
@@ -289,7 +288,7 @@ class Coupling:
         scene = self.scene
         if scene.engines is not self._chain:
             raise RuntimeError(
-                f"scene.engines of '{self.label}' was changed; call inYade.attach(scene) again"
+                f"scene.engines of '{self.label}' was changed; call mpm.yade.attach(scene) again"
             )
         self._clock.refuseForeignSteps(self.label)
         scene.handOver(self._loop)
@@ -410,7 +409,7 @@ class Coupling:
         """
         checkLook("draw", self._omega, period)
         if loop.attached.get(self.label) is not self:
-            raise RuntimeError(f"draw: '{self.label}' is not attached; inYade.attach(scene) first")
+            raise RuntimeError(f"draw: '{self.label}' is not attached; mpm.yade.attach(scene) first")
         how = dict(field=field, component=component, limits=limits, period=period, bodies=bodies)
         drawer = makeDrawer(self, **how, colours=colours, wire=wire)
         drawSoil(self, drawer)

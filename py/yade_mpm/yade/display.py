@@ -42,7 +42,7 @@ class Display(Look):
     ):
         from yade import O
 
-        checkLook("inYade.Display", O, period)
+        checkLook("mpm.yade.Display", O, period)
         super().__init__(O)
         scene = coupling.scene
         self.period, self._bodies = period, chosen(scene, bodies)
@@ -57,7 +57,7 @@ class Display(Look):
     def update(self):
         """Shows the particles as they are now."""
         places = toYade(self._plane, np.concatenate([b.position for b in self._bodies]))
-        radii, colours = self._radii(), coloursOf("inYade.Display", self._bodies, *self._how)[0]
+        radii, colours = self._radii(), coloursOf("mpm.yade.Display", self._bodies, *self._how)[0]
         if not self.ids:
             self._make(radii)
         elif len(self.ids) != len(places):  # domains were converted into particles

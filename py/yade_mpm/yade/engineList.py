@@ -73,7 +73,7 @@ class EngineList:
         if missing > 0:
             raise RuntimeError(
                 f"O.engines has lost {missing} of the {len(self.engines)} engines of '{self._label}': it was "
-                "assigned after inYade.attach(); attach the scene again, behind that, or detach() it to go "
+                "assigned after mpm.yade.attach(); attach the scene again, behind that, or detach() it to go "
                 "on without it; after O.switchScene(), switch back"
             )
 

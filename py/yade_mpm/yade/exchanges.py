@@ -13,7 +13,7 @@ def checkExchanges(coupling):
     for bodies in (e for e in coupling.exchanges if isinstance(e, Bodies)):
         if not any(bodies.contact is c for c in contacts):
             raise RuntimeError(
-                f"inYade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the "
+                f"yade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the "
                 f"scene '{coupling.label}'; put it behind "
                 f"ParticleToGrid, and attach the scene again"
             )
@@ -33,9 +33,9 @@ def _refuseUnfelt(coupling, isFelt):
     for contact in _contacts(coupling):
         if contact in hosted and not contact.dead and not any(isFelt(b) for b in hosted[contact]):
             raise RuntimeError(
-                f"inYade: nobody exchanges with the RigidContact of '{coupling.label}': its bodies would "
-                "stand still in the soil, and those of YADE fall through it; call inYade.attach(scene, "
-                "bodies=[...]) with the inYade.Bodies of this contact"
+                f"yade: nobody exchanges with the RigidContact of '{coupling.label}': its bodies would "
+                "stand still in the soil, and those of YADE fall through it; call mpm.yade.attach(scene, "
+                "bodies=[...]) with the mpm.yade.Bodies of this contact"
             )
 
 

@@ -4,7 +4,7 @@
 import matplotlib
 import numpy as np
 
-from ..io.picture import componentOf, partsOf
+from ..plot.picture import componentOf, partsOf
 from .plane import Plane
 
 COLOURS = "viridis"

@@ -2,7 +2,7 @@
 """YADE's loop with engines of ours in it: their errors, files that go with YADE's own, pauses, O.dt.
 
 Methods of YADE's `O` are wrapped once. What is attached says by itself how it checks, writes and lets go; see
-inYade.
+attach.
 """
 
 import atexit
@@ -30,7 +30,7 @@ def omega():
         from yade import O
     except ImportError as error:
         raise ImportError(
-            f"inYade needs YADE ({error}); run the script with the command `yade` (Debian: apt install "
+            f"yade needs YADE ({error}); run the script with the command `yade` (Debian: apt install "
             "yade), or "
             f"put the folder that holds YADE's Python package on sys.path"
         ) from None
@@ -127,7 +127,7 @@ def act(label, number=None):
     yade = omega()
     beginStep(yade)
     if not errors:
-        message = f"inYade: no scene is attached as '{label}'; after O.load call inYade.attach()"
+        message = f"yade: no scene is attached as '{label}'; after O.load call mpm.yade.attach()"
         print(message, file=sys.stderr)
         errors.append(RuntimeError(message))
     pauseAfterStep(yade)

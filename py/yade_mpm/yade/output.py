@@ -67,6 +67,6 @@ class PlotRows:
             self._known[history] = len(history)
         if chosen is not None and self._seen and (unknown := [c for c in chosen if c not in self._seen]):
             raise ValueError(
-                f"inYade.attach: plot names the column {unknown[0]!r}, which no History has; columns: "
+                f"yade.attach: plot names the column {unknown[0]!r}, which no History has; columns: "
                 + ", ".join(sorted(self._seen))
             )

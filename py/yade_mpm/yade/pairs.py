@@ -93,18 +93,18 @@ def _check(name, unit, given):
         return
     if isinstance(given, bool) or not isinstance(given, (int, float)):
         raise TypeError(
-            f"inYade.Bodies: {name} = {given!r}; give a number ({unit}), or a function of the materials of "
+            f"yade.Bodies: {name} = {given!r}; give a number ({unit}), or a function of the materials of "
             "body and soil"
         )
     if not 0 <= given < math.inf:
-        raise ValueError(f"inYade.Bodies: {name} = {given!r} is not allowed; give zero or a positive number")
+        raise ValueError(f"yade.Bodies: {name} = {given!r} is not allowed; give zero or a positive number")
 
 
 def _number(name, law, ofBody, ofSoil):
     value = law(ofBody, ofSoil) if callable(law) else law
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
         raise ValueError(
-            f"inYade.Bodies: the rule for {name} has returned {value!r} for {ofBody!r} and {ofSoil!r}; it "
+            f"yade.Bodies: the rule for {name} has returned {value!r} for {ofBody!r} and {ofSoil!r}; it "
             "has to return zero or a positive number"
         )
     return float(value)

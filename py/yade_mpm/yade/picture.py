@@ -8,8 +8,8 @@ from matplotlib.collections import PatchCollection
 from matplotlib.patches import Circle, Polygon
 from scipy.spatial import ConvexHull
 
-from ..io import picture
-from ..io.plot import save
+from ..plot import picture
+from ..plot.figures import save
 from .plane import Plane
 
 BODY = dict(facecolor="0.62", edgecolor="0.25", linewidth=0.7, zorder=3)

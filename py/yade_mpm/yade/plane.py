@@ -23,7 +23,7 @@ class Plane:
     def __init__(self, name="xy"):
         if name not in PLANES:
             raise ValueError(
-                f"inYade.Bodies: plane = {name!r} is not allowed; give one of {', '.join(map(repr, PLANES))}"
+                f"yade.Bodies: plane = {name!r} is not allowed; give one of {', '.join(map(repr, PLANES))}"
             )
         self.name, self.axes = name, PLANES[name]
         self.frame = np.eye(3)[list(self.axes)]

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from ..check import diagnostics
+from .. import diagnostics
 from ..engine.rigidContact import RigidContact
 
 

@@ -20,7 +20,7 @@ def shapesOf(omega, body, facetThickness, plane, mayBeMember=False):
     """Shapes of a body of YADE in the frame of `frameOf`, in the axes of the scene."""
     if body.isClumpMember and not mayBeMember:
         raise ValueError(
-            f"inYade.Bodies: body {body.id} stands in clump {body.clumpId}; give the number of the clump"
+            f"yade.Bodies: body {body.id} stands in clump {body.clumpId}; give the number of the clump"
         )
     if isElement(body):
         return [shapeOf(body, plane)]
@@ -63,11 +63,11 @@ def _shapesAt(body, centre, turn, facetThickness, plane):
     if kind == "Wall":
         if shape.sense == 0:
             raise ValueError(
-                f"inYade.Bodies: wall {body.id} has sense 0; give 1 or -1, the side on which the soil is"
+                f"yade.Bodies: wall {body.id} has sense 0; give 1 or -1, the side on which the soil is"
             )
         return [rigid.Wall(tuple(plane.toScene(shape.sense * np.eye(3)[shape.axis])), tuple(centre))]
     raise ValueError(
-        f"inYade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall, clumps of them, "
+        f"yade.Bodies: body {body.id} is a {kind}; Sphere, Box, Facet, Polyhedra, Wall, clumps of them, "
         f"GridConnection and PFacet can touch the soil{INSTEAD.get(kind, '')}"
     )
 

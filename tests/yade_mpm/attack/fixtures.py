@@ -131,7 +131,7 @@ class Fixtures:
             "Sphere": lambda: mpm.rigid.Sphere(0.5),
         }
         for name, value in vars(mpm).items():
-            if name not in made and inspect.isclass(value) and issubclass(value, (mpm.engines.Engine,)):
+            if name not in made and inspect.isclass(value) and issubclass(value, (mpm.engine.Engine,)):
                 made[name] = value
         for name in ("UGIMP", "APDI", "BSpline"):
             made[name] = getattr(mpm, name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Wrong inputs through the entries of `inYade`, in processes of YADE; the same for a seed.
+"""Wrong inputs through the entries of `mpm.yade`, in processes of YADE; the same for a seed.
 
 python tests/yade_mpm/attack/wrongInYade.py --count 1000
 """
@@ -19,8 +19,8 @@ class InYade(Fixtures):
 
     def __init__(self):
         super().__init__()
+        import yade_mpm.yade as inYade
         from yade import ForceResetter, NewtonIntegrator, O, utils
-        from yade_mpm import inYade
         from yade_mpm.yade import loop
 
         loop.attached.clear()  # what an earlier case has broken
@@ -46,7 +46,7 @@ class InYade(Fixtures):
     def bodies(self):
         """Those of YADE that touch the soil, made once."""
         if not hasattr(self, "made"):
-            self.made = self.inYade.Bodies(self.contactOfScene(), self.ids, friction=0.3)
+            self.made = self.mpm.yade.Bodies(self.contactOfScene(), self.ids, friction=0.3)
         return self.made
 
     def contactOfScene(self):
@@ -55,14 +55,14 @@ class InYade(Fixtures):
     def coupling(self):
         """The scene, attached once."""
         if not hasattr(self, "attached"):
-            self.attached = self.inYade.attach(self.scene, bodies=self.bodies())
+            self.attached = self.mpm.yade.attach(self.scene, bodies=self.bodies())
         return self.attached
 
     def objects(self):
         return {
             "Bodies": self.bodies,
             "Coupling": self.coupling,
-            "Display": lambda: self.inYade.Display(self.coupling()),
+            "Display": lambda: self.mpm.yade.Display(self.coupling()),
         }
 
     def valid(self, name, rng):
@@ -100,7 +100,7 @@ class InYade(Fixtures):
 def entriesOf():
     """List of (label, function(fixtures) -> (what is called, what errors have to name))."""
     found = [
-        (f"inYade.{name}()", lambda f, n=name: (getattr(f.inYade, n), [n]))
+        (f"yade.{name}()", lambda f, n=name: (getattr(f.inYade, n), [n]))
         for name in ("attach", "Bodies", "Display", "checkpointOf")
         for _ in range(6)
     ]
@@ -127,7 +127,7 @@ def attack(number, seed, entries):
         fixtures.coupling()
     thing, tokens = make(fixtures)
     positional, named = wrongInputs.argumentsFor(rng, fixtures, thing)
-    tokens = [*tokens, *named, "inYade", "O.", "body", "Scene"]
+    tokens = [*tokens, *named, "yade", "O.", "body", "Scene"]
     told = ", ".join([*map(shown, positional), *(f"{n} = {shown(v)}" for n, v in named.items())])
     try:
         thing(*positional, **named)

@@ -18,7 +18,7 @@ import blows
 import numpy as np
 from fixtures import Fixtures, shown
 
-MODULES = ("diagnostics", "engines", "files", "plot", "rigid", "geotech", "app", "study")
+MODULES = ("diagnostics", "engine", "io.files", "plot", "rigid", "geotech", "app", "study")
 
 
 class Setter:
@@ -121,9 +121,9 @@ def use(fixtures, made):
         if not scene.bodies:
             scene.threads = 1
             scene.add("third", place, fixtures.material, mpm.UGIMP())
-    elif isinstance(made, mpm.engines.Engine):
+    elif isinstance(made, mpm.engine.Engine):
         scene.engines = [*scene.engines, made]
-    elif isinstance(made, mpm.engines.Prescribed):
+    elif isinstance(made, mpm.engine.Prescribed):
         kind = "drive" if isinstance(made, mpm.Drive) else "hold"
         solver = mpm.GridSolver(**{kind: made})
         scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
@@ -165,7 +165,7 @@ def attack(number, seed, entries=None):
     told = ", ".join([*map(shown, positional), *(f"{n} = {shown(v)}" for n, v in named.items())])
     try:
         made = thing(*positional, **named)
-        if rng.random() < 0.5 and not label.startswith(("app", "files", "plot")):
+        if rng.random() < 0.5 and not label.startswith(("app", "io.files", "plot")):
             label += " then run"
             wrong = nonsense(use(fixtures, made))
             if wrong:

@@ -117,7 +117,7 @@ def attack(number, seed, entries):
                 ", ".join([label, *map(shown, positional), *(f"{n}={shown(v)}" for n, v in named.items())])
             )
             made = thing(*positional, **named)
-            if rng.random() < 0.4 and not label.startswith(("app", "files", "plot")):
+            if rng.random() < 0.4 and not label.startswith(("app", "io.files", "plot")):
                 fixtures.scene = wrongInputs.use(fixtures, made)
         except (KeyboardInterrupt, GeneratorExit):
             raise

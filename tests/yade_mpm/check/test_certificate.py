@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm import box, certificate, diagnostics
+from yade_mpm import box, diagnostics
+from yade_mpm.diagnostics import certificate
 
 STIFFNESS, MASS = 100.0, 3.0
 

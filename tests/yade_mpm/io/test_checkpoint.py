@@ -360,7 +360,7 @@ def smallScene():
     return scene
 
 
-class Counter(mpm.engines.Callback):
+class Counter(mpm.engine.Callback):
     """A callback that can be stored."""
 
     def __init__(self, start, **attributes):
@@ -374,7 +374,7 @@ class Counter(mpm.engines.Callback):
         return {"start": self._count, "iterPeriod": self.iterPeriod}
 
 
-class Forgetful(mpm.engines.Callback):
+class Forgetful(mpm.engine.Callback):
     """A callback that cannot."""
 
     def act(self, scene):

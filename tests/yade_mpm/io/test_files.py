@@ -6,7 +6,8 @@ import os
 
 import numpy as np
 import pytest
-from yade_mpm import files, plot
+from yade_mpm import plot
+from yade_mpm.io import files
 
 
 class Broken:

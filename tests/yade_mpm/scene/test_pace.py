@@ -4,7 +4,7 @@ they have gone."""
 
 from types import SimpleNamespace
 
-from yade_mpm.engines import Engine
+from yade_mpm.engine import Engine
 from yade_mpm.scene import pace
 
 

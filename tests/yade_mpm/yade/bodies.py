@@ -6,7 +6,6 @@ import hashlib
 import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, PyRunner, Vector3, utils
-from yade_mpm import inYade
 from yade_mpm.yade import bodies
 
 MASS, G = 0.02, 10.0  # Mg, m/s2
@@ -54,10 +53,10 @@ def build(isFree, mpmSteps=1, demSteps=1, isCoupled=True, isPolyhedron=False, dt
         ForceResetter(),
         NewtonIntegrator(gravity=(0, 0, 0 if isFree else -G), damping=0 if isFree else 0.3),
     ]
-    bodies = inYade.Bodies(contact, IDS, friction=0.3)
+    bodies = mpm.yade.Bodies(contact, IDS, friction=0.3)
     exchange = bodies if isCoupled else Deaf(bodies)
     scene.dt = dt
-    coupling = inYade.attach(scene, mpmSteps=mpmSteps, demSteps=demSteps, bodies=exchange)
+    coupling = mpm.yade.attach(scene, mpmSteps=mpmSteps, demSteps=demSteps, bodies=exchange)
     O.dt = demDt or O.dt
     return soil, contact, coupling
 

@@ -5,8 +5,7 @@ import numpy as np
 import yade_mpm as mpm
 from yade import ForceResetter, NewtonIntegrator, O, utils
 from yade.minieigenHP import Quaternion, Vector3
-from yade_mpm import inYade
-from yade_mpm.yadePlane import Plane
+from yade_mpm.yade import Plane
 
 
 def fall(name, as_=None, steps=400, thickness=0.5, isSaved=False):
@@ -45,14 +44,14 @@ def fall(name, as_=None, steps=400, thickness=0.5, isSaved=False):
         body.state.blockedDOFs = "xyz"[plane.axes[2]] + "".join("XYZ"[k] for k in plane.axes[:2])
         body.state.vel, body.state.angVel = vector(0.5, -1.0, 0), vector(0, 0, 2.0)
     O.engines = [ForceResetter(), NewtonIntegrator(gravity=vector(0, -10, 0), damping=0)]
-    bodies = inYade.Bodies(contact, [block, clump], friction=0.3, thickness=thickness, plane=as_ or name)
-    inYade.attach(scene, stages=False).exchanges.append(bodies)
+    bodies = mpm.yade.Bodies(contact, [block, clump], friction=0.3, thickness=thickness, plane=as_ or name)
+    mpm.yade.attach(scene, stages=False).exchanges.append(bodies)
     O.run(3 * steps // 4, True)
     contacts = contact.contacts
     if isSaved:
         O.save("fall.yade.gz")
         O.load("fall.yade.gz")
-        contact = inYade.attach().scene.engines[1]
+        contact = mpm.yade.attach().scene.engines[1]
     O.run(steps // 4, True)
     states = [O.bodies[number].state for number in (block, clump)]
     return {

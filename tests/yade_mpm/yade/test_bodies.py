@@ -112,7 +112,7 @@ say("on", [bodies.bits(soil), contact.contacts])
 LOAD = """
 import bodies
 O.load("state.yade.gz")
-coupling = inYade.attach()
+coupling = mpm.yade.attach()
 soil, contact = coupling.scene["soil"], coupling.scene.engines[1]
 say("bodies", [type(e).__name__ for e in coupling.exchanges])
 if {isCut}: coupling.exchanges[:] = [bodies.Deaf(coupling.exchanges[0])]
@@ -133,8 +133,8 @@ def test_save_and_load_bring_the_bodies_back_with_the_same_bits(tmp_path, mpmSte
             """
 import bodies
 O.load("state.yade.gz")
-coupling = inYade.attach()
-coupling.exchanges.append(inYade.Bodies(coupling.scene.engines[1], bodies.IDS))
+coupling = mpm.yade.attach()
+coupling.exchanges.append(mpm.yade.Bodies(coupling.scene.engines[1], bodies.IDS))
 say("twice", fails(RuntimeError, lambda: O.run(1, True)))
 """,
             tmp_path,
@@ -150,8 +150,8 @@ def test_a_contact_takes_the_bodies_of_one_exchange(tmp_path):
 from yade import utils
 contact = mpm.RigidContact()
 O.bodies.append([utils.sphere((0, 0, 0), 1), utils.sphere((3, 0, 0), 2)])
-inYade.Bodies(contact, [0])
-say("other", fails(ValueError, lambda: inYade.Bodies(contact, [1])))
+mpm.yade.Bodies(contact, [0])
+say("other", fails(ValueError, lambda: mpm.yade.Bodies(contact, [1])))
 """,
         tmp_path,
     )
@@ -165,18 +165,18 @@ def test_a_contact_with_nobody_to_exchange_with_is_refused_before_the_first_step
 import bodies
 soil, contact, coupling = bodies.build(True)
 coupling.exchanges.clear()
-ours = inYade.Bodies(contact, bodies.IDS)
+ours = mpm.yade.Bodies(contact, bodies.IDS)
 say("nobody", [fails(RuntimeError, lambda: O.run(1, True)), O.iter])
 class Other:
     def read(self, coupling): pass
     def apply(self, coupling): pass
 coupling.exchanges.append(Other())
 say("others", [fails(RuntimeError, lambda: O.run(1, True)), coupling.scene.steps])
-inYade.attach(coupling.scene, bodies=ours)
+mpm.yade.attach(coupling.scene, bodies=ours)
 O.run(2, True); say("coupled", coupling.scene.steps)
-say("no exchange", fails(TypeError, lambda: inYade.attach(coupling.scene, bodies=[0])))
+say("no exchange", fails(TypeError, lambda: mpm.yade.attach(coupling.scene, bodies=[0])))
 coupling.scene.engines = [e for e in coupling.scene.engines if e is not contact]
-coupling = inYade.attach(coupling.scene)
+coupling = mpm.yade.attach(coupling.scene)
 coupling.exchanges.append(ours)
 say("left out", fails(RuntimeError, lambda: O.run(1, True)))
 """,
@@ -185,7 +185,7 @@ say("left out", fails(RuntimeError, lambda: O.run(1, True)))
     assert "nobody exchanges with the RigidContact of 'mpm'" in said["nobody"][0] and said["nobody"][1] == 0
     assert "nobody exchanges with the RigidContact" in said["others"][0] and said["others"][1] == 0
     assert said["coupled"] == 2
-    assert "bodies = 0; give inYade.Bodies(contact, ids)" in said["no exchange"]
+    assert "bodies = 0; give mpm.yade.Bodies(contact, ids)" in said["no exchange"]
     assert (
         "the RigidContact of bodies [0, 1] is not among the engines of the scene 'mpm'; put it behind "
         "ParticleToGrid" in said["left out"]
@@ -203,16 +203,16 @@ for how in ("once", "again", "detached", "appended", "made anew"):
     soil, contact, coupling = bodies.build(True)
     O.run(20, True)
     if how == "detached": coupling.detach()
-    if how != "once": coupling = inYade.attach(coupling.scene)
+    if how != "once": coupling = mpm.yade.attach(coupling.scene)
     if how == "appended": coupling.exchanges.append(coupling.exchanges[0])
-    if how == "made anew": coupling.exchanges.append(inYade.Bodies(contact, bodies.IDS))
+    if how == "made anew": coupling.exchanges.append(mpm.yade.Bodies(contact, bodies.IDS))
     O.run(60, True)
     say(how, [bodies.bits(soil), len(coupling.exchanges)])
 O.reset()
 soil, contact, coupling = bodies.build(True)
-coupling = inYade.attach(coupling.scene, bodies=[])
+coupling = mpm.yade.attach(coupling.scene, bodies=[])
 say("cleared", fails(RuntimeError, lambda: O.run(1, True)))
-say("repr", repr(inYade.Bodies(contact, bodies.IDS)))
+say("repr", repr(mpm.yade.Bodies(contact, bodies.IDS)))
 """,
         tmp_path,
     )
@@ -232,16 +232,16 @@ scene.engines = [mpm.ParticleToGrid(), contact, *scene.engines[1:]]
 dense = O.bodies.append(utils.sphere((0.5, 0.5, 1.5), 0.2))  # of YADE's default material
 rock = O.materials.append(FrictMat(density=2.6, young=1e5))
 light = O.bodies.append(utils.sphere((0.5, 0.5, 1.5), 0.2, material=rock))
-say("no bodies", fails(ValueError, lambda: inYade.attach(scene)))
-say("no contact", fails(TypeError, lambda: inYade.Bodies([dense], contact)))
+say("no bodies", fails(ValueError, lambda: mpm.yade.attach(scene)))
+say("no contact", fails(TypeError, lambda: mpm.yade.Bodies([dense], contact)))
 for name, ids in (("body", O.bodies[dense]), ("text", "01"), ("share", [0.5])):
-    say(name, fails(TypeError, lambda: inYade.Bodies(contact, ids)))
-bodies = inYade.Bodies(contact, {body})  # one number is enough
-coupling = inYade.attach(scene)
+    say(name, fails(TypeError, lambda: mpm.yade.Bodies(contact, ids)))
+bodies = mpm.yade.Bodies(contact, {body})  # one number is enough
+coupling = mpm.yade.attach(scene)
 coupling.exchanges.append(bodies)
 empty()
 say("lost", fails(RuntimeError, lambda: O.run(1, True)))
-coupling = inYade.attach(scene)
+coupling = mpm.yade.attach(scene)
 coupling.exchanges.append(bodies)
 O.run(1, True)
 O.run(1, True)
@@ -254,7 +254,7 @@ say("steps", scene.steps)
 def test_mistakes_with_bodies_and_engines_of_yade_are_told(tmp_path, body):
     said, err = run(MISTAKES.replace("{body}", body), tmp_path)
     assert (
-        "a RigidContact of the scene has no rigid bodies; make inYade.Bodies(contact, ids) before"
+        "a RigidContact of the scene has no rigid bodies; make mpm.yade.Bodies(contact, ids) before"
         in said["no bodies"]
     )
     assert "contact = [0]; give a mpm.RigidContact()" in said["no contact"]
@@ -263,12 +263,12 @@ def test_mistakes_with_bodies_and_engines_of_yade_are_told(tmp_path, body):
         for name in ("body", "text", "share")
     )
     assert (
-        "O.engines has lost 6 of the 6 engines of 'mpm': it was assigned after inYade.attach(); attach the "
+        "O.engines has lost 6 of the 6 engines of 'mpm': it was assigned after mpm.yade.attach(); attach the "
         "scene again" in said["lost"]
     )
     assert said["steps"] == 2
     assert err.count(
-        "warning: inYade.Bodies: body 0 has a density of 1e+03 Mg/m3, the densest of the scene 2; "
+        "warning: yade.Bodies: body 0 has a density of 1e+03 Mg/m3, the densest of the scene 2; "
     ) == (body == "dense")
     assert err.count("warning") == (body == "dense")
 
@@ -308,7 +308,7 @@ def difference(turns):
     state = O.bodies[number].state
     first = list(state.ori)
     contact = mpm.RigidContact()
-    bodies = inYade.Bodies(contact, [number])
+    bodies = mpm.yade.Bodies(contact, [number])
     O.engines = [ForceResetter(), NewtonIntegrator(damping=0)]
     O.dt, state.blockedDOFs, state.vel, state.angVel = 0.01, "xyzXYZ", (0.3, 0.2, 0), turns
     O.run(50, True)
@@ -365,7 +365,7 @@ import bodies
 import numpy as np
 O.bodies.append(bodies.polyhedron((1, 2, 3), (0.1, 0.2, 0.3)))
 contact = mpm.RigidContact()
-inYade.Bodies(contact, [0], facetThickness=0.01)
+mpm.yade.Bodies(contact, [0], facetThickness=0.01)
 shapes = contact.core.value("shapes")
 corners = np.reshape(shapes["vertices"], (-1, 3, 3))
 area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
@@ -393,7 +393,7 @@ contact = mpm.RigidContact()
 scene.engines = [mpm.ParticleToGrid(), contact, *scene.engines[1:]]
 O.engines = [ForceResetter(), NewtonIntegrator()]
 scene.dt = O.dt = 1e-3
-inYade.attach(scene, bodies=inYade.Bodies(contact, ids))
+mpm.yade.attach(scene, bodies=mpm.yade.Bodies(contact, ids))
 O.run(310, True)
 O.run(310, True)
 """
@@ -421,14 +421,14 @@ state = O.bodies[number].state
 state.blockedDOFs, state.angVel = "xyzXYZ", (0, 0, 0.5)
 scene = mpm.Scene((-0.5, -0.5, 0), (0.5, 0.5, 1), 0.1)
 contact = mpm.RigidContact()
-bodies = inYade.Bodies(contact, [number], facetThickness=0.02)
+bodies = mpm.yade.Bodies(contact, [number], facetThickness=0.02)
 scene.add("soil", mpm.box((-0.5, -0.5, 0), (0.5, 0.5, 0.7)), mpm.LinearElastic(density=2.0, young=1e3,
     poisson=0.3), mpm.UGIMP(perCell=2), exclude=contact)
 faces = ("bottom", "left", "right", "front", "back")
 scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(fixed=faces), mpm.GridToParticle(),
     mpm.DomainUpdater()]
 O.engines = [ForceResetter(), NewtonIntegrator()]
-inYade.attach(scene, bodies=bodies)
+mpm.yade.attach(scene, bodies=bodies)
 say("start", scene.particleCount)
 O.run(int(0.1 / O.dt), True)
 say("moment", [O.forces.t(number)[2], bodies.torques[0, 2]])

@@ -26,7 +26,7 @@ say("touch", contact.contacts)
 O.bodies.erase(0)
 say("erased", [seen(1), contact.forces[0].tolist()])
 O.save("erased.yade.gz"); O.run(20, True); say("on", bodies.digest(soil, [1]))
-O.load("erased.yade.gz"); coupling = inYade.attach(); soil = coupling.scene["soil"]
+O.load("erased.yade.gz"); coupling = mpm.yade.attach(); soil = coupling.scene["soil"]
 O.run(20, True); say("loaded", bodies.digest(soil, [1]))
 
 O.reset()
@@ -50,7 +50,7 @@ clump = O.bodies.clump([0, 1])
 O.bodies[0].shape.radius *= 1.05
 say("clumped", seen(3))
 O.save("clump.yade.gz"); O.run(5, True); say("clump on", bodies.digest(soil, [0, 1, clump]))
-O.load("clump.yade.gz"); coupling = inYade.attach(); soil = coupling.scene["soil"]
+O.load("clump.yade.gz"); coupling = mpm.yade.attach(); soil = coupling.scene["soil"]
 O.run(5, True); say("clump loaded", bodies.digest(soil, [0, 1, clump]))
 
 O.reset()
@@ -67,7 +67,7 @@ bodies.IDS.append(more)
 total = bodies.momentum(soil)
 say("inserted", [seen(20), contact.friction[2], float(abs(bodies.momentum(soil) - total).max())])
 O.save("more.yade.gz"); O.run(20, True); say("more on", bodies.digest(soil, bodies.IDS))
-O.load("more.yade.gz"); coupling = inYade.attach(); soil = coupling.scene["soil"]
+O.load("more.yade.gz"); coupling = mpm.yade.attach(); soil = coupling.scene["soil"]
 O.run(20, True); say("more loaded", bodies.digest(soil, bodies.IDS))
 O.bodies.clear(); O.run(1, True); say("cleared", coupling.scene.engines[1].contacts)
 """

@@ -21,7 +21,7 @@ def build(stages=True, **given):
             [Law2_ScGeom_FrictPhys_CundallStrack()]), NewtonIntegrator(gravity=(0, 0, -9.81))]
     scene = hybrid()
     scene.threads = 1
-    return scene, inYade.attach(scene, stages=stages, **given)
+    return scene, mpm.yade.attach(scene, stages=stages, **given)
 def state(scene): return [bits(scene), O.iter, O.time, repr([list(O.bodies[1].state.pos),
     list(O.bodies[1].state.vel), [list(i.phys.shearForce) for i in O.interactions]])]
 
@@ -32,7 +32,7 @@ for name, given in dict(stages={}, chain=dict(stages=False), ahead=dict(demSteps
     O.run(400, True); on = state(scene)
     files = sorted(glob.glob("*.checkpoint-?.yade.gz"), key=os.path.getmtime)
     O.load(files[-1]); at = O.iter
-    soil = inYade.attach()
+    soil = mpm.yade.attach()
     kept = [soil.checkpointPeriod, [e.label for e in O.engines].count("mpm_Checkpoint")]
     O.run(400 - at, True)
     say(name, [state(soil.scene) == on, at, [f[-8 - 2:-8] for f in files], kept, scene is not soil.scene])
@@ -50,7 +50,7 @@ O.run(50, True); say("goes on", O.iter); module.save = saved
 scene, soil = build()
 O.engines = [PyRunner(command="O.save('own.yade.gz')", iterPeriod=1, initRun=True, nDo=1)] + O.engines
 O.run(100, True); on = state(scene)
-O.load("own.yade.gz"); soil = inYade.attach(); say("own at", O.iter)
+O.load("own.yade.gz"); soil = mpm.yade.attach(); say("own at", O.iter)
 O.engines[0].dead = True
 O.run(100, True); say("own", state(soil.scene) == on)
 scene, soil = build()

@@ -19,7 +19,7 @@ def fall(isShown):
             InteractionLoop([Ig2_Sphere_Sphere_ScGeom()], [Ip2_FrictMat_FrictMat_FrictPhys()],
                 [Law2_ScGeom_FrictPhys_CundallStrack()]), *O.engines[1:],
             VTKRecorder(fileName="all-", iterPeriod=25, recorders=["spheres", "colors"], initRun=True)]
-        shown = inYade.Display(coupling, "velocity", component="z", period=10)
+        shown = mpm.yade.Display(coupling, "velocity", component="z", period=10)
     else:
         shown = None
     O.run(41, True)
@@ -39,8 +39,8 @@ axes = coupling.picture("velocity", component="z", cut=("y", 0.6), file="cut.png
 say("axes", [axes.get_xlabel(), axes.get_ylabel(), axes.get_title(),
     len(axes.collections[-1].get_paths()), len(axes.collections[0].get_paths())])
 say("wrong cut", fails(ValueError, lambda: coupling.picture(cut=("w", 0))))
-say("no field", fails(ValueError, lambda: inYade.Display(coupling, "nothing")))
-say("no period", fails(ValueError, lambda: inYade.Display(coupling, period=0)))
+say("no field", fails(ValueError, lambda: mpm.yade.Display(coupling, "nothing")))
+say("no period", fails(ValueError, lambda: mpm.yade.Display(coupling, period=0)))
 shown.remove(coupling)
 say("removed", [sum(b is not None for b in O.bodies), len(coupling.exchanges)])
 O.run(3, True)
@@ -49,8 +49,8 @@ O.reset()
 rock = O.materials.append(FrictMat(density=2.6))
 O.bodies.append(utils.sphere((2, 2.5, 0), 0.3, material=rock))
 O.bodies.append(utils.box((1, 2.5, 0), (0.2, 0.4, 0.5), material=rock))
-empty(); scene = hybrid(); coupling = inYade.attach(scene)
-flat = inYade.Display(coupling, "plasticShearStrain")
+empty(); scene = hybrid(); coupling = mpm.yade.attach(scene)
+flat = mpm.yade.Display(coupling, "plasticShearStrain")
 say("flat", [len(flat.ids) == scene.particleCount, coupling.picture("stress", "yy").get_xlim()])
 """
 

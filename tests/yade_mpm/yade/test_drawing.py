@@ -13,7 +13,7 @@ DRAWN = """
 import threading
 empty()
 scene = hybrid(); scene.threads = 1
-soil = inYade.attach(scene)
+soil = mpm.yade.attach(scene)
 drawer = soil.draw("plasticShearStrain", limits=(0, 0.5), period=30)
 say("drawn", [drawer.count, drawer.shown, [d.label for d in O.miscParams], len(asked)])
 O.run(301, True)
@@ -28,13 +28,13 @@ drawer.component = ""; drawer.wire = True; O.run(31, True)
 O.save("state.yade.gz")
 O.run(10, True); later = bits(scene)
 O.reset(); say("reset", drawer.count)
-O.load("state.yade.gz"); soil = inYade.attach()
+O.load("state.yade.gz"); soil = mpm.yade.attach()
 [again] = O.miscParams
 say("again", [again is drawer, again.count, again.field, again.wire, again.bodies])
 O.run(10, True); say("bits", bits(soil.scene) == later)
 soil.detach(); say("detached", again.count)
 say("not attached", fails(RuntimeError, soil.draw))
-soil = inYade.attach(soil.scene)
+soil = mpm.yade.attach(soil.scene)
 say("attached", again.count)
 other = soil.draw(); say("one", [len(O.miscParams), sum(hasattr(e, "drawer") for e in soil.exchanges)])
 say("no field", fails(ValueError, lambda: soil.draw("nothing")))
@@ -55,16 +55,16 @@ def test_a_drawer_is_shown_the_soil_and_saved(tmp_path):
     assert said["reset"] == 0 and said["detached"] == 0
     assert said["again"] == [False, 16, "displacement", True, ["block"]] and said["bits"]
     assert said["attached"] == 16 and said["one"] == [1, 1]
-    assert "inYade.attach(scene) first" in said["not attached"]
+    assert "mpm.yade.attach(scene) first" in said["not attached"]
     assert "no body has a field 'nothing'" in said["no field"] and "sand" in said["no body"]
     assert "period = 0 is not allowed" in said["no period"] and "O.pause() first" in said["running"]
 
 
 def test_without_the_plugin_it_is_said_what_shows_the_soil(tmp_path):
-    script = "empty(); soil = inYade.attach(hybrid()); say('none', fails(RuntimeError, soil.draw))"
+    script = "empty(); soil = mpm.yade.attach(hybrid()); say('none', fails(RuntimeError, soil.draw))"
     said, _ = run(WITHOUT + script, tmp_path)
     assert "draw: YADE's view is drawn into by the plugin" in said["none"]
-    assert "inYade.Display shows the soil as spheres" in said["none"]
+    assert "mpm.yade.Display shows the soil as spheres" in said["none"]
 
 
 VIEW = """
@@ -89,7 +89,7 @@ scene = mpm.Scene((0, 0), (4, 3), 0.25)
 earth = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3)
 scene.add("low", mpm.box((1, 0), (3, 1)), earth, mpm.UGIMP(perCell=2))
 scene.add("high", mpm.box((1, 1), (3, 2)), earth, mpm.UGIMP(perCell=2)).velocity[:] = (0, 1e-3)
-empty(); soil = inYade.attach(scene)
+empty(); soil = mpm.yade.attach(scene)
 drawer = soil.draw("velocity", limits=(0, 1e-3))
 say("in the view", qt.Renderer().extraDrawers == [drawer])
 view.viewDir = (0, 0, -1); view.eyePosition = (2, 1, 6); snapshot("front.png")

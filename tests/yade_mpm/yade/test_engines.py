@@ -10,7 +10,7 @@ FACES = """
 empty()
 history = mpm.History(iterPeriod=20, label="rows")
 scene = hybrid(history)
-soil = inYade.attach(scene)
+soil = mpm.yade.attach(scene)
 solver = O.engines[2]
 say("classes", [type(e).__name__ for e in O.engines])
 say("same", [solver is soil.engines[1], solver is mpm_GridSolver, isinstance(solver, PyRunner),
@@ -31,7 +31,7 @@ say("rows", [len(history), history.iterPeriod])
 say("doc", "gravity" in type(solver).__doc__)
 PyRunner.iterPeriod.__set__(solver, 2)
 say("every second", fails(ValueError, lambda: O.run(1, True)))
-soil = inYade.attach(scene, stages=False)
+soil = mpm.yade.attach(scene, stages=False)
 chain = O.engines[1]
 say("chain", [type(chain).__name__, chain.GridSolver.damping, list(chain.dict()), repr(chain)])
 say("chain unknown", fails(AttributeError, lambda: chain.Contact))
@@ -88,7 +88,7 @@ def test_engines_called_by_hand_or_lost_in_a_run_are_told(tmp_path):
     said, _ = run(
         """
 empty()
-scene = hybrid(); soil = inYade.attach(scene)
+scene = hybrid(); soil = mpm.yade.attach(scene)
 O.run(5, True)
 say("by hand", [fails(RuntimeError, O.engines[2]), O.iter, scene.steps, soil.error])
 O.run(5, True); say("goes on", [O.iter, scene.steps])
@@ -97,8 +97,8 @@ while scene.steps < 20: time.sleep(0.001)
 O.engines = [e for e in O.engines if e not in soil.engines]
 while O.iter < scene.steps + 5 and O.running: time.sleep(0.001)
 say("lost", fails(RuntimeError, O.pause))
-inYade.attach(scene); O.run(5, True)
-say("attached again", scene.time == O.time + inYade.attach(scene).timeOffset)
+mpm.yade.attach(scene); O.run(5, True)
+say("attached again", scene.time == O.time + mpm.yade.attach(scene).timeOffset)
 """,
         tmp_path,
     )
@@ -125,14 +125,15 @@ say("swapped", tried(resetter, ours[1], ours[0], *ours[2:], newton))
 say("right", tried(resetter, *ours, newton))
 say("others between", tried(resetter, *ours[:2], PyRunner(command="pass", iterPeriod=1), *ours[2:], newton))
 O.periodic = True
-say("periodic", [fails(ValueError, lambda: O.run(1, True)), fails(ValueError, lambda: inYade.attach(scene))])
+attach = lambda: mpm.yade.attach(scene)
+say("periodic", [fails(ValueError, lambda: O.run(1, True)), fails(ValueError, attach)])
 O.periodic = False
 scene.engines[2].gravity, newton.gravity = (0, 0, -9.81), (0, 0, -1.62)
 O.engines = [resetter, *ours, newton]
-inYade.attach(scene); O.run(1, True); O.run(1, True)
+mpm.yade.attach(scene); O.run(1, True); O.run(1, True)
 newton.gravity = (0, 0, -3.3); O.run(1, True)
 newton.gravity = (0, 0, -9.81); O.run(1, True)
-inYade.attach(scene); O.run(1, True)
+mpm.yade.attach(scene); O.run(1, True)
 """
 
 
@@ -157,7 +158,7 @@ def test_another_scene_of_yade_is_not_run_without_its_soil(tmp_path):
     said, _ = run(
         """
 empty()
-scene = hybrid(); inYade.attach(scene)
+scene = hybrid(); mpm.yade.attach(scene)
 O.run(5, True)
 O.switchScene(); say("other", [fails(RuntimeError, lambda: O.run(2, True)), O.iter])
 O.switchScene(); O.run(2, True); say("back", [O.iter, scene.steps])

@@ -23,7 +23,7 @@ say("own", bits(own))
 for name, how in (("stages", {}), ("chain", dict(stages=False)), ("many", dict(mpmSteps=4))):
     O.reset(); empty(); asked.clear()
     scene = build()
-    soil = inYade.attach(scene, **how)
+    soil = mpm.yade.attach(scene, **how)
     O.run(400 // soil.mpmSteps, True)
     say(name, [bits(scene), scene.time == O.time, len(asked), len(scene.engines[-1])])
     O.dt *= 0.9; O.step(); O.dt *= 0.9; O.run(30, True); O.step()
@@ -68,7 +68,7 @@ def test_bodies_get_the_same_bits_in_granted_steps(tmp_path, first):
 CHANGING = """
 empty(PyRunner(command="stiffen()", iterPeriod=7)); seen = []
 scene = hybrid(); scene.threads = 1
-soil = inYade.attach(scene)
+soil = mpm.yade.attach(scene)
 def stiffen():
     soil.materials["soil"].young *= 1.02  # the critical step follows
     seen.append(O.iter)
@@ -95,12 +95,12 @@ own = build(); own.run(steps=100); say("own", bits(own))
 calls = []
 def note(): calls.append([Runner.dict(e)["iterPeriod"] for e in soil.engines])
 empty(PyRunner(command="note()", iterPeriod=1))
-scene = build(); soil = inYade.attach(scene)
+scene = build(); soil = mpm.yade.attach(scene)
 O.run(20, True)
 say("folded", calls[-1]); say("at rest", [Runner.dict(e)["iterPeriod"] for e in soil.engines])
 O.run(1000); O.pause(); O.save("state.xml")
 say("saved", open("state.xml").read().count("<iterPeriod>50</iterPeriod>"))
-O.reset(); empty(PyRunner(command="note()", iterPeriod=1)); scene = build(); soil = inYade.attach(scene)
+O.reset(); empty(PyRunner(command="note()", iterPeriod=1)); scene = build(); soil = mpm.yade.attach(scene)
 O.run(20, True); calls.clear()
 O.timingEnabled = True; O.run(20, True); say("timed", [calls[-1], [e.execCount for e in soil.engines]])
 O.timingEnabled = False
@@ -152,7 +152,7 @@ def build():
 say("own", fails(RuntimeError, lambda: build().run(steps=400)))
 for how in True, False:
     O.reset(); empty(); asked.clear()
-    soil = inYade.attach(build(), stages=how)
+    soil = mpm.yade.attach(build(), stages=how)
     say("yade", fails(RuntimeError, lambda: O.run(400, True)))
     say("where", [len(asked), O.iter, soil.scene.steps, len([f for f in os.listdir() if "failed" in f])])
     say("again", fails(RuntimeError, lambda: O.run(1, True)))
@@ -180,7 +180,7 @@ def rare():
 for name, make in (("all", build), ("seventh", rare)):
     own = make(); own.run(steps=70); found = [rows(own)]
     for how in ("run", "steps", "runs"):
-        O.reset(); empty(); scene = make(); soil = inYade.attach(scene)
+        O.reset(); empty(); scene = make(); soil = mpm.yade.attach(scene)
         if how == "run": O.run(70, True)
         for _ in range({"run": 0, "steps": 70, "runs": 35}[how]): O.run({"steps": 1, "runs": 2}[how], True)
         found.append(rows(scene))
@@ -207,7 +207,7 @@ def build(count):
     for i in ids:
         state = O.bodies[i].state
         state.mass, state.blockedDOFs, state.vel = 1, "xyzXYZ", (0, 0, -1)
-    return scene, inYade.Bodies(contact, ids, friction=0.5)
+    return scene, mpm.yade.Bodies(contact, ids, friction=0.5)
 def note():
     if O.iter == 100: O.bodies.erase(0)
     pushed.append(abs(float(bodies.forces[0][2])) if O.iter > 102 else 0)
@@ -215,7 +215,7 @@ from yade import utils
 for count in (1, 3, 10):
     O.reset(); pushed = []; scene, bodies = build(count); O.dt = 2e-4
     empty(PyRunner(command="note()", iterPeriod=1))
-    soil = inYade.attach(scene, bodies=bodies)
+    soil = mpm.yade.attach(scene, bodies=bodies)
     O.run(200, True); say(str(count), [sum(pushed), len(pushed)])
 """
 
@@ -230,7 +230,7 @@ def test_a_body_that_is_erased_in_a_run_leaves_no_ghost(tmp_path, first):
 SET = """
 empty(PyRunner(command="stop()", iterPeriod=1))
 scene = hybrid(); scene.threads = 1
-soil = inYade.attach(scene); at = []
+soil = mpm.yade.attach(scene); at = []
 def stop():
     if O.iter == 60: soil.engines[1].updateAttrs(dict(damping=0.5))
     at.append((O.iter, scene.engines[1].damping))
@@ -266,7 +266,7 @@ def test_a_box_that_grows_in_a_run_is_felt(tmp_path):
 LOST = """
 empty(PyRunner(command="lose()", iterPeriod=1))
 scene = hybrid(); scene.threads = 1
-soil = inYade.attach(scene)
+soil = mpm.yade.attach(scene)
 def lose():
     if O.iter == 20: O.engines = [e for e in O.engines if e is not soil.engines[0]]
     if O.iter == 120: say("late", 1)
@@ -294,7 +294,7 @@ own = build(); own.run(steps=1); before = own.dt; own.run(steps=399)
 say("own", [bits(own), own.dt]); say("shorter", before / own.dt)
 for name, how in (("stages", {}), ("chain", dict(stages=False))):
     O.reset(); empty(PyRunner(command="grants.revokeAll()", iterPeriod=30)); asked.clear()
-    scene = build(); soil = inYade.attach(scene, **how)
+    scene = build(); soil = mpm.yade.attach(scene, **how)
     O.run(400, True)
     say(name, [bits(scene), scene.dt]); say(name + " asked", list(asked))
 """

@@ -50,8 +50,8 @@ def fall(kind, **ratio):
         gridpfacet.pfacetCreator1(corners, 0.02, nodes, cylinders, elements, fixed=False,
             materialNodes=inner, material=outer)
     for n in nodes: O.bodies[n].state.vel = (0.1, 0, -0.5)
-    soilBodies = inYade.Bodies(contact, elements)
-    coupling = inYade.attach(scene, bodies=soilBodies, **ratio)
+    soilBodies = mpm.yade.Bodies(contact, elements)
+    coupling = mpm.yade.attach(scene, bodies=soilBodies, **ratio)
     before, change, touched = moments(soil, nodes)[0], 0, 0
     for _ in range(60):
         O.run(coupling.demSteps, True)
@@ -96,11 +96,11 @@ nodes, elements = [], []
 gridpfacet.cylinderConnection([(0.3 + 0.2 * k, 0.6, 0.52 + 0.02 * (k % 2)) for k in range(4)], 0.02,
     nodes, elements, intMaterial=inner, extMaterial=outer)
 for k, n in enumerate(nodes): O.bodies[n].state.vel = (0.3 * k, 0, -0.5)
-coupling = inYade.attach(scene, bodies=inYade.Bodies(contact, elements))
+coupling = mpm.yade.attach(scene, bodies=mpm.yade.Bodies(contact, elements))
 O.run(40, True); O.save("grid.yade.gz"); O.run(30, True); on = state(coupling, nodes)
-O.load("grid.yade.gz"); coupling = inYade.attach(); O.run(30, True)
+O.load("grid.yade.gz"); coupling = mpm.yade.attach(); O.run(30, True)
 say("loaded", state(coupling, nodes) == on)
-say("node", fails(ValueError, lambda: inYade.Bodies(mpm.RigidContact(), nodes)))
+say("node", fails(ValueError, lambda: mpm.yade.Bodies(mpm.RigidContact(), nodes)))
 """
 
 

@@ -13,7 +13,6 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm import inYade
 from yadeProcess import YADE, end, needsYade, run, start, untilSaid
 
 pytestmark = needsYade
@@ -26,7 +25,7 @@ say("own", [bits(own), own.time])
 for name, stages in (("stages", True), ("chain", False)):
     O.reset(); empty()
     scene = hybrid()
-    soil = inYade.attach(scene, stages=stages)
+    soil = mpm.yade.attach(scene, stages=stages)
     O.timingEnabled = True
     O.run(400, True)
     say(name, [bits(scene), scene.time, O.time, [e.label for e in O.engines],
@@ -39,7 +38,7 @@ for name, ratio in (("mpm", dict(mpmSteps=3)), ("dem", dict(demSteps=4))):
     O.reset(); empty()
     scene = hybrid()
     seen = []
-    soil = inYade.attach(scene, **ratio)
+    soil = mpm.yade.attach(scene, **ratio)
     class Exchange:
         def read(self, c): seen.append(("read", O.time == scene.time))
         def apply(self, c): seen.append(("apply", O.iter))
@@ -107,7 +106,7 @@ stepper = GlobalStiffnessTimeStepper(timeStepUpdateInterval=1)
 O.engines = engines() + [stepper, NewtonIntegrator(gravity=(0, 0, -9.81))]
 O.run(20, True); say("dem alone", O.dt)
 scene = hybrid()
-soil = inYade.attach(scene)
+soil = mpm.yade.attach(scene)
 O.run(20, True)
 say("with mpm", [O.dt, stepper.maxDt, soil.maxDt, scene.core.dt, O.time + soil.timeOffset == scene.time])
 stepper.timeStepUpdateInterval = 1000; O.dt = 0.1
@@ -116,23 +115,24 @@ stepper.timeStepUpdateInterval = 1
 soil.detach()
 O.run(20, True); say("without", [O.dt, stepper.maxDt > 1, len(O.engines)])
 stepper.maxDt = 1e-4
-soil = inYade.attach(scene)
+soil = mpm.yade.attach(scene)
 O.run(20, True); say("smaller maxDt", [O.dt, stepper.maxDt, scene.core.dt]); soil.detach()
 say("behind", fails(ValueError, lambda: (setattr(O, "engines", engines() + [NewtonIntegrator(), stepper]),
-    inYade.attach(scene))))
+    mpm.yade.attach(scene))))
 
 O.reset()
 O.materials.append(FrictMat(young=1e9, density=2600, poisson=.3, frictionAngle=.5))
 O.bodies.append(sphere((10, 10, 0), .05)); empty()
-scene = hybrid(); soil = inYade.attach(scene); say("stiff sphere", [O.dt, 0.8 * PWaveTimeStep(), soil.maxDt])
+scene = hybrid(); soil = mpm.yade.attach(scene)
+say("stiff sphere", [O.dt, 0.8 * PWaveTimeStep(), soil.maxDt])
 O.reset(); empty(); O.dt = 1e-5
-scene = hybrid(); soil = inYade.attach(scene); O.run(5, True); say("given", [O.dt, scene.core.dt])
+scene = hybrid(); soil = mpm.yade.attach(scene); O.run(5, True); say("given", [O.dt, scene.core.dt])
 O.dt = 0.99 * soil.criticalDt; O.run(1, True); say("largest", [scene.core.dt / O.dt, scene.time == O.time])
 O.dt = 1.01 * soil.criticalDt
 say("too large", [fails(ValueError, lambda: O.run(5, True)), O.iter, scene.steps])
 O.dt = 1e-5; O.run(1, True); say("mended", [O.iter, scene.steps, soil.error])
 
-O.reset(); empty(); scene = hybrid(); soil = inYade.attach(scene)
+O.reset(); empty(); scene = hybrid(); soil = mpm.yade.attach(scene)
 O.run(10, True)
 for e in soil.engines: e.dead = True
 O.run(10, True); say("dead", [scene.steps, scene.time < O.time])
@@ -142,9 +142,9 @@ stress = scene["soil"].stress.copy()
 soil.engines[4].dead = True; O.run(5, True)
 say("no updater", [scene.steps, scene.time == O.time, bool((stress == scene["soil"].stress).all())])
 scene.step(); say("stepped", fails(RuntimeError, lambda: O.run(5, True)))
-soil = inYade.attach(scene); O.run(5, True); O.resetTime()
+soil = mpm.yade.attach(scene); O.run(5, True); O.resetTime()
 say("set back", fails(RuntimeError, lambda: O.run(5, True)))
-soil = inYade.attach(scene)
+soil = mpm.yade.attach(scene)
 say("offset", [soil.timeOffset > 0, O.run(5, True), O.time + soil.timeOffset == scene.time])
 for engines in ([*O.engines, (late := PyRunner(command="O.dt *= 0.9", iterPeriod=1, initRun=True))],
         [late, *O.engines]):
@@ -152,15 +152,15 @@ for engines in ([*O.engines, (late := PyRunner(command="O.dt *= 0.9", iterPeriod
     O.run(5, True); say("dt by a PyRunner", [O.dt / first, O.time + soil.timeOffset - scene.time])
     O.engines = [e for e in O.engines if e is not late]
 O.run()
-say("running", [fails(RuntimeError, lambda: inYade.attach(scene)), fails(RuntimeError, scene.step),
+say("running", [fails(RuntimeError, lambda: mpm.yade.attach(scene)), fails(RuntimeError, scene.step),
     fails(RuntimeError, soil.detach)])
 O.pause()
 for name, arguments in dict(ratio=dict(mpmSteps=2, demSteps=2), zero=dict(demSteps=0),
     half=dict(mpmSteps=1.5), label=dict(label="a b"),
                             several=dict(mpmSteps=2, stages=True), twice=dict(label="other")).items():
-    say(name, fails(ValueError, lambda: inYade.attach(scene, **arguments)))
-say("kind", fails(TypeError, lambda: inYade.attach("scene")))
-say("unsaved", fails(ValueError, inYade.attach))
+    say(name, fails(ValueError, lambda: mpm.yade.attach(scene, **arguments)))
+say("kind", fails(TypeError, lambda: mpm.yade.attach("scene")))
+say("unsaved", fails(ValueError, mpm.yade.attach))
 """
 
 
@@ -213,7 +213,7 @@ def test_bad_input(steps):
 def test_without_yade_attach_says_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "yade", None)
     with pytest.raises(ImportError, match="apt install yade"):
-        inYade.attach(None)
+        mpm.yade.attach(None)
 
 
 CHOSEN = """
@@ -222,7 +222,7 @@ def rows(plot_):
     O.reset(); plot.reset()
     scene = hybrid(mpm.History(iterPeriod=5), mpm.History(iterPeriod=5, label="second"))
     empty()
-    inYade.attach(scene, plot=plot_)
+    mpm.yade.attach(scene, plot=plot_)
     O.run(20, True)
     return sorted(plot.data)
 say("all", len(rows(True)))
@@ -254,7 +254,7 @@ scene = hybrid(mpm.Recorder("out.vtkhdf", iterPeriod=50),
 O.engines = [VTKRecorder(fileName="dem-", iterPeriod=50, recorders=["spheres"], initRun=True),
     ForceResetter(),
              NewtonIntegrator(gravity=(0, 0, -10))]
-soil = inYade.attach(scene, plot=True)
+soil = mpm.yade.attach(scene, plot=True)
 O.stopAtIter = 100
 O.timingEnabled = True
 O.run(); O.wait()
@@ -302,14 +302,14 @@ def test_habits_of_yade(tmp_path):
 
 IN_MEMORY = """
 empty()
-soil = inYade.attach(hybrid())
+soil = mpm.yade.attach(hybrid())
 O.run(30, True); O.saveTmp(); O.saveTmp("later")
 O.run(30, True); on = bits(soil.scene)
-O.loadTmp(); soil = inYade.attach(); at = O.iter
+O.loadTmp(); soil = mpm.yade.attach(); at = O.iter
 O.run(30, True)
 say("on", [at, O.iter, bits(soil.scene) == on])
-O.reload(); soil = inYade.attach(); say("reloaded", O.iter)
-O.loadTmp("later"); soil = inYade.attach(); say("later", O.iter)
+O.reload(); soil = mpm.yade.attach(); say("reloaded", O.iter)
+O.loadTmp("later"); soil = mpm.yade.attach(); say("later", O.iter)
 O.run()
 say("running", fails(RuntimeError, O.saveTmp))
 """
@@ -326,7 +326,7 @@ def test_what_is_saved_in_memory_comes_back_with_the_scene(tmp_path):
 SAVE = """
 O.bodies.append(utils.sphere((10, 10, 10), 1.0)); empty()
 scene = hybrid(mpm.History(iterPeriod=10, file="out.csv"))
-soil = inYade.attach(scene, demSteps=4)
+soil = mpm.yade.attach(scene, demSteps=4)
 O.run(102, True)  # in the middle of a cycle
 O.save("state.yade.gz")
 O.run(200, True)
@@ -336,22 +336,22 @@ LOAD = """
 O.load("state.yade.gz")
 say("not attached", fails(RuntimeError, lambda: O.run(5, True)))
 O.load("state.yade.gz")
-soil = inYade.attach()
+soil = mpm.yade.attach()
 say("loaded", [soil.demSteps, O.iter, [e.label for e in O.engines]])
 O.run(200, True)
 say("on", [bits(soil.scene), O.iter, O.time, len(soil.scene.engines[-1])])
 O.load("state.yade.gz")
-soil = inYade.attach(demSteps=2); O.run(200, True); say("other", bits(soil.scene))
+soil = mpm.yade.attach(demSteps=2); O.run(200, True); say("other", bits(soil.scene))
 O.load("state.yade.gz")
-say("late", [fails(RuntimeError, O.step), fails(ValueError, inYade.attach)])
+say("late", [fails(RuntimeError, O.step), fails(ValueError, mpm.yade.attach)])
 """
 
 
 def test_save_and_load_continue_with_the_same_bits(tmp_path):
     said, _ = run(SAVE, tmp_path)
-    assert os.path.exists(inYade.checkpointOf(tmp_path / "state.yade.gz"))
+    assert os.path.exists(mpm.yade.checkpointOf(tmp_path / "state.yade.gz"))
     loaded, _ = run(LOAD, tmp_path)
-    assert "after O.load call inYade.attach()" in loaded["not attached"]
+    assert "after O.load call mpm.yade.attach()" in loaded["not attached"]
     stages = [
         "mpm_ParticleToGrid",
         "mpm_GridSolver",
@@ -374,16 +374,16 @@ def boom(scene):
     if scene.steps == 30: raise KeyError("boom")
 seen = []
 scene = hybrid(mpm.PyRunner(boom, iterPeriod=10, label="boom"))
-empty(); soil = inYade.attach(scene)
+empty(); soil = mpm.yade.attach(scene)
 O.engines = O.engines + [PyRunner(command="seen.append(O.iter)", iterPeriod=1, initRun=True)]
 O.run()
 while O.running: time.sleep(0.001)
 say("background", [fails(KeyError, O.wait), O.iter, scene.steps, seen[-1], str(soil.error)])
 say("again", fails(RuntimeError, lambda: O.run(5, True)))
 scene.engines = scene.engines[:-1]
-soil = inYade.attach(scene); O.run(5, True); say("mended", [scene.steps, O.iter])
+soil = mpm.yade.attach(scene); O.run(5, True); say("mended", [scene.steps, O.iter])
 for name, stages in (("stages", True), ("chain", False)):
-    O.reset(); empty(); other = hybrid(); inYade.attach(other, stages=stages)
+    O.reset(); empty(); other = hybrid(); mpm.yade.attach(other, stages=stages)
     O.run(3, True)
     O.engines = O.engines + [PyRunner(command="1 / 0", iterPeriod=1, initRun=True)]
     begun = time.time(); message = fails(RuntimeError, lambda: O.run(5, True))
@@ -391,9 +391,9 @@ for name, stages in (("stages", True), ("chain", False)):
     O.engines = O.engines[:-1]; O.run(5, True)
     say("of another, " + name, ["division by zero" in message, at, [O.iter, other.steps],
         other.time == O.time, time.time() - begun < 5])
-O.reset(); empty(); soil = inYade.attach(scene)
+O.reset(); empty(); soil = mpm.yade.attach(scene)
 scene.engines = [*scene.engines[:2], mpm.PyRunner(lambda: 1 / 0, iterPeriod=1), *scene.engines[2:]]
-soil = inYade.attach(scene)
+soil = mpm.yade.attach(scene)
 O.run(5, True)
 """
 
@@ -414,7 +414,7 @@ def test_an_error_pauses_yade_after_the_step_and_is_raised(tmp_path):
 SIGNAL = """
 O.bodies.append(utils.sphere((10, 10, 10), 1.0)); empty()
 scene = hybrid()
-soil = inYade.attach(scene)
+soil = mpm.yade.attach(scene)
 O.run(20, True)
 say("go", 0)
 """
@@ -432,13 +432,13 @@ def test_signals_leave_a_state_to_continue_from(tmp_path, how, number, code):
     _, message = end(process, code)
     assert "interrupted at O.iter" in message
     [file] = tmp_path.glob("*.interrupted.yade.gz")
-    with h5py.File(inYade.checkpointOf(file)) as f:
+    with h5py.File(mpm.yade.checkpointOf(file)) as f:
         spec = json.loads(bytes(f["scene"][...]))
     assert spec["steps"] >= 20 and not spec["midStep"]
     if (how, number) == ("run", signal.SIGTERM):
         said, _ = run(
             f"""
-O.load("{file.name}"); soil = inYade.attach(); scene = soil.scene
+O.load("{file.name}"); soil = mpm.yade.attach(); scene = soil.scene
 say("clocks", [O.time == scene.time, O.iter == scene.steps])
 n = scene.steps; O.run(10, True); own = hybrid(); own.run(steps=n + 10); say("same", bits(own) == bits(scene))
 """,
@@ -457,7 +457,7 @@ sys.path.insert(1, {folder!r})
 import yade
 from yade import O, ForceResetter, NewtonIntegrator
 empty()
-scene = hybrid(); inYade.attach(scene); O.run(100, True)
+scene = hybrid(); mpm.yade.attach(scene); O.run(100, True)
 own = hybrid(); own.run(steps=100)
 say("same", bits(own) == bits(scene))
 """
@@ -480,7 +480,7 @@ for name, isBonded in (("own", False), ("bonded", True)):
     own = slide(isBonded); own.run(steps=300); say(name, bits(own))
 empty()
 scene = slide()
-soil = inYade.attach(scene); O.run(200, True); soil.detach()
+soil = mpm.yade.attach(scene); O.run(200, True); soil.detach()
 scene.run(steps=100)
 say("staged", bits(scene))
 """,
@@ -553,14 +553,14 @@ from yade import utils
 contact = mpm.RigidContact()
 O.bodies.append([utils.wall(0, 2, sense=0), utils.wall(0, 2, sense=1)])
 clump, members = O.bodies.appendClumped([utils.sphere((0, 0, 0), 1), utils.sphere((1, 0, 0), 1)])
-say("wall", fails(ValueError, lambda: inYade.Bodies(contact, [0])))
-say("nobody", fails(ValueError, lambda: inYade.Bodies(contact, [99])))
-say("twice", fails(ValueError, lambda: inYade.Bodies(contact, [1, 1])))
-say("bool", fails(TypeError, lambda: inYade.Bodies(contact, True)))
-say("member", fails(ValueError, lambda: inYade.Bodies(contact, members[:1])))
-say("thickness", fails(ValueError, lambda: inYade.Bodies(contact, [1], thickness=0)))
-say("plane", fails(ValueError, lambda: inYade.Bodies(contact, [1], plane="zx")))
-inYade.Bodies(contact, [1, clump])
+say("wall", fails(ValueError, lambda: mpm.yade.Bodies(contact, [0])))
+say("nobody", fails(ValueError, lambda: mpm.yade.Bodies(contact, [99])))
+say("twice", fails(ValueError, lambda: mpm.yade.Bodies(contact, [1, 1])))
+say("bool", fails(TypeError, lambda: mpm.yade.Bodies(contact, True)))
+say("member", fails(ValueError, lambda: mpm.yade.Bodies(contact, members[:1])))
+say("thickness", fails(ValueError, lambda: mpm.yade.Bodies(contact, [1], thickness=0)))
+say("plane", fails(ValueError, lambda: mpm.yade.Bodies(contact, [1], plane="zx")))
+mpm.yade.Bodies(contact, [1, clump])
 say("shapes", len(contact.core.value("shapes")["kind"]))
 """,
         tmp_path,

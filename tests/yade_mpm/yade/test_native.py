@@ -17,7 +17,7 @@ pytestmark = [needsYade, needsPlugin]
 
 SAVED = """
 empty()
-soil = inYade.attach(hybrid())
+soil = mpm.yade.attach(hybrid())
 O.run(30, True); O.save("state.xml"); O.save("state.yade.gz")
 O.run(30, True); on = bits(soil.scene)
 say("class", "MpmEngine" in open("state.xml").read())
@@ -25,7 +25,7 @@ for file in "state.xml", "state.yade.gz":
     O.load(file)
     say("plain", [type(O.engines[1]).__name__, O.engines[1].label, O.engines[2].stage])
     say("not attached", fails(RuntimeError, lambda: O.run(1, True)))
-    O.load(file); soil = inYade.attach(); O.run(30, True)
+    O.load(file); soil = mpm.yade.attach(); O.run(30, True)
     say(file, bits(soil.scene) == on)
 """
 
@@ -42,7 +42,7 @@ def load():
     from yade_mpm import _yade
     _yade.registerClasses()
 say("refused", fails(ImportError, load))
-empty(); soil = inYade.attach(hybrid()); O.run(5, True)
+empty(); soil = mpm.yade.attach(hybrid()); O.run(5, True)
 say("goes on", [soil.scene.steps, "MpmEngine" in dir(yade.wrapper)])
 """
 REFUSED = {

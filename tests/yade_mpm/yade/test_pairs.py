@@ -28,7 +28,7 @@ def build(angle=0.6, **given):
         box.state.blockedDOFs, box.state.vel = "xyzXYZ", (2.0, 0, -0.1)
         O.bodies.append(box)
     empty()
-    return inYade.attach(scene, bodies=inYade.Bodies(contact, [0, 1], **given))
+    return mpm.yade.attach(scene, bodies=mpm.yade.Bodies(contact, [0, 1], **given))
 
 def strengths(coupling):
     # friction over normal force of sliding contacts, by body: (slope, held at no pressure in kPa)
@@ -51,11 +51,11 @@ for name, given in dict(default={}, number=dict(friction=0.3, adhesion=5.0), rul
         O.run(12, True)
         return [c.exchanges[0].forces.tolist(), np.array(c.scene["soil 0"].velocity).sum()]
     O.save("pairs.yade.gz"); on = go(coupling)
-    O.load("pairs.yade.gz"); coupling = inYade.attach()
+    O.load("pairs.yade.gz"); coupling = mpm.yade.attach()
     say(name, before); say(name + " loaded", go(coupling) == on)
 contact = mpm.RigidContact()
-say("text", fails(TypeError, lambda: inYade.Bodies(contact, [0], friction="rough")))
-say("negative", fails(ValueError, lambda: inYade.Bodies(contact, [0], adhesion=-1.0)))
+say("text", fails(TypeError, lambda: mpm.yade.Bodies(contact, [0], friction="rough")))
+say("negative", fails(ValueError, lambda: mpm.yade.Bodies(contact, [0], adhesion=-1.0)))
 coupling = build(friction=lambda rock, soil: None)
 say("returned", fails(ValueError, lambda: O.run(1, True)))
 """

@@ -32,7 +32,7 @@ say("kinetic", mpm.diagnostics.kineticEnergy(coupling.scene))
 say("materials", [coupling.materials["soil"] is soil.material, coupling.materials[0] is soil.material,
     len(coupling.materials), repr(coupling.materials), fails(KeyError, lambda: coupling.materials["sand"])])
 before = [ours.forces.tolist(), ours.torques.tolist()]
-O.save("state.yade.gz"); O.load("state.yade.gz"); again = inYade.attach()
+O.save("state.yade.gz"); O.load("state.yade.gz"); again = mpm.yade.attach()
 ours = again.exchanges[0]
 say("loaded", [ours.forces.tolist(), ours.torques.tolist()] == before)
 O.run(5, True); say("moved on", ours.forces.tolist() == before[0])
@@ -78,7 +78,7 @@ def slide(angle, soilAngle, **given):
     box.state.blockedDOFs, box.state.vel = "xyzXYZ", (2.0, 0, 0)
     number = O.bodies.append(box)
     empty()
-    coupling = inYade.attach(scene, bodies=inYade.Bodies(contact, [number], **given))
+    coupling = mpm.yade.attach(scene, bodies=mpm.yade.Bodies(contact, [number], **given))
     O.run(30, True)
     force = np.array([i.phys.shearForce for i in coupling.interactions]), \\
         np.array([i.phys.normalForce for i in coupling.interactions])
@@ -115,7 +115,7 @@ contact = mpm.RigidContact()
 sides = dict(roller=("left", "right", "front", "back"))
 scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(fixed="bottom", damping=0.05, **sides),
     mpm.GridToParticle(), mpm.DomainUpdater()]
-inYade.attach(scene, bodies=inYade.Bodies(contact, [number], friction=0.4))
+mpm.yade.attach(scene, bodies=mpm.yade.Bodies(contact, [number], friction=0.4))
 O.trackEnergy = True
 before = 0.5 * state.mass
 O.run(int(0.12 / O.dt), True)

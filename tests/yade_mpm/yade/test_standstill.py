@@ -18,7 +18,7 @@ def build(isChain):
     empty()
     scene = hybrid()
     scene.threads = 1
-    return scene, inYade.attach(scene, stages=not isChain)
+    return scene, mpm.yade.attach(scene, stages=not isChain)
 def together(): return O.iter == scene.steps and O.time == scene.time
 def wait(): time.sleep(chance.choice((0, 0, 1e-4, 1e-3, 5e-3)))
 scene, soil = build(False)
@@ -38,7 +38,7 @@ for k in range({tries}):
     at, digest = O.iter, bits(scene)
     O.save("state.yade.gz")
     O.load("state.yade.gz")
-    soil = inYade.attach(); scene = soil.scene
+    soil = mpm.yade.attach(); scene = soil.scene
     if O.iter != at or not together() or bits(scene) != digest: wrong.append([k, at, O.iter, scene.steps])
 """,
     "reset in a run": """
@@ -74,7 +74,7 @@ def wrongs(folder, tries, *names):
 
 
 def test_who_leaves_while_yade_runs_leaves_behind_a_step(tmp_path):
-    end(start("empty(); inYade.attach(hybrid()); O.run(); time.sleep(0.1)", tmp_path))  # exit code 0
+    end(start("empty(); mpm.yade.attach(hybrid()); O.run(); time.sleep(0.1)", tmp_path))  # exit code 0
 
 
 def test_the_step_under_way_is_waited_for(tmp_path):

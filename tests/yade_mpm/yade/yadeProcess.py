@@ -27,7 +27,6 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 sys.path[:0] = {folders!r}
 from hybrid import bits, hybrid
 import yade_mpm as mpm
-from yade_mpm import inYade
 
 def say(name, value): print("SAY " + json.dumps([name, value]), flush=True)
 def fails(kind, function):

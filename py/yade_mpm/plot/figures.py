@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Pictures of 2D scenes with matplotlib.
-
-`Scene.plot` and `mpm.read(...)[k].plot` draw one picture; the functions here are for pictures of several
-scenes or times. Nothing here changes the settings of matplotlib but `drawToFiles`, which programs call.
-"""
+"""Figures of several scenes or times: snapshots, panels of them, colour bars, files."""
 
 import itertools
 import os
@@ -15,7 +11,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..base import program
-from .files import replacing
+from ..io.files import replacing
 
 STYLE = {
     "font.size": 9,

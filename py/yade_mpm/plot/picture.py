@@ -9,8 +9,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Patch
 
-from .frame import COMPONENTS, DERIVED
-from .plot import colourBar, drawDomains
+from ..io.frame import COMPONENTS, DERIVED
+from .figures import colourBar, drawDomains
 
 FEW = 2000  # arrows at most: more hide each other
 YIELDS = "plasticShearStrain"  # field of every body whose material yields

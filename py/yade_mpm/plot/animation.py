@@ -8,7 +8,7 @@ import matplotlib.pyplot as plt
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
 from ..geometry.numbers import isNumber
-from .files import writeWhole
+from ..io.files import writeWhole
 from .picture import limitsOf
 
 MOST_FPS = 100  # what a GIF can tell: its unit of time is 0.01 s

@@ -6,10 +6,10 @@ import os
 import h5py
 import numpy as np
 
-from .checkpoint import READING, checkPlain
-from .frame import MEMBER, QUADRILATERAL
-from .pagedFile import committing, journalOf
-from .vtkhdf import FILTERS
+from ..io.checkpoint import READING, checkPlain
+from ..io.frame import MEMBER, QUADRILATERAL
+from ..io.pagedFile import committing, journalOf
+from ..io.vtkhdf import FILTERS
 
 MOST_DEFLATED = 1032  # times that deflate can make bytes fewer
 TRIES = 20  # of a file that another process writes to all the time

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..geometry.numbers import isNumber
 from . import resultsFile
-from .files import requireRegular
+from ..io.files import requireRegular
 
 
 class Results(Sequence):
@@ -119,7 +119,7 @@ class Results(Sequence):
         fps : frames per second; default 10.
         picture : component, colours, window, arrows, as of `Scene.plot`.
         """
-        from . import animation
+        from ..plot import animation
 
         animation.write(self, file, field, limits, fps, picture)
 
@@ -183,7 +183,7 @@ class ResultFrame(Mapping):
         field, component, limits : as of `Scene.plot`.
         options : bodies, axes, colours, window, arrows, as of `Scene.plot`.
         """
-        from . import picture
+        from ..plot import picture
 
         if self.corners.shape[1] != 4:
             raise ValueError("plot: pictures are made of 2D scenes; open the file in ParaView")
@@ -191,7 +191,7 @@ class ResultFrame(Mapping):
 
     def _parts(self, bodies=None):
         """What `plot` draws of some bodies, by default of all."""
-        from . import picture
+        from ..plot import picture
 
         frames = [(name, self.body(name)) for name in bodies or self.bodies]
         return [

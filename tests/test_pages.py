@@ -95,7 +95,7 @@ CLAIMS = {
 @pytest.mark.parametrize("page", NOTEBOOKS)
 def test_a_notebook_of_the_tutorial_runs(page, execute):
     if page == "study":
-        pytest.importorskip("dask", reason="no Dask here; scripts/setup --study installs it")
+        pytest.importorskip("pandas", reason="no pandas here; scripts/setup --study installs it")
     CLAIMS[page](*execute(f"tutorial/{page}.md", CELLS))
 
 

@@ -22,7 +22,7 @@ class MpmDrawer : public GlExtraDrawer {
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(MpmDrawer, GlExtraDrawer,
         "Draws the domains of the particles of a scene of yade_mpm, coloured by a field; made by "
         ":code:`soil.draw`. Its attributes may be changed at any time, and count at the next look.",
-        ((string, label, "mpm", , "Of the scene, as given to :code:`inYade.attach`."))
+        ((string, label, "mpm", , "Of the scene, as given to :code:`mpm.yade.attach`."))
         ((string, field, "displacement", , "Field that gives the colours; bodies without it are grey."))
         ((string, component, "", , "Of the field: \"x\" of a vector (empty: its length), \"xy\" of a tensor."))
         ((vector<Real>, limits, , , "Values at the two ends of the colour scale; empty: the extremes at each look."))

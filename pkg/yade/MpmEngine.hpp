@@ -21,7 +21,7 @@ class MpmEngine : public PyRunner {
 
     // clang-format off
     YADE_CLASS_BASE_DOC_ATTRS_CTOR_PY(MpmEngine, PyRunner,
-        "An engine of a scene of yade_mpm, made by :code:`inYade.attach`.",
+        "An engine of a scene of yade_mpm, made by :code:`mpm.yade.attach`.",
         ((int, stage, -1, , "Number of the engine in scene.engines; negative: the whole scene."))
         ,
         /* ctor */

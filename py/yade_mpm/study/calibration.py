@@ -88,8 +88,8 @@ def calibrate(
         raise ValueError(f"calibrate: method = {method!r} is not allowed; give one of {', '.join(METHODS)}")
     count = len(ranges) + 1 if method == METHODS[0] else 8 * len(ranges)
     jobs, _ = execution.jobsAndThreads(count, jobs, threads)
-    with execution.cluster(scheduler, jobs) as client:
-        search.how = dict(client=client, jobs=jobs, timeout=timeout, quiet=quiet)
+    with execution.workers(scheduler, jobs) as pool:
+        search.how = dict(pool=pool, jobs=jobs, timeout=timeout, quiet=quiet)
         if method == METHODS[0]:
             found = _leastSquares(search, start)
         else:

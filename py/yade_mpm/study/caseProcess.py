@@ -92,7 +92,7 @@ def _isLeft(folder):
 
 
 def _callFunctions(folder, case):
-    import cloudpickle  # Dask brings it
+    import cloudpickle
 
     sys.path += [folder for folder in case["path"] if folder not in sys.path]
     with open(case["functions"], "rb") as opened:

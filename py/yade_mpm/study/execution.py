@@ -1,27 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The cases of a study through Dask: on this machine, or on the workers of a scheduler elsewhere."""
+"""The cases of a study side by side: on this machine, or on the workers of a Dask scheduler elsewhere."""
 
 import contextlib
 import os
 import signal
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 from . import state
 from .optional import needed
 from .watch import GRACE, environment, runCase
 
 LOOK = 0.25  # s between looks at what has ended
-LOCAL = "127.0.0.1:0"  # this machine alone, any free port
-# Dask looks at its threads, its event loops and the load of its workers two to a hundred times per second,
-# which takes 3 % of a processor; ours wait.
-SELDOM = {
-    "distributed.worker.profile.interval": "1s",
-    "distributed.worker.profile.cycle": "60s",
-    "distributed.admin.tick.interval": "1s",
-    "distributed.admin.system-monitor.interval": "2s",
-    "distributed.scheduler.work-stealing": False,
-}
+LOST = "the scheduler is lost; finished cases are kept, give the same command to go on with the rest"
 MEMORY = 1.0  # GiB that a case may need, unless told otherwise
 
 
@@ -38,25 +30,18 @@ def jobsAndThreads(count, jobs=None, threads=None, memory=MEMORY):
 
 
 @contextlib.contextmanager
-def cluster(scheduler=None, jobs=1):
-    """A client of a scheduler at an address, or of workers on this machine that only start processes."""
-    distributed = needed("distributed", "a study")
+def workers(scheduler=None, jobs=1):
+    """What cases are submitted to: the client of a Dask scheduler at an address, or threads here that only
+    start processes and wait for them."""
     if scheduler:
-        with distributed.Client(scheduler, timeout=20) as client:
+        with needed("distributed", "--scheduler").Client(scheduler, timeout=20) as client:
             yield client
-        return
-    with needed("dask", "a study").config.set(SELDOM):
-        local = distributed.LocalCluster(
-            n_workers=1,
-            threads_per_worker=jobs,
-            processes=False,
-            memory_limit=0,  # cases are processes of their own
-            dashboard_address=LOCAL,  # Dask serves its dashboard in any case; nobody else may see it
-            worker_dashboard_address=LOCAL,
-            silence_logs=50,  # what a worker says when its study is interrupted is of no use
-        )
-    with local, distributed.Client(local) as client:
-        yield client
+    else:
+        pool = ThreadPoolExecutor(jobs)
+        try:
+            yield pool
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 @contextlib.contextmanager
@@ -77,45 +62,45 @@ def _interruptible():
             signal.signal(number, handler)
 
 
-def execute(client, folders, stop, timeout, tell, look):
+def execute(pool, folders, stop, timeout, tell, look):
     """Runs the cases in their folders; returns False where the study was interrupted.
 
-    client : of Dask. stop : file of this study alone that ends all of its cases. timeout : s per case, or
-    None. tell : function of a folder and its state, called as each ends. look : function without arguments,
-    called now and then.
+    pool : as of `workers`. stop : file of this study alone that ends all of its cases. timeout : s per case,
+    or None. tell : function of a folder and its state, called as each ends. look : function without
+    arguments, called now and then.
     RuntimeError where the scheduler is lost; what has ended is kept.
     """
-    shared = dict(stop=stop, timeout=timeout, variables=environment(), cwd=os.getcwd(), pure=False)
+    shared = dict(stop=stop, timeout=timeout, variables=environment(), cwd=os.getcwd())
+    isDask = not isinstance(pool, ThreadPoolExecutor)
+    futures = {}
     with _interruptible():
         try:
-            futures = {
-                folder: client.submit(runCase, folder, priority=-i, **shared)
-                for i, folder in enumerate(folders)
-            }
+            for i, folder in enumerate(folders):
+                own = dict(pure=False, priority=-i) if isDask else {}  # in the order of the table
+                futures[folder] = pool.submit(runCase, folder, **shared, **own)
             while futures:
-                _collect(client, futures, tell)
+                for folder in [f for f, future in futures.items() if future.done()]:
+                    _end(pool if isDask else None, folder, futures.pop(folder), tell)
+                if isDask and pool.status != "running":
+                    raise RuntimeError(LOST)
                 look()
                 time.sleep(LOOK)
-        except KeyboardInterrupt:
+        except BaseException as error:
             _stop(futures, stop, look)
+            if not isinstance(error, KeyboardInterrupt):
+                raise
             return False
     return True
 
 
-def _collect(client, futures, tell):
-    """Takes what has ended out of the futures."""
-    for folder, future in list(futures.items()):
-        if future.status == "pending":
-            continue
-        del futures[folder]
-        if future.status in ("cancelled", "lost") or client.status != "running":
-            raise RuntimeError(
-                "the scheduler is lost; finished cases are kept, give the same command to go on with the rest"
-            )
-        if future.status == "error":
-            tell(folder, state.write(folder, state.FAILED, f"its worker: {future.exception()}"))
-        else:
-            tell(folder, state.read(folder))
+def _end(client, folder, future, tell):
+    """Tells how a case has ended."""
+    if future.cancelled() or client is not None and client.status != "running":
+        raise RuntimeError(LOST)
+    if error := future.exception():
+        tell(folder, state.write(folder, state.FAILED, f"its worker: {error}"))
+    else:
+        tell(folder, state.read(folder))
 
 
 def _stop(futures, stop, look):

@@ -44,7 +44,7 @@ def parser():
     p.add_argument("--timeout", type=positive, metavar="S", help="s after which a case is ended")
     p.add_argument("--retry", action="store_true", help="also run the cases that failed or timed out")
     p.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask scheduler, e.g. tcp://host:8786")
-    p.add_argument("--dashboard", action="store_true", help="tell the address of Dask's dashboard")
+    p.add_argument("--dashboard", action="store_true", help="tell the address of the scheduler's dashboard")
     p.add_argument(
         "--show", type=lambda t: t.split(","), default=[], metavar="A,B", help="results in the report"
     )

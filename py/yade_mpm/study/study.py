@@ -166,23 +166,23 @@ class Study:
         dashboard=False,
         memory=execution.MEMORY,
         quiet=False,
-        client=None,
+        pool=None,
     ):
         """Runs the cases that have not ended, and returns the table of all.
 
         jobs : cases at once, None: chosen. timeout : s for each. scheduler : address of a Dask scheduler.
-        retry : also those that failed. dashboard : tell the address of Dask's. memory : GiB of a case.
-        quiet : say nothing. client : of Dask, used instead of one of its own.
+        retry : also those that failed. dashboard : tell the address of the scheduler's. memory : GiB of a
+        case. quiet : say nothing. pool : as of `execution.workers`, used instead of one of its own.
 
         KeyboardInterrupt after Ctrl-C; the same call goes on where it was.
         """
         with self._holding():
-            return self._run(jobs, timeout, scheduler, retry, dashboard, memory, quiet, client)
+            return self._run(jobs, timeout, scheduler, retry, dashboard, memory, quiet, pool)
 
-    def _run(self, jobs, timeout, scheduler, retry, dashboard, memory, quiet, client):
-        if dashboard and importlib.util.find_spec("bokeh") is None:  # Dask tells an address all the same
-            raise ImportError(
-                "study: the dashboard needs the Python package bokeh; pip install bokeh, or leave it out"
+    def _run(self, jobs, timeout, scheduler, retry, dashboard, memory, quiet, pool):
+        if dashboard and not scheduler:
+            raise ValueError(
+                "study: the dashboard is that of a Dask scheduler; give --scheduler, or leave it out"
             )
         waiting = self.waiting(retry)
         if waiting:
@@ -190,7 +190,7 @@ class Study:
             self._giveThreads(waiting, threads)
             with open(os.devnull, "w") as nowhere:
                 live = Live({f: self.labels[f] for f in waiting}, jobs, nowhere if quiet else None)
-                with execution.cluster(scheduler, jobs) if client is None else nullcontext(client) as one:
+                with execution.workers(scheduler, jobs) if pool is None else nullcontext(pool) as one:
                     if dashboard:
                         print(f"dashboard: {one.dashboard_link}", file=sys.stderr, flush=True)
                     isWhole = self._execute(one, waiting, live, timeout)
@@ -205,7 +205,7 @@ class Study:
             if case["threads"] != threads:
                 saveJson(os.path.join(folder, state.CASE), {**case, "threads": threads}, wait=False)
 
-    def _execute(self, client, waiting, live, timeout):
+    def _execute(self, pool, waiting, live, timeout):
         writer = _Writer(self)
 
         def ended(folder, at):
@@ -219,7 +219,7 @@ class Study:
         for old in glob(os.path.join(escape(self.out), f"{state.STOP}*")):
             os.remove(old)
         stop = os.path.join(self.out, f"{state.STOP}-{os.uname().nodename}-{os.getpid()}")
-        return execution.execute(client, waiting, stop, timeout, ended, look)
+        return execution.execute(pool, waiting, stop, timeout, ended, look)
 
     def write(self, isFinal=False):
         """Writes the table and the report of the cases as they are; returns the table.

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Runs a case in a process of its own, and ends it where its time is over or the study is stopped.
 
-Workers of Dask call `runCase`; it needs nothing but the folder of the case, on a file system that all
-machines of the study share.
+A thread here, or a worker of Dask, calls `runCase`; it needs nothing but the folder of the case, on a file
+system that all machines of the study share.
 """
 
 import os

@@ -100,9 +100,8 @@ def test_too_many_cases_are_refused_at_once(words):
         cases.fromWords(words, Any())
 
 
-def test_a_dashboard_that_nobody_serves_is_no_address(whole, monkeypatch):
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    with pytest.raises(ImportError, match="the dashboard needs the Python package bokeh"):
+def test_a_dashboard_without_a_scheduler_is_refused(whole):
+    with pytest.raises(ValueError, match="the dashboard is that of a Dask scheduler; give --scheduler"):
         whole.run(dashboard=True, quiet=True)
 
 

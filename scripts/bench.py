@@ -124,7 +124,7 @@ def defaultBinary():
 
 
 def call(binary, *options):
-    """What mpm_bench prints. Threads wait for each other as under yade_mpm, see its __init__.py."""
+    """What mpm_bench prints. Threads of OpenMP that wait give way soon, so that runs can be compared."""
     environment = dict(os.environ)
     if "OMP_WAIT_POLICY" not in environment:
         environment.setdefault("GOMP_SPINCOUNT", "2000")

@@ -36,12 +36,6 @@ import types as _types
 
 __version__ = "0.1.0"
 
-# Threads that wait at a barrier spin for a short while only, or they would take the processor from other
-# jobs. Read by GCC's OpenMP when the solver is loaded; set OMP_WAIT_POLICY or GOMP_SPINCOUNT to choose
-# otherwise.
-if "OMP_WAIT_POLICY" not in _os.environ:
-    _os.environ.setdefault("GOMP_SPINCOUNT", "2000")
-
 try:
     from . import _core
 except ImportError as _error:
@@ -51,7 +45,7 @@ except ImportError as _error:
 from . import app, diagnostics, engine, geotech, io, rigid, study
 from .app.parameter import Parameter
 from .app.parameters import Parameters
-from .base import deprecated as _deprecated
+from .base import oldModules as _oldModules
 from .base.notebook import makeInlineReady as _makeInlineReady
 from .diagnostics.certificate import Certificate, quasiStatic, rateSensitivity
 from .engine import engines as _engines
@@ -82,7 +76,7 @@ from .scene.restoring import load
 from .scene.scene import Scene
 from .scene.undoing import undo
 
-_sys.meta_path.append(_deprecated.OldModules)
+_sys.meta_path.append(_oldModules.OldModules)
 _makeInlineReady()
 
 __all__ = sorted(
@@ -108,7 +102,7 @@ def __getattr__(name):
     for room in (_materials, _particles, _engines):
         if name in room.classes:
             return room.classes[name]
-    if name in ("plot", "yade", *_deprecated.MODULES):  # what few scenes need
+    if name in ("plot", "yade", *_oldModules.MODULES):  # what few scenes need
         return _importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 

@@ -8,7 +8,7 @@ import warnings
 
 import pytest
 import yade_mpm as mpm
-from yade_mpm.base import deprecated
+from yade_mpm.base import oldModules
 
 ROOMS = {
     "app": ["Parser", "Run", "below", "between", "count", "notNegative", "partOf", "positive", "run"],
@@ -36,8 +36,8 @@ def test_the_rooms_of_every_scene_are_there_at_once():
 
 
 IMPORTS = "import {0}", "from {1} import {2}"
-OLD = [(how, *names) for names in deprecated.MODULES.items() for how in IMPORTS]
-OLD += [("{0}", old, new) for old, new in deprecated.MODULES.items() if "." not in old]
+OLD = [(how, *names) for names in oldModules.MODULES.items() for how in IMPORTS]
+OLD += [("{0}", old, new) for old, new in oldModules.MODULES.items() if "." not in old]
 
 
 @pytest.mark.parametrize("how, old, new", OLD)
@@ -47,7 +47,7 @@ def test_a_module_has_its_old_name_for_one_version(how, old, new):
     room, _, name = f"yade_mpm.{old}".rpartition(".")
     vars(importlib.import_module(room)).pop(name, None)
     line, space = how.format(f"yade_mpm.{old}", room, name), {"yade_mpm": mpm}
-    with pytest.warns(DeprecationWarning, match=f"yade_mpm.{old} is .*; use yade_mpm.{new}$") as told:
+    with pytest.warns(DeprecationWarning, match=f"yade_mpm.{old} is .*; write yade_mpm.{new}$") as told:
         exec(compile(line, "scene.py", "exec"), space)
     assert {one.filename for one in told} == {"scene.py"}
     assert importlib.import_module(f"yade_mpm.{old}") is importlib.import_module(f"yade_mpm.{new}")
@@ -57,7 +57,7 @@ def test_a_module_has_its_old_name_for_one_version(how, old, new):
 
 
 def test_a_name_that_has_moved_warns_and_an_unknown_one_is_refused():
-    with pytest.warns(DeprecationWarning, match="study.Run is deprecated .*; use yade_mpm.app.Run"):
+    with pytest.warns(DeprecationWarning, match="study.Run is deprecated.*; write yade_mpm.app.Run"):
         assert mpm.study.Run is mpm.app.Run
     for room in (mpm, mpm.study, mpm.engine):
         with pytest.raises(AttributeError, match="nothing"):

@@ -7,7 +7,7 @@ calibrate(scene, ranges, measured, ...)     parameters fitted to a measured curv
 `scripts/run study` is the same from the command line; `yade_mpm.app` has what scenes of studies are made of.
 """
 
-from ..base.deprecated import moved
+from ..base.oldModules import moved
 
 __all__ = ["calibrate", "run"]
 

@@ -1,15 +1,14 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Old spellings that work until the next minor version; the first use on a line of the user's warns.
+"""Modules and names of modules that have moved, by their old names, with a warning.
 
-A name that has moved stands in a table: of modules in `MODULES`, of names in a module in the table that the
-module gives to `moved`.
+A module stands in `MODULES`, a name in a module in the table that the module gives to `moved`.
 """
 
 import importlib
 import sys
 from importlib.machinery import ModuleSpec
 
-from .warn import warnUser
+from .deprecation import warnDeprecated
 
 PACKAGE = __name__.split(".")[0]
 MODULES = {  # old -> new, both without the package's name
@@ -29,11 +28,6 @@ MODULES = {  # old -> new, both without the package's name
 }
 
 
-def deprecated(old, new):
-    """Warns that a spelling goes, with the one to take instead."""
-    warnUser(f"{old} is deprecated and goes with the next minor version; use {new}", DeprecationWarning)
-
-
 def moved(module, names):
     """The `__getattr__` of a module, from which names have moved. names : dict old -> "module.name"."""
 
@@ -41,7 +35,7 @@ def moved(module, names):
         if name not in names:
             raise AttributeError(f"module '{module}' has no attribute '{name}'")
         room, _, new = names[name].rpartition(".")
-        deprecated(f"{module}.{name}", f"{PACKAGE}.{names[name]}")
+        warnDeprecated(f"{module}.{name}", f"write {PACKAGE}.{names[name]}")
         return getattr(importlib.import_module(f"{PACKAGE}.{room}"), new)
 
     return find
@@ -63,5 +57,5 @@ class OldModules:
     def exec_module(module):
         name = module.__name__
         new = f"{PACKAGE}.{MODULES[name.partition('.')[2]]}"
-        deprecated(name, new)
+        warnDeprecated(name, f"write {new}")
         sys.modules[name] = importlib.import_module(new)

@@ -9,9 +9,8 @@ import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
 from ..app.record import CURVE
-from ..base.html import textOf
 from ..base.wording import shortened
-from ..io.files import replacing, saveJson
+from ..io.files import saveJson
 from . import execution, pictures, report, state
 from .study import Study
 
@@ -264,37 +263,38 @@ def _evolution(search, generations, seed):
     )
 
 
+REPORT = """{% extends "page" %}{% block body %}
+<p>{{ r.runs }} runs; residuals {{ "%.3g" % r.rms }} (rms), of a curve of {{ "%.3g" % r.scale }} (rms).
+{{ r.message }}</p>
+<div class="wide"><table>
+<tr><th>parameter</th><th>value</th><th>standard error</th><th>range</th></tr>
+{% for name, value in r.values.items() %}<tr><td class="t">{{ name }}</td><td>{{ "%.5g" % value }}</td>
+<td>{% if r.errors[name] is not none %}{{ "%.2g" % r.errors[name] }}{% endif %}</td>
+<td>{{ "%g to %g" % ranges[name] }}</td></tr>
+{% endfor %}</table></div>
+<h2>Correlation of the parameters</h2>
+{% if r.correlation %}<div class="wide"><table>
+<tr><th></th>{% for name in r.values %}<th>{{ name }}</th>{% endfor %}</tr>
+{% for name in r.values %}<tr><td class="t">{{ name }}</td>
+{%- for c in r.correlation[loop.index0] %}<td>{{ "%.2f" % c }}</td>{% endfor %}</tr>
+{% endfor %}</table></div>
+{% else %}<p>The curve does not tell these parameters apart: there are no errors to give.</p>{% endif %}
+<h2>Curves</h2>{{ curves | safe }}<h2>Residuals</h2>{{ residuals | safe }}
+{% endblock %}"""
+
+
 def _writeReport(search, result):
     """calibration.html: the values, their correlation, both curves and the residuals."""
-    rows = [
-        f"<tr><td class='t'>{textOf(name)}</td><td>{value:.5g}</td><td>"
-        f"{'' if result.errors[name] is None else f'{result.errors[name]:.2g}'}</td>"
-        f"<td>{low:g} to {high:g}</td></tr>"
-        for (name, value), (low, high) in zip(result.values.items(), search.ranges.values())
-    ]
-    head = "<tr><th>parameter</th><th>value</th><th>standard error</th><th>range</th></tr>"
     both = {"measured": result.measured, "fitted": result.fitted}
     own = {name: (result.names, np.stack([result.x, y], axis=1)) for name, y in both.items()}
     residuals = np.stack([result.x, result.fitted - result.measured], axis=1)
     of = {"residual": ((result.names[0], "fitted - measured"), residuals)}
-    parts = [
-        f"<h1>Calibration of {textOf(search.curve)}</h1><p>{result.runs} runs; residuals {result.rms:.3g} "
-        f"(rms), of a curve of {result.scale:.3g} (rms). {textOf(result.message)}</p>",
-        f"<div class='wide'><table>{head}{''.join(rows)}</table></div>",
-        "<h2>Correlation of the parameters</h2>" + _correlation(result),
-        f"<h2>Curves</h2>{pictures.curves(own)}<h2>Residuals</h2>{pictures.curves(of)}",
-    ]
-    with replacing(os.path.join(search.out, "calibration.html")) as part, open(part, "w") as opened:
-        opened.write(report.page("Calibration", "".join(parts)))
-
-
-def _correlation(result):
-    if result.correlation is None:
-        return "<p>The curve does not tell these parameters apart: there are no errors to give.</p>"
-    names = list(result.values)
-    rows = ["<tr><th></th>" + "".join(f"<th>{textOf(n)}</th>" for n in names) + "</tr>"]
-    for name, row in zip(names, result.correlation):
-        rows.append(
-            f"<tr><td class='t'>{textOf(name)}</td>" + "".join(f"<td>{c:.2f}</td>" for c in row) + "</tr>"
-        )
-    return f"<div class='wide'><table>{''.join(rows)}</table></div>"
+    report.writePage(
+        os.path.join(search.out, "calibration.html"),
+        REPORT,
+        title=f"Calibration of {search.curve}",
+        r=result,
+        ranges={name: tuple(ends) for name, ends in search.ranges.items()},
+        curves=pictures.curves(own),
+        residuals=pictures.curves(of),
+    )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""report.html of a study: one file without scripts, servers or links to elsewhere; rewritten as cases end."""
+"""The report of a study, one HTML page that stands alone: cases, curves, effects, failures."""
 
 import itertools
 import os
@@ -8,9 +8,10 @@ from glob import glob
 
 import numpy as np
 
-from ..base.html import linkTo, paragraph, textOf
+from ..base.html import linkTo
 from ..io.files import replacing
 from . import collect, identity, pictures, state
+from .optional import needed
 from .sensitivity import firstOrder
 
 RESULTS, EFFECTS, MAPS, SHOWN = 8, 4, 3, 60  # columns, rows of effects, heat maps, cases with a picture
@@ -18,7 +19,9 @@ SAMPLE = 8  # cases at least for indices
 COLOURED = 4  # parameters at most by which curves are coloured
 SEEN = 2e-3  # of the height of a picture: half a line
 FINDINGS = "findings.txt"  # beside the report: paragraphs that it begins with
-STYLE = """
+PAGE = """<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1"><title>{{ title }}</title>
+<style>
 body{font:16px/1.45 system-ui,sans-serif;margin:0 auto;max-width:70rem;padding:1rem;color:#222}
 h1{font-size:1.5rem;margin:.2em 0}h2{font-size:1.15rem;margin:1.6em 0 .4em}
 .wide{overflow-x:auto}table{border-collapse:collapse;font-size:.85rem;white-space:nowrap}
@@ -28,7 +31,51 @@ tr.interrupted td,tr.waiting td{color:#777}svg,img{max-width:100%;height:auto}
 .effects svg{min-width:32rem}
 .cards{display:grid;grid-template-columns:repeat(auto-fill,minmax(16rem,1fr));gap:1rem}
 figure{margin:0}figcaption{font-size:.85rem}pre{overflow-x:auto;background:#f4f4f4;padding:.6rem;font-size:.8rem}
+</style></head><body>
+<h1>{{ title }}</h1>
+{% block body %}{% endblock %}
+</body></html>
 """
+STUDY = """{% extends "page" %}{% block body %}
+<p>{{ counted }}; {{ seconds }} s of runs; yade_mpm {{ version }}. Table:
+{% for file in files %} <a href="{{ file }}">{{ file }}</a>{% endfor %}</p>
+{% if findings %}<h2>Findings</h2>{% for text in findings %}<p>{{ text }}</p>{% endfor %}{% endif %}
+<h2>Cases</h2><div class="wide"><table>
+<tr><th>case</th><th>state</th>{% for head in heads %}<th>{{ head }}</th>{% endfor %}</tr>
+{% for row in rows %}<tr class="{{ row.state }}"><td><a href="{{ row.link }}/">{{ loop.index }}</a></td>
+<td class="t">{% if row.log %}<a href="{{ row.link }}/{{ row.log }}">{{ row.state }}</a>
+{%- else %}{{ row.state }}{% endif %}</td>
+{%- for cell in row.cells %}<td>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}</table></div>
+{% if failures %}<h2>Failures</h2>{% for what, log in failures %}
+<details open><summary>{{ what }}</summary><pre>{{ log }}</pre></details>{% endfor %}{% endif %}
+{% for name, picture in curves %}<h2>{{ name }}</h2>{{ picture | safe }}{% endfor %}
+{% if effects %}<h2>Main effects</h2>
+<p>Grey: cases; red: mean of the cases with that value, or near it in a sample.</p>
+<div class="wide effects">{{ effects | safe }}</div>{% endif %}
+{% if indices %}<h2>Sensitivity</h2>
+<p>First-order Sobol indices, from the means of groups of cases: the share of a result's variance that a
+parameter explains alone. What is missing to 1 is interaction, or scatter of a sample.</p>
+<div class="wide"><table>
+<tr><th>result</th>{% for head in varied %}<th>{{ head }}</th>{% endfor %}<th>sum</th></tr>
+{% for result, cells in indices %}<tr><td class="t">{{ result }}</td>
+{%- for cell in cells %}<td>{{ cell }}</td>{% endfor %}</tr>
+{% endfor %}</table></div>{% endif %}
+{% if maps %}<h2>Heat maps</h2><div class="cards">
+{% for map in maps %}<figure>{{ map | safe }}</figure>{% endfor %}</div>{% endif %}
+{% if cards %}<h2>Pictures</h2><div class="cards">{% for number, label, image in cards %}
+<figure><a href="{{ image }}"><img loading="lazy" src="{{ image }}" alt="{{ label }}"></a>
+<figcaption>{{ number }}: {{ label }}</figcaption></figure>{% endfor %}</div>{% endif %}
+{% endblock %}"""
+
+
+def writePage(file, template, **values):
+    """Writes a page made of a template; values are text in it, whatever they hold."""
+    jinja2 = needed("jinja2", "the report of a study")
+    templates = jinja2.DictLoader({"page": PAGE, "own": template})
+    text = jinja2.Environment(autoescape=True, loader=templates).get_template("own").render(values)
+    with replacing(file) as part, open(part, "w") as opened:
+        opened.write(text)
 
 
 def write(study, frame):
@@ -37,29 +84,30 @@ def write(study, frame):
     varied = [name for name in study.varied if name in frame.columns]
     found = _results(study, done)
     measured = study.show or _measured(done, found)
+    names, counts = [*varied, *found, "seconds"], frame["state"].value_counts()
     with pictures.plainText():
-        parts = [_head(study, frame), _findings(study), _table(study, frame, varied, found)]
-        parts += [
-            _failures(study, frame),
-            _curves(study, frame, varied),
-            _effects(study, done, varied, measured),
-        ]
-        parts += [
-            _indices(study, done, varied, measured),
-            _maps(study, done, varied, measured),
-            _cards(study),
-        ]
-    text = page(study.title, "".join(p for p in parts if p))
-    with replacing(os.path.join(study.out, "report.html")) as part, open(part, "w") as opened:
-        opened.write(text)
-
-
-def page(title, body):
-    """A page that stands alone."""
-    return f"""<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1"><title>{textOf(title)}</title>
-<style>{STYLE}</style></head><body>{body}</body></html>
-"""
+        drawn = dict(
+            curves=_curves(study, frame, varied),
+            effects=_effects(study, done, varied, measured),
+            maps=_maps(study, done, varied, measured),
+        )
+    writePage(
+        os.path.join(study.out, "report.html"),
+        STUDY,
+        title=study.title,
+        counted=f"{len(frame)} cases: " + ", ".join(f"{n} {how}" for how, n in counts.items()),
+        seconds=f"{frame['seconds'].astype(float).sum():.0f}",
+        version=identity.codeVersion(),
+        files=[f for f in ("results.csv", "results.parquet") if os.path.exists(os.path.join(study.out, f))],
+        findings=_findings(study),
+        heads=[study.head(name) for name in names],
+        rows=[_row(study, *case, names) for case in zip(study.folders, frame.to_dict("records"))],
+        failures=_failures(study, frame),
+        varied=[study.head(name) for name in varied],
+        indices=_indices(done, varied, measured),
+        cards=_cards(study),
+        **drawn,
+    )
 
 
 def _results(study, done):
@@ -80,51 +128,24 @@ def _measured(done, found):
     return [name for name in found if done[name].dtype.kind != "i"] or found
 
 
-def _head(study, frame):
-    counts = frame["state"].value_counts()
-    words = ", ".join(f"{n} {how}" for how, n in counts.items())
-    files = "".join(
-        f' <a href="{name}">{name}</a>'
-        for name in ("results.csv", "results.parquet")
-        if os.path.exists(os.path.join(study.out, name))
-    )
-    seconds = frame["seconds"].astype(float).sum()
-    return (
-        f"<h1>{textOf(study.title)}</h1><p>{len(frame)} cases: {textOf(words)}; {seconds:.0f} s "
-        f"of runs; yade_mpm {textOf(identity.codeVersion())}. Table:{files}</p>"
-    )
-
-
 def _findings(study):
     file = os.path.join(study.out, FINDINGS)
     if not os.path.exists(file):
-        return ""
+        return []
     with open(file, encoding="utf-8") as opened:
-        paragraphs = opened.read().strip().split("\n\n")
-    return "<h2>Findings</h2>" + "".join(map(paragraph, paragraphs))
+        return opened.read().strip().split("\n\n")
 
 
-def _table(study, frame, varied, found):
-    names = [*varied, *found, "seconds"]
-    rows = [
-        "<tr><th>case</th><th>state</th>"
-        + "".join(f"<th>{textOf(study.head(n))}</th>" for n in names)
-        + "</tr>"
-    ]
-    for number, (folder, row) in enumerate(zip(study.folders, frame.to_dict("records")), 1):
-        link = f'<a href="{_link(study, folder)}/">{number}</a>'
-        log = textOf(row["state"])
-        if os.path.exists(os.path.join(folder, state.LOG)):
-            log = f'<a href="{_link(study, folder)}/{state.LOG}">{log}</a>'
-        cells = "".join(f"<td>{_shown(row[n])}</td>" for n in names)
-        rows.append(f'<tr class="{textOf(row["state"])}"><td>{link}</td><td class="t">{log}</td>{cells}</tr>')
-    return f'<h2>Cases</h2><div class="wide"><table>{"".join(rows)}</table></div>'
+def _row(study, folder, row, names):
+    hasLog = os.path.exists(os.path.join(folder, state.LOG))
+    cells = [_shown(row[name]) for name in names]
+    return dict(state=row["state"], link=_link(study, folder), log=state.LOG if hasLog else None, cells=cells)
 
 
 def _shown(value):
     if value is None or isinstance(value, float) and np.isnan(value):
         return ""
-    return f"{value:.4g}" if isinstance(value, float) else textOf(str(value))
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
 def _link(study, folder):
@@ -132,13 +153,11 @@ def _link(study, folder):
 
 
 def _failures(study, frame):
-    parts = []
-    for folder, row in zip(study.folders, frame.to_dict("records")):
-        if row["state"] in (state.FAILED, state.TIMED_OUT):
-            what = f"{row['state']}: {study.labels[folder]}: {row['message']}"
-            log = textOf(state.endOfLog(folder))
-            parts.append(f"<details open><summary>{textOf(what)}</summary><pre>{log}</pre></details>")
-    return "<h2>Failures</h2>" + "".join(parts) if parts else ""
+    return [
+        (f"{row['state']}: {study.labels[folder]}: {row['message']}", state.endOfLog(folder))
+        for folder, row in zip(study.folders, frame.to_dict("records"))
+        if row["state"] in (state.FAILED, state.TIMED_OUT)
+    ]
 
 
 def _curves(study, frame, varied):
@@ -150,15 +169,15 @@ def _curves(study, frame, varied):
                 label = study.labels[folder]
                 named.setdefault(name, {})[label] = _readCurve(file)
                 rows.setdefault(name, {})[label] = row
-    parts = []
     same = [name for name, own in named.items() if len(own) > 1 and _areSame(own.values())]
     for name in same if len(same) < len(named) else ():  # a curve that no parameter changes shows nothing
         del named[name]
+    drawn = []
     for name, own in named.items():
         cases = list(rows[name].values())
         values = {study.head(p): list(frame[p].iloc[cases]) for p in varied[:COLOURED]}
-        parts.append(f"<h2>{textOf(name)}</h2>{pictures.curves(own, values)}")
-    return "".join(parts)
+        drawn.append((name, pictures.curves(own, values)))
+    return drawn
 
 
 def _areSame(curves):
@@ -177,47 +196,28 @@ def _readCurve(file):
 def _effects(study, done, varied, found):
     if len(done) < 2 or not varied or not found:
         return ""
-    text = "Grey: cases; red: mean of the cases with that value, or near it in a sample."
-    head = f"<h2>Main effects</h2><p>{text}</p>"
-    heads = {name: study.head(name) for name in varied}
-    picture = pictures.effects(_whole(done, found), heads, found[:EFFECTS])
-    return f'{head}<div class="wide effects">{picture}</div>'
+    whole = done.dropna(subset=found[:EFFECTS])  # cases that have all the results that are compared
+    return pictures.effects(whole, {name: study.head(name) for name in varied}, found[:EFFECTS])
 
 
-def _whole(done, found):
-    """Cases that have all the results that are compared."""
-    return done.dropna(subset=found[:EFFECTS])
-
-
-def _indices(study, done, varied, found):
-    if len(done) < SAMPLE or not varied or not found:
-        return ""
-    heads = "".join(f"<th>{textOf(study.head(n))}</th>" for n in varied)
-    rows = [f"<tr><th>result</th>{heads}<th>sum</th></tr>"]
+def _indices(done, varied, found):
+    if len(done) < SAMPLE or not varied:
+        return []
+    rows = []
     for result in found:
         own = done.dropna(subset=[result])
         indices = [firstOrder(list(own[name]), own[result]) for name in varied]
-        cells = "".join(f"<td>{'' if s is None else f'{s:.2f}'}</td>" for s in [*indices, _sum(indices)])
-        rows.append(f'<tr><td class="t">{textOf(result)}</td>{cells}</tr>')
-    text = (
-        "First-order Sobol indices, from the means of groups of cases: the share of a result's variance that "
-        "a parameter explains alone. What is missing to 1 is interaction, or scatter of a sample."
-    )
-    return f'<h2>Sensitivity</h2><p>{text}</p><div class="wide"><table>{"".join(rows)}</table></div>'
-
-
-def _sum(indices):
-    return None if None in indices else sum(indices)
+        indices.append(None if None in indices else sum(indices))
+        rows.append((result, ["" if s is None else f"{s:.2f}" for s in indices]))
+    return rows
 
 
 def _maps(study, done, varied, found):
     if len(done) < 4 or not found:
-        return ""
+        return []
+    own, heads = done.dropna(subset=found[:1]), {name: study.head(name) for name in varied}
     pairs = list(itertools.combinations(varied, 2))[:MAPS]
-    own = done.dropna(subset=found[:1])
-    heads = {name: study.head(name) for name in varied}
-    maps = [f"<figure>{pictures.heatMap(own, *pair, found[0], heads)}</figure>" for pair in pairs]
-    return f'<h2>Heat maps</h2><div class="cards">{"".join(maps)}</div>' if maps else ""
+    return [pictures.heatMap(own, *pair, found[0], heads) for pair in pairs]
 
 
 def _cards(study):
@@ -226,9 +226,5 @@ def _cards(study):
         images = sorted(glob(os.path.join(literal(folder), "*.png")))
         if images and len(cards) < SHOWN:
             image = f"{_link(study, folder)}/{linkTo(os.path.basename(images[0]))}"
-            label = textOf(study.labels[folder])
-            cards.append(
-                f'<figure><a href="{image}"><img loading="lazy" src="{image}" alt="{label}"></a>'
-                f"<figcaption>{number}: {label}</figcaption></figure>"
-            )
-    return f'<h2>Pictures</h2><div class="cards">{"".join(cards)}</div>' if cards else ""
+            cards.append((number, study.labels[folder], image))
+    return cards

@@ -194,6 +194,7 @@ class Study:
                     if dashboard:
                         print(f"dashboard: {one.dashboard_link}", file=sys.stderr, flush=True)
                     isWhole = self._execute(one, waiting, live, timeout)
+                live.bar.close()
         frame = self.write(isFinal=True)
         if waiting and not isWhole:
             raise KeyboardInterrupt

@@ -118,7 +118,7 @@ PYTHON_ROOMS = [
     {"check"},
     {"io"},
     {"plot"},
-    {"results"},
+    {"recorded"},
     {"scene"},
     {"app"},
     {"geotech"},

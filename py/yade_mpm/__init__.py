@@ -69,7 +69,7 @@ from .particle import types as _particles
 from .particle.body import Body
 from .particle.part import BodyPart
 from .particle.types import ParticleType
-from .results.results import ResultFrame, Results, read
+from .recorded.results import ResultFrame, Results, read
 from .scene.grading import Grading
 from .scene.plugins import loadPlugin
 from .scene.restoring import load

@@ -40,9 +40,9 @@ from .particle.body import Body as Body
 from .particle.part import BodyPart as BodyPart
 from .particle.types import MeshedType
 from .particle.types import ParticleType as ParticleType
-from .results.results import ResultFrame as ResultFrame
-from .results.results import Results as Results
-from .results.results import read as read
+from .recorded.results import ResultFrame as ResultFrame
+from .recorded.results import Results as Results
+from .recorded.results import read as read
 from .scene.grading import Grading as Grading
 from .scene.plugins import loadPlugin as loadPlugin
 from .scene.restoring import load as load

@@ -118,7 +118,7 @@ def test_a_file_that_another_process_changes_is_read_once_more(monkeypatch):
             raise OSError("half a frame")
         return len(h5)
 
-    from yade_mpm.results import resultsFile
+    from yade_mpm.recorded import resultsFile
 
     assert resultsFile.asked(file, work) == 2 and len(calls) == 3
 

@@ -8,8 +8,8 @@ import h5py
 import numpy as np
 
 from ..geometry.numbers import isNumber
-from . import resultsFile
 from ..io.files import requireRegular
+from . import resultsFile
 
 
 class Results(Sequence):

@@ -116,6 +116,10 @@ def test_equations_have_one_number_and_references_lead_to_one():
         )
         assert here == [f"{chapter}.{n}" for n in range(1, len(here) + 1)], page.stem
         tags += here
+        tagged = [f for f in re.findall(r"\$\$(.*?)\$\$", page.read_text(), re.S) if "\\tag" in f]
+        assert [f for f in tagged if "\\\\" in f] == [], (
+            "Sphinx puts lines of a formula into split, which has no tag"
+        )
     named = [
         number
         for page in PAGES

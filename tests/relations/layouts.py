@@ -42,6 +42,7 @@ class Block:
     velocity: np.ndarray  # m/s
     density: float = ELASTIC["density"]
     stress: float = 1.0  # unit of stresses, kPa
+    implicit: bool = False
 
 
 @dataclass(frozen=True)
@@ -63,7 +64,7 @@ class Layout:
         scene = mpm.Scene(
             tuple(self.lower), tuple(self.upper), self.cell, scheme=self.scheme, threads=threads
         )
-        bodies = [scene.add(*self.parts(b), group=b.group) for b in self.blocks]
+        bodies = [scene.add(*self.parts(b), group=b.group, implicit=b.implicit) for b in self.blocks]
         for block, body in zip(self.blocks, bodies):
             body.velocity = tuple(block.velocity)
         faces = {"roller": self.roller, "fixed": self.fixed}

@@ -25,6 +25,13 @@ double dot(const std::vector<double>& a, const std::vector<double>& b, const std
     return sum;
 }
 
+// Over the largest: roots then round alike in all units that differ by powers of two.
+std::vector<double> relative(std::vector<double> mass) {
+    const double largest = *std::max_element(mass.begin(), mass.end());
+    for (double& m : mass) m /= largest;
+    return mass;
+}
+
 // A start vector with content in every mode, the same in every run.
 std::vector<double> scattered(int n) {
     std::vector<double> x(n);
@@ -39,11 +46,13 @@ std::vector<double> scattered(int n) {
 }
 
 double largestEigenvalue(const std::vector<double>& diagonal, const std::vector<double>& below) {
+    const Eigen::Map<const Eigen::VectorXd> d(diagonal.data(), diagonal.size()),
+        b(below.data(), diagonal.size() - 1);
+    const double scale = d.cwiseAbs().maxCoeff(); // the solver takes numbers of about one for granted
+    if (!(scale > 0)) return 0;
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-    solver.computeFromTridiagonal(Eigen::Map<const Eigen::VectorXd>(diagonal.data(), diagonal.size()),
-                                  Eigen::Map<const Eigen::VectorXd>(below.data(), diagonal.size() - 1),
-                                  Eigen::EigenvaluesOnly);
-    return solver.eigenvalues().maxCoeff();
+    solver.computeFromTridiagonal(d / scale, b / scale, Eigen::EigenvaluesOnly);
+    return scale * solver.eigenvalues().maxCoeff();
 }
 
 struct Largest {
@@ -53,8 +62,9 @@ struct Largest {
 
 // Largest eigenvalue of an operator that is symmetric where M weights.
 template <class Operator>
-Largest largestEigenvalue(const std::vector<double>& m, Operator&& apply, double tolerance, int most) {
-    const int n = int(m.size());
+Largest largestEigenvalue(const std::vector<double>& mass, Operator&& apply, double tolerance, int most) {
+    const int n = int(mass.size());
+    const std::vector<double> m = relative(mass);
     std::vector<double> v = scattered(n), previous(n, 0.0), u, alpha, beta;
     double norm = std::sqrt(dot(v, v, m)), tenAgo = 0;
     Largest largest;
@@ -86,9 +96,10 @@ constexpr double roundOff = 1e-6;
 
 // Largest eigenvalue of G K, symmetric where K weights; `stiffness` and `mobility` apply M^-1 K and G M.
 template <class Stiffness, class Mobility>
-Largest largestOfProduct(const std::vector<double>& mass, Stiffness&& stiffness, Mobility&& mobility,
+Largest largestOfProduct(const std::vector<double>& M, Stiffness&& stiffness, Mobility&& mobility,
                          double tolerance, int most) {
-    const int n = int(mass.size());
+    const int n = int(M.size());
+    const std::vector<double> mass = relative(M);
     std::vector<double> v, previous(n, 0.0), Kv, u, Ku, alpha, beta;
     const auto scale = [](std::vector<double>& x, double factor) {
         for (double& value : x) value *= factor;

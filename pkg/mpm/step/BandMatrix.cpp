@@ -48,9 +48,7 @@ void BandMatrix::setScaled(const BandMatrix& other, double scale) {
 
 void BandMatrix::decouple(int unknown) {
     for (int j = std::max(0, unknown - band_); j < unknown; ++j) at(unknown, j) = 0;
-    double* own = column(unknown);
-    std::fill(own, own + band_ + 1, 0.0);
-    own[0] = 1;
+    std::fill(column(unknown) + 1, column(unknown) + band_ + 1, 0.0);
 }
 
 void BandMatrix::multiply(const double* x, double* y) const {
@@ -63,6 +61,11 @@ void BandMatrix::multiply(const double* x, double* y) const {
 }
 
 bool BandMatrix::factorise() {
+    double largest = 0;
+    for (int j = 0; j < size_; ++j) largest = std::max(largest, at(j, j));
+    if (!(largest > 0)) return size_ == 0;
+    overUnit_ = std::ldexp(1.0, -std::ilogb(largest));
+    for (double& value : values_) value *= overUnit_;
     if (!(band_ > narrow ? factoriseBlocks() : factoriseColumns())) return false;
     for (int j = 0; j < size_; ++j) at(j, j) = 1 / at(j, j);
     return true;
@@ -110,7 +113,7 @@ void BandMatrix::solve(double* x, int first) const {
     }
     for (int j = size_ - 1; j >= first; --j) {
         const double* c = column(j);
-        x[j] = (x[j] - dot(c + 1, x + j + 1, band_)) * c[0];
+        x[j] = (overUnit_ * x[j] - dot(c + 1, x + j + 1, band_)) * c[0];
     }
 }
 
@@ -132,7 +135,7 @@ void BandMatrix::invertNearDiagonal(int first, int reach, std::vector<double>& i
         for (int k = 1; k <= band_; ++k) add(c[k], row(i + k), own.data() + k, reach - k);
         for (int d = 1; d < band_; ++d) own[d] += dot(c + d + 1, row(i + d) + 1, band_ - d);
         for (int d = 1; d < reach; ++d) own[d] *= -c[0];
-        own[0] = c[0] * (c[0] - dot(c + 1, own.data() + 1, band_));
+        own[0] = c[0] * (overUnit_ * c[0] - dot(c + 1, own.data() + 1, band_));
         std::copy_n(own.begin(), reach, row(i));
     }
 }

@@ -28,13 +28,14 @@ class BandMatrix {
 
     // this = scale * other.
     void setScaled(const BandMatrix& other, double scale);
-    // Row and column become those of the identity.
+    // Row and column keep the diagonal alone.
     void decouple(int unknown);
 
-    // The lower triangle becomes L of L L^T, with inverse numbers on the diagonal; returns false where the
+    // The lower triangle becomes L of L L^T, over a power of two near its largest number, with inverse numbers on
+    // the diagonal: roots then round alike in all units that differ by powers of two. Returns false where the
     // matrix is not positive definite.
     bool factorise();
-    // x <- L^-T L^-1 x, where all before unknown `first` are zero and not asked for.
+    // x <- the inverse times x, where all before unknown `first` are zero and not asked for.
     void solve(double* x, int first = 0) const;
     // Of L^T x = 0 above the diagonal, x_j from the unknowns behind it.
     double substituted(int j, const double* x) const;
@@ -47,6 +48,7 @@ class BandMatrix {
     static constexpr int narrow = 64; // band up to which columns one by one are quicker, measured
 
     int size_ = 0, band_ = 0, stride_ = 0;
+    double overUnit_ = 1; // the inverse of what it was divided by
     std::vector<double> values_; // column by column from the diagonal down, then zeros
 
     double* column(int j) { return values_.data() + std::size_t(j) * stride_; }

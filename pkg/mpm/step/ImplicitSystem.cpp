@@ -93,13 +93,13 @@ template <int Dim> bool ImplicitSystem<Dim>::solve(Scene<Dim>& scene, const Vec<
         solved_[i] = holderOf(nodal, i) >= 0 ? 0 : nodal.sum[nodes[i / Dim]][NF::mass] * v;
     }
     stiffness_.multiply(velocity_.data(), force_.data());
-    for (int i = 0; i < n; ++i)
+    for (int i = 0; i < n; ++i) {
+        factor_.at(i, i) += nodal.sum[nodes[i / Dim]][NF::mass];
         if (holderOf(nodal, i) >= 0)
             factor_.decouple(i);
-        else {
-            factor_.at(i, i) += nodal.sum[nodes[i / Dim]][NF::mass];
+        else
             solved_[i] -= square * force_[i];
-        }
+    }
     if (!factor_.factorise()) return false;
     factor_.solve(solved_.data());
     for (int i = 0; i < n; ++i)

@@ -80,9 +80,11 @@ template <int Dim> class CellAverage {
     // move with this one, located, too.
     // isFree(cell): whether no body that does not move with these may be in it.
     // mayOpen: the material may stand open, and then fills less than its volume.
-    template <class IsFree>
+    // lackMass(cells): those of them that have a corner without mass. A corner has no velocity then, and would take
+    // force that nothing feels: such cells leave all to their particles.
+    template <class IsFree, class LackMass>
     void findInside(ParallelRegion& region, const Grid<Dim>& grid, const std::vector<CellAverage*>& others,
-                    bool mayOpen, IsFree&& isFree) {
+                    bool mayOpen, IsFree&& isFree, LackMass&& lackMass) {
         addUp(region, others);
         const auto cover = [&](int c) { return total_[c]; };
         const std::vector<int> around = roundOf(grid);
@@ -102,12 +104,15 @@ template <int Dim> class CellAverage {
             cell.share = cover_[c] / total_[c];
             cell.inside = least >= insideFrom ? 1 : insideBy(grid, c, cover);
             cell.uneven = mayOpen || isAmongMeshes(c) ? 1 : unevenness(cell, sum / double(around.size()));
+            if (isMesh_ && cell.inside > 0 && total_[c] < coveredByVertices)
+                sparse_[where_.slabOf(c)].push_back(c);
             if (!mayOpen && least == 0) holes_.look(grid, c, where_.slabOf(c), cover);
         });
         region.once([&] {
             for (const auto& hole : holes_) actByCell(hole.cell, Vec<Dim>::Zero()); // those of the last step
-            holes_.gather(grid, cover, [&](int c) { return cover_[c]; }, isFree);
+            holes_.gather(grid, cover, [&](int c) { return cover_[c]; }, isFree, lackMass);
             for (const auto& hole : holes_) extents_[where_.slabOf(hole.cell)].include(only(grid, hole.cell));
+            for (int c : lackMass(takeAll(sparse_))) leaveToParticles(cells_[c]);
         });
     }
     // Whether rates of volume change and mean stress act by the cells, since locate(): of boxes, and of meshes that fill
@@ -265,6 +270,8 @@ template <int Dim> class CellAverage {
         2; // most that an uneven cover may change a rate of volume change by
     static constexpr double sparse = 0.8,
                             dense = 0.9; // mean covers round a cell: it counts not at all, and fully
+    // Cover of a cell from which on domains that fit in cells have vertices near all of its corners.
+    static constexpr double coveredByVertices = 0.8;
 
     void resize(int particles, const Grid<Dim>& grid) {
         value_.resize(particles);
@@ -273,6 +280,7 @@ template <int Dim> class CellAverage {
         for (auto& component : acting_) component.resize(grid.count);
         occupied_.resize(grid.slabs());
         holes_.resize(grid.slabs());
+        sparse_.resize(grid.slabs());
         extents_.resize(grid.slabs());
     }
 
@@ -303,6 +311,10 @@ template <int Dim> class CellAverage {
         empty(cell);
         occupied_[where_.slabOf(number)].push_back(number);
         extents_[where_.slabOf(number)].include(only(grid, number));
+    }
+    static void leaveToParticles(Cell& cell) {
+        cell.inside = 0;
+        cell.uneven = 1;
     }
     static Extent only(const Grid<Dim>& grid, int number) {
         Extent extent;
@@ -404,6 +416,7 @@ template <int Dim> class CellAverage {
     std::vector<double> acting_[Dim]; // of each cell, see actByCell()
     Holes<Dim> holes_;
     std::vector<std::vector<int>> occupied_; // cells with particles, of each slab
+    std::vector<std::vector<int>> sparse_;   // those whose corners may have no mass
     std::vector<Extent> extents_;            // of these
 };
 

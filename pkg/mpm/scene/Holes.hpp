@@ -12,6 +12,18 @@
 
 namespace mpm {
 
+// The cells of all slabs, sorted, each once; leaves none.
+inline std::vector<int> takeAll(std::vector<std::vector<int>>& slabs) {
+    std::vector<int> cells;
+    for (auto& slab : slabs) {
+        cells.insert(cells.end(), slab.begin(), slab.end());
+        slab.clear();
+    }
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    return cells;
+}
+
 template <int Dim> struct Hole {
     int cell = 0;
     double volume = 0;                            // s times that of the cell, m3
@@ -32,19 +44,15 @@ template <int Dim> class Holes {
                 if (isEnclosed(grid, hole, coverOf)) found_[slab].push_back(hole);
             }
     }
-    // What look() found, but for cells that another body may be in. One thread. ownCover(cell): of this body.
-    template <class Cover, class Own, class IsFree>
-    void gather(const Grid<Dim>& grid, Cover&& coverOf, Own&& ownCover, IsFree&& isFree) {
-        std::vector<int> cells;
-        for (auto& found : found_) {
-            cells.insert(cells.end(), found.begin(), found.end());
-            found.clear();
-        }
-        std::sort(cells.begin(), cells.end());
-        cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    // What look() found, but for cells that another body may be in, or that have a corner without mass.
+    // One thread. ownCover(cell): of this body. lackMass: see CellAverage::findInside().
+    template <class Cover, class Own, class IsFree, class LackMass>
+    void gather(const Grid<Dim>& grid, Cover&& coverOf, Own&& ownCover, IsFree&& isFree,
+                LackMass&& lackMass) {
+        const std::vector<int> cells = takeAll(found_), lacking = lackMass(cells);
         holes_.clear();
         for (int cell : cells) {
-            if (!isFree(cell)) continue;
+            if (!isFree(cell) || std::binary_search(lacking.begin(), lacking.end(), cell)) continue;
             Hole<Dim> hole{cell, insideBy(grid, cell, coverOf) * grid.edges(cell).prod()};
             double sum = 0;
             for (int k = 0; k < Dim; ++k)

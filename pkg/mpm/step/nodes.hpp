@@ -32,6 +32,37 @@ template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scen
     } while (scene.sorted);
 }
 
+// Of some cells, sorted, those with a corner that the bodies of a field give no mass to.
+template <int Dim>
+std::vector<int> withMasslessCorners(const Scene<Dim>& scene, int field, std::vector<int> cells) {
+    if (cells.empty()) return cells;
+    const Grid<Dim>& grid = scene.grid;
+    std::vector<char> isNear(grid.count); // cells whose particles may reach a corner
+    for (int cell : cells)
+        forAround(grid, cell, [&](int beside, int) {
+            forAround(grid, beside, [&](int beyond, int) { isNear[beyond] = 1; });
+        });
+    std::vector<double> mass(grid.count);
+    for (auto& body : scene.bodies) {
+        const auto& particles = body->particles;
+        for (int p = 0; body->velocityField == field && p < particles.size(); ++p) {
+            int cell = 0;
+            for (int k = 0; k < Dim; ++k) grid.addCells(k, particles.position.plane(k) + p, 1, &cell);
+            if (!isNear[cell]) continue;
+            body->domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {
+                mass[node] += phi * body->inertiaScale * particles.mass.plane()[p];
+            });
+        }
+    }
+    const auto isWhole = [&, least = scene.leastMass()](int cell) {
+        bool is = true;
+        for (int a = 0; a < corners<Dim>; ++a) is &= mass[cornerOf(grid, cell, a)] > least;
+        return is;
+    };
+    cells.erase(std::remove_if(cells.begin(), cells.end(), isWhole), cells.end());
+    return cells;
+}
+
 template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& scene, Body<Dim>& body) {
     if (!actsByCells(body)) return;
     std::vector<CellAverage<Dim>*> others;
@@ -50,7 +81,13 @@ template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& sce
             return other->domains->order.mayTouch(lowest, highest);
         });
     };
-    body.cellAverage.findInside(region, scene.grid, others, body.material->opening() >= 0, isFree);
+    const bool hasMesh = std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const auto& other) {
+        return other->velocityField == body.velocityField && other->fbar && other->domains->mesh();
+    }); // boxes give mass to all corners of their cells
+    const auto lackMass = [&](const std::vector<int>& cells) {
+        return hasMesh ? withMasslessCorners(scene, body.velocityField, cells) : std::vector<int>();
+    };
+    body.cellAverage.findInside(region, scene.grid, others, body.material->opening() >= 0, isFree, lackMass);
 }
 
 // Which particles of a body with F-bar are in which cell.

@@ -175,14 +175,12 @@ class GridToParticle(Engine):
     """Moves the particles with the nodes."""
 
     flip: float
-    transfer: Literal['flip', 'affine']
     label: str
     dead: bool
     def __init__(
         self,
         *,
         flip: float = 1.0,
-        transfer: Literal['flip', 'affine'] = 'flip',
         label: str = '',
         dead: bool = False,
     ) -> None: ...

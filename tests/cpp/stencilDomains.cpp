@@ -194,21 +194,6 @@ TEST(StencilDomains, UGIMPTakesTheGradientThatItsKernelSays) {
     compare<3>(gradients<3>);
 }
 
-// The sums of nodalSums() and moved(), with velocities that are linear around the particles.
-template <int Dim> std::vector<double> affine(Sample<Dim>& sample) {
-    dynamic_cast<AffineVelocity&>(*sample.domains).isAffine = true;
-    std::vector<double> all = nodalSums(sample);
-    const std::vector<double> afterwards = moved(sample);
-    all.insert(all.end(), afterwards.begin(), afterwards.end());
-    append(all, sample.particles, sample.particles.velocityGradient);
-    return all;
-}
-
-TEST(StencilDomains, UGIMPGivesLinearVelocitiesAsItsKernelSays) {
-    compare<2>(affine<2>);
-    compare<3>(affine<3>);
-}
-
 TEST(StencilDomains, UGIMPHasTheWeightsOfItsKernel) {
     compare<2>(someWeights<2>);
     compare<3>(someWeights<3>);

@@ -192,10 +192,7 @@ template <int Dim> bool mixesAny(const Scene<Dim>& scene) {
 
 template <int Dim>
 double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double tolerance, int most) {
-    auto law = scene.scheme->stepLaw;
-    // With affine velocities the operator of a remap is (A (1 - E) + 2 E)/(1 + E^2) M^-1 K, A what comes back
-    // of velocities and E of slopes, A + E <= 1: at most M^-1 K. The law of USL stays, with A + E for A.
-    if (scene.scheme->remaps && movesAffinely(scene)) law = {mixesAny(scene) ? 2.0 : 1.0, 0};
+    const auto law = scene.scheme->stepLaw;
     const auto stiffness = [&](auto& x, auto& y) { K.apply(x, y); };
     const auto mobility = [&](auto& x, auto& y) {
         K.passThroughParticles(x, y);
@@ -207,10 +204,10 @@ double longestStable(const Scene<Dim>& scene, ElasticOperator<Dim>& K, double to
     return 2 / std::sqrt(square);
 }
 
-// Without a remap of velocities, with affine ones, and beside implicit bodies, a node that boxes barely reach strains
+// Without a remap of velocities, and beside implicit bodies, a node that boxes barely reach strains
 // them as much as any other: the step is up to 39 % shorter, however small the overlap.
 template <int Dim> bool feelsEveryNode(const Scene<Dim>& scene, bool explicitAlone) {
-    return !scene.scheme->remaps || movesAffinely(scene) || (explicitAlone && mixesAny(scene));
+    return !scene.scheme->remaps || (explicitAlone && mixesAny(scene));
 }
 template <int Dim>
 double longestStableOfWidened(Scene<Dim>& scene, bool explicitAlone, double tolerance, int most) {

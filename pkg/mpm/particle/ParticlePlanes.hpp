@@ -40,15 +40,6 @@ template <int Dim> struct ParticlePlanes {
             out[Dim][i] = m;
         }
     }
-    // m L of `count` particles, plane Dim k + j its component kj: what their momentum changes by per metre.
-    template <size_t most>
-    void slopes(int first, int count, double inertiaScale, double (&out)[Dim * Dim][most]) const {
-        const ParticlePlanes q = *this;
-#pragma omp simd
-        for (int i = 0; i < count; ++i) MPM_UNROLL
-        for (int c = 0; c < Dim * Dim; ++c)
-            out[c][i] = inertiaScale * q.mass[first + i] * q.velocityGradient[c][first + i];
-    }
     template <size_t most>
     void tension(int first, int count, const double* const tensor[9], double (&out)[Dim][Dim][most]) const {
         const double *V = volume + first, *sigma[Dim][Dim];

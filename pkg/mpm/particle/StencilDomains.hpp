@@ -15,7 +15,6 @@
 // doc/development/adding-a-particle-type.md goes on from here.
 #pragma once
 
-#include "mpm/particle/AffineVelocity.hpp"
 #include "mpm/particle/LatticeType.hpp"
 #include "mpm/particle/Transfers.hpp"
 
@@ -26,8 +25,7 @@ template <int nodes> struct AxisWeights {
     double S[nodes], G[nodes];
 };
 
-template <int Dim, class Kernel>
-class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim>, public AffineVelocity {
+template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim> {
     static_assert(Kernel::support >= 2, "a kernel needs two nodes per axis or more for its derivatives");
     static_assert(Kernel::support <= BlockOrder<Dim>::largestSupport,
                   "the kernel reaches more nodes per axis than threads keep apart, see BlockOrder");
@@ -94,7 +92,6 @@ class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim>, public Aff
               const Move& how) override {
         forParticles(region, [&](int p, int block) {
             if (nodes) damped_[block] += gather(nodes, p, how);
-            if (nodes && isAffine) gatherGradient(nodes, p);
             if (momentum) scatter(momentum, p, how.inertiaScale);
         });
     }
@@ -218,24 +215,6 @@ class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim>, public Aff
             add(nodes[node], NF::mass, phi * inertia);
             add(nodes[node], NF::weightMass, phi * m);
         });
-        if (isAffine) scatterSlope(nodes, p, inertia);
-    }
-
-    // Momentum of node += phi m L (x_i - x_p), x_p where locate() found the particle.
-    template <class Node> void scatterSlope(Node* nodes, int p, double inertia) const {
-        const Mat<Dim> slope = inertia * gradientOf(particles, p);
-        stencil(p, [&](int node, double phi, const Vec<Dim>&) {
-            const Vec<Dim> momentum = phi * slope * arm(p, node);
-            for (int k = 0; k < Dim; ++k) add(nodes[node], k, momentum[k]);
-        });
-    }
-
-    // From particle p, where locate() found it, to a node that it reaches, m.
-    Vec<Dim> arm(int p, int node) const {
-        Vec<Dim> arm;
-        for (int k = Dim - 1, rest = node - cell_[p]; k >= 0; rest %= grid.strides[k--])
-            arm[k] = (rest / grid.strides[k] - local_.plane(k)[p]) * grid.smallestCell()[k];
-        return arm;
     }
 
     // node += - V tensor grad phi, of which the upper triangle is read (planes 3 i + j)
@@ -281,7 +260,6 @@ class StencilDomains : public Transfers<Dim>, public EqualBoxes<Dim>, public Aff
         stencil(p, [&](int node, double phi, const Vec<Dim>&) {
             for (int k = 0; k < Dim; ++k) add(nodes[node], k, phi * momentum[k]);
         });
-        if (isAffine) scatterSlope(nodes, p, inertia);
     }
 };
 

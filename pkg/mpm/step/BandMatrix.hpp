@@ -48,7 +48,7 @@ class BandMatrix {
     static constexpr int narrow = 64; // band up to which columns one by one are quicker, measured
 
     int size_ = 0, band_ = 0, stride_ = 0;
-    double overUnit_ = 1; // the inverse of what it was divided by
+    double overUnit_ = 1;        // the inverse of what it was divided by
     std::vector<double> values_; // column by column from the diagonal down, then zeros
 
     double* column(int j) { return values_.data() + std::size_t(j) * stride_; }

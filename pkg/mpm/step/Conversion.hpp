@@ -2,7 +2,6 @@
 // Domains that are too distorted to go on with: they end the run, or become uGIMP particles.
 #pragma once
 
-#include "mpm/particle/AffineVelocity.hpp"
 #include "mpm/scene/Scene.hpp"
 
 #include <Eigen/LU>
@@ -47,7 +46,6 @@ template <int Dim> void convert(Body<Dim>& to, Body<Dim>& from, const std::vecto
             target.position.plane(k)[p] += offset[k];
             target.reference.plane(k)[p] += offset[k];
         }
-        if (isAffine(*from.domains)) followOffset(target, p, offset);
     }
     from.domains->distortion()->remove(gone);
     from.converted += int(gone.size());

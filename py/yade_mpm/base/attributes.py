@@ -61,6 +61,7 @@ class Attributed:
 
     _make = None  # name -> C++ object
     _found = ()  # parameters that a run counts on: only a checkpoint sets them
+    _gone = {}  # options of earlier versions -> what to do instead
     _coreName = None
     _usedBy = None  # name of the body made with it
     _fixed = ()  # attributes that cannot change from then on; None: all
@@ -117,6 +118,8 @@ class Attributed:
                     f"{type(self).__name__}: {name} is what a run has found; it can be read, not set"
                 )
             known = [*taken, *self.attributeNames()]
+            if name in self._gone:
+                raise ValueError(f"{type(self).__name__}: {name} is gone; {self._gone[name]}")
             raise ValueError(
                 f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, known)} "
                 f"(allowed: {', '.join(map(repr, known))})"

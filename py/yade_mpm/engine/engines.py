@@ -15,5 +15,10 @@ classes = {
     **{own.__name__: own for own in (GridSolver, BoundaryLoad, RigidContact, Contact, PyRunner)},
 }
 __getattr__ = classAttribute(classes)
+classes["GridToParticle"]._gone = {
+    "transfer": "leave it out: 'flip' is all there is, for 'affine' made energy from nothing "
+    "(doc/explanation/angular-momentum.md)"
+}
+Contact._gone = {"normals": "leave it out: normals come from surfaces"}
 __all__ = ["Callback", "Drive", "Engine", "Hold", "Prescribed", "classes"]
 __all__ += classes

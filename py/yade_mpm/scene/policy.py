@@ -99,7 +99,7 @@ class LoopPolicy:
         self._saveAt = now + max(self._savePeriod, (now - began) / SHARE)
 
     def followChanges(self):
-        """Finds the step that suits what callbacks have changed: stiffness, inertia, damping, flip, transfer.
+        """Finds the step that suits what callbacks have changed: stiffness, inertia, damping, flip.
 
         The critical step is estimated where the scene may have become much stiffer, or nothing bounds the
         change. A small one shortens an automatic step by its bound, and counts for a given one only where it

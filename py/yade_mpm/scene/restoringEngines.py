@@ -14,7 +14,7 @@ from .restoringBodies import classOf
 from .saving import CONSTRAINT_STATE
 
 # Class, parameter and value that files of earlier versions have and that go without saying.
-GONE = {("Contact", "normals", "surface")}
+GONE = {("Contact", "normals", "surface"), ("GridToParticle", "transfer", "flip")}
 
 
 def buildEngine(spec, scene, callbacks, permissions, file):

@@ -386,7 +386,6 @@ class Stepper(Guarded):
         numbers = [(tuple(b.material.lameConstants), b.inertiaScale) for b in scene.bodies]
         numbers += [getattr(e, name) for e in stages for name in BLENDS.get(type(e).__name__, ())]
         kinds = [(type(e).__name__, e.dead) for e in stages]
-        kinds += [e.transfer for e in stages if type(e).__name__ == "GridToParticle"]
         return numbers, kinds, [b.implicit for b in scene.bodies], scene.givenDt, scene.allowUnstable
 
     # --- steps ----------------------------------------------------------------------------------------

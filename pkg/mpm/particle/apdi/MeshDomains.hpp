@@ -53,8 +53,7 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
     }
     size_t bytes() const override {
         return sizeof(int) * (mesh_.corner.size() + mesh_.rowEnd.size()) + mesh_.vertices.bytes() +
-               Base::carried_.bytes() + Base::skew_.bytes() + hourglass_.bytes() +
-               (Base::isAffine ? Base::slopes_.bytes() : 0);
+               Base::carried_.bytes() + Base::skew_.bytes() + hourglass_.bytes();
     }
 
     Mesh<Dim>* mesh() override { return this; }

@@ -2,18 +2,16 @@
 // The transfers of APDI, in two stages: particle <-> vertex <-> grid. Domains are treated in batches.
 #pragma once
 
-#include "mpm/particle/AffineVelocity.hpp"
 #include "mpm/particle/Transfers.hpp"
 #include "mpm/particle/apdi/CarriedByVertices.hpp"
 #include "mpm/particle/apdi/DomainPieces.hpp"
 #include "mpm/particle/apdi/DomainQuality.hpp"
-#include "mpm/particle/apdi/SlopesAtVertices.hpp"
 
 #include <atomic>
 
 namespace mpm {
 
-template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVelocity {
+template <int Dim> class MeshTransfers : public Transfers<Dim> {
   public:
     using Base = Transfers<Dim>;
     using Base::particles, Base::grid, Base::order, Base::damped_;
@@ -27,7 +25,6 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
     void restored() override {
         mesh_.restored();
         carried_.resize(mesh_.vertices.size());
-        slopes_.resize(mesh_.vertices.size());
         skew_.resize(particles.size());
         hourglass_.restored(mesh_);
         pieces_.cut(mesh_);
@@ -61,7 +58,6 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
         const bool hasBodyForce = particles.hasBodyForce && withForce;
         const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
         if (!isCleared_) carried_.clear(region);
-        if (isAffine) slopes_.clear(region);
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
             const Shapes d(batch, mesh_.vertices.position, skew_);
             GivenByDomains<Dim> given;
@@ -87,12 +83,8 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
                                    [&](int a, int k, int p)
                                        MPM_INLINE_LAMBDA { return d.w[a][p] * given.bodyForce[k][p]; });
             }
-            if (isAffine)
-                slopes_.take(batch, d.w, q, mesh_.vertices.position, inertiaScale,
-                             carried_.template planes<Dim>(Carried::momentum));
         });
         carried_.toNodes(region, mesh_.vertices, nodes, 1 / inertiaScale);
-        if (isAffine) slopes_.toNodes(region, mesh_.vertices, nodes);
     }
 
     // Nodes -> vertices -> domains, and back with what the domains have then.
@@ -100,7 +92,6 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
               const Move& how) override {
         const Planes q(particles);
         isCleared_ = false;
-        if (momentum && isAffine) slopes_.clear(region);
         if (momentum) carried_.clearBack(region);
         nodes ? carried_.takeMotion(region, mesh_.vertices, nodes) : region.wait();
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int piece) {
@@ -113,7 +104,6 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
                     for (int a = 0; a < NC; ++a) sum += d.w[a][p] * at.x[a][k][p];
                     return sum;
                 });
-                if (isAffine) gradients<false>(batch, 0, carried_.template planes<Dim>(Carried::motion));
             }
             if (momentum) {
                 double given[Dim + 1][Batch<Dim>::most];
@@ -121,13 +111,9 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
                 batch.addToCorners(carried_.template planes<Dim>(Carried::back),
                                    [&](int a, int k, int p)
                                        MPM_INLINE_LAMBDA { return d.w[a][p] * given[k][p]; });
-                if (isAffine)
-                    slopes_.take(batch, d.w, q, mesh_.vertices.position, how.inertiaScale,
-                                 carried_.template planes<Dim>(Carried::back));
             }
         });
         if (momentum) carried_.momentumToNodes(region, mesh_.vertices, momentum);
-        if (momentum && isAffine) slopes_.toNodes(region, mesh_.vertices, momentum);
     }
 
     // With the gradient comes the volume after the step: the polygon area (polyhedron volume) itself; J V0
@@ -219,7 +205,6 @@ template <int Dim> class MeshTransfers : public Transfers<Dim>, public AffineVel
     DomainMesh<Dim> mesh_;
     HourglassControl<Dim> hourglass_;
     CarriedByVertices<Dim> carried_;
-    SlopesAtVertices<Dim> slopes_; // where velocities are affine
     Field skew_{
         "skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
     DomainPieces<Dim> pieces_;

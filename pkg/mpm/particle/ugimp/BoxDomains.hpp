@@ -60,8 +60,7 @@ template <int Dim> class BoxDomains : public BoxTransfers<Dim> {
     }
 
     bool splitStretched() override {
-        if (!splitting_.isOn() || !splitting_.cut(particles, Base::halfSize(), outline_, Base::isAffine))
-            return false;
+        if (!splitting_.isOn() || !splitting_.cut(particles, Base::halfSize(), outline_)) return false;
         Base::grown();
         return true;
     }

@@ -34,7 +34,6 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
                 for (auto& b : B)
                     for (int k = 0; k < (Dim == 2 ? 1 : 3); ++k) b[k] = Quad{};
             scatter(nodes, first, count, w, value, B);
-            if (Base::isAffine) scatterSlopes(nodes, first, count, w, inertiaScale);
             if (hasBodyForce) {
                 double given[Dim][batch];
                 q.bodyForces(first, count, given);
@@ -64,7 +63,6 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
                 gather(nodes, first, count, w, taken);
                 damped_[block] +=
                     q.move(first, count, how, [&](int k, int i) MPM_INLINE_LAMBDA { return taken[k][i]; });
-                if (Base::isAffine) gatherGradient(nodes, first, count, w, q.velocityGradient);
             }
             if (momentum) {
                 double given[Dim + 1][batch];
@@ -72,7 +70,6 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
                 q.momenta(first, count, how.inertiaScale, given);
                 NodeLanes<Dim>::packMomenta(given, count, value);
                 scatter<0>(momentum, first, count, w, value);
-                if (Base::isAffine) scatterSlopes(momentum, first, count, w, how.inertiaScale);
             }
         });
     }
@@ -149,24 +146,6 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
 #else
     static constexpr int rowsAtOnce = 1;
 #endif
-
-    // Where the three lines of nodes across each axis are that a box reaches, from the lowest one, m.
-    struct SupportLines {
-        double at[Dim][3], size[Dim][2];
-        SupportLines(const Grid<Dim>& grid, int lowest) {
-            const Index<Dim> line = grid.isGraded() ? grid.indices(lowest) : Index<Dim>{};
-            for (int k = 0; k < Dim; ++k) {
-                for (int i = 0; i < 2; ++i) size[k][i] = grid.cellSize(k, line[k] + i);
-                at[k][0] = 0;
-                at[k][1] = size[k][0];
-                at[k][2] = size[k][0] + size[k][1];
-            }
-        }
-        // Of a point at this position in cells.
-        MPM_INLINE double distance(int k, double local) const {
-            return at[k][1] + (local - 1) * size[k][local < 1 ? 0 : 1];
-        }
-    };
 
     // Before the threads look at blocks of their own.
     void makeRoom() {
@@ -272,46 +251,6 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
                     auto* node = inRegister(nodes + cell + rowOffset(top + row));
                     MPM_UNROLL
                     for (int i = 0; i < 3; ++i) L::finish(sum[row][i], node[i]);
-                }
-            }
-        });
-    }
-
-    // First Quad of node += phi m L (x_i - x_p), x_p where locate() found the particle.
-    template <class Node>
-    MPM_INLINE void scatterSlopes(Node* nodes, int first, int count, const Weights& w,
-                                  double inertiaScale) const {
-        double slope[Dim * Dim][batch];
-        Quad column[Dim][batch];
-        Planes(particles).slopes(first, count, inertiaScale, slope);
-        for (int j = 0; j < Dim; ++j) {
-            const double* L[3] = {slope[j], slope[Dim + j], slope[Dim * (Dim - 1) + j]};
-            NodeLanes<Dim>::packMomenta(L, count, column[j]);
-        }
-        forRuns(first, count, [&](int begin, int end, int cell) {
-            const SupportLines lines(grid, cell);
-            for (int layer = 0; layer < rows; layer += 3) {
-                Quad sum[3][3] = {};
-                for (int p = begin; p < end; ++p) {
-                    Vec<Dim> arm; // to the lowest node
-                    for (int k = 0; k < Dim; ++k) arm[k] = -lines.distance(k, local_.plane(k)[first + p]);
-                    if constexpr (Dim == 3) arm[2] += lines.at[2][layer / 3];
-                    MPM_UNROLL
-                    for (int row = 0; row < 3; ++row) {
-                        const double S = w.across(layer + row, p).S;
-                        Quad v = S * (arm[1] + lines.at[1][row]) * column[1][p];
-                        if constexpr (Dim == 3) v += S * arm[2] * column[2][p];
-                        MPM_UNROLL
-                        for (int i = 0; i < 3; ++i)
-                            sum[row][i] +=
-                                w.axis[0].S[i][p] * (v + S * (arm[0] + lines.at[0][i]) * column[0][p]);
-                    }
-                }
-                MPM_UNROLL
-                for (int row = 0; row < 3; ++row) {
-                    Node* node = inRegister(nodes + cell + rowOffset(layer + row));
-                    MPM_UNROLL
-                    for (int i = 0; i < 3; ++i) node[i].part[0] += sum[row][i];
                 }
             }
         });

@@ -7,10 +7,9 @@
 // the box along m, so that the second moment of the mass stays. Velocity, F, stress and state are those of
 // the particle that was cut: mass, volume, centre of mass, momentum, angular momentum, kinetic and elastic
 // energy stay. (With v +- L d the halves would be on the linear velocity field, at the price of a kinetic
-// energy m |L d|^2/2 from nowhere; results were the same. Where velocities are affine that energy was
-// there, and they are put there.) The halves have boxes as large as before. A limit of 2 makes a half as long
-// as its box; boxes that overlap do less harm than gaps between them: 1.3 keeps a body whole that falls apart
-// at 2 (doc/explanation/numerical-fracture.md).
+// energy m |L d|^2/2 from nowhere; results were the same.) The halves have boxes as large as before. A limit of
+// 2 makes a half as long as its box; boxes that overlap do less harm than gaps between them: 1.3 keeps a body
+// whole that falls apart at 2 (doc/explanation/numerical-fracture.md).
 //
 // No particle is cut more than five times, to 1/32 of its mass: by then its domain was 40 times as long as at the
 // start, and what is torn that far is dust beside a body. Without the limit dust was cut to 1e-9 of a particle.
@@ -18,7 +17,6 @@
 
 #include "mpm/base/parallel/ParallelRegion.hpp"
 #include "mpm/base/simd/compiler.hpp"
-#include "mpm/particle/AffineVelocity.hpp"
 #include "mpm/particle/Outline.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -59,8 +57,8 @@ template <int Dim> class Splitting {
     }
 
     // Cuts what is too long; the new halves come last. Facets of the outline go with the half that is nearer.
-    // Returns whether there were any. isAffine: see AffineVelocity.
-    bool cut(Particles<Dim>& particles, const Vec<Dim>& halfSize, Outline<Dim>& outline, bool isAffine) {
+    // Returns whether there were any.
+    bool cut(Particles<Dim>& particles, const Vec<Dim>& halfSize, Outline<Dim>& outline) {
         const std::vector<Cut> cuts = find(particles, halfSize);
         if (cuts.empty()) return false;
         const int first = particles.size();
@@ -75,10 +73,8 @@ template <int Dim> class Splitting {
             copy(share, p, other);
             particles.id.integers()[other] = next++;
             for (const auto& [half, offset] :
-                 {std::pair(p, cuts[i].offset), std::pair(other, Vec<Dim>(-cuts[i].offset))}) {
+                 {std::pair(p, cuts[i].offset), std::pair(other, Vec<Dim>(-cuts[i].offset))})
                 shift(particles, half, offset);
-                if (isAffine) followOffset(particles, half, offset);
-            }
             outline.split(p, particles.id.integers()[other], cuts[i].reference);
         }
         forget();

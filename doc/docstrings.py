@@ -12,9 +12,7 @@ import re
 SECTIONS = ("Parameters", "Attributes", "Returns", "Raises", "Columns")
 # Methods for engines and loops written in Python, which adding-an-engine.md explains: not for the reference.
 HIDDEN = """
-act bind constraints core finish frictions geometry givenDt givenThreads gridSolver handOver hasEngines
-isBound isLeftAsMade markBound markUsed putInOrder refuseBetweenStages refuseDuringStep refuseWhileRunning row
-spec stepsToCall
+act bind constraints finish geometry row spec stepsToCall
 """.split()  # noqa: SIM905
 NO_FACE = ("replacing", "shapeRow", "Shape", "drawDomains")  # in public modules, but not for users
 HEAD = re.compile(r"^(\**\w+(?:, \**\w+)*) ?: (.*)$")

@@ -212,7 +212,7 @@ def throughPython(repeats):
         mpm.GridToParticle(),
         mpm.DomainUpdater(),
     ]
-    scene.dt = 0.4 * h / soil.core.waveSpeed
+    scene.dt = 0.4 * h / soil._core.waveSpeed
     body.velocity = body.position * (2e-7 / scene.dt) * (1, -1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the soil begins beyond yield, to yield everywhere

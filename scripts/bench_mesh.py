@@ -52,7 +52,7 @@ def stepTime(mesh, seconds):
     )
     scene.add("soil", mesh, soil, mpm.APDI(), fbar=False)
     scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
-    scene.dt = 1e-3 * cell / soil.core.waveSpeed
+    scene.dt = 1e-3 * cell / soil._core.waveSpeed
     scene.run(steps=20, progress=False)
     shortest, before, end = np.inf, total(scene), time.perf_counter() + seconds
     while time.perf_counter() < end:

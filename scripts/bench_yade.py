@@ -127,12 +127,12 @@ def measure(count, away, a):
     def look():
         seconds = (
             exchange.seconds,
-            contact.core.seconds,
-            sum(e.core.seconds for e in scene.engines if e is not contact),
+            contact._core.seconds,
+            sum(e._core.seconds for e in scene.engines if e is not contact),
         )
         exchange.seconds = 0.0
         for engine in scene.engines:
-            engine.core.seconds = 0.0
+            engine._core.seconds = 0.0
         return [1e6 * s / STEPS for s in seconds]
 
     rows = [(*parts, whole - sum(parts)) for whole, parts in stretches(a.repeats, look)]

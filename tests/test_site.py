@@ -155,7 +155,7 @@ def test_every_attribute_has_a_text_of_its_own(name):
 
 SCENE = """
 add allowUnstable bodies cellSizeAt changes checkTimeStep criticalTimeStep dt dtSpeed engines faceNodes
-initialStress isMidStep lines loop nodePositions nodesInside particleCount pause plot prepare remove run
+initialStress lines loop nodePositions nodesInside particleCount pause plot prepare remove run
 running save scheme settle step steps threads time timing unbalancedForce wait
 """
 

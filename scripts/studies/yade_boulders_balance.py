@@ -44,7 +44,7 @@ class Balance:
                 "bouldersPotential": float(GRAVITY * self.masses @ (z - self.heights)),
                 "soilKinetic": diagnostics.kineticEnergy(self.scene),
                 "soilInternalWork": diagnostics.internalWork(self.scene),
-                "workOnSoil": float(self.scene.core.energies["loads"]),
+                "workOnSoil": float(self.scene._core.energies["loads"]),
                 "frictionWork": float(self.contact.frictionWork),
                 "soilEnergyError": diagnostics.energyError(self.scene),
                 "momentum": float(momentum),

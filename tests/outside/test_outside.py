@@ -141,7 +141,7 @@ scene.run(steps=1, progress=False)
 first = scene.dt
 scene.run(until=4.92, progress=False)
 p = -soil.stress.trace(axis1=1, axis2=2) / 3
-longest = scene.core.criticalTimeStep(1e-4, 300, False)["longestStable"]
+longest = scene._core.criticalTimeStep(1e-4, 300, False)["longestStable"]
 print(scene.steps, first / scene.dt, scene.dt / longest, p.mean())
 """
     )

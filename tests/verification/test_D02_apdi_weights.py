@@ -178,7 +178,7 @@ def oneStep(X, scheme="MUSL", **type_):
 def test_a_step_takes_gradient_and_volume_of_hexahedra_from_the_quadrature(scheme):
     before = randomHexahedra(ODD)
     body = oneStep(before, scheme)
-    V = np.asarray(body.core.view("vertexVelocity", True)).reshape(before.shape)
+    V = np.asarray(body._core.view("vertexVelocity", True)).reshape(before.shape)
     after = body.vertices.reshape(before.shape)
     onePoint = 0.0
     for p in range(ODD):
@@ -255,7 +255,7 @@ def test_hourglass_forces_are_those_of_the_corner_patterns(dim):
     scene.run(steps=1, progress=False)
     nodes = scene.nodePositions()
     found = np.zeros((len(nodes), dim))
-    values = scene.core.nodalValues()
+    values = scene._core.nodalValues()
     found[values["node"]] = values["force"]
     expected = sum(hats(x, nodes, 0.25) @ hourglassForces(x, x0, 0.3) for x, x0 in zip(X, X0))
     assert np.abs(expected).max() > 1e-3  # control

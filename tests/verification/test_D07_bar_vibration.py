@@ -44,7 +44,7 @@ def vibrate(kind, young=YOUNG, flip=1.0, damping=0.0):
     def note():
         kinetic = 0.5 * (bar.mass * (bar.velocity**2).sum(axis=1)).sum()
         history.append(
-            (scene.time, np.average(bar.velocity[:, 0], weights=bar.mass), kinetic, bar.core.internalWork)
+            (scene.time, np.average(bar.velocity[:, 0], weights=bar.mass), kinetic, bar._core.internalWork)
         )
 
     note()

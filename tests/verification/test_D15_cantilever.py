@@ -55,7 +55,7 @@ def test_energy_of_the_swing_is_kept(cantilever):
     scene, _ = cantilever.run(until=0.25, progress=False, cell=0.125)
     beam = scene["beam"]
     kinetic = 0.5 * (beam.mass * (beam.velocity**2).sum(axis=1)).sum()
-    work = scene.core.energies["gravity"]
+    work = scene._core.energies["gravity"]
     fallen = beam.mass @ (beam.reference[:, 1] - beam.position[:, 1]) * 10
     assert work == pytest.approx(fallen, rel=0.01)
     assert kinetic + elasticEnergy(beam) == pytest.approx(work, rel=0.02)

@@ -82,7 +82,7 @@ def test_mass_and_momentum_balance(arrangement):
         before, momentum = momentum, sum((b.mass[:, None] * b.velocity).sum(axis=0) for b in scene.bodies)
         force = np.array([0, -mass * GRAVITY]) + sum(c.reaction for c in scene.constraints)
         assert abs(momentum - before - scene.dt * force).max() < 1e-12 * mass * GRAVITY
-        assert scene.core.nodalTotals()["mass"] == pytest.approx(mass, rel=1e-14)
+        assert scene._core.nodalTotals()["mass"] == pytest.approx(mass, rel=1e-14)
     assert abs(sum(c.reaction for c in scene.constraints)[1]) > 0.1 * mass * GRAVITY
 
 

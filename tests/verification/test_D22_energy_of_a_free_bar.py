@@ -36,7 +36,7 @@ def energyOfFreeBar(kind, scheme, flip=1.0):
     history = []
 
     def note():
-        history.append((0.5 * (bar.mass * (bar.velocity**2).sum(axis=1)).sum(), bar.core.internalWork))
+        history.append((0.5 * (bar.mass * (bar.velocity**2).sum(axis=1)).sum(), bar._core.internalWork))
 
     note()
     scene.engines = [

@@ -115,17 +115,17 @@ def test_each_look_searches_once(monkeypatch):
 
     class Core:
         def __init__(self, core):
-            self.__dict__["core"] = core
+            self.__dict__["_core"] = core
 
         def __getattr__(self, name):
             looks.append(name)
-            return getattr(self.core, name)
+            return getattr(self._core, name)
 
         def __setattr__(self, name, value):
-            setattr(self.core, name, value)
+            setattr(self._core, name, value)
 
     scene = stretched(0.1)
-    scene.__dict__["core"] = Core(scene.core)
+    scene.__dict__["_core"] = Core(scene._core)
     scene.run(steps=5, progress=False)  # from step 1 to 6
     assert looks.count("interfaceFault") == 4  # before, at 2 and 4, at the end
 

@@ -63,7 +63,7 @@ class OneStep:
             for value, (i, j) in zip(strain.reshape(n, -1).T, self.axes):
                 whole[:, i, j] = whole[:, j, i] = self.stretch(body, i, j)[...] = value
             trace = np.trace(whole, axis1=1, axis2=2)[:, None, None] * np.eye(3)
-            stress = np.asarray(body.core.view("stress", False))  # that of small strain
+            stress = np.asarray(body._core.view("stress", False))  # that of small strain
             stress[...] = rest.lame[0] / 2 * trace + rest.lame[1] * whole
             if len(patterns):
                 body.vertices[...] = rest.vertices + CELL * rest.moves @ patterns.reshape(-1, self.dim)
@@ -80,7 +80,7 @@ class OneStep:
 
     def __call__(self, state):
         self.put(state)
-        self.scene.core.advance(1, 60.0)
+        self.scene._core.advance(1, 60.0)
         return self.take()
 
     def matrix(self):

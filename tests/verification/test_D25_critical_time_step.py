@@ -117,7 +117,7 @@ def denseCriticalStep(scene, fixedComponents=(), withHourglass=True):
 def stepOfGrid(scene):
     """2/omega_max itself: with full hourglass control the longest stable step of MUSL may be shorter."""
     scene.prepare()
-    return scene.core.criticalTimeStep(1e-4, 300, False)["ofGrid"]
+    return scene._core.criticalTimeStep(1e-4, 300, False)["ofGrid"]
 
 
 def test_step_of_an_elastic_block_is_a_little_below_the_courant_step():

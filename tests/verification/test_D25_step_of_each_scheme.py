@@ -244,7 +244,7 @@ def test_an_automatic_step_follows_growth_and_never_passes_the_longest_one(monke
     while scene.time < 0.9:
         scene.run(steps=100, progress=False)
         used.append(scene.dt)
-        longest.append(scene.core.criticalTimeStep(1e-4, 300, False)["longestStable"])
+        longest.append(scene._core.criticalTimeStep(1e-4, 300, False)["longestStable"])
     assert scene["sand"].volume.max() > 1.5 * scene["sand"].initialVolume.max()
     assert (min(used) < 0.85 * used[0]) == isFollowed
     if isFollowed:
@@ -301,5 +301,5 @@ def test_the_step_follows_a_body_into_finer_cells():
     shares = []
     while body.position.max() < 7.5:
         scene.run(steps=20, progress=False)
-        shares.append(scene.dt / scene.core.criticalTimeStep(1e-4, 300, False)["longestStable"])
+        shares.append(scene.dt / scene._core.criticalTimeStep(1e-4, 300, False)["longestStable"])
     assert max(shares) < 0.8 and scene.steps > 500

@@ -219,7 +219,7 @@ def test_forces_are_those_of_the_drive(scheme):
     force = contact.forceOn("block")
     assert force[1] > 50
     drive = next(c for c in scene.constraints if c.name == "drive")
-    assert force[:2] == pytest.approx(-np.array(drive.core.reaction[:2]), abs=1e-9 * force[1])
+    assert force[:2] == pytest.approx(-np.array(drive._core.reaction[:2]), abs=1e-9 * force[1])
     assert contact.contactTable()["force"].sum(axis=0) == pytest.approx(force, abs=1e-9 * force[1])
 
 

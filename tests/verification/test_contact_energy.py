@@ -59,11 +59,11 @@ class Watch:
         return sum(c.work for c in self.scene.constraints)
 
     def before(self):
-        self.energy.append(self.scene.core.nodalEnergy())
+        self.energy.append(self.scene._core.nodalEnergy())
         self.done = self.work()
 
     def after(self):
-        self.measured.append(self.energy[-1] - self.scene.core.nodalEnergy() + self.work() - self.done)
+        self.measured.append(self.energy[-1] - self.scene._core.nodalEnergy() + self.work() - self.done)
         self.told.append(self.contact.gridLoss)
         self.reduced += self.contact.reduced
 
@@ -239,13 +239,13 @@ class Particles(Watch):
 
     def before(self):
         super().before()
-        values = self.scene.core.nodalValues()
+        values = self.scene._core.nodalValues()
         mass, momentum = np.array(values["mass"]), np.transpose(values["momentum"])
         self.start = 0.5 * (np.square(momentum).sum(axis=0)[mass > 0] / mass[mass > 0]).sum()
 
     def after(self):
         super().after()
-        self.end = self.scene.core.nodalEnergy()
+        self.end = self.scene._core.nodalEnergy()
 
     def last(self):
         before, self.kinetic = self.kinetic, mpm.diagnostics.kineticEnergy(self.scene)

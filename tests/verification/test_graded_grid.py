@@ -49,7 +49,7 @@ def test_patch(seed, type, dim):
     body = scene["block"]
     slope = np.arange(1.0, dim + 1)
     for p in range(0, body.count, 5):
-        nodes, phi, gradient = map(np.array, zip(*body.core.weights(p)))
+        nodes, phi, gradient = map(np.array, zip(*body._core.weights(p)))
         field = 0.3 + nodes @ slope
         assert phi.sum() == pytest.approx(1, abs=1e-12)
         assert phi @ field == pytest.approx(0.3 + body.position[p] @ slope, abs=1e-12)

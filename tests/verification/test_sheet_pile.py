@@ -221,7 +221,7 @@ def test_a_fine_implicit_pile_keeps_its_energy():
     scene = sheet_pile.build(a)
     scene.run(until=a.until, progress=False)
     missing = diagnostics.energyError(scene) / diagnostics.externalWork(scene)
-    assert abs(missing) < 0.01 and scene["pile"].core.internalWork < 0.5
+    assert abs(missing) < 0.01 and scene["pile"]._core.internalWork < 0.5
 
 
 # --- stripes ------------------------------------------------------------------------------------------------

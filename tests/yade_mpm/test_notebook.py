@@ -148,7 +148,7 @@ def test_domains_are_drawn_as_they_are_deformed(splitAt):
     drawn = block.deformedCorners()
     assert np.allclose(drawn, before @ strain.T, rtol=0, atol=1e-12)
     if splitAt:
-        block.core.splitStretched()
+        block._core.splitStretched()
         assert block.count > 16
         drawn = block.deformedCorners()
     places = np.random.default_rng(1).uniform(0.02, 0.98, (500, 2)) @ strain.T

@@ -73,10 +73,10 @@ class Attributed:
             cls.__signature__ = signatureOf(cls)
 
     def __init__(self, **attributes):
-        object.__setattr__(self, "core", type(self)._make(type(self)._coreName))
+        object.__setattr__(self, "_core", type(self)._make(type(self)._coreName))
         for name, value in attributes.items():
             self._assign(name, value)
-        self.core.finish()
+        self._core.finish()
 
     def __reduce__(self):
         """Copies and pickles are refused: they would go on sharing values and results with the first one."""
@@ -87,28 +87,28 @@ class Attributed:
         if name.startswith("_") or isinstance(getattr(type(self), name, None), property):
             object.__setattr__(self, name, value)
             return
-        before = getattr(self, name) if name in self.attributeNames() else None
+        before = getattr(self, name) if name in self._attributeNames() else None
         self._assign(name, value)
         try:
-            self.core.finish()
+            self._core.finish()
             self._refuseFixed(name, before)
         except ValueError:
             self._assign(name, before)
-            self.core.finish()
+            self._core.finish()
             raise
         for tell in whenSet:
             tell()
 
     def _assign(self, name, value):
         """Gives the core a value; None takes it back where the default is "not given"."""
-        if name not in self.attributeNames():
+        if name not in self._attributeNames():
             taken = [
                 n
                 for n in inspect.signature(type(self).__init__).parameters
                 if n not in ("self", "attributes")
             ]
             if name in taken:
-                kind, others = type(self).__name__, ", ".join(map(repr, self.attributeNames()))
+                kind, others = type(self).__name__, ", ".join(map(repr, self._attributeNames()))
                 raise ValueError(
                     f"{kind}: {name} is an argument of {kind}(...) and cannot be set afterwards; make "
                     f"another one, or set one of {others}"
@@ -117,7 +117,7 @@ class Attributed:
                 raise ValueError(
                     f"{type(self).__name__}: {name} is what a run has found; it can be read, not set"
                 )
-            known = [*taken, *self.attributeNames()]
+            known = [*taken, *self._attributeNames()]
             if name in self._gone:
                 raise ValueError(f"{type(self).__name__}: {name} is gone; {self._gone[name]}")
             raise ValueError(
@@ -125,7 +125,7 @@ class Attributed:
                 f"(allowed: {', '.join(map(repr, known))})"
             )
         if value is None and self._make is not None and self._make(self._coreName).value(name) is None:
-            self.core.clear(name)
+            self._core.clear(name)
         else:
             try:
                 value = plain(value)
@@ -133,7 +133,7 @@ class Attributed:
                 raise ValueError(
                     f"{type(self).__name__}: {name} is nested too deeply; give numbers"
                 ) from None
-            self.core.set(name, value)
+            self._core.set(name, value)
 
     def _refuseFixed(self, name, before):
         isFixed = self._usedBy is not None and (self._fixed is None or name in self._fixed)
@@ -144,26 +144,26 @@ class Attributed:
             )
 
     def __getattr__(self, name):
-        if name.startswith("_") or name == "core":
+        if name.startswith("_"):
             raise AttributeError(name)
         try:
-            return self.core.value(name)
+            return self._core.value(name)
         except ValueError:
             raise AttributeError(
                 f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, dir(self))}"
             ) from None
 
-    def markUsed(self, name):
+    def _markUsed(self, name):
         """Called when the body of that name was made with it: what is fixed cannot change from then on."""
         self._usedBy = name
 
-    def attributeNames(self):
+    def _attributeNames(self):
         """Names of all attributes."""
-        return [p["name"] for p in _optionsOf(type(self), self.core)]
+        return [p["name"] for p in _optionsOf(type(self), self._core)]
 
     def state(self):
         """Dict of what the solver keeps between steps besides the attributes, for checkpoints."""
-        return {name: value for name in self._found if (value := self.core.value(name)) not in (None, ())}
+        return {name: value for name in self._found if (value := self._core.value(name)) not in (None, ())}
 
     def restoreState(self, state, attributes=None):
         """Sets what `state` and `attributes` have given, read from a checkpoint: at once, for one has to fit
@@ -171,18 +171,18 @@ class Attributed:
         for name, value in state.items():
             if name not in self._found:
                 raise ValueError(f"{type(self).__name__}: '{name}' is none of its state")
-            self.core.set(name, plain(value))
+            self._core.set(name, plain(value))
         for name, value in (attributes or {}).items():
             self._assign(name, value)
-        self.core.finish()
+        self._core.finish()
 
     def attributes(self):
         """Dict of all attributes that have a value."""
-        values = {name: self.core.value(name) for name in self.attributeNames()}
+        values = {name: self._core.value(name) for name in self._attributeNames()}
         return {name: value for name, value in values.items() if value is not None and value != ()}
 
     def __dir__(self):
-        return [*super().__dir__(), *self.attributeNames()]
+        return [*super().__dir__(), *self._attributeNames()]
 
     def __repr__(self):
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.attributes().items())})"
@@ -192,7 +192,7 @@ class Attributed:
         values = self.attributes()
         rows = [
             (p["name"], values[p["name"]], p["unit"].replace("-", ""), p["doc"])
-            for p in _optionsOf(type(self), self.core)
+            for p in _optionsOf(type(self), self._core)
             if p["name"] in values
         ]
         return card(type(self).__name__, table(("attribute", "value", "unit", "meaning"), rows))

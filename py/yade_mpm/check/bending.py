@@ -15,7 +15,7 @@ ROUNDOFF = 1e-9  # of the largest moment that the loads could have
 def thinBeams(scene):
     """Yields (name, text) for bodies that are too thin for the grid and bend: structures in softer soil, and
     bodies alone on which something acts across."""
-    gravity = scene.gridSolver("prepare").gravity
+    gravity = scene._gridSolver("prepare").gravity
     bodies = [body for body in scene.bodies if body.count]
     if not bodies:
         return
@@ -29,7 +29,7 @@ def thinBeams(scene):
 
 def actions(scene):
     """What may bend bodies, to see when it changes: gravity, motions, supports, loads, other bodies."""
-    solver = scene.gridSolver("prepare")
+    solver = scene._gridSolver("prepare")
     found = [list(solver.gravity or ()), *(list(m.velocity) for m in (*solver.hold, *solver.drives))]
     found += [solver.roller, solver.fixed, [body.name for body in scene.bodies if body.count]]
     for engine in scene.engines:
@@ -100,13 +100,13 @@ def _facesBeside(scene, faces, lower, upper):
 
 def _isCarried(scene, lower, upper, axis):
     """Whether a face of the grid holds a body along an axis all over: also half of one, by symmetry."""
-    solver = scene.gridSolver("prepare")
+    solver = scene._gridSolver("prepare")
     return axis in _facesBeside(scene, {*solver.roller, *solver.fixed}, lower, upper)
 
 
 def _isBent(scene, body, axis, gravity, lower, upper):
     """Whether something may bend a body across an axis: weight, motions, rigid bodies, moments of loads."""
-    solver = scene.gridSolver("prepare")
+    solver = scene._gridSolver("prepare")
     motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
     isHeld = 0.0 in motions or len(_facesBeside(scene, solver.fixed, lower, upper)) > 0
     across = body.velocity[:, axis]

@@ -22,7 +22,7 @@ def checkInterface(scene, limit):
 
     Returns what is wrong with the longest of those above INTERFACE_WARN, as text; or None.
     """
-    fault = scene.core.interfaceFault(min(limit, limits.INTERFACE_WARN))
+    fault = scene._core.interfaceFault(min(limit, limits.INTERFACE_WARN))
     if fault is None:
         return None
     meshed, boxes, where = fault["meshed"], fault["boxes"], fault["where"]
@@ -51,7 +51,7 @@ def deepOverlap(scene):
     """Which rigid body was the first to overlap with a particle by more than a quarter of its width, as
     text; or None."""
     for contact in (e for e in scene.engines if isinstance(e, RigidContact)):
-        if (found := contact.core.deep()) is not None:
+        if (found := contact._core.deep()) is not None:
             body, soil, depth, step = found
             return (
                 f"RigidContact: rigid body {body} was {depth:.3g} m deep in '{scene.bodies[soil].name}' in "
@@ -67,14 +67,14 @@ def distortion(scene):
     poor = [
         (found["quality"], body, found["worst"], found["count"])
         for body in scene.bodies
-        for found in [body.core.poorDomains(limits.POOR_QUALITY)]
+        for found in [body._core.poorDomains(limits.POOR_QUALITY)]
         if found["count"]
     ]
     if not poor:
         return None
     quality, body, particle, count = min(poor, key=lambda p: p[0])
     number = f"{count} domains" if count > 1 else "a domain"
-    converts = body.type.core.converts
+    converts = body.type._core.converts
     return (
         f"{number} of '{body.name}' distorted, most that of particle {body.id[particle]} at "
         f"{placeText(body.position[particle])}: smallest corner {100 * quality:.3g} % of its area, and at 5 "
@@ -108,14 +108,14 @@ def locking(body):
 
 def flowing(body):
     """What is wrong with a mesh with F-bar that flows, as text; or None."""
-    isMesh = body.type.core.isMeshed and body.fbar and body.count
+    isMesh = body.type._core.isMeshed and body.fbar and body.count
     if not isMesh or "plasticShearStrain" not in body.fieldNames:
         return None
     share = np.mean(body.plasticShearStrain > limits.MESH_FLOW_STRAIN)
     if share <= limits.MESH_FLOW_SHARE:
         return None
     isAmongBoxes = any(
-        other.group == body.group and other.fbar and other.count and not other.type.core.isMeshed
+        other.group == body.group and other.fbar and other.count and not other.type._core.isMeshed
         for other in body.scene.bodies
     )
     error = "on stiff soil a strip footing resists up to 19 % too much"
@@ -132,7 +132,7 @@ def flowing(body):
 def opened(body):
     """Tells of soil that does not dilate and has gained volume, as text; or None."""
     given = body.material.attributes()
-    mayClose = "closing" in body.material.attributeNames()
+    mayClose = "closing" in body.material._attributeNames()
     if (
         not (body.count and mayClose)
         or given.get("closing", body.fbar)
@@ -166,9 +166,9 @@ def checkFields(body, remedy=BY_HAND):
     remedy : str, what to do about them; default: what is right for values that were set between runs.
     """
     for ofDomains in (False, True):
-        for name in (field["name"] for field in body.core.fields(ofDomains)):
-            if name != "bodyForce" or body.core.hasBodyForce:
-                _checkField(body, name, np.asarray(body.core.view(name, ofDomains)), remedy)
+        for name in (field["name"] for field in body._core.fields(ofDomains)):
+            if name != "bodyForce" or body._core.hasBodyForce:
+                _checkField(body, name, np.asarray(body._core.view(name, ofDomains)), remedy)
 
 
 def _checkField(body, name, values, remedy):
@@ -204,7 +204,7 @@ def leftBehind(scene, hold):
         way[np.arange(scene.dim) != across] = 0.0
     if (way < HELD * scene.cell).all():  # the smallest one
         return None
-    cells = way / scene.cellSizeAt(scene.nodePositions()[hold.core.nodes]).min(axis=0)
+    cells = way / scene.cellSizeAt(scene.nodePositions()[hold._core.nodes]).min(axis=0)
     if cells.max() < HELD:
         return None
     return (

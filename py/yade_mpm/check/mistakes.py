@@ -26,7 +26,7 @@ OVERLAP = 0.02
 
 def likelyMistakes(scene, gravity):
     """Yields a text for each. gravity : of the solver, m/s2."""
-    if scene.isLeftAsMade() and not _isMoved(scene):
+    if scene._isLeftAsMade() and not _isMoved(scene):
         yield (
             "Scene: no engines were given, and the default ones have neither gravity nor walls; set e.g. "
             "scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed='bottom')"
@@ -41,11 +41,11 @@ def likelyMistakes(scene, gravity):
         yield from _strength(body)
         yield from _beyondYield(body)
         yield from _locking(body)
-    if scene.geostaticGravity is not None and not np.isclose(
-        scene.geostaticGravity, -gravity[-1] if gravity else 0
+    if scene._geostaticGravity is not None and not np.isclose(
+        scene._geostaticGravity, -gravity[-1] if gravity else 0
     ):
         yield (
-            f"Scene: initialStress was made for {scene.geostaticGravity:g} m/s2 downwards, the GridSolver "
+            f"Scene: initialStress was made for {scene._geostaticGravity:g} m/s2 downwards, the GridSolver "
             f"has gravity = {gravity} m/s2; the "
             f"ground will move"
         )
@@ -62,7 +62,7 @@ def likelyMistakes(scene, gravity):
             yield from contactMistakes(scene, engine)
         if isinstance(engine, RigidContact):
             yield from _overlap(scene, engine)
-    for engine, friction in ((e, f) for e in scene.engines for f in e.frictions()):
+    for engine, friction in ((e, f) for e in scene.engines for f in e._frictions()):
         if ANGLES[0] <= friction <= ANGLES[1]:
             yield (
                 f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its "
@@ -73,7 +73,7 @@ def likelyMistakes(scene, gravity):
 
 def _overlap(scene, contact):
     """Rigid bodies that stand in the soil."""
-    found = [o for o in contact.core.overlaps(scene.core) if o[2] > OVERLAP * min(scene.cell)]
+    found = [o for o in contact._core.overlaps(scene._core) if o[2] > OVERLAP * min(scene.cell)]
     if found:
         body, soil, depth = max(found, key=lambda o: o[2])
         others = {1: "", 2: ", and another one is in the soil"}.get(
@@ -99,7 +99,7 @@ def _isMoved(scene):
 def _leftOut(scene):
     """Loads and drives of its bodies that nobody has given to the scene."""
     inUse = {id(part) for part in (*scene.engines, *scene.constraints)}
-    for part in (p for p in scene.loadsAndDrives if id(p) not in inUse):
+    for part in (p for p in scene._loadsAndDrives if id(p) not in inUse):
         if isinstance(part, Drive):
             yield (
                 f"Drive: '{part.name}' of '{part.part.body.name}' is not given to the GridSolver and moves "
@@ -149,7 +149,7 @@ def _units(body, gravity):
 def _present(body):
     """Largest bulk and shear modulus of a body as it stands, kPa."""
     scene = body.scene
-    return scene.core.presentStiffness()[scene.bodies.index(body)]
+    return scene._core.presentStiffness()[scene.bodies.index(body)]
 
 
 def _strength(body):
@@ -170,7 +170,7 @@ def _strength(body):
 def _locking(body):
     """Boxes without F-bar that hardly change their volume."""
     lame, mu = body.material.lameConstants
-    if body.fbar or body.type.core.isMeshed or not lame >= 0.0:
+    if body.fbar or body.type._core.isMeshed or not lame >= 0.0:
         return
     poisson = lame / (2 * (lame + mu))
     if poisson >= limits.LOCKING_POISSON * (1 - 1e-9):
@@ -183,13 +183,13 @@ def _locking(body):
 
 def _beyondYield(body):
     """A stress that the material cannot bear: the first step changes it without any strain."""
-    found = body.core.beyondYield(ROUNDOFF)
+    found = body._core.beyondYield(ROUNDOFF)
     count, worst, change = found["count"], found["worst"], found["change"]
     if not count:
         return
     up = body.scene.dim - 1
     vertical, horizontal = body.stress[worst, up, up], body.stress[worst, 0, 0]
-    names = [variable[0] for variable in body.material.core.stateVariables()]
+    names = [variable[0] for variable in body.material._core.stateVariables()]
     state = {name: getattr(body, name)[worst] for name in names}
     bearable = _bearableK0(body.material, state, vertical, up) if vertical < 0 else None
     advice = (

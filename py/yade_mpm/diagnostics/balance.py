@@ -20,7 +20,7 @@ def mass(scene):
 def momentum(scene):
     """Momentum, sum s m v, Mg m/s (dim,), with the inertial mass (s: inertiaScale of the body)."""
     return sum(
-        (body.inertiaScale * np.array(body.core.motion()["momentum"]) for body in scene.bodies),
+        (body.inertiaScale * np.array(body._core.motion()["momentum"]) for body in scene.bodies),
         np.zeros(scene.dim),
     )
 
@@ -30,7 +30,7 @@ def kineticEnergy(scene):
 
     Velocities stand half a step behind positions and stresses; all energies are those of their instant.
     """
-    return float(sum(body.inertiaScale * body.core.motion()["kineticEnergy"] for body in scene.bodies))
+    return float(sum(body.inertiaScale * body._core.motion()["kineticEnergy"] for body in scene.bodies))
 
 
 def unseenEnergy(scene, kinetic=None):
@@ -44,7 +44,7 @@ def unseenEnergy(scene, kinetic=None):
     kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
     """
     kinetic = kineticEnergy(scene) if kinetic is None else kinetic
-    return max(0.0, kinetic - float(scene.core.nodalEnergy()))
+    return max(0.0, kinetic - float(scene._core.nodalEnergy()))
 
 
 def freeKineticEnergy(scene):
@@ -55,7 +55,7 @@ def freeKineticEnergy(scene):
     differ, and where the body's mean velocity is more than 10 % of v_d off, as of a block that is pressed at
     its top.
     """
-    drives = [c for c in scene.constraints if isinstance(c, Drive) and c.core.active]
+    drives = [c for c in scene.constraints if isinstance(c, Drive) and c._core.active]
     return float(
         sum(
             _freeEnergy(body, _translation([c for c in drives if c.part.body is body], scene.time))
@@ -65,7 +65,7 @@ def freeKineticEnergy(scene):
 
 
 def _freeEnergy(body, translation):
-    motion = body.core.motion()
+    motion = body._core.motion()
     energy = motion["kineticEnergy"]
     if translation is not None:
         momentum, mass = np.array(motion["momentum"]), body.mass.sum()
@@ -91,13 +91,13 @@ def internalWork(scene):
     Without half of that of the last step, which lies behind the instant of the velocities; with all of it for
     implicit bodies and under USF.
     """
-    return float(sum(body.core.internalWork - _ahead(scene, body) for body in scene.bodies))
+    return float(sum(body._core.internalWork - _ahead(scene, body) for body in scene.bodies))
 
 
 def _ahead(scene, body):
     """Work of the stresses of a body behind the instant of the velocities, kJ."""
-    isAtOnce = body.implicit or scene.core.stressFirst
-    return 0.0 if isAtOnce else 0.5 * body.core.lastInternalWork
+    isAtOnce = body.implicit or scene._core.stressFirst
+    return 0.0 if isAtOnce else 0.5 * body._core.lastInternalWork
 
 
 def externalWork(scene):
@@ -105,24 +105,24 @@ def externalWork(scene):
 
     Forces times the mean of the velocities at the start and the end of each step.
     """
-    energies = scene.core.energies
+    energies = scene._core.energies
     return float(energies["gravity"] + energies["loads"] + sum(c.work for c in scene.constraints))
 
 
 def dampedEnergy(scene):
     """Energy taken out by local damping since the start, kJ."""
-    return float(scene.core.energies["damping"])
+    return float(scene._core.energies["damping"])
 
 
 def contactEnergy(scene):
     """Energy lost to friction and impact between groups of bodies since the start, kJ."""
-    return float(scene.core.energies["contact"])
+    return float(scene._core.energies["contact"])
 
 
 def implicitEnergy(scene):
     """Energy taken by the solution for implicit bodies since the start, 1/2 dt^2 sum (v.K v + a.f), kJ,
     with the forces f of stress and weight of the bodies at the end of the steps."""
-    return float(scene.core.energies["implicit"])
+    return float(scene._core.energies["implicit"])
 
 
 def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
@@ -159,7 +159,7 @@ def workDone(scene):
     Unlike `externalWork` it is no sum in which the work of gravity and of a drive may cancel: the scale of
     energy ratios.
     """
-    energies = scene.core.energies
+    energies = scene._core.energies
     return float(
         abs(energies["gravity"]) + abs(energies["loads"]) + sum(abs(c.work) for c in scene.constraints)
     )

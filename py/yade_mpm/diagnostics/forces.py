@@ -26,7 +26,7 @@ def meanStressAlong(bodies, x, width, lower, upper):
             raise ValueError(
                 f"meanStressAlong: {name} = {shown(value)} is not allowed; give metres, a finite number"
             )
-    rows = [body.core.meanStresses(x, width / 2, lower, upper) for body in bodies]
+    rows = [body._core.meanStresses(x, width / 2, lower, upper) for body in bodies]
     pairs = (pair for found in rows for pair in zip(found["height"], found["meanStress"]))
     y, mean = np.reshape(sorted(pairs, key=itemgetter(0)), (-1, 2)).T
     return y, mean
@@ -61,7 +61,7 @@ def unbalancedRatio(scene):
     before the first step, infinite where nothing but inertia acts. Values of single steps scatter; take the
     mean over a time.
     """
-    balance = scene.core.balance()
+    balance = scene._core.balance()
     if not balance["nodes"]:
         return float("nan")
     scale, inertia = balance["stressed"], balance["inertia"]
@@ -102,7 +102,7 @@ def sectionForce(body, height, thickness=None):
 
 def _verticalExtent(body):
     """Lowest and highest point of every domain, m."""
-    if not body.type.core.isMeshed:
+    if not body.type._core.isMeshed:
         y, half = body.position[:, -1], body.halfSize[-1]
         return y - half, y + half
     y = body.vertices[:, -1][body.cells].T  # corner by corner: short rows take long

@@ -11,19 +11,19 @@ def volumeRatio(scene):
     grid does not count. One as long as particles have the volume of the space that they fill; nan without
     such a cell.
     """
-    inner = scene.core.innerVolumes()
+    inner = scene._core.innerVolumes()
     return inner["particles"] / inner["cells"] if inner["cells"] else float("nan")
 
 
 def minJacobian(scene):
     """Smallest corner Jacobian of all APDI domains over their initial volume, -; nan without APDI domains."""
-    values = [body.minJacobian for body in scene.bodies if body.type.core.isMeshed and body.count]
+    values = [body.minJacobian for body in scene.bodies if body.type._core.isMeshed and body.count]
     return float(min(values)) if values else float("nan")
 
 
 def hourglassAmplitude(scene):
     """Largest hourglass amplitude of all APDI domains over their edge, -; nan without APDI domains."""
-    values = [body.hourglassAmplitude for body in scene.bodies if body.type.core.isMeshed and body.count]
+    values = [body.hourglassAmplitude for body in scene.bodies if body.type._core.isMeshed and body.count]
     return float(max(values)) if values else float("nan")
 
 
@@ -49,8 +49,8 @@ def convertedCount(scene):
 
 
 def _inverted(body):
-    if not body.type.core.isMeshed:
-        return body.core.inverted
+    if not body.type._core.isMeshed:
+        return body._core.inverted
     if body.minJacobian > 0:
         return 0
     return int((cornerJacobians(body.corners()) <= 0).any(axis=1).sum())

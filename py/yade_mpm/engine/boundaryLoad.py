@@ -57,7 +57,7 @@ pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the la
         pairs = [(owner, _facetNumber(body.mesh.cells[owner], facet)) for facet, owner in zip(facets, owners)]
         super().__init__(body=body.name, facets=pairs, **attributes)
         self._looksForBonds = not loadsBonded
-        body.scene.loadsAndDrives.append(self)
+        body.scene._loadsAndDrives.append(self)
 
     def bind(self, scene):
         """Called before a run: looks whether the facets are there, and which stand on another body."""
@@ -178,7 +178,7 @@ def _checkArguments(body, where, loadsBonded, attributes):
 
 
 def _whyNoFacets(body):
-    if not body.type.core.isMeshed:
+    if not body.type._core.isMeshed:
         return "has no boundary facets; loads need an APDI body"
     if body.count:
         return "lost its first mesh when domains were converted; make loads before that"

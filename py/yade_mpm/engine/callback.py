@@ -24,9 +24,9 @@ class Callback(Engine):
     def __init__(self, iterPeriod=0, virtPeriod=0.0, **attributes):
         # The solver refers to the object weakly: a cycle through it would never be collected.
         method = weakref.WeakMethod(self._call)
-        object.__setattr__(self, "core", _core.makePythonEngine(lambda: method()()))
+        object.__setattr__(self, "_core", _core.makePythonEngine(lambda: method()()))
         for name, value in dict(attributes, iterPeriod=iterPeriod, virtPeriod=virtPeriod).items():
-            self.core.set(name, plain(value))
+            self._core.set(name, plain(value))
         self._scene = None
 
     def bind(self, scene):
@@ -38,7 +38,7 @@ class Callback(Engine):
         keep(self._scene.stepper, acting=None)
 
     def stepsToCall(self, scene):
-        dt, steps = scene.core.dt, NO_CALL
+        dt, steps = scene._core.dt, NO_CALL
         if self.iterPeriod > 0:
             past = scene.steps % self.iterPeriod
             steps = self.iterPeriod - past if past else 1

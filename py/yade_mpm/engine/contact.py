@@ -51,7 +51,7 @@ class Contact(generated["Contact"]):
         if self._groups:
             self._setPairs()
 
-    def frictions(self):
+    def _frictions(self):
         """All coefficients of friction: that of the engine, and those of pairs of groups."""
         return [self.friction, *(friction for friction, _ in self._pairs.values())]
 
@@ -59,7 +59,7 @@ class Contact(generated["Contact"]):
         groups = list(dict.fromkeys(b.group for b in scene.bodies))
         if self._groups and groups != self._groups:
             for name, size in SUMMED.items():
-                self.core.set(name, self._renumbered(self.core.value(name), size, groups))
+                self._core.set(name, self._renumbered(self._core.value(name), size, groups))
         object.__setattr__(self, "_groups", groups)
         if self._pairs:
             self._setPairs()
@@ -78,7 +78,7 @@ class Contact(generated["Contact"]):
             if name not in self._groups:
                 raise ValueError(f"Contact: there is no group '{name}'; groups: {', '.join(self._groups)}")
         numbers = {group: number for number, group in enumerate(self._groups)}
-        self.core.set(
+        self._core.set(
             "pairs",
             tableOf(
                 [
@@ -89,27 +89,27 @@ class Contact(generated["Contact"]):
         )
 
     frictionWork = property(
-        lambda self: self.core.value("frictionWork"), doc="Work lost to friction since the start, kJ."
+        lambda self: self._core.value("frictionWork"), doc="Work lost to friction since the start, kJ."
     )
     sliding = property(
-        lambda self: self.core.sliding, doc="Number of nodes in contact that slid in the last step."
+        lambda self: self._core.sliding, doc="Number of nodes in contact that slid in the last step."
     )
     largestPenetration = property(
-        lambda self: self.core.largestPenetration,
+        lambda self: self._core.largestPenetration,
         doc="Largest overlap of surfaces in contact in the last step, m, away from the edges of meshes.",
     )
     gridLoss = property(
-        lambda self: self.core.gridLoss,
+        lambda self: self._core.gridLoss,
         doc="Energy that contact took from the motion of the nodes in the last step, kJ; never negative "
         "(doc/theory/contact.md).",
     )
     reduced = property(
-        lambda self: self.core.reduced,
+        lambda self: self._core.reduced,
         doc="Number of pairs of groups whose impulses would have given energy in the last step, and were cut "
         "(doc/theory/contact.md).",
     )
     unsettled = property(
-        lambda self: self.core.unsettled,
+        lambda self: self._core.unsettled,
         doc="Number of pairs of groups whose impulses still changed when the last step ended its rounds; "
         "what that means for their force: doc/explanation/implicit-bodies.md.",
     )
@@ -123,7 +123,7 @@ class Contact(generated["Contact"]):
         the second (RigidContact: a length). Pressure of shared cells (`sharedCells`) has rows of its own with
         the area 0, the normal along the force.
         """
-        table = self.core.table
+        table = self._core.table
         names = np.array(self._groups or [""], object)
         return {
             **{name: names[column(table, name, type=int)] for name in ("first", "second")},
@@ -135,7 +135,7 @@ class Contact(generated["Contact"]):
     def forces(self):
         """Dict (A, B) -> force on group B by group A in the last step, kN (3,), for all pairs of groups; zero
         where they do not meet."""
-        return self._byPair(self.core.forces)
+        return self._byPair(self._core.forces)
 
     def forceImpulses(self):
         """Dict (A, B) -> time integral of the force on group B by group A since the start, kN s (3,), for all

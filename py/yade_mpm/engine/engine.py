@@ -22,8 +22,8 @@ def belongTo(scene, part):
 class Engine(Attributed):
     """Base of all engines: `label` names one, `dead` leaves it out."""
 
-    seconds = property(lambda self: self.core.seconds, doc="Wall time spent in this engine, s.")
-    calls = property(lambda self: self.core.calls, doc="How often the engine acted.")
+    seconds = property(lambda self: self._core.seconds, doc="Wall time spent in this engine, s.")
+    calls = property(lambda self: self._core.calls, doc="How often the engine acted.")
 
     _owner = None  # weak reference to the scene that it works for
     _isBound = False  # checked against a scene: vectors keep their length from then on
@@ -33,22 +33,20 @@ class Engine(Attributed):
         super().__setattr__(name, value)
         if self._isBound and isinstance(before, tuple) and len(getattr(self, name)) != len(before):
             given = len(getattr(self, name))
-            self.core.set(name, before)
+            self._core.set(name, before)
             raise ValueError(f"{type(self).__name__}: {name} has {given} components; give {len(before)}")
 
     def bind(self, scene):
         """Called before a run; engines that need the scene look things up here."""
 
-    isBound = property(lambda self: self._isBound, doc="Whether it was checked against a scene.")
-
-    def markBound(self):
+    def _markBound(self):
         """Called when it was checked against a scene: its vectors keep their length from then on."""
         self._isBound = True
 
     def flush(self):
         """Called when a run ends or is saved; engines that write files write here what is not in them yet."""
 
-    def frictions(self):
+    def _frictions(self):
         """All coefficients of friction that the engine was given."""
         return []
 

@@ -35,7 +35,6 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
     fixed = property(lambda self: self._fixed, doc="Faces with zero velocity.")
     hold = property(lambda self: self._hold, doc="List of prescribed motions of nodes.")
 
-    faceHolds = property(lambda self: self._faceHolds, doc="Dict face -> its `Hold`, of those in use so far.")
     drives = property(lambda self: self._drive, doc="List of driven parts.")
 
     @property
@@ -71,7 +70,7 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
 def wall(face, velocity):
     """The `Hold` of a face of the grid, which stops nodes and not the particles beside it."""
     hold = Hold(face, velocity)
-    hold.core.isWall = True
+    hold._core.isWall = True
     return hold
 
 

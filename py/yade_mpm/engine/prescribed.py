@@ -29,10 +29,10 @@ class Prescribed(Guarded):
     """
 
     _owner = None
-    hasBegun = False  # whether its ramp counts
+    _hasBegun = False  # whether its ramp counts
 
     def __init__(self, velocity, ramp, name):
-        object.__setattr__(self, "core", _core.Constraint())
+        object.__setattr__(self, "_core", _core.Constraint())
         self._velocity = _velocity(type(self).__name__, velocity)
         if not isinstance(name, str):
             raise TypeError(f"{type(self).__name__}: name = {name!r}; give a string")
@@ -40,20 +40,20 @@ class Prescribed(Guarded):
             raise ValueError(
                 f"{type(self).__name__}: ramp = {ramp!r} is not allowed; give zero or a positive time in s"
             )
-        self.core.name, self.core.velocity, self.core.ramp = name, self._velocity, float(ramp)
+        self._core.name, self._core.velocity, self._core.ramp = name, self._velocity, float(ramp)
 
     def bind(self, scene):
         """Called before a run: the ramp counts from the first one."""
         if self.dim != scene.dim:
             raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
-        if not self.hasBegun:
-            self.core.began = scene.time
-            keep(self, hasBegun=True)
+        if not self._hasBegun:
+            self._core.began = scene.time
+            keep(self, _hasBegun=True)
 
     def velocityAt(self, time):
         """Prescribed velocity at a time (s) with its ramp, m/s (dim,); nan where free."""
-        since = max(0.0, time - self.core.began)
-        return np.array(self.core.velocity) * (min(1.0, since / self.ramp) if self.ramp else 1.0)
+        since = max(0.0, time - self._core.began)
+        return np.array(self._core.velocity) * (min(1.0, since / self.ramp) if self.ramp else 1.0)
 
     def __repr__(self):
         return f"<{type(self).__name__} '{self.name}': velocity {self.velocity} m/s>"
@@ -62,7 +62,7 @@ class Prescribed(Guarded):
         """Card for a notebook: what is prescribed, and what it takes."""
         per = "/m" if self.dim == 2 else ""
         rows = [("velocity", self.velocity, "m/s"), ("ramp", self.ramp, "s")]
-        if self.hasBegun:
+        if self._hasBegun:
             rows += [
                 ("reaction", self.reaction.round(6).tolist(), f"kN{per}"),
                 ("work", self.work, f"kJ{per}"),
@@ -70,49 +70,49 @@ class Prescribed(Guarded):
         return card(f"{type(self).__name__} '{self.name}'", table(("", "value", "unit"), rows))
 
     dim = property(lambda self: len(self._velocity), doc="Number of axes, 2 or 3.")
-    name = property(lambda self: self.core.name, doc="Name, used for histories.")
-    ramp = property(lambda self: self.core.ramp, doc="Time over which the velocity grows from zero, s.")
-    work = property(lambda self: self.core.work, doc="Work done on the material since the start, kJ.")
+    name = property(lambda self: self._core.name, doc="Name, used for histories.")
+    ramp = property(lambda self: self._core.ramp, doc="Time over which the velocity grows from zero, s.")
+    work = property(lambda self: self._core.work, doc="Work done on the material since the start, kJ.")
     heldNodes = property(
-        lambda self: self.core.heldNodes, doc="Number of nodal components held in the last step."
+        lambda self: self._core.heldNodes, doc="Number of nodal components held in the last step."
     )
     centre = property(
-        lambda self: np.array(self.core.centre)[: self.dim], doc="Point that `moment` refers to, m."
+        lambda self: np.array(self._core.centre)[: self.dim], doc="Point that `moment` refers to, m."
     )
 
     @property
     def velocity(self):
         """Prescribed velocity, m/s, one component per axis, None where free; may be changed between steps."""
-        return tuple(None if np.isnan(v) else v for v in self.core.velocity)
+        return tuple(None if np.isnan(v) else v for v in self._core.velocity)
 
     @velocity.setter
     def velocity(self, value):
         values = _velocity(type(self).__name__, value)
         if len(values) != self.dim:
             raise ValueError(f"{type(self).__name__}: velocity has {len(values)} components; give {self.dim}")
-        self.core.velocity = self._velocity = values
+        self._core.velocity = self._velocity = values
 
     @property
     def reaction(self):
         """Force on the material in the last step, kN (2D: kN/m). RuntimeError as long as it is in no scene
         that was run."""
-        if not self.hasBegun:
+        if not self._hasBegun:
             kind = type(self).__name__
             raise RuntimeError(
                 f"{kind}: '{self.name}' is in no scene that was run; give it to "
                 f"GridSolver({kind.lower()}=...) and run the scene"
             )
-        return np.array(self.core.reaction)[: self.dim]
+        return np.array(self._core.reaction)[: self.dim]
 
     impulse = property(
-        lambda self: np.array(self.core.impulse)[: self.dim],
+        lambda self: np.array(self._core.impulse)[: self.dim],
         doc="Time integral of the reaction since the start, kN s (2D: kN s/m).",
     )
 
     @property
     def moment(self):
         """Moment on the material about `centre` in the last step, kN m."""
-        return self.core.moment[2] if self.dim == 2 else np.array(self.core.moment)
+        return self._core.moment[2] if self.dim == 2 else np.array(self._core.moment)
 
 
 class Drive(Prescribed):
@@ -139,20 +139,20 @@ class Drive(Prescribed):
             raise TypeError(f"Drive: part = {part!r}; give a body or a part of one, e.g. pile.above(12)")
         object.__setattr__(self, "part", part)
         far = 1e300
-        self.core.body = part.body.name
+        self._core.body = part.body.name
         lower, upper = [-far] * self.dim, [far] * self.dim
         lower[-1] = -far if part.lower is None else float(part.lower)
         upper[-1] = far if part.upper is None else float(part.upper)
-        self.core.lower, self.core.upper = lower, upper
+        self._core.lower, self._core.upper = lower, upper
         if part.ids is not None:
-            self.core.ids = part.ids
-        part.body.scene.loadsAndDrives.append(self)
+            self._core.ids = part.ids
+        part.body.scene._loadsAndDrives.append(self)
 
     @property
     def rowsCrossed(self):
         """Rows of nodes behind the front of the driven body, from the edge of the grid on, with the part of
         the cell that it is in: it grows by one for each cell of the path. nan while the drive stands."""
-        velocity = np.nan_to_num(self.core.velocity)[: self.dim]
+        velocity = np.nan_to_num(self._core.velocity)[: self.dim]
         axis = np.argmax(np.abs(velocity))
         body = self.part.body
         if not velocity[axis] or not body.count:
@@ -165,7 +165,7 @@ class Drive(Prescribed):
     def bind(self, scene):
         if not any(self.part.body is b for b in scene.bodies):
             raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
-        if not self.hasBegun and self.part.ids is None and not np.any(self.part.has()):
+        if not self._hasBegun and self.part.ids is None and not np.any(self.part.has()):
             heights = self.part.body.position[:, -1]
             at = (
                 f"at heights from {heights.min():g} to {heights.max():g} m" if len(heights) else "it is empty"
@@ -225,8 +225,8 @@ class Hold(Prescribed):
                 f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell "
                 "size)"
             )
-        self.core.nodes = np.ascontiguousarray(nodes, np.int32)
-        self.core.centre = list(scene.nodePositions()[nodes].mean(axis=0))
+        self._core.nodes = np.ascontiguousarray(nodes, np.int32)
+        self._core.centre = list(scene.nodePositions()[nodes].mean(axis=0))
         self._isFound = True
 
 

@@ -20,7 +20,7 @@ too."""
     )
 
     frictionWork = property(
-        lambda self: self.core.value("frictionWork"), doc="Work lost to friction since the start, kJ."
+        lambda self: self._core.value("frictionWork"), doc="Work lost to friction since the start, kJ."
     )
 
     def addBody(
@@ -73,8 +73,8 @@ too."""
         """
         names = "body", "soil", "friction", "adhesion"
         rows = [dict(zip(names, (int(body), int(soil), float(f), float(a)))) for body, soil, f, a in pairs]
-        self.core.set("pairs", withRows((), rows) if rows else ())
-        self.core.finish()
+        self._core.set("pairs", withRows((), rows) if rows else ())
+        self._core.finish()
 
     def _insert(self, shapes, friction, position, orientation, velocity, angularVelocity, mass, adhesion):
         shapes = list(shapes) if isinstance(shapes, (list, tuple)) else [shapes]
@@ -99,12 +99,12 @@ too."""
                 f"RigidContact: mass = {mass!r} is not allowed; give Mg, or zero for a body that does not "
                 "yield"
             )
-        self.core.set("friction", [*self.friction, friction])
-        self.core.set("masses", [*self.masses, float(mass)])
-        self.core.set("adhesion", [*self.adhesion, float(adhesion)])
+        self._core.set("friction", [*self.friction, friction])
+        self._core.set("masses", [*self.masses, float(mass)])
+        self._core.set("adhesion", [*self.adhesion, float(adhesion)])
         for name, more in (("shapes", rows), ("states", [state]), ("impulses", [impulse])):
-            self.core.set(name, withRows(self.core.value(name), more))
-        self.core.finish()
+            self._core.set(name, withRows(self._core.value(name), more))
+        self._core.finish()
         return number
 
     def replaceShapes(self, shapes):
@@ -116,10 +116,10 @@ too."""
         shapes : list of (number of the rigid body, `rigid.Sphere`, `Box`, `Wall` or `Facet`).
         """
         rows = [shapeRow(number, shape) for number, shape in shapes]
-        self.core.set("shapes", withRows((), rows) if rows else ())
-        self.core.finish()
+        self._core.set("shapes", withRows((), rows) if rows else ())
+        self._core.finish()
 
-    def frictions(self):
+    def _frictions(self):
         """The coefficients of friction of all rigid bodies."""
         return list(self.friction)
 
@@ -138,14 +138,14 @@ too."""
             arrays = [np.ascontiguousarray(a, np.float64) for a in states]
         except ValueError as error:
             raise ValueError(f"RigidContact: setStates: {error}; give arrays of numbers") from None
-        self.core.setStates(*arrays)
+        self._core.setStates(*arrays)
 
     forces = property(
-        lambda self: np.array(self.core.forces),
+        lambda self: np.array(self._core.forces),
         doc="Forces on the rigid bodies in the last step, kN (2D: kN/m).",
     )
     torques = property(
-        lambda self: np.array(self.core.torques),
+        lambda self: np.array(self._core.torques),
         doc="Moments on the rigid bodies about their positions, kN m.",
     )
     positions = property(
@@ -156,23 +156,24 @@ too."""
     angularVelocities = property(
         lambda self: self._state("angularVelocity"), doc="Angular velocities, rad/s."
     )
-    contacts = property(lambda self: self.core.contacts, doc="Number of contacts in the last step.")
-    sliding = property(lambda self: self.core.sliding, doc="Number of contacts that slid in the last step.")
+    contacts = property(lambda self: self._core.contacts, doc="Number of contacts in the last step.")
+    sliding = property(lambda self: self._core.sliding, doc="Number of contacts that slid in the last step.")
     largestPenetration = property(
-        lambda self: self.core.largestPenetration, doc="Largest overlap in the last step, m."
+        lambda self: self._core.largestPenetration, doc="Largest overlap in the last step, m."
     )
     springEnergy = property(
-        lambda self: self.core.springEnergy, doc="Energy in the springs of all contacts in the last step, kJ."
+        lambda self: self._core.springEnergy,
+        doc="Energy in the springs of all contacts in the last step, kJ.",
     )
     stiffnessUsed = property(
-        lambda self: self.core.stiffnessUsed, doc="Normal stiffness per area in the last step, kPa/m."
+        lambda self: self._core.stiffnessUsed, doc="Normal stiffness per area in the last step, kPa/m."
     )
 
     def takeImpulses(self):
         """Integrals of forces and torques over the time since the last call, kN s and kN m s: (N, 3), (N, 3);
         for sub-cycling."""
-        taken = self.core.value("impulses")
-        self.core.clearImpulses()
+        taken = self._core.value("impulses")
+        self._core.clearImpulses()
         return column(taken, "force", 3), column(taken, "torque", 3)
 
     def contactTable(self):
@@ -183,7 +184,7 @@ too."""
         the vertex, or where the particle would be had it moved as it is strained; gap, m; force (n, 3), kN,
         on the soil.
         """
-        table = self.core.value("history")
+        table = self._core.value("history")
         return {
             **{name: column(table, name, type=int) for name in ("soil", "body", "id")},
             **{name: column(table, name, 3) for name in ("normal", "slip", "point")},
@@ -192,7 +193,7 @@ too."""
         }
 
     def _state(self, name, width=3):
-        return column(self.core.value("states"), name, width)
+        return column(self._core.value("states"), name, width)
 
     def __repr__(self):
         return f"<RigidContact of {len(self.friction)} rigid bodies, {self.contacts} contacts>"

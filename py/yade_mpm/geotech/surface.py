@@ -215,7 +215,7 @@ def _isWithin(x, chain):
 def _topChains(body, level):
     """Chains of boundary vertices that lay on the initial surface, each (n, 2) from left to right as
     meshed."""
-    start = np.asarray(body.core.view("vertexReference", True))
+    start = np.asarray(body._core.view("vertexReference", True))
     facets = _boundary(body)
     top = facets[(np.abs(start[facets][:, :, 1] - level) < 1e-6).all(axis=1)]
     following = {int(b): int(a) for a, b in top}  # outward facets of the top run from right to left

@@ -218,14 +218,16 @@ def _writeAll(h5, text, bodies):
     for k, body in enumerate(bodies):
         group = h5.create_group(f"bodies/{k}")
         for name in storedFields(body):
-            group.create_dataset(f"particles/{name}", data=np.asarray(body.core.view(name, False)))
-        for field in body.core.fields(True):
+            group.create_dataset(f"particles/{name}", data=np.asarray(body._core.view(name, False)))
+        for field in body._core.fields(True):
             name = field["name"]
-            group.create_dataset(f"domains/{name}", data=np.asarray(body.core.view(name, True)))
-        for name, table in body.core.tables().items():
+            group.create_dataset(f"domains/{name}", data=np.asarray(body._core.view(name, True)))
+        for name, table in body._core.tables().items():
             group.create_dataset(f"tables/{name}", data=np.array(table, np.int32))
 
 
 def storedFields(body):
     """All but the body force that nobody has asked for: to ask is to switch it on."""
-    return [f["name"] for f in body.core.fields(False) if f["name"] != "bodyForce" or body.core.hasBodyForce]
+    return [
+        f["name"] for f in body._core.fields(False) if f["name"] != "bodyForce" or body._core.hasBodyForce
+    ]

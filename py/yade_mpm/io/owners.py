@@ -22,7 +22,7 @@ def take(file, engine):
         return
     if getattr(engine, "_owned", None) == path and other is not None:
         _refuse(file, engine, "belongs to another scene, which has written to it since")
-    if other is not None and other._scene is not engine._scene and other._scene.holder.isHeld:
+    if other is not None and other._scene is not engine._scene and other._scene._holder.isHeld:
         _refuse(file, engine, "belongs to another scene, which is writing to it")
     _owners[path] = weakref.ref(engine, lambda gone: _release(path, gone))
     object.__setattr__(engine, "_owned", path)

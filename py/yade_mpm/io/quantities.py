@@ -70,7 +70,7 @@ def _reactions(scene, means):
     """Reaction, moment and work of every prescribed motion."""
     row, dim = {}, scene.dim
     for c in scene.constraints:
-        six = means.get(c.name, [*c.core.reaction, *c.core.moment])
+        six = means.get(c.name, [*c._core.reaction, *c._core.moment])
         row.update((f"{c.name}.f{axis}", ("kN", f)) for axis, f in zip("xyz"[:dim], six))
         isFace = isinstance(c, Hold) and isinstance(c.where, str) and c.name == c.where
         if not isFace:
@@ -111,7 +111,7 @@ def timeIntegrals(scene):
 
     These are reaction and moment of each prescribed motion, and the force between each pair of groups.
     """
-    integrals = {c.name: [*c.core.impulse, *c.core.angularImpulse] for c in scene.constraints}
+    integrals = {c.name: [*c._core.impulse, *c._core.angularImpulse] for c in scene.constraints}
     contact = _contactOf(scene)
     if contact is not None:
         integrals.update(

@@ -31,13 +31,13 @@ class Material(Attributed):
         return self.__dict__.setdefault("_given", {})
 
     def _assign(self, name, value):
-        mayVary = any(p["name"] == name and p["mayVary"] for p in self.core.parameters())
+        mayVary = any(p["name"] == name and p["mayVary"] for p in self._core.parameters())
         if mayVary and isSpatial(value):
-            self.core.vary(name, True)
+            self._core.vary(name, True)
             self._spatial[name] = value
             return
         if self._spatial.pop(name, None) is not None:
-            self.core.vary(name, False)
+            self._core.vary(name, False)
         super()._assign(name, value)
 
     def __getattr__(self, name):
@@ -48,18 +48,18 @@ class Material(Attributed):
     def attributes(self):
         """Dict of all attributes that have a value; "per particle" for those that vary in space."""
         values = super().attributes() | dict.fromkeys(self._spatial, PER_PARTICLE)
-        return {name: values[name] for name in self.attributeNames() if name in values}
+        return {name: values[name] for name in self._attributeNames() if name in values}
 
     def markUsed(self, name):
-        super().markUsed(name)
-        object.__setattr__(self, "_states", self.core.stateVariables())
+        super()._markUsed(name)
+        object.__setattr__(self, "_states", self._core.stateVariables())
 
     def _refuseFixed(self, name, before):
         """Particles keep the state variables that they were made with, and their values."""
         if self._usedBy is None:
             return
         isState = any(name == variable[0] for variable in self._states)
-        if isState or self.core.stateVariables() != self._states:
+        if isState or self._core.stateVariables() != self._states:
             raise ValueError(
                 f"{type(self).__name__}: {name} cannot change any more, the particles of '{self._usedBy}' "
                 f"have values of their own; " + (f"set body.{name}" if isState else "set it before scene.add")
@@ -81,12 +81,12 @@ class Material(Attributed):
     @property
     def waveSpeed(self):
         """Speed of compression waves, m/s."""
-        return self.core.waveSpeed
+        return self._core.waveSpeed
 
     @property
     def lameConstants(self):
         """Elastic constants (lambda, mu), kPa."""
-        return self.core.lameConstants
+        return self._core.lameConstants
 
 
 def rebuilt(cls, attributes):
@@ -128,7 +128,7 @@ class MaterialPoint:
         stress = _tensor("stress", np.zeros((3, 3)) if stress is None else stress)
         if not np.allclose(stress, stress.T):
             raise ValueError("MaterialPoint: stress must be symmetric; give the same shear on both sides")
-        self._point = _core.MaterialPoint(material.core, stress, _knownState(material, state or {}))
+        self._point = _core.MaterialPoint(material._core, stress, _knownState(material, state or {}))
 
     def strain(self, increment):
         """Applies a logarithmic strain increment without rotation and returns the new stress.
@@ -184,7 +184,7 @@ class MaterialPoint:
 
 
 def _knownState(material, state):
-    names = [variable[0] for variable in material.core.stateVariables()]
+    names = [variable[0] for variable in material._core.stateVariables()]
     for name in state:
         if name not in names:
             raise ValueError(

@@ -39,7 +39,9 @@ class Body(Guarded):
     _instead = "np.array(body.stress) copies a field, scene.save(file) keeps the whole scene"
 
     def __init__(self, scene, core, type_, material, region=None, mesh=None):
-        self.__dict__.update(_scene=scene, core=core, type=type_, material=material, region=region, mesh=mesh)
+        self.__dict__.update(
+            _scene=scene, _core=core, type=type_, material=material, region=region, mesh=mesh
+        )
         self._convertsTo = None  # name of the body that takes over distorted domains
         self._fields = {f["name"] for f in core.fields(False)}
 
@@ -47,27 +49,30 @@ class Body(Guarded):
     convertsTo = property(
         lambda self: self._convertsTo, doc="Name of the body that takes over distorted domains."
     )
-    name = property(lambda self: self.core.name, doc="Name of the body.")
-    count = property(lambda self: self.core.count, doc="Number of particles.")
-    converted = property(lambda self: self.core.converted, doc="Domains converted to uGIMP particles so far.")
+    name = property(lambda self: self._core.name, doc="Name of the body.")
+    count = property(lambda self: self._core.count, doc="Number of particles.")
+    converted = property(
+        lambda self: self._core.converted, doc="Domains converted to uGIMP particles so far."
+    )
     minJacobian = property(
-        lambda self: self.core.minJacobian if self.count else np.nan,
+        lambda self: self._core.minJacobian if self.count else np.nan,
         doc="Smallest corner Jacobian of the domains over their initial volume; nan for uGIMP.",
     )
     hourglassAmplitude = property(
-        lambda self: self.core.hourglass, doc="Largest hourglass amplitude of the domains over their edge, -."
+        lambda self: self._core.hourglass,
+        doc="Largest hourglass amplitude of the domains over their edge, -.",
     )
     hourglassEnergy = property(
-        lambda self: self.core.hourglassEnergy,
+        lambda self: self._core.hourglassEnergy,
         doc="Energy stored in the hourglass patterns of the domains, kJ (2D: per metre); 0 for uGIMP.",
     )
     distortedCount = property(
-        lambda self: self.core.poorDomains(limits.POOR_QUALITY)["count"],
+        lambda self: self._core.poorDomains(limits.POOR_QUALITY)["count"],
         doc="Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run "
         "stops, or converts them.",
     )
     bytesPerParticle = property(
-        lambda self: self.core.bytes / max(1, self.count), doc="Memory, bytes per particle."
+        lambda self: self._core.bytes / max(1, self.count), doc="Memory, bytes per particle."
     )
 
     fieldNames = property(lambda self: frozenset(self._fields), doc="Names of all particle fields.")
@@ -90,26 +95,26 @@ class Body(Guarded):
 
     def fields(self):
         """List of dicts (name, unit, doc, shape, size) of all particle fields."""
-        return list(self.core.fields(False))
+        return list(self._core.fields(False))
 
     def __getattr__(self, name):
         if not name.startswith("_") and name in self._fields:
-            return np.asarray(self.core.view(name, False))
+            return np.asarray(self._core.view(name, False))
         raise AttributeError(
-            f"body '{self.__dict__['core'].name}' has no attribute '{name}'; fields: "
+            f"body '{self.__dict__['_core'].name}' has no attribute '{name}'; fields: "
             f"{', '.join(sorted(self._fields))}"
         )
 
     def __setattr__(self, name, value):
         if not name.startswith("_") and "_scene" in self.__dict__:
-            self._scene.refuseBetweenStages(f"body '{self.name}': {name}")
+            self._scene._refuseBetweenStages(f"body '{self.name}': {name}")
         if name in self.__dict__.get("_fields", ()):
             if name == "stress":
                 self.setStress(value)
             else:
-                view = np.asarray(self.core.view(name, False))
+                view = np.asarray(self._core.view(name, False))
                 view[...] = _finite(self, name, value, view.shape)
-                self.core.massesChanged()
+                self._core.massesChanged()
             return
         if name in ("type", "material", "region"):
             raise AttributeError(f"body '{self.name}': {name} cannot change once the body is made")
@@ -164,30 +169,30 @@ class Body(Guarded):
                 f"{np.abs(stress[:, 2, :2]).max():.3g} kPa, which plane strain does not have; give "
                 f"xz = yz = 0, or make a 3D scene"
             )
-        self.core.setStress(np.ascontiguousarray(stress, float))
+        self._core.setStress(np.ascontiguousarray(stress, float))
 
     @property
     def inertiaScale(self):
         """Factor on the inertial mass (not on the weight), -."""
-        return self.core.inertiaScale
+        return self._core.inertiaScale
 
     @inertiaScale.setter
     def inertiaScale(self, value):
         if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
             raise ValueError(f"body '{self.name}': inertiaScale = {shown(value)}; give a positive number")
-        self.core.inertiaScale = float(value)
+        self._core.inertiaScale = float(value)
 
     @property
     def group(self):
         """Name of the group that the body sticks to; may be changed between runs."""
-        return self.core.group
+        return self._core.group
 
     @group.setter
     def group(self, value):
         if not (isinstance(value, str) and value):
             raise ValueError(f"body '{self.name}': group = {value!r}; give a name, e.g. 'pile'")
-        self._scene.refuseDuringStep("group")
-        self.core.group = value
+        self._scene._refuseDuringStep("group")
+        self._core.group = value
         self._scene.stepper.noteChange()
 
     @property
@@ -197,21 +202,21 @@ class Body(Guarded):
 
         A stiff body that moves steadily and vibrates a little is braked by it, with damping times the mean of
         |m a|."""
-        return self.core.isDamped
+        return self._core.isDamped
 
     @isDamped.setter
     def isDamped(self, value):
-        self.core.isDamped = _flag(self, "isDamped", value)
+        self._core.isDamped = _flag(self, "isDamped", value)
 
     @property
     def fbar(self):
         """Whether the stress update takes one increment of volumetric strain per cell, and makes the mean
         stress linear in it (against volumetric locking); a flag."""
-        return self.core.fbar
+        return self._core.fbar
 
     @fbar.setter
     def fbar(self, value):
-        self.core.fbar = _flag(self, "fbar", value)
+        self._core.fbar = _flag(self, "fbar", value)
 
     @property
     def implicit(self):
@@ -219,13 +224,13 @@ class Body(Guarded):
         changed between runs (engine ImplicitBodies, doc/explanation/implicit-bodies.md).
 
         The stiffness of such a body does not limit the time step."""
-        return self.core.isImplicit
+        return self._core.isImplicit
 
     @implicit.setter
     def implicit(self, value):
         value = _flag(self, "implicit", value)
-        self._scene.refuseDuringStep("implicit")
-        self.core.isImplicit = value
+        self._scene._refuseDuringStep("implicit")
+        self._core.isImplicit = value
         self._scene.stepper.noteChange()
 
     @property
@@ -237,7 +242,7 @@ class Body(Guarded):
     @property
     def halfSize(self):
         """Half edges of the box domains, m (dim); zero for meshed domains."""
-        return np.array(self.core.halfSize)
+        return np.array(self._core.halfSize)
 
     @property
     def vertices(self):
@@ -249,7 +254,7 @@ class Body(Guarded):
         Particles stay where they are: to move a body before its first step, move `body.position` and
         `body.reference` as well; or add it where it belongs.
         """
-        return np.asarray(self.core.view("vertexPosition", True))
+        return np.asarray(self._core.view("vertexPosition", True))
 
     @vertices.setter
     def vertices(self, value):
@@ -258,7 +263,7 @@ class Body(Guarded):
     @property
     def cells(self):
         """Corner numbers of every meshed domain (N, 4 or 8), counter-clockwise, VTK order."""
-        corners = self.core.corners()
+        corners = self._core.corners()
         if corners is None:
             return None
         return np.frombuffer(corners, np.int32).astype(int).reshape(self.count, 2**self._scene.dim)
@@ -278,8 +283,8 @@ class Body(Guarded):
             return self.corners()
         dim = self._scene.dim
         deformed = np.array(self.deformationGradient[:, :dim, :dim])
-        if "splitShare" in [f["name"] for f in self.core.fields(True)]:
-            share = np.asarray(self.core.view("splitShare", True))
+        if "splitShare" in [f["name"] for f in self._core.fields(True)]:
+            share = np.asarray(self._core.view("splitShare", True))
             # The share keeps the second moments of the halves, not their corners: a square that is cut on
             # its diagonal is covered by halves that are larger by the square root of two.
             isCut = np.linalg.det(share) < 0.75
@@ -301,10 +306,10 @@ class Body(Guarded):
         None for other bodies. Raises ValueError where a particle that carries some has a deformationGradient
         that cannot be inverted.
         """
-        if "outlineCarrier" not in [f["name"] for f in self.core.fields(True)]:
+        if "outlineCarrier" not in [f["name"] for f in self._core.fields(True)]:
             return None
         carrier, offset, area = (
-            np.asarray(self.core.view(f"outline{name}", True)) for name in ("Carrier", "Offset", "Area")
+            np.asarray(self._core.view(f"outline{name}", True)) for name in ("Carrier", "Offset", "Area")
         )
         order = np.argsort(self.id)
         p = order[np.searchsorted(self.id, carrier, sorter=order)]
@@ -332,7 +337,7 @@ class Body(Guarded):
                 f"body '{self.name}': weights: particle = {shown(particle)} is not allowed; give a whole "
                 f"number from 0 to {self.count - 1}"
             )
-        return list(self.core.weights(int(particle)))
+        return list(self._core.weights(int(particle)))
 
     def convertTo(self, other):
         """Lets another body take over the domains that become too distorted.
@@ -343,10 +348,10 @@ class Body(Guarded):
 
         Raises TypeError and ValueError for another one, and for a body without domains.
         """
-        self._scene.refuseDuringStep("convertTo")
+        self._scene._refuseDuringStep("convertTo")
         if not (isinstance(other, Body) and any(other is body for body in self._scene.bodies)):
             raise TypeError(f"body '{self.name}': convertTo: other = {other!r}; give a body of this scene")
-        self._scene.core.convertTo(self.name, other.name)
+        self._scene._core.convertTo(self.name, other.name)
         self._convertsTo = other.name
 
     def convert(self, region, type, tolerance=1e-6):

@@ -54,7 +54,7 @@ class ParticleType(Attributed):
                 f"body '{name}': {type(self).__name__} particles fill a region, e.g. box((0, 0), (1, 1)); "
                 f"got {region!r}"
             )
-        cell = np.array(scene.core.cell)
+        cell = np.array(scene._core.cell)
         spacing = (
             cell / np.broadcast_to(self.perCell, cell.shape) if len(self.perCell) in (1, scene.dim) else None
         )
@@ -107,7 +107,7 @@ class MeshedType(ParticleType):
             raise TypeError(
                 f"body '{name}': give a region, (points, cells), or the name of a mesh file; got {region!r}"
             )
-        size = asSpacing(scene.core.cell if self.size is None else self.size, scene.dim, name)
+        size = asSpacing(scene._core.cell if self.size is None else self.size, scene.dim, name)
         if scene.isGraded:
             mesh = meshOnLines(region, scene, size, name)
             return folded(mesh if self.matched is None else self._match(mesh, size, scene, name), scene)
@@ -116,7 +116,7 @@ class MeshedType(ParticleType):
 
     def _match(self, mesh, size, scene, name):
         near = self.matched
-        if not hasattr(near, "halfSize") or near.type.core.isMeshed:
+        if not hasattr(near, "halfSize") or near.type._core.isMeshed:
             raise TypeError(
                 f"body '{name}': matched = {near!r}; give a body of uGIMP particles that was added before"
             )
@@ -133,7 +133,7 @@ class MeshedType(ParticleType):
         if scene.isGraded:
             return refined(mesh, scene, near, int(round(ratio[0])))
         return refineNear(
-            mesh, near.position, near.halfSize, float(min(scene.core.cell)), int(round(ratio[0]))
+            mesh, near.position, near.halfSize, float(min(scene._core.cell)), int(round(ratio[0]))
         )
 
 

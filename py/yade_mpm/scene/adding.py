@@ -69,8 +69,8 @@ def add(
     refuseDuringStep(scene, "add")
     _checkArguments(scene, name, region, material, type)
     if fbar is None:
-        fbar = material.core.yields and not implicit
-    with scene.holder.held("add"):
+        fbar = material._core.yields and not implicit
+    with scene._holder.held("add"):
         return _added(scene, name, region, material, type, (inertiaScale, fbar, group, implicit), exclude)
 
 
@@ -93,7 +93,7 @@ def _added(scene, name, region, material, type, options, exclude=None):
     except Exception:
         drop(scene, body)
         raise
-    if type.core.converts:
+    if type._core.converts:
         addConverted(scene, body)
     return body
 
@@ -115,7 +115,7 @@ def _without(contact, boxes, scene, how):
         build(body, boxes)
         number = len(scene.bodies) - 1
         left = np.delete(
-            np.arange(len(boxes.positions)), body.id[contact.core.overlapping(scene.core, number)]
+            np.arange(len(boxes.positions)), body.id[contact._core.overlapping(scene._core, number)]
         )
     finally:
         drop(scene, body)
@@ -124,7 +124,7 @@ def _without(contact, boxes, scene, how):
 
 def newBody(scene, name, material, type, region, inertiaScale, fbar, group, implicit=False):
     """A body without particles, at the end of scene.bodies."""
-    core = scene.core.addBody(name, material.core, type.core)
+    core = scene._core.addBody(name, material._core, type._core)
     body = Body(scene, core, type, material, region)
     scene._bodies.append(body)
     scene.stepper.noteChange()
@@ -134,8 +134,8 @@ def newBody(scene, name, material, type, region, inertiaScale, fbar, group, impl
     except Exception:
         drop(scene, body)
         raise
-    material.markUsed(name)
-    type.markUsed(name)
+    material._markUsed(name)
+    type._markUsed(name)
     return body
 
 
@@ -145,7 +145,7 @@ def build(body, geometry):
         _buildBoxes(body, geometry)
     else:
         keep(body, mesh=geometry)
-        body.core.buildMesh(
+        body._core.buildMesh(
             _array(geometry.points),
             _array(geometry.cells, np.int32),
             _array(geometry.slaves, np.int32),
@@ -193,13 +193,13 @@ def _moveOntoWalls(scene, vertices, tolerance):
 def drop(scene, body):
     """Takes back the body added last; whoever still has it finds it empty, not dangling."""
     scene._bodies.pop()
-    scene.core.dropBody()
-    body.__dict__.update(core=None, _fields=())
+    scene._core.dropBody()
+    body.__dict__.update(_core=None, _fields=())
 
 
 def _buildBoxes(body, boxes):
     outline = (_array(boxes.carriers, np.int32), _array(boxes.offsets), _array(boxes.areas))
-    body.core.buildLattice(_array(boxes.positions), _array(boxes.halfSize), *outline)
+    body._core.buildLattice(_array(boxes.positions), _array(boxes.halfSize), *outline)
     if boxes.shares is not None:
         for field in ("mass", "volume", "initialVolume"):
             setattr(body, field, getattr(body, field) * boxes.shares[body.id])

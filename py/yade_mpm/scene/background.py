@@ -38,7 +38,7 @@ class BackgroundRun(Run):
 
     def _work(self):
         try:
-            with self.scene.holder.held("run"):
+            with self.scene._holder.held("run"):
                 self.loop()
         except BaseException as error:  # raised again by wait()
             self.error = error

@@ -10,7 +10,7 @@ FLAGS = ("inertiaScale", "isDamped", "fbar", "group", "implicit")  # of bodies
 def parametersOf(scene):
     """What may be changed between runs, a dict name -> value: of engines, prescribed motions, materials and
     bodies, and the time step that was given."""
-    found = {"scene.dt": scene.givenDt}
+    found = {"scene.dt": scene._dt}
     for number, engine in enumerate(scene.engines):
         name = engine.label or type(engine).__name__
         name = name if f"{name}.dead" not in found else f"{name} {number}"
@@ -18,7 +18,7 @@ def parametersOf(scene):
         found.update({f"{name}.{key}": value for key, value in given.items()})
         found[f"{name}.dead"] = engine.dead
         if isinstance(engine, GridSolver):
-            for one in (*engine.hold, *engine.drives, *engine.faceHolds.values()):
+            for one in (*engine.hold, *engine.drives, *engine._faceHolds.values()):
                 found[f"{one.name}.velocity"], found[f"{one.name}.ramp"] = one.velocity, one.ramp
     for body in scene.bodies:
         found.update({f"'{body.name}'.{flag}": getattr(body, flag) for flag in FLAGS})

@@ -24,7 +24,7 @@ def convert(scene, body, region, type, tolerance):
     _warnOfLost(scene, body, numbers)
     name = _freeName(scene, f"{body.name} ({type.__class__.__name__})")
     way = toBoxes if isinstance(body.type, MeshedType) else toMesh
-    with scene.holder.held("convert"):
+    with scene._holder.held("convert"):
         other = way(scene, body, numbers, type, name, tolerance)
         scene.stepper.noteChange()
     return other
@@ -37,7 +37,7 @@ def toBoxes(scene, body, numbers, type, name, _):
     other.isDamped = body.isDamped
     half = type.geometry(_aCell(scene), scene, name).halfSize
     build(other, Boxes(np.zeros((0, scene.dim)), half))
-    scene.core.convertDomains(body.name, name, np.ascontiguousarray(numbers, np.int32))
+    scene._core.convertDomains(body.name, name, np.ascontiguousarray(numbers, np.int32))
     _shapeForSplitting(other)
     keep(body, mesh=None)
     return other
@@ -105,8 +105,8 @@ def _freeName(scene, name):
 def _shapeForSplitting(body):
     """Where stretched particles are cut: the parts of a domain are as large as boxes, whatever its stretch
     was."""
-    if "splitShare" in [field["name"] for field in body.core.fields(True)]:
-        body.core.resizeDomainField("splitShare", body.count)
+    if "splitShare" in [field["name"] for field in body._core.fields(True)]:
+        body._core.resizeDomainField("splitShare", body.count)
         dim = body.position.shape[1]
-        share = np.asarray(body.core.view("splitShare", True))
+        share = np.asarray(body._core.view("splitShare", True))
         share[...] = np.linalg.inv(body.deformationGradient[:, :dim, :dim])

@@ -29,7 +29,7 @@ def toMesh(scene, body, numbers, type, name, tolerance):
     build(other, mesh)
     _copy(body, other, numbers)
     _remove(body, numbers)
-    if type.core.converts:
+    if type._core.converts:
         addConverted(scene, other)
     return other
 
@@ -66,16 +66,16 @@ def _refuseGaps(body, numbers, mesh, gaps, tolerance, who):
 
 def _copy(body, other, numbers):
     """Gives the domains what the particles had; displacement stays."""
-    for name in (field["name"] for field in body.core.fields(False)):
-        if name not in KEPT and (name != "bodyForce" or body.core.hasBodyForce):
-            np.asarray(other.core.view(name, False))[...] = getattr(body, name)[numbers]
+    for name in (field["name"] for field in body._core.fields(False)):
+        if name not in KEPT and (name != "bodyForce" or body._core.hasBodyForce):
+            np.asarray(other._core.view(name, False))[...] = getattr(body, name)[numbers]
     other.reference[...] += other.position - body.position[numbers]
-    other.core.massesChanged()
+    other._core.massesChanged()
 
 
 def _remove(body, numbers):
     """Takes particles out of a body of boxes, and groups the others anew."""
-    core, stays = body.core, np.setdiff1d(np.arange(body.count), numbers)
+    core, stays = body._core, np.setdiff1d(np.arange(body.count), numbers)
     left = {}
     for ofDomains in (False, True):
         for field in core.fields(ofDomains):

@@ -55,7 +55,7 @@ def html(scene):
         (b.name, b.count, type(b.type).__name__, type(b.material).__name__, b.group) for b in scene.bodies
     ]
     shown = table(("body", "particles", "type", "material", "group"), rows)
-    if scene.hasEngines:
+    if scene._hasEngines:
         shown += paragraph("engines: " + ", ".join(e.label or type(e).__name__ for e in scene.engines))
     if scene.dim == 2 and scene.particleCount:
         shown += pictureTag(lambda axes: plot(scene, axes=axes))

@@ -53,7 +53,7 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
     reaches below its top, as inclined layers do: what it weighs there does not count. Raises ValueError when
     nothing lies below the surface or layers of different weight need a call each.
     """
-    scene.refuseWhileRunning("initialStress")
+    scene._refuseWhileRunning("initialStress")
     for name, value in dict(surface=surface, K0=K0, gravity=gravity, unitWeight=unitWeight).items():
         _checkNumber(name, value)
     for body in [bodies] if isinstance(bodies, str) else bodies or ():
@@ -69,9 +69,9 @@ def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None
             f"initialStress: the bodies weigh {sorted(weights)} kN/m3; call it for each layer, with "
             f"bodies=[...] and the top of the layer as surface, or give unitWeight, or set body.stress"
         )
-    keep(scene, geostaticGravity=float(gravity) if unitWeight is None else None)
+    keep(scene, _geostaticGravity=float(gravity) if unitWeight is None else None)
     weight = weights.pop()
-    layers = scene.geostaticLayers
+    layers = scene._geostaticLayers
     ground = [body for body in ground if body.count]
     replaced = {body.name: layers.pop(body.name) for body in ground if body.name in layers}
     made = {body.name: _layerOf(body, weight, K0, surface) for body in ground}

@@ -12,10 +12,10 @@ GHOSTS = 2  # layers of nodes outside of the grid, on the lower side of each axi
 def nodePositions(scene):
     """Positions of all grid nodes, ghosts included, m (Nn, dim); first axis fastest."""
     axes = [
-        scene.lower[k] + (np.arange(scene.core.nodes[k]) - GHOSTS) * scene.cell[k] for k in range(scene.dim)
+        scene.lower[k] + (np.arange(scene._core.nodes[k]) - GHOSTS) * scene.cell[k] for k in range(scene.dim)
     ]
     if scene.isGraded:
-        axes = [np.array(x) for x in scene.core.lines]
+        axes = [np.array(x) for x in scene._core.lines]
     return np.stack([a.ravel(order="F") for a in np.meshgrid(*axes, indexing="ij")], axis=1)
 
 

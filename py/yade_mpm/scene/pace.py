@@ -30,10 +30,10 @@ class Pace:
         """To be called between slices; gives the scene the number of threads for the next one."""
         scene, most = self._scene, self._scene.threads
         if scene._threads is not None or most == 1:
-            scene.core.threads = most
+            scene._core.threads = most
             return
         self._decide()
-        scene.core.threads = 1 if self._isSingle != self._isTrial else most
+        scene._core.threads = 1 if self._isSingle != self._isTrial else most
 
     def _decide(self):
         wall = self._clock() - self._began

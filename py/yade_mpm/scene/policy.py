@@ -105,7 +105,7 @@ class LoopPolicy:
         change. A small one shortens an automatic step by its bound, and counts for a given one only where it
         passes that: changes in every step are cheap. Returns whether the step may be another one.
         """
-        stepper, given = self._scene.stepper, self._scene.givenDt
+        stepper, given = self._scene.stepper, self._scene._dt
         if not stepper.isPrepared or stepper.isChecked:
             return False  # what is not prepared is checked when it is
         growth = stepper.stiffening()
@@ -146,8 +146,8 @@ class LoopPolicy:
         """Says each fault that is one, as a dict of texts or None, once in the life of the scene."""
         scene = self._scene
         for what, fault in faults.items():
-            if fault is not None and what not in scene.warnedOf:
-                scene.warnedOf.add(what)
+            if fault is not None and what not in scene._warnedOf:
+                scene._warnedOf.add(what)
                 self._say(f"warning: step {scene.steps}: {fault}")
 
     def _followGrowth(self):
@@ -160,14 +160,14 @@ class LoopPolicy:
         isKnown = growth < math.inf  # not where what had no stiffness has some
         if self._scene.steps >= stepper.estimatedAt + limits.DT_LEAST_PERIOD or not isKnown:
             self._estimate()
-        elif self._scene.givenDt is None:
+        elif self._scene._dt is None:
             stepper.takeSafeDt(growth)
         return True
 
     def _followSpeed(self):
         """Whether a step that was left out has become another one, for the speed has."""
         stepper = self._scene.stepper
-        if not self._followsSpeed or self._scene.givenDt is not None or stepper.automaticDt is None:
+        if not self._followsSpeed or self._scene._dt is not None or stepper.automaticDt is None:
             return False
         before = stepper.dt
         stepper.followSpeed()
@@ -179,11 +179,11 @@ class LoopPolicy:
         stepper.noteEstimate()
         if not critical > 0:
             return  # every node is held: nothing to go by
-        if scene.givenDt is None:
+        if scene._dt is None:
             stepper.takeSafeDt()
-        elif scene.givenDt > scene.dtStable and not scene.allowUnstable:
+        elif scene._dt > scene.dtStable and not scene.allowUnstable:
             self._say(
-                f"warning: step {scene.steps}: dt = {scene.givenDt:.3g} s now exceeds the longest stable "
+                f"warning: step {scene.steps}: dt = {scene._dt:.3g} s now exceeds the longest stable "
                 f"step {scene.dtStable:.3g} s (stiffest: '{scene.stiffest}')"
             )
 

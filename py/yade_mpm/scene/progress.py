@@ -41,7 +41,7 @@ class Progress:
         steps = self.scene.steps - self.firstStep
         wall = time.monotonic() - self.began
         rate = wall / max(1, steps) / max(1, self.scene.particleCount) * 1e9
-        threads = threadsInWords(self.scene.core.threads)
+        threads = threadsInWords(self.scene._core.threads)
         return f"t = {self.scene.time:.4g} s, {significant(rate)} ns per particle-step on {threads}"
 
     def update(self):

@@ -32,13 +32,13 @@ def remove(scene, body):
     refuseDuringStep(scene, "remove")
     refuseMidStep(scene, "remove")
     _check(scene, body)
-    with scene.holder.held("remove"):
+    with scene._holder.held("remove"):
         empty = Boxes(np.zeros((0, scene.dim)), scene.cell / 4)
         if isinstance(body.type, MeshedType):
             _dropDomains(scene, body, empty)
         else:
             build(body, empty)
-        scene.geostaticLayers.pop(body.name, None)
+        scene._geostaticLayers.pop(body.name, None)
         scene.stepper.noteChange()
 
 
@@ -47,7 +47,7 @@ def _dropDomains(scene, body, empty):
     name = f"{body.name} (removed)"
     boxes = newBody(scene, name, body.material, classes["UGIMP"](), None, 1.0, body.fbar, body.group)
     build(boxes, empty)
-    scene.core.convertDomains(body.name, name, np.arange(body.count, dtype=np.int32))
+    scene._core.convertDomains(body.name, name, np.arange(body.count, dtype=np.int32))
     drop(scene, boxes)
     keep(body, mesh=None)
 
@@ -60,7 +60,7 @@ def _check(scene, body):
         raise ValueError(f"{who}: it is not a body of this scene; give one of scene.bodies")
     drives = [drive for e in scene.engines if isinstance(e, GridSolver) for drive in e.drives]
     inUse = {id(part) for part in (*scene.engines, *drives)}
-    for part in scene.loadsAndDrives:
+    for part in scene._loadsAndDrives:
         of = part.part.body.name if isinstance(part, Drive) else part.body
         if of == body.name and id(part) in inUse:
             what = f"Drive '{part.name}'" if isinstance(part, Drive) else "BoundaryLoad"

@@ -75,4 +75,4 @@ class Rescue:
     def _isMidStep(self):
         """Whether the error came between the stages of a step: from a callback there, or from a stage."""
         taken = {type(e).__name__: e.calls - self._callsBefore.get(e, 0) for e in self._scene.engines}
-        return self._scene.isMidStep() or taken.get("ParticleToGrid") != taken.get("GridSolver")
+        return self._scene._isMidStep() or taken.get("ParticleToGrid") != taken.get("GridSolver")

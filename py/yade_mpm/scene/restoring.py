@@ -97,12 +97,12 @@ def _build(spec, arrays, callbacks, permissions, file):
     estimated = {name: spec[name] for name in ("dtCritical", "stiffest")}
     keep(scene, **estimated, dtStable=spec.get("dtStable", spec["dtCritical"]))
     _checkClock(spec)
-    scene.core.dt, scene.core.time, scene.core.step = spec["currentDt"], spec["time"], spec["steps"]
-    scene.core.energies = spec["energies"]
+    scene._core.dt, scene._core.time, scene._core.step = spec["currentDt"], spec["time"], spec["steps"]
+    scene._core.energies = spec["energies"]
     scene.stepper.restore(
         spec["checked"], spec["estimatedAt"], spec.get("estimatedStiffness", {}), spec.get("automaticDt")
     )
-    scene.changesNoted.restore(scene, spec.get("changes", []))
+    scene._changesNoted.restore(scene, spec.get("changes", []))
     _warn(scene, spec, file)
     return scene
 
@@ -122,7 +122,7 @@ def _warn(scene, spec, file):
             f"continue from it"
         )
     if spec["settling"] is not None:
-        scene.gridSolver("load").damping = spec["settling"]
+        scene._gridSolver("load").damping = spec["settling"]
         warnUser(
             f"checkpoint '{file}' was written during settle(): call settle() again (damping is back at "
             f"{spec['settling']:g})"

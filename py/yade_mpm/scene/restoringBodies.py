@@ -51,7 +51,7 @@ def _buildBody(scene, entry, stored, material, kind, file):
         entry.get("implicit", False),
     )
     body.isDamped = entry.get("isDamped", True)
-    core = body.core
+    core = body._core
     core.resize(_checked(body, entry, stored, file))
     for field in core.fields(True):
         core.resizeDomainField(field["name"], len(_stored(stored, "domains", field["name"], body, file)))
@@ -68,7 +68,7 @@ def _buildBody(scene, entry, stored, material, kind, file):
     core.converted, core.internalWork = entry["converted"], entry["internalWork"]
     core.lastInternalWork = entry.get("lastInternalWork", 0.0)
     core.largestInertialMass = entry["largestInertialMass"]
-    if kind.core.isMeshed and body.converted == 0:
+    if kind._core.isMeshed and body.converted == 0:
         keep(body, mesh=_meshOf(body, stored))
 
 
@@ -92,7 +92,7 @@ def _checked(body, entry, stored, file):
 
 def _fill(body, names, ofDomains, stored, file):
     for name in names:
-        view = np.asarray(body.core.view(name, ofDomains))
+        view = np.asarray(body._core.view(name, ofDomains))
         values = _stored(stored, "domains" if ofDomains else "particles", name, body, file)
         if view.dtype != values.dtype:
             raise ValueError(

@@ -75,7 +75,7 @@ def _buildCallback(cls, spec):
     engine = cls(**arguments)
     engine.restoreState(state)
     for name, value in spec["attributes"].items():
-        engine.core.set(name, value)
+        engine._core.set(name, value)
     return engine
 
 
@@ -118,7 +118,7 @@ def _buildSolver(spec, scene):
         roller=spec["roller"], fixed=spec["fixed"], hold=holds, drive=drives, **spec["attributes"]
     )
     for face, h in spec["faces"].items():
-        solver.faceHolds[face] = _restored(wall(face, h["velocity"]), h)
+        solver._faceHolds[face] = _restored(wall(face, h["velocity"]), h)
     return solver
 
 
@@ -130,6 +130,6 @@ def _restored(prescribed, spec):
     for name, value in spec["state"].items():
         if name not in CONSTRAINT_STATE:  # nodes, say, which the solver would go by
             raise ValueError(f"the state of '{prescribed.name}' has '{name}', which is none of it")
-        setattr(prescribed.core, name, value)
-    keep(prescribed, hasBegun=spec["hasBegun"])
+        setattr(prescribed._core, name, value)
+    keep(prescribed, _hasBegun=spec["hasBegun"])
     return prescribed

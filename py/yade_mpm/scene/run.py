@@ -125,8 +125,8 @@ class Run:
 
     def _takeSteps(self):
         scene, pace = self.scene, Pace(self.scene)
-        if scene.notedSignals is not None:
-            scene.notedSignals.handTo(self)
+        if scene._notedSignals is not None:
+            scene._notedSignals.handTo(self)
         policy = LoopPolicy(scene, self.progress.say, self._saveMeanwhile, self.checkpointPeriod)
         while self.stepsLeft() > 0 and self.signal is None and not self._isStopped:
             if not scene.stepper.isPrepared:  # as a callback has left it
@@ -139,7 +139,7 @@ class Run:
             self._saveIfWanted()
         self._endOnTime()
         self._saveIfWanted()
-        scene.core.threads = scene.threads
+        scene._core.threads = scene.threads
         policy.lookAtDomains(math.inf)
         policy.lookAtFields()  # also what the last step has left, which no other one looks at
 
@@ -209,13 +209,13 @@ class NotedSignals:
         self.numbers, self._before = [], {}
 
     def __enter__(self):
-        keep(self._scene, notedSignals=self)
+        keep(self._scene, _notedSignals=self)
         if threading.current_thread() is threading.main_thread():
             self._before = catchSignals(self._note, self._note, (signal.SIGINT, *ENDING))
         return self
 
     def __exit__(self, *_):
-        keep(self._scene, notedSignals=None)
+        keep(self._scene, _notedSignals=None)
         for number, handler in self._before.items():
             signal.signal(number, handler or signal.SIG_DFL)
 

@@ -45,8 +45,8 @@ def run(
     on. A dt that was left out follows the state (doc/explanation/time-step.md); a given one that has become
     too long is warned of.
     """
-    scene.refuseWhileRunning("run")
-    with scene.holder.held("run"):
+    scene._refuseWhileRunning("run")
+    with scene._holder.held("run"):
         _checkRun(scene, until, steps, checkpointFile, checkpointPeriod)
         scene.prepare()
         kind = BackgroundRun if background else Run
@@ -58,7 +58,7 @@ def run(
 
 
 def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
-    scene.refuseWhileRunning("run")
+    scene._refuseWhileRunning("run")
     if scene.stepper.acting is not None:
         raise RuntimeError("run: a step is going on; a callback cannot run the scene")
     if (until is None) == (steps is None):
@@ -85,10 +85,10 @@ def step(scene):
     Raises what `run` does. Domains and fields are looked at now and then, as in a run, but not behind each
     step; nothing is saved.
     """
-    scene.refuseWhileRunning("step")
+    scene._refuseWhileRunning("step")
     if scene.stepper.acting is not None:
         raise RuntimeError("step: a step is going on; a callback cannot step the scene")
-    with scene.holder.held("step"):
+    with scene._holder.held("step"):
         if not scene.stepper.isReady:
             scene.prepare()
         policy = LoopPolicy(scene, _say)
@@ -139,12 +139,12 @@ def refuseWhileRunning(scene, what):
     """Raises RuntimeError, in the name of `what`, where a run is going on in another thread."""
     if scene.running and not scene._loop.isThisThread():
         raise RuntimeError(f"{what}: a run is going on in the background; pause() it first")
-    scene.holder.refuseOthers(what)
+    scene._holder.refuseOthers(what)
 
 
 def refuseDuringStep(scene, what):
     """Raises RuntimeError where the scene runs, or a step of it is going on. what : str, of the caller."""
-    scene.refuseWhileRunning(what)
+    scene._refuseWhileRunning(what)
     if scene.stepper.acting is not None:
         raise RuntimeError(
             f"{what}: a step is going on, and the change would come too late; pause() in the callback, and "
@@ -153,7 +153,7 @@ def refuseDuringStep(scene, what):
 
 
 def refuseMidStep(scene, what):
-    if scene.isMidStep():
+    if scene._isMidStep():
         raise RuntimeError(
             f"{what}: the scene is in the middle of a step; put the callback at the end of the engines"
         )

@@ -44,12 +44,12 @@ def save(scene, file, midStep=False):
             engine["spec"]["file"] = relativeTo(os.path.dirname(os.fspath(file)), engine["spec"]["file"])
     checkpoint.write(file, description, scene.bodies)
     if not midStep:
-        keep(scene, lastCheckpoint=(os.path.abspath(file), _stamp(file)))
+        keep(scene, _lastCheckpoint=(os.path.abspath(file), _stamp(file)))
 
 
 def isLast(scene):
     """Whether the checkpoint that a scene wrote last is as it was written."""
-    return scene.lastCheckpoint is not None and _stamp(scene.lastCheckpoint[0]) == scene.lastCheckpoint[1]
+    return scene._lastCheckpoint is not None and _stamp(scene._lastCheckpoint[0]) == scene._lastCheckpoint[1]
 
 
 def _stamp(file):
@@ -63,7 +63,7 @@ def _stamp(file):
 
 def refuseResults(scene, file):
     """Refuses a checkpoint in the place of a file of results. file : str, name of the checkpoint."""
-    for engine in scene.engines if scene.hasEngines else ():
+    for engine in scene.engines if scene._hasEngines else ():
         other = getattr(engine, "file", None)
         if isinstance(other, str) and os.path.realpath(other) == os.path.realpath(file):
             raise ValueError(
@@ -74,8 +74,8 @@ def refuseResults(scene, file):
 
 def describe(scene):
     """Everything of a scene but the arrays of its bodies, as a dict that JSON can hold."""
-    if scene.hasEngines:
-        scene.changesNoted.look(scene)
+    if scene._hasEngines:
+        scene._changesNoted.look(scene)
     materials, types = _distinct(b.material for b in scene.bodies), _distinct(b.type for b in scene.bodies)
     return {
         "lower": list(scene.lower),
@@ -83,9 +83,9 @@ def describe(scene):
         "cell": None if scene.isGraded else list(scene.cell),
         "lines": [list(x) for x in scene.lines] if scene.isGraded else None,
         "scheme": scene.scheme,
-        "threads": scene.givenThreads,
+        "threads": scene._threads,
         "allowUnstable": bool(scene.allowUnstable),
-        "dt": scene.givenDt,
+        "dt": scene._dt,
         "currentDt": scene.stepper.fullDt,
         "dtCritical": scene.dtCritical,
         "dtStable": scene.dtStable,
@@ -96,8 +96,8 @@ def describe(scene):
         "automaticDt": scene.stepper.automaticDt,
         "time": scene.time,
         "steps": scene.steps,
-        "energies": dict(scene.core.energies),
-        "settling": scene.dampingAfterSettling,
+        "energies": dict(scene._core.energies),
+        "settling": scene._dampingAfterSettling,
         "changes": scene.changes,
         "materials": [{"class": type(m).__name__, "attributes": m.attributes()} for m in materials],
         "types": [_describeType(t) for t in types],
@@ -105,7 +105,7 @@ def describe(scene):
             _describeBody(b, _indexOf(materials, b.material), _indexOf(types, b.type)) for b in scene.bodies
         ],
         "engines": None
-        if not scene.hasEngines
+        if not scene._hasEngines
         else [_describeEngine(e, k) for k, e in enumerate(scene.engines)],
     }
 
@@ -120,7 +120,7 @@ def _indexOf(objects, one):
 
 def _describeType(kind):
     spec = {"class": type(kind).__name__, "attributes": kind.attributes()}
-    if kind.core.isMeshed:
+    if kind._core.isMeshed:
         size = kind.size if kind.size is None else np.asarray(kind.size, float).tolist()
         spec.update(size=size, matched=None if kind.matched is None else kind.matched.name)
     return spec
@@ -139,10 +139,10 @@ def _describeBody(body, material, kind):
         "group": body.group,
         "count": body.count,
         "converted": body.converted,
-        "internalWork": body.core.internalWork,
-        "lastInternalWork": body.core.lastInternalWork,
-        "largestInertialMass": body.core.largestInertialMass,
-        "hasBodyForce": body.core.hasBodyForce,
+        "internalWork": body._core.internalWork,
+        "lastInternalWork": body._core.lastInternalWork,
+        "largestInertialMass": body._core.largestInertialMass,
+        "hasBodyForce": body._core.hasBodyForce,
         "convertsTo": body.convertsTo,
     }
 
@@ -155,7 +155,7 @@ def _describeEngine(engine, number):
             fixed=engine.fixed,
             hold=[_describeHold(h) for h in engine.hold],
             drive=[_describeDrive(d) for d in engine.drives],
-            faces={face: _describePrescribed(h) for face, h in engine.faceHolds.items()},
+            faces={face: _describePrescribed(h) for face, h in engine._faceHolds.items()},
         )
     elif isinstance(engine, Callback):
         try:
@@ -169,13 +169,13 @@ def _describeEngine(engine, number):
 
 
 def _describePrescribed(prescribed):
-    core = prescribed.core
+    core = prescribed._core
     state = {name: getattr(core, name) for name in CONSTRAINT_STATE}
     return {
         "velocity": list(prescribed.velocity),
         "ramp": prescribed.ramp,
         "name": prescribed.name,
-        "hasBegun": prescribed.hasBegun,
+        "hasBegun": prescribed._hasBegun,
         "state": state,
     }
 

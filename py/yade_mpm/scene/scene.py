@@ -102,8 +102,8 @@ class Scene(Guarded):
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce
     run, step, pause, wait = run, step, pause, wait
     _convert = convert  # for Body.convert
-    handOver, refuseWhileRunning, refuseDuringStep = handOver, refuseWhileRunning, refuseDuringStep
-    refuseBetweenStages = refuseBetweenStages
+    _handOver, _refuseWhileRunning, _refuseDuringStep = handOver, refuseWhileRunning, refuseDuringStep
+    _refuseBetweenStages = refuseBetweenStages
     plot, _repr_html_ = display.plot, display.html
 
     def __init__(self, lower, upper, cell=None, scheme="MUSL", threads=None, grading=None):
@@ -120,21 +120,21 @@ class Scene(Guarded):
             dim=dim,
             cell=cell if lines is None else np.array(core.cell),
             isGraded=lines is not None,
-            core=core,
+            _core=core,
             dtCritical=None,  # s, as estimated last
             dtStable=None,
-            dtIterations=None,
+            _dtIterations=None,
             stiffest=None,  # body in which the fastest mode moves most
             stepper=Stepper(self),
-            holder=Holder(),
-            geostaticGravity=None,  # m/s2 that the initial stress balances
-            geostaticLayers={},  # name of a body -> Layer that initialStress made of it
-            dampingAfterSettling=None,  # while settle() is at work
-            notedSignals=None,  # that came between the runs of settle()
-            loadsAndDrives=[],  # that were made for its bodies, whether given to it or not
-            changesNoted=Changes(),
-            lastCheckpoint=None,  # (name, stamp) of the file
-            warnedOf=set(),  # faults of the domains that runs have told
+            _holder=Holder(),
+            _geostaticGravity=None,  # m/s2 that the initial stress balances
+            _geostaticLayers={},  # name of a body -> Layer that initialStress made of it
+            _dampingAfterSettling=None,  # while settle() is at work
+            _notedSignals=None,  # that came between the runs of settle()
+            _loadsAndDrives=[],  # that were made for its bodies, whether given to it or not
+            _changesNoted=Changes(),
+            _lastCheckpoint=None,  # (name, stamp) of the file
+            _warnedOf=set(),  # faults of the domains that runs have told
         )
         self._bodies = []
         self._lines = tuple(np.array(x[GHOSTS:-GHOSTS]) for x in core.lines)
@@ -148,7 +148,7 @@ class Scene(Guarded):
         self.threads = threads
 
     def __repr__(self):
-        cells = " x ".join(str(n - 5) for n in self.core.nodes)
+        cells = " x ".join(str(n - 5) for n in self._core.nodes)
         bodies = f"{len(self.bodies)} {'body' if len(self.bodies) == 1 else 'bodies'}"
         return (
             f"<Scene {self.dim}D, {cells} cells, {bodies}, {self.particleCount} particles, "
@@ -179,8 +179,8 @@ class Scene(Guarded):
         lambda self: self.stepper.speedDt(),
         doc="Step in which what moves fastest moves 0.2 of the smallest cell, s.",
     )
-    time = property(lambda self: self.core.time, doc="Scene time, s.")
-    steps = property(lambda self: self.core.step, doc="Number of steps taken.")
+    time = property(lambda self: self._core.time, doc="Scene time, s.")
+    steps = property(lambda self: self._core.step, doc="Number of steps taken.")
     constraints = property(
         lambda self: list(self.stepper.constraints), doc="All prescribed motions, faces included."
     )
@@ -191,7 +191,7 @@ class Scene(Guarded):
         before and after. Engines, prescribed motions, materials and flags of bodies count, and dt; each run
         and each checkpoint looks what is other than before. Checkpoints and the files of recorders have
         it."""
-        return list(self.changesNoted.all)
+        return list(self._changesNoted.all)
 
     # --- engines --------------------------------------------------------------------------------------
     @property
@@ -204,22 +204,22 @@ class Scene(Guarded):
         """
         if self._engines is None:
             self.engines = chain.defaultChain()
-            self._defaultSolver = self.gridSolver("Scene")
+            self._defaultSolver = self._gridSolver("Scene")
         return self._engines
 
     @engines.setter
     def engines(self, engines):
         refuseDuringStep(self, "engines")
         engines = list(engines) if isinstance(engines, (list, tuple)) else [engines]
-        self.putInOrder(engines)
+        self._putInOrder(engines)
         self._engines = engines
         self.stepper.noteChange()
 
-    hasEngines = property(
+    _hasEngines = property(
         lambda self: self._engines is not None, doc="Whether engines were given, or made as a default."
     )
 
-    def putInOrder(self, engines):
+    def _putInOrder(self, engines):
         """Adds what the scheme asks for to a chain, in the list itself.
 
         TypeError for what is no engine, ValueError for stages in no order.
@@ -229,17 +229,17 @@ class Scene(Guarded):
                 kind = type(engine).__name__
                 where = f"give it to GridSolver({kind.lower()}=...)" if isinstance(engine, Prescribed) else ""
                 raise TypeError(f"Scene: {engine!r} is not an engine; {where or 'give a list of engines'}")
-        order = self.core.stageOrder
+        order = self._core.stageOrder
         chain.complete(engines, order, self._added)
         chain.checkOrder(engines, order, self.scheme)
 
-    def isLeftAsMade(self):
+    def _isLeftAsMade(self):
         """Whether the GridSolver is that of the default chain, as it was: without gravity and walls."""
         solver = self._defaultSolver
         isThere = any(engine is solver for engine in self.engines)
         return isThere and not (any(solver.gravity) or solver.constraints(self))
 
-    def gridSolver(self, who):
+    def _gridSolver(self, who):
         """The GridSolver among the engines; ValueError, in the name of `who`, if there is none."""
         for engine in self.engines:
             if isinstance(engine, GridSolver):
@@ -249,7 +249,7 @@ class Scene(Guarded):
     @property
     def scheme(self):
         """ "MUSL", "USF" or "USL"."""
-        return self.core.scheme
+        return self._core.scheme
 
     @scheme.setter
     def scheme(self, name):
@@ -257,7 +257,7 @@ class Scene(Guarded):
             raise ValueError("Scene: set the scheme before the engines")
         if not isinstance(name, str):
             raise ValueError(f"Scene: scheme = {name!r} is not allowed; give one of 'MUSL', 'USF', 'USL'")
-        self.core.scheme = name
+        self._core.scheme = name
 
     def timing(self):
         """Dict engine -> (seconds, calls) since the scene was made."""
@@ -269,7 +269,7 @@ class Scene(Guarded):
         """Time step, s. Left out: 0.8 (USL: 0.55) of the critical step, which is estimated again every 5000
         steps and where stiffness has grown by a quarter: particles that grow or are cut, constants that a
         callback changes (doc/explanation/time-step.md)."""
-        return self._dt if self._dt is not None else (self.core.dt or None)
+        return self._dt if self._dt is not None else (self._core.dt or None)
 
     @dt.setter
     def dt(self, value):
@@ -292,11 +292,6 @@ class Scene(Guarded):
         if not isinstance(value, (bool, np.bool_)):
             raise ValueError(f"Scene: allowUnstable = {value!r} is not allowed; give True or False")
         self._allowUnstable = bool(value)
-
-    givenDt = property(lambda self: self._dt, doc="Time step that was given, s; None: automatic.")
-    givenThreads = property(
-        lambda self: self._threads, doc="Number of threads that was given; None: by the number of particles."
-    )
 
     @property
     def threads(self):
@@ -334,7 +329,7 @@ class Scene(Guarded):
         asIfExplicit : bool, whether the stiffness of implicit bodies counts like that of others, for
             comparison: nothing is set then; default False.
         """
-        self.refuseWhileRunning("criticalTimeStep")
+        self._refuseWhileRunning("criticalTimeStep")
         if not (isinstance(iterations, (int, np.integer)) and iterations >= 1 and tolerance > 0):
             raise ValueError(
                 f"criticalTimeStep: tolerance = {tolerance!r}, iterations = {iterations!r} is not allowed; "
@@ -342,27 +337,27 @@ class Scene(Guarded):
                 f"positive number, and a whole number from 1 on"
             )
         refuseMidStep(self, "criticalTimeStep")
-        with self.holder.held("criticalTimeStep"):
+        with self._holder.held("criticalTimeStep"):
             return self.stepper.estimateCriticalStep(tolerance, iterations, asIfExplicit)
 
     # --- running --------------------------------------------------------------------------------------
     def prepare(self):
         """Checks the scene and makes it ready to step; `run` does it."""
         refuseDuringStep(self, "prepare")
-        with self.holder.held("prepare"):
+        with self._holder.held("prepare"):
             self.stepper.prepare()
 
     def checkTimeStep(self):
         """Estimates the critical step; takes 0.8 of it if dt was left out, refuses a dt above it
         otherwise."""
         refuseDuringStep(self, "checkTimeStep")
-        with self.holder.held("checkTimeStep"):
+        with self._holder.held("checkTimeStep"):
             self.stepper.checkTimeStep()
 
-    def isMidStep(self):
+    def _isMidStep(self):
         """Whether a callback is at work between two stages of a step, where the state is neither old nor
         new."""
-        return self.stepper.isMidStep()
+        return self.stepper._isMidStep()
 
     def save(self, file):
         """Writes a checkpoint (HDF5) from which `mpm.load` continues with the same bits.
@@ -374,9 +369,9 @@ class Scene(Guarded):
         Raises OSError when the file cannot be written, RuntimeError in the middle of a step (in a callback
         between two stages) or while a run is going on in the background.
         """
-        self.refuseWhileRunning("save")
+        self._refuseWhileRunning("save")
         refuseMidStep(self, "save")
-        with self.holder.held("save"):
+        with self._holder.held("save"):
             save(self, file)
 
     # --- loops ----------------------------------------------------------------------------------------

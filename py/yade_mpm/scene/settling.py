@@ -53,7 +53,7 @@ def settle(
     if it takes more than maxSteps or maxTime.
     """
     _checkSettling(damping, tolerance, maxSteps, checkEvery, maxTime, stressTolerance)
-    solver = scene.gridSolver("settle")
+    solver = scene._gridSolver("settle")
     motions = solver.constraints(scene)
     for motion in motions:
         if any(motion.velocity):
@@ -61,7 +61,7 @@ def settle(
                 f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to "
                 f"zero, settle, and set it again"
             )
-    keep(scene, dampingAfterSettling=solver.damping)
+    keep(scene, _dampingAfterSettling=solver.damping)
     solver.damping = damping
     try:
         with NotedSignals(scene) as noted:
@@ -71,13 +71,13 @@ def settle(
             if noted.numbers:  # behind the last run
                 scene.run(steps=0)
     finally:
-        solver.damping = scene.dampingAfterSettling
-        keep(scene, dampingAfterSettling=None)
+        solver.damping = scene._dampingAfterSettling
+        keep(scene, _dampingAfterSettling=None)
     for body in scene.bodies:
         body.velocity[...] = 0
         body.zeroDisplacement()
     for motion in motions:
-        motion.core.began = scene.time
+        motion._core.began = scene.time
     return taken
 
 
@@ -169,7 +169,7 @@ def _look(scene, damping):
         free = change / (1 - damping * np.sign(change * middle))
         force = body.inertiaScale * body.mass[now, None] * free
         looks[body.name] = _Look(found, body.position[now], force, body.stress[now], body.volume[now])
-    internal = np.linalg.norm(np.array(scene.core.nodalValues()["force"]), axis=1)
+    internal = np.linalg.norm(np.array(scene._core.nodalValues()["force"]), axis=1)
     if not internal.any():
         return (np.inf if largest > 0 else 0.0), looks
     return float(largest / internal[internal > 0].mean()), looks

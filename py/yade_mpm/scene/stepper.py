@@ -35,7 +35,7 @@ def _holding(method):
 
     @functools.wraps(method)
     def held(self, *args, **named):
-        with self._scene.holder.held(f"Stepper.{method.__name__}"):
+        with self._scene._holder.held(f"Stepper.{method.__name__}"):
             return method(self, *args, **named)
 
     return held
@@ -170,15 +170,15 @@ class Stepper(Guarded):
         for body in scene.bodies:
             checkFields(body)
         if scene.steps == 0:
-            for mistake in likelyMistakes(scene, scene.gridSolver("prepare").gravity):
+            for mistake in likelyMistakes(scene, scene._gridSolver("prepare").gravity):
                 warnUser(mistake)
         self._warnOfThinBeams()
         checkInterface(scene, limits.INTERFACE_BUILD if scene.steps == 0 else limits.INTERFACE_RUN)
         if not self.isChecked:
             self.checkTimeStep()
-        scene.core.threads = scene.threads
+        scene._core.threads = scene.threads
         self._isPrepared = True
-        scene.changesNoted.look(scene)
+        scene._changesNoted.look(scene)
 
     def _warnOfThinBeams(self):
         """Once each, when what acts has changed; a scene from a checkpoint was looked at before."""
@@ -187,8 +187,8 @@ class Stepper(Guarded):
         if self._actions == before or (before is None and scene.steps > 0):
             return
         for name, text in thinBeams(scene):
-            if f"bending of {name}" not in scene.warnedOf:
-                scene.warnedOf.add(f"bending of {name}")
+            if f"bending of {name}" not in scene._warnedOf:
+                scene._warnedOf.add(f"bending of {name}")
                 warnUser(text)
 
     def _motions(self):
@@ -202,8 +202,8 @@ class Stepper(Guarded):
             raise RuntimeError(
                 "Scene: a step is going on; a callback cannot change the engines: pause() first"
             )
-        scene.putInOrder(engines)  # the list itself may have been changed since it was given
-        chain.checkComplete(engines, scene.core.stageOrder, scene.scheme)
+        scene._putInOrder(engines)  # the list itself may have been changed since it was given
+        chain.checkComplete(engines, scene._core.stageOrder, scene.scheme)
         self._constraints = self._motions()
         for part in [*engines, *self._constraints]:
             belongTo(scene, part)
@@ -211,25 +211,25 @@ class Stepper(Guarded):
             constraint.bind(scene)
         for engine in sorted(engines, key=lambda e: isinstance(e, Callback)):  # which look at the others
             engine.bind(scene)
-        scene.core.setConstraints([c.core for c in self._constraints])
-        scene.core.setEngines([e.core for e in engines])
-        scene.core.prepare()
+        scene._core.setConstraints([c._core for c in self._constraints])
+        scene._core.setEngines([e._core for e in engines])
+        scene._core.prepare()
         self._chain = list(engines)
         for engine in engines:
-            engine.markBound()
+            engine._markBound()
 
     # --- time step ------------------------------------------------------------------------------------
     @property
     def dt(self):
         """Length of the next step, s; to be set by a loop that chooses it within `scene.dtCritical`."""
-        return self._scene.core.dt
+        return self._scene._core.dt
 
     @dt.setter
     @_holding
     def dt(self, value):
         if not (isNumber(value) and 0 < value < math.inf):
             raise ValueError(f"Stepper: dt = {value!r} s is not allowed; give a positive number")
-        self._scene.core.dt = float(value)
+        self._scene._core.dt = float(value)
 
     fullDt = property(
         lambda self: self._fullDt or self.dt, doc="Length of the steps, s; of those at the end of a run, too."
@@ -239,8 +239,8 @@ class Stepper(Guarded):
     def checkTimeStep(self):
         """Estimates the critical step; takes a share of it if dt was left out, refuses a dt above the longest
         stable step otherwise."""
-        scene, given = self._scene, self._scene.givenDt
-        scene.core.threads = scene.threads
+        scene, given = self._scene, self._scene._dt
+        scene._core.threads = scene.threads
         isAllowed = given is not None and scene.allowUnstable
         critical = None if isAllowed and scene.dtCritical is not None else self.estimateCriticalStep()
         if given is None:
@@ -302,11 +302,11 @@ class Stepper(Guarded):
         """
         self._prepareChain()
         scene = self._scene
-        found = scene.core.criticalTimeStep(tolerance, iterations, asIfExplicit)
+        found = scene._core.criticalTimeStep(tolerance, iterations, asIfExplicit)
         if asIfExplicit:
             return found["dt"]
         keep(scene, dtCritical=found["dt"], dtStable=found["longestStable"])
-        keep(scene, dtIterations=found["iterations"], stiffest=found["stiffest"])
+        keep(scene, _dtIterations=found["iterations"], stiffest=found["stiffest"])
         return scene.dtCritical
 
     def stiffening(self):
@@ -361,7 +361,7 @@ class Stepper(Guarded):
         smallest cell, s."""
         scene = self._scene
         speeds = [np.abs(body.velocity).max(axis=0) for body in scene.bodies if body.count]
-        speeds += [np.abs(np.nan_to_num(c.core.velocity)) for c in self._constraints]
+        speeds += [np.abs(np.nan_to_num(c._core.velocity)) for c in self._constraints]
         rate = np.max(speeds / np.array(scene.cell)) if speeds else 0.0
         return limits.DT_CELLS / rate if rate > 0 else math.inf
 
@@ -386,7 +386,7 @@ class Stepper(Guarded):
         numbers = [(tuple(b.material.lameConstants), b.inertiaScale) for b in scene.bodies]
         numbers += [getattr(e, name) for e in stages for name in BLENDS.get(type(e).__name__, ())]
         kinds = [(type(e).__name__, e.dead) for e in stages]
-        return numbers, kinds, [b.implicit for b in scene.bodies], scene.givenDt, scene.allowUnstable
+        return numbers, kinds, [b.implicit for b in scene.bodies], scene._dt, scene.allowUnstable
 
     # --- steps ----------------------------------------------------------------------------------------
     def advance(self, steps, seconds=UNLIMITED):
@@ -408,7 +408,7 @@ class Stepper(Guarded):
                 "number from 0 on, and a wall time in s"
             )
         with self._alone("advance"):
-            began, advance = time.monotonic(), self._scene.core.advance
+            began, advance = time.monotonic(), self._scene._core.advance
             taken = advance(steps, min(seconds, SLICE))
             while taken < steps and (left := seconds - (time.monotonic() - began)) > 0:
                 taken += advance(steps - taken, min(left, SLICE))
@@ -434,12 +434,12 @@ class Stepper(Guarded):
             )
         self._refuseUnprepared("act")
         with self._alone("act"):
-            self._scene.core.actAlone(engine.core)
+            self._scene._core.actAlone(engine._core)
 
     @contextmanager
     def _alone(self, what):
         """One thread at a time steps the scene, and never from within a step."""
-        with self._scene.holder.held(what):
+        with self._scene._holder.held(what):
             if self._isStepping:
                 raise RuntimeError(
                     f"Stepper.{what}: a step is going on; a callback cannot step the scene, nor set its clock"
@@ -452,8 +452,8 @@ class Stepper(Guarded):
 
     def actOf(self, engine):
         """A function that lets one engine of the chain act, for those who call it in every step."""
-        actAlone, core = self._scene.core.actAlone, engine.core
-        refuseOthers = self._scene.holder.refuseOthers
+        actAlone, core = self._scene._core.actAlone, engine._core
+        refuseOthers = self._scene._holder.refuseOthers
 
         def act():
             refuseOthers("Stepper.act")
@@ -465,13 +465,13 @@ class Stepper(Guarded):
         """The end of a step that was taken engine by engine; sets the clock, s."""
         time = _asTime("endStep", time)
         with self._alone("endStep"):
-            self._scene.core.endStep(time)
+            self._scene._core.endStep(time)
 
     def setTime(self, time):
         """Sets the clock between two steps, s: to that of the program that owns it."""
         time = _asTime("setTime", time)
         with self._alone("setTime"):
-            self._scene.core.time = time
+            self._scene._core.time = time
 
     def isMidStep(self):
         """Whether a callback is at work between two stages of a step, where the state is neither old nor
@@ -511,7 +511,7 @@ def stiffnesses(scene):
     differ, times the mean square of the smallest cell of the grid over that of the particle; and the number
     of particles."""
     blend, found = _blend(scene), {}
-    for body, moduli in zip(scene.bodies, scene.core.presentStiffness()):
+    for body, moduli in zip(scene.bodies, scene._core.presentStiffness()):
         factor = blend / body.inertiaScale
         found[body.name] = [*(factor * modulus for modulus in moduli), float(body.count)]
     return found

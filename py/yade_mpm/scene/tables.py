@@ -79,7 +79,7 @@ def checkTables(body, count, stored):
 def _counts(body, count, stored):
     """Dict what there may be rows for -> how many; None: at least one."""
     domains, tables = stored["domains"], stored["tables"]
-    dim, isMeshed = body.core.fields(False)[1]["shape"][0], body.type.core.isMeshed
+    dim, isMeshed = body._core.fields(False)[1]["shape"][0], body.type._core.isMeshed
     vertices = len(domains["vertexPosition"]) if isMeshed else 0
     hanging, points = len(tables.get("slaves", ())), vertices if isMeshed else count
     return {

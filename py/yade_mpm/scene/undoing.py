@@ -20,12 +20,12 @@ def undo(scene):
     Raises ValueError where it has written no checkpoint, or the file is not as it was written; RuntimeError
     during a run.
     """
-    scene.refuseWhileRunning("undo")
+    scene._refuseWhileRunning("undo")
     if not isLast(scene):
         told = (
             "wrote no checkpoint"
-            if scene.lastCheckpoint is None
-            else f"{scene.lastCheckpoint[0]} has changed"
+            if scene._lastCheckpoint is None
+            else f"{scene._lastCheckpoint[0]} has changed"
         )
         raise ValueError(f"undo: {told}; give scene.save(file) before what is to be undone")
     callbacks, columns = {}, {}
@@ -36,10 +36,10 @@ def undo(scene):
             )
         elif isinstance(engine, History):
             columns.update({name: own for name, own in engine.columns.items() if callable(own)})
-    file = scene.lastCheckpoint[0]
+    file = scene._lastCheckpoint[0]
     back = load(file, callbacks=callbacks, trust=True)
     for engine in back.engines:
         if isinstance(engine, History):
             engine.columns.update(columns)
-    keep(back, lastCheckpoint=scene.lastCheckpoint)
+    keep(back, _lastCheckpoint=scene._lastCheckpoint)
     return back

@@ -94,7 +94,7 @@ class Bodies:
             self._refuseMissing(number)
             contact.addBody(self._shapes(number), mass=self._mass(number), **self._lawsOf(number))
         rows = self._rows(None if isNew else contact)
-        if not isNew and not _areSame(contact.core.value("shapes"), self._asMade(rows)):
+        if not isNew and not _areSame(contact._core.value("shapes"), self._asMade(rows)):
             raise ValueError(
                 "yade.Bodies: the RigidContact has other rigid bodies already; give each Bodies one of its "
                 "own"
@@ -264,7 +264,7 @@ class Bodies:
     def _rows(self, contact=None):
         """Rows of shapes of the bodies that are there. contact : one that knows them already, from a
         checkpoint; a body that it has no shape of was erased before."""
-        known = None if contact is None else set(contact.core.value("shapes")["body"])
+        known = None if contact is None else set(contact._core.value("shapes")["body"])
         for k, number in enumerate(self.ids):
             if known is None or k in known:
                 self._refuseMissing(number)
@@ -277,7 +277,7 @@ class Bodies:
 
     def _asMade(self, rows):
         """Rows of shapes with elements of grids as large as they were made: they have been strained since."""
-        table = self.contact.core.value("shapes")
+        table = self.contact._core.value("shapes")
         for k, row in enumerate(rows):
             if k < len(table["body"]) and row["body"] == table["body"][k] and self._isElement(row["body"]):
                 row["vertices"] = list(table["vertices"][k])
@@ -301,10 +301,10 @@ class Bodies:
         axes = self.plane.frame.tolist()
         self._table = None if elements else native.tableOf(self.ids, states)
         if self._table is not None:
-            self._exchange = _core.BodyExchange(self.contact.core, self._table, axes, turns)
+            self._exchange = _core.BodyExchange(self.contact._core, self._table, axes, turns)
         else:
             forces = NodeForces(self._O.forces, elements) if elements else self._O.forces
-            self._exchange = _core.BodyExchange(self.contact.core, states, self.ids, forces, axes, turns)
+            self._exchange = _core.BodyExchange(self.contact._core, states, self.ids, forces, axes, turns)
         self._watch = Watch(self._O, self.ids)
 
     def _follow(self, scene):

@@ -64,7 +64,7 @@ class Coupling:
         self._refuseUnfit()
         scene.prepare()
         self._loop = loop.LoopOfYade(self, omega)
-        scene.handOver(self._loop)
+        scene._handOver(self._loop)
         self._rescue = Rescue(scene, f"{omega.tags['id']}.{label}.h5")
         self._policy = LoopPolicy(scene, loop.warn, stride=mpmSteps, followsSpeed=False)
         self._chain = scene.engines
@@ -128,8 +128,8 @@ class Coupling:
                 "O.dt "
                 "in the middle of a step; put it before the NewtonIntegrator"
             )
-        self.scene.refuseWhileRunning("attach")
-        if any(isinstance(e, RigidContact) and not e.frictions() for e in self.scene.engines):
+        self.scene._refuseWhileRunning("attach")
+        if any(isinstance(e, RigidContact) and not e._frictions() for e in self.scene.engines):
             raise ValueError(
                 "yade.attach: a RigidContact of the scene has no rigid bodies; make "
                 "mpm.yade.Bodies(contact, ids) before"
@@ -202,7 +202,7 @@ class Coupling:
         self.scene.stepper.onChange = None
         self._timeStep.release()
         if self.scene.loop is self._loop:
-            self.scene.handOver(None)
+            self.scene._handOver(None)
 
     # --- the step ---------------------------------------------------------------------------------------
     def actOf(self, number, act):
@@ -266,7 +266,7 @@ class Coupling:
         self._clock.meet()
         if self._dueChecks():
             self._timeStep.setLimits()
-            if self.scene.givenDt is None:
+            if self.scene._dt is None:
                 self._timeStep.govern()
         self._clock.beginCycle(self._timeStep.choose())
         isFirst, self._isFirstCycle = self._isFirstCycle, False
@@ -291,7 +291,7 @@ class Coupling:
                 f"scene.engines of '{self.label}' was changed; call mpm.yade.attach(scene) again"
             )
         self._clock.refuseForeignSteps(self.label)
-        scene.handOver(self._loop)
+        scene._handOver(self._loop)
         if self._isFresh or not scene.stepper.isPrepared:
             self._beginOfRun()
 
@@ -423,7 +423,7 @@ class Coupling:
         self._forward()
         self._energies.note(isDue=True)
         for engine in self._chain:
-            if isinstance(engine, Callback) and engine.isBound:
+            if isinstance(engine, Callback) and engine._isBound:
                 engine.flush()
         for drawing in self._drawings():
             drawing.catchUp()

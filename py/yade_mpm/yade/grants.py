@@ -48,7 +48,7 @@ class Grants:
     """
 
     def __init__(self, scene, mpmSteps, demSteps):
-        self._core = _core.grantedSteps(scene.core) if demSteps == 1 else None
+        self._core = _core.grantedSteps(scene._core) if demSteps == 1 else None
         self._isPython = self._core is not None and native.plugin() is None
         self._mpmSteps, self._engines, self._watches, self._revocations = mpmSteps, [], [], 0
         self._exchanges, self._granted = [], []  # those of the coupling, and those that were granted

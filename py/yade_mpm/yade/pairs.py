@@ -70,7 +70,7 @@ class Laws:
         body. soils : list of the materials of the scene.
         """
         if self._friction is None and len(contact.soilFriction) == 0:
-            contact.core.set("soilFriction", [limitOf(soil) for soil in soils])
+            contact._core.set("soilFriction", [limitOf(soil) for soil in soils])
         if not (callable(self._friction) or callable(self._adhesion)):
             return
         friction = smallerFriction if self._friction is None else self._friction

@@ -113,7 +113,7 @@ class Chain:
     def __init__(self, scene):
         self.__dict__["scene"] = scene
 
-    def attributeNames(self):
+    def _attributeNames(self):
         """Names of the engines."""
         return list(self.attributes())
 
@@ -135,14 +135,14 @@ class Chain:
         )
 
     def __dir__(self):
-        return [*super().__dir__(), *self.attributeNames()]
+        return [*super().__dir__(), *self._attributeNames()]
 
     def __repr__(self):
         return f"{self.scene!r}, {' -> '.join(self.attributes())}"
 
 
 def _namesOf(engine):
-    return [name for name in engine.attributeNames() if name not in OWN]
+    return [name for name in engine._attributeNames() if name not in OWN]
 
 
 def _attributesOf(engine, names):

@@ -57,6 +57,6 @@ class Stages:
     def _lastLiving(self, first):
         """Number of the last stage that lives, from one of them on."""
         for k in range(len(self._chain) - 1, first, -1):
-            if self._isStage[k] and not (isDead(self._engines[k]) or self._chain[k].core.dead):
+            if self._isStage[k] and not (isDead(self._engines[k]) or self._chain[k]._core.dead):
                 return k
         return first

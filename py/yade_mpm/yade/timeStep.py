@@ -46,7 +46,7 @@ class TimeStep:
     def setLimits(self):
         """Limits from the scene as it stands."""
         scene, critical = self._scene, self._scene.dtCritical or 0.0
-        own = scene.givenDt
+        own = scene._dt
         if own is None:
             own = scene.stepper.automaticDt or (scene.stepper.safeDt() if critical > 0 else scene.stepper.dt)
             own = min(own, scene.stepper.speedDt())

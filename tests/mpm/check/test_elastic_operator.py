@@ -21,7 +21,7 @@ def moving(dim):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_an_estimate_leaves_the_rates_of_the_last_step_in_their_memory(dim):
     scene = moving(dim)
-    vertices = np.asarray(scene["mesh"].core.view("vertexVelocity", True))
+    vertices = np.asarray(scene["mesh"]._core.view("vertexVelocity", True))
     fields = [b.velocityGradient for b in scene.bodies] + [vertices]
     before = [field.copy() for field in fields]
     assert all(np.abs(field).max() > 0 for field in before)

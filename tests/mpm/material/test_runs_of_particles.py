@@ -127,7 +127,7 @@ def bytesOf(body, particle, names):
 
 def outcomes(made):
     """For every set of inputs that a particle got: the outputs."""
-    state = [name for name, _, _ in made[0].material.core.stateVariables()]
+    state = [name for name, _, _ in made[0].material._core.stateVariables()]
     found = {}
     for body in made:
         for p in range(body.count):

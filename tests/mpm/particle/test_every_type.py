@@ -121,11 +121,11 @@ def test_nodes_get_what_the_weights_say(name, dim):
     scene.dt, scene.allowUnstable = 1e-9, True
     scene.run(steps=1, progress=False)
     found = np.zeros_like(expected)
-    values = scene.core.nodalValues()
+    values = scene._core.nodalValues()
     found[values["node"]] = np.column_stack([values["mass"], values["momentum"], values["force"]])
     scale = np.abs(expected).max(axis=0)
     assert np.abs(found - expected).max() <= 1e-13 * scale.max()
-    totals = scene.core.nodalTotals()
+    totals = scene._core.nodalTotals()
     listed = [totals["mass"], *totals["momentum"], *totals["force"]]
     assert listed == pytest.approx(expected.sum(axis=0), rel=1e-12)
     assert totals["mass"] == pytest.approx(body.mass.sum(), rel=1e-14)
@@ -190,7 +190,7 @@ def test_volume_grows_with_the_trace_of_the_velocity_gradient(name, dim, scheme)
     if vertices is not None and scheme != "USF":
         assert (
             np.abs(
-                body.vertices - vertices - scene.dt * np.asarray(body.core.view("vertexVelocity", True))
+                body.vertices - vertices - scene.dt * np.asarray(body._core.view("vertexVelocity", True))
             ).max()
             <= 1e-15
         )

@@ -14,7 +14,7 @@ ORDER = {
 
 @pytest.mark.parametrize("scheme", ORDER)
 def test_a_scheme_tells_the_order_of_the_stages(scheme):
-    places = mpm.Scene((0, 0), (1, 1), 0.5, scheme=scheme).core.stageOrder
+    places = mpm.Scene((0, 0), (1, 1), 0.5, scheme=scheme)._core.stageOrder
     assert [place["engines"][0] for place in places] == ORDER[scheme].split()
     assert [p["engines"][0] for p in places if not p["isNeeded"]] == ["BoundaryLoad", "Contact"]
     assert [p["engines"] for p in places if p["takesMany"]] == [["BoundaryLoad", "RigidContact"]]

@@ -34,7 +34,7 @@ def places(body, first):
     Blocks are numbered by tiles of two along each axis, tiles with axis 1 fastest."""
     dim = first.shape[1]
     tiles = -(-(CELLS + 5) // (2 * WIDTH))
-    start = np.array(body.core.tables()["blockStart"])
+    start = np.array(body._core.tables()["blockStart"])
     assert len(start) - 1 == (2 * tiles) ** (dim - 1)
     block = np.repeat(np.arange(len(start) - 1), np.diff(start))
     tile, within = block >> (dim - 1), block % 2 ** (dim - 1)
@@ -74,7 +74,7 @@ def test_a_checkpoint_with_other_blocks_goes_on(tmp_path, particles):
         tables["blockStart"] = np.array([0, last], np.int32)
     checkpoint.seal(tmp_path / "a.h5")
     other = mpm.load(tmp_path / "a.h5")
-    assert len(other["flying"].core.tables()["blockStart"]) == len(body.core.tables()["blockStart"])
+    assert len(other["flying"]._core.tables()["blockStart"]) == len(body._core.tables()["blockStart"])
     for one in (scene, other):
         one.run(steps=20, progress=False)
     order, otherOrder = np.argsort(body.id), np.argsort(other["flying"].id)

@@ -31,7 +31,7 @@ def test_nodal_forces_of_a_pressure_balance_its_stress(dim, distortion):
     scene.dt = 1e-9
     body.stress = -np.eye(3)
     scene.step()
-    force = np.array(scene.core.nodalValues()["force"])
+    force = np.array(scene._core.nodalValues()["force"])
     assert np.abs(force).max() < 1e-12 * H ** (
         dim - 1
     )  # roundoff of a sum of some hundred terms of order one
@@ -80,7 +80,7 @@ def test_a_load_follows_its_table_and_survives_a_checkpoint(table, tmp_path):
     assert np.array_equal(getattr(again.engines[1], name), rows)
     again.run(steps=5, progress=False)
     assert np.array_equal(again["block"].stress, scene["block"].stress)
-    assert again.core.energies["loads"] == scene.core.energies["loads"]
+    assert again._core.energies["loads"] == scene._core.energies["loads"]
 
 
 def test_a_table_of_a_steady_load_gives_the_bits_of_the_number():

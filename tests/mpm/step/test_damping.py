@@ -31,7 +31,7 @@ def lockedPair(shear=SHEAR):
 
 def nodalDrag(scene):
     """What damping of the nodal forces would have been: 0.5 sum |f_y|, kN/m."""
-    return 0.5 * np.abs(np.array(scene.core.nodalValues()["force"])[:, 1]).sum()
+    return 0.5 * np.abs(np.array(scene._core.nodalValues()["force"])[:, 1]).sum()
 
 
 def test_forces_that_no_particle_feels_do_not_drag():
@@ -60,4 +60,4 @@ def test_control_a_force_that_is_felt_is_damped():
     scene.run(steps=100, progress=False)
     fallen = pile.velocity[:, 1] - SPEED
     assert fallen == pytest.approx(-9.81 * 0.5 * scene.time, rel=1e-9)
-    assert scene.core.energies["damping"] > 0
+    assert scene._core.energies["damping"] > 0

@@ -308,8 +308,8 @@ def test_reactions_balance_momentum():
         before = diagnostics.momentum(scene)
         scene.run(steps=1, progress=False)
         change = (diagnostics.momentum(scene) - before) / scene.dt
-        reactions = sum(np.array(c.core.reaction[:2]) for c in scene.constraints)
-        scale = sum(np.abs(c.core.reaction[:2]).sum() for c in scene.constraints)
+        reactions = sum(np.array(c._core.reaction[:2]) for c in scene.constraints)
+        scale = sum(np.abs(c._core.reaction[:2]).sum() for c in scene.constraints)
         assert np.abs(change - weight - reactions).max() < 1e-10 * scale
 
 

@@ -55,7 +55,7 @@ def entriesOf(fixtures):
                 found.append((f"{space}.{name}()", lambda f, t=thing, n=name: (t, [n])))
     for label, make in fixtures.objects().items():
         one = make()
-        for name in sorted(n for n in dir(one) if not n.startswith("_") and n != "core"):
+        for name in sorted(n for n in dir(one) if not n.startswith("_")):
             try:
                 value = getattr(one, name)
             except Exception:

@@ -351,7 +351,7 @@ def test_the_unbalanced_ratio_is_the_sum_of_its_definition(dim):
     scene.run(steps=1, progress=False)
     start = body.stress[:, :dim, :dim].copy()
     assert np.abs(start).max() > 0.1
-    values = scene.core.nodalValues()
+    values = scene._core.nodalValues()
     inertia = (np.array(values["mass"]) * np.linalg.norm(values["acceleration"], axis=1)).sum()
     scale = (body.volume * np.sqrt((start**2).sum(axis=(1, 2)))).sum() / 0.25
     assert diagnostics.unbalancedRatio(scene) == pytest.approx(inertia / scale, rel=1e-12)

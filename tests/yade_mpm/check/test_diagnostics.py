@@ -81,7 +81,7 @@ def test_energy_balances_within_one_percent_in_an_undamped_elastic_column(kind):
     scene.run(steps=250, progress=False)
     assert d.internalWork(scene) > 1 and d.externalWork(scene) > 1
     assert abs(d.energyError(scene, relative=True)) < 0.005
-    scene["soil"].core.internalWork *= 0.9  # the control: 10 % of one part missing is noticed
+    scene["soil"]._core.internalWork *= 0.9  # the control: 10 % of one part missing is noticed
     assert abs(d.energyError(scene, relative=True)) > 0.02
 
 
@@ -121,7 +121,7 @@ def test_kinetic_ratio_is_nan_before_any_work_and_falls_as_a_column_settles():
     assert np.isnan(d.kineticRatio(scene))
     scene.run(steps=30, progress=False)
     early = d.kineticRatio(scene)
-    assert early == pytest.approx(d.kineticEnergy(scene) / scene.core.energies["gravity"], rel=1e-12)
+    assert early == pytest.approx(d.kineticEnergy(scene) / scene._core.energies["gravity"], rel=1e-12)
     scene.run(steps=1500, progress=False)
     assert 0 <= d.kineticRatio(scene) < 1e-3 < 0.1 < early
 

@@ -23,7 +23,7 @@ def test_it_is_no_option(kind, name):
     with pytest.raises(ValueError, match="can be read, not set|has no attribute|is not"):
         cls(**GIVEN.get(kind, {}), **{name: [1.0]})
     one = cls(**GIVEN.get(kind, {}))
-    assert name not in one.attributes() and name not in one.attributeNames()
+    assert name not in one.attributes() and name not in one._attributeNames()
     if name != "state":
         with pytest.raises((ValueError, AttributeError)):
             setattr(one, name, [1.0])

@@ -152,10 +152,10 @@ def test_facets_stay_where_they_are_when_their_particle_is_split(dim):
     body.deformationGradient[...] = F
     before, areas = body.outline()
     count = body.count
-    assert body.core.splitStretched() and body.count == 2 * count
+    assert body._core.splitStretched() and body.count == 2 * count
     after, same = body.outline()
     assert after == pytest.approx(before, abs=1e-12) and same == pytest.approx(areas, abs=1e-12)
-    carrier = np.asarray(body.core.view("outlineCarrier", True))
+    carrier = np.asarray(body._core.view("outlineCarrier", True))
     assert 0.2 < (carrier >= count).mean() < 0.8  # new halves have some of them
     away = np.linalg.norm(after - body.position[np.argsort(body.id)[carrier]], axis=1)
     assert away.max() < np.linalg.norm(F[:dim, :dim] @ np.diag(2 * body.halfSize))

@@ -142,7 +142,7 @@ def differences(a, b):
 
 def orderOf(scene):
     """How the particles of the body that moves most are ordered, and grouped for the threads."""
-    return list(scene.bodies[-1].id), scene.bodies[-1].core.tables()["blockStart"]
+    return list(scene.bodies[-1].id), scene.bodies[-1]._core.tables()["blockStart"]
 
 
 def continued(file, steps, out):
@@ -245,7 +245,7 @@ def test_a_checkpoint_before_every_step_continues_bitwise(tmp_path, type):
         scene.save(tmp_path / "one.h5")
         loaded.save(tmp_path / "other.h5")
         assert differences(bitsOf(tmp_path / "one.h5"), bitsOf(tmp_path / "other.h5")) == [], scene.steps
-        groups.append(tuple(scene["flying"].core.tables()["blockStart"]))
+        groups.append(tuple(scene["flying"]._core.tables()["blockStart"]))
     assert len(set(groups)) > 1, "the points were grouped anew"
 
 
@@ -322,7 +322,7 @@ def test_outputs_and_choices_come_back(tmp_path):
             and mine.moment == theirs.moment
             and mine.velocity == theirs.velocity
         )
-    assert scene.core.energies == loaded.core.energies
+    assert scene._core.energies == loaded._core.energies
     with pytest.raises(ValueError, match="two prescribed motions"):
         b.drives.append(b.drive)
         loaded.prepare()

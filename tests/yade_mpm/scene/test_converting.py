@@ -162,7 +162,7 @@ def test_loads_and_drives_of_what_is_converted_are_told():
 def test_a_mesh_without_domains_takes_no_load():
     one = scene()
     soil = one["soil"]
-    one.core.convertDomains(
+    one._core.convertDomains(
         "soil", soil.convert(LEFT, mpm.UGIMP()).name, np.arange(soil.count, dtype=np.int32)
     )
     assert soil.count == 0 and np.isnan(soil.minJacobian)

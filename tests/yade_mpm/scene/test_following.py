@@ -51,7 +51,7 @@ def damped(scene, body):
 
 
 def longest(scene):
-    return scene.core.criticalTimeStep(1e-4, 300, False)["longestStable"]
+    return scene._core.criticalTimeStep(1e-4, 300, False)["longestStable"]
 
 
 def bits(scene):

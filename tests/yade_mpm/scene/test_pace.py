@@ -19,7 +19,11 @@ class Clock:
             "Output", (), dict(stepsToCall=lambda self, scene: 5, seconds=0.0)
         )()  # called now and then: not counted
         self.scene = SimpleNamespace(
-            threads=threads, _threads=given, steps=0, core=SimpleNamespace(threads=0), engines=[stage, output]
+            threads=threads,
+            _threads=given,
+            steps=0,
+            _core=SimpleNamespace(threads=0),
+            engines=[stage, output],
         )
         self.pace = pace.Pace(self.scene, lambda: self.now)
 
@@ -28,7 +32,7 @@ class Clock:
         self.used, end = {}, self.now + seconds
         while self.now < end:
             self.pace.look()
-            n = self.scene.core.threads
+            n = self.scene._core.threads
             self.scene.steps += int(slice_ / self.stepTime[n])
             self.now += slice_
             self.scene.engines[0].seconds += slice_

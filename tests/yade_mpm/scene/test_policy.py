@@ -12,8 +12,8 @@ class Scene:
     """Counts what a policy asks of it."""
 
     def __init__(self, steps=0, estimatedAt=-1, callEvery=None):
-        self.steps, self.givenDt, self.estimates, self.looks = steps, 1e-3, [], []
-        self.allowUnstable, self.warnedOf, self.stiffest = False, set(), None
+        self.steps, self._dt, self.estimates, self.looks = steps, 1e-3, [], []
+        self.allowUnstable, self._warnedOf, self.stiffest = False, set(), None
         self.dtCritical, self.dtStable, self.bodies = 1.0, 1.0, []
         self.stepper = SimpleNamespace(
             estimatedAt=estimatedAt,

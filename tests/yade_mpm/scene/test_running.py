@@ -658,7 +658,7 @@ def test_estimates_of_the_time_step_leave_no_trace(monkeypatch):
     body.stress = 0
     scene.engines = [mpm.ParticleToGrid(), mpm.BoundaryLoad(body, traction=(1.0, 0.0)), *scene.engines[1:]]
     scene.run(steps=20)
-    before = body.velocityGradient.copy(), scene.core.energies["loads"]
+    before = body.velocityGradient.copy(), scene._core.energies["loads"]
     scene.criticalTimeStep()
     assert np.array_equal(before[0], body.velocityGradient)
     assert before[1] == pytest.approx(4.0 * 0.3 * scene.time, rel=0.05)  # force times velocity times time

@@ -438,7 +438,7 @@ def moving(dt=None):
 def test_a_run_ends_on_its_time_by_shorter_steps_at_the_end(until, dt):
     scene, body = moving(dt)
     used = []
-    scene.engines.append(mpm.PyRunner(lambda: used.append(scene.core.dt), iterPeriod=1))
+    scene.engines.append(mpm.PyRunner(lambda: used.append(scene._core.dt), iterPeriod=1))
     scene.run(until=until, progress=False)
     assert scene.time == until
     full = scene.dt
@@ -482,7 +482,7 @@ def test_a_checkpoint_among_the_short_steps_goes_on_with_the_same_bits(tmp_path)
         patch.chdir(tmp_path)
         scene.run(until=0.0374, progress=False)
         again = mpm.load("short.h5", trust=True)
-    assert again.core.dt == 1e-3 and scene.steps == 38
+    assert again._core.dt == 1e-3 and scene.steps == 38
     again.run(until=0.0374, progress=False)
     assert again.time == scene.time
     assert np.array_equal(again["block"].position, scene["block"].position)
@@ -516,7 +516,7 @@ def test_settle_waits_for_what_bends_slowly():
         if damping is None:
             scene.settle(tolerance=0.01)
         else:
-            scene.gridSolver("test").damping = damping
+            scene._gridSolver("test").damping = damping
             scene.run(steps=20000, progress=False)
         tips.append((body.byId("position") - start)[:, 1].min())
     assert tips[1] == pytest.approx(tips[0], rel=0.015)
@@ -536,7 +536,7 @@ def test_settle_has_a_limit_of_time_and_says_what_is_left():
     )
     with pytest.raises(RuntimeError, match=message + r"stressTolerance 0.01\), or maxSteps, or maxTime"):
         scene.settle(maxTime=0.01)
-    assert scene.gridSolver("test").damping == 0.0
+    assert scene._gridSolver("test").damping == 0.0
     with pytest.raises(ValueError, match="settle: maxTime = 0 is not allowed"):
         scene.settle(maxTime=0)
 

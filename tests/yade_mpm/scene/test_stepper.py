@@ -117,12 +117,12 @@ def test_another_program_that_has_the_scene_is_asked():
         def wait(self):
             asked.append("wait")
 
-    scene.handOver(Loop())
+    scene._handOver(Loop())
     with pytest.raises(RuntimeError, match="a run is going on in the background"):
         scene.step()
     scene.pause()
     assert asked == ["stop", "wait"] and scene.running
-    scene.handOver(None)
+    scene._handOver(None)
     scene.step()
     assert scene.steps == 1 and not scene.running
 
@@ -132,7 +132,7 @@ def test_what_is_no_loop_is_not_given_the_scene(loop):
     """It was taken, and everything else then failed for want of isAlive."""
     scene = falling()
     with pytest.raises(TypeError, match="handOver: loop = .* is not allowed; give an object with isAlive"):
-        scene.handOver(loop)
+        scene._handOver(loop)
     if not callable(loop):
         with pytest.raises(
             TypeError, match="Stepper: onChange = .* is not allowed; give a function, or None"

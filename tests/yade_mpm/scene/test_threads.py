@@ -94,7 +94,9 @@ def digest(scene):
 
     import numpy as np
 
-    text = hashlib.sha256(repr([scene.dt, scene.core.energies, [c.work for c in scene.constraints]]).encode())
+    text = hashlib.sha256(
+        repr([scene.dt, scene._core.energies, [c.work for c in scene.constraints]]).encode()
+    )
     for body in scene.bodies:
         for field in body.fields():
             text.update(np.ascontiguousarray(getattr(body, field["name"])).tobytes())
@@ -117,7 +119,7 @@ def digests(name, scheme, steps):
 
 
 def orders(scene):
-    return [(b.id.tolist(), b.core.tables()["blockStart"]) for b in scene.bodies if b.cells is None]
+    return [(b.id.tolist(), b._core.tables()["blockStart"]) for b in scene.bodies if b.cells is None]
 
 
 @pytest.mark.parametrize(
@@ -187,7 +189,7 @@ def test_a_run_that_changes_its_number_of_threads_gives_the_same_bits(monkeypatc
     )
     scene, seen = hybrid(), []
     look = pace.Pace.look
-    monkeypatch.setattr(pace.Pace, "look", lambda self: (look(self), seen.append(scene.core.threads)))
+    monkeypatch.setattr(pace.Pace, "look", lambda self: (look(self), seen.append(scene._core.threads)))
     scene.run(steps=60, progress=False)
     assert seen.count(1) > 5 and seen.count(3) > 5
     assert digest(scene) == digest(plain)

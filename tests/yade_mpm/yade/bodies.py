@@ -154,7 +154,7 @@ def digest(soil, ids):
     """Digest of soil and some bodies."""
     sum_ = hashlib.sha256(
         b"".join(
-            np.ascontiguousarray(soil.core.view(f, False)).tobytes()
+            np.ascontiguousarray(soil._core.view(f, False)).tobytes()
             for f in ("position", "velocity", "stress")
         )
     )

@@ -35,7 +35,7 @@ def bits(scene):
     )
     for body in scene.bodies:
         for ofDomains in (False, True):
-            for field in body.core.fields(ofDomains):
+            for field in body._core.fields(ofDomains):
                 if field["name"] != "bodyForce":
-                    digest.update(np.ascontiguousarray(body.core.view(field["name"], ofDomains)).tobytes())
+                    digest.update(np.ascontiguousarray(body._core.view(field["name"], ofDomains)).tobytes())
     return digest.hexdigest()

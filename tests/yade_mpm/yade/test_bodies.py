@@ -53,7 +53,7 @@ ALONG_AXES = np.eye(3)
 def exchange(shape, frame=ALONG_AXES, turn=(1.0, 0, 0, 0)):
     contact, forces = mpm.RigidContact(), Forces()
     contact.addBody(shape)
-    return contact, forces, _core.BodyExchange(contact.core, [State()], [7], forces, frame.tolist(), [turn])
+    return contact, forces, _core.BodyExchange(contact._core, [State()], [7], forces, frame.tolist(), [turn])
 
 
 def test_states_and_forces_of_a_host_without_vectors():
@@ -63,7 +63,7 @@ def test_states_and_forces_of_a_host_without_vectors():
     assert contact.orientations[0] == pytest.approx([0.8, 0, 0, 0.6]) and contact.angularVelocities[
         0
     ].tolist() == [4, 5, 6]
-    contact.core.set("impulses", {"force": [[2.0, 0, 0]], "torque": [[0, 0, 4.0]]})
+    contact._core.set("impulses", {"force": [[2.0, 0, 0]], "torque": [[0, 0, 4.0]]})
     between.apply(0, 1e-3, 0.5)
     between.apply(1, 1e-3, 0.5)  # in the next step of the same cycle: the same again
     assert forces.given == 2 * [("F", 7, (4.0, 0, 0), False), ("T", 7, (0, 0, 8.0), False)]
@@ -79,7 +79,7 @@ def test_the_scene_may_lie_in_another_plane():
     assert contact.orientations[0] == pytest.approx([0.8, 0, 0.6, 0]) and contact.angularVelocities[
         0
     ] == pytest.approx([4, 6, -5])
-    contact.core.set("impulses", {"force": [[0, 2.0, 0]], "torque": [[0, 0, 4.0]]})
+    contact._core.set("impulses", {"force": [[0, 2.0, 0]], "torque": [[0, 0, 4.0]]})
     between.apply(0, 1e-3, 1.0)
     assert forces.given == [("F", 7, (0, 0, 2.0), False), ("T", 7, (0, -4.0, 0), False)]
 
@@ -317,7 +317,7 @@ def difference(turns):
     w, *axis = contact.orientations[0]
     now = Quaternion(w, *axis)
     largest = 0.0
-    shapes = contact.core.value("shapes")
+    shapes = contact._core.value("shapes")
     for kind, place, turn, member in zip(shapes["kind"], shapes["centre"], shapes["orientation"], members):
         at = O.bodies[member].state
         centre = Vector3(*contact.positions[0]) + now * Vector3(*place)
@@ -366,7 +366,7 @@ import numpy as np
 O.bodies.append(bodies.polyhedron((1, 2, 3), (0.1, 0.2, 0.3)))
 contact = mpm.RigidContact()
 mpm.yade.Bodies(contact, [0], facetThickness=0.01)
-shapes = contact.core.value("shapes")
+shapes = contact._core.value("shapes")
 corners = np.reshape(shapes["vertices"], (-1, 3, 3))
 area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) / 2
 say("sum", area.sum(axis=0).tolist())

@@ -41,7 +41,7 @@ O.run(10, True)
 before = contact.largestPenetration
 O.bodies[0].shape.radius *= 1.2
 O.run(1, True)
-say("grown", [before, contact.largestPenetration, contact.core.value("shapes")["radius"][0]])
+say("grown", [before, contact.largestPenetration, contact._core.value("shapes")["radius"][0]])
 
 O.reset()
 soil, contact, coupling = build()

@@ -105,7 +105,7 @@ O.run(20, True); calls.clear()
 O.timingEnabled = True; O.run(20, True); say("timed", [calls[-1], [e.execCount for e in soil.engines]])
 O.timingEnabled = False
 between = []
-O.engines = [*O.engines[:3], PyRunner(command="between.append(scene.engines[1].core.seconds)", iterPeriod=1),
+O.engines = [*O.engines[:3], PyRunner(command="between.append(scene.engines[1]._core.seconds)", iterPeriod=1),
     *O.engines[3:]]
 O.run(20, True); say("between", [len(between), calls[-1]])
 O.engines = [e for e in O.engines if "between" not in getattr(e, "command", "")]
@@ -247,7 +247,7 @@ def test_attributes_that_are_set_by_a_dict_count_at_once(tmp_path, first):
 GROWS = """
 import bodies
 soil, contact, coupling = bodies.build(False)
-def half(): return [float(x) for x in contact.core.value("shapes")["halfSize"][1]]
+def half(): return [float(x) for x in contact._core.value("shapes")["halfSize"][1]]
 def grow():
     if O.iter == 30: O.bodies[1].shape.extents = (0.08, 0.1, 0.09)
     if O.iter in (30, 32): say(str(O.iter), half())

@@ -37,7 +37,7 @@ class Host:
         scene.prepare()
         scene.stepper.dt = DT
         self.scene, self.number = scene, 0
-        self.steps = _core.grantedSteps(scene.core)
+        self.steps = _core.grantedSteps(scene._core)
         self.table = Table.from_address(self.steps.address)
 
     def grant(self, steps=10, next=None, dt=DT, lastStage=STAGES - 1, seconds=60.0, revocations=None):

@@ -44,7 +44,7 @@ for name, ratio in (("mpm", dict(mpmSteps=3)), ("dem", dict(demSteps=4))):
         def apply(self, c): seen.append(("apply", O.iter))
     soil.exchanges.append(Exchange())
     O.run(400, True)
-    say(name, [scene.steps, scene.time, O.time, O.dt, soil.maxDt, scene.dtCritical, scene.core.dt,
+    say(name, [scene.steps, scene.time, O.time, O.dt, soil.maxDt, scene.dtCritical, scene._core.dt,
                sum(s[0] == "apply" for s in seen), [s[1] for s in seen if s[0] == "read"]])
     dt, before = O.dt, O.time
     O.run(1, True); O.dt = dt / 2
@@ -108,7 +108,7 @@ O.run(20, True); say("dem alone", O.dt)
 scene = hybrid()
 soil = mpm.yade.attach(scene)
 O.run(20, True)
-say("with mpm", [O.dt, stepper.maxDt, soil.maxDt, scene.core.dt, O.time + soil.timeOffset == scene.time])
+say("with mpm", [O.dt, stepper.maxDt, soil.maxDt, scene._core.dt, O.time + soil.timeOffset == scene.time])
 stepper.timeStepUpdateInterval = 1000; O.dt = 0.1
 O.run(1, True); say("by hand", [O.dt, soil.maxDt])
 stepper.timeStepUpdateInterval = 1
@@ -116,7 +116,7 @@ soil.detach()
 O.run(20, True); say("without", [O.dt, stepper.maxDt > 1, len(O.engines)])
 stepper.maxDt = 1e-4
 soil = mpm.yade.attach(scene)
-O.run(20, True); say("smaller maxDt", [O.dt, stepper.maxDt, scene.core.dt]); soil.detach()
+O.run(20, True); say("smaller maxDt", [O.dt, stepper.maxDt, scene._core.dt]); soil.detach()
 say("behind", fails(ValueError, lambda: (setattr(O, "engines", engines() + [NewtonIntegrator(), stepper]),
     mpm.yade.attach(scene))))
 
@@ -126,8 +126,8 @@ O.bodies.append(sphere((10, 10, 0), .05)); empty()
 scene = hybrid(); soil = mpm.yade.attach(scene)
 say("stiff sphere", [O.dt, 0.8 * PWaveTimeStep(), soil.maxDt])
 O.reset(); empty(); O.dt = 1e-5
-scene = hybrid(); soil = mpm.yade.attach(scene); O.run(5, True); say("given", [O.dt, scene.core.dt])
-O.dt = 0.99 * soil.criticalDt; O.run(1, True); say("largest", [scene.core.dt / O.dt, scene.time == O.time])
+scene = hybrid(); soil = mpm.yade.attach(scene); O.run(5, True); say("given", [O.dt, scene._core.dt])
+O.dt = 0.99 * soil.criticalDt; O.run(1, True); say("largest", [scene._core.dt / O.dt, scene.time == O.time])
 O.dt = 1.01 * soil.criticalDt
 say("too large", [fails(ValueError, lambda: O.run(5, True)), O.iter, scene.steps])
 O.dt = 1e-5; O.run(1, True); say("mended", [O.iter, scene.steps, soil.error])
@@ -561,7 +561,7 @@ say("member", fails(ValueError, lambda: mpm.yade.Bodies(contact, members[:1])))
 say("thickness", fails(ValueError, lambda: mpm.yade.Bodies(contact, [1], thickness=0)))
 say("plane", fails(ValueError, lambda: mpm.yade.Bodies(contact, [1], plane="zx")))
 mpm.yade.Bodies(contact, [1, clump])
-say("shapes", len(contact.core.value("shapes")["kind"]))
+say("shapes", len(contact._core.value("shapes")["kind"]))
 """,
         tmp_path,
     )

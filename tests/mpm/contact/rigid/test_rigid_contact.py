@@ -93,7 +93,7 @@ def test_force_and_moment_on_the_nodes_are_those_on_the_body(kind, dim):
     values, place = {}, {}
 
     def look(name):
-        values[name] = scene.core.nodalValues()
+        values[name] = scene._core.nodalValues()
         place[name] = contact.positions[0].copy()
 
     inner = scene.engines
@@ -178,7 +178,7 @@ def test_the_ground_carries_a_plate(kind):
     assert -table["gap"].min() == contact.largestPenetration
     assert table["force"].sum(axis=0) == pytest.approx(-contact.forces[0], abs=1e-9)
     x, y, z = contact.shapes["centre"][0]
-    contact.core.set("shapes", {**contact.shapes, "centre": [[x, y + 1, z]]})  # control: lifted
+    contact._core.set("shapes", {**contact.shapes, "centre": [[x, y + 1, z]]})  # control: lifted
     scene.run(steps=1, progress=False)
     assert contact.contacts == 0 and not contact.forces.any()
 
@@ -222,7 +222,7 @@ def test_friction_at_rest_is_held_by_the_history():
     slip, normal = table["slip"], table["normal"]
     assert np.abs((slip * normal).sum(axis=1)).max() < 1e-12 * np.abs(slip).max()
     assert contact.forces[0, 0] < -1  # it still swings about -2
-    contact.core.set("history", [])
+    contact._core.set("history", [])
     scene.run(steps=1, progress=False)
     assert abs(contact.forces[0, 0]) < 0.4
 
@@ -463,7 +463,7 @@ def energies(scene, contact):
     return (
         springs,
         mpm.diagnostics.kineticEnergy(scene) + mpm.diagnostics.internalWork(scene),
-        scene.core.energies["loads"],
+        scene._core.energies["loads"],
     )
 
 
@@ -527,7 +527,7 @@ def test_the_bits_do_not_depend_on_the_threads(kind):
     def result(threads, friction=0.4):
         scene, contact, block, sphere = thrown(kind, 2, threads=threads, friction=friction)
         scene.run(steps=60, progress=False)
-        assert contact.core.value("impulses")["force"][0][0] != 0
+        assert contact._core.value("impulses")["force"][0][0] != 0
         return block.velocity[np.argsort(block.id)].tobytes() + sphere.v.tobytes() + sphere.w.tobytes()
 
     one = result(1)
@@ -558,7 +558,7 @@ def test_a_restart_goes_on_with_the_same_bits(kind):
     scene.save("state.h5")
     scene.run(steps=40, progress=False)
     again, forgetful = mpm.load("state.h5"), mpm.load("state.h5")
-    forgetful.engines[1].core.set("history", [])
+    forgetful.engines[1]._core.set("history", [])
     states = []
     for one in (again, forgetful):
         one.run(steps=40, progress=False)

@@ -47,7 +47,7 @@ def test_soil_keeps_the_place_of_an_inclined_plate_free(dim):
         scene.engines = [mpm.ParticleToGrid(), contact, *scene.engines[1:]]
         counts[isExcluded] = body.count
         scene.stepper.prepare()
-        depths[isExcluded] = max([o[2] for o in contact.core.overlaps(scene.core)], default=0.0)
+        depths[isExcluded] = max([o[2] for o in contact._core.overlaps(scene._core)], default=0.0)
     assert depths[True] == 0 < 0.01 < depths[False]
     width = (counts[False] - counts[True]) / (0.5 / 0.05) ** (dim - 1) * 0.05
     assert 0.05 < width < 0.25, "m, of the slot"

@@ -47,7 +47,7 @@ def onMasters(values, mesh):
 def nodeTable(scene):
     """Mass, momentum and force of all nodes, as the last ParticleToGrid left them."""
     table = np.zeros((len(scene.nodePositions()), 1 + 2 * scene.dim))
-    values = scene.core.nodalValues()
+    values = scene._core.nodalValues()
     table[values["node"]] = np.column_stack([values["mass"], values["momentum"], values["force"]])
     return table
 

@@ -42,7 +42,7 @@ def largestForce(points, cells, deform=None, push=0.0):
     for engine in scene.engines[1:]:
         engine.dead = True
     scene.run(steps=1, progress=False)
-    return np.abs(scene.core.nodalValues()["force"]).max()
+    return np.abs(scene._core.nodalValues()["force"]).max()
 
 
 @pytest.mark.parametrize("unevenness", [0, 0.15])

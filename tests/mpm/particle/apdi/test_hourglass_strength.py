@@ -32,7 +32,7 @@ def force(*pattern, **soil):
     for engine in scene.engines[1:]:
         engine.dead = True
     scene.run(steps=1, progress=False)
-    return np.abs(scene.core.nodalValues()["force"]).max()
+    return np.abs(scene._core.nodalValues()["force"]).max()
 
 
 def energy(*pattern, **soil):

@@ -72,7 +72,7 @@ def test_a_cut_keeps_what_the_particle_had(dim):
     deform(soil, R @ np.diag([1.8, 0.7, 1.1][:dim]), dim)
     state(soil, dim)
     before, count = sums(soil), soil.count
-    assert soil.core.splitStretched()
+    assert soil._core.splitStretched()
     assert soil.count == 2 * count and len(set(soil.id)) == 2 * count
     for name, value in sums(soil).items():
         assert np.allclose(value, before[name], rtol=1e-13, atol=1e-12), name
@@ -84,7 +84,7 @@ def test_halves_stand_along_the_stretched_direction_and_keep_the_second_moment(d
     R, half = turned(dim), soil.halfSize[0]
     deform(soil, R @ np.diag([1.8, 0.7, 1.1][:dim]), dim)
     first = dict(zip(soil.id.copy(), soil.position.copy()))
-    soil.core.splitStretched()
+    soil._core.splitStretched()
     n = R[:, 0]
     offsets = np.array([x - first[i] for i, x in zip(soil.id, soil.position) if i in first])
     assert np.allclose(np.abs(offsets @ n), 0.5 * 1.8 * half) and np.allclose(
@@ -100,7 +100,7 @@ def test_a_half_waits_until_it_is_as_long_again_in_any_direction():
 
     def after(x, y):
         deform(soil, np.diag([x, y]), 2)
-        soil.core.splitStretched()
+        soil._core.splitStretched()
         return soil.count / start
 
     assert [after(1.49, 1), after(1.51, 1), after(1.51, 1), after(2.99, 1), after(3.01, 1)] == [1, 2, 2, 2, 4]
@@ -110,7 +110,7 @@ def test_a_half_waits_until_it_is_as_long_again_in_any_direction():
 def test_pure_rotation_cuts_nothing():
     _, soil = body(splitAt=1.01)
     deform(soil, turned(2, 1.2), 2)
-    assert not soil.core.splitStretched()
+    assert not soil._core.splitStretched()
 
 
 def pulled(splitAt=1.2, scheme="MUSL", threads=1, dim=2):
@@ -132,7 +132,7 @@ def pulled(splitAt=1.2, scheme="MUSL", threads=1, dim=2):
 
 def bits(scene):
     soil = scene["soil"]
-    fields = [soil.core.view(f["name"], False) for f in soil.fields() if f["name"] != "bodyForce"]
+    fields = [soil._core.view(f["name"], False) for f in soil.fields() if f["name"] != "bodyForce"]
     return [np.asarray(f).tobytes() for f in fields]
 
 
@@ -171,7 +171,7 @@ def test_a_torn_block_keeps_mass_and_momentum(dim):
     assert soil.mass.sum() == pytest.approx(mass, rel=1e-13)
     assert np.allclose(soil.mass @ soil.velocity, momentum, rtol=1e-11, atol=1e-11 * mass)
     assert np.allclose(soil.volume, soil.initialVolume * np.linalg.det(soil.deformationGradient), rtol=1e-12)
-    share = np.linalg.det(soil.core.view("splitShare", True))
+    share = np.linalg.det(soil._core.view("splitShare", True))
     assert np.allclose(soil.initialVolume, (2 * soil.halfSize).prod() * share, rtol=1e-12), (
         "shares stay with their particles"
     )
@@ -187,5 +187,5 @@ def test_no_particle_is_cut_to_less_than_a_32nd():
     mass = soil.mass.max()
     for cut in range(8):
         deform(soil, np.diag([1.31 * 2.0**cut, 0.5**cut]), 2)
-        soil.core.splitStretched()
+        soil._core.splitStretched()
     assert soil.mass == pytest.approx(mass / 32)

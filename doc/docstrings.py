@@ -10,11 +10,11 @@ import inspect
 import re
 
 SECTIONS = ("Parameters", "Attributes", "Returns", "Raises", "Columns")
-# Methods for engines and loops written in Python, which adding-an-engine.md explains: not for the reference.
+# Not for the reference: what a Callback of your own has, and options for research, which have a page.
 HIDDEN = """
-act bind constraints finish geometry row spec stepsToCall
+act allowUnstable average bind compress finish flush row scheme spec stepsToCall
 """.split()  # noqa: SIM905
-NO_FACE = ("replacing", "shapeRow", "Shape", "drawDomains")  # in public modules, but not for users
+NO_FACE = ("replacing", "drawDomains")  # in public modules, but not for users
 HEAD = re.compile(r"^(\**\w+(?:, \**\w+)*) ?: (.*)$")
 PAGE = re.compile(r"\bdoc/([\w/-]+)\.md\b")
 MARKS = re.compile(r"(?<![\\`])([*|]|\b_(?=\W|$))")

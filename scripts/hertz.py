@@ -141,7 +141,7 @@ def hatMean(x, h, halfWidth):
 def run(a):
     """Presses the cylinder down and lets it come to rest; returns (summary, scene)."""
     began, h, scene = time.monotonic(), 1 / a.cells, build(a)
-    press = scene.engines[1].drive[0]
+    press = scene.engines[1].drives[0]
     contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
     way = 4 * EXTENT / scene["ground"].material.waveSpeed
     press.velocity = (None, -DEPTH / way)

@@ -161,7 +161,7 @@ def recorded(a, snapshots, columns=None):
     columns = {**section, **(columns or {})}
     recorder = mpm.Recorder(f"{a.out}/sheet_pile.vtkhdf", period=a.until / 40)
     history = mpm.History(period=a.until / 800, file=f"{a.out}/history.csv", columns=columns)
-    quarters = mpm.PyRunner(snapshots, virtPeriod=a.until / 4, label="snapshots")
+    quarters = mpm.PyRunner(snapshots, period=a.until / 4, label="snapshots")
     scene.engines = [*scene.engines, recorder, history, quarters]
     return scene
 

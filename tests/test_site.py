@@ -154,9 +154,9 @@ def test_every_attribute_has_a_text_of_its_own(name):
 
 
 SCENE = """
-add allowUnstable bodies cellSizeAt changes checkTimeStep criticalTimeStep dt dtSpeed engines faceNodes
-initialStress lines loop nodePositions nodesInside particleCount pause plot prepare remove run
-running save scheme settle step steps threads time timing unbalancedForce wait
+add bodies cellSizeAt changes close criticalTimeStep dt dtSpeed engines faceNodes
+initialStress lines nodePositions nodesInside particleCount pause plot prepare remove run
+running save settle step steps threads time timing unbalancedForce wait
 """
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 import yade_mpm as mpm
+from yade_mpm.base.research import hiddenOf
 
 ROOT = Path(__file__).parents[1]
 STUBS = ROOT / "py" / "yade_mpm" / "__init__.pyi"
@@ -30,9 +31,10 @@ def test_the_stubs_have_every_public_name():
 def test_a_signature_names_every_attribute_with_its_default(name):
     cls = getattr(mpm, name)
     named = inspect.signature(cls).parameters
-    options = [p for p in cls._make(cls._coreName).parameters() if p["name"] not in cls._found]
+    hidden = {*hiddenOf(cls), *cls._found}
+    options = [p for p in cls._make(cls._coreName).parameters() if p["name"] not in hidden]
     defaults = {p["name"]: p["default"] for p in options if p["name"] in named}
-    assert set(named) >= {p["name"] for p in options} and "attributes" not in named
+    assert set(named) >= {p["name"] for p in options} and not {"attributes", *hiddenOf(cls)} & set(named)
     own = inspect.signature(cls.__init__).parameters
     assert all(named[key].default == value for key, value in defaults.items() if key not in own)
 

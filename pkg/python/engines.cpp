@@ -8,12 +8,12 @@ namespace mpm::python {
 
 namespace {
 
-// Calls a Python function every `iterPeriod` steps, or every `virtPeriod` seconds of scene time. Whether a
+// Calls a Python function every `iterPeriod` steps, or every `period` seconds of scene time. Whether a
 // call is due follows from step and time alone, so that a restarted run calls at the same steps.
 class PythonEngine : public EngineOf<PythonEngine> {
   public:
     int iterPeriod = 0;
-    double virtPeriod = 0;
+    double period = 0;
 
     explicit PythonEngine(const bp::object& call) : call_(call) {}
     ~PythonEngine() override {
@@ -25,14 +25,13 @@ class PythonEngine : public EngineOf<PythonEngine> {
     std::vector<Parameter> attributes() override {
         return {
             {"iterPeriod", "-", "Steps between calls; 0: not by steps.", &iterPeriod, Range::between(0, 1e9)},
-            {"virtPeriod", "s", "Scene time between calls; 0: not by time.", &virtPeriod,
-             Range::notNegative()}};
+            {"period", "s", "Scene time between calls; 0: not by time.", &period, Range::notNegative()}};
     }
     template <int Dim> void act(Scene<Dim>& scene) {
         const bool bySteps = iterPeriod > 0 && scene.step % iterPeriod == 0;
-        const auto periods = [&](double t) { return std::floor(t / virtPeriod); };
+        const auto periods = [&](double t) { return std::floor(t / period); };
         const bool byTime =
-            virtPeriod > 0 && periods(scene.time + 0.5 * scene.dt) > periods(scene.time - 0.5 * scene.dt);
+            period > 0 && periods(scene.time + 0.5 * scene.dt) > periods(scene.time - 0.5 * scene.dt);
         if (!bySteps && !byTime) return;
         Locked lock;
         call_();

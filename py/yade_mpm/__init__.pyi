@@ -63,7 +63,6 @@ class APDI(MeshedType):
         size: Any = None,
         matched: Any = None,
         *,
-        hourglass: float = 0.05,
         onDistortion: Literal['stop', 'convert'] = 'stop',
     ) -> None: ...
 
@@ -127,11 +126,6 @@ class Contact(_Contact):
         friction: float = 0.0,
         adhesion: float = 0.0,
         separation: bool = True,
-        slip: bool = True,
-        impactLoss: float = 1.0,
-        constraints: Literal['auto', 'nodes', 'facets'] = 'auto',
-        pairs: Any = (),
-        sharedCells: bool = True,
         label: str = '',
         dead: bool = False,
     ) -> None: ...
@@ -316,7 +310,6 @@ class MohrCoulombDruckerPrager(Material):
         residualDilatancyAngle: float | None = None,
         softeningStrain: float | None = None,
         bandWidth: float | None = None,
-        coneFit: Literal['planeStrain', 'triaxialCompression', 'triaxialExtension'] = 'planeStrain',
         tensionCutOff: float | None = None,
         dilatancyLimit: float | None = None,
         initialVoidRatio: float | None = None,
@@ -370,27 +363,14 @@ class RigidContact(_RigidContact):
     normalLaw: Literal['penalty', 'Hertz']
     hertzOverlap: float | None
     checkBalance: bool
-    bodyWork: float
-    soilWork: float
     label: str
     dead: bool
     def __init__(
         self,
         *,
         friction: float | Sequence[float] = (),
-        masses: float | Sequence[float] = (),
-        soilFriction: float | Sequence[float] = (),
         adhesion: float | Sequence[float] = (),
-        pairs: Any = (),
         stiffness: float | None = None,
-        stiffnessFactor: float = 0.3,
-        shearRatio: float = 0.8,
-        normalDamping: float = 0.0,
-        normalLaw: Literal['penalty', 'Hertz'] = 'penalty',
-        hertzOverlap: float | None = None,
-        checkBalance: bool = False,
-        bodyWork: float = 0.0,
-        soilWork: float = 0.0,
         label: str = '',
         dead: bool = False,
     ) -> None: ...
@@ -437,7 +417,6 @@ class UGIMP(ParticleType):
         *,
         perCell: float | Sequence[float] = (2.0,),
         cut: bool = False,
-        outline: bool = True,
         splitAt: float | None = None,
     ) -> None: ...
 

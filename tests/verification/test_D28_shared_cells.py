@@ -144,7 +144,7 @@ def test_pressure_stays_round_a_thin_plate(case, within):
 
 
 def shake(scene, amplitude, frequency):
-    drive, rate = scene.engines[1].drive, 2 * np.pi * frequency
+    drive, rate = scene.engines[1].drives[0], 2 * np.pi * frequency
     speed = lambda: amplitude * rate * np.cos(rate * scene.time)  # noqa: E731
     move = mpm.PyRunner(lambda: setattr(drive, "velocity", (speed(), 0.0)), iterPeriod=1)
     scene.engines = [move, *scene.engines]

@@ -6,6 +6,7 @@ import re
 
 import pytest
 import yade_mpm as mpm
+from yade_mpm.base.research import hiddenOf
 
 GENERATED = sorted(n for n in mpm.__all__ if getattr(getattr(mpm, n), "_coreName", None))
 
@@ -40,7 +41,7 @@ def test_attributes_have_a_default_and_whole_sentences(name):
     cls = getattr(mpm, name)
     entries = re.findall(r"^(\w+) : default (\S.*)\n {4}(.*(?:\n(?!\w+ :|\n).*)*)", inspect.getdoc(cls), re.M)
     assert [e[0] for e in entries] == [
-        p["name"] for p in cls._make(name).parameters() if p["name"] not in cls._found
+        p["name"] for p in cls._make(name).parameters() if p["name"] not in {*hiddenOf(cls), *cls._found}
     ]
     for attribute, _, text in entries:
         assert not re.search(r"[a-z)] (Allowed:|One of)", text), attribute

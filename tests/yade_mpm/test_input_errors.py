@@ -135,7 +135,7 @@ def runChanged(change, **options):
         (partial(mpm.LinearElastic, lame=LAME), "LinearElastic: density is required; give density in Mg/m3"),
         (
             partial(elastic, densty=1),
-            "LinearElastic has no attribute 'densty'; did you mean 'density'? (allowed: 'density', "
+            "LinearElastic has no argument 'densty'; did you mean 'density'? (allowed: 'density', "
             "'lame', 'young', 'poisson')",
         ),
         (
@@ -212,7 +212,7 @@ def test_an_error_says_who_what_was_given_what_is_allowed_and_what_to_do(make, s
         lambda: soil(initialVoidRatio=0.8, criticalVoidRatio=0.7),
     ),
     ("coneFit = 'plainStrain'", lambda: soil(coneFit="plainStrain")),
-    ("'frictionangle' ... 'frictionAngle'", lambda: soil(frictionangle=0.5)),
+    ("'frictionangle' ... 'frictionAngle'", lambda: soil(frictionangle=0.5), TypeError),
     *each(
         "MaterialPoint: stress", partial(mpm.MaterialPoint, elastic()), np.zeros((2, 2)), np.full((3, 3), nan)
     ),
@@ -221,16 +221,16 @@ def test_an_error_says_who_what_was_given_what_is_allowed_and_what_to_do(make, s
     ("MaterialPoint: dt", lambda: mpm.MaterialPoint(elastic()).gradient(np.zeros((3, 3)), 0)),
     ("inside out", lambda: mpm.MaterialPoint(elastic()).gradient(-2 * np.eye(3), 1)),
     *each("UGIMP: perCell", lambda v: mpm.UGIMP(perCell=v), 0, 1.5, 10**30, nan, (1, 2, 3, 4)),
-    ("UGIMP ... 'percell' ... 'perCell'", lambda: mpm.UGIMP(percell=2)),
-    ("UGIMP ... 'PERCELL' ... 'perCell'", lambda: mpm.UGIMP(PERCELL=2)),
+    ("UGIMP ... 'percell' ... 'perCell'", lambda: mpm.UGIMP(percell=2), TypeError),
+    ("UGIMP ... 'PERCELL' ... 'perCell'", lambda: mpm.UGIMP(PERCELL=2), TypeError),
     ("APDI: hourglass", lambda: mpm.APDI(hourglass=2)),
     *each("APDI: onDistortion", lambda v: mpm.APDI(onDistortion=v), "ignore", None),
-    ("APDI ... 'sise' ... 'size'", lambda: mpm.APDI(sise=0.25)),
+    ("APDI ... 'sise' ... 'size'", lambda: mpm.APDI(sise=0.25), TypeError),
     ("'block': spacing", lambda: oneBody(type=mpm.APDI(size=-1))),
     ("perCell", lambda: oneBody(type=mpm.UGIMP(perCell=(1, 2, 3)))),
     ("body 'block': matched", lambda: oneBody(type=mpm.APDI(matched="near")), TypeError),
     ("hourglass ... 'block'", lambda: setattr(oneBody(type=mpm.APDI())["block"].type, "hourglass", 0.5)),
-    ("History: period", lambda: setattr(mpm.History(period=1.0), "period", 2.0)),
+    ("period = -2", lambda: setattr(mpm.History(period=1.0), "period", -2.0)),
 )
 def test_materials_and_particle_types_refuse(named, make, kind):
     refused(named, make, kind)
@@ -358,7 +358,7 @@ def test_every_material_checks_what_all_have():
     for name in mpm.material.materials.classes:
         make = getattr(mpm, name)
         refused(f"{name}: density = -1", lambda make=make: make(density=-1))
-        refused(f"{name} ... 'nonsense'", lambda make=make: make(nonsense=1))
+        refused(f"{name} ... 'nonsense'", lambda make=make: make(nonsense=1), TypeError)
 
 
 def test_a_refused_change_leaves_the_material_as_it_was():
@@ -373,7 +373,8 @@ def test_a_refused_change_leaves_the_material_as_it_was():
         ("density", None),
         ("frictionAngl", 0.1),
     ):
-        refused(name, lambda name=name, value=value: setattr(material, name, value))
+        kind = AttributeError if name == "frictionAngl" else ValueError
+        refused(name, lambda name=name, value=value: setattr(material, name, value), kind)
         assert material.attributes() == before
     material.tensionCutOff = 1.0
     material.tensionCutOff = None
@@ -392,8 +393,8 @@ def test_a_refused_body_leaves_the_scene_as_it_was():
     *each("GridSolver: gravity", lambda v: mpm.GridSolver(gravity=v), (0, nan), -9.81),
     ("GridSolver ... 'botom'", lambda: motion(fixed="botom")),
     *each("GridSolver: damping", lambda v: mpm.GridSolver(damping=v), 1, None),
-    ("GridSolver ... 'gravty' ... 'gravity'", lambda: mpm.GridSolver(gravty=(0, 1))),
-    ("GridSolver ... 'rollers' ... 'roller'", lambda: mpm.GridSolver(rollers="left")),
+    ("GridSolver ... 'gravty' ... 'gravity'", lambda: mpm.GridSolver(gravty=(0, 1)), TypeError),
+    ("GridSolver ... 'rollers' ... 'roller'", lambda: mpm.GridSolver(rollers="left"), TypeError),
     ("GridSolver ... 'dampnig' ... 'damping'", lambda: mpm.GridSolver().dampnig, AttributeError),
     ("GridToParticle: flip", lambda: mpm.GridToParticle(flip=1.1)),
     *each("GridSolver: roller", lambda v: mpm.GridSolver(roller=v), [1], kind=TypeError),
@@ -425,12 +426,12 @@ def test_a_refused_body_leaves_the_scene_as_it_was():
     ("BoundaryLoad: pressure", lambda: mpm.BoundaryLoad(meshed()["block"], pressure=nan)),
     ("BoundaryLoad: traction", lambda: loaded(traction=(0, 0, 1)).prepare()),
     ("PyRunner: command", lambda: mpm.PyRunner(3, iterPeriod=1), TypeError),
-    ("PyRunner ... iterPeriod ... virtPeriod", lambda: mpm.PyRunner("pass")),
+    ("PyRunner ... iterPeriod ... period", lambda: mpm.PyRunner("pass")),
     ("PyRunner: command = 'x = '", lambda: mpm.PyRunner("x = ", iterPeriod=1), SyntaxError),
     *each("iterPeriod", lambda v: mpm.PyRunner("pass", iterPeriod=v), 1.5, -1),
-    *each("virtPeriod", lambda v: mpm.PyRunner("pass", virtPeriod=v), nan, "often"),
+    *each("period", lambda v: mpm.PyRunner("pass", period=v), nan, "often"),
     ("History ... 'time'", lambda: mpm.History(iterPeriod=1).time, AttributeError),
-    ("'iterperiod'", lambda: mpm.PyRunner("pass", iterPeriod=1, iterperiod=3)),
+    ("'iterperiod'", lambda: mpm.PyRunner("pass", iterPeriod=1, iterperiod=3), TypeError),
     *each("Recorder: file", lambda v: mpm.Recorder(v, period=1), "a.VTU"),
 )
 def test_engines_refuse(named, make, kind):
@@ -746,8 +747,8 @@ def test_engines_put_into_the_list_itself_take_part_and_are_checked():
 def test_every_engine_refuses_unknown_attributes():
     for name, make in mpm.engine.classes.items():
         needed = {"BoundaryLoad": ("block",), "PyRunner": ("pass", 1)}.get(name, ())
-        refused("'nonsense'", partial(make, *needed, nonsense=1))
-        refused("'nonsense'", partial(setattr, make(*needed), "nonsense", 1))
+        refused("'nonsense'", partial(make, *needed, nonsense=1), TypeError)
+        refused("'nonsense'", partial(setattr, make(*needed), "nonsense", 1), AttributeError)
 
 
 @cases(

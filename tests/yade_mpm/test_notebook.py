@@ -316,7 +316,7 @@ def test_a_history_is_a_mapping_of_its_columns(ran):
     assert history.keys()[:2] == ["time", "step"] and "bottom.fy" in history and "nothing" not in history
     assert list(dict(history)) == history.keys() and len(history) == 15
     with_pandas = pytest.importorskip("pandas", reason="no pandas here; scripts/test installs it")
-    frame = history.to_pandas()
+    frame = history.toPandas()
     assert isinstance(frame, with_pandas.DataFrame) and frame.index.name == "time"
     assert np.array_equal(frame["bottom.fy"], history["bottom.fy"])
 

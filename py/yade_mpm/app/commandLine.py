@@ -19,7 +19,7 @@ import sys
 from math import inf, isfinite
 
 from ..base import program
-from ..base.attributes import didYouMean
+from ..base.wording import didYouMean
 from .resume import resumed
 
 SMOKE = "coarse, thick and fast: no numbers"  # thick: a thin body is at least a cell across

@@ -5,21 +5,17 @@ A material, particle type or engine registered in C++ appears here as a class wi
 checked attributes and a docstring; no other file names it.
 """
 
-import difflib
 import inspect
 
 import numpy as np
 
+from .deprecation import currentKeywords, currentName
 from .html import card, table
+from .keywords import refuseUnknown
+from .research import OPTIONS, SET_BY_METHODS, hiddenOf
+from .wording import didYouMean
 
 whenSet = []  # functions without argument, called when an attribute of a material, an engine ... was set
-
-
-def didYouMean(name, known):
-    """End of an error about an unknown name: the nearest one, or nothing."""
-    spelled = {other.lower(): other for other in known}
-    near = difflib.get_close_matches(name.lower(), spelled, 1)
-    return f"; did you mean '{spelled[near[0]]}'?" if near else ""
 
 
 def keep(guarded, **values):
@@ -35,19 +31,35 @@ class Guarded:
 
     _elsewhere = {}  # name that users look for here -> what to do instead
     _instead = "make another one"  # of a copy
+    _renamed = {"core": "_core"}  # names that were others: old -> new
 
     def __reduce__(self):
         kind = type(self).__name__
         raise TypeError(f"{kind}: it cannot be copied or pickled; {self._instead}")
 
+    def __dir__(self):
+        return sorted(set(super().__dir__()) - hiddenOf(type(self)))
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if (current := currentName(type(self), name)) is not None:
+            return getattr(self, current)
+        raise AttributeError(f"{type(self).__name__} has no attribute '{name}'{self._hint(name)}")
+
+    def _hint(self, name):
+        """What to do about an attribute that does not exist."""
+        if name in self._elsewhere:
+            return f"; {self._elsewhere[name]}"
+        return didYouMean(name, [n for n in (*dir(self), *hiddenOf(type(self))) if not n.startswith("_")])
+
     def __setattr__(self, name, value):
         kind = type(self)
+        name = currentName(kind, name) or name
         if not (name.startswith("_") or isinstance(getattr(kind, name, None), property)):
             if name in self.__dict__ or hasattr(kind, name):
                 raise AttributeError(f"{kind.__name__}: {name} can be read, not set")
-            known = [n for n in dir(self) if not n.startswith("_")]
-            hint = f"; {self._elsewhere[name]}" if name in self._elsewhere else didYouMean(name, known)
-            raise AttributeError(f"{kind.__name__} has no attribute '{name}'{hint}")
+            raise AttributeError(f"{kind.__name__} has no attribute '{name}'{self._hint(name)}")
         if isinstance(of := getattr(kind, name, None), property) and of.fset is None:
             raise AttributeError(f"{kind.__name__}: {name} can be read, not set")
         object.__setattr__(self, name, value)
@@ -56,7 +68,8 @@ class Guarded:
 class Attributed:
     """Object whose attributes are the parameter list of a C++ class.
 
-    Keyword arguments and later assignments are checked at once; ValueError says what is allowed.
+    Keyword arguments and later assignments are checked at once; ValueError says what is allowed, TypeError of
+    an unknown keyword and AttributeError of an unknown attribute which one was meant.
     """
 
     _make = None  # name -> C++ object
@@ -65,6 +78,8 @@ class Attributed:
     _coreName = None
     _usedBy = None  # name of the body made with it
     _fixed = ()  # attributes that cannot change from then on; None: all
+    _renamed = {"core": "_core"}  # names that were others: old -> new
+    _hooks = ("restoreState", "state")  # what engines and types offer to the scene, not to users
 
     def __init_subclass__(cls, **options):
         """Gives a class the signature that its parameter list makes, for help and completion."""
@@ -74,9 +89,17 @@ class Attributed:
 
     def __init__(self, **attributes):
         object.__setattr__(self, "_core", type(self)._make(type(self)._coreName))
-        for name, value in attributes.items():
+        for name, value in self._checked(attributes).items():
             self._assign(name, value)
         self._core.finish()
+
+    def _checked(self, attributes):
+        """Keyword arguments by their present names; TypeError for one that there is not."""
+        kind = type(self)
+        attributes = currentKeywords(kind.__name__, self._renamed, attributes)
+        allowed = [*_ownArguments(kind), *self._attributeNames()]
+        refuseUnknown(kind.__name__, attributes, allowed, {*hiddenOf(kind), *self._found, *self._gone})
+        return attributes
 
     def __reduce__(self):
         """Copies and pickles are refused: they would go on sharing values and results with the first one."""
@@ -87,6 +110,7 @@ class Attributed:
         if name.startswith("_") or isinstance(getattr(type(self), name, None), property):
             object.__setattr__(self, name, value)
             return
+        name = currentName(type(self), name) or name
         before = getattr(self, name) if name in self._attributeNames() else None
         self._assign(name, value)
         try:
@@ -102,26 +126,20 @@ class Attributed:
     def _assign(self, name, value):
         """Gives the core a value; None takes it back where the default is "not given"."""
         if name not in self._attributeNames():
-            taken = [
-                n
-                for n in inspect.signature(type(self).__init__).parameters
-                if n not in ("self", "attributes")
-            ]
+            kind, taken = type(self).__name__, _ownArguments(type(self))
             if name in taken:
-                kind, others = type(self).__name__, ", ".join(map(repr, self._attributeNames()))
+                others = ", ".join(map(repr, self._attributeNames()))
                 raise ValueError(
                     f"{kind}: {name} is an argument of {kind}(...) and cannot be set afterwards; make "
                     f"another one, or set one of {others}"
                 )
             if name in self._found:
-                raise ValueError(
-                    f"{type(self).__name__}: {name} is what a run has found; it can be read, not set"
-                )
+                raise ValueError(f"{kind}: {name} is what a run has found; it can be read, not set")
             known = [*taken, *self._attributeNames()]
             if name in self._gone:
-                raise ValueError(f"{type(self).__name__}: {name} is gone; {self._gone[name]}")
-            raise ValueError(
-                f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, known)} "
+                raise ValueError(f"{kind}: {name} is gone; {self._gone[name]}")
+            raise AttributeError(
+                f"{kind} has no attribute '{name}'{didYouMean(name, known)} "
                 f"(allowed: {', '.join(map(repr, known))})"
             )
         if value is None and self._make is not None and self._make(self._coreName).value(name) is None:
@@ -149,6 +167,8 @@ class Attributed:
         try:
             return self._core.value(name)
         except ValueError:
+            if (current := currentName(type(self), name)) is not None:
+                return getattr(self, current)
             raise AttributeError(
                 f"{type(self).__name__} has no attribute '{name}'{didYouMean(name, dir(self))}"
             ) from None
@@ -159,7 +179,7 @@ class Attributed:
 
     def _attributeNames(self):
         """Names of all attributes."""
-        return [p["name"] for p in _optionsOf(type(self), self._core)]
+        return [p["name"] for p in _hiddenOf(type(self), self._core)]
 
     def state(self):
         """Dict of what the solver keeps between steps besides the attributes, for checkpoints."""
@@ -182,7 +202,8 @@ class Attributed:
         return {name: value for name, value in values.items() if value is not None and value != ()}
 
     def __dir__(self):
-        return [*super().__dir__(), *self._attributeNames()]
+        hidden = {*hiddenOf(type(self)), *self._hooks}
+        return sorted({*super().__dir__(), *self._attributeNames()} - hidden)
 
     def __repr__(self):
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.attributes().items())})"
@@ -192,29 +213,36 @@ class Attributed:
         values = self.attributes()
         rows = [
             (p["name"], values[p["name"]], p["unit"].replace("-", ""), p["doc"])
-            for p in _optionsOf(type(self), self._core)
+            for p in _hiddenOf(type(self), self._core)
             if p["name"] in values
         ]
         return card(type(self).__name__, table(("attribute", "value", "unit", "meaning"), rows))
 
 
+def _ownArguments(cls):
+    """Names of the arguments of a class that are no attributes of the core."""
+    parameters = inspect.signature(cls.__init__).parameters
+    return [n for n, p in parameters.items() if n != "self" and p.kind is not p.VAR_KEYWORD]
+
+
 def signatureOf(cls):
-    """Signature of a class: arguments of its own, then the attributes as keywords with their defaults."""
+    """Signature of a class: arguments of its own, then the attributes as keywords with their defaults,
+    without what help leaves out."""
     own = [
         p
         for p in inspect.signature(cls.__init__).parameters.values()
         if p.name != "self" and p.kind is not p.VAR_KEYWORD
     ]
-    taken = {p.name for p in own}
+    taken = {p.name for p in own} | hiddenOf(cls)
     attributes = [
         inspect.Parameter(p["name"], inspect.Parameter.KEYWORD_ONLY, default=p["default"])
-        for p in _optionsOf(cls, cls._make(cls._coreName))
+        for p in _hiddenOf(cls, cls._make(cls._coreName))
         if p["name"] not in taken
     ]
     return inspect.Signature([*own, *attributes])
 
 
-def _optionsOf(cls, core):
+def _hiddenOf(cls, core):
     """Parameters that users set."""
     return [p for p in core.parameters() if p["name"] not in cls._found]
 
@@ -234,9 +262,10 @@ def makeClass(name, make, base=Attributed, state=()):
     """Class `name` whose instances are made by make(name); its docstring lists attribute, default, unit,
     meaning. state : names of parameters that are no attributes."""
     core = make(name)
+    hidden = {*OPTIONS.get(name, ()), *SET_BY_METHODS.get(name, ())}
     lines = [core.doc, "", "Attributes", "----------"]
     for p in core.parameters():
-        if p["name"] in state:
+        if p["name"] in state or p["name"] in hidden:
             continue
         default = None if p["default"] == () else p["default"]
         unit = f", {p['unit']}" if p["unit"] not in ("", "-") else ""

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Values in errors, short whatever they are."""
+"""Values in errors, short whatever they are, and the name that was meant."""
 
+import difflib
 import reprlib
 
 LONGEST = 2000  # characters of an error
@@ -20,6 +21,13 @@ def shown(value):
         return shortened(_Short().repr(value), MOST_SHOWN)
     except Exception:  # of a __repr__ of the user, too; 10**5000 has no text
         return f"<{type(value).__name__}>"
+
+
+def didYouMean(name, known):
+    """End of an error about an unknown name: the nearest one, or nothing."""
+    spelled = {other.lower(): other for other in known}
+    near = difflib.get_close_matches(name.lower(), spelled, 1)
+    return f"; did you mean '{spelled[near[0]]}'?" if near else ""
 
 
 class _Short(reprlib.Repr):

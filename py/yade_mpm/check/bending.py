@@ -30,7 +30,7 @@ def thinBeams(scene):
 def actions(scene):
     """What may bend bodies, to see when it changes: gravity, motions, supports, loads, other bodies."""
     solver = scene._gridSolver("prepare")
-    found = [list(solver.gravity or ()), *(list(m.velocity) for m in (*solver.hold, *solver.drives))]
+    found = [list(solver.gravity or ()), *(list(m.velocity) for m in (*solver.holds, *solver.drives))]
     found += [solver.roller, solver.fixed, [body.name for body in scene.bodies if body.count]]
     for engine in scene.engines:
         if isinstance(engine, (BoundaryLoad, RigidContact)):
@@ -107,7 +107,7 @@ def _isCarried(scene, lower, upper, axis):
 def _isBent(scene, body, axis, gravity, lower, upper):
     """Whether something may bend a body across an axis: weight, motions, rigid bodies, moments of loads."""
     solver = scene._gridSolver("prepare")
-    motions = [m.velocity[axis] for m in (*solver.hold, *np.atleast_1d(solver.drive))]
+    motions = [m.velocity[axis] for m in (*solver.holds, *solver.drives)]
     isHeld = 0.0 in motions or len(_facesBeside(scene, solver.fixed, lower, upper)) > 0
     across = body.velocity[:, axis]
     loads = [e for e in scene.engines if isinstance(e, BoundaryLoad) and e.body == body.name and not e.dead]

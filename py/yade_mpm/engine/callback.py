@@ -9,23 +9,27 @@ import numpy as np
 
 from .. import _core
 from ..base.attributes import keep, plain
+from ..base.keywords import checked
 from ..base.wording import shown
-from .engine import NO_CALL, Engine
+from .engine import NO_CALL, OF_EVERY_ENGINE, Engine
 
 
 class Callback(Engine):
-    """Base of engines that call back into Python: every `iterPeriod` steps or every `virtPeriod` s of scene
-    time.
+    """Base of engines that call back into Python: every `iterPeriod` steps or every `period` s of scene time.
 
     A class that adds `spec()`, a dict of constructor arguments that JSON can hold, is restored from
     checkpoints.
     """
 
-    def __init__(self, iterPeriod=0, virtPeriod=0.0, **attributes):
+    _renamed = {**Engine._renamed, "virtPeriod": "period"}
+    _hooks = ("act", "bind", "flush", "restoreState", "spec", "state", "stepsToCall")
+
+    @checked("Callback", more=OF_EVERY_ENGINE, virtPeriod="period")
+    def __init__(self, iterPeriod=0, period=0.0, **attributes):
         # The solver refers to the object weakly: a cycle through it would never be collected.
         method = weakref.WeakMethod(self._call)
         object.__setattr__(self, "_core", _core.makePythonEngine(lambda: method()()))
-        for name, value in dict(attributes, iterPeriod=iterPeriod, virtPeriod=virtPeriod).items():
+        for name, value in dict(attributes, iterPeriod=iterPeriod, period=period).items():
             self._core.set(name, plain(value))
         self._scene = None
 
@@ -42,9 +46,9 @@ class Callback(Engine):
         if self.iterPeriod > 0:
             past = scene.steps % self.iterPeriod
             steps = self.iterPeriod - past if past else 1
-        if self.virtPeriod > 0:
-            past = scene.time % self.virtPeriod
-            steps = min(steps, max(1, int((self.virtPeriod - past) / dt) - 1) if past > dt else 1)
+        if self.period > 0:
+            past = scene.time % self.period
+            steps = min(steps, max(1, int((self.period - past) / dt) - 1) if past > dt else 1)
         return steps
 
     def state(self):
@@ -60,22 +64,23 @@ class Callback(Engine):
 
 
 class PyRunner(Callback):
-    """Calls a Python function every `iterPeriod` steps or every `virtPeriod` seconds of scene time.
+    """Calls a Python function every `iterPeriod` steps or every `period` seconds of scene time.
 
     Parameters
     ----------
     command : function of no argument, or of the scene; or a string that is executed in __main__, with `scene`
         defined.
     iterPeriod : steps between calls; or
-    virtPeriod : scene time between calls, s. One of the two is needed.
+    period : scene time between calls, s. One of the two is needed.
     """
 
-    def __init__(self, command, iterPeriod=0, virtPeriod=0.0, **attributes):
+    @checked("PyRunner", more=OF_EVERY_ENGINE, virtPeriod="period")
+    def __init__(self, command, iterPeriod=0, period=0.0, **attributes):
         if not (callable(command) or isinstance(command, str)):
             raise TypeError(f"PyRunner: command = {command!r}; give a function or a string")
-        if not iterPeriod and not virtPeriod:
-            raise ValueError("PyRunner: give iterPeriod (steps) or virtPeriod (s)")
-        super().__init__(iterPeriod, virtPeriod, **attributes)
+        if not iterPeriod and not period:
+            raise ValueError("PyRunner: give iterPeriod (steps) or period (s)")
+        super().__init__(iterPeriod, period, **attributes)
         self._command = command
         self._code = _compiled(command) if isinstance(command, str) else None
         self._wantsScene = callable(command) and _takesArgument(command)
@@ -86,7 +91,7 @@ class PyRunner(Callback):
         """Constructor arguments for a checkpoint; a function cannot be stored: TypeError."""
         if not isinstance(self._command, str):
             raise TypeError("PyRunner: a function cannot be stored; give a string that is executed")
-        return {"command": self._command, "iterPeriod": self.iterPeriod, "virtPeriod": self.virtPeriod}
+        return {"command": self._command, "iterPeriod": self.iterPeriod, "period": self.period}
 
     def act(self, scene):
         if isinstance(self._command, str):

@@ -5,7 +5,9 @@ import weakref
 
 from .. import _core
 from ..base.attributes import Attributed, makeClasses
+from ..base.deprecation import currentName
 
+OF_EVERY_ENGINE = ("label", "dead")  # attributes
 NO_CALL = 1 << 30  # steps: more than any run takes between two looks
 
 
@@ -25,10 +27,12 @@ class Engine(Attributed):
     seconds = property(lambda self: self._core.seconds, doc="Wall time spent in this engine, s.")
     calls = property(lambda self: self._core.calls, doc="How often the engine acted.")
 
+    _hooks = ("bind", "flush", "restoreState", "state", "stepsToCall")
     _owner = None  # weak reference to the scene that it works for
     _isBound = False  # checked against a scene: vectors keep their length from then on
 
     def __setattr__(self, name, value):
+        name = currentName(type(self), name) or name
         before = None if name.startswith("_") else getattr(self, name, None)
         super().__setattr__(name, value)
         if self._isBound and isinstance(before, tuple) and len(getattr(self, name)) != len(before):
@@ -58,6 +62,15 @@ class Engine(Attributed):
 
 STATES = {
     "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses"),
-    "RigidContact": ("frictionWork", "shapes", "states", "history", "sizes", "impulses"),
+    "RigidContact": (
+        "frictionWork",
+        "bodyWork",
+        "soilWork",
+        "shapes",
+        "states",
+        "history",
+        "sizes",
+        "impulses",
+    ),
 }
 generated = makeClasses(_core.engineNames(), _core.makeEngine, Engine, STATES)

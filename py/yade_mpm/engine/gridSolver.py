@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The engine that moves the nodes, with the motions that are prescribed to them."""
 
+from ..base.deprecation import warnDeprecated
 from ..geometry.numbers import isNumber
 from .engine import generated
 from .prescribed import FACES, Drive, Hold
@@ -17,10 +18,12 @@ drive : `Drive` or list of them.
 Where several apply to a node, the later in this order wins: roller, fixed, hold, drive."""
     )
 
+    _renamed = {**generated["GridSolver"]._renamed, "hold": "holds"}
+
     def __init__(self, roller=(), fixed=(), hold=(), drive=(), **attributes):
         super().__init__(**attributes)
         self._roller, self._fixed = _names("roller", roller), _names("fixed", fixed)
-        self._hold, self._drive = _listOf(Hold, "hold", hold), _listOf(Drive, "drive", drive)
+        self._holds, self._drives = _listOf(Hold, "hold", hold), _listOf(Drive, "drive", drive)
         self._faceHolds = {}
 
     def _assign(self, name, value):
@@ -33,16 +36,16 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
 
     roller = property(lambda self: self._roller, doc="Faces with zero normal velocity.")
     fixed = property(lambda self: self._fixed, doc="Faces with zero velocity.")
-    hold = property(lambda self: self._hold, doc="List of prescribed motions of nodes.")
+    holds = property(lambda self: self._holds, doc="List of `Hold`, the prescribed motions of nodes.")
+    drives = property(lambda self: self._drives, doc="List of `Drive`, the driven parts.")
 
-    drives = property(lambda self: self._drive, doc="List of driven parts.")
+    def __getattr__(self, name):
+        if name != "drive":
+            return super().__getattr__(name)
+        warnDeprecated("GridSolver.drive", "write drives, which is a list")
+        return self._drives[0] if len(self._drives) == 1 else self._drives
 
-    @property
-    def drive(self):
-        """The only `Drive`, or the list of them."""
-        return self._drive[0] if len(self._drive) == 1 else self._drive
-
-    def constraints(self, scene):
+    def _constraints(self, scene):
         """All prescribed motions of the scene, in the order in which later ones win."""
         faces = []
         for face in self._roller + self._fixed:
@@ -57,7 +60,7 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
                 self._faceHolds[face] = wall(face, velocity)
             if not any(h is self._faceHolds[face] for h in faces):
                 faces.append(self._faceHolds[face])
-        everything = faces + self._hold + self._drive
+        everything = faces + self._holds + self._drives
         names = [c.name for c in everything]
         for c in everything:
             if names.count(c.name) > 1:

@@ -6,6 +6,7 @@ import numpy as np
 from .. import _core
 from ..base.attributes import Guarded, keep
 from ..base.html import card, table
+from ..base.keywords import checked
 from ..geometry.numbers import isNumber
 from ..geometry.region import Region
 from ..particle.body import Body
@@ -42,7 +43,7 @@ class Prescribed(Guarded):
             )
         self._core.name, self._core.velocity, self._core.ramp = name, self._velocity, float(ramp)
 
-    def bind(self, scene):
+    def _bind(self, scene):
         """Called before a run: the ramp counts from the first one."""
         if self.dim != scene.dim:
             raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
@@ -132,6 +133,7 @@ class Drive(Prescribed):
     the later one in `GridSolver(drive=[...])` moves it.
     """
 
+    @checked("Drive")
     def __init__(self, part, velocity, ramp=0.0, name="drive"):
         super().__init__(velocity, ramp, name)
         part = part.all() if isinstance(part, Body) else part
@@ -162,7 +164,7 @@ class Drive(Prescribed):
             return float(np.interp(along.max(), lines, np.arange(len(lines))))
         return float(np.interp(along.min(), lines, np.arange(len(lines))[::-1]))
 
-    def bind(self, scene):
+    def _bind(self, scene):
         if not any(self.part.body is b for b in scene.bodies):
             raise ValueError(f"Drive: '{self.part.body.name}' is not a body of this scene")
         if not self._hasBegun and self.part.ids is None and not np.any(self.part.has()):
@@ -174,7 +176,7 @@ class Drive(Prescribed):
                 f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}, but "
                 f"{at}; give a part there"
             )
-        super().bind(scene)
+        super()._bind(scene)
 
 
 class Hold(Prescribed):
@@ -195,6 +197,7 @@ class Hold(Prescribed):
     _isFound = False  # whether its nodes are known: the grid stays as it is
     _way, _seenAt = 0.0, None  # see follow()
 
+    @checked("Hold")
     def __init__(self, where, velocity, ramp=0.0, name=None):
         if not isinstance(where, (str, Region)):
             raise TypeError(f"Hold: where = {where!r}; give the name of a face or a region")
@@ -214,8 +217,8 @@ class Hold(Prescribed):
         self._seenAt = time
         return self._way
 
-    def bind(self, scene):
-        super().bind(scene)
+    def _bind(self, scene):
+        super()._bind(scene)
         self._seenAt = scene.time if self._seenAt is None else self._seenAt
         if self._isFound:
             return

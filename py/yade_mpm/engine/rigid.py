@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..geometry.numbers import floats as _floats  # yade_mpm.rigid shows the other names
+from ..geometry.numbers import floats
+
+__all__ = ["Box", "Facet", "Sphere", "Wall"]
 
 
 class Shape:
@@ -147,7 +149,7 @@ def _vector(shape, name, missing=0.0):
 
 def _point(shape, name, value, missing=0.0):
     try:
-        given = _floats(value)
+        given = floats(value)
     except (TypeError, ValueError):
         given = np.zeros(0)
     if given.shape not in ((2,), (3,)) or not np.isfinite(given).all():

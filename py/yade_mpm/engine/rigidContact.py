@@ -59,11 +59,11 @@ too."""
             shapes, friction, position, orientation, velocity, angularVelocity, mass, adhesion
         )
 
-    def insertBody(self, shapes, friction=0.0, mass=0.0, adhesion=0.0):
+    def _insertBody(self, shapes, friction=0.0, mass=0.0, adhesion=0.0):
         """As `addBody`, between two steps of a host that gives the states and prepares the scene again."""
         return self._insert(shapes, friction, (0, 0, 0), (1, 0, 0, 0), (0, 0, 0), (0, 0, 0), mass, adhesion)
 
-    def setPairs(self, pairs):
+    def _setPairs(self, pairs):
         """Friction and adhesion of pairs of materials, between two runs.
 
         Parameters
@@ -107,7 +107,7 @@ too."""
         self._core.finish()
         return number
 
-    def replaceShapes(self, shapes):
+    def _replaceShapes(self, shapes):
         """Gives the rigid bodies other shapes, between two steps of a host that prepares the scene anew
         behind it. A body without a shape touches nothing.
 

@@ -44,6 +44,17 @@ class Region:
     def __repr__(self):
         return f"{type(self).__name__}()"
 
+    def __eq__(self, other):
+        """Whether both were made alike; a region of your own equals itself alone."""
+        if not isinstance(other, Region):
+            return NotImplemented
+        spec = self.spec()
+        return self is other if spec is None else spec == other.spec()
+
+    def __hash__(self):
+        spec = self.spec()
+        return object.__hash__(self) if spec is None else hash(_frozen(spec))
+
     def contains(self, points, closed=True):
         """Tell which points are inside.
 
@@ -211,3 +222,10 @@ class Composed(Region):
             and (operand._kind == self._kind or (operand._kind in sums and self._kind in sums))
         )
         return f"({operand!r})" if isinstance(operand, Composed) and not joins else repr(operand)
+
+
+def _frozen(spec):
+    """A spec of dicts and lists as tuples, which have a hash."""
+    if isinstance(spec, dict):
+        return tuple((name, _frozen(value)) for name, value in sorted(spec.items()))
+    return tuple(map(_frozen, spec)) if isinstance(spec, list) else spec

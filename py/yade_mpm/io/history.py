@@ -11,9 +11,10 @@ import numpy as np
 
 from .. import diagnostics
 from ..base.html import card, paragraph, table
+from ..base.keywords import checked
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
-from ..engine.engine import NO_CALL
+from ..engine.engine import NO_CALL, OF_EVERY_ENGINE
 from . import owners, quantities
 from .columns import Columns, namesOf
 from .files import checkWritable
@@ -39,8 +40,9 @@ class History(Callback):
         it without harm. Of a field it takes min(), max(), mean(), sum() or np.quantile(FIELD, 0.9); a
         function serves for more. A checkpoint can keep only text; give functions again after loading
         (`history.columns["toe"] = ...`), the column is nan until then.
-    average : reactions, moments and forces of contact are means over all steps since the row before instead
-        of values of the last step. Default True: explicit dynamics makes the value of one step noisy.
+
+    Reactions, moments and forces of contact are means over all steps since the row before: explicit dynamics
+    makes the value of one step noisy.
 
     Columns: time, step, dt, dtCritical, particles; for every prescribed motion NAME (drives, holds, faces):
     NAME.fx, NAME.fy (, NAME.fz) and NAME.work, unless it bears the name of its face also the moment NAME.mz
@@ -60,6 +62,9 @@ class History(Callback):
     all before the first step.
     """
 
+    _renamed = {**Callback._renamed, "to_pandas": "toPandas"}
+
+    @checked("History", more=OF_EVERY_ENGINE, research=("average",))
     def __init__(self, period=0.0, iterPeriod=0, file=None, columns=None, average=True, **attributes):
         checkPeriod("History", period, iterPeriod)
         super().__init__(iterPeriod, period, **attributes)
@@ -111,7 +116,7 @@ class History(Callback):
     def __contains__(self, name):
         return name in self._data
 
-    def to_pandas(self):
+    def toPandas(self):
         """The rows as a pandas DataFrame, indexed by time (s); `units` has the units of its columns.
 
         Raises ImportError without pandas.
@@ -149,7 +154,7 @@ class History(Callback):
             for name in namesOf(key)
         }
         return dict(
-            period=self.virtPeriod,
+            period=self.period,
             iterPeriod=self.iterPeriod,
             file=self._file,
             columns=columns,

@@ -61,6 +61,12 @@ def _release(path, owner):
             os.close(_locks.pop(path))
 
 
+def release(engine):
+    """Another engine may write the file of this one, whose run is over."""
+    for path in [path for path, owner in _owners.items() if owner() is engine]:
+        del _owners[path]
+
+
 def _refuse(file, engine, what):
     raise RuntimeError(
         f"{type(engine).__name__}: '{file}' {what}; go on with that one, or give each run a file of its own"

@@ -15,9 +15,10 @@ from contextlib import contextmanager
 
 import h5py
 
+from ..base.keywords import checked
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
-from ..engine.engine import NO_CALL
+from ..engine.engine import NO_CALL, OF_EVERY_ENGINE
 from . import owners
 from .checkpoint import READING, checkPlain
 from .files import checkWritable, fillWhole, naming, temporaryBeside
@@ -55,7 +56,6 @@ class Recorder(Callback):
         variables of the materials, but for the stretch that elastic ones remember. `body` (number in the
         order of the scene) and `id` are always there.
     bodies : bodies or their names; default: all. What a body was converted to goes with it.
-    compress : gzip level, 0 to 9; default 0, not compressed: fastest.
 
     Cells are the APDI domains (vertices shared) and a box around each uGIMP particle. Vectors have three
     components, tensors nine, row by row; the attribute `components` names them. A state variable is nan in
@@ -71,6 +71,7 @@ class Recorder(Callback):
     cannot be written, both before the first step.
     """
 
+    @checked("Recorder", more=OF_EVERY_ENGINE, research=("compress",))
     def __init__(self, file, period=0.0, iterPeriod=0, fields=None, bodies=None, compress=0, **attributes):
         checkPeriod("Recorder", period, iterPeriod)
         if not (isinstance(compress, int) and 0 <= compress <= 9):
@@ -104,7 +105,7 @@ class Recorder(Callback):
         """Dict of constructor arguments, of plain types, with which a checkpoint makes the recorder anew."""
         return dict(
             file=self._file,
-            period=self.virtPeriod,
+            period=self.period,
             iterPeriod=self.iterPeriod,
             fields=self._fields,
             bodies=self._bodies,

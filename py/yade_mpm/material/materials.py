@@ -78,6 +78,15 @@ class Material(Attributed):
                 probe.set(name, float(end))
             setattr(body, name, values)
 
+    def __eq__(self, other):
+        """Whether both are of one class and have the same constants."""
+        if not isinstance(other, Material):
+            return NotImplemented
+        return type(self) is type(other) and self.attributes() == other.attributes()
+
+    def __hash__(self):
+        return hash(type(self))  # the constants may change, the hash must not
+
     @property
     def waveSpeed(self):
         """Speed of compression waves, m/s."""

@@ -5,6 +5,7 @@ import numpy as np
 
 from ..base import limits
 from ..base.attributes import Guarded
+from ..base.deprecation import currentName
 from ..base.html import card, table
 from ..base.wording import shown
 from ..geometry.numbers import floats
@@ -100,6 +101,8 @@ class Body(Guarded):
     def __getattr__(self, name):
         if not name.startswith("_") and name in self._fields:
             return np.asarray(self._core.view(name, False))
+        if not name.startswith("_") and (current := currentName(type(self), name)) is not None:
+            return getattr(self, current)
         raise AttributeError(
             f"body '{self.__dict__['_core'].name}' has no attribute '{name}'; fields: "
             f"{', '.join(sorted(self._fields))}"

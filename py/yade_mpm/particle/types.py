@@ -47,7 +47,7 @@ class ParticleType(Attributed):
 
     _fixed = None  # all: the domains are built
 
-    def geometry(self, region, scene, name):
+    def _geometry(self, region, scene, name):
         """The Boxes that fill a region."""
         if not isinstance(region, Region):
             raise TypeError(
@@ -95,7 +95,7 @@ class MeshedType(ParticleType):
     size = property(lambda self: self._size, doc="Edge of a domain, m; None: the cell size.")
     matched = property(lambda self: self._matched, doc="Body that the neighbouring domains are refined to.")
 
-    def geometry(self, region, scene, name):
+    def _geometry(self, region, scene, name):
         """Mesh of a region, of (points, cells), or of a mesh file, which is renumbered in rows."""
         if isinstance(region, Mesh):
             return checkMesh(name, region)

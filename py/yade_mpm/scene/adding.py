@@ -5,6 +5,7 @@ import numpy as np
 
 from ..base import limits
 from ..base.attributes import keep
+from ..base.keywords import checked
 from ..engine.rigidContact import RigidContact
 from ..geometry.lattice import checkOverlap
 from ..geometry.numbers import placeText
@@ -29,6 +30,7 @@ class Bodies(tuple):
         raise AttributeError(f"Scene: bodies has no attribute '{name}'; it is a tuple of Body")
 
 
+@checked("Scene.add", research=("inertiaScale",))
 def add(
     scene,
     name,
@@ -51,7 +53,6 @@ def add(
         `body.mesh.cellNumbers` tells which cell each is.
     material : Material, e.g. mpm.LinearElastic(...).
     type : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).
-    inertiaScale : float, factor on the inertial mass, not on the weight; default 1.
     fbar : bool, one increment of volumetric strain and one linear mean stress per cell: against volumetric
         locking, which makes soil that yields too strong, and for volumes that stay (de Souza Neto et al.
         1996, doc/explanation/volumes.md). Default None: for materials that yield. False: the bare form.
@@ -75,7 +76,7 @@ def add(
 
 
 def _added(scene, name, region, material, type, options, exclude=None):
-    geometry = type.geometry(region, scene, name)
+    geometry = type._geometry(region, scene, name)
     if not isinstance(geometry, tuple) and geometry.dim != scene.dim:
         raise ValueError(
             f"body '{name}': the mesh is {geometry.dim}D, the scene {scene.dim}D; give one in {scene.dim}D"

@@ -18,7 +18,7 @@ def parametersOf(scene):
         found.update({f"{name}.{key}": value for key, value in given.items()})
         found[f"{name}.dead"] = engine.dead
         if isinstance(engine, GridSolver):
-            for one in (*engine.hold, *engine.drives, *engine._faceHolds.values()):
+            for one in (*engine.holds, *engine.drives, *engine._faceHolds.values()):
                 found[f"{one.name}.velocity"], found[f"{one.name}.ramp"] = one.velocity, one.ramp
     for body in scene.bodies:
         found.update({f"'{body.name}'.{flag}": getattr(body, flag) for flag in FLAGS})

@@ -35,7 +35,7 @@ def toBoxes(scene, body, numbers, type, name, _):
     options = body.inertiaScale, body.fbar, body.group, body.implicit
     other = newBody(scene, name, body.material, type, None, *options)
     other.isDamped = body.isDamped
-    half = type.geometry(_aCell(scene), scene, name).halfSize
+    half = type._geometry(_aCell(scene), scene, name).halfSize
     build(other, Boxes(np.zeros((0, scene.dim)), half))
     scene._core.convertDomains(body.name, name, np.ascontiguousarray(numbers, np.int32))
     _shapeForSplitting(other)

@@ -42,7 +42,7 @@ def _places(scene, body, numbers, who):
             f"checkpoint without their region, which was one of your own; only whole boxes that fill a "
             f"region become domains"
         )
-    made, whole = body.type.geometry(body.region, scene, body.name).positions, np.prod(2 * body.halfSize)
+    made, whole = body.type._geometry(body.region, scene, body.name).positions, np.prod(2 * body.halfSize)
     isCut = (body.id[numbers] >= len(made)) | (np.abs(body.initialVolume[numbers] / whole - 1) > ROUND_OFF)
     if isCut.any():
         at = placeText(body.position[numbers[np.argmax(isCut)]])

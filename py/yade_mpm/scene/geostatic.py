@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.attributes import keep
+from ..base.keywords import checked
 from ..base.warn import warnUser
 from ..particle.body import Body
 
@@ -29,6 +30,7 @@ class Layer:
         return np.where(isUnder & isWithin.all(axis=1), self.weight * thickness, 0.0)
 
 
+@checked("Scene.initialStress")
 def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None):
     """Geostatic stress below a level surface: sigma_v = -q - gamma z, sigma_h = K0 sigma_v, z the depth.
 

@@ -139,7 +139,7 @@ class LoopPolicy:
             looks = {"locking": domains.locking, "opening": domains.opened, "flow": domains.flowing}
             faults |= {f"{what} of {body.name}": look(body) for what, look in looks.items()}
         for solver in (e for e in scene.engines if isinstance(e, GridSolver)):
-            faults |= {f"way of {hold.name}": leftBehind(scene, hold) for hold in solver.hold}
+            faults |= {f"way of {hold.name}": leftBehind(scene, hold) for hold in solver.holds}
         self._warnOnce(faults)
 
     def _warnOnce(self, faults):

@@ -15,6 +15,7 @@ from .saving import CONSTRAINT_STATE
 
 # Class, parameter and value that files of earlier versions have and that go without saying.
 GONE = {("Contact", "normals", "surface"), ("GridToParticle", "transfer", "flip")}
+RENAMED = {"virtPeriod": "period"}  # arguments of callbacks that such files have by other names
 
 
 def buildEngine(spec, scene, callbacks, permissions, file):
@@ -65,7 +66,7 @@ def _callbackClasses():
 
 def _buildCallback(cls, spec):
     state = dict(spec.get("state", {}))
-    arguments = dict(spec["spec"])
+    arguments = {RENAMED.get(name, name): value for name, value in spec["spec"].items()}
     if not state and spec["class"] in ("Recorder", "History"):  # as above
         old = {"Recorder": "run", "History": "state"}[spec["class"]]
         state = arguments.pop(old)
@@ -75,7 +76,7 @@ def _buildCallback(cls, spec):
     engine = cls(**arguments)
     engine.restoreState(state)
     for name, value in spec["attributes"].items():
-        engine._core.set(name, value)
+        engine._core.set(RENAMED.get(name, name), value)
     return engine
 
 
@@ -103,7 +104,7 @@ def _givenCallback(spec, callbacks, file):
         raise TypeError(
             f"load: callbacks['{label}'] = {given!r}; give an engine of the class {spec['class']}"
         )
-    return PyRunner(given, **attributes)
+    return PyRunner(given, **{RENAMED.get(name, name): value for name, value in attributes.items()})
 
 
 def _buildSolver(spec, scene):

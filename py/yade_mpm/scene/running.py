@@ -6,7 +6,9 @@ import sys
 import numpy as np
 
 from ..base.attributes import keep
+from ..base.keywords import checked
 from ..geometry.numbers import isNumber
+from ..io import owners
 from ..io.files import checkWritable
 from .background import BackgroundRun
 from .policy import LoopPolicy
@@ -14,6 +16,7 @@ from .run import Run
 from .saving import refuseResults
 
 
+@checked("Scene.run")
 def run(
     scene,
     until=None,
@@ -133,6 +136,17 @@ def wait(scene):
     """Waits for a background run and raises what went wrong in it."""
     if scene._loop is not None:
         scene._loop.wait()
+
+
+def close(scene):
+    """Pauses a background run and completes the files of all engines, which another scene may then write.
+
+    `with mpm.Scene(...) as scene:` does it at the end of the block. A closed scene can run again.
+    """
+    scene.pause()
+    for engine in scene._engines or ():
+        engine.flush()
+        owners.release(engine)
 
 
 def refuseWhileRunning(scene, what):

@@ -153,7 +153,7 @@ def _describeEngine(engine, number):
         spec.update(
             roller=engine.roller,
             fixed=engine.fixed,
-            hold=[_describeHold(h) for h in engine.hold],
+            hold=[_describeHold(h) for h in engine.holds],
             drive=[_describeDrive(d) for d in engine.drives],
             faces={face: _describePrescribed(h) for face, h in engine._faceHolds.items()},
         )

@@ -5,6 +5,7 @@ import numpy as np
 
 from .. import _core
 from ..base.attributes import Guarded
+from ..base.keywords import checked
 from ..engine import chain
 from ..engine.engine import Engine
 from ..engine.gridSolver import GridSolver
@@ -21,6 +22,7 @@ from .holder import Holder
 from .nodes import GHOSTS, cellSizeAt, faceNodes, nodePositions, nodesInside
 from .removing import remove
 from .running import (
+    close,
     handOver,
     pause,
     refuseBetweenStages,
@@ -55,8 +57,6 @@ class Scene(Guarded):
     grading : `Grading`, whose cells grow outside of a box; or a sequence with the positions of the lines of
         nodes across each axis, m (None: equal cells along that axis; `cell` may be left out where none is
         equal). Default: all cells are equal. See doc/explanation/graded-grids.md.
-    scheme : "MUSL" (modified update stress last, the default), "USF" (update stress first) or "USL" (update
-        stress last): when the stress is updated in a step (Sulsky et al. 1995; Bardenhagen 2002).
     threads : number of threads; default: one for every 1000 particles, at most OMP_NUM_THREADS, and a single
         one while a run finds that faster, as it is beside other jobs. The results are the same bits for any
         number.
@@ -71,7 +71,6 @@ class Scene(Guarded):
     dim : 2 for plane strain, or 3.
     isGraded : bool, whether cells differ.
     bodies : tuple of Body, in the order in which they were added; `remove` empties one.
-    allowUnstable : bool, whether dt may exceed the longest stable step; default False.
     dtCritical : s, 2/omega_max of the grid, or the longest stable step if that is shorter (USL), as estimated
         last; None before. Implicit bodies count with their mass alone: they do not limit the step;
         `criticalTimeStep(asIfExplicit=True)` tells what it would be with their stiffness.
@@ -93,6 +92,16 @@ class Scene(Guarded):
             "hold": "hold=mpm.Hold(...)",
         }.items()
     } | {"flip": "flip is of GridToParticle: scene.engines[2] = mpm.GridToParticle(flip=1)"}
+    _renamed = {
+        **Guarded._renamed,
+        "givenDt": "_dt",
+        "givenThreads": "_threads",
+        **{
+            name: f"_{name}"
+            for name in ("checkTimeStep", "gridSolver", "handOver", "hasEngines", "holder", "isMidStep")
+            + ("loadsAndDrives", "loop", "refuseDuringStep", "refuseWhileRunning")
+        },
+    }
     _instead = "scene.save(file) keeps it, mpm.load(file) makes another one"
 
     # Methods that have a file of their own.
@@ -100,12 +109,13 @@ class Scene(Guarded):
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside
     cellSizeAt = cellSizeAt
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce
-    run, step, pause, wait = run, step, pause, wait
+    run, step, pause, wait, close = run, step, pause, wait, close
     _convert = convert  # for Body.convert
     _handOver, _refuseWhileRunning, _refuseDuringStep = handOver, refuseWhileRunning, refuseDuringStep
     _refuseBetweenStages = refuseBetweenStages
     plot, _repr_html_ = display.plot, display.html
 
+    @checked("Scene", research=("scheme",))
     def __init__(self, lower, upper, cell=None, scheme="MUSL", threads=None, grading=None):
         lower, upper = corner("lower", lower), corner("upper", upper)
         dim = len(lower)
@@ -154,6 +164,12 @@ class Scene(Guarded):
             f"<Scene {self.dim}D, {cells} cells, {bodies}, {self.particleCount} particles, "
             f"t = {self.time:g} s>"
         )
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self.close()
 
     def __getitem__(self, name):
         for body in self.bodies:
@@ -237,7 +253,7 @@ class Scene(Guarded):
         """Whether the GridSolver is that of the default chain, as it was: without gravity and walls."""
         solver = self._defaultSolver
         isThere = any(engine is solver for engine in self.engines)
-        return isThere and not (any(solver.gravity) or solver.constraints(self))
+        return isThere and not (any(solver.gravity) or solver._constraints(self))
 
     def _gridSolver(self, who):
         """The GridSolver among the engines; ValueError, in the name of `who`, if there is none."""
@@ -347,7 +363,7 @@ class Scene(Guarded):
         with self._holder.held("prepare"):
             self.stepper.prepare()
 
-    def checkTimeStep(self):
+    def _checkTimeStep(self):
         """Estimates the critical step; takes 0.8 of it if dt was left out, refuses a dt above it
         otherwise."""
         refuseDuringStep(self, "checkTimeStep")
@@ -375,7 +391,6 @@ class Scene(Guarded):
             save(self, file)
 
     # --- loops ----------------------------------------------------------------------------------------
-    loop = property(lambda self: self._loop, doc="The loop that has the scene, or had it last; or None.")
     running = property(
         lambda self: self._loop is not None and self._loop.isAlive(),
         doc="Whether a background run is going on.",

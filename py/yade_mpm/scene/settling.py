@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.attributes import keep
+from ..base.keywords import checked
 from ..base.warn import warnUser
 from ..geometry.numbers import isCount, isNumber
 from .run import NotedSignals
@@ -19,6 +20,7 @@ NO_DRIFT = 2  # times the change between two looks is that over many, where stre
 MOST_NOISE = 0.01  # share of the stress; what wavers more is not at rest
 
 
+@checked("Scene.settle")
 def settle(
     scene,
     damping=0.7,
@@ -54,7 +56,7 @@ def settle(
     """
     _checkSettling(damping, tolerance, maxSteps, checkEvery, maxTime, stressTolerance)
     solver = scene._gridSolver("settle")
-    motions = solver.constraints(scene)
+    motions = solver._constraints(scene)
     for motion in motions:
         if any(motion.velocity):
             raise ValueError(

@@ -194,7 +194,7 @@ class Stepper(Guarded):
     def _motions(self):
         """Prescribed motions of the engines, those of faces included."""
         scene = self._scene
-        return [c for e in scene.engines if isinstance(e, GridSolver) for c in e.constraints(scene)]
+        return [c for e in scene.engines if isinstance(e, GridSolver) for c in e._constraints(scene)]
 
     def _prepareChain(self):
         scene, engines = self._scene, self._scene.engines
@@ -208,7 +208,7 @@ class Stepper(Guarded):
         for part in [*engines, *self._constraints]:
             belongTo(scene, part)
         for constraint in self._constraints:
-            constraint.bind(scene)
+            constraint._bind(scene)
         for engine in sorted(engines, key=lambda e: isinstance(e, Callback)):  # which look at the others
             engine.bind(scene)
         scene._core.setConstraints([c._core for c in self._constraints])

@@ -313,11 +313,11 @@ class Bodies:
         waiting, self._waiting = self._waiting, []
         for number, laws in waiting:
             if bodyOf(self._O, number) is not None:
-                self.contact.insertBody(self._shapes(number), mass=self._mass(number), **laws)
+                self.contact._insertBody(self._shapes(number), mass=self._mass(number), **laws)
                 self.ids.append(number)
                 self._states.append(None)
         there = [(k, n) for k, n in enumerate(self.ids) if bodyOf(self._O, n) is not None]
-        self.contact.replaceShapes([(k, shape) for k, n in there for shape in self._shapes(n, True)])
+        self.contact._replaceShapes([(k, shape) for k, n in there for shape in self._shapes(n, True)])
         self._connect()
         self.pairUp(scene)
         scene.stepper.noteChange(mayBeUnstable=False)

@@ -201,7 +201,7 @@ class Coupling:
         self._grants.release()
         self.scene.stepper.onChange = None
         self._timeStep.release()
-        if self.scene.loop is self._loop:
+        if self.scene._loop is self._loop:
             self.scene._handOver(None)
 
     # --- the step ---------------------------------------------------------------------------------------

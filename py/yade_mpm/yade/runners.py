@@ -19,6 +19,7 @@ PACE = {
     "firstIterRun": 0,
     "initRun": True,
 }  # of the PyRunner; a stage acts in every step
+OURS = {"virtPeriod": "period"}  # YADE's word for scene time between calls -> that of our engines
 
 
 @functools.cache
@@ -40,8 +41,8 @@ def baseOfRunners():
             self.__dict__["engine"] = engine
 
         def __getattribute__(self, name):
-            if name in PACE and name in _namesOf(self.engine):
-                return getattr(self.engine, name)
+            if name in PACE and (own := OURS.get(name, name)) in _namesOf(self.engine):
+                return getattr(self.engine, own)
             return super().__getattribute__(name)
 
         def __getattr__(self, name):
@@ -53,7 +54,7 @@ def baseOfRunners():
             if name in OWN:
                 base.__setattr__(self, name, value)
                 unfoldAll()
-            elif name in _namesOf(self.engine) or not hasattr(base, name):
+            elif (name := OURS.get(name, name)) in _namesOf(self.engine) or not hasattr(base, name):
                 setattr(self.engine, name, value)
             else:
                 raise AttributeError(

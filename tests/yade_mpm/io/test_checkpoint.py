@@ -310,7 +310,7 @@ def test_outputs_and_choices_come_back(tmp_path):
     )
     assert [b.isDamped for b in loaded.bodies] == [True, True, False, True]
     a, b = (next(e for e in s.engines if isinstance(e, mpm.GridSolver)) for s in (scene, loaded))
-    for mine, theirs in zip(a.constraints(scene), b.constraints(loaded)):
+    for mine, theirs in zip(a._constraints(scene), b._constraints(loaded)):
         assert (mine.name, mine.work, mine.heldNodes, mine.ramp) == (
             theirs.name,
             theirs.work,

@@ -107,7 +107,7 @@ def test_columns_are_the_diagnostics_of_the_scene():
         assert history[name][-1] == getattr(diagnostics, name)(scene), name
     assert history["momentum.y"][-1] == diagnostics.momentum(scene)[1] != history["momentum.y"][0]
     assert history["dt"][-1] == scene.dt and history["dtCritical"][-1] == scene.dtCritical
-    assert history["drive.work"][-1] == scene.engines[1].drive.work != 0
+    assert history["drive.work"][-1] == scene.engines[1].drives[0].work != 0
     assert history["energyError"][-1] == diagnostics.energyError(scene)
 
 
@@ -228,7 +228,7 @@ def test_reactions_are_means_over_all_steps_since_the_row_before():
     seen = []
     scene, history = makeScene(), mpm.History(iterPeriod=40)
     watch = mpm.PyRunner(
-        lambda s: seen.append((*s.engines[1].drive.reaction, s.engines[1].drive.moment)), iterPeriod=1
+        lambda s: seen.append((*s.engines[1].drives[0].reaction, s.engines[1].drives[0].moment)), iterPeriod=1
     )
     scene.engines = engines(watch, history, drive=press(scene))
     scene.run(steps=80, progress=False)
@@ -250,7 +250,7 @@ def test_a_motion_that_begins_amid_two_rows_is_averaged_over_its_own_steps(befor
         history, **({"drive": press(scene)} if before else {})
     )  # another one of the same name
     scene.run(steps=20, progress=False)
-    watch = mpm.PyRunner(lambda s: seen.append(s.engines[1].drive.reaction[1]), iterPeriod=1)
+    watch = mpm.PyRunner(lambda s: seen.append(s.engines[1].drives[0].reaction[1]), iterPeriod=1)
     scene.engines = engines(watch, history, drive=press(scene))
     scene.run(steps=20, progress=False)
     assert history["drive.fy"][0] == pytest.approx(np.mean(seen), rel=1e-12) and len(seen) == 20

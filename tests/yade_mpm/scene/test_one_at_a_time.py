@@ -94,7 +94,7 @@ def test_a_run_in_the_background_keeps_its_chain_and_its_bodies():
     scene.run(steps=10**9, background=True, progress=False)
     for action in (
         scene.prepare,
-        scene.checkTimeStep,
+        scene._checkTimeStep,
         lambda: scene.stepper.advance(1),
         lambda: scene.stepper.act(scene.engines[0]),
         lambda: setattr(scene["soft"], "implicit", True),
@@ -122,8 +122,8 @@ def test_interrupts_at_any_moment_of_wait_are_nothing_but_interrupts(monkeypatch
     scene, count = makeScene(), 0
     scene["soft"].velocity = (0, 0)
     scene.run(steps=10**9, background=True, progress=False)
-    monkeypatch.setattr(scene.loop, "interrupt", lambda number: None)
-    wait = type(scene.loop).wait.__code__
+    monkeypatch.setattr(scene._loop, "interrupt", lambda number: None)
+    wait = type(scene._loop).wait.__code__
 
     def interrupt(number, frame):
         while frame is not None and frame.f_code is not wait:
@@ -136,7 +136,7 @@ def test_interrupts_at_any_moment_of_wait_are_nothing_but_interrupts(monkeypatch
     try:
         while count < 100:
             with pytest.raises(KeyboardInterrupt):
-                scene.loop.wait()
+                scene._loop.wait()
             count += 1
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)

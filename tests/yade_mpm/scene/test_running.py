@@ -574,7 +574,7 @@ def test_wait_raises_what_went_wrong_in_the_background(capsys):
     assert mpm.load("yade_mpm.checkpoint.failed.h5", trust=True).steps == 3
 
 
-@pytest.mark.parametrize("period", [dict(iterPeriod=7), dict(virtPeriod=0.05)])
+@pytest.mark.parametrize("period", [dict(iterPeriod=7), dict(period=0.05)])
 @pytest.mark.parametrize("background", [False, True])
 def test_pause_in_a_callback_stops_after_that_step(period, background):
     scene = smallScene(mpm.PyRunner(lambda s: s.pause(), **period))

@@ -598,7 +598,13 @@ def test_the_force_on_a_group_that_nobody_is_in_is_refused():
 def test_what_a_body_or_a_motion_is_cannot_be_set():
     _, body = block()
     drive = mpm.Drive(body, (0, -1))
-    for thing, name in [(body, "mesh"), (body, "count"), (body, "convert"), (drive, "part"), (drive, "bind")]:
+    for thing, name in [
+        (body, "mesh"),
+        (body, "count"),
+        (body, "convert"),
+        (drive, "part"),
+        (drive, "velocityAt"),
+    ]:
         with pytest.raises(AttributeError, match=f"{name} can be read, not set"):
             setattr(thing, name, 3)
 

@@ -195,7 +195,7 @@ def test_a_scene_that_is_not_prepared_as_it_stands_is_not_stepped(change):
         lambda s: s.stepper.advance(1),
         lambda s: s.stepper.act(s.engines[-1]),
         lambda s: s.prepare(),
-        lambda s: s.checkTimeStep(),
+        lambda s: s._checkTimeStep(),
         lambda s: setattr(s["block"], "implicit", True),
         lambda s: setattr(s["block"], "group", "other"),
         lambda s: s["block"].convertTo(s["block"]),

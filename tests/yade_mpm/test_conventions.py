@@ -86,6 +86,8 @@ def test_materials_of_one_class_with_the_same_constants_are_equal():
     assert one == same == copy.copy(one) and hash(one) == hash(same) and len({one, same}) == 1
     assert one != mpm.MohrCoulombDruckerPrager(**{**SOIL, "cohesion": 6})
     assert one != mpm.LinearElastic(density=1.5, young=1e4, poisson=0.3) and one != "soil"
+    layered, again = (mpm.MohrCoulombDruckerPrager(**SOIL | {"cohesion": [(0, 5), (2, 9)]}) for _ in range(2))
+    assert layered == again != mpm.MohrCoulombDruckerPrager(**SOIL | {"cohesion": [(0, 5), (2, 8)]})
     known = {one: "soil"}
     one.cohesion = 7
     assert known[one] == "soil" and one != same

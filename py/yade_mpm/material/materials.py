@@ -50,7 +50,7 @@ class Material(Attributed):
         values = super().attributes() | dict.fromkeys(self._spatial, PER_PARTICLE)
         return {name: values[name] for name in self._attributeNames() if name in values}
 
-    def markUsed(self, name):
+    def _markUsed(self, name):
         super()._markUsed(name)
         object.__setattr__(self, "_states", self._core.stateVariables())
 
@@ -66,7 +66,7 @@ class Material(Attributed):
             )
         super()._refuseFixed(name, before)
 
-    def giveTo(self, body):
+    def _giveTo(self, body):
         """Gives the particles of a new body what varies in space."""
         for name, spec in self._spatial.items():
             if isinstance(spec, str):
@@ -79,10 +79,12 @@ class Material(Attributed):
             setattr(body, name, values)
 
     def __eq__(self, other):
-        """Whether both are of one class and have the same constants."""
+        """Whether both are of one class and have the same constants, also where these vary in space."""
         if not isinstance(other, Material):
             return NotImplemented
-        return type(self) is type(other) and self.attributes() == other.attributes()
+        if type(self) is not type(other) or self.attributes() != other.attributes():
+            return False
+        return all(_isSame(value, other._spatial[name]) for name, value in self._spatial.items())
 
     def __hash__(self):
         return hash(type(self))  # the constants may change, the hash must not
@@ -96,6 +98,11 @@ class Material(Attributed):
     def lameConstants(self):
         """Elastic constants (lambda, mu), kPa."""
         return self._core.lameConstants
+
+
+def _isSame(one, other):
+    """Whether two descriptions of what varies in space are: functions are only where they are one."""
+    return one is other or not (callable(one) or callable(other)) and np.array_equal(one, other)
 
 
 def rebuilt(cls, attributes):

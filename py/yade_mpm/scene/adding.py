@@ -88,7 +88,7 @@ def _added(scene, name, region, material, type, options, exclude=None):
     body = newBody(scene, name, material, type, region, *options)
     try:
         build(body, geometry)
-        material.giveTo(body)
+        material._giveTo(body)
         for other in scene.bodies[:-1]:
             checkOverlap(other.name, *_innerBoxes(other), name, *_innerBoxes(body))
     except Exception:

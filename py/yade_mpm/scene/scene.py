@@ -373,7 +373,7 @@ class Scene(Guarded):
     def _isMidStep(self):
         """Whether a callback is at work between two stages of a step, where the state is neither old nor
         new."""
-        return self.stepper._isMidStep()
+        return self.stepper.isMidStep()
 
     def save(self, file):
         """Writes a checkpoint (HDF5) from which `mpm.load` continues with the same bits.

@@ -42,8 +42,8 @@ def lock(file, engine):
         number = os.open(path, os.O_RDWR | os.O_NONBLOCK)
     except OSError:  # not there, or not for us: what writes it says so
         return
-    held = _locks.get(path)
-    if held is not None and os.path.samestat(os.fstat(held), os.fstat(number)):
+    held, found = _locks.get(path), os.fstat(number)
+    if any(os.path.samestat(os.fstat(one), found) for one in _locks.values()):  # ours, maybe by another name
         os.close(number)
     elif takeLock(number):
         _locks[path] = number
@@ -63,8 +63,9 @@ def _release(path, owner):
 
 def release(engine):
     """Another engine may write the file of this one, whose run is over."""
-    for path in [path for path, owner in _owners.items() if owner() is engine]:
-        del _owners[path]
+    for path, owner in list(_owners.items()):
+        if owner() is engine:
+            _release(path, owner)
 
 
 def _refuse(file, engine, what):

@@ -324,7 +324,7 @@ def test_outputs_and_choices_come_back(tmp_path):
         )
     assert scene._core.energies == loaded._core.energies
     with pytest.raises(ValueError, match="two prescribed motions"):
-        b.drives.append(b.drive)
+        b.drives.append(b.drives[0])
         loaded.prepare()
 
 

@@ -4,6 +4,7 @@
 The source folder is the root of the project, so that links from one page to another are the same on both.
 """
 
+import csv
 import importlib.util
 import inspect
 import os
@@ -16,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "doc"))
 
 import docstrings  # noqa: E402
+import verificationPictures  # noqa: E402
 import yade_mpm  # noqa: E402
 
 project = "yade-mpm"
@@ -78,6 +80,27 @@ class Public(SphinxDirective):
         return self.parse_text_to_nodes("\n".join(lines))
 
 
+class Verification(SphinxDirective):
+    """`{verification}`: the records of the verification tests as a table, with links to their pictures."""
+
+    def run(self):
+        records = ROOT / "doc" / "explanation" / "verification.csv"
+        self.env.note_dependency(str(records))
+        drawn = {module.__name__ for module in verificationPictures.PICTURES}
+        heads = ("What", "Reference", "Error", "Tolerance", "Order", "Runs", "Picture", "Test")
+        lines = [heads, ["---"] * len(heads)]
+        rows = list(csv.DictReader(records.open(newline="")))
+        for row in rows:
+            file = Path(row["test"].partition("::")[0]).stem
+            link = f'<a href="#{file}">picture</a>' if file in drawn else ""
+            stated = (row[name] for name in ("what", "reference", "error", "tolerance", "order", "runs"))
+            lines.append([*stated, link, f"`{file}`"])
+        table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+        versions = sorted({row["version"] for row in rows} - {""})
+        return self.parse_text_to_nodes(f"{table}\n\nMeasured with yade-mpm {'; '.join(versions)}.")
+
+
 def setup(app):
     app.add_directive("public", Public)
+    app.add_directive("verification", Verification)
     app.connect("autodoc-process-docstring", docstrings.process, priority=400)  # before napoleon

@@ -15,7 +15,7 @@ import yade_mpm
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "doc"))
 import docstrings  # noqa: E402
-import verificationCases  # noqa: E402
+import verificationPictures  # noqa: E402
 
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "doc").rglob("*.md"))]
 
@@ -83,7 +83,7 @@ PICTURES = {  # that the cells of a page draw
     "quasi-static": 1,
     "sheet-pile": 3,
     "study": 1,
-    "verification-manual": len(verificationCases.CASES),
+    "verification": len(verificationPictures.PICTURES),
 }
 OF_A_CELL = re.compile(r'src="([./]*_images/[0-9a-f]{64}\.png)"')
 

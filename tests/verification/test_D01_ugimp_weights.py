@@ -64,11 +64,16 @@ def averagedHat(x, l, h):
 
 
 @pytest.mark.parametrize("dim, axis", [(2, 0), (2, 1), (3, 0), (3, 1), (3, 2)])
-def test_values_are_those_of_the_table(dim, axis):
+@pytest.mark.verifies(
+    "uGIMP weights and gradients along an axis",
+    reference="table of the hat averaged over a box",
+    tolerance=1e-14,
+)
+def test_values_are_those_of_the_table(dim, axis, verified):
     body = particle(dim)
     for r, (S, G) in TABLE.items():
-        assert along(body, axis, r) == pytest.approx((S, G), abs=1e-14)
-        assert along(body, axis, -r) == pytest.approx((S, -G), abs=1e-14)
+        verified(along(body, axis, r), (S, G), scale=1)
+        verified(along(body, axis, -r), (S, -G), scale=1)
 
 
 @pytest.mark.parametrize("perCell", [1, 2, 3, 7])
@@ -85,7 +90,12 @@ def test_identities_hold_anywhere(dim, perCell):
 
 
 @pytest.mark.parametrize("perCell", [1, 2, 3, 7])
-def test_weights_are_the_average_of_the_hat_over_the_box(perCell):
+@pytest.mark.verifies(
+    "uGIMP weights and gradients anywhere in a cell",
+    reference="hat averaged over the box, exact",
+    tolerance=2e-14,
+)
+def test_weights_are_the_average_of_the_hat_over_the_box(perCell, verified):
     h = np.array([1.0, 0.5])
     body = particle(2, perCell, cell=h)
     l = h / perCell / 2
@@ -96,9 +106,9 @@ def test_weights_are_the_average_of_the_hat_over_the_box(perCell):
         at = tuple(np.rint(nodes / h).astype(int).T + 3)
         for part, values in zip(found, (phi, *gradient.T)):
             np.add.at(part, at, values)
-        assert found[0] == pytest.approx(np.outer(Sx, Sy), abs=1e-14)
-        assert found[1] == pytest.approx(np.outer(Gx, Sy), abs=2e-14)
-        assert found[2] == pytest.approx(np.outer(Sx, Gy), abs=2e-14)
+        verified(found[0], np.outer(Sx, Sy), scale=1, within=1e-14)
+        verified(found[1], np.outer(Gx, Sy), scale=1)
+        verified(found[2], np.outer(Sx, Gy), scale=1)
 
 
 def test_one_particle_per_cell_is_the_quadratic_b_spline():

@@ -109,15 +109,15 @@ def bodyOf(X, cell, lower=0, upper=4):
     return scene.add("domains", (X.reshape(-1, dim), cells), mpm.LinearElastic(**ELASTIC), mpm.APDI())
 
 
-def check(body, X, h):
+def check(body, X, h, verified):
     dim = X.shape[2]
     for p in range(len(X)):
         nodes, phi, gradient = summed(body, p)
         w, g, V = quadrature(X[p])
         S = hats(X[p], nodes, h)
         scale = np.abs(g).max()
-        assert np.abs(phi - S @ w).max() <= 1e-13
-        assert np.abs(gradient - S @ g).max() <= 1e-13 * scale
+        verified(phi, S @ w, scale=1)
+        verified(gradient, S @ g, scale=scale)
         assert abs(phi.sum() - 1) <= 1e-13
         assert np.abs(gradient.sum(axis=0)).max() <= 1e-13 * scale
         assert np.abs(nodes.T @ gradient - np.eye(dim)).max() <= 1e-12 * scale
@@ -127,15 +127,23 @@ def check(body, X, h):
 
 
 @pytest.mark.parametrize("h", [1.0, 0.25])
-def test_weights_of_quadrilaterals_are_those_of_the_quadrature(h):
+@pytest.mark.verifies(
+    "APDI weights and gradients of 1000 quadrilaterals",
+    reference="Gauss quadrature of the domain",
+    tolerance=1e-13,
+)
+def test_weights_of_quadrilaterals_are_those_of_the_quadrature(h, verified):
     X = randomQuads(1000)
-    check(bodyOf(X, h), X, h)
+    check(bodyOf(X, h), X, h, verified)
 
 
 @pytest.mark.parametrize("h", [1.0, 0.25])
-def test_weights_of_hexahedra_are_those_of_the_quadrature(h):
+@pytest.mark.verifies(
+    "APDI weights and gradients of 100 hexahedra", reference="Gauss quadrature of the domain", tolerance=1e-13
+)
+def test_weights_of_hexahedra_are_those_of_the_quadrature(h, verified):
     X = randomHexahedra(100)
-    check(bodyOf(X, h), X, h)
+    check(bodyOf(X, h), X, h, verified)
 
 
 def checkCorners(body, X, **quadratureArguments):
@@ -305,9 +313,14 @@ def test_apdi_and_ugimp_differ_in_weight_and_agree_in_gradient():
     assert gradient[nodes[:, 0] == 2, 0].sum() == pytest.approx(-0.4, abs=1e-15)  # as in the table of D1
 
 
-def test_domains_may_span_several_cells():
+@pytest.mark.verifies(
+    "APDI weights and gradients of a domain over several cells",
+    reference="Gauss quadrature of the domain",
+    tolerance=1e-13,
+)
+def test_domains_may_span_several_cells(verified):
     X = np.array([[(0.6, 0.55), (3.3, 0.8), (3.4, 3.2), (0.7, 2.9)]])
-    check(bodyOf(X, 0.5), X, 0.5)
+    check(bodyOf(X, 0.5), X, 0.5, verified)
 
 
 def test_a_vertex_outside_the_grid_is_refused():
@@ -324,9 +337,13 @@ def test_triangles_are_refused():
 
 
 def test_control_corners_in_another_order_miss():
+    def agree(computed, exact, scale):
+        assert np.abs(computed - exact).max() <= 1e-13 * scale
+
     X = randomQuads(3)
+    check(bodyOf(X, 1.0), X, 1.0, agree)
     with pytest.raises(AssertionError):
-        check(bodyOf(X, 1.0), X[:, ::-1], 1.0)
+        check(bodyOf(X, 1.0), X[:, ::-1], 1.0, agree)
     X = randomHexahedra(3)
     with pytest.raises(AssertionError):
         checkCorners(bodyOf(X, 1.0), X[:, [1, 0, *range(2, 8)]])

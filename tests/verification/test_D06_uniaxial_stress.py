@@ -63,14 +63,17 @@ def compress(lower, upper, density=1e-5, moving=2.0, resting=0.3):
 @pytest.mark.parametrize(
     "lower, upper", [("UGIMP", "UGIMP"), ("APDI", "APDI"), ("UGIMP", "APDI"), ("APDI", "UGIMP")]
 )
-def test_stress_is_uniaxial(lower, upper):
+@pytest.mark.verifies(
+    "Cube pressed along one axis, 3D: stress, strains, force", reference="Hooke's law", tolerance=0.001
+)
+def test_stress_is_uniaxial(lower, upper, verified):
     stress, F, force = compress(lower, upper)
     expected = np.zeros((3, 3))
     expected[2, 2] = -YOUNG * STRAIN
-    assert abs(stress - expected).max() < 1e-3 * YOUNG * STRAIN
+    verified(stress, expected, scale=YOUNG * STRAIN)
     for k in (0, 1):
-        assert abs(F[:, k, k] - 1 - POISSON * STRAIN).max() < 1e-3 * STRAIN
-    assert force == pytest.approx([0, 0, -YOUNG * STRAIN], abs=1e-3 * YOUNG * STRAIN)
+        verified(F[:, k, k] - 1, POISSON * STRAIN, scale=STRAIN)
+    verified(force, [0, 0, -YOUNG * STRAIN], scale=YOUNG * STRAIN)
 
 
 @pytest.mark.parametrize("density", [1e-3, 1e-1])

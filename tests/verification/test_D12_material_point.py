@@ -62,17 +62,23 @@ def simpleShear(material, gamma, steps=2000):
 
 
 @pytest.mark.parametrize("gamma, shear", [(1.0, 0.86082), (2.0, 1.24645)])
-def test_simple_shear_of_the_logarithmic_law(gamma, shear):
+@pytest.mark.verifies(
+    "Elastic simple shear to 2, logarithmic law: stress", reference="closed form", tolerance=1e-10
+)
+def test_simple_shear_of_the_logarithmic_law(gamma, shear, verified):
     stress = simpleShear(elastic(), gamma)
-    assert stress[0, 1] == pytest.approx(4 * np.arcsinh(gamma / 2) / np.sqrt(4 + gamma**2), rel=1e-10)
+    verified(stress[0, 1], 4 * np.arcsinh(gamma / 2) / np.sqrt(4 + gamma**2))
     assert stress[0, 1] == pytest.approx(shear, abs=1e-5)
     assert stress[0, 1] != pytest.approx(np.sin(gamma), abs=1e-2)
 
 
 @pytest.mark.parametrize("gamma, shear", [(1.0, 0.84147), (2.0, 0.90930)])
-def test_simple_shear_of_the_jaumann_rate(gamma, shear):
+@pytest.mark.verifies(
+    "Elastic simple shear to 2, Jaumann rate: stress", reference="closed form", tolerance=1e-06
+)
+def test_simple_shear_of_the_jaumann_rate(gamma, shear, verified):
     stress = simpleShear(strong(), gamma)
-    assert stress[0, 1] == pytest.approx(np.sin(gamma), rel=1e-6)
+    verified(stress[0, 1], np.sin(gamma))
     assert stress[0, 1] == pytest.approx(shear, abs=1e-5)
     assert stress[0, 0] == pytest.approx(1 - np.cos(gamma), abs=1e-5)
     assert stress[0, 1] != pytest.approx(gamma, abs=1e-2)  # without rotation
@@ -100,10 +106,13 @@ def turned(material, axis):
 
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("material, tolerance", [(elastic, 1e-12), (strong, 1e-4)])
-def test_a_full_turn_brings_the_stress_back(material, tolerance, axis):
+@pytest.mark.verifies(
+    "Stressed point turned by 360 degrees: stress", reference="that of the start", tolerance=0.0001
+)
+def test_a_full_turn_brings_the_stress_back(material, tolerance, axis, verified):
     quarter, full = turned(material(), axis)
     scale = abs(INITIAL).max()
-    assert abs(full - INITIAL).max() < tolerance * scale
+    verified(full, INITIAL, scale=scale, within=tolerance)
     assert abs(quarter - INITIAL).max() > 0.1 * scale  # control: it did turn
     i, j = [(1, 2), (2, 0), (0, 1)][axis]
     assert quarter[i, i] == pytest.approx(INITIAL[j, j], abs=tolerance * scale)
@@ -151,16 +160,18 @@ KP = 3.0
 @pytest.mark.parametrize(
     "confinement, printed", [(0.0, 29.4449), (10.0, 59.4449), (50.0, 179.4449), (100.0, 329.4449)]
 )
-def test_strength_in_triaxial_compression(confinement, printed):
+@pytest.mark.verifies("Soil, triaxial compression: strength", reference="Mohr-Coulomb", tolerance=1e-06)
+def test_strength_in_triaxial_compression(confinement, printed, verified):
     axial, _, _ = triaxial(-confinement, -1)
     strength = KP * confinement + 2 * COHESION * np.sqrt(KP)
-    assert -axial == pytest.approx(strength, rel=1e-6)
+    verified(-axial, strength)
     assert -axial == pytest.approx(printed, abs=1e-4)
 
 
-def test_strength_in_uniaxial_tension():
+@pytest.mark.verifies("Soil, uniaxial tension: strength", reference="Mohr-Coulomb", tolerance=1e-06)
+def test_strength_in_uniaxial_tension(verified):
     axial, _, _ = triaxial(0.0, +1)
-    assert axial == pytest.approx(2 * COHESION / np.sqrt(KP), rel=1e-6)
+    verified(axial, 2 * COHESION / np.sqrt(KP))
     assert axial == pytest.approx(9.8150, abs=1e-4)
 
 
@@ -178,11 +189,14 @@ def dilatancyAngle(**attributes):
     return np.degrees(np.arcsin(volumetric / (volumetric - 2 * axial)))
 
 
-def test_dilatancy_in_triaxial_compression():
+@pytest.mark.verifies(
+    "Soil, triaxial compression: dilatancy angle", reference="closed form", tolerance=1.2e-4
+)
+def test_dilatancy_in_triaxial_compression(verified):
     beta = 0.057594
     expected = np.degrees(np.arcsin(3 * np.sqrt(3) * beta / (2 + np.sqrt(3) * beta)))
     assert expected == pytest.approx(8.194, abs=1e-3)
-    assert dilatancyAngle() == pytest.approx(expected, abs=1e-3)
+    verified(dilatancyAngle(), expected)
 
 
 def test_control_another_cone_dilates_differently():

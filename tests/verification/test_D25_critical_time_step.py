@@ -146,22 +146,26 @@ def test_step_of_thin_piles_is_that_of_the_table(h, thickness, inertiaScale, ref
     ],
     ids=["UGIMP 2", "UGIMP 3", "APDI without control", "APDI", "APDI with full control"],
 )
-def test_step_is_that_of_a_dense_eigenvalue_solve(type_):
+@pytest.mark.verifies("Critical time step of a block", reference="dense eigenvalue solution", tolerance=0.01)
+def test_step_is_that_of_a_dense_eigenvalue_solve(type_, verified):
     scene = soilBlock(type_)
-    assert stepOfGrid(scene) == pytest.approx(denseCriticalStep(scene), rel=0.01)
+    verified(stepOfGrid(scene), denseCriticalStep(scene))
     held = soilBlock(type_, roller=("left",), fixed=("bottom",))
     left, bottom = held.faceNodes("left"), held.faceNodes("bottom")
     dense = denseCriticalStep(held, [(left, 0), (bottom, 0), (bottom, 1)])
-    assert stepOfGrid(held) == pytest.approx(dense, rel=0.01)
+    verified(stepOfGrid(held), dense)
 
 
 @pytest.mark.parametrize("h, thickness, inertiaScale", [(0.5, 0.25, 1), (0.5, 0.1, 1), (0.5, 0.25, 4)])
-def test_step_of_a_pile_is_that_of_a_dense_eigenvalue_solve(h, thickness, inertiaScale):
+@pytest.mark.verifies(
+    "Critical time step of a pile in soil", reference="dense eigenvalue solution", tolerance=0.01
+)
+def test_step_of_a_pile_is_that_of_a_dense_eigenvalue_solve(h, thickness, inertiaScale, verified):
     scene = pileScene(h, thickness, inertiaScale, width=4, height=5)
     bottom = scene.faceNodes("bottom")
     sides = np.concatenate([scene.faceNodes("left"), scene.faceNodes("right")])
     dense = denseCriticalStep(scene, [(sides, 0), (bottom, 0), (bottom, 1)])
-    assert scene.criticalTimeStep() == pytest.approx(dense, rel=0.01)
+    verified(scene.criticalTimeStep(), dense)
 
 
 def test_step_of_a_hybrid_scene_is_that_of_a_dense_eigenvalue_solve():

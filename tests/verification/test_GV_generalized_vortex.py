@@ -88,8 +88,11 @@ def error(N, A, scheme="MUSL", force=1.0):
 
 
 @pytest.mark.parametrize("scheme", ["MUSL", "USL", "USF"])
-def test_error_is_that_of_the_reference(scheme):
-    assert error(16, A=1.0, scheme=scheme) == pytest.approx(1.23e-2, rel=0.25)
+@pytest.mark.verifies(
+    "Generalised vortex, 16 cells: error of the positions", reference="independent code", tolerance=0.25
+)
+def test_error_is_that_of_the_reference(scheme, verified):
+    verified(error(16, A=1.0, scheme=scheme), 1.23e-2)
 
 
 def test_error_falls_with_the_square_of_the_cell():

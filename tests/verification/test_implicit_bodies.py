@@ -37,7 +37,8 @@ def top(body):
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_cantilever_swings_with_its_period_and_loses_what_backward_euler_takes(kind):
+@pytest.mark.verifies("Implicit cantilever: period", reference="beam and backward Euler", tolerance=0.03)
+def test_a_cantilever_swings_with_its_period_and_loses_what_backward_euler_takes(kind, verified):
     """A mode of frequency w keeps 1/(1 + (w dt)^2) of its energy in a step and turns by the angle atan(w dt).
     Two particles across make the beam 2 to 3.5 % stiff, and the loss as much larger. The balance closes."""
     for perPeriod in (50, 200):
@@ -52,7 +53,7 @@ def test_a_cantilever_swings_with_its_period_and_loses_what_backward_euler_takes
         peaks = [k for k in range(1, len(swing) - 1) if swing[k - 1] < swing[k] >= swing[k + 1]]
         angle = FREQUENCY * scene.dt
         period = 2 * np.pi / np.arctan(angle)  # steps
-        assert peaks[-1] / len(peaks) == pytest.approx(period, rel=0.03)
+        verified(peaks[-1] / len(peaks), period)
         kept = (swing[peaks[-1]] / swing[peaks[0]]) ** (1 / (peaks[-1] - peaks[0]))
         assert np.log(kept) == pytest.approx(-0.5 * np.log(1 + angle**2), rel=0.07)
         taken = diagnostics.implicitEnergy(scene)
@@ -60,7 +61,10 @@ def test_a_cantilever_swings_with_its_period_and_loses_what_backward_euler_takes
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_column_buckles_under_its_own_weight_at_greenhills_load(kind):
+@pytest.mark.verifies(
+    "Implicit column: buckling load under its weight", reference="Greenhill", tolerance=0.15
+)
+def test_a_column_buckles_under_its_own_weight_at_greenhills_load(kind, verified):
     """Below the critical weight deflections of long steps follow each other by the factor weight / critical
     weight, for the solution knows the elastic stiffness and the forces the geometric one."""
     critical = 7.8373 * BENDING / (LINE_MASS * LENGTH**3)
@@ -74,7 +78,7 @@ def test_a_column_buckles_under_its_own_weight_at_greenhills_load(kind):
         scene.run(steps=1, progress=False)
         moved.append(top(body)[0] - before)
     factor = (moved[-1] / moved[-4]) ** (1 / 3)
-    assert weight / factor == pytest.approx(critical, rel=0.15)
+    verified(weight / factor, critical)
 
 
 def elastica(load):
@@ -92,7 +96,10 @@ def elastica(load):
     return np.trapezoid(np.sin(angle), s) if hasattr(np, "trapezoid") else np.trapz(np.sin(angle), s)
 
 
-def test_a_cantilever_turns_far_like_the_elastica():
+@pytest.mark.verifies(
+    "Implicit cantilever bent by a third of its length: tip", reference="elastica", tolerance=0.03
+)
+def test_a_cantilever_turns_far_like_the_elastica(verified):
     """A third of its length aside, at long steps with a load that grows. APDI: boxes of uGIMP do not turn."""
     scene, body, solver = column("fine APDI", room=3.0, cell=CELL / 2)
     load = 3.0
@@ -101,7 +108,7 @@ def test_a_cantilever_turns_far_like_the_elastica():
         solver.gravity = (share * force, 0)
         scene.run(steps=1, progress=False)
     scene.run(steps=30, progress=False)
-    assert top(body)[0] / LENGTH == pytest.approx(elastica(load), rel=0.03)
+    verified(top(body)[0] / LENGTH, elastica(load))
 
 
 @pytest.mark.parametrize("steps", [1000, pytest.param(100_000, marks=pytest.mark.slow)])

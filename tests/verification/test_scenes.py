@@ -144,11 +144,12 @@ def test_a_smoke_run_takes_what_is_given(name, words):
     "options", [("--smoke",), pytest.param((), marks=slow), pytest.param(("--types", "apdi"), marks=slow)]
 )
 @pytest.mark.parametrize("state", EARTH_PRESSURE)
-def test_wall_feels_the_earth_pressure_of_rankine(state, options):
+@pytest.mark.verifies("Wall, active and passive: thrust", reference="Rankine", tolerance=0.08)
+def test_wall_feels_the_earth_pressure_of_rankine(state, options, verified):
     summary = run("wall", *options, states=[state])
-    assert summary["thrust"] == pytest.approx(EARTH_PRESSURE[state], rel=0.08)
+    verified(summary["thrust"], EARTH_PRESSURE[state])
     if state == "active":
-        assert summary["pressureThrust"] == pytest.approx(23.09, rel=0.08)
+        verified(summary["pressureThrust"], 23.09)
 
 
 def test_control_wall_with_less_friction_misses():
@@ -164,11 +165,11 @@ def test_control_wall_with_less_friction_misses():
         pytest.param((), (0.03, 0.03, 0.03, 0.06, 0.06), marks=slow),
     ],
 )
-def test_stress_below_a_strip_is_that_of_the_half_plane(options, tolerances):
+@pytest.mark.verifies("Strip load: stress below the axis", reference="half-plane", tolerance=0.07)
+def test_stress_below_a_strip_is_that_of_the_half_plane(options, tolerances, verified):
     summary = run("strip_load", *options)
     assert summary["depth"] == list(STRIP)
-    error = np.array(summary["stress"]) / list(STRIP.values()) - 1
-    assert (np.abs(error) < tolerances).all(), error
+    verified(summary["stress"], list(STRIP.values()), within=tolerances)
     assert summary["baseReactionOverLoad"] == pytest.approx(1, rel=2e-3)
 
 
@@ -181,10 +182,13 @@ def test_control_a_base_close_below_raises_the_stress():
 @pytest.mark.parametrize(
     "options, side, crown", [(("--smoke",), 0.03, 0.12), pytest.param((), 0.03, 0.03, marks=slow)]
 )
-def test_stress_concentrates_at_a_hole(options, side, crown):
+@pytest.mark.verifies(
+    "Plate with a hole: largest and smallest stress at the edge", reference="Howland 1930", tolerance=0.12
+)
+def test_stress_concentrates_at_a_hole(options, side, crown, verified):
     summary = run("plate_with_hole", *options)
-    assert summary["concentration"]["side"] == pytest.approx(HOLE["side"], rel=side)
-    assert summary["concentration"]["crown"] == pytest.approx(HOLE["crown"], rel=crown)
+    verified(summary["concentration"]["side"], HOLE["side"], within=side)
+    verified(summary["concentration"]["crown"], HOLE["crown"], within=crown)
     assert summary["baseReactionOverLoad"] == pytest.approx(1, rel=5e-3)
 
 
@@ -205,11 +209,14 @@ def test_control_a_narrow_plate_concentrates_more():
         ],
     ],
 )
-def test_footing_fails_at_the_load_of_prandtl(options, tolerance):
+@pytest.mark.verifies(
+    "Strip footing, 0 and 20 degrees of friction: limit load", reference="Prandtl", tolerance=0.08
+)
+def test_footing_fails_at_the_load_of_prandtl(options, tolerance, verified):
     summary = run("footing", *options)
     assert summary["effectiveHalfWidth"] == pytest.approx(3.0)
     assert summary["reference"] == pytest.approx(PRANDTL_20 if "20" in options else PRANDTL)
-    assert summary["pressure"] == pytest.approx(summary["reference"], rel=tolerance)
+    verified(summary["pressure"], summary["reference"], within=tolerance)
     assert summary["plateau"]
 
 
@@ -240,13 +247,16 @@ def byWidths(*options):
 @pytest.mark.parametrize(
     "kind, within, reach", [("ugimp", 0.03, 0.17), ("apdi", 0.03, 0.30), ("hybrid", 0.035, 0.16)]
 )
-def test_the_load_grows_with_the_width_of_the_footing_as_prandtl_says(kind, within, reach, phi):
+@pytest.mark.verifies(
+    "Strip footings of two widths: growth of the limit load", reference="Prandtl", tolerance=0.035
+)
+def test_the_load_grows_with_the_width_of_the_footing_as_prandtl_says(kind, within, reach, phi, verified):
     """The width at the edge is left out: within 3 % on cells of 2/3 m (hybrid: 3.1 % since F-bar keeps
     volumes, 2.3 % before), where the plain reading misses by up to 6.5 %. uGIMP reaches a sixth of a cell
     beyond the last node, not half of it; APDI by 0.47 of it where hourglass control carried what soil does
     not."""
     error, overhang = byWidths("--types", kind, "--phi", phi)
-    assert abs(error) < within
+    verified(error, 0, scale=1, within=within)
     assert overhang == pytest.approx(reach, abs=0.1)
 
 
@@ -294,14 +304,17 @@ def test_control_column_of_rougher_bars_runs_less_far():
 
 @pytest.mark.parametrize("kind", ["ugimp", *(pytest.param(k, marks=slow) for k in ("hybrid", "apdi"))])
 @pytest.mark.parametrize("height", [0.2, 0.4])
-def test_with_fbar_and_closing_higher_columns_end_as_measured(kind, height):
+@pytest.mark.verifies(
+    "Column collapse: height of the deposit", reference="tests of Nguyen et al. 2015", tolerance=0.12
+)
+def test_with_fbar_and_closing_higher_columns_end_as_measured(kind, height, verified):
     """Ten cells across. Found: heights +4 to +11 % (+1 to +8 % with cells half as large), 99 % of the mass
     within 0.7 to 0.86 of the measured run-out of the last bar, volume +0.7 to +1.8 %. Control: the bare
     form gains 27 and 48 %."""
     a = height / 0.2
     options = "--types", kind, "--cell", "0.02", "--height", str(height), "--threads", "1"
     summary = run("column_collapse", *options)
-    assert summary["heightRatio"] == pytest.approx(1.42 * a ** (2 / 3), rel=0.12)
+    verified(summary["heightRatio"], 1.42 * a ** (2 / 3))
     assert 0.65 < summary["runout"] / (3.25 * a**0.96 if a < 1.5 else 3.80 * a**0.73) < 1
     assert abs(summary["volumeGain"]) < 0.02
     if kind == "ugimp":

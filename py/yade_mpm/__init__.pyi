@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 from . import diagnostics as diagnostics
-from . import elementTest as elementTest
 from . import rigid as rigid
 from . import study as study
 from .app.parameter import Parameter as Parameter
@@ -33,6 +32,7 @@ from .geometry.regions import polygon as polygon
 from .geometry.regions import sphere as sphere
 from .io.history import History as History
 from .io.recorder import Recorder as Recorder
+from .material import elementTest as elementTest
 from .material.materials import Material as Material
 from .material.materials import MaterialPoint as MaterialPoint
 from .material.spatial import RandomField as RandomField

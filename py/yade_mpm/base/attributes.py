@@ -6,6 +6,7 @@ checked attributes and a docstring; no other file names it.
 """
 
 import inspect
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -40,12 +41,14 @@ class Guarded:
     def __dir__(self):
         return sorted(set(super().__dir__()) - hiddenOf(type(self)))
 
-    def __getattr__(self, name):
-        if name.startswith("_"):
-            raise AttributeError(name)
-        if (current := currentName(type(self), name)) is not None:
-            return getattr(self, current)
-        raise AttributeError(f"{type(self).__name__} has no attribute '{name}'{self._hint(name)}")
+    if not TYPE_CHECKING:  # for type checkers a name that is not declared is an error
+
+        def __getattr__(self, name):
+            if name.startswith("_"):
+                raise AttributeError(name)
+            if (current := currentName(type(self), name)) is not None:
+                return getattr(self, current)
+            raise AttributeError(f"{type(self).__name__} has no attribute '{name}'{self._hint(name)}")
 
     def _hint(self, name):
         """What to do about an attribute that does not exist."""

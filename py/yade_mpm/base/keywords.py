@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Keyword arguments: unknown ones, those that had another name, and those that help leaves out."""
 
+from __future__ import annotations
+
 import functools
 import inspect
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
 
 from .deprecation import currentKeywords
 from .wording import didYouMean
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 def refuseUnknown(who, given, allowed, hidden=()):
@@ -18,21 +24,20 @@ def refuseUnknown(who, given, allowed, hidden=()):
             )
 
 
-def checked(who, research=(), more=(), **renamed):
+def checked(who: str, research: Iterable[str] = (), **renamed: str) -> Callable[[F], F]:
     """Decorator of a function, or of the constructor of a class, that checks the names of its arguments.
 
     Parameters
     ----------
     who : str, whose arguments they are, for messages.
     research : names that work, but which signature and help leave out.
-    more : names that its **attributes take.
     renamed : old=new, arguments that had other names.
     """
 
     def decorate(function):
         signature = inspect.signature(function)
         parameters = signature.parameters.values()
-        known = [p.name for p in parameters if p.name not in ("self", "scene", "attributes")] + list(more)
+        known = [p.name for p in parameters if p.name not in ("self", "scene")]
 
         @functools.wraps(function)
         def accepting(*arguments, **given):

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Whether a run can be called quasi-static: a few ratios of its history against limits."""
 
+from __future__ import annotations
+
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
@@ -90,17 +93,17 @@ class Certificate:
     notJudged: dict = field(default_factory=dict)
 
     @property
-    def reasons(self):
+    def reasons(self) -> list[str]:
         """List of sentences that say why the run is not quasi-static; empty if it is."""
         failed = [name for name in self._judged() if not getattr(self, name) <= self.limits[name]]
         return [self._sentence(name) + _remedy.get(name, "") for name in failed]
 
     @property
-    def isQuasiStatic(self):
+    def isQuasiStatic(self) -> bool:
         """Whether every ratio that is judged is known and within its limit."""
         return not self.reasons
 
-    def asDict(self):
+    def asDict(self) -> dict:
         """Numbers, limits and verdict as plain types, for JSON; a number that is not known is None."""
         plain = {
             name: None if isinstance(value, float) and not math.isfinite(value) else value
@@ -134,7 +137,12 @@ class Certificate:
         return f"{_meaning[name].format(_percent(value))} (limit {_percent(self.limits[name])})"
 
 
-def quasiStatic(history, after=None, rateSensitivity=None, limits=None):
+def quasiStatic(
+    history: Mapping,
+    after: float | None = None,
+    rateSensitivity: float | None = None,
+    limits: dict | None = None,
+) -> Certificate:
     """Certificate of a run: whether it can be called quasi-static, by its history.
 
     Parameters

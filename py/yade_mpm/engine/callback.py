@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Engines that call back into Python."""
 
+from __future__ import annotations
+
 import inspect
 import sys
 import weakref
+from collections.abc import Callable
 
 import numpy as np
 
@@ -11,7 +14,7 @@ from .. import _core
 from ..base.attributes import keep, plain
 from ..base.keywords import checked
 from ..base.wording import shown
-from .engine import NO_CALL, OF_EVERY_ENGINE, Engine
+from .engine import NO_CALL, Engine
 
 
 class Callback(Engine):
@@ -24,12 +27,12 @@ class Callback(Engine):
     _renamed = {**Engine._renamed, "virtPeriod": "period"}
     _hooks = ("act", "bind", "flush", "restoreState", "spec", "state", "stepsToCall")
 
-    @checked("Callback", more=OF_EVERY_ENGINE, virtPeriod="period")
-    def __init__(self, iterPeriod=0, period=0.0, **attributes):
+    @checked("Callback", virtPeriod="period")
+    def __init__(self, iterPeriod: int = 0, period: float = 0.0, label: str = "", dead: bool = False) -> None:
         # The solver refers to the object weakly: a cycle through it would never be collected.
         method = weakref.WeakMethod(self._call)
         object.__setattr__(self, "_core", _core.makePythonEngine(lambda: method()()))
-        for name, value in dict(attributes, iterPeriod=iterPeriod, period=period).items():
+        for name, value in dict(iterPeriod=iterPeriod, period=period, label=label, dead=dead).items():
             self._core.set(name, plain(value))
         self._scene = None
 
@@ -72,15 +75,24 @@ class PyRunner(Callback):
         defined.
     iterPeriod : steps between calls; or
     period : scene time between calls, s. One of the two is needed.
+    label : name of the engine; default "".
+    dead : leave the engine out; default False.
     """
 
-    @checked("PyRunner", more=OF_EVERY_ENGINE, virtPeriod="period")
-    def __init__(self, command, iterPeriod=0, period=0.0, **attributes):
+    @checked("PyRunner", virtPeriod="period")
+    def __init__(
+        self,
+        command: Callable | str,
+        iterPeriod: int = 0,
+        period: float = 0.0,
+        label: str = "",
+        dead: bool = False,
+    ) -> None:
         if not (callable(command) or isinstance(command, str)):
             raise TypeError(f"PyRunner: command = {command!r}; give a function or a string")
         if not iterPeriod and not period:
             raise ValueError("PyRunner: give iterPeriod (steps) or period (s)")
-        super().__init__(iterPeriod, period, **attributes)
+        super().__init__(iterPeriod, period, label, dead)
         self._command = command
         self._code = _compiled(command) if isinstance(command, str) else None
         self._wantsScene = callable(command) and _takesArgument(command)

@@ -32,7 +32,7 @@ class Contact(generated["Contact"]):
         object.__setattr__(self, "_pairs", {})
         object.__setattr__(self, "_groups", [])
 
-    def pair(self, first, second, friction, adhesion=0.0):
+    def pair(self, first: str, second: str, friction: float, adhesion: float = 0.0) -> None:
         """Friction and adhesion between two groups; other pairs have those of the engine.
 
         Parameters
@@ -114,7 +114,7 @@ class Contact(generated["Contact"]):
         "what that means for their force: doc/explanation/implicit-bodies.md.",
     )
 
-    def contactTable(self):
+    def contactTable(self) -> dict[str, np.ndarray]:
         """Dict of arrays over the nodes in contact in the last step.
 
         first, second : names of the groups; node (n, 3), m; normal (n, 3), from the first to the second; gap,
@@ -132,12 +132,12 @@ class Contact(generated["Contact"]):
             **{name: column(table, name, 3) for name in ("force", "slip")},
         }
 
-    def forces(self):
+    def forces(self) -> dict[tuple[str, str], np.ndarray]:
         """Dict (A, B) -> force on group B by group A in the last step, kN (3,), for all pairs of groups; zero
         where they do not meet."""
         return self._byPair(self._core.forces)
 
-    def forceImpulses(self):
+    def forceImpulses(self) -> dict[tuple[str, str], np.ndarray]:
         """Dict (A, B) -> time integral of the force on group B by group A since the start, kN s (3,), for all
         pairs of groups that bodies of the scene are in.
 
@@ -149,7 +149,7 @@ class Contact(generated["Contact"]):
         rows, pairs = np.reshape(values, (-1, 3)), _pairsOf(self._groups)
         return {pair: rows[k] if k < len(rows) else np.zeros(3) for k, pair in enumerate(pairs)}
 
-    def forceOn(self, group):
+    def forceOn(self, group: str) -> np.ndarray:
         """Force on a group in the last step, kN (3,).
 
         Parameters

@@ -7,7 +7,6 @@ from .. import _core
 from ..base.attributes import Attributed, makeClasses
 from ..base.deprecation import currentName
 
-OF_EVERY_ENGINE = ("label", "dead")  # attributes
 NO_CALL = 1 << 30  # steps: more than any run takes between two looks
 
 

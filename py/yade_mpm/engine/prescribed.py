@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Prescribed motions, of parts of bodies and of nodes."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 import numpy as np
 
 from .. import _core
@@ -29,6 +33,8 @@ class Prescribed(Guarded):
     velocity that it finds.
     """
 
+    part: BodyPart  # of a Drive
+    where: str | Region  # of a Hold
     _owner = None
     _hasBegun = False  # whether its ramp counts
 
@@ -51,7 +57,7 @@ class Prescribed(Guarded):
             self._core.began = scene.time
             keep(self, _hasBegun=True)
 
-    def velocityAt(self, time):
+    def velocityAt(self, time: float) -> np.ndarray:
         """Prescribed velocity at a time (s) with its ramp, m/s (dim,); nan where free."""
         since = max(0.0, time - self._core.began)
         return np.array(self._core.velocity) * (min(1.0, since / self.ramp) if self.ramp else 1.0)
@@ -94,7 +100,7 @@ class Prescribed(Guarded):
         self._core.velocity = self._velocity = values
 
     @property
-    def reaction(self):
+    def reaction(self) -> np.ndarray:
         """Force on the material in the last step, kN (2D: kN/m). RuntimeError as long as it is in no scene
         that was run."""
         if not self._hasBegun:
@@ -111,7 +117,7 @@ class Prescribed(Guarded):
     )
 
     @property
-    def moment(self):
+    def moment(self) -> float | np.ndarray:
         """Moment on the material about `centre` in the last step, kN m."""
         return self._core.moment[2] if self.dim == 2 else np.array(self._core.moment)
 
@@ -134,7 +140,9 @@ class Drive(Prescribed):
     """
 
     @checked("Drive")
-    def __init__(self, part, velocity, ramp=0.0, name="drive"):
+    def __init__(
+        self, part: Body | BodyPart, velocity: Sequence[float | None], ramp: float = 0.0, name: str = "drive"
+    ) -> None:
         super().__init__(velocity, ramp, name)
         part = part.all() if isinstance(part, Body) else part
         if not isinstance(part, BodyPart):
@@ -151,7 +159,7 @@ class Drive(Prescribed):
         part.body.scene._loadsAndDrives.append(self)
 
     @property
-    def rowsCrossed(self):
+    def rowsCrossed(self) -> float:
         """Rows of nodes behind the front of the driven body, from the edge of the grid on, with the part of
         the cell that it is in: it grows by one for each cell of the path. nan while the drive stands."""
         velocity = np.nan_to_num(self._core.velocity)[: self.dim]
@@ -198,7 +206,13 @@ class Hold(Prescribed):
     _way, _seenAt = 0.0, None  # see follow()
 
     @checked("Hold")
-    def __init__(self, where, velocity, ramp=0.0, name=None):
+    def __init__(
+        self,
+        where: str | Region,
+        velocity: Sequence[float | None],
+        ramp: float = 0.0,
+        name: str | None = None,
+    ) -> None:
         if not isinstance(where, (str, Region)):
             raise TypeError(f"Hold: where = {where!r}; give the name of a face or a region")
         if isinstance(where, Region) and where.spec() is None:

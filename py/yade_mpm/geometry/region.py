@@ -14,9 +14,12 @@ A region answers two questions, and the difference matters on its boundary only:
 Lengths are in the unit of the scene (m, if the scene is in SI).
 """
 
+from __future__ import annotations
+
 from itertools import product
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .numbers import numbers
 
@@ -38,7 +41,7 @@ class Region:
     dim : 2 or 3.
     """
 
-    def __init__(self, dim):
+    def __init__(self, dim: int) -> None:
         self.dim = dim
 
     def __repr__(self):
@@ -55,7 +58,7 @@ class Region:
         spec = self.spec()
         return object.__hash__(self) if spec is None else hash(_frozen(spec))
 
-    def contains(self, points, closed=True):
+    def contains(self, points: ArrayLike, closed: bool = True) -> np.ndarray:
         """Tell which points are inside.
 
         Parameters
@@ -101,16 +104,16 @@ class Region:
         region of your own, or with one in it."""
         return
 
-    def __add__(self, other):
+    def __add__(self, other: Region) -> Region:
         return Composed("union", self, other)
 
-    def __or__(self, other):
+    def __or__(self, other: Region) -> Region:
         return Composed("union", self, other)
 
-    def __sub__(self, other):
+    def __sub__(self, other: Region) -> Region:
         return Composed("difference", self, other)
 
-    def __and__(self, other):
+    def __and__(self, other: Region) -> Region:
         return Composed("intersection", self, other)
 
     def _covers(self, points):

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The functions that make regions, and regions from their descriptions."""
 
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
 from .polygon import Polygon
 from .primitives import Ball, Box, Everywhere, HalfSpace
-from .region import Composed
+from .region import Composed, Region
 
 
-def box(lower, upper):
+def box(lower: ArrayLike, upper: ArrayLike) -> Region:
     """Axis-aligned rectangle (2D) or cuboid (3D).
 
     Parameters
@@ -18,7 +22,7 @@ def box(lower, upper):
     return Box(lower, upper)
 
 
-def sphere(centre, radius):
+def sphere(centre: ArrayLike, radius: float) -> Region:
     """Ball in 3D.
 
     Parameters
@@ -31,7 +35,7 @@ def sphere(centre, radius):
     return Ball("sphere", 3, centre, radius)
 
 
-def disc(centre, radius):
+def disc(centre: ArrayLike, radius: float) -> Region:
     """Disc in 2D.
 
     Parameters
@@ -44,7 +48,7 @@ def disc(centre, radius):
     return Ball("disc", 2, centre, radius)
 
 
-def polygon(points):
+def polygon(points: ArrayLike) -> Region:
     """Polygon in 2D that does not cross or touch itself.
 
     Parameters
@@ -57,7 +61,7 @@ def polygon(points):
     return Polygon(points)
 
 
-def halfSpace(point, normal):
+def halfSpace(point: ArrayLike, normal: ArrayLike) -> Region:
     """The side of a plane (line in 2D) that its normal points away from: (x - point) . normal <= 0.
 
     Parameters
@@ -70,7 +74,7 @@ def halfSpace(point, normal):
     return HalfSpace(point, normal)
 
 
-def everywhere(dim):
+def everywhere(dim: int) -> Region:
     """All of space.
 
     Parameters

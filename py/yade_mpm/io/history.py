@@ -2,10 +2,13 @@
 """Time histories: reactions, energies and diagnostics as columns in memory, in CSV, and in the recorder's
 file."""
 
+from __future__ import annotations
+
 import math
 import os
 import sys
 import time
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -14,7 +17,7 @@ from ..base.html import card, paragraph, table
 from ..base.keywords import checked
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
-from ..engine.engine import NO_CALL, OF_EVERY_ENGINE
+from ..engine.engine import NO_CALL
 from . import owners, quantities
 from .columns import Columns, namesOf
 from .files import checkWritable
@@ -40,6 +43,8 @@ class History(Callback):
         it without harm. Of a field it takes min(), max(), mean(), sum() or np.quantile(FIELD, 0.9); a
         function serves for more. A checkpoint can keep only text; give functions again after loading
         (`history.columns["toe"] = ...`), the column is nan until then.
+    label : name of the engine; default "".
+    dead : leave the engine out; default False.
 
     Reactions, moments and forces of contact are means over all steps since the row before: explicit dynamics
     makes the value of one step noisy.
@@ -64,10 +69,19 @@ class History(Callback):
 
     _renamed = {**Callback._renamed, "to_pandas": "toPandas"}
 
-    @checked("History", more=OF_EVERY_ENGINE, research=("average",))
-    def __init__(self, period=0.0, iterPeriod=0, file=None, columns=None, average=True, **attributes):
+    @checked("History", research=("average",))
+    def __init__(
+        self,
+        period: float = 0.0,
+        iterPeriod: int = 0,
+        file: str | os.PathLike | None = None,
+        columns: Mapping | None = None,
+        average: bool = True,
+        label: str = "",
+        dead: bool = False,
+    ) -> None:
         checkPeriod("History", period, iterPeriod)
-        super().__init__(iterPeriod, period, **attributes)
+        super().__init__(iterPeriod, period, label, dead)
         self._average = bool(average)
         self._file = None if file is None else os.fspath(file)
         self._columns = Columns(columns or {})
@@ -89,13 +103,13 @@ class History(Callback):
         known = {k: v for k, v in self.spec().items() if v not in (None, "", 0, False, {})}
         return f"History({', '.join(f'{k}={v!r}' for k, v in known.items())})"
 
-    def __len__(self):
+    def __len__(self) -> int:
         return self._count
 
     def __bool__(self):
         return True  # also without rows
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> np.ndarray:
         """Column as an array (rows,)."""
         if not self._data:
             raise KeyError(
@@ -106,11 +120,11 @@ class History(Callback):
             raise KeyError(f"History: there is no column {name!r}; columns: {', '.join(self._data)}")
         return np.array(self._data[name])
 
-    def keys(self):
+    def keys(self) -> list[str]:
         """Names of the columns, so that `dict(history)` has them all."""
         return list(self._data)
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self.keys())
 
     def __contains__(self, name):
@@ -228,7 +242,7 @@ class History(Callback):
         """No call ever stops the run: it need not look after each."""
         return NO_CALL
 
-    def flush(self):
+    def flush(self) -> None:
         """Writes the rows that are not in the files yet."""
         self._flushed = time.monotonic()
         if self._file is not None:

@@ -6,11 +6,14 @@ Layout: VTKHDF 2.0, UnstructuredGrid with Steps
 the frame before shares it ("part" of the format), so that only points and cell data grow.
 """
 
+from __future__ import annotations
+
 import io
 import json
 import os
 import sys
 import uuid
+from collections.abc import Iterable
 from contextlib import contextmanager
 
 import h5py
@@ -18,7 +21,8 @@ import h5py
 from ..base.keywords import checked
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
-from ..engine.engine import NO_CALL, OF_EVERY_ENGINE
+from ..engine.engine import NO_CALL
+from ..particle.body import Body
 from . import owners
 from .checkpoint import READING, checkPlain
 from .files import checkWritable, fillWhole, naming, temporaryBeside
@@ -56,6 +60,8 @@ class Recorder(Callback):
         variables of the materials, but for the stretch that elastic ones remember. `body` (number in the
         order of the scene) and `id` are always there.
     bodies : bodies or their names; default: all. What a body was converted to goes with it.
+    label : name of the engine; default "".
+    dead : leave the engine out; default False.
 
     Cells are the APDI domains (vertices shared) and a box around each uGIMP particle. Vectors have three
     components, tensors nine, row by row; the attribute `components` names them. A state variable is nan in
@@ -71,12 +77,22 @@ class Recorder(Callback):
     cannot be written, both before the first step.
     """
 
-    @checked("Recorder", more=OF_EVERY_ENGINE, research=("compress",))
-    def __init__(self, file, period=0.0, iterPeriod=0, fields=None, bodies=None, compress=0, **attributes):
+    @checked("Recorder", research=("compress",))
+    def __init__(
+        self,
+        file: str | os.PathLike,
+        period: float = 0.0,
+        iterPeriod: int = 0,
+        fields: Iterable[str] | None = None,
+        bodies: Iterable[Body | str] | None = None,
+        compress: int = 0,
+        label: str = "",
+        dead: bool = False,
+    ) -> None:
         checkPeriod("Recorder", period, iterPeriod)
         if not (isinstance(compress, int) and 0 <= compress <= 9):
             raise ValueError(f"Recorder: compress = {compress!r} is not allowed; give a gzip level, 0 to 9")
-        super().__init__(iterPeriod, period, **attributes)
+        super().__init__(iterPeriod, period, label, dead)
         self._file, self._compress = os.fspath(file), compress
         if os.path.splitext(self._file)[1].lower() in OTHERS:
             raise ValueError(

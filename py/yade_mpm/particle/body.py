@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies: named sets of particles, whose fields are NumPy views of the solver's memory."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..base import limits
 from ..base.attributes import Guarded
@@ -78,7 +83,7 @@ class Body(Guarded):
 
     fieldNames = property(lambda self: frozenset(self._fields), doc="Names of all particle fields.")
 
-    def __len__(self):
+    def __len__(self) -> int:
         return self.count
 
     def __repr__(self):
@@ -94,11 +99,11 @@ class Body(Guarded):
             rows.append((f["name"], values.shape, f["unit"].replace("-", ""), ends, f["doc"]))
         return card(repr(self), table(("field", "shape", "unit", "from, to", "meaning"), rows))
 
-    def fields(self):
+    def fields(self) -> list[dict[str, Any]]:
         """List of dicts (name, unit, doc, shape, size) of all particle fields."""
         return list(self._core.fields(False))
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> np.ndarray:
         if not name.startswith("_") and name in self._fields:
             return np.asarray(self._core.view(name, False))
         if not name.startswith("_") and (current := currentName(type(self), name)) is not None:
@@ -126,7 +131,7 @@ class Body(Guarded):
     def __dir__(self):
         return [*super().__dir__(), *self._fields]
 
-    def byId(self, name):
+    def byId(self, name: str) -> np.ndarray:
         """A copy of a field in the order of `id`, which stays as particles are sorted.
 
         Parameters
@@ -152,7 +157,7 @@ class Body(Guarded):
         """Counts displacement from where the particles are now."""
         self.reference[...] = self.position
 
-    def setStress(self, stress):
+    def setStress(self, stress: ArrayLike) -> None:
         """Gives the particles a Cauchy stress, and the material the state that belongs to it.
 
         Parameters
@@ -175,7 +180,7 @@ class Body(Guarded):
         self._core.setStress(np.ascontiguousarray(stress, float))
 
     @property
-    def inertiaScale(self):
+    def inertiaScale(self) -> float:
         """Factor on the inertial mass (not on the weight), -."""
         return self._core.inertiaScale
 
@@ -186,7 +191,7 @@ class Body(Guarded):
         self._core.inertiaScale = float(value)
 
     @property
-    def group(self):
+    def group(self) -> str:
         """Name of the group that the body sticks to; may be changed between runs."""
         return self._core.group
 
@@ -199,7 +204,7 @@ class Body(Guarded):
         self._scene.stepper.noteChange()
 
     @property
-    def isDamped(self):
+    def isDamped(self) -> bool:
         """Whether the local damping of the GridSolver acts on the body; default True, may be changed between
         runs.
 
@@ -212,7 +217,7 @@ class Body(Guarded):
         self._core.isDamped = _flag(self, "isDamped", value)
 
     @property
-    def fbar(self):
+    def fbar(self) -> bool:
         """Whether the stress update takes one increment of volumetric strain per cell, and makes the mean
         stress linear in it (against volumetric locking); a flag."""
         return self._core.fbar
@@ -222,7 +227,7 @@ class Body(Guarded):
         self._core.fbar = _flag(self, "fbar", value)
 
     @property
-    def implicit(self):
+    def implicit(self) -> bool:
         """Whether the elastic forces of the body at the end of a step enter the solution: a flag that may be
         changed between runs (engine ImplicitBodies, doc/explanation/implicit-bodies.md).
 
@@ -237,18 +242,18 @@ class Body(Guarded):
         self._scene.stepper.noteChange()
 
     @property
-    def bulkVolume(self):
+    def bulkVolume(self) -> np.ndarray:
         """Volume of the particles with the gaps that soil stands open by, volume exp(opening), m3 (N,); 2D:
         area."""
         return self.volume * np.exp(self.opening) if "opening" in self._fields else self.volume.copy()
 
     @property
-    def halfSize(self):
+    def halfSize(self) -> np.ndarray:
         """Half edges of the box domains, m (dim); zero for meshed domains."""
         return np.array(self._core.halfSize)
 
     @property
-    def vertices(self):
+    def vertices(self) -> np.ndarray:
         """Positions of the vertices of meshed domains, m (Nv, dim); a view: `body.vertices += x` moves them.
 
         Deformation gradient, stress and mass stay as they are; volumes are those between the vertices again
@@ -271,14 +276,14 @@ class Body(Guarded):
             return None
         return np.frombuffer(corners, np.int32).astype(int).reshape(self.count, 2**self._scene.dim)
 
-    def corners(self):
+    def corners(self) -> np.ndarray:
         """Corner positions of every domain, m (N, 4 or 8, dim): of the mesh, or of the box around each
         particle."""
         if self.cells is not None:
             return self.vertices[self.cells]
         return self.position[:, None] + self._boxCorners()
 
-    def deformedCorners(self):
+    def deformedCorners(self) -> np.ndarray:
         """Corner positions of every domain as it is deformed, m (N, 4 or 8, dim): what pictures and files
         show. A box keeps its size in the solver (`corners`) and would leave slits where the soil is whole;
         here it is strained as its particle, to twice its length at most, and pieces of a cut one overlap."""
@@ -390,7 +395,7 @@ class Body(Guarded):
         return self._scene._convert(self, region, type, tolerance)
 
     # --- parts, for driving ---
-    def above(self, height):
+    def above(self, height: float) -> BodyPart:
         """Part of the body above a height, looked up again in every step.
 
         Parameters
@@ -399,7 +404,7 @@ class Body(Guarded):
         """
         return BodyPart(self, lower=height)
 
-    def below(self, height):
+    def below(self, height: float) -> BodyPart:
         """Part of the body below a height, looked up again in every step.
 
         Parameters
@@ -408,7 +413,7 @@ class Body(Guarded):
         """
         return BodyPart(self, upper=height)
 
-    def inside(self, region):
+    def inside(self, region: Region) -> BodyPart:
         """The particles that are inside a region now; they stay the same in the run.
 
         Parameters
@@ -424,7 +429,7 @@ class Body(Guarded):
             )
         return BodyPart(self, ids=self.id[region.contains(self.position)])
 
-    def all(self):
+    def all(self) -> BodyPart:
         """All particles of the body."""
         return BodyPart(self)
 

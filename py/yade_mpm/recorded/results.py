@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """What a Recorder has written, read back: frames by time, with names, units and pictures."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping, Sequence
 
@@ -51,11 +53,11 @@ class Results(Sequence):
         return self._asked(lambda h5: h5["VTKHDF/Steps"][name][()])
 
     @property
-    def units(self):
+    def units(self) -> dict[str, str]:
         """Dict name of a field -> unit."""
         return self._asked(lambda h5: resultsFile.units(h5["VTKHDF/CellData"]))
 
-    def history(self, label=""):
+    def history(self, label: str = "") -> dict[str, np.ndarray]:
         """Columns of a `History` of the run as a dict name -> array; their units with `historyUnits`.
 
         Parameters
@@ -97,7 +99,7 @@ class Results(Sequence):
             ) from None
         return ResultFrame(*self._asked(lambda h5: resultsFile.frame(h5["VTKHDF"], k, self.bodies)))
 
-    def at(self, time):
+    def at(self, time: float) -> ResultFrame:
         """The frame nearest to a time.
 
         Parameters
@@ -160,7 +162,7 @@ class ResultFrame(Mapping):
 
     count = property(lambda self: len(self.corners), doc="Number of particles.")
 
-    def body(self, name):
+    def body(self, name: str) -> ResultFrame:
         """The frame with the particles of one body only.
 
         Parameters
@@ -216,7 +218,7 @@ class _Fields:
         return self.frame[name], self.units[name]
 
 
-def read(file):
+def read(file: str | os.PathLike) -> Results:
     """What a Recorder has written, as frames by time, with units.
 
         results = mpm.read("sheet_pile.vtkhdf")

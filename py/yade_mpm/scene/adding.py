@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bodies of a scene: how they are added, and what they are made of."""
 
+from __future__ import annotations
+
+import os
+
 import numpy as np
 
 from ..base import limits
@@ -8,6 +12,7 @@ from ..base.attributes import keep
 from ..base.keywords import checked
 from ..engine.rigidContact import RigidContact
 from ..geometry.lattice import checkOverlap
+from ..geometry.mesh import Mesh
 from ..geometry.numbers import placeText
 from ..geometry.region import Region
 from ..material.materials import Material
@@ -33,16 +38,16 @@ class Bodies(tuple):
 @checked("Scene.add", research=("inertiaScale",))
 def add(
     scene,
-    name,
-    region,
-    material,
-    type,
-    inertiaScale=1.0,
-    fbar=None,
-    group="main",
-    implicit=False,
-    exclude=None,
-):
+    name: str,
+    region: Region | Mesh | tuple | str | os.PathLike,
+    material: Material,
+    type: ParticleType,
+    inertiaScale: float = 1.0,
+    fbar: bool | None = None,
+    group: str = "main",
+    implicit: bool = False,
+    exclude: RigidContact | None = None,
+) -> Body:
     """Adds a body and returns it.
 
     Parameters

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The initial stress of level ground, a method of a scene."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +34,14 @@ class Layer:
 
 
 @checked("Scene.initialStress")
-def initialStress(scene, surface, K0, gravity=9.81, bodies=None, unitWeight=None):
+def initialStress(
+    scene,
+    surface: float,
+    K0: float,
+    gravity: float = 9.81,
+    bodies: Iterable[Body | str] | None = None,
+    unitWeight: float | None = None,
+) -> None:
     """Geostatic stress below a level surface: sigma_v = -q - gamma z, sigma_h = K0 sigma_v, z the depth.
 
     Under a slope this is a first guess: run `scene.settle()` after it, which finds the stress of the slope.

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Methods of a scene about the nodes of its grid: where they are, and which lie on a face or in a region."""
 
+from __future__ import annotations
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..engine.prescribed import FACES
 from ..geometry.region import Region
@@ -9,7 +12,7 @@ from ..geometry.region import Region
 GHOSTS = 2  # layers of nodes outside of the grid, on the lower side of each axis
 
 
-def nodePositions(scene):
+def nodePositions(scene) -> np.ndarray:
     """Positions of all grid nodes, ghosts included, m (Nn, dim); first axis fastest."""
     axes = [
         scene.lower[k] + (np.arange(scene._core.nodes[k]) - GHOSTS) * scene.cell[k] for k in range(scene.dim)
@@ -19,7 +22,7 @@ def nodePositions(scene):
     return np.stack([a.ravel(order="F") for a in np.meshgrid(*axes, indexing="ij")], axis=1)
 
 
-def cellSizeAt(scene, points):
+def cellSizeAt(scene, points: ArrayLike) -> np.ndarray:
     """Edges of the grid's cells in which points lie, m (N, dim).
 
     Parameters
@@ -40,7 +43,7 @@ def cellSizeAt(scene, points):
     return sizes
 
 
-def faceNodes(scene, face):
+def faceNodes(scene, face: str) -> np.ndarray:
     """Numbers of the nodes on and behind a face of the grid.
 
     Parameters
@@ -59,7 +62,7 @@ def faceNodes(scene, face):
     return np.flatnonzero(x >= scene.upper[axis] - tolerance)
 
 
-def nodesInside(scene, region):
+def nodesInside(scene, region: Region) -> np.ndarray:
     """Numbers of the nodes inside a region.
 
     Parameters

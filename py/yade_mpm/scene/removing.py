@@ -14,7 +14,7 @@ from .adding import build, drop, newBody
 from .running import refuseDuringStep, refuseMidStep
 
 
-def remove(scene, body):
+def remove(scene, body: Body) -> None:
     """Takes all particles of a body out of the scene, between two runs: an excavation.
 
     Weight, stress and momentum of the body are gone with the next step, and its weight counts no more in

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A scene from a checkpoint; saving.py is the way there."""
 
+from __future__ import annotations
+
 import os
 
 from ..base.attributes import keep
@@ -17,7 +19,9 @@ MOST_SHOWN = 500  # characters of an error from inside
 FAR = 1e300  # steps and seconds: further than any run comes
 
 
-def load(file, callbacks=None, trust=False, files=None):
+def load(
+    file: str | os.PathLike, callbacks: dict | None = None, trust: bool = False, files: dict | None = None
+) -> Scene:
     """Scene from a checkpoint; `run` continues it with the same bits as if it had never stopped.
 
     A checkpoint is data: what it brings does not run, and writes nothing outside of its own folder, unless

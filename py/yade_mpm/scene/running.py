@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Methods of a scene about its runs: to begin, pause and wait for them, and what is refused meanwhile."""
 
+from __future__ import annotations
+
+import os
 import sys
 
 import numpy as np
@@ -19,13 +22,13 @@ from .saving import refuseResults
 @checked("Scene.run")
 def run(
     scene,
-    until=None,
-    steps=None,
-    background=False,
-    progress=None,
-    checkpointFile=None,
-    checkpointPeriod=600.0,
-):
+    until: float | None = None,
+    steps: int | None = None,
+    background: bool = False,
+    progress: bool | None = None,
+    checkpointFile: str | os.PathLike | None = None,
+    checkpointPeriod: float | None = 600.0,
+) -> None:
     """Runs to a time or for a number of steps.
 
     Parameters
@@ -81,7 +84,7 @@ def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
         )
 
 
-def step(scene):
+def step(scene) -> None:
     """Takes one step: a loop of them gives the same bits as a run of as many, and an automatic time step
     follows the state likewise.
 
@@ -124,7 +127,7 @@ def handOver(scene, loop):
     scene._loop = loop
 
 
-def pause(scene):
+def pause(scene) -> None:
     """Ends a run: of a background run waits for the end of a slice of 0.1 s; in a callback, after this
     step."""
     if scene._loop is not None:
@@ -132,13 +135,13 @@ def pause(scene):
         scene._loop.wait()
 
 
-def wait(scene):
+def wait(scene) -> None:
     """Waits for a background run and raises what went wrong in it."""
     if scene._loop is not None:
         scene._loop.wait()
 
 
-def close(scene):
+def close(scene) -> None:
     """Pauses a background run and completes the files of all engines, which another scene may then write.
 
     `with mpm.Scene(...) as scene:` does it at the end of the block. A closed scene can run again.

@@ -1,7 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The scene: grid, bodies, engines, clock, and the run."""
 
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .. import _core
 from ..base.attributes import Guarded
@@ -11,12 +17,13 @@ from ..engine.engine import Engine
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Prescribed
 from ..geometry.numbers import isNumber
+from ..particle.body import Body
 from . import display
 from .adding import Bodies, add
 from .changes import Changes
 from .converting import convert
 from .geostatic import initialStress
-from .grading import linesOf
+from .grading import Grading, linesOf
 from .grid import cellSize, corner, makeCore
 from .holder import Holder
 from .nodes import GHOSTS, cellSizeAt, faceNodes, nodePositions, nodesInside
@@ -104,6 +111,16 @@ class Scene(Guarded):
     }
     _instead = "scene.save(file) keeps it, mpm.load(file) makes another one"
 
+    lower: np.ndarray
+    upper: np.ndarray
+    cell: np.ndarray
+    dim: int
+    isGraded: bool
+    dtCritical: float | None
+    dtStable: float | None
+    stiffest: str | None
+    stepper: Stepper
+
     # Methods that have a file of their own.
     add, remove = add, remove
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside
@@ -116,7 +133,15 @@ class Scene(Guarded):
     plot, _repr_html_ = display.plot, display.html
 
     @checked("Scene", research=("scheme",))
-    def __init__(self, lower, upper, cell=None, scheme="MUSL", threads=None, grading=None):
+    def __init__(
+        self,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        cell: ArrayLike | None = None,
+        scheme: str = "MUSL",
+        threads: int | None = None,
+        grading: Grading | Sequence | None = None,
+    ) -> None:
         lower, upper = corner("lower", lower), corner("upper", upper)
         dim = len(lower)
         if len(upper) != dim:
@@ -165,13 +190,13 @@ class Scene(Guarded):
             f"t = {self.time:g} s>"
         )
 
-    def __enter__(self):
+    def __enter__(self) -> Scene:
         return self
 
-    def __exit__(self, *error):
+    def __exit__(self, *error: object) -> None:
         self.close()
 
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Body:
         for body in self.bodies:
             if body.name == name:
                 return body
@@ -180,7 +205,7 @@ class Scene(Guarded):
         )
 
     @property
-    def bodies(self):
+    def bodies(self) -> tuple[Body, ...]:
         """Tuple of all bodies, in the order in which they were added; `add` makes one more."""
         return Bodies(self._bodies)
 
@@ -202,7 +227,7 @@ class Scene(Guarded):
     )
 
     @property
-    def changes(self):
+    def changes(self) -> list[dict]:
         """Parameters that were changed between runs, and where: list of dicts with step, time (s), what,
         before and after. Engines, prescribed motions, materials and flags of bodies count, and dt; each run
         and each checkpoint looks what is other than before. Checkpoints and the files of recorders have
@@ -211,7 +236,7 @@ class Scene(Guarded):
 
     # --- engines --------------------------------------------------------------------------------------
     @property
-    def engines(self):
+    def engines(self) -> list[Engine]:
         """The chain of engines; assign a list to change it.
 
         Default: ParticleToGrid, GridSolver, GridToParticle, DomainUpdater (USF: DomainUpdater before
@@ -224,7 +249,7 @@ class Scene(Guarded):
         return self._engines
 
     @engines.setter
-    def engines(self, engines):
+    def engines(self, engines: Sequence[Engine]) -> None:
         refuseDuringStep(self, "engines")
         engines = list(engines) if isinstance(engines, (list, tuple)) else [engines]
         self._putInOrder(engines)
@@ -263,7 +288,7 @@ class Scene(Guarded):
         raise ValueError(f"{who}: there is no GridSolver among the engines; add one to scene.engines")
 
     @property
-    def scheme(self):
+    def scheme(self) -> str:
         """ "MUSL", "USF" or "USL"."""
         return self._core.scheme
 
@@ -275,20 +300,20 @@ class Scene(Guarded):
             raise ValueError(f"Scene: scheme = {name!r} is not allowed; give one of 'MUSL', 'USF', 'USL'")
         self._core.scheme = name
 
-    def timing(self):
+    def timing(self) -> dict[str, tuple[float, int]]:
         """Dict engine -> (seconds, calls) since the scene was made."""
         return {(e.label or type(e).__name__): (e.seconds, e.calls) for e in self.engines}
 
     # --- time step and threads ------------------------------------------------------------------------
     @property
-    def dt(self):
+    def dt(self) -> float | None:
         """Time step, s. Left out: 0.8 (USL: 0.55) of the critical step, which is estimated again every 5000
         steps and where stiffness has grown by a quarter: particles that grow or are cut, constants that a
         callback changes (doc/explanation/time-step.md)."""
         return self._dt if self._dt is not None else (self._core.dt or None)
 
     @dt.setter
-    def dt(self, value):
+    def dt(self, value: float | None) -> None:
         refuseDuringStep(self, "dt")
         if value is not None and not (isNumber(value) and 0 < value < np.inf):
             raise ValueError(
@@ -299,7 +324,7 @@ class Scene(Guarded):
         self.stepper.noteChange()
 
     @property
-    def allowUnstable(self):
+    def allowUnstable(self) -> bool:
         """Whether dt may exceed the longest stable step."""
         return self._allowUnstable
 
@@ -310,7 +335,7 @@ class Scene(Guarded):
         self._allowUnstable = bool(value)
 
     @property
-    def threads(self):
+    def threads(self) -> int:
         """Number of threads in use.
 
         As given, or one for every 1000 particles but at most OMP_NUM_THREADS (all cores); a run tries a
@@ -320,7 +345,7 @@ class Scene(Guarded):
         return self._threads or min(_core.availableThreads(), byParticles)
 
     @threads.setter
-    def threads(self, value):
+    def threads(self, value: int | None) -> None:
         isCount = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
         if value is not None and not (isCount and 1 <= value <= MOST_THREADS):
             raise ValueError(
@@ -330,7 +355,9 @@ class Scene(Guarded):
         self._threads = None if value is None else int(value)
         self.stepper.noteChange(mayBeUnstable=False)
 
-    def criticalTimeStep(self, tolerance=1e-4, iterations=300, asIfExplicit=False):
+    def criticalTimeStep(
+        self, tolerance: float = 1e-4, iterations: int = 300, asIfExplicit: bool = False
+    ) -> float:
         """Critical time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid
         operator, or the longest stable step of the scheme if that is shorter (doc/explanation/time-step.md).
 
@@ -357,7 +384,7 @@ class Scene(Guarded):
             return self.stepper.estimateCriticalStep(tolerance, iterations, asIfExplicit)
 
     # --- running --------------------------------------------------------------------------------------
-    def prepare(self):
+    def prepare(self) -> None:
         """Checks the scene and makes it ready to step; `run` does it."""
         refuseDuringStep(self, "prepare")
         with self._holder.held("prepare"):
@@ -375,7 +402,7 @@ class Scene(Guarded):
         new."""
         return self.stepper.isMidStep()
 
-    def save(self, file):
+    def save(self, file: str | os.PathLike) -> None:
         """Writes a checkpoint (HDF5) from which `mpm.load` continues with the same bits.
 
         Parameters

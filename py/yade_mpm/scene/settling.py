@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Bringing a scene to rest under gravity: methods of a scene."""
 
+from __future__ import annotations
+
 import sys
 import time
 from dataclasses import dataclass
@@ -23,14 +25,14 @@ MOST_NOISE = 0.01  # share of the stress; what wavers more is not at rest
 @checked("Scene.settle")
 def settle(
     scene,
-    damping=0.7,
-    tolerance=1e-3,
-    maxSteps=200000,
-    checkEvery=200,
-    progress=None,
-    maxTime=3600.0,
-    stressTolerance=0.01,
-):
+    damping: float = 0.7,
+    tolerance: float = 1e-3,
+    maxSteps: int = 200000,
+    checkEvery: int = 200,
+    progress: bool | None = None,
+    maxTime: float | None = 3600.0,
+    stressTolerance: float | None = 0.01,
+) -> int:
     """Lets gravity settle with heavy damping, then stops all motion and counts displacement from there.
 
     Ends when the largest out-of-balance force that particles feel (`unbalancedForce`) is below `tolerance`
@@ -143,7 +145,7 @@ class _Look:
     volume: np.ndarray
 
 
-def unbalancedForce(scene):
+def unbalancedForce(scene) -> float:
     """Largest out-of-balance force that particles feel over the mean internal force of a node, -.
 
     Takes one step to see it. The force is that of a cell full of the particle's material, rho h^dim |a|,

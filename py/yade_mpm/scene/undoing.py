@@ -6,9 +6,10 @@ from ..engine.callback import PyRunner
 from ..io.history import History
 from .restoring import load
 from .saving import isLast
+from .scene import Scene
 
 
-def undo(scene):
+def undo(scene: Scene) -> Scene:
     """The scene as it was at the checkpoint that it wrote last (`scene.save`, or a run); a new one, with the
     callbacks of this one. What its recorder and history wrote since is taken out of their files by the next
     run.

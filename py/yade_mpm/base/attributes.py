@@ -61,7 +61,8 @@ class Guarded:
         name = currentName(kind, name) or name
         if not (name.startswith("_") or isinstance(getattr(kind, name, None), property)):
             if name in self.__dict__ or hasattr(kind, name):
-                raise AttributeError(f"{kind.__name__}: {name} can be read, not set")
+                hint = f"; {self._elsewhere[name]}" if name in self._elsewhere else ""
+                raise AttributeError(f"{kind.__name__}: {name} can be read, not set{hint}")
             raise AttributeError(f"{kind.__name__} has no attribute '{name}'{self._hint(name)}")
         if isinstance(of := getattr(kind, name, None), property) and of.fset is None:
             raise AttributeError(f"{kind.__name__}: {name} can be read, not set")

@@ -51,6 +51,15 @@ class Contact(generated["Contact"]):
         if self._groups:
             self._setPairs()
 
+    def _clearPairs(self):
+        """Forgets the laws that `pair` was told; all pairs have that of the engine."""
+        self._pairs.clear()
+        self._core.set("pairs", [])
+
+    def _laws(self):
+        """Dict (A, B) -> (friction, adhesion) of the pairs of groups that `pair` was told."""
+        return dict(self._pairs)
+
     def _frictions(self):
         """All coefficients of friction: that of the engine, and those of pairs of groups."""
         return [self.friction, *(friction for friction, _ in self._pairs.values())]

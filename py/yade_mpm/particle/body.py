@@ -48,6 +48,7 @@ class Body(Guarded):
         self.__dict__.update(
             _scene=scene, _core=core, type=type_, material=material, region=region, mesh=mesh
         )
+        self.__dict__["_chosen"] = {}  # what the scene has chosen -> the reason
         self._convertsTo = None  # name of the body that takes over distorted domains
         self._fields = {f["name"] for f in core.fields(False)}
 
@@ -201,6 +202,7 @@ class Body(Guarded):
             raise ValueError(f"body '{self.name}': group = {value!r}; give a name, e.g. 'pile'")
         self._scene._refuseDuringStep("group")
         self._core.group = value
+        self._chosen.pop("group", None)
         self._scene.stepper.noteChange()
 
     @property
@@ -225,6 +227,7 @@ class Body(Guarded):
     @fbar.setter
     def fbar(self, value):
         self._core.fbar = _flag(self, "fbar", value)
+        self._chosen.pop("fbar", None)
 
     @property
     def implicit(self) -> bool:
@@ -239,6 +242,7 @@ class Body(Guarded):
         value = _flag(self, "implicit", value)
         self._scene._refuseDuringStep("implicit")
         self._core.isImplicit = value
+        self._chosen.pop("implicit", None)
         self._scene.stepper.noteChange()
 
     @property

@@ -34,6 +34,15 @@ class BodyPart:
         heights = self.body.position[:, -1]
         return (heights > lower) & (heights <= upper)
 
+    def _call(self):
+        """How it was made of its body, as it is written in a script."""
+        if self.ids is not None:
+            return f".with({len(self.ids)} particles)"
+        for name, height in (("above", self.lower), ("below", self.upper)):
+            if height is not None:
+                return f".{name}({height:g})"
+        return ""
+
     def __repr__(self):
         limits = [
             f"{side} {height:g} m"

@@ -18,6 +18,7 @@ from ..geometry.region import Region
 from ..material.materials import Material
 from ..particle.body import Body
 from ..particle.types import Boxes, ParticleType, classes
+from . import choices
 from .running import refuseDuringStep
 
 
@@ -41,14 +42,14 @@ def add(
     name: str,
     region: Region | Mesh | tuple | str | os.PathLike,
     material: Material,
-    type: ParticleType,
+    type: ParticleType | None = None,
     inertiaScale: float = 1.0,
     fbar: bool | None = None,
-    group: str = "main",
-    implicit: bool = False,
+    group: str | None = None,
+    implicit: bool | None = None,
     exclude: RigidContact | None = None,
 ) -> Body:
-    """Adds a body and returns it.
+    """Adds a body and returns it. What is left out the scene chooses, and `describe` tells why.
 
     Parameters
     ----------
@@ -57,15 +58,19 @@ def add(
         Domains are in the order of the cells; those of a file are renumbered in rows, for speed:
         `body.mesh.cellNumbers` tells which cell each is.
     material : Material, e.g. mpm.LinearElastic(...).
-    type : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25).
+    type : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25). Default None: boxes that are cut as
+        they grow long, mpm.UGIMP(perCell=2, splitAt=1.3), for a material that yields; a mesh with edges of
+        half a cell, mpm.APDI(size=cell/2), for an elastic one.
     fbar : bool, one increment of volumetric strain and one linear mean stress per cell: against volumetric
         locking, which makes soil that yields too strong, and for volumes that stay (de Souza Neto et al.
         1996, doc/explanation/volumes.md). Default None: for materials that yield. False: the bare form.
-    group : str; bodies of one group stick together, between groups a `Contact` engine lets them slip; default
-        "main".
+    group : str; bodies of one group stick together, between groups a `Contact` engine lets them slip. Default
+        None: by the calls of `contact`; "main" where there are none.
     implicit : bool, solve for the elastic forces of the body at the end of each step: its stiffness does not
         limit the time step, and GridSolver's damping leaves it alone. For structures much stiffer than what
-        is around them (doc/explanation/implicit-bodies.md); default False.
+        is around them (doc/explanation/implicit-bodies.md). Default None: where type is left out an elastic
+        body is implicit if its waves are four times as fast as those of the other bodies, until the first
+        step; where type is given it is not.
     exclude : RigidContact, whose rigid bodies keep their place: boxes that would overlap with one are left
         out, also beside thin and inclined shapes. Of boxes only. Default None: the region is filled.
 
@@ -73,11 +78,24 @@ def add(
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
     """
     refuseDuringStep(scene, "add")
+    chosen = {}
+    if type is None and isinstance(material, Material):
+        type, chosen["particles"] = choices.particlesFor(scene, region, material)
+        if implicit is None:
+            chosen["implicit"] = "its material yields"
     _checkArguments(scene, name, region, material, type)
     if fbar is None:
         fbar = material._core.yields and not implicit
+        chosen["fbar"] = "yields, and would lock" if fbar else "keeps its volume by itself"
+    if group is None:
+        group, chosen["group"] = "main", "in no contact"
     with scene._holder.held("add"):
-        return _added(scene, name, region, material, type, (inertiaScale, fbar, group, implicit), exclude)
+        options = inertiaScale, fbar, group, bool(implicit) if implicit is None else implicit
+        body = _added(scene, name, region, material, type, options, exclude)
+        for one in [body] if body.convertsTo is None else [body, scene[body.convertsTo]]:
+            keep(one, _chosen=dict(chosen))
+        choices.update(scene)
+    return body
 
 
 def _added(scene, name, region, material, type, options, exclude=None):

@@ -54,6 +54,7 @@ def run(
     scene._refuseWhileRunning("run")
     with scene._holder.held("run"):
         _checkRun(scene, until, steps, checkpointFile, checkpointPeriod)
+        scene._watch(until, steps)
         scene.prepare()
         kind = BackgroundRun if background else Run
         run = scene._loop = kind(scene, until, steps, progress, checkpointFile, checkpointPeriod)

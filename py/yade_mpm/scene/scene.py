@@ -18,13 +18,16 @@ from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Prescribed
 from ..geometry.numbers import isNumber
 from ..particle.body import Body
-from . import display
+from . import asking, display
 from .adding import Bodies, add
+from .asked import Asked
 from .changes import Changes
 from .converting import convert
+from .describing import describe
 from .geostatic import initialStress
 from .grading import Grading, linesOf
 from .grid import cellSize, corner, makeCore
+from .groups import contact
 from .holder import Holder
 from .nodes import GHOSTS, cellSizeAt, faceNodes, nodePositions, nodesInside
 from .removing import remove
@@ -51,10 +54,13 @@ PARTICLES_PER_THREAD = 1000  # a block of 2000 is 1.5 times as fast on two (doc/
 class Scene(Guarded):
     """A grid, the bodies on it, the engines of a step, and a clock: everything a run works on.
 
-        scene = mpm.Scene(lower=(0, 0), upper=(4, 2), cell=0.25)
-        scene.add("block", mpm.box((0, 0), (1, 1)), material, mpm.UGIMP(perCell=2))
-        scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom")
+        scene = mpm.Scene(lower=(0, 0), upper=(4, 2), cell=0.25, gravity=9.81)
+        scene.add("block", mpm.box((0, 0), (1, 1)), material)
+        scene.fix("bottom")
         scene.run(until=1.0)
+
+    `fix`, `roller`, `contact`, `drive`, `record` and `history` say what is wanted; they edit the chain of
+    engines that `engines` shows.
 
     Parameters
     ----------
@@ -64,6 +70,10 @@ class Scene(Guarded):
     grading : `Grading`, whose cells grow outside of a box; or a sequence with the positions of the lines of
         nodes across each axis, m (None: equal cells along that axis; `cell` may be left out where none is
         equal). Default: all cells are equal. See doc/explanation/graded-grids.md.
+    gravity : m/s2, a number downwards, along the last axis, or one component per axis; default: none, or that
+        of the GridSolver among the engines that are given.
+    damping : local damping of the GridSolver, -, from 0 to below 1; default 0, or that of the GridSolver
+        given.
     threads : number of threads; default: one for every 1000 particles, at most OMP_NUM_THREADS, and a single
         one while a run finds that faster, as it is beside other jobs. The results are the same bits for any
         number.
@@ -89,16 +99,14 @@ class Scene(Guarded):
     """
 
     _elsewhere = {
-        name: f"{name} is of the GridSolver: scene.engines[1] = mpm.GridSolver({example}, ...)"
-        for name, example in {
-            "gravity": "gravity=(0, -9.81)",
-            "damping": "damping=0.05",
-            "roller": "roller=('left', 'right')",
-            "fixed": "fixed='bottom'",
-            "drive": "drive=mpm.Drive(...)",
-            "hold": "hold=mpm.Hold(...)",
-        }.items()
-    } | {"flip": "flip is of GridToParticle: scene.engines[2] = mpm.GridToParticle(flip=1)"}
+        "roller": "call scene.roller('left', 'right')",
+        "fix": "call scene.fix('bottom')",
+        "fixed": "call scene.fix('bottom')",
+        "drive": "call scene.drive(body, velocity=(0, -0.1))",
+        "hold": "call scene.drive(region, velocity=(0, 0))",
+        "contact": "call scene.contact(pile, soil, friction=0.3)",
+        "flip": "flip is of GridToParticle: scene.engines[2] = mpm.GridToParticle(flip=1)",
+    }
     _renamed = {
         **Guarded._renamed,
         "givenDt": "_dt",
@@ -123,6 +131,9 @@ class Scene(Guarded):
 
     # Methods that have a file of their own.
     add, remove = add, remove
+    fix, roller, contact, drive = asking.fix, asking.roller, contact, asking.drive
+    record, history, quasiStatic = asking.record, asking.history, asking.quasiStatic
+    describe = describe
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside
     cellSizeAt = cellSizeAt
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce
@@ -130,6 +141,7 @@ class Scene(Guarded):
     _convert = convert  # for Body.convert
     _handOver, _refuseWhileRunning, _refuseDuringStep = handOver, refuseWhileRunning, refuseDuringStep
     _refuseBetweenStages = refuseBetweenStages
+    _watch = asking.watch  # for run
     plot, _repr_html_ = display.plot, display.html
 
     @checked("Scene", research=("scheme",))
@@ -141,6 +153,8 @@ class Scene(Guarded):
         scheme: str = "MUSL",
         threads: int | None = None,
         grading: Grading | Sequence | None = None,
+        gravity: ArrayLike | None = None,
+        damping: float | None = None,
     ) -> None:
         lower, upper = corner("lower", lower), corner("upper", upper)
         dim = len(lower)
@@ -167,6 +181,8 @@ class Scene(Guarded):
             _dampingAfterSettling=None,  # while settle() is at work
             _notedSignals=None,  # that came between the runs of settle()
             _loadsAndDrives=[],  # that were made for its bodies, whether given to it or not
+            _asked=Asked(),  # engines that calls of the scene have edited
+            _contactPairs=[],  # that calls of contact have named
             _changesNoted=Changes(),
             _lastCheckpoint=None,  # (name, stamp) of the file
             _warnedOf=set(),  # faults of the domains that runs have told
@@ -181,6 +197,10 @@ class Scene(Guarded):
         self._added = {}  # engines that the scheme asked for, by class
         self.scheme = scheme
         self.threads = threads
+        if gravity is not None:
+            self.gravity = gravity
+        if damping is not None:
+            self.damping = damping
 
     def __repr__(self):
         cells = " x ".join(str(n - 5) for n in self._core.nodes)
@@ -234,6 +254,31 @@ class Scene(Guarded):
         it."""
         return list(self._changesNoted.all)
 
+    @property
+    def gravity(self) -> np.ndarray:
+        """Gravity of the GridSolver, m/s2 (dim,); set it by a number (downwards) or a vector."""
+        return np.array(self._gridSolver("Scene").gravity or [0.0] * self.dim)
+
+    @gravity.setter
+    def gravity(self, value: ArrayLike) -> None:
+        self._ask("gravity", asking.gravityVector(self, value))
+
+    @property
+    def damping(self) -> float:
+        """Local damping of the GridSolver, -."""
+        return self._gridSolver("Scene").damping
+
+    @damping.setter
+    def damping(self, value: float) -> None:
+        self._ask("damping", value)
+
+    def _ask(self, name, value):
+        """Sets an attribute of the GridSolver, which has to stay from then on."""
+        refuseDuringStep(self, name)
+        solver = self._gridSolver("Scene")
+        setattr(solver, name, value)
+        self._asked.add(solver)
+
     # --- engines --------------------------------------------------------------------------------------
     @property
     def engines(self) -> list[Engine]:
@@ -273,6 +318,7 @@ class Scene(Guarded):
         order = self._core.stageOrder
         chain.complete(engines, order, self._added)
         chain.checkOrder(engines, order, self.scheme)
+        self._asked.refuseLost(engines)
 
     def _isLeftAsMade(self):
         """Whether the GridSolver is that of the default chain, as it was: without gravity and walls."""

@@ -20,6 +20,7 @@ from ..engine.callback import Callback
 from ..engine.engine import belongTo
 from ..engine.gridSolver import GridSolver
 from ..geometry.numbers import isNumber
+from . import choices
 
 UNLIMITED = 1e9  # s of wall time: no limit
 SLICE = 0.1  # s of wall time between looks at signals
@@ -198,6 +199,7 @@ class Stepper(Guarded):
 
     def _prepareChain(self):
         scene, engines = self._scene, self._scene.engines
+        choices.update(scene, isFinal=True)
         if self._isStepping and engines != self._chain:
             raise RuntimeError(
                 "Scene: a step is going on; a callback cannot change the engines: pause() first"

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What users ask of a scene in the words of their problem: gravity, walls, motions, output.
+
+Each call edits the engines that `scene.engines` shows.
+"""
+
+import os
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..base.attributes import didYouMean
+from ..diagnostics.certificate import Certificate
+from ..diagnostics.certificate import quasiStatic as certificateOf
+from ..engine.prescribed import FACES, Drive, Hold
+from ..geometry.numbers import isNumber
+from ..geometry.region import Region
+from ..io.history import History
+from ..io.recorder import Recorder
+from ..particle.body import Body
+from ..particle.part import BodyPart
+from .running import refuseDuringStep
+
+ROWS = 400  # of the history that a run with a drive keeps where none was asked for
+
+
+def gravityVector(scene, gravity):
+    """Gravity as one component per axis: a number points down, along the last axis."""
+    if isNumber(gravity) and 0 <= gravity < np.inf:
+        return [*[0.0] * (scene.dim - 1), -float(gravity) if gravity else 0.0]
+    isVector = isinstance(gravity, (tuple, list, np.ndarray)) and len(gravity) == scene.dim
+    if isVector and all(isNumber(g) and np.isfinite(g) for g in gravity):
+        return [float(g) for g in gravity]
+    raise ValueError(
+        f"Scene: gravity = {gravity!r} is not allowed; give a positive number (m/s2, downwards), or "
+        f"{scene.dim} components"
+    )
+
+
+def fix(scene, *sides: str) -> None:
+    """Holds sides of the grid: what is there does not move.
+
+    Parameters
+    ----------
+    sides : names, "left", "right", "bottom", "top"; in 3D also "front", "back".
+    """
+    _addSides(scene, "fix", sides)
+
+
+def roller(scene, *sides: str) -> None:
+    """Puts rollers on sides of the grid: what is there slides along them.
+
+    Parameters
+    ----------
+    sides : names, "left", "right", "bottom", "top"; in 3D also "front", "back".
+    """
+    _addSides(scene, "roller", sides)
+
+
+def _addSides(scene, call, sides):
+    refuseDuringStep(scene, call)
+    solver = scene._gridSolver(call)
+    mine, other = (solver.fixed, solver.roller) if call == "fix" else (solver.roller, solver.fixed)
+    example = "scene.fix('bottom')" if call == "fix" else "scene.roller('left', 'right')"
+    if not sides or not all(isinstance(side, str) for side in sides):
+        raise TypeError(f"{call}: sides = {sides!r}; give names, e.g. {example}")
+    for side in sides:
+        if side not in FACES[scene.dim]:
+            names = ", ".join(FACES[scene.dim])
+            raise ValueError(
+                f"{call}: there is no side {side!r}; sides are {names}{didYouMean(side, FACES[scene.dim])}"
+            )
+        if side in other:
+            has = "rollers" if call == "fix" else "fixed"
+            raise ValueError(f"{call}: the side {side!r} is {has} already; give it to one of fix and roller")
+    mine += [side for side in dict.fromkeys(sides) if side not in mine]
+    scene._asked.add(solver)
+    scene.stepper.noteChange()
+
+
+def drive(
+    scene,
+    what: Body | BodyPart | Region | str,
+    velocity: Sequence,
+    ramp: float = 0.0,
+    name: str | None = None,
+) -> Drive | Hold:
+    """Moves a body, a part of one, or nodes with a prescribed velocity, and measures the force that takes.
+
+        press = scene.drive(pile.above(12), velocity=(0, -0.1))
+        scene.run(until=10)
+        print(press.reaction)  # kN (2D: kN/m), on the pile
+
+    Parameters
+    ----------
+    what : Body, or a part of one, as of `body.above(12)`, `body.inside(region)`: a `Drive`. Or a region, or
+        the name of a side of the grid: a `Hold` of the nodes there, which stay where they are.
+    velocity : m/s, one component per axis; None leaves a direction free, zeros hold it.
+    ramp : s, time over which the velocity grows from zero; default 0.
+    name : of its columns in a history; default the name of the body or of the side, "hold" for a region.
+
+    Returns the `Drive` or `Hold`. `Drive` tells which nodes move.
+
+    Raises TypeError and ValueError for anything else.
+    """
+    refuseDuringStep(scene, "drive")
+    solver = scene._gridSolver("drive")
+    if not isinstance(what, (Body, BodyPart, str, Region)):
+        raise TypeError(
+            f"drive: what = {what!r}; give a body, a part of one, e.g. pile.above(12), a region, or a side"
+        )
+    if not (isinstance(velocity, (tuple, list, np.ndarray)) and len(velocity) == scene.dim):
+        raise ValueError(
+            f"drive: velocity = {velocity!r} is not allowed; give {scene.dim} components, m/s (None leaves "
+            "one free)"
+        )
+    if isinstance(what, (str, Region)):
+        motion = Hold(what, velocity, ramp, name)
+        solver.holds.append(motion)
+    else:
+        body = what if isinstance(what, Body) else what.body
+        if body.scene is not scene:
+            raise ValueError(f"drive: '{body.name}' is in another scene; give a body of this one")
+        taken = [m.name for m in (*solver.holds, *solver.drives)]
+        motion = Drive(what, velocity, ramp, name or _freeName(body.name, taken))
+        solver.drives.append(motion)
+    scene._asked.add(solver)
+    scene.stepper.noteChange()
+    return motion
+
+
+def _freeName(name, taken):
+    """A name that no other motion has: with a number where it is taken."""
+    names = [name, *(f"{name} {k}" for k in range(2, len(taken) + 2))]
+    return next(n for n in names if n not in taken)
+
+
+def record(
+    scene,
+    file: str | os.PathLike,
+    every: float,
+    fields: Sequence[str] | None = None,
+    bodies: Sequence | None = None,
+) -> Recorder:
+    """Writes the particles into a file for ParaView and `mpm.read`, at the start and every so often.
+
+    Parameters
+    ----------
+    file : name of the file, ending in .vtkhdf.
+    every : s, scene time between frames.
+    fields, bodies : as of `Recorder`; default: those that one usually wants, all bodies.
+
+    Returns the `Recorder`.
+    """
+    refuseDuringStep(scene, "record")
+    recorder = Recorder(file, period=_positive("record", every), fields=fields, bodies=bodies)
+    return _append(scene, recorder)
+
+
+def history(
+    scene, every: float, file: str | os.PathLike | None = None, columns: dict | None = None
+) -> History:
+    """Keeps forces, energies and checks over time; `scene.history(0.1)["time"]` is a NumPy array.
+
+    Parameters
+    ----------
+    every : s, scene time between rows.
+    file : name of a CSV file; default: none.
+    columns : dict name -> function of the scene, or text; more columns, as of `History`.
+
+    Returns the `History`.
+    """
+    refuseDuringStep(scene, "history")
+    return _append(scene, History(period=_positive("history", every), file=file, columns=columns))
+
+
+def _positive(call, every):
+    if not (isNumber(every) and 0 < every < np.inf):
+        raise ValueError(f"{call}: every = {every!r} is not allowed; give a positive time in s")
+    return every
+
+
+def _append(scene, engine):
+    scene.engines.append(engine)
+    scene.stepper.noteChange()
+    return engine
+
+
+def watch(scene, until, steps):
+    """Gives a run with a prescribed motion a history, if calls of the scene made it and it has none."""
+    if not scene._asked or any(isinstance(engine, History) for engine in scene.engines):
+        return
+    solver = scene._gridSolver("run")
+    if solver.drives or solver.holds:
+        isByTime = until is not None
+        rows = {"period": (until - scene.time) / ROWS} if isByTime else {"iterPeriod": max(1, steps // ROWS)}
+        _append(scene, History(**rows))
+
+
+def quasiStatic(
+    scene, after: float | None = None, rateSensitivity: float | None = None, limits: dict | None = None
+) -> Certificate:
+    """Tells whether the run was slow enough to be called quasi-static: `mpm.quasiStatic` of its history.
+
+    A run with a drive keeps a history by itself; for others call `scene.history` before the run. Arguments
+    are those of `mpm.quasiStatic`.
+    """
+    found = next((engine for engine in scene.engines if isinstance(engine, History)), None)
+    if found is None:
+        raise ValueError(
+            "quasiStatic: the scene keeps no history; call scene.history(every=...) before the run"
+        )
+    return certificateOf(found, after, rateSensitivity, limits)

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A scene in the words of its problem: what the calls choose, that they do what the long form does, and errors."""
+
+import contextlib
+import io
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+
+SAND = dict(density=1.8, young=2e4, poisson=0.3, cohesion=2, frictionAngle=0.55)
+STEEL = dict(density=7.8, young=2.1e6, poisson=0.3)
+
+
+def pileScene(dim=2):
+    """A pile that is pressed into sand, in the calls of a user."""
+    low, up = (0,) * dim, (3,) + (1,) * (dim - 2) + (3,)
+    scene = mpm.Scene(low, up, cell=0.25, gravity=9.81, damping=0.05, threads=1)
+    scene.fix("bottom")
+    scene.roller("left", "right", *(("front", "back") if dim == 3 else ()))
+    depth = (1,) * (dim - 2)
+    hole = mpm.box(low[:-1] + (1.5,), (0.5, *depth, 2))
+    ground = mpm.box(low, (3, *depth, 2)) - hole
+    soil = scene.add("soil", ground, mpm.MohrCoulomb(**SAND))
+    pile = scene.add("pile", mpm.box(low[:-1] + (1.5,), (0.5, *depth, 2.75)), mpm.LinearElastic(**STEEL))
+    scene.contact(pile, soil, friction=0.3)
+    press = scene.drive(pile.above(2.5), velocity=(0,) * (dim - 1) + (-0.1,))
+    return scene, soil, pile, press
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def testTheLongFormDoesTheSameBitByBit(dim):
+    scene, soil, _, press = pileScene(dim)
+    scene.history(every=0.01)
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text):
+        scene.describe(long=True)
+    names = {}
+    exec(text.getvalue(), names)
+    other = names["scene"]
+    for one in (scene, other):
+        one.run(steps=20, progress=False)
+    for a, b in zip(scene.bodies, other.bodies):
+        for field in ("position", "velocity", "stress"):
+            np.testing.assert_array_equal(a.byId(field), b.byId(field))
+    drive = other._gridSolver("test").drives[0]
+    np.testing.assert_array_equal(press.impulse, drive.impulse)
+    assert np.abs(press.impulse).max() > 0
+
+
+def testTheSceneChoosesWhatSuits():
+    scene, soil, pile, _ = pileScene()
+    assert isinstance(soil.type, mpm.UGIMP) and soil.type.splitAt == 1.3 and soil.fbar
+    assert isinstance(pile.type, mpm.APDI) and not pile.fbar and pile.implicit and not soil.implicit
+    assert soil.group != pile.group
+    kinds = [type(engine).__name__ for engine in scene.engines]
+    assert kinds.index("GridSolver") < kinds.index("Contact") < kinds.index("GridToParticle")
+    scene.run(steps=2, progress=False)
+    assert any(isinstance(engine, mpm.History) for engine in scene.engines)
+    assert not scene.quasiStatic().isQuasiStatic
+
+
+def testDescribeTellsEveryChoiceWithItsReason(capsys):
+    scene, *_ = pileScene()
+    scene.describe()
+    said = capsys.readouterr().out
+    assert "bottom fixed; left, right on rollers" in said
+    assert "UGIMP(splitAt=1.3): the material yields" in said
+    assert "implicit: its waves run at" in said and "group 'pile'" in said
+    assert "Contact   'pile' and 'soil': friction 0.3" in said and "Engines   ParticleToGrid" in said
+
+
+def testWhatIsGivenIsKept():
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    box = mpm.box((0, 0), (1, 1))
+    body = scene.add("block", box, mpm.LinearElastic(**STEEL), mpm.UGIMP(perCell=3))
+    assert body.type.perCell == (3.0,) and not body.implicit and body.group == "main"
+
+
+def testGravityIsANumberDownwardsOrAVector():
+    scene = mpm.Scene((0, 0, 0), (1, 1, 1), cell=0.5, gravity=9.81)
+    np.testing.assert_array_equal(scene.gravity, (0, 0, -9.81))
+    scene.gravity = (1.0, 0.0, -9.0)
+    np.testing.assert_array_equal(scene._gridSolver("test").gravity, (1, 0, -9))
+    for wrong in (-9.81, (0, 9.81), "down", np.nan, None):
+        with pytest.raises((ValueError, TypeError)):
+            scene.gravity = wrong
+
+
+def testBodiesThatMeetAndAreNotNamedStickTogether():
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    sand = mpm.MohrCoulomb(**SAND)
+    lower = scene.add("lower", mpm.box((0, 0), (3, 1)), sand)
+    upper = scene.add("upper", mpm.box((0, 1), (3, 2)), sand)
+    block = scene.add("block", mpm.box((1, 2), (2, 2.5)), mpm.LinearElastic(**STEEL))
+    scene.contact(block, upper, friction=0.2)
+    assert lower.group == upper.group != block.group
+    law = scene.contact(block, lower, friction=0.2)
+    assert law is scene.contact(block, upper, friction=0.2)
+
+
+def block(scene, name="block", lower=(0, 0), **options):
+    upper = tuple(np.add(lower, 1.0))
+    return scene.add(name, mpm.box(lower, upper), mpm.LinearElastic(**STEEL), **options)
+
+
+@pytest.mark.parametrize(
+    "call, error",
+    [
+        (lambda s, b: s.fix(), "give names"),
+        (lambda s, b: s.fix("botom"), "did you mean 'bottom'"),
+        (lambda s, b: (s.fix("bottom"), s.roller("bottom")), "is fixed already"),
+        (lambda s, b: s.roller(3), "give names"),
+        (lambda s, b: s.contact(b, b), "on both sides"),
+        (lambda s, b: s.contact(b, "soil"), "give a body"),
+        (lambda s, b: s.contact(b, ()), "empty"),
+        (lambda s, b: s.contact(b, block(s, "other", (1, 0)), friction=-1), "friction = -1"),
+        (lambda s, b: s.drive(3, (0, 0)), "give a body"),
+        (lambda s, b: s.drive(b, (0, 0, 0)), "velocity"),
+        (lambda s, b: s.record("x.vtkhdf", every=0), "every = 0"),
+        (lambda s, b: s.history(every=-1), "every = -1"),
+        (lambda s, b: s.quasiStatic(), "call scene.history"),
+    ],
+)
+def testWrongCallsAreTold(call, error):
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    with pytest.raises((ValueError, TypeError), match=error):
+        call(scene, block(scene))
+
+
+def testAChainWithoutTheEngineThatACallEditedIsRefused():
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, gravity=9.81, threads=1)
+    block(scene)
+    with pytest.raises(ValueError, match="without the GridSolver"):
+        scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+
+
+def testARestartGoesOnBitByBit(tmp_path):
+    scene, *_ = pileScene()
+    scene.history(every=0.01)
+    scene.run(steps=10, progress=False)
+    scene.save(tmp_path / "half.h5")
+    again = mpm.load(tmp_path / "half.h5")
+    for one in (scene, again):
+        one.run(steps=10, progress=False)
+    for a, b in zip(scene.bodies, again.bodies):
+        np.testing.assert_array_equal(a.byId("stress"), b.byId("stress"))

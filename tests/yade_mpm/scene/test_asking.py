@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""A scene in the words of its problem: what the calls choose, that they do what the long form does, and errors."""
+"""A scene in the words of its problem: what the calls choose, the long form that does the same, errors."""
 
 import contextlib
 import io

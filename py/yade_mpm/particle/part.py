@@ -23,7 +23,8 @@ class BodyPart:
         self.body, self.lower, self.upper = body, lower, upper
         self.ids = None if ids is None else np.sort(np.asarray(ids, np.int64))
         if ids is not None and len(self.ids) == 0:
-            raise ValueError(f"body '{body.name}': no particle is in that region; move or widen it")
+            where = "that region" if lower is upper is None else f"{self}, which is empty"
+            raise ValueError(f"body '{body.name}': no particle is in {where}; move or widen it")
 
     def has(self):
         """Which particles of the body are in it now (count,), bool."""
@@ -34,14 +35,19 @@ class BodyPart:
         heights = self.body.position[:, -1]
         return (heights > lower) & (heights <= upper)
 
+    def now(self) -> "BodyPart":
+        """The same part with the particles that are in it now, wherever they go; pieces that are cut off
+        later are not in it. ValueError where no particle is in it."""
+        if self.ids is not None:
+            return self
+        return BodyPart(self.body, self.lower, self.upper, self.body.id[self.has()])
+
     def _call(self):
         """How it was made of its body, as it is written in a script."""
-        if self.ids is not None:
-            return f".with({len(self.ids)} particles)"
         for name, height in (("above", self.lower), ("below", self.upper)):
             if height is not None:
-                return f".{name}({height:g})"
-        return ""
+                return f".{name}({height:g})" + ("" if self.ids is None else ".now()")
+        return "" if self.ids is None else ".inside(REGION)"
 
     def __repr__(self):
         limits = [

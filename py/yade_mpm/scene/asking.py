@@ -84,6 +84,7 @@ def drive(
     velocity: Sequence,
     ramp: float = 0.0,
     name: str | None = None,
+    byHeight: bool = False,
 ) -> Drive | Hold:
     """Moves a body, a part of one, or nodes with a prescribed velocity, and measures the force that takes.
 
@@ -98,6 +99,9 @@ def drive(
     velocity : m/s, one component per axis; None leaves a direction free, zeros hold it.
     ramp : s, time over which the velocity grows from zero; default 0.
     name : of its columns in a history; default the name of the body or of the side, "hold" for a region.
+
+    byHeight : bool. False: the part keeps the particles that are in it at this call, wherever they go. True: it
+        is looked up anew in each step, and what sinks below 12 is let go; default False.
 
     Returns the `Drive` or `Hold`. `Drive` tells which nodes move.
 
@@ -122,7 +126,8 @@ def drive(
         if body.scene is not scene:
             raise ValueError(f"drive: '{body.name}' is in another scene; give a body of this one")
         taken = [m.name for m in (*solver.holds, *solver.drives)]
-        motion = Drive(what, velocity, ramp, name or _freeName(body.name, taken))
+        part = what.all() if isinstance(what, Body) else what
+        motion = Drive(part if byHeight else part.now(), velocity, ramp, name or _freeName(body.name, taken))
         solver.drives.append(motion)
     scene._asked.add(solver)
     scene.stepper.noteChange()

@@ -145,3 +145,22 @@ def testARestartGoesOnBitByBit(tmp_path):
         one.run(steps=10, progress=False)
     for a, b in zip(scene.bodies, again.bodies):
         np.testing.assert_array_equal(a.byId("stress"), b.byId("stress"))
+
+
+def testADrivenPartKeepsItsParticles():
+    """A block sinks out of the part above 1.5 m: what is driven stays driven, and by height it is let go."""
+
+    def speed(byHeight):
+        scene = mpm.Scene((0, 0), (2, 3), cell=0.25, threads=1)
+        body = scene.add("block", mpm.box((0.5, 1), (1.5, 2)), mpm.LinearElastic(**STEEL), implicit=False)
+        scene.drive(body.above(1.75), velocity=(0, -1.0), byHeight=byHeight)
+        scene.run(until=0.5, progress=False)
+        return body.position[:, 1].max(), np.abs(body.velocity[:, 1] + 1).max()
+
+    lowest, error = speed(False)
+    assert lowest < 1.5 and error < 0.05
+    high, _ = speed(True)
+    assert high > lowest  # let go at 1.75 m, it is not at the speed of the drive
+    with pytest.raises(ValueError, match="no particle"):
+        scene = mpm.Scene((0, 0), (2, 3), cell=0.25, threads=1)
+        scene.drive(block(scene).above(2.5), velocity=(0, 1))

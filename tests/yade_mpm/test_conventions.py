@@ -11,6 +11,7 @@ import pytest
 import yade_mpm as mpm
 from setups import elastic
 from yade_mpm.base import research
+from yade_mpm.io.files import takeLock
 
 ROOT = Path(__file__).parents[2]
 SOIL = dict(density=1.5, young=1e4, poisson=0.3, cohesion=5, frictionAngle=0.5)
@@ -160,14 +161,34 @@ def test_options_for_research_are_given_as_others_are():
     assert mpm.Recorder("a.vtkhdf", period=1, compress=3).compress == 3
 
 
+def test_what_is_printed_says_what_it_is():
+    scene, body = block()
+    mesh = scene.add("mesh", mpm.box((2, 0), (3, 1)), elastic(100.0), mpm.APDI(size=0.5))
+    told = {
+        mesh.mesh: "<Mesh 2D: 4 cells, 9 points>",
+        mpm.PyRunner("pass", period=1.0): "PyRunner('pass', period=1.0)",
+        mpm.ParticleToGrid(label="first"): "ParticleToGrid(label='first')",
+        mpm.MaterialPoint(elastic(100.0)): "<MaterialPoint of LinearElastic, mean stress 0 kPa>",
+        mpm.BoundaryLoad(mesh, pressure=2.0): "<BoundaryLoad of 8 facets of 'mesh', pressure=2.0>",
+        scene.stepper: f"<Stepper of {scene!r}>",
+    }
+    for one, text in told.items():
+        assert repr(one) == text
+
+
 # --- closing ------------------------------------------------------------------------------------------
 
 
-def test_a_with_block_completes_the_files_and_another_scene_may_write_them(tmp_path):
+def test_a_with_block_completes_the_files_and_another_scene_or_process_may_write_them(tmp_path):
+    def isFree():
+        with open(tmp_path / "a.csv", "r+") as file:
+            return takeLock(file.fileno())
+
     def run(**options):
         with block()[0] as scene:
             scene.engines = [*scene.engines, mpm.History(iterPeriod=1, file=str(tmp_path / "a.csv"))]
             scene.run(**options)
+        assert isFree()
         return scene, len((tmp_path / "a.csv").read_text().splitlines())
 
     first, rows = run(steps=10**8, background=True)

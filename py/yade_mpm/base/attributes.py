@@ -210,7 +210,8 @@ class Attributed:
         return sorted({*super().__dir__(), *self._attributeNames()} - hidden)
 
     def __repr__(self):
-        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self.attributes().items())})"
+        told = {k: v for k, v in self.attributes().items() if (k, v) not in (("label", ""), ("dead", False))}
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in told.items())})"
 
     def _repr_html_(self):
         """Card for a notebook: every attribute that has a value, with its unit and meaning."""

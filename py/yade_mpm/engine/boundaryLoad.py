@@ -150,6 +150,14 @@ pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the la
         if name not in _TABLES:
             super()._refuseFixed(name, before)
 
+    def __repr__(self):
+        told = {k: v for k, v in self.attributes().items() if v and k not in (*_TABLES, "body")}
+        told |= {
+            table: f"{len(getattr(self, table))} rows" for table in _TABLES[1:] if len(getattr(self, table))
+        }
+        options = "".join(f", {name}={value}" for name, value in told.items())
+        return f"<BoundaryLoad of {len(self.facets)} facets of '{self.body}'{options}>"
+
     def attributes(self):
         """Dict of all attributes that have a value; facets and tables as lists of rows."""
         return {

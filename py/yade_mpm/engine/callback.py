@@ -99,6 +99,11 @@ class PyRunner(Callback):
 
     command = property(lambda self: self._command, doc="What is called.")
 
+    def __repr__(self):
+        period = f"period={self.period!r}" if self.period else f"iterPeriod={self.iterPeriod!r}"
+        label = f", label={self.label!r}" if self.label else ""
+        return f"PyRunner({shown(self._command)}, {period}{label})"
+
     def spec(self):
         """Constructor arguments for a checkpoint; a function cannot be stored: TypeError."""
         if not isinstance(self._command, str):

@@ -18,7 +18,7 @@ FACETS = {dim: _core.facetCorners(dim) for dim in (2, 3)}  # corners of each fac
 MAX_MASTERS = 4
 
 
-@dataclass(eq=False)
+@dataclass(eq=False, repr=False)
 class Mesh:
     """Vertices, cells and hanging vertices.
 
@@ -38,6 +38,9 @@ class Mesh:
     masters: np.ndarray = field(default_factory=lambda: np.zeros((0, MAX_MASTERS), int))
     masterWeights: np.ndarray = field(default_factory=lambda: np.zeros((0, MAX_MASTERS)))
     cellNumbers: np.ndarray = None
+
+    def __repr__(self):
+        return f"<Mesh {self.dim}D: {len(self.cells)} cells, {len(self.points)} points>"
 
     @property
     def dim(self):

@@ -146,6 +146,10 @@ class MaterialPoint:
             raise ValueError("MaterialPoint: stress must be symmetric; give the same shear on both sides")
         self._point = _core.MaterialPoint(material._core, stress, _knownState(material, state or {}))
 
+    def __repr__(self):
+        kind, mean = type(self.material).__name__, np.trace(self.stress) / 3
+        return f"<MaterialPoint of {kind}, mean stress {mean:.4g} kPa>"
+
     def strain(self, increment):
         """Applies a logarithmic strain increment without rotation and returns the new stress.
 

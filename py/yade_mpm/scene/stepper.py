@@ -70,6 +70,9 @@ class Stepper(Guarded):
 
     _instead = "use that of another scene"
 
+    def __repr__(self):
+        return f"<Stepper of {self._scene!r}>"
+
     def __init__(self, scene):
         self._scene = scene
         self._chain = None  # engines that the core has

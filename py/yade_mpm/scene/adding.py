@@ -19,6 +19,7 @@ from ..material.materials import Material
 from ..particle.body import Body
 from ..particle.types import Boxes, ParticleType, classes
 from . import choices
+from .hybrid import addHybrid
 from .running import refuseDuringStep
 
 
@@ -48,6 +49,7 @@ def add(
     group: str | None = None,
     implicit: bool | None = None,
     exclude: RigidContact | None = None,
+    flow: Region | tuple | None = None,
 ) -> Body:
     """Adds a body and returns it. What is left out the scene chooses, and `describe` tells why.
 
@@ -73,11 +75,22 @@ def add(
         step; where type is given it is not.
     exclude : RigidContact, whose rigid bodies keep their place: boxes that would overlap with one are left
         out, also beside thin and inclined shapes. Of boxes only. Default None: the region is filled.
+    flow : where the soil flows: a region, or (pile, 2.0), a box up to 2 m round a body or a region. Boxes are
+        made there, and elsewhere a mesh with edges of a cell, in a body of its own, "NAME (mesh)", whose
+        edges beside the boxes match them. In place of type. Default None: all of the body is of one type.
 
     Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
     """
     refuseDuringStep(scene, "add")
+    if flow is not None:
+        if type is not None:
+            raise ValueError(f"body '{name}': type and flow are given together; flow chooses the types")
+
+        def part(its, where, kind):
+            return add(scene, its, where, material, kind, inertiaScale, fbar, group, implicit, exclude)
+
+        return addHybrid(scene, name, region, flow, part)
     chosen = {}
     if type is None and isinstance(material, Material):
         type, chosen["particles"] = choices.particlesFor(scene, region, material)

@@ -100,8 +100,8 @@ def drive(
     ramp : s, time over which the velocity grows from zero; default 0.
     name : of its columns in a history; default the name of the body or of the side, "hold" for a region.
 
-    byHeight : bool. False: the part keeps the particles that are in it at this call, wherever they go. True: it
-        is looked up anew in each step, and what sinks below 12 is let go; default False.
+    byHeight : bool. False: the part keeps the particles that are in it at this call, wherever they go. True:
+        it is looked up anew in each step, and what sinks below 12 is let go; default False.
 
     Returns the `Drive` or `Hold`. `Drive` tells which nodes move.
 

@@ -164,3 +164,32 @@ def testADrivenPartKeepsItsParticles():
     with pytest.raises(ValueError, match="no particle"):
         scene = mpm.Scene((0, 0), (2, 3), cell=0.25, threads=1)
         scene.drive(block(scene).above(2.5), velocity=(0, 1))
+
+
+@pytest.mark.parametrize("flow", [mpm.box((0, 1), (1.5, 2)), (mpm.box((0, 1.5), (0.5, 2)), 0.5), "pile"])
+def testSoilIsBoxesWhereItFlowsAndAMeshElsewhere(flow):
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, gravity=9.81, damping=0.05, threads=1)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    hole = mpm.box((0, 1.5), (0.5, 2))
+    pile = scene.add("pile", hole, mpm.LinearElastic(**STEEL))
+    flow = (pile, 0.5) if flow == "pile" else flow
+    soil = scene.add("soil", mpm.box((0, 0), (3, 2)) - hole, mpm.MohrCoulomb(**SAND), flow=flow)
+    rest = scene["soil (mesh)"]
+    assert isinstance(soil.type, mpm.UGIMP) and isinstance(rest.type, mpm.APDI) and rest.type.matched is soil
+    assert soil.initialVolume.sum() + rest.initialVolume.sum() == pytest.approx(6 - 0.25)
+    assert np.all(np.abs(soil.position - (0, 1.5)).max(axis=0) <= (1.5, 0.5))
+    scene.contact(pile, soil, friction=0.3)
+    assert soil.group == rest.group != pile.group
+    scene.drive(pile, velocity=(0, -0.1))
+    scene.run(until=0.1, progress=False)
+
+
+def testWhatIsNoFlowIsTold():
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    for flow in ("here", (3, 2), (mpm.box((0, 0), (1, 1)), -1)):
+        with pytest.raises(TypeError, match="give the region that flows"):
+            scene.add("soil", mpm.box((0, 0), (3, 2)), mpm.MohrCoulomb(**SAND), flow=flow)
+    with pytest.raises(ValueError, match="together"):
+        block = mpm.box((0, 0), (1, 1))
+        scene.add("soil", block, mpm.MohrCoulomb(**SAND), mpm.UGIMP(perCell=2), flow=block)

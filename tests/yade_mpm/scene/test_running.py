@@ -263,7 +263,8 @@ def test_that_would_be_next():
 def test_a_signal_ends_these_tests_and_is_no_test_that_failed(pytestconfig):
     """A time limit on a long run of the tests would leave a failure without a cause, of the test that it
     happened to cut off."""
-    shutil.copy(pytestconfig.rootpath / "tests/conftest.py", ".")
+    for name in ("conftest.py", "verificationRecords.py"):
+        shutil.copy(pytestconfig.rootpath / "tests" / name, ".")
     with open("test_cut_off.py", "w") as file:
         file.write(SCENE + TESTS)
     environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))

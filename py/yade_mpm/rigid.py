@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The public name of `yade_mpm.engine.rigid`."""
 
-from .engine.rigid import *  # noqa: F403 - all that the module has
+from .engine.rigid import Box, Facet, Shape, Sphere, Wall
+
+__all__ = ["Box", "Facet", "Shape", "Sphere", "Wall"]

@@ -19,6 +19,7 @@ import sys
 from math import inf, isfinite
 
 from ..base import program
+from ..base.kinds import DICT, FLAG, FUNCTION, NUMBER, POSITIVE, TEXT, TEXTS, takes
 from ..base.wording import didYouMean
 from .resume import resumed
 
@@ -32,31 +33,37 @@ def printCheck(certificate):
     print(*[CHECKED] * program.isSmoke, certificate, sep="\n", flush=True)
 
 
+@takes(text=TEXT)
 def positive(text):
     """A number above zero."""
     return _number(text, lambda x: x > 0, "a positive number")
 
 
+@takes(text=TEXT)
 def notNegative(text):
     """Zero or a number above it."""
     return _number(text, lambda x: x >= 0, "zero or a positive number")
 
 
+@takes(text=TEXT)
 def count(text):
     """A whole number from 1 on."""
     return int(_number(text, lambda x: x >= 1 and x == int(x), "a whole number from 1 on"))
 
 
+@takes(least=NUMBER, most=NUMBER)
 def between(least, most):
     """Function that takes numbers from `least` to `most`, both included."""
     return lambda text: _number(text, lambda x: least <= x <= most, f"a number from {least:g} to {most:g}")
 
 
+@takes(most=NUMBER)
 def below(most):
     """Function that takes zero and numbers up to `most`, which is not included."""
     return lambda text: _number(text, lambda x: 0 <= x < most, f"a number from 0 to below {most:g}")
 
 
+@takes(length=POSITIVE)
 def partOf(length):
     """Function that takes lengths (m) of which `length` is a whole number, such as cells that have to fit
     into it, and rounds to the digits of that."""
@@ -70,9 +77,10 @@ def partOfInWords(length):
     return f"{length:g} m divided by a whole number, e.g. {length / 16:.4g}"
 
 
+@takes(ratio=NUMBER)
 def isWhole(ratio):
     """Whether a ratio of two lengths is a whole number from 1 on, but for round-off."""
-    return round(ratio) >= 1 and abs(ratio - round(ratio)) < 1e-6
+    return isfinite(ratio) and round(ratio) >= 1 and abs(ratio - round(ratio)) < 1e-6
 
 
 def numberIn(text):
@@ -104,6 +112,7 @@ class Parser(argparse.ArgumentParser):
     cannot be.
     """
 
+    @takes(name=TEXT, doc=TEXT, smoke=DICT, threads=FLAG, resume=TEXTS)
     def __init__(self, name, doc, smoke, threads=True, resume=None):
         super().__init__(
             prog=name,
@@ -177,6 +186,7 @@ def _pair(item):
     return f"{name} " + " ".join(f"{v:.7g}" if isinstance(v, float) else str(v) for v in values)
 
 
+@takes(main=FUNCTION)
 def run(main):
     """Calls the main function of a scene. What this package refuses or cannot go on with, and files that
     fail, end the program with their message and 1, Ctrl-C ends it with 130; any other error keeps its

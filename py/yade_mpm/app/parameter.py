@@ -5,9 +5,11 @@ import argparse
 from itertools import islice
 from math import inf, isfinite
 
+from ..base.kinds import DICT, FLAG, LIST, NUMBER, POSITIVE, TEXT, Kind, takes
 from .commandLine import numberIn, partOf, partOfInWords
 
 MOST_CHOICES = 1000
+PARSER = Kind("an argparse.ArgumentParser, or a group of one", lambda value: hasattr(value, "add_argument"))
 
 
 class Parameter:
@@ -30,6 +32,20 @@ class Parameter:
     Raises ValueError where the default is outside of the range, and for too many choices.
     """
 
+    @takes(
+        name=TEXT,
+        help=TEXT,
+        unit=TEXT,
+        choices=LIST,
+        above=NUMBER,
+        least=NUMBER,
+        most=NUMBER,
+        below=NUMBER,
+        partOf=POSITIVE,
+        whole=FLAG,
+        several=FLAG,
+        sets=DICT,
+    )
     def __init__(
         self,
         name,
@@ -64,6 +80,10 @@ class Parameter:
         return few
 
     def _checkDefault(self):
+        if self.several and not LIST.isOne(self.default):
+            raise ValueError(
+                f"Parameter {self.name}: default = {self.default!r} is no list; give one, for several values"
+            )
         try:
             for value in self.default if self.several else [self.default]:
                 self.value(str(value))
@@ -108,6 +128,7 @@ class Parameter:
         ends += [f"to below {self.below:g}"] if self.below is not None else []
         return " ".join([kind, *ends])
 
+    @takes(text=TEXT)
     def value(self, text):
         """The value that a text means; argparse.ArgumentTypeError with what is allowed."""
         if self.isSwitch:
@@ -139,6 +160,7 @@ class Parameter:
             raise argparse.ArgumentTypeError(f"{text} is not allowed; give {self.range()}")
         return int(number) if self.whole else number
 
+    @takes(parser=PARSER)
     def addTo(self, parser):
         """Makes it an option of a command line."""
         how = dict(dest=self.name, help=self.describe())

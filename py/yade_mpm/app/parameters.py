@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import io
 
+from ..base.kinds import DICT, FLAG, FUNCTION, TEXT, TEXTS, takes
 from .commandLine import Parser
 
 
@@ -27,6 +28,9 @@ class Parameters:
     threads : as of `commandLine.Parser`.
     """
 
+    @takes(
+        scene=TEXT, doc=TEXT, smoke=DICT, fixed=DICT, derived=DICT, check=FUNCTION, resume=TEXTS, threads=FLAG
+    )
     def __init__(
         self,
         scene,
@@ -78,6 +82,7 @@ class Parameters:
         parser.set_defaults(**defaults)
         return parser
 
+    @takes(words=TEXTS)
     def parse(self, words=None):
         """Arguments of a command line, a list of words (default: of the program), as a namespace; with
         --resume those of the run continued. What is wrong ends the program with a message."""
@@ -112,6 +117,7 @@ class Parameters:
         finally:
             cls._readFrom = None
 
+    @takes(words=TEXTS)
     def problem(self, words):
         """What a command line has that is not allowed, in words; None: nothing."""
         said = io.StringIO()
@@ -122,6 +128,7 @@ class Parameters:
             return said.getvalue().strip().rpartition("error: ")[2]
         return None
 
+    @takes(values=DICT)
     def words(self, values):
         """Command line of a dict name -> value; ValueError for a name or value that is not allowed."""
         words = []
@@ -136,6 +143,7 @@ class Parameters:
                 words += [f"{parameter.option}={text}"] if text.startswith("-") else [parameter.option, text]
         return words
 
+    @takes(name=TEXT, text=TEXT)
     def read(self, name, text):
         """Value of the text for a parameter; ValueError, with what is allowed."""
         parameter = self._named(name)

@@ -9,13 +9,17 @@ from glob import escape, glob
 import numpy as np
 
 from .. import __version__, _core
+from ..base.kinds import DICT, FILE, NUMBER, SCENE, TEXT, WHOLE, Kind, takes
 from ..io.columns import namesOf
 from ..io.files import saveTable
 from ..io.history import History
 
 CURVE = "curve_{}.csv"  # in the folder of a case
 
+ARGUMENTS = Kind("the arguments of a run, a namespace", lambda value: hasattr(value, "__dict__"))
 
+
+@takes(a=ARGUMENTS, scene=SCENE, seconds=NUMBER, steps=WHOLE)
 def record(a, scene, seconds, steps=None):
     """Dict of plain numbers and texts, for JSON: what was asked for, what ran, and how long it took.
 
@@ -44,6 +48,7 @@ def record(a, scene, seconds, steps=None):
     }
 
 
+@takes(out=FILE, name=TEXT, columns=DICT)
 def saveCurve(out, name, columns):
     """Writes curve_NAME.csv into a folder of results; studies overlay curves of one name of all cases.
 

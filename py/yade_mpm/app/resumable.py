@@ -6,6 +6,7 @@ import os
 import sys
 import time
 
+from ..base.kinds import DICT, FUNCTION, SCENE, takes
 from ..io.files import saveJson
 from ..io.history import History
 from ..scene.progress import threadsInWords
@@ -29,6 +30,7 @@ class Run:
     end before.
     """
 
+    @takes(begin=FUNCTION, callbacks=DICT, columns=DICT)
     def __init__(self, a, begin, callbacks=None, columns=None, again=None):
         if not hasattr(a, "resume") or not hasattr(a, "until"):
             raise ValueError(
@@ -45,6 +47,7 @@ class Run:
         else:
             keep(a)
             self.scene = begin()
+            SCENE.require("Run", "what begin() returns", self.scene)
         self.history = next((e for e in self.scene.engines if isinstance(e, History)), None)
         if a.resume and columns:
             self.history.columns.update(columns)

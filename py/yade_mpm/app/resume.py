@@ -6,12 +6,15 @@ import argparse
 import json
 import os
 
+from ..base.kinds import Kind, takes
 from ..io.files import saveJson
 
 ARGUMENTS = "arguments.json"  # in the folder of the results
 SUMMARY = "summary.json"
+ARGUMENTS_OF_RUN = Kind("the arguments of a run, with `out`", lambda value: hasattr(value, "out"))
 
 
+@takes(a=ARGUMENTS_OF_RUN)
 def keep(a):
     """Writes the arguments of a run into the folder of its results, in place of those of another run and
     its summary."""

@@ -14,7 +14,7 @@ from .deprecation import currentKeywords, currentName
 from .html import card, table
 from .keywords import refuseUnknown
 from .research import OPTIONS, SET_BY_METHODS, hiddenOf
-from .wording import didYouMean
+from .wording import didYouMean, shortened
 
 whenSet = []  # functions without argument, called when an attribute of a material, an engine ... was set
 
@@ -155,7 +155,10 @@ class Attributed:
                 raise ValueError(
                     f"{type(self).__name__}: {name} is nested too deeply; give numbers"
                 ) from None
-            self._core.set(name, value)
+            try:
+                self._core.set(name, value)
+            except ValueError as error:
+                raise ValueError(shortened(str(error))) from None
 
     def _refuseFixed(self, name, before):
         isFixed = self._usedBy is not None and (self._fixed is None or name in self._fixed)

@@ -7,16 +7,19 @@ of the velocities.
 
 import numpy as np
 
+from ..base.kinds import FLAG, NUMBER, SCENE, takes
 from ..engine.prescribed import Drive
 
 CARRIED = 0.1  # of a drive's velocity: a body whose mean velocity differs by less is carried along
 
 
+@takes(scene=SCENE)
 def mass(scene):
     """Mass of all particles, sum m, Mg; without inertial scaling."""
     return float(sum(body.mass.sum() for body in scene.bodies))
 
 
+@takes(scene=SCENE)
 def momentum(scene):
     """Momentum, sum s m v, Mg m/s (dim,), with the inertial mass (s: inertiaScale of the body)."""
     return sum(
@@ -25,6 +28,7 @@ def momentum(scene):
     )
 
 
+@takes(scene=SCENE)
 def kineticEnergy(scene):
     """Kinetic energy, sum 1/2 s m v.v, kJ, with the inertial mass (s: inertiaScale of the body).
 
@@ -33,6 +37,7 @@ def kineticEnergy(scene):
     return float(sum(body.inertiaScale * body._core.motion()["kineticEnergy"] for body in scene.bodies))
 
 
+@takes(scene=SCENE, kinetic=NUMBER)
 def unseenEnergy(scene, kinetic=None):
     """Kinetic energy of the particles that the nodes do not have, kJ: of motion against each other.
 
@@ -47,6 +52,7 @@ def unseenEnergy(scene, kinetic=None):
     return max(0.0, kinetic - float(scene._core.nodalEnergy()))
 
 
+@takes(scene=SCENE)
 def freeKineticEnergy(scene):
     """Kinetic energy that no drive prescribes, sum 1/2 s m |v - v_d|^2, kJ, with the inertial mass.
 
@@ -84,6 +90,7 @@ def _translation(drives, time):
     return velocities[0] if drives and alike else None
 
 
+@takes(scene=SCENE)
 def internalWork(scene):
     """Work of the stresses since the start, int sum V sigma : D dt, kJ: elastic energy and plastic
     dissipation.
@@ -100,6 +107,7 @@ def _ahead(scene, body):
     return 0.0 if isAtOnce else 0.5 * body._core.lastInternalWork
 
 
+@takes(scene=SCENE)
 def externalWork(scene):
     """Work of gravity, body forces, boundary loads and prescribed motions since the start, kJ.
 
@@ -109,22 +117,26 @@ def externalWork(scene):
     return float(energies["gravity"] + energies["loads"] + sum(c.work for c in scene.constraints))
 
 
+@takes(scene=SCENE)
 def dampedEnergy(scene):
     """Energy taken out by local damping since the start, kJ."""
     return float(scene._core.energies["damping"])
 
 
+@takes(scene=SCENE)
 def contactEnergy(scene):
     """Energy lost to friction and impact between groups of bodies since the start, kJ."""
     return float(scene._core.energies["contact"])
 
 
+@takes(scene=SCENE)
 def implicitEnergy(scene):
     """Energy taken by the solution for implicit bodies since the start, 1/2 dt^2 sum (v.K v + a.f), kJ,
     with the forces f of stress and weight of the bodies at the end of the steps."""
     return float(scene._core.energies["implicit"])
 
 
+@takes(scene=SCENE, initialKineticEnergy=NUMBER, relative=FLAG, kinetic=NUMBER)
 def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
     """What is missing in the energy balance, W_ext - W_damp - W_contact - W_implicit - W_int - (E_kin -
     E_kin,0), kJ.
@@ -152,6 +164,7 @@ def energyError(scene, initialKineticEnergy=0.0, relative=False, kinetic=None):
     return error / scale if scale > 0 else 0.0
 
 
+@takes(scene=SCENE)
 def workDone(scene):
     """Work done so far whatever its sign, |W_gravity| + |W_loads| + sum |W_c|, kJ; W_c: of one prescribed
     motion.
@@ -165,6 +178,7 @@ def workDone(scene):
     )
 
 
+@takes(scene=SCENE, kinetic=NUMBER)
 def kineticRatio(scene, kinetic=None):
     """Kinetic energy over the work done, E_kin / `workDone`, -; nan before any work is done.
 

@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
+from ..base.kinds import COLUMNS, DICT, NUMBER, POSITIVE, columns, takes
+
 START_UP = (
     0.1  # share of the time at the beginning that does not count: little work is done, and the load sets in
 )
@@ -31,6 +33,7 @@ LIMITS = {
 # before, and before and behind the jump, which lasts from -1/16 to 1/8. And how far the path has to reach.
 WINDOWS = (-0.5, -0.375), (-0.1875, -0.0625), (0.125, 0.25)
 LEAST_BEFORE, LEAST_BEHIND = 0.5, 0.15
+NEEDED = ("time", "kineticEnergy", "dampedEnergy", "energyError", "workDone", "unbalancedRatio")
 
 _meaning = {
     "kineticRatio": "kinetic energy is {} of the work done",
@@ -137,6 +140,7 @@ class Certificate:
         return f"{_meaning[name].format(_percent(value))} (limit {_percent(self.limits[name])})"
 
 
+@takes(history=COLUMNS, after=NUMBER, rateSensitivity=NUMBER, limits=DICT)
 def quasiStatic(
     history: Mapping,
     after: float | None = None,
@@ -169,7 +173,7 @@ def quasiStatic(
     Raises ValueError for a history without rows after `after`, an unknown or non-positive limit, or a
     negative rateSensitivity.
     """
-    t = np.asarray(history["time"], dtype=float)
+    (t,) = columns("quasiStatic", time=_column(history, "time"))
     if not len(t):
         raise ValueError(
             "quasiStatic: the history has no rows; put a History with a shorter period among the engines"
@@ -186,10 +190,8 @@ def quasiStatic(
             f"quasiStatic: rateSensitivity = {rateSensitivity!r} is not allowed; give zero or a positive "
             f"number"
         )
-    kinetic, damped, error, work, unbalanced = (
-        np.asarray(history[name], dtype=float)[rows]
-        for name in ("kineticEnergy", "dampedEnergy", "energyError", "workDone", "unbalancedRatio")
-    )
+    needed = columns("quasiStatic", **{name: _column(history, name) for name in NEEDED})
+    kinetic, damped, error, work, unbalanced = (column[rows] for column in needed[1:])
     onLoad = work
     if "freeKineticEnergy" in _names(history):
         free = np.asarray(history["freeKineticEnergy"], dtype=float)[rows]
@@ -228,14 +230,21 @@ def rateSensitivity(x, result, xOther, resultOther):
 
     Raises ValueError if the two have fewer than two points of the run in common.
     """
-    x, result = np.asarray(x, dtype=float), np.asarray(result, dtype=float)
-    common = (x >= np.min(xOther)) & (x <= np.max(xOther))
+    x, result = columns("rateSensitivity", x=x, result=result)
+    xOther, resultOther = columns("rateSensitivity", xOther=xOther, resultOther=resultOther)
+    common = (x >= np.min(xOther, initial=np.inf)) & (x <= np.max(xOther, initial=-np.inf))
     if common.sum() < 2:
         raise ValueError(
             "rateSensitivity: the two runs have no stretch in common; let the other one go as far"
         )
     difference = np.interp(x[common], xOther, resultOther) - result[common]
     return float(np.abs(difference).mean() / np.abs(result[common]).mean())
+
+
+def _column(history, name):
+    if name not in _names(history) and not hasattr(history, "names"):
+        raise ValueError(f"quasiStatic: the history has no column '{name}'; give {', '.join(NEEDED)}")
+    return history[name]
 
 
 def _names(history):
@@ -323,10 +332,7 @@ def _limits(given):
     for name, value in given.items():
         if name not in LIMITS:
             raise ValueError(f"quasiStatic: there is no limit '{name}'; limits: {', '.join(LIMITS)}")
-        if not value > 0:
-            raise ValueError(
-                f"quasiStatic: limits['{name}'] = {value!r} is not allowed; give a positive number"
-            )
+        POSITIVE.require("quasiStatic", f"limits['{name}']", value)
     return {**LIMITS, **given}
 
 

@@ -5,10 +5,12 @@ from operator import itemgetter
 
 import numpy as np
 
+from ..base.kinds import BODIES, BODY, NUMBER, NUMBERS, SCENE, takes
 from ..base.wording import shown
 from ..geometry.numbers import isNumber
 
 
+@takes(bodies=BODIES)
 def meanStressAlong(bodies, x, width, lower, upper):
     """Height and mean stress of the particles along a vertical line of a 2D scene, from the lowest up.
 
@@ -32,6 +34,7 @@ def meanStressAlong(bodies, x, width, lower, upper):
     return y, mean
 
 
+@takes(values=NUMBERS)
 def stripes(values):
     """Root mean square of the second difference of values along a line over their mean, -.
 
@@ -51,6 +54,7 @@ def stripes(values):
     return float(np.sqrt(np.mean(np.diff(values, 2) ** 2)) / abs(values.mean()))
 
 
+@takes(scene=SCENE)
 def unbalancedRatio(scene):
     """Mean out-of-balance force of the nodes over the mean force that stresses exert on them, of the last
     step, -.
@@ -68,6 +72,7 @@ def unbalancedRatio(scene):
     return inertia / scale if scale > 0 else float("inf" if inertia > 0 else "nan")
 
 
+@takes(body=BODY, thickness=NUMBER)
 def sectionForce(body, height, thickness=None):
     """Normal force in a horizontal section of a body, N = sum sigma_vv V_slice / h, kN, tension positive.
 

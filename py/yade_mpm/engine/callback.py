@@ -8,11 +8,10 @@ import sys
 import weakref
 from collections.abc import Callable
 
-import numpy as np
-
 from .. import _core
 from ..base.attributes import keep, plain
 from ..base.keywords import checked
+from ..base.kinds import NUMBER
 from ..base.wording import shown
 from .engine import NO_CALL, Engine
 
@@ -90,7 +89,7 @@ class PyRunner(Callback):
     ) -> None:
         if not (callable(command) or isinstance(command, str)):
             raise TypeError(f"PyRunner: command = {command!r}; give a function or a string")
-        if not iterPeriod and not period:
+        if all(p is None or NUMBER.isOne(p) and p == 0 for p in (iterPeriod, period)):
             raise ValueError("PyRunner: give iterPeriod (steps) or period (s)")
         super().__init__(iterPeriod, period, label, dead)
         self._command = command
@@ -140,8 +139,8 @@ def _takesArgument(function):
 def checkPeriod(who, period, iterPeriod):
     """Raises ValueError unless exactly one period is given and positive."""
     if not (
-        np.isreal(period)
-        and np.isreal(iterPeriod)
+        NUMBER.isOne(period)
+        and NUMBER.isOne(iterPeriod)
         and (period > 0) != (iterPeriod > 0)
         and period >= 0
         and iterPeriod >= 0

@@ -11,6 +11,7 @@ from .. import _core
 from ..base.attributes import Guarded, keep
 from ..base.html import card, table
 from ..base.keywords import checked
+from ..base.kinds import NUMBER, takes
 from ..geometry.numbers import isNumber
 from ..geometry.region import Region
 from ..particle.body import Body
@@ -57,6 +58,7 @@ class Prescribed(Guarded):
             self._core.began = scene.time
             keep(self, _hasBegun=True)
 
+    @takes(time=NUMBER)
     def velocityAt(self, time: float) -> np.ndarray:
         """Prescribed velocity at a time (s) with its ramp, m/s (dim,); nan where free."""
         since = max(0.0, time - self._core.began)

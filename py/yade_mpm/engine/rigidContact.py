@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base.kinds import NUMBER, takes
 from ..geometry.numbers import floats
 from .engine import generated
 from .records import column, withRows
@@ -23,6 +24,7 @@ too."""
         lambda self: self._core.value("frictionWork"), doc="Work lost to friction since the start, kJ."
     )
 
+    @takes(friction=NUMBER, mass=NUMBER, adhesion=NUMBER)
     def addBody(
         self,
         shapes,
@@ -136,7 +138,7 @@ too."""
         try:
             states = positions, orientations, velocities, angularVelocities
             arrays = [np.ascontiguousarray(a, np.float64) for a in states]
-        except ValueError as error:
+        except (TypeError, ValueError) as error:
             raise ValueError(f"RigidContact: setStates: {error}; give arrays of numbers") from None
         self._core.setStates(*arrays)
 

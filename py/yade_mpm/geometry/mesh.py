@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 
 from .. import _core
+from ..base.kinds import MESH, takes
 
 _QUAD = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
 CORNERS = {2: _QUAD, 3: np.array([(*xy, z) for z in (0, 1) for xy in _QUAD])}
@@ -48,6 +49,7 @@ class Mesh:
         return self.points.shape[1]
 
 
+@takes(mesh=MESH)
 def boundaryFacets(mesh):
     """Facets on the surface of a mesh: edges in 2D, faces in 3D.
 

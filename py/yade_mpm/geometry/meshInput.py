@@ -6,12 +6,15 @@ from importlib.util import find_spec
 
 import numpy as np
 
+from ..base.kinds import FILE, Kind, takes
 from .mesh import Mesh, cellVolumes, cornerJacobians
 from .meshChecks import checkIndices, checkMesh
 from .meshReader import readMesh
-from .numbers import formatPoint
+from .numbers import formatPoint, numbers
 
 _MIRROR = {2: [0, 3, 2, 1], 3: [0, 3, 2, 1, 4, 7, 6, 5]}
+
+MESH_FILE = Kind("the name of a mesh file", lambda value: FILE.isOne(value) or isinstance(value, bytes))
 
 
 def meshFromArrays(points, cells, name):
@@ -49,6 +52,7 @@ def meshFromArrays(points, cells, name):
     return checkMesh(name, Mesh(points, cells))
 
 
+@takes(path=MESH_FILE)
 def meshFromFile(path, name):
     """Mesh from a file of any format that meshio reads (Gmsh, VTK, Abaqus, ...).
 
@@ -88,7 +92,7 @@ def meshFromFile(path, name):
 
 
 def _asArrays(points, cells, name):
-    points, cells = np.array(points, float), np.array(cells)
+    points, cells = numbers(f"mesh '{name}'", "points", points), np.array(cells)
     hasShape = cells.ndim == 2 and cells.shape[1] in (4, 8) and len(cells)
     if not hasShape or not np.issubdtype(cells.dtype, np.integer):
         raise ValueError(

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from ..base.wording import shown
+
 
 def formatNumber(x):
     """Shortest text that reads back as the same number (30, not 30.0)."""
@@ -47,10 +49,10 @@ def _isReal(one):
 def numbers(who, what, value, shape=None):
     try:
         array = floats(value)
-    except (TypeError, ValueError):
-        raise TypeError(f"{who}: {what} = {value!r} is not made of numbers") from None
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{who}: {what} = {shown(value)} is not made of numbers") from None
     if shape is not None and array.shape != shape:
-        raise ValueError(f"{who}: {what} = {value!r} must be {'one number' if shape == () else shape}")
+        raise ValueError(f"{who}: {what} = {shown(value)} must be {'one number' if shape == () else shape}")
     return array
 
 
@@ -64,7 +66,9 @@ def vector(who, what, value, dim=None):
     isLong = isinstance(value, range) and value[max(allowed) :]
     array = None if isLong else numbers(who, what, value)
     if isLong or array.ndim != 1 or len(array) not in allowed:
-        raise ValueError(f"{who}: {what} = {value!r} must have {' or '.join(map(str, allowed))} coordinates")
+        raise ValueError(
+            f"{who}: {what} = {shown(value)} must have {' or '.join(map(str, allowed))} coordinates"
+        )
     requireFinite(who, what, array)
     return array
 

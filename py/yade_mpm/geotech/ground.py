@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Ground of one material whose particle types are chosen on the command line."""
 
+from ..base.kinds import REGION, SCENE, TEXT, takes
 from ..particle.types import APDI, UGIMP
 
 TYPES = ("hybrid", "ugimp", "apdi")
 
 
+@takes(scene=SCENE, name=TEXT, region=REGION, zone=REGION, types=TEXT)
 def addGround(scene, name, region, zone, material, types, splitAt=None, onDistortion="stop", **more):
     """Adds ground to a scene: of uGIMP, of APDI, or uGIMP in a zone and APDI elsewhere.
 

@@ -9,6 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ..base.kinds import BODIES, NUMBER, NUMBERS, SCENE, takes
 from ..geometry.lattice import _boxDistance
 from ..geometry.mesh import boundaryFacets
 
@@ -108,6 +109,7 @@ def _reach(x, breaks, hole):
     return min(x[inner[0]] if len(inner) else x[-1], hole)
 
 
+@takes(scene=SCENE, bodies=BODIES, level=NUMBER, hole=NUMBERS)
 def groundSurface(scene, bodies, level, hole=None):
     """Surface of the ground made of some bodies of a 2D scene.
 

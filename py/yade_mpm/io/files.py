@@ -14,11 +14,14 @@ from contextlib import contextmanager
 
 import numpy as np
 
+from ..base.kinds import DICT, FILE, takes
+
 HOST = re.sub(r"[^A-Za-z0-9]", "", socket.gethostname()) or "host"
 NO_RESERVE = {errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS, errno.ENODEV}  # file systems that cannot
 NO_LOCKS = {errno.EOPNOTSUPP, errno.ENOLCK, errno.ENOSYS}
 
 
+@takes(file=FILE)
 @contextmanager
 def replacing(file):
     """Name to write a file under, which takes the place of `file` at the end of the `with` block.
@@ -160,12 +163,18 @@ def _isAlive(process):
     return True
 
 
+@takes(file=FILE)
 def saveJson(file, value, wait=True):
     """Writes numbers, texts, lists and dicts of them as JSON, whole or not at all.
 
     wait : for the disk; False for what is written again when it is lost.
     """
-    content = json.dumps(value, indent=1).encode()
+    try:
+        content = json.dumps(value, indent=1).encode()
+    except (TypeError, ValueError, RecursionError) as error:
+        raise TypeError(
+            f"saveJson: '{os.fspath(file)}' cannot hold the value: {error}; give plain ones"
+        ) from None
     if wait:
         writeWhole(file, content)
         return
@@ -173,6 +182,7 @@ def saveJson(file, value, wait=True):
         opened.write(content)
 
 
+@takes(file=FILE, columns=DICT)
 def saveTable(file, columns):
     """Writes columns, a dict name -> numbers, as CSV."""
     with replacing(file) as part:
@@ -192,6 +202,7 @@ def requireRegular(who, file):
         raise ValueError(f"{who}: '{os.fspath(file)}' is no regular file; give the name of a file")
 
 
+@takes(file=FILE)
 def checkWritable(file, who="checkpoint"):
     """Raises OSError unless a file of that name can be made or replaced; `who` writes it."""
     file = os.fspath(file)

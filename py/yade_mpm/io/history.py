@@ -15,6 +15,7 @@ import numpy as np
 from .. import diagnostics
 from ..base.html import card, paragraph, table
 from ..base.keywords import checked
+from ..base.kinds import WHOLE, takes
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
@@ -148,6 +149,7 @@ class History(Callback):
         shown = table(("column", "unit", "last", "from, to"), rows) if rows else paragraph("no rows yet")
         return card(f"History of {len(self)} rows", shown)
 
+    @takes(first=WHOLE)
     def rowsFrom(self, first):
         """Rows from a number on, each a dict name -> value.
 

@@ -19,6 +19,7 @@ from contextlib import contextmanager
 import h5py
 
 from ..base.keywords import checked
+from ..base.kinds import FILE, takes
 from ..base.warn import warnUser
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
@@ -193,6 +194,7 @@ class Recorder(Callback):
             yield h5
 
     @staticmethod
+    @takes(file=FILE)
     def recover(file):
         """Completes a file whose writer was killed in the middle of a frame; returns whether that was
         needed."""

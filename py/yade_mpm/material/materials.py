@@ -7,6 +7,7 @@ import numpy as np
 
 from .. import _core
 from ..base.attributes import Attributed, classAttribute, didYouMean, makeClasses
+from ..base.kinds import NUMBER, takes
 from ..geometry.numbers import numbers
 from .spatial import PER_PARTICLE, isSpatial, valuesAt
 
@@ -167,6 +168,7 @@ class MaterialPoint:
         values, vectors = np.linalg.eigh(increment)
         return self.gradient(np.ascontiguousarray(vectors * np.expm1(values) @ vectors.T), 1.0)
 
+    @takes(dt=NUMBER)
     def gradient(self, L, dt):
         """Applies the velocity gradient L for dt as the solver does, f = I + dt L, and returns the new
         stress.

@@ -12,6 +12,7 @@ from ..base import limits
 from ..base.attributes import Guarded
 from ..base.deprecation import currentName
 from ..base.html import card, table
+from ..base.kinds import TEXT, takes
 from ..base.wording import shown
 from ..geometry.numbers import floats
 from ..geometry.region import Region
@@ -132,6 +133,7 @@ class Body(Guarded):
     def __dir__(self):
         return [*super().__dir__(), *self._fields]
 
+    @takes(name=TEXT)
     def byId(self, name: str) -> np.ndarray:
         """A copy of a field in the order of `id`, which stays as particles are sorted.
 
@@ -448,7 +450,7 @@ def _finite(body, name, value, shape):
     """Value as an array that is finite and fits a shape."""
     try:
         array = np.broadcast_to(floats(value), shape)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ValueError(
             f"body '{body.name}': what was given as {name} does not fit; give numbers of the shape {shape}, "
             f"or one entry for all particles"

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from ..base.kinds import BODY, NUMBERS, takes
+
 
 class BodyPart:
     """Part of a body, by height or a fixed set of particle ids.
@@ -16,6 +18,7 @@ class BodyPart:
     ids : (N,), its particles by `id`; None: by height.
     """
 
+    @takes(body=BODY, ids=NUMBERS)
     def __init__(self, body, lower=None, upper=None, ids=None):
         for height in (lower, upper):
             if not (height is None or isinstance(height, (int, float, np.number)) and np.isfinite(height)):

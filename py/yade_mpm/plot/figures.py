@@ -8,9 +8,27 @@ import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
+from matplotlib.colors import is_color_like
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ..base import program
+from ..base.kinds import (
+    AXES,
+    BODIES,
+    FILE,
+    FUNCTION,
+    LIMITS,
+    NUMBER,
+    NUMBERS,
+    POSITIVE,
+    SCENE,
+    TEXT,
+    TEXTS,
+    WINDOW,
+    Kind,
+    listOf,
+    takes,
+)
 from ..io.files import replacing
 
 STYLE = {
@@ -26,6 +44,18 @@ STYLE = {
 
 BAR = (1.03, 0, 0.04, 1)  # left, bottom, width and height of a colour bar, in parts of its axes
 BESIDE_BAR = 0.12  # inches of room on both sides of axes, so that the label of a colour bar stands alone
+
+
+FIGURE = Kind("a figure of matplotlib", lambda value: hasattr(value, "savefig"))
+COLOURED = Kind("what domains were drawn by", lambda value: hasattr(value, "get_cmap"))
+AXES_OR_LIST = Kind(
+    "axes of matplotlib", lambda value: AXES.isOne(value) or value and listOf(AXES, "").isOne(value)
+)
+VALUES = Kind("numbers of the domains, or None", lambda value: value is None or NUMBERS.isOne(value))
+EDGE = Kind(
+    "a colour", lambda value: isinstance(value, str) and value in ("face", "none") or is_color_like(value)
+)
+SNAPSHOTS = listOf(Kind("", lambda value: isinstance(value, Snapshot)), "a list of `Snapshot`")
 
 
 def drawToFiles():
@@ -49,6 +79,7 @@ class Snapshot:
     Raises ValueError where no body has the field, and for a scene in 3D.
     """
 
+    @takes(scene=SCENE, value=TEXT)
     def __init__(self, scene, value):
         if scene.dim != 2:
             raise ValueError("Snapshot: pictures are made of 2D scenes; use the HDF5 file in ParaView for 3D")
@@ -72,6 +103,7 @@ class Snapshot:
                     )
                 )
 
+    @takes(axes=AXES, limit=NUMBER, window=WINDOW)
     def draw(self, axes, limit, colours="inferno_r", window=None):
         """Draws the domains and returns the coloured collection.
 
@@ -95,6 +127,7 @@ class Snapshot:
         return coloured
 
 
+@takes(axes=AXES, corners=NUMBERS, values=VALUES, limits=NUMBERS)
 def drawDomains(axes, corners, values, meshed, colours, limits):
     """Draws the domains of one body, grey where it has no values, and returns the collection.
 
@@ -133,6 +166,7 @@ class Snapshots(list):
         self.append(Snapshot(scene, self.value))
 
 
+@takes(snapshots=SNAPSHOTS, titles=TEXTS, limit=NUMBER, label=TEXT, window=WINDOW, curves=NUMBER)
 def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
     """Figure of snapshots side by side (or one above the other), each with its title, and one colour bar:
     (figure, last axes).
@@ -149,6 +183,10 @@ def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
     vertical : one above the other; default False.
     """
     n = len(snapshots)
+    if not n or len(titles) != n:
+        raise ValueError(
+            f"panels: {n} snapshots with {len(titles)} titles; give one title for each, at least one"
+        )
     windows = window if isinstance(window, list) else itertools.repeat(window)
     left, right, bottom, top = window[0] if isinstance(window, list) else window
     high = (top - bottom) / (right - left)
@@ -177,6 +215,7 @@ def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
     return figure, axes[-1]
 
 
+@takes(axes=AXES, bodies=BODIES, values=FUNCTION, limits=LIMITS, scale=POSITIVE, edge=EDGE)
 def domains(axes, bodies, values, limits, label=None, colours="inferno_r", scale=1.0, edge=None, **bar):
     """Domains of bodies, coloured by numbers; returns the coloured collection.
 
@@ -207,6 +246,7 @@ def domains(axes, bodies, values, limits, label=None, colours="inferno_r", scale
     return coloured
 
 
+@takes(axes=AXES_OR_LIST, coloured=COLOURED, label=TEXT)
 def colourBar(axes, coloured, label, **bar):
     """A colour bar as high as its axes, whose label keeps off the axes beside it; returns it.
 
@@ -225,6 +265,7 @@ def colourBar(axes, coloured, label, **bar):
     return figure.colorbar(coloured, cax=axes.inset_axes(BAR), label=label, **bar)
 
 
+@takes(figure=FIGURE, file=FILE)
 def save(figure, file, **how):
     """Writes a picture and closes the figure; with --smoke its title says what its numbers are worth.
 

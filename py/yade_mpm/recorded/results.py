@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import h5py
 import numpy as np
 
+from ..base.kinds import FILE, LIMITS, NUMBER, takes
 from ..geometry.numbers import isNumber
 from ..io.files import requireRegular
 from . import resultsFile
@@ -27,6 +28,7 @@ class Results(Sequence):
     Raises OSError for a file that is not there, ValueError for one that no Recorder has written.
     """
 
+    @takes(file=FILE)
     def __init__(self, file):
         self.file = os.fspath(file)
         if not os.path.exists(self.file):
@@ -110,6 +112,7 @@ class Results(Sequence):
             raise ValueError(f"Results: time = {time!r} is not allowed; give seconds")
         return self[int(np.argmin(np.abs(self.times - time)))]
 
+    @takes(file=FILE, limits=LIMITS, fps=NUMBER)
     def animate(self, file, field, limits=None, fps=10, **picture):
         """Writes all frames as an animation, a GIF or (where ffmpeg is installed) an MP4.
 
@@ -177,6 +180,7 @@ class ResultFrame(Mapping):
             self.time, self.step, self.bodies, self.corners[rows], self._shared[rows], data, self.units
         )
 
+    @takes(limits=LIMITS)
     def plot(self, field=None, component=None, limits=None, **options):
         """Draws the domains, as `Scene.plot` does; returns the axes.
 

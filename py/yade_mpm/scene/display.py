@@ -2,8 +2,10 @@
 """What a scene shows of itself: pictures, and its card in a notebook."""
 
 from ..base.html import card, paragraph, pictureTag, table
+from ..base.kinds import AXES, BODIES_OR_NAMES, LIMITS, WINDOW, takes
 
 
+@takes(limits=LIMITS, bodies=BODIES_OR_NAMES, axes=AXES, window=WINDOW)
 def plot(
     scene,
     field=None,

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.keywords import checked
+from ..base.kinds import LIST, TEXT, Kind, takes
 from ..base.warn import warnUser
 from ..particle.body import Body
 
@@ -33,7 +34,11 @@ class Layer:
         return np.where(isUnder & isWithin.all(axis=1), self.weight * thickness, 0.0)
 
 
+LISTED = Kind("a list of bodies", lambda value: LIST.isOne(value) or TEXT.isOne(value))
+
+
 @checked("Scene.initialStress")
+@takes(bodies=LISTED)
 def initialStress(
     scene,
     surface: float,

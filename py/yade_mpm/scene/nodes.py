@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.kinds import NUMBERS, TEXT, takes
 from ..engine.prescribed import FACES
 from ..geometry.region import Region
 
@@ -22,6 +23,7 @@ def nodePositions(scene) -> np.ndarray:
     return np.stack([a.ravel(order="F") for a in np.meshgrid(*axes, indexing="ij")], axis=1)
 
 
+@takes(points=NUMBERS)
 def cellSizeAt(scene, points: ArrayLike) -> np.ndarray:
     """Edges of the grid's cells in which points lie, m (N, dim).
 
@@ -43,6 +45,7 @@ def cellSizeAt(scene, points: ArrayLike) -> np.ndarray:
     return sizes
 
 
+@takes(face=TEXT)
 def faceNodes(scene, face: str) -> np.ndarray:
     """Numbers of the nodes on and behind a face of the grid.
 

@@ -6,6 +6,7 @@ import sys
 
 from .. import _core
 from ..base.attributes import makeClasses
+from ..base.kinds import FILE, takes
 from ..engine import engines
 from ..engine.engine import Engine
 from ..io.files import requireRegular
@@ -29,6 +30,7 @@ KINDS = (
 )
 
 
+@takes(path=FILE)
 def loadPlugin(path):
     """Loads a library with particle types, materials or engines that was built outside of yade_mpm.
 

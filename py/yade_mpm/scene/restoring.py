@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 
 from ..base.attributes import keep
+from ..base.kinds import DICT, FILE, FLAG, takes
 from ..base.warn import PACKAGE, warnUser
 from ..engine.contact import Contact
 from ..geometry.numbers import isNumber
@@ -19,6 +20,7 @@ MOST_SHOWN = 500  # characters of an error from inside
 FAR = 1e300  # steps and seconds: further than any run comes
 
 
+@takes(file=FILE, callbacks=DICT, trust=FLAG, files=DICT)
 def load(
     file: str | os.PathLike, callbacks: dict | None = None, trust: bool = False, files: dict | None = None
 ) -> Scene:

@@ -7,6 +7,7 @@ import os
 import numpy as np
 
 from ..base.attributes import keep
+from ..base.kinds import FILE, takes
 from ..engine.callback import Callback
 from ..engine.gridSolver import GridSolver
 from ..io import checkpoint
@@ -26,6 +27,7 @@ CONSTRAINT_STATE = (
 )
 
 
+@takes(file=FILE)
 def save(scene, file, midStep=False):
     """Writes a scene to a file, from which `load` continues with the same bits.
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from .. import _core
 from ..base.attributes import Guarded
 from ..base.keywords import checked
+from ..base.kinds import COUNT, FLAG, POSITIVE, takes
 from ..engine import chain
 from ..engine.engine import Engine
 from ..engine.gridSolver import GridSolver
@@ -401,6 +402,7 @@ class Scene(Guarded):
         self._threads = None if value is None else int(value)
         self.stepper.noteChange(mayBeUnstable=False)
 
+    @takes(tolerance=POSITIVE, iterations=COUNT, asIfExplicit=FLAG)
     def criticalTimeStep(
         self, tolerance: float = 1e-4, iterations: int = 300, asIfExplicit: bool = False
     ) -> float:
@@ -419,12 +421,6 @@ class Scene(Guarded):
             comparison: nothing is set then; default False.
         """
         self._refuseWhileRunning("criticalTimeStep")
-        if not (isinstance(iterations, (int, np.integer)) and iterations >= 1 and tolerance > 0):
-            raise ValueError(
-                f"criticalTimeStep: tolerance = {tolerance!r}, iterations = {iterations!r} is not allowed; "
-                "give a "
-                f"positive number, and a whole number from 1 on"
-            )
         refuseMidStep(self, "criticalTimeStep")
         with self._holder.held("criticalTimeStep"):
             return self.stepper.estimateCriticalStep(tolerance, iterations, asIfExplicit)

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..base import limits
 from ..base.attributes import Guarded, keep
+from ..base.kinds import COUNT, ENGINE, FLAG, POSITIVE, takes
 from ..base.warn import warnUser
 from ..check.bending import actions, thinBeams
 from ..check.domains import checkFields, checkInterface
@@ -296,6 +297,7 @@ class Stepper(Guarded):
         self._isStable, self._checkedState = True, self._stabilityState()
 
     @_holding
+    @takes(tolerance=POSITIVE, iterations=COUNT, asIfExplicit=FLAG)
     def estimateCriticalStep(self, tolerance=1e-4, iterations=300, asIfExplicit=False):
         """Critical step of the scene as it stands, s; sets scene.dtCritical and scene.stiffest.
 
@@ -349,6 +351,7 @@ class Stepper(Guarded):
                 yield [b / a if a > 0 else 1.0 if b == 0 else math.inf for b, a in zip(now, then[name])]
 
     @_holding
+    @takes(growth=POSITIVE)
     def takeSafeDt(self, growth=1.0):
         """Steps by the share of the critical step that is taken where nobody has given dt, from now on.
 
@@ -357,8 +360,8 @@ class Stepper(Guarded):
         growth : float, of the square of the fastest frequency since the estimate, -; default 1.
         """
         law = "USL" if _sharesImplicit(self._scene) else self._scene.scheme
-        longest = limits.DT_STABLE[law] * self._scene.dtStable / math.sqrt(growth)
-        keep(self, automaticDt=min(self.safeDt(), longest))
+        safe, longest = self.safeDt(), limits.DT_STABLE[law] * self._scene.dtStable / math.sqrt(growth)
+        keep(self, automaticDt=min(safe, longest))
         self.followSpeed()
 
     def speedDt(self):
@@ -376,6 +379,8 @@ class Stepper(Guarded):
 
     def safeDt(self):
         """The share of the critical step that is taken where nobody has given dt, s."""
+        if self._scene.dtCritical is None:
+            raise RuntimeError("Stepper: the critical time step is not known yet; call scene.prepare()")
         return limits.DT_SAFETY[self._scene.scheme] * self._scene.dtCritical
 
     @property
@@ -455,6 +460,7 @@ class Stepper(Guarded):
             finally:
                 self._isStepping = False
 
+    @takes(engine=ENGINE)
     def actOf(self, engine):
         """A function that lets one engine of the chain act, for those who call it in every step."""
         actAlone, core = self._scene._core.actAlone, engine._core

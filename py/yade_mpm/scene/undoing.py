@@ -2,6 +2,7 @@
 """Back to the last checkpoint of a scene."""
 
 from ..base.attributes import keep
+from ..base.kinds import SCENE, takes
 from ..engine.callback import PyRunner
 from ..io.history import History
 from .restoring import load
@@ -9,6 +10,7 @@ from .saving import isLast
 from .scene import Scene
 
 
+@takes(scene=SCENE)
 def undo(scene: Scene) -> Scene:
     """The scene as it was at the checkpoint that it wrote last (`scene.save`, or a run); a new one, with the
     callbacks of this one. What its recorder and history wrote since is taken out of their files by the next

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import differential_evolution, least_squares
 
 from ..app.record import CURVE
+from ..base.kinds import DICT, FILE, NUMBERS, TEXT, TEXTS, Kind, takes
 from ..base.wording import shortened
 from ..io.files import saveJson
 from . import execution, pictures, report, state
@@ -19,6 +20,12 @@ STEP = 0.02  # of the range: below it, the scatter of an explicit run would be t
 DIGITS = 8  # of a parameter, so that equal points are the same case
 ENDS = 0.01  # of the range of the computed curve that a measured one may go beyond it
 TOLERANCE = 1e-3  # of the fit: parameters in parts of their range, cost in parts of itself
+
+MEASURED = Kind("(n, 2) numbers, or the name of a CSV file", lambda v: FILE.isOne(v) or NUMBERS.isOne(v))
+RANGES = Kind(
+    "{name: (low, high), ...}",
+    lambda v: DICT.isOne(v) and all(NUMBERS.isOne(ends) and len(ends) == 2 for ends in v.values()),
+)
 
 
 @dataclass
@@ -48,6 +55,7 @@ class Calibration:
         return {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in vars(self).items()}
 
 
+@takes(scene=FILE, ranges=RANGES, measured=MEASURED, curve=TEXT, out=FILE, start=DICT, words=TEXTS)
 def calibrate(
     scene,
     ranges,

@@ -12,7 +12,9 @@ from glob import escape, glob
 from hashlib import sha256
 
 from ..app.parameters import Parameters
+from ..base.kinds import DICT, FILE, LIST, NUMBER, TEXTS, Kind, listOf, ofClass, takes
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..io.files import saveJson, writeWhole
 from . import cases as casesOf
 from . import collect, execution, identity, report, state
@@ -23,6 +25,18 @@ from .optional import needed
 REPORT_SHARE = 60.0  # a report that took a second to write is not written again for a minute
 REPORT_PAUSE = 2.0  # s at least
 SHOWN = 200  # characters of a command line
+
+PYTHON = Kind("a function that is written in Python", lambda v: hasattr(v, "__code__"))
+BUILD = Kind(
+    "a function of the arguments of a case, or the file of a scene",
+    lambda v: PYTHON.isOne(v) or FILE.isOne(v),
+)
+_AXES = Kind("", lambda v: DICT.isOne(v) and all(map(LIST.isOne, v.values())))
+CASES = Kind(
+    "a list of dicts, a table, or a dict name -> values",
+    lambda v: hasattr(v, "to_dict") or _AXES.isOne(v) or listOf(DICT, "").isOne(v),
+)
+PARAMETERS = ofClass("Parameters", "a Parameters")
 
 
 class Study:
@@ -45,6 +59,9 @@ class Study:
     Raises ValueError for what the scene does not allow, with the number of the case, before anything runs.
     """
 
+    @takes(
+        scene=BUILD, cases=CASES, out=FILE, results=PYTHON, until=NUMBER, parameters=PARAMETERS, words=TEXTS
+    )
     def __init__(
         self, scene, cases, out, results=None, until=None, parameters=None, words=(), threads=None, show=()
     ):
@@ -268,12 +285,14 @@ def findScene(name):
         file = os.path.join(folder, f"{name}.py")
         if folder and os.path.isfile(file):
             return os.path.abspath(file)
-    raise FileNotFoundError(f"study: there is no scene '{name}'; give its file")
+    raise FileNotFoundError(f"study: there is no scene {shown(name)}; give its file")
 
 
 def parametersOf(file):
     """The PARAMETERS of a scene in a file."""
-    name = os.path.splitext(os.path.basename(file))[0]
+    name, ending = os.path.splitext(os.path.basename(file))
+    if ending != ".py":
+        raise ValueError(f"study: '{file}' is no scene; give the name of a Python file, which ends in .py")
     spec = importlib.util.spec_from_file_location(f"scene_{name}", file)
     module = importlib.util.module_from_spec(spec)
     with _onPath(os.path.dirname(file)), Parameters._notParsed(file):

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""What arguments of public functions may be, checked where they enter.
+
+    @takes(scene=SCENE, kinetic=NUMBER)
+    def unseenEnergy(scene, kinetic=None):
+
+An argument that is left out, or given as its default, is not looked at.
+"""
+
+import functools
+import inspect
+import math
+import os
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from .wording import shown
+
+
+class Kind:
+    """What an argument may be.
+
+    Parameters
+    ----------
+    words : str, what to give.
+    isOne : function of a value, whether it is of the kind.
+    of : Kind that it is a part of, such as the numbers that are positive.
+    """
+
+    def __init__(self, words, isOne, of=None):
+        self.words, self.isOne, self.of = words, isOne, of
+
+    def require(self, who, name, value):
+        """TypeError for a value of another kind, ValueError for one of the wider kind."""
+        if not self.isOne(value):
+            error = ValueError if self.of and self.of.isOne(value) else TypeError
+            raise error(f"{who}: {name} = {shown(value)} is not allowed; give {self.words}")
+
+
+def takes(**kinds):
+    """Decorator of a function that takes arguments of these kinds, each a `Kind` by the argument's name."""
+
+    def decorate(function):
+        path = function.__qualname__.split(".")
+        who = path[-2] if path[-1] == "__init__" else path[-1]
+        parameters = inspect.signature(function).parameters
+        places = [name for name, p in parameters.items() if p.kind is p.POSITIONAL_OR_KEYWORD]
+        defaults = {name: p.default for name, p in parameters.items() if name in kinds}
+
+        @functools.wraps(function)
+        def checked(*given, **named):
+            for name, value in (*zip(places, given), *named.items()):
+                if name in kinds and value is not defaults[name]:
+                    kinds[name].require(who, name, value)
+            return function(*given, **named)
+
+        return checked
+
+    return decorate
+
+
+def ofClass(name, words):
+    """Kind of objects of a class of this package, by its name: layers above cannot be imported here."""
+
+    def isOne(value):
+        return any(c.__name__ == name and c.__module__.startswith("yade_mpm") for c in type(value).__mro__)
+
+    return Kind(words, isOne)
+
+
+def listOf(kind, words):
+    """Kind of lists, or alike, whose entries are of a kind."""
+
+    def isOne(value):
+        isList = isinstance(value, (Sequence, np.ndarray, set)) and not isinstance(value, (str, bytes))
+        return isList and all(map(kind.isOne, value))
+
+    return Kind(words, isOne)
+
+
+def _isNumber(value):
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.ndim == 0 and value.dtype.kind in "iuf"
+    return hasattr(value, "__float__") and not isinstance(value, bool)
+
+
+def _areNumbers(value):
+    try:
+        return np.ndim(value) > 0 and np.asarray(value).dtype.kind in "biuf"
+    except (TypeError, ValueError):
+        return False
+
+
+SCENE = ofClass("Scene", "a Scene")
+BODY = ofClass("Body", "a Body of a scene")
+BODIES = listOf(BODY, "a list of bodies, such as scene.bodies")
+_BODY_OR_NAME = Kind("", lambda value: BODY.isOne(value) or isinstance(value, str))
+BODIES_OR_NAMES = listOf(_BODY_OR_NAME, "a list of bodies, or of their names")
+ENGINE = ofClass("Engine", "an engine of the scene")
+MESH = ofClass("Mesh", "a Mesh")
+REGION = ofClass("Region", "a region, e.g. mpm.box(...)")
+NUMBER = Kind("a number", _isNumber)
+POSITIVE = Kind("a positive number", lambda value: _isNumber(value) and 0 < value < math.inf, NUMBER)
+NUMBERS = Kind("a list or an array of numbers", _areNumbers)
+WHOLE = Kind("a whole number", lambda value: hasattr(value, "__index__") and not isinstance(value, bool))
+LIST = Kind("a list", lambda v: isinstance(v, Iterable) and not isinstance(v, (str, bytes)))
+LIMITS = Kind("(low, high)", lambda value: NUMBERS.isOne(value) and np.shape(value) == (2,))
+WINDOW = Kind(
+    "(left, right, bottom, top) in m, or a list of them",
+    lambda value: NUMBERS.isOne(value) and np.shape(value)[-1] == 4,
+)
+AXES = Kind("axes of matplotlib", lambda value: hasattr(value, "add_collection"))
+COUNT = Kind("a whole number from 1 on", lambda value: WHOLE.isOne(value) and value >= 1, NUMBER)
+FLAG = Kind("True or False", lambda value: isinstance(value, (bool, np.bool_)))
+TEXT = Kind("a text", lambda value: isinstance(value, str))
+TEXTS = listOf(TEXT, "a list of texts")
+FILE = Kind("the name of a file", lambda value: isinstance(value, (str, os.PathLike)))
+FUNCTION = Kind("a function", callable)
+DICT = Kind("a dict", lambda value: isinstance(value, Mapping))
+COLUMNS = Kind("a dict name -> numbers", lambda v: hasattr(v, "keys") and hasattr(v, "__getitem__"))
+
+
+def columns(who, **given):
+    """Columns as arrays (N,) of floats of one length."""
+    for name, value in given.items():
+        NUMBERS.require(who, name, value)
+    arrays = [np.asarray(value, float) for value in given.values()]
+    if any(array.ndim != 1 or len(array) != len(arrays[0]) for array in arrays):
+        shapes = ", ".join(f"{name} of shape {array.shape}" for name, array in zip(given, arrays))
+        raise ValueError(f"{who}: {shapes} are not allowed; give columns of one length")
+    return arrays

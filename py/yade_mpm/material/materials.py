@@ -7,7 +7,7 @@ import numpy as np
 
 from .. import _core
 from ..base.attributes import Attributed, classAttribute, didYouMean, makeClasses
-from ..base.kinds import NUMBER, takes
+from ..base.kinds import DICT, NUMBER, takes
 from ..geometry.numbers import numbers
 from .spatial import PER_PARTICLE, isSpatial, valuesAt
 
@@ -136,6 +136,7 @@ class MaterialPoint:
     It runs the same code as the particles of a scene.
     """
 
+    @takes(state=DICT)
     def __init__(self, material, stress=None, state=None):
         if not isinstance(material, Material):
             raise TypeError(

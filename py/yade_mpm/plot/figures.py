@@ -55,6 +55,7 @@ VALUES = Kind("numbers of the domains, or None", lambda value: value is None or 
 EDGE = Kind(
     "a colour", lambda value: isinstance(value, str) and value in ("face", "none") or is_color_like(value)
 )
+CORNERS = Kind("corners (N, 4, 2)", lambda value: NUMBERS.isOne(value) and np.ndim(value) == 3)
 SNAPSHOTS = listOf(Kind("", lambda value: isinstance(value, Snapshot)), "a list of `Snapshot`")
 
 
@@ -127,7 +128,7 @@ class Snapshot:
         return coloured
 
 
-@takes(axes=AXES, corners=NUMBERS, values=VALUES, limits=NUMBERS)
+@takes(axes=AXES, corners=CORNERS, values=VALUES, limits=NUMBERS)
 def drawDomains(axes, corners, values, meshed, colours, limits):
     """Draws the domains of one body, grey where it has no values, and returns the collection.
 

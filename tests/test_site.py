@@ -154,9 +154,10 @@ def test_every_attribute_has_a_text_of_its_own(name):
 
 
 SCENE = """
-add bodies cellSizeAt changes close criticalTimeStep dt dtSpeed engines faceNodes
-initialStress lines nodePositions nodesInside particleCount pause plot prepare remove run
-running save settle step steps threads time timing unbalancedForce wait
+add bodies cellSizeAt changes close constraints contact criticalTimeStep damping describe drive dt
+dtSpeed engines faceNodes fix gravity history initialStress lines nodePositions nodesInside
+particleCount pause plot prepare quasiStatic record remove roller run running save settle step steps
+threads time timing unbalancedForce wait
 """
 
 

@@ -182,4 +182,4 @@ def _unlikeDefault(thing):
 def _plain(values):
     """A number where all axes have the same one, else a tuple."""
     numbers = [float(v) for v in values] if hasattr(values, "__len__") else [float(values)]
-    return numbers[0] if len(numbers) > 1 and len(set(numbers)) == 1 else tuple(numbers)
+    return numbers[0] if len(set(numbers)) == 1 else tuple(numbers)

@@ -52,9 +52,8 @@ AXES_OR_LIST = Kind(
     "axes of matplotlib", lambda value: AXES.isOne(value) or value and listOf(AXES, "").isOne(value)
 )
 VALUES = Kind("numbers of the domains, or None", lambda value: value is None or NUMBERS.isOne(value))
-EDGE = Kind(
-    "a colour", lambda value: isinstance(value, str) and value in ("face", "none") or is_color_like(value)
-)
+_COLOUR = (str, tuple, list)
+EDGE = Kind("a colour", lambda v: isinstance(v, _COLOUR) and (v in ("face", "none") or is_color_like(v)))
 CORNERS = Kind("corners (N, 4, 2)", lambda value: NUMBERS.isOne(value) and np.ndim(value) == 3)
 SNAPSHOTS = listOf(Kind("", lambda value: isinstance(value, Snapshot)), "a list of `Snapshot`")
 

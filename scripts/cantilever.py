@@ -39,15 +39,11 @@ def build(cell=0.125, type="APDI", scheme="MUSL", gravity=10.0, threads=None):
     """Scene of the beam; two particles per cell and direction. cell, m; gravity, m/s2."""
     upper = LENGTH + 0.5, DEPTH + 0.5
     scene = mpm.Scene(lower=(0, -1.5), upper=upper, cell=cell, scheme=scheme, threads=threads)
+    scene.gravity = gravity
+    scene.fix("left")
     rubber = mpm.NeoHookean(density=1050, young=1e7, poisson=0.3)
     type_ = mpm.APDI(size=cell / 2) if type == "APDI" else mpm.UGIMP(perCell=2)
     scene.add("beam", box((0, 0), (LENGTH, DEPTH)), rubber, type_)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -gravity), fixed="left"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
     return scene
 
 

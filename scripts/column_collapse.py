@@ -76,6 +76,9 @@ def build(a):
     """The scene: the column at rest, the gate just gone (without output)."""
     top = a.cell * ceil(1.2 * a.height / a.cell - 1e-9)
     scene = mpm.Scene(lower=(0, 0), upper=(a.floor, top), cell=a.cell, threads=a.threads)
+    scene.gravity, scene.damping = GRAVITY, a.damping
+    scene.fix("bottom")
+    scene.roller("left")
     bars = mpm.MohrCoulombDruckerPrager(
         density=DENSITY,
         young=YOUNG,
@@ -96,12 +99,6 @@ def build(a):
         moving = scene.add("moving bars", column - still, bars, boxes, fbar=a.fbar)
         scene.add("still bars", column & still, bars, mpm.APDI(size=a.cell, matched=moving), fbar=a.fbar)
     scene.initialStress(surface=a.height, K0=K0, gravity=GRAVITY)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -GRAVITY), damping=a.damping, roller="left", fixed="bottom"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
     return scene
 
 

@@ -77,6 +77,9 @@ def effectiveHalfWidth(a):
 def build(a):
     """The scene: ground and footing (without output)."""
     scene = mpm.Scene(lower=(0, 0), upper=(WIDTH, DEPTH + 4 * a.cell), cell=a.cell, threads=a.threads)
+    scene.damping = a.damping
+    scene.fix("bottom")
+    scene.roller("left", "right")
     angles = dict(frictionAngle=radians(a.phi), dilatancyAngle=radians(a.phi))
     lame = BULK - 2 / 3 * SHEAR, SHEAR
     clay = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=lame, cohesion=COHESION, **angles)
@@ -87,13 +90,7 @@ def build(a):
 
     last = effectiveHalfWidth(a) - 0.5 * a.cell
     nodes = box((-3 * a.cell, DEPTH - 0.1 * a.cell), (last + 0.1 * a.cell, DEPTH + 3 * a.cell))
-    footing = mpm.Hold(nodes, velocity=(0.0, -a.rate), ramp=rampTime(a), name="footing")
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(damping=a.damping, roller=("left", "right"), fixed="bottom", hold=footing),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.drive(nodes, velocity=(0.0, -a.rate), ramp=rampTime(a), name="footing")
     return scene
 
 

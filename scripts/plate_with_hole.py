@@ -68,18 +68,13 @@ def build(a):
     scene = mpm.Scene(
         lower=(0, 0), upper=(HALF_WIDTH + 2 * cell, HALF_LENGTH + 2 * cell), cell=cell, threads=a.threads
     )
+    scene.damping = 0.7
+    scene.roller("left", "bottom")
     metal = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
     plate = scene.add("plate", quarterMesh(cell), metal, mpm.APDI())
     end = box((-cell, HALF_LENGTH - 1e-6), (HALF_WIDTH + cell, HALF_LENGTH + 1e-6))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.BoundaryLoad(
-            plate, where=end, traction=(0.0, SIGMA0), ramp=4 * 4 * HALF_LENGTH / metal.waveSpeed
-        ),
-        mpm.GridSolver(damping=0.7, roller=("left", "bottom")),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    ramp = 4 * 4 * HALF_LENGTH / metal.waveSpeed
+    scene.engines.insert(1, mpm.BoundaryLoad(plate, where=end, traction=(0.0, SIGMA0), ramp=ramp))
     return scene
 
 

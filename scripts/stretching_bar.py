@@ -49,14 +49,10 @@ def build(
         "split": lambda: mpm.UGIMP(perCell=perCell, splitAt=splitAt),
     }
     scene = mpm.Scene(lower=(-0.5, -4), upper=(1.5, 1), cell=cell, scheme=scheme, threads=threads)
+    scene.gravity = gravity
+    scene.fix("top")
     rubber = mpm.NeoHookean(density=1.05, young=1000, poisson=0.3)
     scene.add("bar", box((0, 0), (1, 1)), rubber, types[kind]())
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -gravity), fixed=("top",)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
     scene.dt = step * cell
     return scene
 

@@ -68,16 +68,12 @@ def build(a):
     even = box((0, -5 * B), (3 * B, 2 * a.cell))
     grading = mpm.Grading(even, a.growth, 0.1 * a.extent) if a.growth > 1 else None
     scene = mpm.Scene((0, -a.extent), (half, 2 * a.cell), a.cell, threads=a.threads, grading=grading)
+    scene.damping = 0.7
+    scene.roller("left", "right", "bottom")
     rock = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
     ground = scene.add("ground", box((0, -a.extent), (half, 0)), rock, mpm.APDI(size=a.size))
     strip = box((0, -1e-3 * a.cell), (B, 1e-3 * a.cell))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.BoundaryLoad(ground, where=strip, pressure=Q, ramp=rampTime(a, rock)),
-        mpm.GridSolver(damping=0.7, roller=("left", "right", "bottom")),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines.insert(1, mpm.BoundaryLoad(ground, where=strip, pressure=Q, ramp=rampTime(a, rock)))
     return scene
 
 

@@ -74,19 +74,15 @@ def build(a, state):
     fed = BEHIND if state == "passive" else 0.0
     upper = LENGTH, HEIGHT + 4 * a.cell
     scene = mpm.Scene(lower=(-2 * BEHIND, 0), upper=upper, cell=a.cell, threads=a.threads)
+    scene.gravity, scene.damping = GRAVITY, a.damping
+    scene.roller("right", "bottom")
     strength = dict(cohesion=COHESION, frictionAngle=FRICTION, dilatancyAngle=radians(a.psi))
     soil = mpm.MohrCoulombDruckerPrager(density=DENSITY, lame=LAME, **strength)
     geotech.addGround(scene, "soil", box((-fed, 0), (LENGTH, HEIGHT)), None, soil, a.types, fbar=False)
     scene.initialStress(surface=HEIGHT, K0=K0, gravity=GRAVITY)
     line = box((-9 * BEHIND, -HEIGHT), (0.1 * a.cell, 3 * HEIGHT))
     velocity = np.sign(MOVEMENT[state]) * a.rate, None
-    wall = mpm.Hold(line, velocity=velocity, ramp=rampTime(a, state), name="wall")
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -GRAVITY), damping=a.damping, roller=("right", "bottom"), hold=wall),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.drive(line, velocity=velocity, ramp=rampTime(a, state), name="wall")
     return scene
 
 

@@ -7,7 +7,7 @@ from ..particle.types import APDI, UGIMP
 TYPES = ("hybrid", "ugimp", "apdi")
 
 
-@takes(scene=SCENE, name=TEXT, region=REGION, zone=REGION, types=TEXT)
+@takes(scene=SCENE, name=TEXT, region=REGION, types=TEXT)
 def addGround(scene, name, region, zone, material, types, splitAt=None, onDistortion="stop", **more):
     """Adds ground to a scene: of uGIMP, of APDI, or uGIMP in a zone and APDI elsewhere.
 

@@ -32,6 +32,9 @@ def test_an_old_spelling_runs_and_the_warning_in_the_users_line_says_what_to_wri
     with pytest.warns(DeprecationWarning, match=r"PyRunner.virtPeriod .* write period") as told:
         runner.virtPeriod = 0.25
     assert [w.filename for w in told] == [__file__] and runner.period == 0.25
+    with pytest.warns(DeprecationWarning, match=r"Scene.add\(type=...\) .* write particles=..."):
+        scene = mpm.Scene((0, 0), (1, 1), cell=0.5)
+        scene.add("block", mpm.box((0, 0), (1, 1)), elastic(100.0), type=mpm.UGIMP(perCell=1))
     with pytest.warns(DeprecationWarning, match="GridSolver.drive .* write drives"):
         assert mpm.GridSolver().drive == []
     with pytest.warns(DeprecationWarning, match="Scene.loop .* internal"):
@@ -135,7 +138,20 @@ def test_completion_of_a_scene_shows_no_internals():
 
 
 def test_the_module_of_shapes_shows_the_shapes_alone():
-    assert {n for n in vars(mpm.rigid) if not n.startswith("_")} == {"Box", "Facet", "Sphere", "Wall"}
+    assert {n for n in vars(mpm.rigid) if not n.startswith("_")} == {
+        "Box",
+        "Facet",
+        "Shape",
+        "Sphere",
+        "Wall",
+    }
+
+
+@pytest.mark.parametrize("name", research.LOOPS["Scene"])
+def test_what_loops_of_your_own_need_is_on_the_page_of_research(name):
+    page = (ROOT / "doc" / "reference" / "research.md").read_text()
+    assert re.search(rf"`(scene\.)?{name}[`(]", page), name
+    assert name not in shown(block()[0]) and hasattr(mpm.Scene, name) | (name in vars(block()[0]))
 
 
 def owner(name):

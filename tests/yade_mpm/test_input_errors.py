@@ -301,7 +301,7 @@ def addTo(scene, name="other", region=UNIT, material=None, type=None):
 
 @cases(
     ("body 'block': material", lambda: addTo(emptyScene(), "block", material="steel"), TypeError),
-    ("body 'block': type", lambda: addTo(emptyScene(), "block", type=mpm.UGIMP), TypeError),
+    ("body 'block': particles", lambda: addTo(emptyScene(), "block", type=mpm.UGIMP), TypeError),
     ("Scene: name", lambda: addTo(emptyScene(), None), TypeError),
     ("'block' already", lambda: addTo(oneBody(), "block", box((2, 2), (3, 3)))),
     ("body 'block' ... 3D", lambda: oneBody(sphere((1, 1, 1), 0.5))),

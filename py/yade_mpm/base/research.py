@@ -22,6 +22,18 @@ OPTIONS = {
     "UGIMP": ("outline",),
 }
 
+LOOPS = {  # what engines and loops of your own need
+    "Scene": (
+        "cellSizeAt",
+        "dtSpeed",
+        "faceNodes",
+        "isGraded",
+        "nodePositions",
+        "nodesInside",
+        "prepare",
+        "stepper",
+    )
+}
 SET_BY_METHODS = {"Contact": ("pairs",), "RigidContact": ("masses", "pairs")}  # as pair() and addBody()
 
 
@@ -30,6 +42,6 @@ def hiddenOf(kind):
     return {
         name
         for base in kind.__mro__
-        for table in (OPTIONS, SET_BY_METHODS)
+        for table in (OPTIONS, LOOPS, SET_BY_METHODS)
         for name in table.get(base.__name__, ())
     }

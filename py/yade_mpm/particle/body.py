@@ -12,11 +12,13 @@ from ..base import limits
 from ..base.attributes import Guarded
 from ..base.deprecation import currentName
 from ..base.html import card, table
+from ..base.keywords import checked
 from ..base.kinds import TEXT, takes
 from ..base.wording import shown
 from ..geometry.numbers import floats
 from ..geometry.region import Region
 from .part import BodyPart
+from .types import ParticleType
 
 # Length over that of its box to which a domain is drawn: boxes of half a cell that are farther apart than
 # that have come apart, and a longer one would bridge a gap that is there.
@@ -368,15 +370,16 @@ class Body(Guarded):
         self._scene._core.convertTo(self.name, other.name)
         self._convertsTo = other.name
 
-    def convert(self, region, type, tolerance=1e-6):
+    @checked("Body.convert", type="particles")
+    def convert(self, region: Region, particles: ParticleType, tolerance: float = 1e-6) -> Body:
         """Makes particles of another type of those of this body in a region, between two runs; returns the
         body that has them.
 
         Parameters
         ----------
         region : Region; domains or particles with their centre in it are converted.
-        type : mpm.UGIMP(...) for APDI domains: each becomes as many as fit its edges; mpm.APDI() for uGIMP
-            particles: each becomes one domain.
+        particles : mpm.UGIMP(...) for APDI domains: each becomes as many as fit its edges; mpm.APDI() for
+            uGIMP particles: each becomes one domain.
         tolerance : from uGIMP to APDI: how far neighbours may have their common corners apart, as a part of
             an edge, and how far the area (3D: volume) of a domain may be from that of its particle, as a
             part of it; default 1e-6.
@@ -398,7 +401,7 @@ class Body(Guarded):
             raise ValueError(
                 f"body '{self.name}': convert: tolerance = {tolerance!r} is not allowed; {allowed}"
             )
-        return self._scene._convert(self, region, type, tolerance)
+        return self._scene._convert(self, region, particles, tolerance)
 
     # --- parts, for driving ---
     def above(self, height: float) -> BodyPart:

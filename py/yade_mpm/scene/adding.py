@@ -37,13 +37,13 @@ class Bodies(tuple):
         raise AttributeError(f"Scene: bodies has no attribute '{name}'; it is a tuple of Body")
 
 
-@checked("Scene.add", research=("inertiaScale",))
+@checked("Scene.add", research=("inertiaScale",), type="particles")
 def add(
     scene,
     name: str,
     region: Region | Mesh | tuple | str | os.PathLike,
     material: Material,
-    type: ParticleType | None = None,
+    particles: ParticleType | None = None,
     inertiaScale: float = 1.0,
     fbar: bool | None = None,
     group: str | None = None,
@@ -60,9 +60,9 @@ def add(
         Domains are in the order of the cells; those of a file are renumbered in rows, for speed:
         `body.mesh.cellNumbers` tells which cell each is.
     material : Material, e.g. mpm.LinearElastic(...).
-    type : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25). Default None: boxes that are cut as
-        they grow long, mpm.UGIMP(perCell=2, splitAt=1.3), for a material that yields; a mesh with edges of
-        half a cell, mpm.APDI(size=cell/2), for an elastic one.
+    particles : ParticleType, e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=0.25). Default None: boxes that are
+        cut as they grow long, mpm.UGIMP(perCell=2, splitAt=1.3), for a material that yields; a mesh with
+        edges of half a cell, mpm.APDI(size=cell/2), for an elastic one.
     fbar : bool, one increment of volumetric strain and one linear mean stress per cell: against volumetric
         locking, which makes soil that yields too strong, and for volumes that stay (de Souza Neto et al.
         1996, doc/explanation/volumes.md). Default None: for materials that yield. False: the bare form.
@@ -70,9 +70,9 @@ def add(
         None: by the calls of `contact`; "main" where there are none.
     implicit : bool, solve for the elastic forces of the body at the end of each step: its stiffness does not
         limit the time step, and GridSolver's damping leaves it alone. For structures much stiffer than what
-        is around them (doc/explanation/implicit-bodies.md). Default None: where type is left out an elastic
-        body is implicit if its waves are four times as fast as those of the other bodies, until the first
-        step; where type is given it is not.
+        is around them (doc/explanation/implicit-bodies.md). Default None: where `particles` is left out an
+        elastic body is implicit if its waves are four times as fast as those of the other bodies, until the
+        first step; where it is given it is not.
     exclude : RigidContact, whose rigid bodies keep their place: boxes that would overlap with one are left
         out, also beside thin and inclined shapes. Of boxes only. Default None: the region is filled.
     flow : where the soil flows: a region, or (pile, 2.0), a box up to 2 m round a body or a region. Boxes are
@@ -92,11 +92,11 @@ def add(
 
         return addHybrid(scene, name, region, flow, part)
     chosen = {}
-    if type is None and isinstance(material, Material):
-        type, chosen["particles"] = choices.particlesFor(scene, region, material)
+    if particles is None and isinstance(material, Material):
+        particles, chosen["particles"] = choices.particlesFor(scene, region, material)
         if implicit is None:
             chosen["implicit"] = "its material yields"
-    _checkArguments(scene, name, region, material, type)
+    _checkArguments(scene, name, region, material, particles)
     if fbar is None:
         fbar = material._core.yields and not implicit
         chosen["fbar"] = "yields, and would lock" if fbar else "keeps its volume by itself"
@@ -104,7 +104,7 @@ def add(
         group, chosen["group"] = "main", "in no contact"
     with scene._holder.held("add"):
         options = inertiaScale, fbar, group, bool(implicit) if implicit is None else implicit
-        body = _added(scene, name, region, material, type, options, exclude)
+        body = _added(scene, name, region, material, particles, options, exclude)
         for one in [body] if body.convertsTo is None else [body, scene[body.convertsTo]]:
             keep(one, _chosen=dict(chosen))
         choices.update(scene)
@@ -198,7 +198,7 @@ def _checkArguments(scene, name, region, material, type):
         raise TypeError(f"body '{name}': material = {material!r}; give e.g. mpm.LinearElastic(...)")
     if not isinstance(type, ParticleType):
         raise TypeError(
-            f"body '{name}': type = {type!r}; give e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=...)"
+            f"body '{name}': particles = {type!r}; give e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=...)"
         )
     if isinstance(region, Region) and region.dim != scene.dim:
         raise ValueError(f"body '{name}': the region is {region.dim}D, the scene {scene.dim}D; give another")

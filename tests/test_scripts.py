@@ -141,6 +141,8 @@ PARTS = (
     "sheet_pile_measures",
     "sheet_pile_pictures",
     "hertz_on_layer",
+    "landscape",
+    "soil_laws",
     "yade_boulders_balance",
     "yade_boulders_pictures",
     "yade_disc_pictures",

@@ -49,6 +49,8 @@ PARAMETERS = mpm.Parameters(
     Parameter("confinement", 20.0, "pressure p0 at the start", unit="kPa", least=0),
     Parameter("until", 3.1, "radius at the end over that at the start", above=1.2, most=10),
     Parameter("rate", 0.1, "of the wall", unit="m/s", above=0),
+    # Rings of sand that are stretched to four times bear 10 % too much with the default of APDI, 0.05.
+    derived={"hourglass": lambda a: 0.2 if a.phi else 0.05},
     smoke={"cells": 2, "rate": 0.2},
 )
 arguments = PARAMETERS.parse
@@ -145,7 +147,7 @@ def build(a):
     size = ceil(OUTSIDE / cell + 2) * cell
     grading = mpm.Grading(((0, 0), (EVEN, EVEN)), largest=0.1 * OUTSIDE)
     scene = mpm.Scene((0, 0), (size, size), cell, threads=a.threads, grading=grading)
-    soil = scene.add("soil", meshOf(a), clay(a), mpm.APDI())
+    soil = scene.add("soil", meshOf(a), clay(a), mpm.APDI(hourglass=a.hourglass))
     soil.setStress(-a.confinement * np.eye(3))
     mandrel = Mandrel(a, soil)
     far = box((0, 0), (size, size)) - disc((0, 0), 0.98 * OUTSIDE)

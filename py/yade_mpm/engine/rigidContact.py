@@ -183,16 +183,18 @@ too."""
 
         soil : number of the body in scene.bodies; body : rigid body; id : particle (uGIMP) or vertex (APDI);
         normal (n, 3), out of the rigid body; slip (n, 3), m, held by the tangential spring; point (n, 3), m,
-        the vertex, or where the particle would be had it moved as it is strained; gap, m; force (n, 3), kN,
-        on the soil.
+        the vertex, or where the particle would be had it moved as it is strained; gap, m; stretch of a box
+        along the normal since it was touched; force (n, 3), kN, on the soil.
         """
-        table = self._core.value("history")
-        return {
-            **{name: column(table, name, type=int) for name in ("soil", "body", "id")},
-            **{name: column(table, name, 3) for name in ("normal", "slip", "point")},
-            "gap": column(table, "gap"),
-            "force": column(table, "force", 3),
+        history = self._core.value("history")
+        table = {
+            **{name: column(history, name, type=int) for name in ("soil", "body", "id")},
+            **{name: column(history, name, 3) for name in ("normal", "slip", "point")},
+            "gap": column(history, "gap"),
+            "stretch": column(history, "stretch"),
+            "force": column(history, "force", 3),
         }
+        return {name: values[table["gap"] < 0] for name, values in table.items()}
 
     def _state(self, name, width=3):
         return column(self._core.value("states"), name, width)

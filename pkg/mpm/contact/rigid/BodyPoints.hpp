@@ -54,6 +54,9 @@ template <int Dim> class BodyPoints {
         return 1 / std::sqrt(sum);
     }
 
+    // From the centre to where a normal force acts on a box of that stretch along n: within the box.
+    Vec3 armAlong(const Vec3& n, double stretch) const { return -std::min(stretch, 1.0) * halfAlong(n) * n; }
+
     // How wide a point is along n, m: a vertex as wide as its share of the facets.
     double width(int i, const Vec3& n) const {
         return isMeshed_ ? std::pow(area_[i], 1.0 / (Dim - 1)) : 2 * halfAlong(n);
@@ -68,20 +71,8 @@ template <int Dim> class BodyPoints {
         return s;
     }
 
-    // Stretch of point i along n, |F^T n|, limited to 1 -+ mostStretch: boxes keep their size where the soil
-    // flows. And the derivative of the limited stretch.
-    struct Stretch {
-        double factor = 1, rate = 0;
-    };
-    static constexpr double mostStretch = 0.05; // elastic strain; more is flow
-    Stretch stretch(int i, const Vec3& n) const {
-        if (isMeshed_) return {};
-        Vec3 across = Vec3::Zero(); // F^T n
-        for (int c = 0; c < 9; ++c)
-            across[c % 3] += body_->particles.deformationGradient.plane(c)[i] * n[c / 3];
-        const double t = std::tanh((across.norm() - 1) / mostStretch);
-        return {1 + mostStretch * t, 1 - t * t};
-    }
+    // How much thicker than at first a box may be that stays in touch: contact looks for points so far away.
+    static constexpr double mostStretch = 0.5;
 
     // Area that point i stands for under a normal n: of a vertex its share of the facets, of a box volume
     // over extent.

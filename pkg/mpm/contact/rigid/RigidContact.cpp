@@ -78,8 +78,8 @@ double RigidContact::storedBy(double overlap) const {
 }
 
 // kappa = factor min(m/A)/dt^2. By Jensen's inequality the nodes see no higher frequency than the points
-// alone, for any number of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times 1 + 2 l/h;
-// of friction kappa_t A/m (1 + 2 Dim l/h).
+// alone, for any number of contacts at once: omega^2 <= kappa A/m, for boxes of half size l times
+// 1/(1 - l/h) + 4 l/h, which is the largest sum w_i^2/phi_i: a face just beyond a line of the grid.
 template <int Dim>
 double RigidContact::chooseStiffness(const Scene<Dim>& scene, const Points<Dim>& points) const {
     double least = anyMass;
@@ -170,10 +170,10 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
               : std::isnan(hertzOverlap) ? softShare * scene.grid.smallestCell().minCoeff()
                                          : hertzOverlap;
     std::vector<RigidContactPoint> contacts = findNearContacts(scene, points, shape_, states);
-    moveToStrainedPlaces(scene, contacts);
     dropRepeats(contacts, shape_);
     forgetRenumbered(scene);
     remember(contacts, history);
+    followStrain(scene, points, contacts);
     refuseCrossed(scene, points, contacts, shape_, history);
 
     forces.fill(0);
@@ -182,7 +182,8 @@ template <int Dim> void RigidContact::act(Scene<Dim>& scene) {
     sliding = 0;
     springEnergy = 0;
     RigidBalance<Dim> balance(scene, checkBalance ? bodies() : 0);
-    for (RigidContactPoint& c : contacts) push(scene, points[c.soil], c, balance);
+    for (RigidContactPoint& c : contacts)
+        if (c.pushes()) push(scene, points[c.soil], c, balance);
     if (checkBalance) balance.check(states, forces, torques);
     history.swap(contacts);
     moveOn(scene.dt);
@@ -206,17 +207,15 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     const RigidState& rigid = states[c.body];
     const int index = points.index(c.place);
     const Vec3 n = c.normal;
-    const double out = points.exitAlong(n);
-    const Arm arm{-out * n, out > 0 ? points.stretch(c.place, n).rate * points.halfAlong(n) / out : 0};
-    const Vec3 at = points.position(c.place) + arm.d; // where the nodes find it
+    const Arms arms{points.armAlong(n, c.stretch), -points.exitAlong(n) * std::min(c.stretch, 1.0) * n};
+    const Vec3 at = points.position(c.place) + arms.friction; // where the nodes find it
     const double area = points.area(c.place, n);
     const double kn = bodyStiffness_[c.body] * area, kt = shearRatio * kn;
 
     const bool isOld = c.isOld();
     const Vec3 carried = scene.dt * rigid.velocityAt(at);
-    const Vec3 slid = isOld
-                          ? Vec3(movedSince(soil, index, c, arm, scene.dt) - carried)
-                          : slidSinceTouch(soil, index, c, arm, points.position(c.place), carried, scene.dt);
+    const Vec3 slid = isOld ? Vec3(movedSince(scene, soil, index, c, arms) - carried)
+                            : slidSinceTouch(scene, soil, index, c, arms, points.position(c.place), carried);
     const double opened = isOld ? c.gap - c.gapBefore : 0;
     const double viscous = 2 * normalDamping * std::sqrt(kn * points.mass(c.place)) * opened / scene.dt;
     const double normal = std::max(0.0, kn * overlapFelt(-c.gap) - viscous);
@@ -232,8 +231,9 @@ void RigidContact::push(Scene<Dim>& scene, const BodyPoints<Dim>& points, RigidC
     const Vec3 pushed = normal * n, dragged = -kt * c.slip;
     c.force = pushed + dragged;
 
-    addForce(soil, index, arm, pushed, dragged, scene.grid.fields[soil.velocityField].sum.data());
-    if (checkBalance) balance.add(c.soil, c.body, index, arm, pushed, dragged);
+    addForce(soil, scene.grid, index, arms, pushed, dragged,
+             scene.grid.fields[soil.velocityField].sum.data());
+    if (checkBalance) balance.add(c.soil, c.body, index, arms, pushed, dragged);
     const Vec3 torque = (at - rigid.position).cross(c.force);
     for (int k = 0; k < 3; ++k) {
         forces.plane(k)[c.body] -= c.force[k];

@@ -71,7 +71,9 @@ class RigidContact : public EngineOf<RigidContact> {
     void prepare(Scene<3>& scene) override { check(scene); }
 
     int bodies() const { return int(friction.size()); }
-    int contacts() const { return int(history.size()); }
+    int contacts() const {
+        return int(std::count_if(history.begin(), history.end(), [](auto& c) { return c.pushes(); }));
+    }
     // All bodies at once: N x 3, N x 4 (w, x, y, z), N x 3, N x 3.
     void setStates(const std::vector<double>& positions, const std::vector<double>& orientations,
                    const std::vector<double>& velocities, const std::vector<double>& angularVelocities);

@@ -47,9 +47,8 @@ std::vector<Parameter> RigidContact::attributes() {
         {"stiffnessFactor",
          "-",
          "Stiffness of the contact of the lightest point over m/dt^2. Stable for certain up to "
-         "4 [1 - (dt/dtCritical)^2] over the larger of 1 + 2 l/h and shearRatio (1 + 2 Dim "
-         "l/h), l the half size of a "
-         "box, h the cell (vertices: over 1).",
+         "4 [1 - (dt/dtCritical)^2] over 1/(1 - l/h) + 4 l/h, l the half size of a box, h the cell "
+         "(vertices: over 1).",
          &stiffnessFactor,
          {0, 1, true, false}},
         {"shearRatio", "-", "Tangential over normal stiffness.", &shearRatio, {0, 1, true, false}},

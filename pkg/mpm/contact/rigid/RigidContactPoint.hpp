@@ -15,7 +15,8 @@ struct RigidContactPoint {
     Vec3 slip = Vec3::Zero();   // m, tangential displacement that the spring holds
     // M, the vertex, or where the particle would be had it moved as it is strained
     Vec3 point = Vec3::Zero();
-    double gap = 0;            // m, negative
+    double gap = 0;            // m, negative where they overlap
+    double stretch = 1;        // of a box along the normal, since it was touched
     Vec3 force = Vec3::Zero(); // kN, on the soil
 
     template <class Self, class Visit> static void members(Self& row, Visit&& visit) {
@@ -26,6 +27,7 @@ struct RigidContactPoint {
         visit("slip", "m", row.slip);
         visit("point", "m", row.point);
         visit("gap", "m", row.gap);
+        visit("stretch", "-", row.stretch);
         visit("force", "kN", row.force);
     }
 
@@ -37,6 +39,10 @@ struct RigidContactPoint {
     Vec3 pointBefore = Vec3::Constant(notGiven); // point (not a number: a new contact)
     double gapBefore = 0;                        // and gap in the step before
 
+    bool isKnown = false; // whether the history has the stretch
+
+    bool pushes() const { return gap < 0; }
+    // Whether it pushed in the step before.
     bool isOld() const { return pointBefore.allFinite(); }
     // Which point of which body touches which rigid body.
     auto pair() const { return std::tie(soil, id, body); }

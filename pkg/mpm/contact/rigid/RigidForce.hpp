@@ -1,56 +1,55 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
-// How a force on the surface of a point goes to the nodes. Vertices pass it on with their own hat functions.
-// A box with its centre at x_p has its surface at x_c = x_p + d, d against the normal. It moves with the
-// particle and its velocity gradient, hence a force there goes to the nodes by
-//     f_i = (phi_i + q grad phi_i . d) F_n + (phi_i + grad phi_i . d) F_t
-// Friction acts where the normal leaves the box. q |d| is how far from x_p the gap sees strain: the extent of
-// the ball, as long as strain is small. (With friction at the ball pairs of boxes stuck below the edges of a
-// wedge, and slipped off.) So sum f_i = F and sum x_i x f_i = x_c x F (d x F_n = 0): force and moment balance
-// to round-off, and both springs see the motion that their force does work on. With a gap that follows x_p
-// alone and F_n at x_c the stiffness matrix is not symmetric, and a bouncing disc gains energy.
+// How a force on the surface of a point goes to the nodes. Vertices pass it on with their own hat
+// functions. The normal force of a box acts at the ball inscribed in it, which is touched, by the weights
+// of BoxSurface.hpp. Friction acts where the normal leaves the box, by
+//     f_i = (w_i + grad phi_i . (d_t - d_n)) F_t
+// (with friction at the ball pairs of boxes stuck below the edges of a wedge, and slipped off). Both are
+// as much nearer to the centre as the box is thinner than at first. So sum f_i = F and sum x_i x f_i = x_c
+// x F (d x F_n = 0): force and moment balance to round-off, and both springs see the motion that their
+// force does work on. With a gap that follows x_p alone the stiffness matrix is not symmetric, and a
+// bouncing disc gains energy.
 #pragma once
 
+#include "mpm/contact/rigid/BoxSurface.hpp"
 #include "mpm/contact/rigid/RigidContactPoint.hpp"
-#include "mpm/scene/Scene.hpp"
 
 #include <map>
 
 namespace mpm {
 
-// Where the surface of a point is, d from it, and the part q of its strain along d that the gap sees.
-struct Arm {
-    Vec3 d;
-    double q;
+// Where the forces on a point act, from its centre.
+struct Arms {
+    Vec3 normal, friction;
 };
 
-template <int Dim> Mat<3> velocityGradientOf(const Body<Dim>& soil, int p) {
-    Mat<3> L = Mat<3>::Zero();
-    for (int i = 0; i < Dim; ++i)
-        for (int j = 0; j < Dim; ++j) L(i, j) = soil.particles.velocityGradient.plane(Dim * i + j)[p];
-    return L;
+// How fast the place where friction acts moves against the centre of the point.
+template <int Dim>
+Vec3 frictionVelocity(const Scene<Dim>& scene, const Body<Dim>& soil, int index, const Arms& arms) {
+    if (soil.type->isMeshed()) return Vec3::Zero();
+    return strainVelocity(scene, soil, index, arms.normal) +
+           velocityGradientOf(soil, index) * (arms.friction - arms.normal);
 }
 
 // How far the place where friction acts has moved since the last step. A particle's own part is taken from
 // its place: under FLIP its velocity is another one.
 template <int Dim>
-Vec3 movedSince(const Body<Dim>& soil, int index, const RigidContactPoint& contact, const Arm& arm,
-                double dt) {
-    const Vec3 moved = contact.point - contact.pointBefore;
-    if (soil.type->isMeshed()) return moved;
-    return moved + dt * (velocityGradientOf(soil, index) * arm.d);
+Vec3 movedSince(const Scene<Dim>& scene, const Body<Dim>& soil, int index, const RigidContactPoint& contact,
+                const Arms& arms) {
+    return contact.point - contact.pointBefore + scene.dt * frictionVelocity(scene, soil, index, arms);
 }
 
 // How far it has slid since a touch that is new in this step: the overlap tells when that was. Without it no
 // touch would bear friction in its first step, and what chatters would slide too fast. carried: by the rigid
 // body in a step.
 template <int Dim>
-Vec3 slidSinceTouch(const Body<Dim>& soil, int index, const RigidContactPoint& contact, const Arm& arm,
-                    const Vec3& position, const Vec3& carried, double dt) {
+Vec3 slidSinceTouch(const Scene<Dim>& scene, const Body<Dim>& soil, int index,
+                    const RigidContactPoint& contact, const Arms& arms, const Vec3& position,
+                    const Vec3& carried) {
     Vec3 moved = contact.point - position; // of a box: from where it is to where it is strained
     const Field& velocity =
         soil.type->isMeshed() ? soil.domains->mesh()->vertexVelocities() : soil.particles.velocity;
-    moved.head<Dim>() += dt * vectorAt<Dim>(velocity, index);
-    if (!soil.type->isMeshed()) moved += dt * (velocityGradientOf(soil, index) * arm.d);
+    moved.head<Dim>() += scene.dt * vectorAt<Dim>(velocity, index);
+    moved += scene.dt * frictionVelocity(scene, soil, index, arms);
     const Vec3 slid = moved - carried;
     const double closed = -slid.dot(contact.normal);
     if (!(closed > 0)) return Vec3::Zero();
@@ -59,20 +58,23 @@ Vec3 slidSinceTouch(const Body<Dim>& soil, int index, const RigidContactPoint& c
 
 // Adds what nodes get of a normal and a friction force.
 template <int Dim>
-void addForce(const Body<Dim>& soil, int index, const Arm& arm, const Vec3& normal, const Vec3& friction,
-              typename NodalField<Dim>::Sum* nodes) {
+void addForce(const Body<Dim>& soil, const Grid<Dim>& grid, int index, const Arms& arms, const Vec3& normal,
+              const Vec3& friction, typename NodalField<Dim>::Sum* nodes) {
     using NF = NodalField<Dim>;
+    const Vec<Dim> force = (normal + friction).template head<Dim>();
     if (soil.type->isMeshed()) {
-        soil.domains->mesh()->addVertexForce(index, Vec<Dim>((normal + friction).template head<Dim>()),
-                                             nodes);
+        soil.domains->mesh()->addVertexForce(index, force, nodes);
         return;
     }
+    const auto add = [&](int node, const Vec<Dim>& f) {
+        for (int k = 0; k < Dim; ++k) nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + f[k]);
+    };
+    const Vec<Dim> beyond = (arms.friction - arms.normal).template head<Dim>();
     soil.domains->weights(index, [&](int node, double phi, const Vec<Dim>& gradient) {
-        const double shift = gradient.dot(arm.d.head<Dim>());
-        for (int k = 0; k < Dim; ++k)
-            nodes[node].set(NF::force(k), nodes[node][NF::force(k)] + (phi + arm.q * shift) * normal[k] +
-                                              (phi + shift) * friction[k]);
+        add(node, phi * force + gradient.dot(beyond) * friction.template head<Dim>());
     });
+    forShiftOfWeights(soil, grid, index, arms.normal,
+                      [&](int node, double weight) { add(node, weight * force); });
 }
 
 // What the nodes get from each rigid body by each body of the scene, against what the rigid body gets.
@@ -82,10 +84,10 @@ template <int Dim> class RigidBalance {
 
     RigidBalance(const Scene<Dim>& scene, int bodies) : scene_(scene), nodes_(bodies) {}
 
-    void add(int soil, int body, int index, const Arm& arm, const Vec3& normal, const Vec3& friction) {
+    void add(int soil, int body, int index, const Arms& arms, const Vec3& normal, const Vec3& friction) {
         auto& nodes = nodes_[body][soil];
         if (nodes.empty()) nodes.assign(scene_.grid.count, NF::Sum::zero());
-        addForce(*scene_.bodies[soil], index, arm, normal, friction, nodes.data());
+        addForce(*scene_.bodies[soil], scene_.grid, index, arms, normal, friction, nodes.data());
     }
 
     // forces, torques: on the rigid bodies.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/contact/rigid/findRigidContacts.hpp"
 
+#include "mpm/contact/rigid/BoxSurface.hpp"
+
 namespace mpm {
 
 namespace {
@@ -22,21 +24,12 @@ Vec3 turned(const Vec3& v, const Vec3& from, const Vec3& to) {
 // back from the particles (MUSL, USF), the one that moves them is not; under FLIP what lies between them adds
 // up to dt (v_p - sum phi_i v_i).
 template <int Dim> Vec3 toStrainedPlace(const Scene<Dim>& scene, const Body<Dim>& soil, int p) {
-    using NF = NodalField<Dim>;
     Vec3 straining = Vec3::Zero(), own = Vec3::Zero();
     if (soil.type->isMeshed() || !scene.scheme->remaps) return own;
-    const auto& field = scene.grid.fields[soil.velocityField];
-    const double least = scene.leastMass();
     soil.domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {
-        const auto& sum = field.sum[node];
-        if (sum[NF::mass] <= least) return;
-        for (int k = 0; k < Dim; ++k) {
-            const double v = NF::velocityAtStart(sum, k);
-            const int c = field.holder[node][k];
-            straining[k] += phi * (c < 0 ? v : scene.heldAtStart(c, k, v));
-        }
+        straining += phi * mappedVelocity(scene, soil, node);
     });
-    for (int k = 0; k < Dim; ++k) own[k] = soil.particles.velocity.plane(k)[p];
+    own.head<Dim>() = vectorAt<Dim>(soil.particles.velocity, p);
     return scene.dt * (straining - own);
 }
 
@@ -66,8 +59,6 @@ findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
                 });
                 const double half = points[soil].halfAlong(n);
                 if (gap >= near + BodyPoints<Dim>::mostStretch * half) return;
-                gap -= half * (points[soil].stretch(i, n).factor - 1);
-                if (gap >= near) return;
                 const Surface s = shape.nearest(local);
                 RigidContactPoint contact;
                 contact.soil = soil;
@@ -83,18 +74,6 @@ findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& po
             });
     }
     return contacts;
-}
-
-template <int Dim>
-void moveToStrainedPlaces(const Scene<Dim>& scene, std::vector<RigidContactPoint>& contacts) {
-    const double least = roundOff * scene.grid.smallestCell().minCoeff();
-    for (RigidContactPoint& c : contacts) {
-        const Vec3 shift = toStrainedPlace(scene, *scene.bodies[c.soil], c.place);
-        c.point += shift;
-        c.gap += c.normal.dot(shift);
-    }
-    const auto isOpen = [&](const RigidContactPoint& c) { return c.gap >= -least; };
-    contacts.erase(std::remove_if(contacts.begin(), contacts.end(), isOpen), contacts.end());
 }
 
 void dropRepeats(std::vector<RigidContactPoint>& contacts, const std::vector<RigidShape>& shapes) {
@@ -126,6 +105,9 @@ void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidC
         for (auto same = old; same != before.end() && same->pair() == c.pair(); ++same) {
             if (same->normal.dot(c.normal) <= nearest) continue;
             nearest = same->normal.dot(c.normal);
+            c.stretch = same->stretch;
+            c.isKnown = true;
+            if (!same->pushes()) continue;
             c.slip = turned(same->slip, same->normal, c.normal);
             c.pointBefore = same->point;
             c.forceBefore = same->force;
@@ -134,13 +116,41 @@ void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidC
     }
 }
 
+template <int Dim>
+void followStrain(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
+                  std::vector<RigidContactPoint>& contacts) {
+    const double cell = scene.grid.smallestCell().minCoeff(), least = -roundOff * cell;
+    std::vector<RigidContactPoint> kept;
+    kept.reserve(contacts.size());
+    for (RigidContactPoint& c : contacts) {
+        if (!c.isKnown && c.gap >= BodyPoints<Dim>::mostShift * cell) continue;
+        const Body<Dim>& soil = *scene.bodies[c.soil];
+        const Vec3 shift = toStrainedPlace(scene, soil, c.place);
+        c.point += shift;
+        c.gap += c.normal.dot(shift);
+        const bool isClear = c.gap >= least; // with its first thickness
+        const double half = points[c.soil].halfAlong(c.normal);
+        if (c.isKnown && half > 0) {
+            const Vec3 arm = points[c.soil].armAlong(c.normal, c.stretch);
+            const double thicker = -c.normal.dot(strainVelocity(scene, soil, c.place, arm)) * scene.dt;
+            c.stretch = std::clamp(c.stretch + thicker / half, 0.0, 1 + BodyPoints<Dim>::mostStretch);
+        }
+        c.gap -= half * (c.stretch - 1);
+        if (c.gap >= least) c.gap = std::max(0.0, c.gap);
+        if (c.pushes() || !isClear) kept.push_back(c);
+    }
+    contacts.swap(kept);
+}
+
 template std::vector<RigidContactPoint> findNearContacts(const Scene<2>&, const std::vector<BodyPoints<2>>&,
                                                          const std::vector<RigidShape>&,
                                                          const std::vector<RigidState>&);
 template std::vector<RigidContactPoint> findNearContacts(const Scene<3>&, const std::vector<BodyPoints<3>>&,
                                                          const std::vector<RigidShape>&,
                                                          const std::vector<RigidState>&);
-template void moveToStrainedPlaces(const Scene<2>&, std::vector<RigidContactPoint>&);
-template void moveToStrainedPlaces(const Scene<3>&, std::vector<RigidContactPoint>&);
+template void followStrain(const Scene<2>&, const std::vector<BodyPoints<2>>&,
+                           std::vector<RigidContactPoint>&);
+template void followStrain(const Scene<3>&, const std::vector<BodyPoints<3>>&,
+                           std::vector<RigidContactPoint>&);
 
 } // namespace mpm

@@ -13,17 +13,19 @@ std::vector<RigidContactPoint>
 findNearContacts(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
                  const std::vector<RigidShape>& shapes, const std::vector<RigidState>& states);
 
-// Of points that nearly overlap, those that do where they would be had they moved as they are strained.
-template <int Dim>
-void moveToStrainedPlaces(const Scene<Dim>& scene, std::vector<RigidContactPoint>& contacts);
-
 // Of the contacts of a pair that look the same way only the deepest counts (flush boxes of a clump,
 // neighbouring facets), and none at an edge that is hidden in the surface of a shape which is touched more
 // deeply. Sorts them.
 void dropRepeats(std::vector<RigidContactPoint>& contacts, const std::vector<RigidShape>& shapes);
 
-// Slip and last place of contacts that were there in the step before; the slip turns with the normal. Both
-// are sorted.
+// Stretch, slip and last place of contacts that were there in the step before; the slip turns with the
+// normal. Both are sorted.
 void remember(std::vector<RigidContactPoint>& contacts, const std::vector<RigidContactPoint>& before);
+
+// Gaps where the strain has moved the points, and the surfaces of boxes that are in touch. Contacts that
+// overlap stay, and boxes that would if they had their first thickness: it comes back when they are clear.
+template <int Dim>
+void followStrain(const Scene<Dim>& scene, const std::vector<BodyPoints<Dim>>& points,
+                  std::vector<RigidContactPoint>& contacts);
 
 } // namespace mpm

@@ -718,7 +718,7 @@ def test_a_thin_shape_that_the_soil_has_passed_through_is_refused(kind):
             "friction has 2 entries for 1 rigid bodies; give one per body",
         ),
         (lambda c: setattr(c, "stiffnessFactor", 2), ValueError, "stiffnessFactor = 2 is not allowed"),
-        (lambda c: setattr(c, "stifness", 2), ValueError, "did you mean 'stiffness'"),
+        (lambda c: setattr(c, "stifness", 2), AttributeError, "did you mean 'stiffness'"),
         (
             lambda c: c.setStates(np.zeros((2, 3)), [[1, 0, 0, 0]], [[0, 0, 0]], [[0, 0, 0]]),
             ValueError,

@@ -65,7 +65,7 @@ too."""
         """As `addBody`, between two steps of a host that gives the states and prepares the scene again."""
         return self._insert(shapes, friction, (0, 0, 0), (1, 0, 0, 0), (0, 0, 0), (0, 0, 0), mass, adhesion)
 
-    def _setPairs(self, pairs):
+    def setPairs(self, pairs):
         """Friction and adhesion of pairs of materials, between two runs.
 
         Parameters

@@ -74,7 +74,7 @@ class Laws:
         if not (callable(self._friction) or callable(self._adhesion)):
             return
         friction = smallerFriction if self._friction is None else self._friction
-        contact._setPairs(
+        contact.setPairs(
             [
                 (
                     k,

@@ -21,7 +21,7 @@ def slide(pull=2.0, materials=1, steps=60, **contactGiven):
         )
     contact = mpm.RigidContact(**contactGiven)
     contact.addBody(rigid.Box((0.45, 0.2)), position=(1.0, 0.7), velocity=(pull, -0.3), **given)
-    contact._setPairs(pairs)
+    contact.setPairs(pairs)
     scene.engines = chain(contact, fixed="bottom")
     scene.run(steps=steps, progress=False)
     table = contact.contactTable()
@@ -83,8 +83,8 @@ def test_wrong_laws_are_told():
         ((0, 0, -0.1, 0.0),): "friction = -0.1",
     }.items():
         with pytest.raises(ValueError, match=text):
-            contact._setPairs(pairs)
-    contact._setPairs([])
+            contact.setPairs(pairs)
+    contact.setPairs([])
     with pytest.raises(ValueError, match="normalLaw"):
         contact.normalLaw = "linear"
     with pytest.raises(ValueError, match="no body 3 in the scene"):

@@ -136,24 +136,7 @@ app.run(main)
     assert ("Traceback" in ended.stderr) == last.startswith("ValueError")
 
 
-PARTS = (
-    "bench",
-    "sheet_pile_measures",
-    "sheet_pile_pictures",
-    "hertz_on_layer",
-    "landscape",
-    "soil_laws",
-    "yade_boulders_balance",
-    "yade_boulders_pictures",
-    "yade_disc_pictures",
-    "yade_footing_pictures",
-    "yade_hertz_pictures",
-    "yade_pile_compare",
-    "yade_pile_options",
-    "yade_pile_pictures",
-    "yade_pile_results",
-)  # a program of its own kind, and modules of studies
-SCENES = [f for f in sorted(RUN.parent.rglob("*.py")) if f.stem not in PARTS]
+SCENES = [f for f in sorted(RUN.parent.rglob("*.py")) if "__main__" in f.read_text() and f.stem != "bench"]
 
 
 @pytest.mark.parametrize("file", SCENES, ids=lambda f: f.stem)

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box, diagnostics
 from yade_mpm.diagnostics import certificate
 
@@ -341,12 +342,7 @@ def test_the_unbalanced_ratio_is_the_sum_of_its_definition(dim):
     )
     assert np.isnan(diagnostics.unbalancedRatio(scene))
     body.velocity = np.random.default_rng(1).normal(size=body.velocity.shape)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0,) * (dim - 1) + (-9.81,)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0,) * (dim - 1) + (-9.81,))
     scene.dt = 1e-3
     scene.run(steps=1, progress=False)
     start = body.stress[:, :dim, :dim].copy()
@@ -402,13 +398,7 @@ def test_a_footing_whose_load_jumps_with_the_grid_is_refused():
     push = mpm.Drive(footing, velocity=(0, -0.1), ramp=0.2, name="push")
     walls = dict(roller=("left", "right"), fixed="bottom")
     history = mpm.History(period=0.02)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), damping=0.05, drive=push, **walls),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-        history,
-    ]
+    scene.engines = [*chain(gravity=(0, -9.81), damping=0.05, drive=push, **walls), history]
     scene.dt = 1.4e-3
     scene.run(until=3.0, progress=False)
     found = mpm.quasiStatic(history)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm.geometry.mesh import Mesh, cellVolumes
 from yade_mpm.geometry.meshing import meshRegion, refineNear
 from yade_mpm.geometry.meshInput import meshFromArrays
@@ -203,13 +204,7 @@ def sheared(where, dim):
     scene = mpm.Scene((0,) * dim, (3,) * dim, 0.1, threads=1)
     body = scene.add("soil", where, soil, mpm.APDI(hourglass=0.1))
     body.velocity[:, 0] = 2 * (body.position[:, -1] - 0.5)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.BoundaryLoad(body, pressure=5.0),
-        mpm.GridSolver(gravity=(0,) * (dim - 1) + (-9.81,)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(mpm.BoundaryLoad(body, pressure=5.0), gravity=(0,) * (dim - 1) + (-9.81,))
     scene.dt = 2e-4
     scene.run(steps=60, progress=False)
     return body

@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 
 
 @pytest.fixture
@@ -18,10 +19,7 @@ def scene(tmp_path):
         period=0.005, file=str(tmp_path / "h.csv"), columns={"top": lambda s: s["block"].position.max()}
     )
     one.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -10.0), drive=mpm.Drive(one["block"].above(0.9), velocity=(0, -0.1))),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
+        *chain(gravity=(0, -10.0), drive=mpm.Drive(one["block"].above(0.9), velocity=(0, -0.1))),
         mpm.Recorder(str(tmp_path / "r.vtkhdf"), period=0.005),
         history,
         mpm.PyRunner(lambda: None, iterPeriod=5, label="nothing"),
@@ -103,13 +101,7 @@ def test_what_contact_counts_is_no_change():
         body = scene.add(name, mpm.box((0.5, bottom), (1, bottom + 0.5)), rubber, mpm.UGIMP(), group=name)
     body.velocity[...] = (0.1, -0.1)
     contact = mpm.Contact(friction=0.3)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(fixed="bottom"),
-        contact,
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(contact=contact, fixed="bottom")
     scene.run(steps=10)
     scene.run(steps=10)
     assert contact.frictionWork > 0 and scene.changes == []
@@ -119,8 +111,8 @@ def test_a_scene_whose_last_body_was_removed_says_what_it_lacks():
     scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
     rubber = mpm.LinearElastic(density=1, lame=(100, 100))
     body = scene.add("block", mpm.box((0.5, 0.5), (1, 1)), rubber, mpm.UGIMP())
-    chain = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
-    scene.engines = chain
+    engines = chain()
+    scene.engines = engines
     scene.run(steps=1)
     scene.remove(body)
     with pytest.raises(ValueError, match="none has particles"):

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 LEFT = box((0, 0), (1.5, 4))
@@ -15,12 +16,7 @@ def scene(threads=1, **how):
     soil = mpm.MohrCoulombDruckerPrager(density=1.5, lame=(2e3, 1.5e3), cohesion=2.0, frictionAngle=0.5)
     body = one.add("soil", box((0.5, 0), (2.5, 1.5)), soil, mpm.APDI(size=0.25), fbar=True, **how)
     body.velocity = (0.5, -1.0)
-    one.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    one.engines = chain(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom")
     one.run(until=0.05)
     return one
 

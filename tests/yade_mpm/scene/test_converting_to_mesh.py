@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 LEFT = box((0, 0), (1.5, 4))
@@ -31,12 +32,7 @@ def scene(type=None, dim=2, threads=1, gravity=9.81, until=0.0, elastic=False):
     body.velocity = (0.5, *flat)
     if not elastic:
         one.initialStress(surface=1.5, K0=0.5)
-    one.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(*flat, -gravity), fixed="bottom" if gravity else ()),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    one.engines = chain(gravity=(*flat, -gravity), fixed="bottom" if gravity else ())
     one.dt = 1e-3
     if until:
         one.run(until=until, progress=False)

@@ -17,6 +17,7 @@ import pytest
 import yade_mpm as mpm
 import yade_mpm.base.attributes
 import yade_mpm.scene.scene
+from setups import chain
 from yade_mpm import box
 
 SCENE = """
@@ -612,13 +613,7 @@ def test_loads_act_under_every_scheme_wherever_the_updater_was_put(scheme):
     body = scene.add(
         "mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.APDI()
     )
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.BoundaryLoad(body, traction=(1.0, 0.0)),
-        mpm.GridSolver(),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(mpm.BoundaryLoad(body, traction=(1.0, 0.0)))
     scene.run(steps=10)
     assert (body.mass * body.velocity[:, 0]).sum() == pytest.approx(4.0 * scene.time, rel=0.02)
 
@@ -695,12 +690,7 @@ def test_the_ramp_of_a_later_drive_counts_from_its_first_run():
     scene = smallScene()
     scene.run(until=0.5)
     drive = mpm.Drive(scene["soft"], velocity=(0.1, None), ramp=0.2)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(drive=drive),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(drive=drive)
     start = scene.time
     scene.run(until=start + 0.1)
     assert scene["soft"].velocity[:, 0] == pytest.approx(0.05, rel=0.2)
@@ -837,12 +827,7 @@ def test_a_ramp_counts_from_the_end_of_settling():
         "block", box((0, 0), (1, 0.5)), mpm.LinearElastic(density=1.0, young=1e3, poisson=0.2), mpm.UGIMP()
     )
     drive = mpm.Drive(block.above(0.4), (None, 0), ramp=0.1)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -1), fixed="bottom", drive=drive),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -1), fixed="bottom", drive=drive)
     assert scene.settle() > 0 and scene.time > 0.1
     drive.velocity = (None, -0.1)
     before = block.position[:, 1].max()

@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 
 ELASTIC = dict(density=2.0, young=1e4, poisson=0.3)
@@ -246,12 +247,7 @@ def warned(scene):
 def beam(height=0.5, perCell=1, **solver):
     scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
     scene.add("beam", box((0, 2), (4, 2 + height)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP(perCell=perCell))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(**solver),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(**solver)
     return scene
 
 
@@ -401,12 +397,7 @@ def test_a_column_of_one_particle_between_rollers_is_no_beam():
     scene = mpm.Scene((0, 0), (0.5, 6), 0.5, threads=1)
     scene.add("column", box((0, 0), (0.5, 4)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP(perCell=1))
     scene["column"].velocity[:, 0] = 1e-3 * scene["column"].position[:, 1]
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom")
     assert warned(scene) == []
 
 
@@ -497,12 +488,7 @@ def cantilever():
     scene = mpm.Scene((0, 0), (6, 4), 0.25, threads=1)
     steel = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.0)
     body = scene.add("beam", box((0, 2), (4, 2.5)), steel, mpm.APDI(size=0.125))
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -1.0), fixed="left"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -1.0), fixed="left")
     return scene, body
 
 
@@ -615,12 +601,7 @@ def test_a_hold_that_has_left_its_soil_is_told(way, isTold, capsys):
     scene = mpm.Scene((0, 0), (2, 2), 0.5, threads=1)
     scene.add("soil", box((0, 0), (2, 1.5)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP())
     lid = mpm.Hold(box((0, 1.4), (1, 1.6)), velocity=(None, -1.0), name="lid")
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(fixed="bottom", roller=("left", "right"), hold=lid),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(fixed="bottom", roller=("left", "right"), hold=lid)
     for part in (0.5, 1.0):
         scene.run(until=part * way)
     said = capsys.readouterr().err

@@ -8,6 +8,7 @@ from math import nan
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 from yade_mpm.base import limits
 from yade_mpm.scene.policy import LoopPolicy
@@ -17,12 +18,7 @@ def falling(scheme="MUSL"):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme)
     material = mpm.LinearElastic(density=2.0, young=1e3, poisson=0.2)
     scene.add("block", box((0.5, 0), (1.5, 1)), material, mpm.UGIMP())
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), fixed="bottom"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -9.81), fixed="bottom")
     return scene
 
 

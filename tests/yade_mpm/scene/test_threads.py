@@ -8,6 +8,7 @@ from math import radians
 
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box
 from yade_mpm.scene import pace, run
 
@@ -50,12 +51,7 @@ def shaken(scheme="MUSL"):
     second = scene.add("other", box((5, 4), (6.5, 5)), soil, mpm.UGIMP(perCell=2))
     scene.add("floor", box((0, 0), (8, 1.5)), rubber, mpm.APDI(size=0.25, matched=first))
     first.velocity, second.velocity = (3.0, -2.0), (-2.0, 1.0)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right", "top"), fixed="bottom"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -9.81), roller=("left", "right", "top"), fixed="bottom")
     return scene
 
 
@@ -68,12 +64,7 @@ def solid(scheme="MUSL"):
     scene.add("floor", box((0, 0, 0), (3, 3, 2)), soil, mpm.APDI(size=0.25), fbar=True)
     block = scene.add("block", box((0.5, 0.5, 3), (2.5, 2.5, 4.5)), soil, mpm.UGIMP(perCell=2))
     block.velocity = (0.5, 0.5, -6.0)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, 0, -9.81), fixed=("left", "right", "front", "back", "bottom")),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, 0, -9.81), fixed=("left", "right", "front", "back", "bottom"))
     return scene
 
 

@@ -37,6 +37,7 @@ from yade_mpm import app
 here = os.path.dirname(os.path.abspath(sys.argv[0]))
 sys.path[:0] = [here, os.path.join(here, "studies")]  # yade-batch does not know them
 import sheet_pile  # noqa: E402
+import sheet_pile_model  # noqa: E402
 import yade_pile_options as options  # noqa: E402
 from sheet_pile import DEPTH, EMBEDDED, GRAVITY, K0, PILE_LENGTH, WIDTH  # noqa: E402
 from yade_pile_compare import compare  # noqa: E402
@@ -55,7 +56,7 @@ def arguments():
 # --- the scene ----------------------------------------------------------------------------------------------
 def soil(a, contact):
     """The ground of the sheet pile scene with the shaft left empty, and the contact in its step."""
-    scene, _ = sheet_pile.ground(options.bonded(a))
+    scene, _ = sheet_pile_model.ground(options.bonded(a))
     scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
     solver = mpm.GridSolver(**sheet_pile.SOLVER)
     scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]

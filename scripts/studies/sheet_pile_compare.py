@@ -13,7 +13,7 @@ import json
 import os
 
 import numpy as np
-import sheet_pile
+import sheet_pile_model
 import sheet_pile_study
 from sheet_pile_pictures import LABEL, LIMIT, windowOf
 from yade_mpm import app, plot
@@ -40,8 +40,8 @@ arguments = PARAMETERS.parse
 def compare(a, hybrid, other):
     """Picture and numbers of hybrid beside all-uGIMP."""
     (s1, scene1, h1), (s2, scene2, h2) = hybrid, other
-    d1, _, r1 = sheet_pile.resistanceCurve(a, scene1, h1)
-    d2, _, r2 = sheet_pile.resistanceCurve(a, scene2, h2)
+    d1, _, r1 = sheet_pile_model.resistanceCurve(a, scene1, h1)
+    d2, _, r2 = sheet_pile_model.resistanceCurve(a, scene2, h2)
     difference = np.abs(r1 / np.interp(d1, d2, r2) - 1)
     reach = d1 > a.cell
 
@@ -74,7 +74,7 @@ def draw(a, hybrid, other):
     ]
     figure, axes = plot.panels(snapshots, titles, LIMIT, LABEL, windowOf(a), curves=0.9)
     for name, (_, scene, history) in zip(names, (hybrid, other)):
-        depth, _, resistance = sheet_pile.resistanceCurve(a, scene, history)
+        depth, _, resistance = sheet_pile_model.resistanceCurve(a, scene, history)
         axes.plot(resistance, depth, label=name)
     axes.set(xlabel="resistance, mean over one cell (kN/m)", ylabel="further penetration (m)", xlim=(0, None))
     axes.invert_yaxis()

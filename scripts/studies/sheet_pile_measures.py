@@ -9,7 +9,8 @@ from functools import partial
 from math import nan
 
 import numpy as np
-from sheet_pile import DEPTH, EMBEDDED, GRAVITY, ZONE_BELOW, resistanceCurve
+from sheet_pile import DEPTH, EMBEDDED, GRAVITY, ZONE_BELOW
+from sheet_pile_model import resistanceCurve
 from yade_mpm import diagnostics, geotech
 from yade_mpm.geotech import groundSurface
 

@@ -4,8 +4,9 @@
 import os
 
 import numpy as np
-from sheet_pile import DEPTH, EMBEDDED, resistanceCurve
+from sheet_pile import DEPTH, EMBEDDED
 from sheet_pile_measures import baseCurve, surfaceOf
+from sheet_pile_model import resistanceCurve
 from yade_mpm import geotech, plot
 from yade_mpm.io import files
 

@@ -13,11 +13,14 @@ Units: Mg, m, s, kPa, per metre of thickness.
 
 import argparse
 
-import sheet_pile
+import sheet_pile_model
 import yade_mpm as mpm
+from sheet_pile import DEPTH
 from sheet_pile_measures import stripeColumns, summarise
+from sheet_pile_model import build
 from sheet_pile_pictures import draw
 from yade_mpm import Parameter, app, plot
+from yade_mpm.geotech import penetration
 
 
 def refusal(a, given):
@@ -31,16 +34,16 @@ def refusal(a, given):
     if getattr(a, "rateCheck", False) and a.penetration < 3 * a.cell:
         reach = f"press in by three cells or more ({3 * a.cell:g} m)"
         return f"--rateCheck looks at averages over one cell; {reach}"
-    return sheet_pile.refusal(a, given)
+    return sheet_pile_model.refusal(a, given)
 
 
 LIMIT = "plastic volumetric strain from which on the soil dilates no more (default: none)"
-PARAMETERS = sheet_pile.MODEL.extended(
+PARAMETERS = sheet_pile_model.MODEL.extended(
     "sheet_pile_study",
     __doc__,
     Parameter(
         "thickness",
-        sheet_pile.PUBLISHED["thickness"],
+        sheet_pile_model.PUBLISHED["thickness"],
         "of the pile, a whole number of cells (default 0.25, at least one)",
         unit="m",
         above=0,
@@ -58,7 +61,7 @@ PARAMETERS = sheet_pile.MODEL.extended(
     Parameter("flip", 1.0, "FLIP share of the particle velocity", least=0, most=1),
     Parameter(
         "dt",
-        sheet_pile.PUBLISHED["dt"],
+        sheet_pile_model.PUBLISHED["dt"],
         "time step (default 2e-4, implicit 8e-4; halved with the cell below 0.25, implicit 0.125 m)",
         unit="s",
         above=0,
@@ -76,11 +79,13 @@ def run(a, again=None):
     resumed at its end
     keeps its results. again : checkpoint that continues an interrupted run; default: its own."""
     snapshots, stripes = plot.Snapshots("plasticShearStrain"), stripeColumns(a)
-    run = app.Run(
-        a, lambda: sheet_pile.recorded(a, snapshots, stripes), {"snapshots": snapshots}, stripes, again
-    )
+
+    def begin():
+        return penetration.recorded(a, "sheet_pile", build(a), snapshots, DEPTH + a.cell, stripes)
+
+    run = app.Run(a, begin, {"snapshots": snapshots}, stripes, again)
     scene, history = run.finish()
-    sensitivity = rateCheck(a, *sheet_pile.resistanceCurve(a, scene, history)) if a.rateCheck else None
+    sensitivity = rateCheck(a, *sheet_pile_model.resistanceCurve(a, scene, history)) if a.rateCheck else None
     certificate = mpm.quasiStatic(history, rateSensitivity=sensitivity)
     app.printCheck(certificate)
     results = run.savedSummary() if run.isAtEnd else None
@@ -89,7 +94,7 @@ def run(a, again=None):
         if not snapshots:  # they are counted from the start of the run that was interrupted
             snapshots(scene)
         results["files"] = draw(a, scene, history, snapshots, results)
-    depth, _, smooth = sheet_pile.resistanceCurve(a, scene, history)
+    depth, _, smooth = sheet_pile_model.resistanceCurve(a, scene, history)
     app.saveCurve(a.out, "resistance", {"penetration (m)": depth, "resistance (kN/m)": smooth})
     summary = run.save({**results, "quasiStatic": certificate.asDict()})
     tell(summary, a.out)
@@ -102,10 +107,10 @@ def rateCheck(a, depth, _, resistance):
     reach = min(max(1.0, 3 * a.cell), a.penetration)
     b = argparse.Namespace(**{**vars(a), "rate": 2 * a.rate, "ramp": a.ramp / 2})
     b.until = reach / b.rate + 0.5 * b.ramp
-    scene, history = sheet_pile.build(b), mpm.History(period=b.until * a.penetration / reach / 800)
+    scene, history = build(b), mpm.History(period=b.until * a.penetration / reach / 800)
     scene.engines = [*scene.engines, history]
     scene.run(until=b.until)
-    there, _, other = sheet_pile.resistanceCurve(b, scene, history)
+    there, _, other = sheet_pile_model.resistanceCurve(b, scene, history)
     inside = (depth > a.cell) & (depth < reach - a.cell)
     return mpm.rateSensitivity(depth[inside], resistance[inside], there, other)
 

@@ -4,8 +4,10 @@
 import argparse
 import os
 
-import sheet_pile
+import sheet_pile_model
+from sheet_pile import DEPTH, EMBEDDED, GRAVITY
 from yade_mpm import plot
+from yade_mpm.geotech import penetration
 from yade_pile_options import FRICTIONS, bonded
 from yade_pile_results import print_
 
@@ -29,8 +31,10 @@ def compare(a, run):
 def runBonded(a):
     """The sheet pile scene in its own loop, as a result like the others."""
     b = bonded(a)
-    summary, scene, history = sheet_pile.run(b)
-    depth, raw, smooth = sheet_pile.resistanceCurve(b, scene, history)
+    summary, scene, history = penetration.run(
+        b, "sheet_pile", sheet_pile_model.build, DEPTH, EMBEDDED, GRAVITY
+    )
+    depth, raw, smooth = sheet_pile_model.resistanceCurve(b, scene, history)
     return {
         "depth": depth,
         "raw": raw,

@@ -4,7 +4,7 @@
 import os
 import sys
 
-import sheet_pile
+import sheet_pile_model
 from sheet_pile import EMBEDDED, PILE_LENGTH
 from yade import O, utils
 from yade_mpm import app
@@ -77,7 +77,7 @@ def arguments(doc):
 def bonded(a):
     """Arguments of the sheet pile scene with the same soil, cell and rate."""
     fixed = dict(thickness=a.thickness, ramp=a.ramp)
-    parameters = sheet_pile.MODEL.extended("yade_pile", "", fixed=fixed)
+    parameters = sheet_pile_model.MODEL.extended("yade_pile", "", fixed=fixed)
     until = a.penetration / a.rate + 0.5 * a.ramp
     words = ["--cell", a.cell, "--rate", a.rate, "--until", until, "--out", os.path.join(a.out, "bonded")]
     words += ["--threads", a.threads] if a.threads else []

@@ -180,7 +180,7 @@ def test_of_a_disc_on_an_incline(base, slope, friction):
 
 def test_of_the_sheet_pile():
     """Coarse; soil that flows round a wedge, with friction; impacts are lost."""
-    script = module(HERE.parents[1] / "scripts" / "sheet_pile.py")
+    script = module(HERE.parents[1] / "scripts" / "studies" / "sheet_pile_model.py")
     watched(
         script.build(script.MODEL.parse(["--smoke", "--remedies", "--threads", "1"])), most=0.01, until=0.8
     )

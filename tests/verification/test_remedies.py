@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import remedies
 import sheet_pile
+import sheet_pile_model
 import sheet_pile_study
 from yade_mpm import geotech
 
@@ -113,14 +114,14 @@ def test_the_published_run_needs_no_option():
 @pytest.mark.parametrize("angle", [60, 90, 120])
 def test_a_wedge_has_its_angle_and_stands_where_the_flat_tip_does(angle):
     a = words("--friction", "0.3", "--tip", str(angle))
-    pile = sheet_pile.build(a)["pile"]
+    pile = sheet_pile_model.build(a)["pile"]
     x, y = pile.vertices.T
     half, bottom = a.thickness / 2, sheet_pile.DEPTH - sheet_pile.EMBEDDED
     depth = half / np.tan(np.radians(angle / 2))
     assert y.min() == bottom and x[np.argmin(y)] == a.width / 2
     assert y[np.isclose(x, a.width / 2 + half)].min() == pytest.approx(bottom + depth)
     assert pile.volume.sum() == pytest.approx(a.thickness * (sheet_pile.PILE_LENGTH - depth / 2), rel=1e-12)
-    flat = sheet_pile.build(words("--friction", "0.3"))["pile"]
+    flat = sheet_pile_model.build(words("--friction", "0.3"))["pile"]
     assert flat.vertices[:, 1].min() == bottom and flat.volume.sum() == pytest.approx(
         a.thickness * sheet_pile.PILE_LENGTH
     )

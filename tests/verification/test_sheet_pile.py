@@ -16,6 +16,7 @@ import pytest
 import sheet_pile
 import sheet_pile_compare
 import sheet_pile_measures
+import sheet_pile_model
 import sheet_pile_study
 import yade_mpm as mpm
 from yade_mpm import diagnostics
@@ -77,7 +78,7 @@ def test_the_default_scene_needs_less_than_30_5_percent_of_the_particles(words, 
         return sum(
             b.count
             for b in sheet_pile_measures.soilBodies(
-                sheet_pile.build(sheet_pile_study.arguments([*words, *types]))
+                sheet_pile_model.build(sheet_pile_study.arguments([*words, *types]))
             )
         )
 
@@ -147,7 +148,7 @@ def test_the_reaction_of_the_drive_is_that_of_the_base(one):
 def test_control_a_base_that_feels_less_is_noticed(runs):
     a, (_, scene, history), *_ = runs
     weight = sum(b.mass.sum() for b in sheet_pile_measures.soilBodies(scene)) * sheet_pile.GRAVITY
-    _, raw, _ = sheet_pile.resistanceCurve(a, scene, history)
+    _, raw, _ = sheet_pile_model.resistanceCurve(a, scene, history)
     forged = {"time": history["time"], "drive.fy": history["drive.fy"], "bottom.fy": weight + 0.9 * raw}
     assert sheet_pile_measures.reactionBalance(a, scene, forged, np.inf) == pytest.approx(0.1, rel=1e-9)
 
@@ -203,15 +204,30 @@ def test_only_a_mesh_can_tell_whether_the_surface_is_single_valued(runs):
 
 
 # --- the run to trust ---------------------------------------------------------------------------------------
-def test_the_scene_runs_what_one_may_trust_unless_the_published_model_is_asked_for():
-    own = vars(sheet_pile.arguments([]))
-    words = ["--remedies", "--implicit", "--graded", "--cell", "0.125", "--rate", "0.2"]
-    trusted, published = (vars(sheet_pile_study.arguments(w)) for w in (words, []))
-    literal = vars(sheet_pile.arguments(["--published"]))
-    names = set(own) & set(trusted) - {"out", "remedies"}
-    assert {"friction", "tip", "fbar", "implicit", "graded", "cell", "dt", "ramp", "until"} <= names
-    assert {n: own[n] for n in names} == {n: trusted[n] for n in names}
-    assert {n: literal[n] for n in names} == {n: published[n] for n in names}
+@pytest.mark.parametrize(
+    "own, words",
+    [
+        ([], ["--remedies", "--implicit", "--graded"]),
+        (["--published"], ["--rate", "0.1"]),
+        (["--smoke"], ["--smoke", "--remedies", "--implicit", "--graded", "--ramp", "0.5"]),
+        (["--smoke", "--published"], ["--smoke"]),
+    ],
+)
+def test_the_scenes_to_read_are_those_of_the_model(own, words):
+    """Trusted and published; as they begin, and after ten steps."""
+    cell = [] if "--smoke" in own else ["--cell", "0.5"]
+    rate = [] if "--rate" in words or "--smoke" in own else ["--rate", "0.2"]
+    a = sheet_pile.arguments([*own, *cell, "--threads", "1"])
+    b = sheet_pile_study.arguments([*words, *cell, *rate, "--threads", "1"])
+    one, other = sheet_pile.build(a), sheet_pile_model.build(b)
+    assert (a.until, a.penetration, a.width, one.dt) == (b.until, b.penetration, b.width, other.dt)
+    assert list(map(repr, one.engines)) == list(map(repr, other.engines))
+    for scene in (one, other):
+        scene.run(steps=10, progress=False)
+    for body, twin in zip(one.bodies, other.bodies, strict=True):
+        assert repr(body.material) == repr(twin.material) and repr(body.type) == repr(twin.type)
+        for name in ("position", "velocity", "stress", "mass"):
+            assert np.array_equal(getattr(body, name), getattr(twin, name)), (body.name, name)
 
 
 @pytest.mark.slow
@@ -227,7 +243,7 @@ def test_a_fine_implicit_pile_keeps_its_energy():
 # --- stripes ------------------------------------------------------------------------------------------------
 def test_stripes_leave_out_the_peak_at_the_tip_but_nothing_below():
     a = sheet_pile_study.arguments([])
-    scene = sheet_pile.build(a)
+    scene = sheet_pile_model.build(a)
     tip = sheet_pile.DEPTH - sheet_pile.EMBEDDED
 
     def both(pressure):
@@ -262,7 +278,7 @@ def test_slip_without_the_other_remedies_does_not_burst():
     """Found over 0.8 to 1.1 m: 330 to 500 kN/m at the drive, balance open by 2.9 % of the work. While the
     normal of the tip followed the force of the last step it fell to 60 kN/m as the soil burst."""
     a = sheet_pile_study.arguments(["--friction", "0.3", "--until", "11", "--threads", "1"])
-    scene, history = sheet_pile.build(a), mpm.History(period=0.1)
+    scene, history = sheet_pile_model.build(a), mpm.History(period=0.1)
     scene.engines = [*scene.engines, history]
     scene.run(until=a.until, progress=False)
     late = history["time"] > 8

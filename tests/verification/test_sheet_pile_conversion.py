@@ -9,7 +9,7 @@ Tolerance 10 % of its resistance down to 2 m. Control: without conversion edges 
 
 import numpy as np
 import pytest
-import sheet_pile
+import sheet_pile_model
 import sheet_pile_study
 import yade_mpm as mpm
 
@@ -17,10 +17,10 @@ import yade_mpm as mpm
 def press(*options):
     """Scene, history and resistance at every 0.5 m down to 2 m of a run with the given options."""
     a = sheet_pile_study.arguments(["--threads", "1", *options])
-    scene, history = sheet_pile.build(a), mpm.History(period=a.until / 300)
+    scene, history = sheet_pile_model.build(a), mpm.History(period=a.until / 300)
     scene.engines = [*scene.engines, history]
     scene.run(until=a.until, progress=False)
-    depth, _, resistance = sheet_pile.resistanceCurve(a, scene, history)
+    depth, _, resistance = sheet_pile_model.resistanceCurve(a, scene, history)
     return scene, history, np.interp(np.arange(0.5, min(2.0, depth[-1]) + 1e-6, 0.5), depth, resistance)
 
 

@@ -136,7 +136,7 @@ def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(tmp_
     first, picture = (Path("cut", name).read_bytes() for name in ("summary.json", "domains.png"))
     rows = Path("cut/ugimp/history.csv").read_text().count("\n")
     with monkeypatch.context() as patch:
-        patch.setattr(sheet_pile, "build", None)  # neither run begins anew
+        patch.setattr(sheet_pile_study, "build", None)  # neither run begins anew
         resumed = compared(patch, "--resume", "cut/checkpoint.h5")
         assert compared(patch, "--resume", "cut/checkpoint.h5") == resumed  # both are at their ends
     assert (first, picture) == tuple(

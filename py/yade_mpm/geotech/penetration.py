@@ -6,8 +6,15 @@ To import by name, `from yade_mpm.geotech import penetration`: it draws with mat
 
 import numpy as np
 
+from ..app.commandLine import printCheck
+from ..app.record import saveCurve
+from ..app.resumable import Run
+from ..diagnostics.certificate import quasiStatic
+from ..engine.callback import PyRunner
+from ..io.history import History
+from ..io.recorder import Recorder
 from ..plot import figures as plot
-from .curves import movingAverage, travel
+from .curves import atSteps, movingAverage, travel
 
 
 def resistance(history, body, rate, ramp, gravity, width):
@@ -41,3 +48,41 @@ def draw(file, a, curve, snapshots, window):
     )
     axes.legend()
     plot.save(figure, file)
+
+
+def recorded(a, name, scene, snapshots, section, columns=None):
+    """The scene with its output: a file for ParaView, a history, and snapshots at every quarter.
+
+    a : arguments with `until` and `out`. name : of the file. section : height at which the force in the body
+    "pile" is noted, m. columns : more of the history.
+    """
+    own = {"pile.section": f"diagnostics.sectionForce(scene['pile'], {section})"}
+    recorder = Recorder(f"{a.out}/{name}.vtkhdf", period=a.until / 40)
+    history = History(period=a.until / 800, file=f"{a.out}/history.csv", columns={**own, **(columns or {})})
+    quarters = PyRunner(snapshots, period=a.until / 4, label="snapshots")
+    scene.engines = [*scene.engines, recorder, history, quarters]
+    return scene
+
+
+def run(a, name, build, surface, embedded, gravity):
+    """Runs a scene whose body "pile" is pressed in, and leaves its results in a.out. Returns summary, scene
+    and history.
+
+    a : arguments of a run with `rate`, `ramp`, `cell`, `width`, `penetration`. name : as of `recorded`.
+    build : function of `a` that returns the scene. surface, embedded : height of the ground and first depth
+    of the pile, m. gravity : m/s2.
+    """
+    x, tip = a.width / 2, surface - embedded - a.penetration
+    section, window = surface + a.cell, (x - 4, x + 4, tip - 2, surface + 2)
+    snapshots = plot.Snapshots("plasticShearStrain")
+    one = Run(a, lambda: recorded(a, name, build(a), snapshots, section), {"snapshots": snapshots})
+    scene, history = one.finish()
+    curve = resistance(history, scene["pile"], a.rate, a.ramp, gravity, a.cell)
+    certificate = quasiStatic(history)
+    draw(f"{a.out}/{name}.png", a, curve, snapshots or [plot.Snapshot(scene, "plasticShearStrain")], window)
+    summary = {"resistance": atSteps(curve[0], curve[2]), "quasiStatic": certificate.asDict()}
+    saveCurve(a.out, "resistance", {"penetration (m)": curve[0], "resistance (kN/m)": curve[2]})
+    told = ", ".join(f"{depth} m: {force:.0f}" for depth, force in summary["resistance"].items())
+    printCheck(certificate)
+    print(f"resistance in kN/m at {told or 'no depth yet'}", f"results in {a.out}/", sep="\n")
+    return one.save(summary), scene, history

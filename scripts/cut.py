@@ -24,7 +24,7 @@ from math import atan, pi, radians, tan
 import yade_mpm as mpm
 from scipy.optimize import brentq
 from yade_mpm import Parameter, app, box, geotech
-from yade_mpm.study import reference, stability
+from yade_mpm.geotech import reference, stability
 
 COHESION, PHI, DENSITY, LAME = 8.5, 30.0, 1.53, (9.48e3, 6.31e3)  # kPa, degrees, Mg/m3, kPa
 NUMBERS = 3.77, 3.83  # of stability: lower and upper bound

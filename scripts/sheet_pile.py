@@ -86,7 +86,7 @@ def published(a):
     """The literal set-up: soil bonded to an explicit pile, whose inertia is scaled, not its weight."""
     soil, zone, shaft, _ = regions(a)
     scene = mpm.Scene((0, 0), (a.width, DEPTH + FREE), a.cell, threads=a.threads)
-    sand = mpm.MohrCoulombDruckerPrager(**SOIL)
+    sand = mpm.MohrCoulombDruckerPrager(**SOIL, closing=False)
     geotech.addGround(scene, "soil", soil, zone, sand, a.types, fbar=False)
     scene.add("pile", shaft, mpm.LinearElastic(**STEEL), mpm.UGIMP(perCell=2), inertiaScale=16)
     return press(a, scene, dt=2e-4 * min(1.0, a.cell / 0.25))

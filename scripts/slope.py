@@ -17,7 +17,7 @@ Units: Mg, m, s, kPa, per metre of thickness.
 
 import yade_mpm as mpm
 from yade_mpm import Parameter, app, geotech, polygon
-from yade_mpm.study import reference, stability
+from yade_mpm.geotech import reference, stability
 
 HEIGHT, UNIT_WEIGHT, COHESION, PHI = 10.0, 20.0, 10.0, 20.0  # m, kN/m3, kPa (0.05 gamma H), degrees
 YOUNG, POISSON = 1e5, 0.3  # kPa, -

@@ -35,7 +35,7 @@ DEPTHS = np.array([0.5, 1.0, 2.0, 3.0, 4.0])
 def refusal(a, given):
     """What is wrong with the arguments, or None."""
     if not app.isWhole(B / a.size):  # the load would not end at B
-        return f"--cell {a.cell:g} is not allowed; give {app.partOfInWords(2 * B)}, or --size too"
+        return f"--cell {a.cell:g} is not allowed; give {app.partOf(2 * B).words()}, or --size too"
     for name in ("cell", "size"):
         if not app.isWhole(0.5 * a.extent / vars(a)[name]):
             refused = f"--extent {a.extent:g} with --{name} {vars(a)[name]:g} is not allowed"

@@ -13,7 +13,7 @@ import sheet_pile
 import sheet_pile_compare
 import sheet_pile_study
 from yade_mpm import plot
-from yade_mpm.io import plot as snapshots
+from yade_mpm.plot import figures as snapshots
 
 OPTIONS = ["--cell", "1", "--rate", "2", "--ramp", "0.25", "--psi", "5", "--until", "0.9", "--threads", "1"]
 DEEPER = [

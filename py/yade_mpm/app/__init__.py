@@ -9,42 +9,10 @@ record, saveCurve                        what every summary says of a run, and c
 Parser, positive, count, partOf, ...     command lines by hand, and numbers that argparse checks
 """
 
-from .commandLine import (
-    Parser,
-    below,
-    between,
-    count,
-    isWhole,
-    notNegative,
-    partOf,
-    positive,
-    printCheck,
-    run,
-)
+from .commandLine import Parser, printCheck, run
+from .numbers import below, between, count, isWhole, notNegative, partOf, positive
 from .parameter import Parameter
 from .parameters import Parameters
 from .record import record, saveCurve
 from .resumable import Run
 from .resume import ARGUMENTS, SUMMARY, keep, resumed
-
-__all__ = [
-    "ARGUMENTS",
-    "SUMMARY",
-    "Parameter",
-    "Parameters",
-    "Parser",
-    "Run",
-    "below",
-    "between",
-    "count",
-    "isWhole",
-    "keep",
-    "notNegative",
-    "partOf",
-    "positive",
-    "printCheck",
-    "record",
-    "resumed",
-    "run",
-    "saveCurve",
-]

@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Command lines of scenes: what they share, numbers that argparse checks, and how a scene ends.
+"""Command lines of scenes: what they share, and how a scene ends.
 
-    parser = commandLine.Parser("footing", __doc__, smoke={"cell": 0.5})  # unless --cell is given
-    parser.add_argument("--cell", type=commandLine.partOf(2.0), default=0.25)
+    parser = app.Parser("footing", __doc__, smoke={"cell": 0.5})  # unless --cell is given
+    parser.add_argument("--cell", type=app.partOf(2.0), default=0.25)
     a = parser.parse()
-
-The functions of a number are for argparse's `type`: they return it, or raise ArgumentTypeError with what is
-allowed.
 
 It is part of the package, not of scripts/, so that a copy of a scene runs in any folder, and in YADE, which
 does not look beside a script.
@@ -16,11 +13,11 @@ import argparse
 import os
 import re
 import sys
-from math import inf, isfinite
 
 from ..base import program
-from ..base.kinds import DICT, FLAG, FUNCTION, NUMBER, POSITIVE, TEXT, TEXTS, takes
+from ..base.kinds import DICT, FLAG, FUNCTION, TEXT, TEXTS, takes
 from ..base.wording import didYouMean
+from .numbers import count
 from .resume import resumed
 
 SMOKE = "coarse, thick and fast: no numbers"  # thick: a thin body is at least a cell across
@@ -31,73 +28,6 @@ CHECKED = "--smoke: the check below judges the run, not the soil; take no number
 def printCheck(certificate):
     """Prints the quasi-static check of a run; with --smoke first what it does not say."""
     print(*[CHECKED] * program.isSmoke, certificate, sep="\n", flush=True)
-
-
-@takes(text=TEXT)
-def positive(text):
-    """A number above zero."""
-    return _number(text, lambda x: x > 0, "a positive number")
-
-
-@takes(text=TEXT)
-def notNegative(text):
-    """Zero or a number above it."""
-    return _number(text, lambda x: x >= 0, "zero or a positive number")
-
-
-@takes(text=TEXT)
-def count(text):
-    """A whole number from 1 on."""
-    return int(_number(text, lambda x: x >= 1 and x == int(x), "a whole number from 1 on"))
-
-
-@takes(least=NUMBER, most=NUMBER)
-def between(least, most):
-    """Function that takes numbers from `least` to `most`, both included."""
-    return lambda text: _number(text, lambda x: least <= x <= most, f"a number from {least:g} to {most:g}")
-
-
-@takes(most=NUMBER)
-def below(most):
-    """Function that takes zero and numbers up to `most`, which is not included."""
-    return lambda text: _number(text, lambda x: 0 <= x < most, f"a number from 0 to below {most:g}")
-
-
-@takes(length=POSITIVE)
-def partOf(length):
-    """Function that takes lengths (m) of which `length` is a whole number, such as cells that have to fit
-    into it, and rounds to the digits of that."""
-    return lambda text: (
-        length / round(length / _number(text, lambda x: x > 0 and isWhole(length / x), partOfInWords(length)))
-    )
-
-
-def partOfInWords(length):
-    """What `partOf` allows."""
-    return f"{length:g} m divided by a whole number, e.g. {length / 16:.4g}"
-
-
-@takes(ratio=NUMBER)
-def isWhole(ratio):
-    """Whether a ratio of two lengths is a whole number from 1 on, but for round-off."""
-    return isfinite(ratio) and round(ratio) >= 1 and abs(ratio - round(ratio)) < 1e-6
-
-
-def numberIn(text):
-    """The number that a text is, of the digits 0 to 9 and without `_`; ValueError where it is none."""
-    if "_" in text or not text.isascii():
-        raise ValueError(f"{text} is no number")
-    return float(text)
-
-
-def _number(text, isAllowed, allowed):
-    try:
-        number = numberIn(text)
-    except ValueError:
-        number = inf
-    if not (isfinite(number) and isAllowed(number)):
-        raise argparse.ArgumentTypeError(f"{text} is not allowed; give {allowed}")
-    return number
 
 
 NEGATIVE = re.compile(r"-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")

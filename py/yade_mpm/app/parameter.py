@@ -3,10 +3,9 @@
 
 import argparse
 from itertools import islice
-from math import inf, isfinite
 
 from ..base.kinds import DICT, FLAG, LIST, NUMBER, POSITIVE, TEXT, Kind, takes
-from .commandLine import numberIn, partOf, partOfInWords
+from .numbers import Range
 
 MOST_CHOICES = 1000
 PARSER = Kind("an argparse.ArgumentParser, or a group of one", lambda value: hasattr(value, "add_argument"))
@@ -65,8 +64,8 @@ class Parameter:
     ):
         self.name, self.default, self.help, self.unit = name, default, help, unit
         self.choices = None if choices is None else self._chosen(choices)
-        self.above, self.least, self.most, self.below = above, least, most, below
-        self.partOf, self.whole, self.several, self.sets = partOf, whole, several, dict(sets or {})
+        self._range = Range(least, most, above, below, whole, partOf)
+        self.whole, self.several, self.sets = whole, several, dict(sets or {})
         if not (self.isSwitch or default is None or callable(default)):
             self._checkDefault()
 
@@ -113,20 +112,7 @@ class Parameter:
             return "on or off"
         if self.choices is not None:
             return "one of " + ", ".join(map(str, self.choices))
-        if self.partOf is not None:
-            return partOfInWords(self.partOf)
-        kind = "a whole number" if self.whole else "a number"
-        if (self.above, self.most, self.below) == (0, None, None):
-            return "a positive number"
-        if self.least == 0 and self.most is None and self.below is None:
-            return "zero or a positive number"
-        if self.least is not None and self.most is None and self.below is None:
-            return f"{kind} from {self.least:g} on"
-        ends = [f"from {self.least:g}"] if self.least is not None else []
-        ends += [f"above {self.above:g}"] if self.above is not None else []
-        ends += [f"to {self.most:g}"] if self.most is not None else []
-        ends += [f"to below {self.below:g}"] if self.below is not None else []
-        return " ".join([kind, *ends])
+        return self._range.words()
 
     @takes(text=TEXT)
     def value(self, text):
@@ -138,9 +124,7 @@ class Parameter:
             if text not in known:
                 raise argparse.ArgumentTypeError(f"{text} is not allowed; give {self.range()}")
             return known[text]
-        if self.partOf is not None:
-            return partOf(self.partOf)(text)
-        return self._number(text)
+        return self._range(text)
 
     def _switched(self, text):
         known = {"1": True, "true": True, "on": True, "yes": True}
@@ -148,17 +132,6 @@ class Parameter:
         if text.lower() not in known:
             raise argparse.ArgumentTypeError(f"{text} is not allowed; give {self.range()}")
         return known[text.lower()]
-
-    def _number(self, text):
-        try:
-            number = numberIn(text)
-        except ValueError:
-            number = inf
-        low = (self.least is None or number >= self.least) and (self.above is None or number > self.above)
-        high = (self.most is None or number <= self.most) and (self.below is None or number < self.below)
-        if not (isfinite(number) and low and high and (not self.whole or number == int(number))):
-            raise argparse.ArgumentTypeError(f"{text} is not allowed; give {self.range()}")
-        return int(number) if self.whole else number
 
     @takes(parser=PARSER)
     def addTo(self, parser):

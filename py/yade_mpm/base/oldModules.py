@@ -19,7 +19,6 @@ MODULES = {  # old -> new, both without the package's name
     "inYade": "yade",
     "surface": "geotech.surface",
     "yadePlane": "yade",
-    "io.plot": "plot",
     "study.commandLine": "app",
     "study.penetration": "geotech.penetration",
     "study.reference": "geotech.reference",

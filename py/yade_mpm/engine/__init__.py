@@ -2,5 +2,3 @@
 """Engines of the step, as registered in pkg/mpm/step and contact, prescribed motions, and callbacks."""
 
 from .engines import Callback, Engine, Prescribed, classes
-
-__all__ = ["Callback", "Engine", "Prescribed", "classes"]

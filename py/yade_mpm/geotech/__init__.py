@@ -13,17 +13,3 @@ from .curves import atSteps, movingAverage, scatter, travel
 from .ground import TYPES, addGround
 from .meshes import quadrilaterals, ring, wedgedColumn
 from .surface import Surface, groundSurface
-
-__all__ = [
-    "TYPES",
-    "Surface",
-    "addGround",
-    "atSteps",
-    "groundSurface",
-    "movingAverage",
-    "quadrilaterals",
-    "ring",
-    "scatter",
-    "travel",
-    "wedgedColumn",
-]

@@ -17,16 +17,3 @@ from .figures import (
     plt,
     save,
 )
-
-__all__ = [
-    "STYLE",
-    "Snapshot",
-    "Snapshots",
-    "colourBar",
-    "domains",
-    "drawDomains",
-    "drawToFiles",
-    "panels",
-    "plt",
-    "save",
-]

@@ -9,8 +9,6 @@ calibrate(scene, ranges, measured, ...)     parameters fitted to a measured curv
 
 from ..base.oldModules import moved
 
-__all__ = ["calibrate", "run"]
-
 
 def run(build, cases, results=None, *, until=None, out="results/study", parameters=None, **how):
     """Runs a scene for many cases and returns a table (pandas.DataFrame) with a row for each.

@@ -10,7 +10,7 @@ import shlex
 import numpy as np
 from scipy.stats import qmc
 
-from ..app.commandLine import numberIn
+from ..app.numbers import numberIn
 
 DEFAULTS = ("", "*")  # what a table may have in place of a value that is the scene's default
 LONGEST = 1000  # characters of a cell

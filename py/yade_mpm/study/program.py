@@ -7,7 +7,7 @@ import re
 import shutil
 import sys
 
-from ..app.commandLine import count, positive
+from ..app.numbers import count, positive
 from . import cases, state
 from .report import FINDINGS
 from .study import Study, findScene, parametersOf

@@ -20,5 +20,3 @@ from .display import Display
 from .loop import act
 from .output import checkpointOf
 from .plane import Plane
-
-__all__ = ["Bodies", "Coupling", "Display", "Plane", "act", "attach", "checkpointOf", "setCommand"]

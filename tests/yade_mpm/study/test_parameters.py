@@ -18,7 +18,7 @@ INSIDE_YADE = "from yade import"  # such a scene can be read by YADE's Python al
 SCENES = sorted(
     f
     for f in SCRIPTS.rglob("*.py")
-    if "mpm.Parameters(" in f.read_text() and INSIDE_YADE not in f.read_text()
+    if "\nPARAMETERS = mpm.Parameters(" in f.read_text() and INSIDE_YADE not in f.read_text()
 )
 
 

@@ -9,7 +9,7 @@ import sys
 from math import radians
 
 import yade_mpm as mpm
-from yade_mpm import plot
+from yade_mpm import app, plot
 
 ELASTIC = dict(density=1.8, young=3e4, poisson=0.3)
 PHI = dict(cohesion=5, frictionAngle=radians(35), dilatancyAngle=radians(5))
@@ -49,9 +49,13 @@ def camClay(axes):
     )
 
 
-if __name__ == "__main__":
+def main():
     figure, axes = plot.plt.subplots(1, 3, figsize=(10, 3), layout="constrained")
     for draw, its in zip((sand, clay, camClay), axes):
         draw(its)
         its.legend(fontsize=8)
     plot.save(figure, sys.argv[1])
+
+
+if __name__ == "__main__":
+    app.run(main)

@@ -113,6 +113,7 @@ PYTHON_ROOMS = [
     {"base"},
     {"geometry"},
     {"material", "particle"},
+    {"rigid"},
     {"engine"},
     {"diagnostics"},
     {"check"},

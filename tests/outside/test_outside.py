@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import yade_mpm as mpm
-from yade_mpm.base import limits
+from yade_mpm.check import limits
 
 HERE = Path(__file__).parent
 BUILD = Path(mpm._core.__file__).parents[2]  # of build/python/yade_mpm/_core...so

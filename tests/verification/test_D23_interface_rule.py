@@ -110,7 +110,7 @@ def test_domains_that_stretch_at_the_interface_are_told_from_a_coarse_mesh(tmp_p
 
 
 def test_each_look_searches_once(monkeypatch):
-    monkeypatch.setattr(mpm.base.limits, "CHECK_PERIOD", 2)
+    monkeypatch.setattr(mpm.check.limits, "CHECK_PERIOD", 2)
     looks = []
 
     class Core:

@@ -19,7 +19,7 @@ import pytest
 import yade_mpm as mpm
 from scipy.linalg import eigvals
 from yade_mpm import box
-from yade_mpm.base import limits
+from yade_mpm.check import limits
 from yade_mpm.scene.stepper import stiffnesses
 
 _spec = importlib.util.spec_from_file_location(

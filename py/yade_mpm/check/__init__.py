@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What a scene is asked: its energies and other numbers, likely mistakes, whether a run was slow enough."""
+"""What is looked at before and during a run: likely mistakes, bending, domains; limits of them."""

@@ -3,11 +3,11 @@
 
 import numpy as np
 
-from ..base import limits
 from ..engine.prescribed import FACES
 from ..engine.rigidContact import RigidContact
 from ..geometry.numbers import placeText
 from ..material.spatial import largestOf
+from . import limits
 
 HELD = 0.4  # of a cell: the way of a Hold from which on its load falls, measured with a strip footing
 

@@ -4,13 +4,13 @@ the model cannot bear."""
 
 import numpy as np
 
-from ..base import limits
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.contact import Contact
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..material.materials import MaterialPoint
 from ..material.spatial import largestOf
+from . import limits
 from .touching import contactMistakes
 
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense

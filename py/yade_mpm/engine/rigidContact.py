@@ -5,9 +5,9 @@ import numpy as np
 
 from ..base.kinds import NUMBER, takes
 from ..geometry.numbers import floats
+from ..rigid.shapes import shapeRow
 from .engine import generated
 from .records import column, withRows
-from .rigid import shapeRow
 
 
 class RigidContact(generated["RigidContact"]):

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Files: recorder, history, checkpoints, pictures."""
+"""Files: recorder, history, checkpoints."""

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base import limits
 from ..base.attributes import Guarded
 from ..base.deprecation import currentName
 from ..base.html import card, table
@@ -17,6 +16,7 @@ from ..base.kinds import TEXT, takes
 from ..base.wording import shown
 from ..geometry.numbers import floats
 from ..geometry.region import Region
+from .limits import POOR_QUALITY
 from .part import BodyPart
 from .types import ParticleType
 
@@ -77,7 +77,7 @@ class Body(Guarded):
         doc="Energy stored in the hourglass patterns of the domains, kJ (2D: per metre); 0 for uGIMP.",
     )
     distortedCount = property(
-        lambda self: self._core.poorDomains(limits.POOR_QUALITY)["count"],
+        lambda self: self._core.poorDomains(POOR_QUALITY)["count"],
         doc="Number of APDI domains whose smallest corner is at most 20 % of their area; at 5 % a run "
         "stops, or converts them.",
     )

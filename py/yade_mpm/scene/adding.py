@@ -7,9 +7,9 @@ import os
 
 import numpy as np
 
-from ..base import limits
 from ..base.attributes import keep
 from ..base.keywords import checked
+from ..check import limits
 from ..engine.rigidContact import RigidContact
 from ..geometry.lattice import checkOverlap
 from ..geometry.mesh import Mesh

@@ -4,8 +4,7 @@
 import math
 import time
 
-from ..base import limits
-from ..check import domains
+from ..check import domains, limits
 from ..check.domains import OF_THE_RUN, checkFields, checkInterface, distortion, leftBehind
 from ..engine.callback import Callback
 from ..engine.engine import NO_CALL

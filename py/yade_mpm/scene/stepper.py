@@ -9,10 +9,10 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from ..base import limits
 from ..base.attributes import Guarded, keep
 from ..base.kinds import COUNT, ENGINE, FLAG, POSITIVE, takes
 from ..base.warn import warnUser
+from ..check import limits
 from ..check.bending import actions, thinBeams
 from ..check.domains import checkFields, checkInterface
 from ..check.mistakes import likelyMistakes

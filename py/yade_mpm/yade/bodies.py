@@ -8,8 +8,7 @@ from collections import Counter
 
 import numpy as np
 
-from .. import _core
-from ..engine import rigid
+from .. import _core, rigid
 from ..engine.rigidContact import RigidContact
 from ..geometry.numbers import placeText
 from . import loop, native

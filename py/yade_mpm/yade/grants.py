@@ -9,8 +9,8 @@ needs to be looked at in the next step revokes them.
 import weakref
 
 from .. import _core
-from ..base import limits
 from ..base.attributes import whenSet
+from ..check import limits
 from . import native
 
 MOST = 250  # steps in a grant: so late it is seen that O.engines or O.timingEnabled were set in a run

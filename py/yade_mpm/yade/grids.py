@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from ..engine import rigid
+from .. import rigid
 
 NODES = {"GridConnection": 2, "PFacet": 3}  # by the shape of the element
 

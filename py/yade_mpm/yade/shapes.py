@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..engine import rigid
+from .. import rigid
 from .grids import isElement, massOf, shapeOf
 
 INSTEAD = {

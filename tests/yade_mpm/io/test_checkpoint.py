@@ -111,11 +111,11 @@ def converting():
 
 def run(scene, steps):
     """Runs with a short period between estimates; of the driven scenes the velocity is changed on the way."""
-    mpm.base.limits.DT_PERIOD = PERIOD
+    mpm.check.limits.DT_PERIOD = PERIOD
     try:
         scene.run(steps=steps, progress=False)
     finally:
-        mpm.base.limits.DT_PERIOD = 5000
+        mpm.check.limits.DT_PERIOD = 5000
 
 
 def bitsOf(file):

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yade_mpm.base import limits
+from yade_mpm.check import limits
 from yade_mpm.scene.policy import LoopPolicy
 
 

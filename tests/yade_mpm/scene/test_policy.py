@@ -4,7 +4,7 @@
 from types import SimpleNamespace
 
 import pytest
-from yade_mpm.base import limits
+from yade_mpm.check import limits
 from yade_mpm.scene import policy
 
 

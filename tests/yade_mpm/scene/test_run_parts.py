@@ -71,7 +71,7 @@ def test_pause_in_a_callback_stops_after_that_step(period, background):
 
 
 def test_runs_can_be_cut_in_pieces(monkeypatch):
-    monkeypatch.setattr(mpm.base.limits, "DT_PERIOD", 10)
+    monkeypatch.setattr(mpm.check.limits, "DT_PERIOD", 10)
     whole, pieces = smallScene(velocity=(0.1, 0.2)), smallScene(velocity=(0.1, 0.2))
     whole.run(steps=40)
     for steps in (0, 3, 7, 1, 19, 10):
@@ -127,7 +127,7 @@ def test_vertices_and_particles_follow_the_same_nodes_under_a_load():
 
 def test_estimates_of_the_time_step_leave_no_trace(monkeypatch):
     """Neither in the fields nor in the work of the loads, which is that on the vertices."""
-    monkeypatch.setattr(mpm.base.limits, "DT_PERIOD", 5)
+    monkeypatch.setattr(mpm.check.limits, "DT_PERIOD", 5)
     scene = pulledMesh("stop")
     body = scene["mesh"]
     body.vertices[0] -= 0.247

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from yade_mpm import box
-from yade_mpm.base import limits
+from yade_mpm.check import limits
 
 CELL = 0.5
 

@@ -10,7 +10,7 @@ import pytest
 import yade_mpm as mpm
 from setups import chain
 from yade_mpm import box
-from yade_mpm.base import limits
+from yade_mpm.check import limits
 from yade_mpm.scene.policy import LoopPolicy
 
 

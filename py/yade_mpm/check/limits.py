@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Limits that the scene and the run share."""
+"""Limits that the checks, the scene and the run share."""
+
+from ..particle.limits import POOR_QUALITY  # noqa: F401 - one of them
 
 # Share of the critical step, and of the longest stable one, that is taken where nobody gives dt. Where
 # particles lie in the cells makes the latter differ by up to 1.7 times, and they may be elsewhere before the
@@ -17,9 +19,6 @@ DT_LEAST_PERIOD = 1000  # so that estimates, each as long as some 45 steps, take
 DT_LOOK = 50  # steps between looks at how much particles have grown
 DT_GROWTH = 1.25  # growth of a volume up to which the share above leaves room
 CHECK_PERIOD = 1000  # steps between looks at the interface and at the quality of domains
-# Smallest corner of an APDI domain over its area from which on down the run warns; at 0.05 it stops, or
-# converts the domain.
-POOR_QUALITY = 0.2
 # Of a cell: what single precision, in which files keep meshes, rounds an edge by 8000 cells from the origin.
 SINGLE_PRECISION = 1e-3
 # Longest APDI edge beside uGIMP, in cells: when the scene is built, and while running as domains stretch and

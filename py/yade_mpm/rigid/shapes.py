@@ -11,8 +11,6 @@ import numpy as np
 
 from ..geometry.numbers import floats
 
-__all__ = ["Box", "Facet", "Sphere", "Wall"]
-
 
 class Shape:
     """Base of the shapes of rigid bodies."""

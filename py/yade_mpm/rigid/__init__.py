@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Shapes of rigid bodies, for `RigidContact.addBody`: mpm.rigid.Sphere(0.1)."""
+
+from .shapes import Box, Facet, Shape, Sphere, Wall
+
+__all__ = ["Box", "Facet", "Shape", "Sphere", "Wall"]

@@ -3,6 +3,7 @@
 
 import numpy as np
 from landscape import SAND, landscape
+from matplotlib.collections import PolyCollection
 from scipy.ndimage import median_filter
 from yade_mpm import plot
 
@@ -47,7 +48,7 @@ def section(ax, a, scene, centres, radii, limit):
         0.28 * a.cell * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
     )  # a little larger than a particle was
     colours = SAND(np.clip(soil.plasticShearStrain[mine] / limit, 0, 1))
-    ax.add_collection(plot.PolyCollection(centre + corners, lw=0, facecolors=colours))
+    ax.add_collection(PolyCollection(centre + corners, lw=0, facecolors=colours))
     for (x, y, z), radius in zip(centres, radii):
         if abs(y - plane) < radius:
             cut = np.sqrt(radius**2 - (y - plane) ** 2)

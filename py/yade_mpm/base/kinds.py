@@ -11,11 +11,14 @@ import functools
 import inspect
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 
 from .wording import shown
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 
 class Kind:
@@ -38,7 +41,7 @@ class Kind:
             raise error(f"{who}: {name} = {shown(value)} is not allowed; give {self.words}")
 
 
-def takes(**kinds):
+def takes(**kinds: Kind) -> Callable[[F], F]:
     """Decorator of a function that takes arguments of these kinds, each a `Kind` by the argument's name."""
 
     def decorate(function):

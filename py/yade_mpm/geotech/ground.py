@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Ground of one material whose particle types are chosen on the command line."""
 
-from ..base.kinds import REGION, SCENE, TEXT, takes
+import numpy as np
+
+from ..base.kinds import POSITIVE, REGION, SCENE, TEXT, takes
+from ..geometry.regions import box
 from ..particle.types import APDI, UGIMP
 
 TYPES = ("hybrid", "ugimp", "apdi")
@@ -29,3 +32,37 @@ def addGround(scene, name, region, zone, material, types, splitAt=None, onDistor
         near = scene.add(f"near {name}", zone, material, boxes, **more)
         mesh = APDI(size=cell, matched=near, onDistortion=onDistortion)
         scene.add(f"far {name}", region - zone, material, mesh, **more)
+
+
+@takes(scene=SCENE, strain=POSITIVE)
+def flowRegion(scene, strain=0.01):
+    """Where the soil of a scene has flowed, for `flow=` of a finer one.
+
+        coarse.run(until=40)
+        soil = fine.add("soil", ground, sand, flow=mpm.geotech.flowRegion(coarse))
+
+    Parameters
+    ----------
+    strain : plastic shear strain from which on soil flows, -; default 0.01, from which on a run warns of a
+        mesh.
+
+    Returns a box with all places where such soil is and was at the start, out to the next lines of nodes of
+    the scene and a cell further. Raises ValueError where no soil has flowed.
+    """
+    places = []
+    for body in scene.bodies:
+        if body.count and "plasticShearStrain" in body.fieldNames:
+            flows = body.plasticShearStrain > strain
+            places += [body.position[flows], body.reference[flows]]
+    places = np.concatenate(places) if places else np.zeros((0, scene.dim))
+    if not len(places):
+        raise ValueError(
+            f"flowRegion: no soil of the scene has a plastic shear strain above {strain:g}; run it further"
+        )
+    lower, upper = [], []
+    for x, line in zip(places.T, scene.lines):
+        first = np.searchsorted(line, x.min(), "right") - 2
+        last = np.searchsorted(line, x.max(), "left") + 1
+        lower.append(float(line[max(first, 0)]))
+        upper.append(float(line[min(last, len(line) - 1)]))
+    return box(lower, upper)

@@ -193,3 +193,18 @@ def testWhatIsNoFlowIsTold():
     with pytest.raises(ValueError, match="together"):
         block = mpm.box((0, 0), (1, 1))
         scene.add("soil", block, mpm.MohrCoulomb(**SAND), mpm.UGIMP(perCell=2), flow=block)
+
+
+def testACoarseRunFindsWhereTheSoilFlows():
+    scene, soil, *_ = pileScene()
+    with pytest.raises(ValueError, match="no soil of the scene"):
+        mpm.geotech.flowRegion(scene)
+    scene.run(until=0.3, progress=False)
+    lower, upper = mpm.geotech.flowRegion(scene, strain=0.003).bounds()
+    flows = soil.position[soil.plasticShearStrain > 0.003]
+    assert len(flows) and np.all(flows >= lower) and np.all(flows <= upper)
+    assert upper[0] < 3
+    fine = mpm.Scene((0, 0), (3, 3), cell=0.125, threads=1)
+    zone = mpm.geotech.flowRegion(scene, strain=0.003)
+    soil = fine.add("soil", mpm.box((0, 0), (3, 2)), mpm.MohrCoulomb(**SAND), flow=zone)
+    assert 0 < soil.initialVolume.sum() < 6

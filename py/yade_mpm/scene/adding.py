@@ -77,8 +77,8 @@ def add(
         out, also beside thin and inclined shapes. Of boxes only. Default None: the region is filled.
     flow : where the soil flows: a region, or (pile, 2.0), a box up to 2 m round a body or a region
         (`mpm.geotech.flowRegion` finds one by a coarse run). Boxes are made there, and elsewhere a mesh with
-        edges of a cell, in a body of its own, "NAME (mesh)", whose edges beside the boxes match them. In place
-        of `particles`. Default None: all of the body is of one type.
+        edges of a cell, in a body of its own, "NAME (mesh)", whose edges beside the boxes match them. In
+        place of `particles`. Default None: all of the body is of one type.
 
     Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.

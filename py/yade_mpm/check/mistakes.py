@@ -28,8 +28,8 @@ def likelyMistakes(scene, gravity):
     """Yields a text for each. gravity : of the solver, m/s2."""
     if scene._isLeftAsMade() and not _isMoved(scene):
         yield (
-            "Scene: no engines were given, and the default ones have neither gravity nor walls; set e.g. "
-            "scene.engines[1] = mpm.GridSolver(gravity=(0, -9.81), fixed='bottom')"
+            "Scene: no engines were given, and the default ones have neither gravity nor walls; give "
+            "e.g. mpm.Scene(..., gravity=9.81), and call scene.fix('bottom')"
         )
     if scene.scheme == "USF":
         yield (

@@ -67,7 +67,11 @@ def contact(
         scene.engines.insert(scene.engines.index(scene._gridSolver("contact")) + 1, engine)
     scene._asked.add(engine)
     scene._contactPairs.append(pair)
-    arrange(scene)
+    try:
+        arrange(scene)
+    except ValueError:
+        scene._contactPairs.pop()  # a refused call leaves the scene as it was
+        raise
     scene.stepper.noteChange()
     return engine
 
@@ -194,11 +198,12 @@ def _unclear(refused, pairs):
     """Why some bodies cannot be told where they belong."""
     a, b = refused[0]
     named = {body.name for pair in pairs for body in (*pair.first, *pair.second)}
+    loose, other = (a, b) if a.name not in named else (b, a)
     return (
-        f"contact: '{a.name}' and '{b.name}' meet on the grid and no call names them, so they would stick "
-        "together, and with them bodies that slip on each other; name the two, e.g. "
-        f"scene.contact({a.name}, {b.name}, friction=...), or let one go with another body: "
-        f"scene.contact(({', '.join(sorted({a.name, b.name} & named or {a.name})[:1])}, ...), ...)"
+        f"contact: '{loose.name}' and '{other.name}' meet on the grid and no call names them, so they would "
+        "stick together, and with them bodies that slip on each other; name the two, e.g. "
+        f"scene.contact({loose.name}, {other.name}, friction=...), or let one go with the body that it "
+        f"sticks to, e.g. scene.contact(({other.name}, {loose.name}), ...)"
     )
 
 

@@ -99,6 +99,42 @@ def testBodiesThatMeetAndAreNotNamedStickTogether():
     assert law is scene.contact(block, upper, friction=0.2)
 
 
+def testABodyThatWouldStickToBothSidesIsTold():
+    """A cap stands on soil and pile: with one contact alone it is not clear on which of them it slips."""
+    scene, soil, pile, _ = pileScene()
+    cap = scene.add("cap", mpm.box((0.5, 2), (1, 2.5)), mpm.LinearElastic(**STEEL))
+    with pytest.raises(ValueError, match=r"'cap' and '\w+' meet on the grid and no call names them"):
+        scene.prepare()
+    scene.contact((pile, cap), soil, friction=0.3)
+    assert cap.group == pile.group != soil.group
+    scene.prepare()
+
+
+def testWhatSticksTogetherHasOneLaw():
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    lower, upper = (
+        scene.add(name, mpm.box((0, y), (1.5, y + 1)), mpm.MohrCoulomb(**SAND))
+        for name, y in (("lower", 0), ("upper", 1))
+    )
+    wall = scene.add("wall", mpm.box((1.5, 0), (2, 2)), mpm.LinearElastic(**STEEL))
+    scene.contact(wall, lower, friction=0.2)
+    with pytest.raises(ValueError, match="what sticks together has one law"):
+        scene.contact(wall, upper, friction=0.3)
+    scene.contact(wall, upper, friction=0.2)  # the call that was refused is forgotten
+
+
+@pytest.mark.parametrize("ratio, isImplicit", [(2, False), (3.9, False), (4.1, True), (8, True)])
+def testAnElasticBodyIsImplicitFromFourTimesTheWaveSpeedOn(ratio, isImplicit):
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    soil = scene.add("soil", mpm.box((0, 0), (1, 1)), mpm.MohrCoulomb(**SAND))
+    solid = mpm.LinearElastic(density=1.8, young=2e4 * ratio**2, poisson=0.3)
+    body = scene.add("solid", mpm.box((1, 0), (2, 1)), solid)
+    assert body.implicit == isImplicit and not soil.implicit
+    body.implicit = not isImplicit  # what the user sets stays
+    scene.prepare()
+    assert body.implicit != isImplicit
+
+
 def block(scene, name="block", lower=(0, 0), **options):
     upper = tuple(np.add(lower, 1.0))
     return scene.add(name, mpm.box(lower, upper), mpm.LinearElastic(**STEEL), **options)

@@ -26,10 +26,11 @@ def makeScene(*engines, **solver):
     return scene
 
 
-def test_gravity_and_walls_are_told_where_they_belong():
+def test_walls_and_motions_are_told_the_call_that_makes_them():
     scene = makeScene()
-    for name in ("gravity", "damping", "fixed", "roller", "drive", "hold"):
-        with pytest.raises(AttributeError, match=rf"'{name}'; .*GridSolver"):
+    calls = {"fixed": "fix", "roller": "roller", "fix": "fix", "drive": "drive", "hold": "drive"}
+    for name, call in (calls | {"contact": "contact"}).items():
+        with pytest.raises(AttributeError, match=rf"{name}.*; call scene\.{call}\("):
             setattr(scene, name, 1)
     with pytest.raises(AttributeError, match="'threads'"):  # control: another name
         scene.thread = 1

@@ -20,7 +20,7 @@ import yade_mpm as mpm
 from scipy.linalg import eigvals
 from yade_mpm import box
 from yade_mpm.check import limits
-from yade_mpm.scene.stepper import stiffnesses
+from yade_mpm.scene.timeStep import stiffnesses
 
 _spec = importlib.util.spec_from_file_location(
     "d25", Path(__file__).with_name("test_D25_critical_time_step.py")

@@ -161,7 +161,7 @@ def test_domains_are_drawn_as_they_are_deformed(splitAt):
 )
 def test_a_domain_is_drawn_twice_as_long_as_its_box_at_most(longest, hasHoles, isLong, monkeypatch):
     """Half of the limit leaves slits in whole soil, twice of it makes needles of single boxes."""
-    monkeypatch.setattr("yade_mpm.particle.body.LONGEST_DRAWN", longest)
+    monkeypatch.setattr("yade_mpm.particle.bodyShape.LONGEST_DRAWN", longest)
     scene = mpm.Scene((-8, -4), (12, 8), 0.5)
     rubber = mpm.LinearElastic(density=1, young=1e3, poisson=0.3)
     whole = scene.add("whole", box((0, 0), (1, 1)), rubber, mpm.UGIMP(perCell=2))

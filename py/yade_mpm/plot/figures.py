@@ -128,7 +128,7 @@ class Snapshot:
 
 
 @takes(axes=AXES, corners=CORNERS, values=VALUES, limits=NUMBERS)
-def drawDomains(axes, corners, values, meshed, colours, limits):
+def drawDomains(axes, corners, values, meshed, colours, limits=None):
     """Draws the domains of one body, grey where it has no values, and returns the collection.
 
     Parameters

@@ -40,8 +40,8 @@ class BodyPart:
 
     def now(self) -> "BodyPart":
         """The same part with the particles that are in it now, wherever they go; pieces that are cut off
-        later are not in it. ValueError where no particle is in it."""
-        if self.ids is not None:
+        later are not in it, unless it is the whole body. ValueError where no particle is in it."""
+        if self.ids is not None or self.lower is None and self.upper is None:
             return self
         return BodyPart(self.body, self.lower, self.upper, self.body.id[self.has()])
 

@@ -202,6 +202,14 @@ def testADrivenPartKeepsItsParticles():
         scene.drive(block(scene).above(2.5), velocity=(0, 1))
 
 
+def testAWholeBodyIsDrivenAsAWhole():
+    """No list of particles: pieces that are cut off belong to it, and contact knows that all of it moves."""
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    body = block(scene)
+    assert scene.drive(body, velocity=(0, -1)).part.ids is None
+    assert len(scene.drive(body.above(0.5), velocity=(0, -1)).part.ids) == body.count // 2
+
+
 @pytest.mark.parametrize("flow", [mpm.box((0, 1), (1.5, 2)), (mpm.box((0, 1.5), (0.5, 2)), 0.5), "pile"])
 def testSoilIsBoxesWhereItFlowsAndAMeshElsewhere(flow):
     scene = mpm.Scene((0, 0), (3, 3), cell=0.25, gravity=9.81, damping=0.05, threads=1)

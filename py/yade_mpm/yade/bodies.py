@@ -8,9 +8,10 @@ from collections import Counter
 
 import numpy as np
 
-from .. import _core, rigid
+from .. import _core
 from ..engine.rigidContact import RigidContact
 from ..geometry.numbers import placeText
+from ..rigid.shapes import shapeRow
 from . import loop, native
 from .grants import revokeAll
 from .grids import Element, NodeForces, isElement
@@ -268,7 +269,7 @@ class Bodies:
             if known is None or k in known:
                 self._refuseMissing(number)
         return [
-            rigid.shapeRow(k, shape)
+            shapeRow(k, shape)
             for k, number in enumerate(self.ids)
             if known is None or k in known
             for shape in self._shapes(number, mayBeMember=contact is not None)

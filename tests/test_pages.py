@@ -16,7 +16,10 @@ import yade_mpm as mpm
 DOC = Path(__file__).parents[1] / "doc"
 CELLS = re.compile(r"^```\{code-cell\}[^\n]*\n(.*?)^```", re.S | re.M)
 BLOCKS = re.compile(r"^```python\n(.*?)^```", re.S | re.M)
-IN_YADE = ("yade",)  # pages for YADE's Python
+IN_YADE = ("yade", "yade-bodies")  # pages for YADE's Python
+inYade = pytest.mark.skipif(
+    shutil.which("yade") is None, reason="YADE is not installed (Debian: apt install yade)"
+)
 TESTED_ELSEWHERE = ("recipes",)
 NOTEBOOKS = [page.stem for page in sorted((DOC / "tutorial").glob("*.md")) if CELLS.search(page.read_text())]
 HOWTO = [
@@ -159,23 +162,44 @@ def test_the_code_of_a_howto_page_runs(page, execute):
     ANSWERS.get(page, itRuns)(*execute(f"howto/{page}.md", BLOCKS))
 
 
-@pytest.mark.skipif(shutil.which("yade") is None, reason="YADE is not installed (Debian: apt install yade)")
-def test_the_tutorial_in_yade_runs(tmp_path):
-    (script,) = BLOCKS.findall((DOC / "tutorial" / "yade.md").read_text())
-    (tmp_path / "stones.py").write_text(script)
+def runInYade(page, folder):
+    """Runs the one script of a page in YADE."""
+    (script,) = BLOCKS.findall((DOC / page).read_text())
+    (folder / "page.py").write_text(script)
     environment = {
         "PYTHONPATH": str(Path(mpm.__file__).parents[1]),
         "MPLBACKEND": "Agg",
         "OMP_NUM_THREADS": "1",
     }
-    done = subprocess.run(
-        ["yade", "-n", "-x", "stones.py"],
-        cwd=tmp_path,
+    return subprocess.run(
+        ["yade", "-n", "-x", "page.py"],
+        cwd=folder,
         env={**os.environ, **environment},
         capture_output=True,
         text=True,
         timeout=120,
     )
+
+
+@inYade
+def test_the_howto_page_on_yade_runs(tmp_path):
+    done = runInYade("howto/yade.md", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    columns = (tmp_path / "soil.txt").read_text().split("\n")[0].split()
+    assert {"t", "kineticEnergy", "bottom.fy"} <= {name.strip("#") for name in columns}
+
+
+@inYade
+def test_the_howto_page_on_bodies_of_yade_runs(tmp_path):
+    done = runInYade("howto/yade-bodies.md", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    height = float(re.search(r"Vector3\(\S+?,\S+?,(\S+?)\)", done.stdout)[1])
+    assert 0.5 < height < 0.65  # the soil holds the sphere: it would have fallen by 1.2 m
+
+
+@inYade
+def test_the_tutorial_in_yade_runs(tmp_path):
+    done = runInYade("tutorial/yade.md", tmp_path)
     depths = [float(depth) for depth in re.findall(r"is (\d\.\d+) m deep", done.stdout)]
     assert done.returncode == 0 and len(depths) == 3, done.stdout + done.stderr
     assert all(0.01 < depth < 0.1 for depth in depths)

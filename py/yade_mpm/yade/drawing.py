@@ -80,7 +80,7 @@ def makeDrawer(coupling, field, component, limits, period, bodies, colours, wire
     if not hasDrawer():
         raise RuntimeError(
             "draw: YADE's view is drawn into by the plugin for YADE, which is not here, or was built without "
-            "OpenGL (doc/howto/yade.md); mpm.yade.Display shows the soil as spheres without it"
+            "OpenGL (doc/howto/yade-output.md); mpm.yade.Display shows the soil as spheres without it"
         )
     from yade import wrapper
 

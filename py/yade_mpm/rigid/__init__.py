@@ -4,3 +4,7 @@
 from .shapes import Box, Facet, Shape, Sphere, Wall
 
 __all__ = ["Box", "Facet", "Shape", "Sphere", "Wall"]
+
+
+def __dir__():
+    return __all__

@@ -7,6 +7,7 @@ import sys
 from math import radians
 
 import pytest
+import setups
 import yade_mpm as mpm
 from setups import chain
 from yade_mpm import box
@@ -126,9 +127,8 @@ def orders(scene):
 )
 def test_threads_do_not_change_a_bit(tmp_path, name, scheme, steps):
     # In a process of its own, where waiting threads sleep: the machine may have fewer cores than threads.
-    environment = dict(
-        os.environ, OMP_WAIT_POLICY="passive", PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__))
-    )
+    paths = os.path.dirname(os.path.dirname(mpm.__file__)), os.path.dirname(setups.__file__)
+    environment = dict(os.environ, OMP_WAIT_POLICY="passive", PYTHONPATH=os.pathsep.join(paths))
     out = subprocess.run(
         [sys.executable, __file__, name, scheme, str(steps)],
         env=environment,

@@ -26,6 +26,7 @@ def publicNames(module):
     for name, thing in vars(owner).items():
         isOwn = inspect.isclass(thing) or inspect.isfunction(thing)
         isOwn = isOwn and thing.__module__.startswith("yade_mpm") and name not in NO_FACE
+        isOwn = isOwn and thing.__module__ != "yade_mpm.base.kinds"
         if isOwn and not name.startswith("_") and name in getattr(owner, "__all__", [name]):
             yield f"{module}.{name}", thing
 

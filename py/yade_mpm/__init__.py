@@ -78,6 +78,8 @@ from .scene.undoing import undo
 
 _sys.meta_path.append(_oldModules.OldModules)
 _makeInlineReady()
+if hasattr(_sys.modules.get("yade"), "O"):  # inside YADE: its O.load has to know our engines
+    from . import yade as yade
 
 __all__ = sorted(
     {

@@ -54,7 +54,7 @@ VALUES = Kind("numbers of the domains, or None", lambda value: value is None or 
 _COLOUR = (str, tuple, list)
 EDGE = Kind("a colour", lambda v: isinstance(v, _COLOUR) and (v in ("face", "none") or is_color_like(v)))
 CORNERS = Kind("corners (N, 4, 2)", lambda value: NUMBERS.isOne(value) and np.ndim(value) == 3)
-SNAPSHOTS = listOf(Kind("", lambda value: isinstance(value, Snapshot)), "a list of `Snapshot`")
+SNAPSHOTS = listOf(Kind("", lambda value: hasattr(value, "draw")), "a list of `Snapshot`")
 
 
 def drawToFiles():

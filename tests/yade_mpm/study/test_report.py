@@ -36,7 +36,7 @@ def out(tmp_path_factory):
             saveJson(f"{folder}/summary.json", {"load": case["gravity"] * case["perCell"], "steps": 7})
             shutil.copy(
                 Path(__file__).parents[3] / "doc" / "images" / "sheet_pile_slip.png",
-                folder / "sheet_pile.png",
+                Path(folder, "sheet_pile.png"),
             )
             state.write(folder, state.DONE, seconds=1.0)
     Path(out, report.FINDINGS).write_text("Load grows with gravity.\n\nTwice & more.\n")

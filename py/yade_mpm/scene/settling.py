@@ -41,7 +41,8 @@ def settle(
     The share is n ||d sigma|| / ||sigma|| with the change d between two looks and n = |a . M d u| / |d a .
     M d u|, the number of such changes that the accelerations a still make, the median of the last looks.
     Where the force does not fall any more, as in distorted meshes, it ends with a warning. Ramps of
-    prescribed motions count from there.
+    prescribed motions count from there. Warns where particles moved by more than a cell on the way to rest: a
+    slope that fails does so here, and its displacement after that is small.
 
     Parameters
     ----------
@@ -66,6 +67,7 @@ def settle(
                 f"zero, settle, and set it again"
             )
     keep(scene, _dampingAfterSettling=solver.damping)
+    began = {body.name: (body.id.copy(), body.position.copy()) for body in scene.bodies}
     solver.damping = damping
     try:
         with NotedSignals(scene) as noted:
@@ -77,12 +79,32 @@ def settle(
     finally:
         solver.damping = scene._dampingAfterSettling
         keep(scene, _dampingAfterSettling=None)
+    _tellWhatMoved(scene, began)
     for body in scene.bodies:
         body.velocity[...] = 0
         body.zeroDisplacement()
     for motion in motions:
         motion._core.began = scene.time
     return taken
+
+
+def _tellWhatMoved(scene, began):
+    """Warns of a body that moved by more than a cell: displacement counts from rest, and would hide it."""
+    for body in scene.bodies:
+        if body.name not in began:
+            continue
+        ids, position = began[body.name]
+        _, old, new = np.intersect1d(ids, body.id, assume_unique=True, return_indices=True)
+        moved = np.linalg.norm(body.position[new] - position[old], axis=1)
+        cells = moved / scene.cellSizeAt(body.position[new]).max(axis=1)
+        if cells.max(initial=0.0) > 1:
+            at = int(np.argmax(cells))
+            warnUser(
+                f"settle: '{body.name}' moved by up to {moved[at]:.3g} m, {cells[at]:.2g} cells, before it "
+                "was at rest: it has another shape than given, and displacement counts from here. A slope "
+                "may have failed under its own weight (look at plasticShearStrain), a body may have fallen, "
+                "soft ground may have settled (give it initialStress first)"
+            )
 
 
 def _comeToRest(scene, damping, tolerance, maxSteps, checkEvery, progress, maxTime, stressTolerance):

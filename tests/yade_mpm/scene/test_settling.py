@@ -140,6 +140,23 @@ def test_settle_ends_where_the_force_does_not_fall_any_more():
     assert steps < 50000
 
 
+@pytest.mark.parametrize("cells, isTold", [(0.5, False), (2.0, True)])
+def test_settle_tells_what_moved_by_more_than_a_cell(cells, isTold):
+    """A column of 3 m is as soft as lets its top sink by so many cells under its own weight."""
+    cell, height = 0.25, 3.0
+    modulus = ELASTIC["density"] * 9.81 * height**2 / (2 * cells * cell)
+    soft = mpm.LinearElastic(density=ELASTIC["density"], young=modulus, poisson=0)
+    scene = mpm.Scene((0, 0), (1, 4), cell, gravity=9.81, threads=1)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    scene.add("column", box((0, 0), (1, height)), soft, mpm.UGIMP(perCell=2))
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        scene.settle()
+    told = [str(w.message) for w in found if "settle: 'column' moved by up to" in str(w.message)]
+    assert len(told) == isTold
+
+
 def test_settle_has_a_limit_of_time_and_says_what_is_left():
     scene, _ = cantilever()
     message = (

@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Parameters of a material that vary in space: functions of position, profiles, arrays, random fields."""
 
+import inspect
+
 import numpy as np
 
 from ..geometry.numbers import floats, isNumber
 
+_FUNCTION = (
+    "give one that takes the positions of all particles, (N, dim), and returns a value each, e.g. "
+    "lambda x: 20 + 2 * (5 - x[:, 1]), or a profile [(elevation, value), ...]"
+)
 PER_PARTICLE = "per particle"  # each particle has a value, which nobody has told the material
 
 
@@ -26,7 +32,7 @@ def valuesAt(who, spec, positions, ids):
     Raises ValueError for a wrong shape and values that are not finite.
     """
     if callable(spec):
-        values = np.broadcast_to(_floats(who, spec(positions.copy())), len(positions))
+        values = _ofFunction(who, spec, positions)
     else:
         table = _floats(who, spec)
         isProfile = table.ndim == 2 and table.shape[1] == 2
@@ -42,6 +48,30 @@ def largestOf(body, name):
     if name in body.material._spatial:
         return getattr(body, name).max(initial=0.0)
     return getattr(body.material, name, None) or 0.0
+
+
+def _ofFunction(who, function, positions):
+    if not _takesOne(function):
+        raise TypeError(f"{who}: the function takes other arguments; {_FUNCTION}")
+    values = _floats(who, function(positions.copy()))
+    if values.shape not in ((), (1,), (len(positions),)):
+        raise ValueError(
+            f"{who}: the function returns shape {values.shape} for {len(positions)} particles; {_FUNCTION}"
+        )
+    return np.broadcast_to(values, len(positions))
+
+
+def _takesOne(function):
+    """Whether a function can be called with one argument, as far as it tells."""
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):
+        return True
+    try:
+        signature.bind(None)
+    except TypeError:
+        return False
+    return True
 
 
 def _floats(who, value):

@@ -112,3 +112,18 @@ def test_files_that_have_them_are_read_where_they_went_without_saying():
     spec["attributes"]["transfer"] = "affine"
     with pytest.raises(ValueError, match="transfer is gone"):
         buildEngine(spec, None, {}, permissions, "old.h5")
+
+
+# --- a strength that varies with depth ------------------------------------------------------------------
+@pytest.mark.parametrize(
+    "function, kind, text",
+    [
+        (lambda x, y: 20 + 2 * (1 - y), TypeError, "the function takes other arguments; give one that takes"),
+        (lambda x: 20 + 2 * (1 - x[1]), ValueError, r"returns shape \(2,\) for 16 particles; give one that"),
+    ],
+)
+def test_a_function_of_position_of_the_wrong_form_is_told_the_right_one(function, kind, text):
+    clay = mpm.Tresca(density=1.8, young=1e4, poisson=0.49, undrainedStrength=function)
+    scene = mpm.Scene((0, 0), (1, 1), 0.5)
+    with pytest.raises(kind, match="Tresca: undrainedStrength of body 'clay': .*" + text):
+        scene.add("clay", mpm.box((0, 0), (1, 1)), clay)

@@ -92,6 +92,8 @@ def drive(
         scene.run(until=10)
         print(press.reaction)  # kN (2D: kN/m), on the pile
 
+    A `history` has the reaction over time: `history["pile.fy"]` over `history["time"]`.
+
     Parameters
     ----------
     what : Body, or a part of one, as of `body.above(12)`, `body.inside(region)`: a `Drive`. Or a region, or
@@ -166,6 +168,9 @@ def history(
     scene, every: float, file: str | os.PathLike | None = None, columns: dict | None = None
 ) -> History:
     """Keeps forces, energies and checks over time; `scene.history(0.1)["time"]` is a NumPy array.
+
+    What is driven or held has columns of its name, the reaction on it: `history["pile.fy"]`. Its `names` are
+    those of all columns.
 
     Parameters
     ----------

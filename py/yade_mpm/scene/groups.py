@@ -49,7 +49,8 @@ def contact(
     Parameters
     ----------
     first, second : Body, or several that stick together.
-    friction : coefficient, -; default 0.
+    friction : coefficient, -; default 0. For a perfectly rough base or shaft make no call:
+        the two stick together.
     adhesion : kPa; default 0.
 
     Returns the `Contact` engine, which has forces, work and options for all pairs.
@@ -220,7 +221,7 @@ def _nameGroups(scene, parts, pairs):
         name = given[0] if given else together[0].name if isIn else "main"
         if body.group != name:
             body.group = name
-        body._chosen["group"] = "it sticks to what it meets" if isIn else "in no contact"
+        body._chosen["group"] = "it slips on other groups that it meets" if isIn else "in no contact"
 
 
 def _setLaws(engine, pairs):

@@ -12,6 +12,7 @@ from ..base.attributes import Guarded, keep
 from ..base.html import card, table
 from ..base.keywords import checked
 from ..base.kinds import NUMBER, takes
+from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from ..geometry.region import Region
 from ..particle.body import Body
@@ -43,10 +44,10 @@ class Prescribed(Guarded):
         object.__setattr__(self, "_core", _core.Constraint())
         self._velocity = _velocity(type(self).__name__, velocity)
         if not isinstance(name, str):
-            raise TypeError(f"{type(self).__name__}: name = {name!r}; give a string")
+            raise TypeError(f"{type(self).__name__}: name = {shown(name)}; give a string")
         if not (isinstance(ramp, (int, float, np.number)) and 0 <= ramp < np.inf):
             raise ValueError(
-                f"{type(self).__name__}: ramp = {ramp!r} is not allowed; give zero or a positive time in s"
+                f"{type(self).__name__}: ramp = {shown(ramp)} is not allowed; give zero or a positive time, s"
             )
         self._core.name, self._core.velocity, self._core.ramp = name, self._velocity, float(ramp)
 
@@ -148,7 +149,7 @@ class Drive(Prescribed):
         super().__init__(velocity, ramp, name)
         part = part.all() if isinstance(part, Body) else part
         if not isinstance(part, BodyPart):
-            raise TypeError(f"Drive: part = {part!r}; give a body or a part of one, e.g. pile.above(12)")
+            raise TypeError(f"Drive: part = {shown(part)}; give a body or a part of one, e.g. pile.above(12)")
         object.__setattr__(self, "part", part)
         far = 1e300
         self._core.body = part.body.name
@@ -216,10 +217,10 @@ class Hold(Prescribed):
         name: str | None = None,
     ) -> None:
         if not isinstance(where, (str, Region)):
-            raise TypeError(f"Hold: where = {where!r}; give the name of a face or a region")
+            raise TypeError(f"Hold: where = {shown(where)}; give the name of a face or a region")
         if isinstance(where, Region) and where.spec() is None:
             raise ValueError(
-                f"Hold: where = {where!r} is a region of your own, whose nodes no checkpoint could find; "
+                f"Hold: where = {shown(where)} is a region of your own; its nodes no checkpoint could find; "
                 f"give a region made by box(), polygon() and the like"
             )
         super().__init__(velocity, ramp, name or (where if isinstance(where, str) else "hold"))
@@ -254,6 +255,6 @@ def _velocity(who, velocity):
     numbers = [v for v in given if v is not None]
     if len(given) not in (2, 3) or not all(isNumber(v) and np.isfinite(v) for v in numbers):
         raise ValueError(
-            f"{who}: velocity = {velocity!r} is not allowed; give one number (m/s) or None per axis"
+            f"{who}: velocity = {shown(velocity)} is not allowed; give one number (m/s) or None per axis"
         )
     return [np.nan if v is None else float(v) for v in given]

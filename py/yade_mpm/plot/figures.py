@@ -137,14 +137,15 @@ def drawDomains(axes, corners, values, meshed, colours, limits=None):
     values : (N,), or None.
     meshed : whether edges are drawn.
     colours : name of a colour map.
-    limits : values at the ends of it.
+    limits : values at the ends of it; default: those of the smallest and the largest value.
     """
     if values is None:
         drawn = PolyCollection(corners, facecolors="0.55", edgecolors="0.3", linewidths=0.2)
     else:
         edges = (0, 0, 0, 0.25) if meshed else "face"  # without edges neighbours leave a hair between them
         drawn = PolyCollection(corners, array=values, cmap=colours, edgecolors=edges, linewidths=0.15)
-        drawn.set_clim(*limits)
+        if limits is not None:
+            drawn.set_clim(*limits)
     axes.add_collection(drawn)
     return drawn
 

@@ -22,7 +22,7 @@ say("dict", {k: v for k, v in solver.dict().items() if k in ("gravity", "damping
 say("no command", "command" in solver.dict())
 say("repr", repr(solver)); say("print", str(O.engines[1]))
 say("not allowed", fails(ValueError, lambda: setattr(solver, "damping", -1)))
-say("unknown", fails(ValueError, lambda: setattr(solver, "dampning", 1)))
+say("unknown", fails(AttributeError, lambda: setattr(solver, "dampning", 1)))
 say("no such", fails(AttributeError, lambda: solver.dampning))
 say("pace", fails(AttributeError, lambda: setattr(solver, "iterPeriod", 10)))
 say("own pace", O.engines[6].iterPeriod); O.engines[6].iterPeriod = 5

@@ -151,8 +151,13 @@ def _hold(point, gradient, components, stress):
         all[unknown, unknown] = scale * parts
         return all
 
+    def apply(its, parts):
+        """Without rotation as a logarithmic strain, so that strains add up."""
+        change = increment(parts)
+        return its.strain(change) if np.array_equal(change, change.T) else its.gradient(change, 1.0)
+
     def missed(parts):
-        now = point.copy().gradient(increment(parts), 1.0)
+        now = apply(point.copy(), parts)
         return (np.array([now[c] for c in components]) - wanted) / size
 
     found = scipy.optimize.root(missed, np.zeros(len(unknown)), tol=1e-12)
@@ -161,4 +166,4 @@ def _hold(point, gradient, components, stress):
             f"element test: {type(point.material).__name__} does not reach a stress of {wanted.tolist()} kPa "
             f"(it misses {size * np.abs(missed(found.x)).max():.3g} kPa); take more steps or another pressure"
         )
-    point.gradient(increment(found.x), 1.0)
+    apply(point, found.x)

@@ -120,10 +120,12 @@ class RandomField:
 
     def __init__(self, mean, deviation, lengths, seed, lognormal=True, modes=1000):
         self.lengths = np.atleast_1d(_floats("RandomField: lengths", lengths))
-        if not (self.lengths > 0).all():
+        if not ((self.lengths > 0) & np.isfinite(self.lengths)).all():
             raise ValueError(f"RandomField: lengths = {lengths!r}; give positive numbers, m")
         self.mean, self.deviation, self.lognormal = mean, deviation, lognormal
         self.seed, self.modes = seed, modes
+        if isNumber(mean) and isNumber(deviation):  # functions are asked where there are particles
+            self(np.zeros((1, max(2, len(self.lengths)))))
 
     def __call__(self, positions):
         n, dim = positions.shape
@@ -156,7 +158,10 @@ class RandomField:
 
     def _at(self, positions, value, what):
         value = value if isNumber(value) else value(positions)
-        return np.broadcast_to(_floats(f"RandomField: {what}", value), len(positions))
+        values = np.broadcast_to(_floats(f"RandomField: {what}", value), len(positions))
+        if not np.isfinite(values).all():
+            raise ValueError(f"RandomField: {what} is not finite everywhere; give finite numbers")
+        return values
 
     def __repr__(self):
         kind = "lognormal" if self.lognormal else "Gaussian"

@@ -74,3 +74,12 @@ def testWhatNoMaterialFollowsIsTold():
         mpm.elementTest.triaxial("sand", 5.0, 0.1)
     with pytest.raises(ValueError, match="preconsolidatio'; did you mean 'preconsolidation'"):
         mpm.elementTest.triaxial(mpm.ModifiedCamClay(**CLAY), 5.0, 0.1, state={"preconsolidatio": 3})
+
+
+def testStrainsOfATestAddUp():
+    """Drained, elastic: q is Young's modulus times the logarithmic strain, whatever the steps."""
+    soil = mpm.LinearElastic(density=1.8, young=1e4, poisson=0.3)
+    law = mpm.MohrCoulomb(density=1.8, young=1e4, poisson=0.3, cohesion=1e6, frictionAngle=0.1)
+    curve = mpm.elementTest.triaxial(law, 100.0, 0.1, steps=10)
+    assert curve.q[-1] == pytest.approx(1000, rel=2e-5)  # of second order in the step
+    assert mpm.elementTest.oedometer(soil, 0.1, steps=10).volume[-1] == pytest.approx(0.1, rel=1e-12)

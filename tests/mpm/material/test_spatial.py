@@ -139,3 +139,11 @@ def testARandomFieldHasItsMomentsAndItsLength():
     assert field(many).mean() == pytest.approx(10, rel=0.03) and field(many).std() == pytest.approx(
         3, rel=0.1
     )
+
+
+@pytest.mark.parametrize(
+    "mean, deviation, lengths", [(-1, 3, 1), (10, -3, 1), (10, np.nan, 1), (np.inf, 3, 1), (10, 3, 0)]
+)
+def testARandomFieldIsCheckedWhenItIsMade(mean, deviation, lengths):
+    with pytest.raises(ValueError, match="RandomField: "):
+        mpm.RandomField(mean, deviation, lengths, seed=1)

@@ -8,7 +8,7 @@
 namespace mpm {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 // Of one particle. Plane of the major and the minor stress: f = s1 (1 + sin phi) - s3 (1 - sin phi) - 2 c cos(phi), and
 // the potential alike with psi.
@@ -143,13 +143,13 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
   private:
     static constexpr int ofStrength = 3; // first state variable of the strength
 
-    double cutOff() const { return std::isnan(tensileStrength_) ? infinity : tensileStrength_; }
+    double cutOff() const { return std::isnan(tensileStrength_) ? unbounded : tensileStrength_; }
 
     template <int Dim> std::vector<Surface> surfacesOf(const MaterialPoints<Dim>& points) const {
         const auto surface = [&](double c, double phi, double psi) {
             return Surface{elasticity_.lambda(),  elasticity_.mu(),
                            std::sin(phi),         std::sin(psi),
-                           2 * c * std::cos(phi), phi > 0 ? c / std::tan(phi) : infinity};
+                           2 * c * std::cos(phi), phi > 0 ? c / std::tan(phi) : unbounded};
         };
         if (strength_.isUniform())
             return std::vector<Surface>(

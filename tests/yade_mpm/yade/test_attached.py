@@ -11,7 +11,9 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from yadeProcess import YADE, end, run, start, untilSaid
+from yadeProcess import YADE, end, needsYade, run, start, untilSaid
+
+pytestmark = needsYade
 
 CHOSEN = """
 from yade import plot

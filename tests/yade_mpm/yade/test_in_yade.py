@@ -6,6 +6,9 @@ import sys
 
 import pytest
 import yade_mpm as mpm
+from yadeProcess import needsYade
+
+pytestmark = needsYade
 
 
 @pytest.mark.parametrize("kind", ["stages", "chain"])

@@ -31,7 +31,6 @@ NUMBERS = 3.77, 3.83  # of stability: lower and upper bound
 BASE, BEHIND, BEFORE = 1.0, 1.5, 1.0  # m; heights: of ground below the toe, behind and before the face
 ENOUGH = 12  # cells in the height, from which on the factor is at most 7 % too high
 BETWEEN = 0.6, 1.6  # of the reference
-RAMP, HOLD = 1.0, 1.0  # s
 
 PARAMETERS = mpm.Parameters(
     "cut",
@@ -61,28 +60,36 @@ def bounds(height):
     return [brentq(surplus, 0.1, 10.0, args=(number,)) for number in NUMBERS]
 
 
-def build(a, factor):
-    """The cut with its strength divided by a factor, before gravity."""
+def build(a):
+    """The cut before gravity."""
     face, end = (round(length * a.height) for length in (BEHIND, BEHIND + BEFORE))
     top = BASE + a.height
-    scene = mpm.Scene((0, 0), (end, top + 1), a.cell, threads=a.threads)
-    soil = stability.soil(factor, COHESION, PHI, density=DENSITY, lame=LAME)
+    scene = mpm.Scene((0, 0), (end, top + 1), a.cell, gravity=stability.GRAVITY, threads=a.threads)
+    scene.fix("bottom")
+    scene.roller("left", "right")
     outline = box((0, 0), (end, BASE)) + box((0, BASE), (face, top))
     zone = box((1, 0), (end, BASE)) + box((1, BASE), (face, top))
-    geotech.addGround(scene, "soil", outline, zone, soil, a.types, fbar=not a.noFbar)
+    geotech.addGround(scene, "soil", outline, zone, soil(), a.types, fbar=not a.noFbar)
     return scene
 
 
+def soil():
+    return mpm.MohrCoulombDruckerPrager(
+        density=DENSITY, lame=LAME, cohesion=COHESION, frictionAngle=radians(PHI)
+    )
+
+
 def run(a):
-    """Bisects the factor; returns (summary, scene that fails, trials)."""
+    """Finds the factor of safety; returns (summary, what was found)."""
     limits = bounds(a.height)
     between = [share * limits[0] for share in BETWEEN]
-    summary, *rest = stability.reduce(a, lambda factor: build(a, factor), between, RAMP, HOLD)
-    return summary | {"reference": limits}, *rest
+    summary, found = stability.find(a, lambda: build(a), between)
+    return summary | {"reference": limits}, found
 
 
-def draw(a, scene, trials, file):
-    stability.draw(scene, trials, a.height, {"limit analysis": bounds(a.height)}, file)
+def draw(a, found, file):
+    if found:
+        found.plot(file, {"limit analysis": bounds(a.height)})
 
 
 def tell(a, s):

@@ -15,6 +15,8 @@ Units: Mg, m, s, kPa, per metre of thickness.
     scripts/run slope --factor 1.5          # this factor alone
 """
 
+from math import radians
+
 import yade_mpm as mpm
 from yade_mpm import Parameter, app, geotech, polygon
 from yade_mpm.geotech import reference, stability
@@ -23,7 +25,6 @@ HEIGHT, UNIT_WEIGHT, COHESION, PHI = 10.0, 20.0, 10.0, 20.0  # m, kN/m3, kPa (0.
 YOUNG, POISSON = 1e5, 0.3  # kPa, -
 CREST, TOE = 12.0, 32.0  # m: where the face begins and ends
 PUBLISHED, BETWEEN = 1.4, (1.0, 2.0)
-RAMP, HOLD = 1.0, 2.0  # s
 
 PARAMETERS = mpm.Parameters(
     "slope",
@@ -35,11 +36,18 @@ PARAMETERS = mpm.Parameters(
 arguments = PARAMETERS.parse
 
 
-def build(a, factor):
-    """The slope with its strength divided by a factor, before gravity."""
-    scene = mpm.Scene((0, 0), (TOE + 4.0, HEIGHT + 2.0), a.cell, threads=a.threads)
-    elastic = dict(density=UNIT_WEIGHT / stability.GRAVITY, young=YOUNG, poisson=POISSON)
-    soil = stability.soil(factor, COHESION, PHI, **elastic)
+def build(a):
+    """The slope before gravity."""
+    scene = mpm.Scene((0, 0), (TOE + 4.0, HEIGHT + 2.0), a.cell, gravity=stability.GRAVITY, threads=a.threads)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    soil = mpm.MohrCoulombDruckerPrager(
+        density=UNIT_WEIGHT / stability.GRAVITY,
+        young=YOUNG,
+        poisson=POISSON,
+        cohesion=COHESION,
+        frictionAngle=radians(PHI),
+    )
     outline = polygon([(0, 0), (TOE, 0), (CREST, HEIGHT), (0, HEIGHT)])
     zone = polygon([(4, 0), (TOE, 0), (CREST, HEIGHT), (4, HEIGHT)])  # what slides
     geotech.addGround(scene, "soil", outline, zone, soil, a.types, fbar=not a.noFbar)
@@ -47,14 +55,14 @@ def build(a, factor):
 
 
 def run(a):
-    """Bisects the factor; returns (summary, scene that fails, trials)."""
-    summary, *rest = stability.reduce(a, lambda factor: build(a, factor), BETWEEN, RAMP, HOLD)
-    return summary | {"reference": PUBLISHED}, *rest
+    """Finds the factor of safety; returns (summary, what was found)."""
+    summary, found = stability.find(a, lambda: build(a), BETWEEN)
+    return summary | {"reference": PUBLISHED}, found
 
 
-def draw(a, scene, trials, file):
-    published = {f"Griffiths & Lane 1999: {PUBLISHED}": (PUBLISHED - 0.005, PUBLISHED + 0.005)}
-    stability.draw(scene, trials, HEIGHT, published, file)
+def draw(a, found, file):
+    if found:
+        found.plot(file, {f"Griffiths & Lane 1999: {PUBLISHED}": (PUBLISHED - 0.005, PUBLISHED + 0.005)})
 
 
 def tell(a, s):

@@ -21,6 +21,7 @@ Drive, Hold                    prescribed motions, given to the GridSolver
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
 read, Results, ResultFrame     what a Recorder has written, by time
 quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
+safety, limitLoad              factor of safety by strength reduction; limit load for small cells
 Parameter, Parameters, study   what a scene takes; a room: many cases of it
 diagnostics, rigid             rooms: energies and other numbers of a scene; shapes for RigidContact
 
@@ -59,6 +60,8 @@ from .geometry.meshInput import meshFromArrays, meshFromFile
 from .geometry.meshRows import inRows
 from .geometry.region import Region
 from .geometry.regions import box, disc, everywhere, halfSpace, polygon, sphere
+from .geotech.limitLoad import limitLoad
+from .geotech.safety import safety
 from .io.history import History
 from .io.recorder import Recorder
 from .material import elementTest

@@ -30,6 +30,8 @@ from .geometry.regions import everywhere as everywhere
 from .geometry.regions import halfSpace as halfSpace
 from .geometry.regions import polygon as polygon
 from .geometry.regions import sphere as sphere
+from .geotech.limitLoad import limitLoad as limitLoad
+from .geotech.safety import safety as safety
 from .io.history import History as History
 from .io.recorder import Recorder as Recorder
 from .material import elementTest as elementTest

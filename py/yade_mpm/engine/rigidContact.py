@@ -3,11 +3,13 @@
 
 import numpy as np
 
-from ..base.kinds import NUMBER, takes
+from ..base.kinds import NUMBER, Kind, listOf, takes
 from ..geometry.numbers import floats
 from ..rigid.shapes import shapeRow
 from .engine import generated
 from .records import column, withRows
+
+PAIR = Kind("four numbers", lambda pair: np.shape(pair) == (4,))
 
 
 class RigidContact(generated["RigidContact"]):
@@ -65,6 +67,7 @@ too."""
         """As `addBody`, between two steps of a host that gives the states and prepares the scene again."""
         return self._insert(shapes, friction, (0, 0, 0), (1, 0, 0, 0), (0, 0, 0), (0, 0, 0), mass, adhesion)
 
+    @takes(pairs=listOf(PAIR, "a list of (rigid body, body, friction, adhesion)"))
     def setPairs(self, pairs):
         """Friction and adhesion of pairs of materials, between two runs.
 

@@ -23,6 +23,7 @@ from ..base.kinds import (
     POSITIVE,
     SCENE,
     TEXT,
+    TEXTS,
     WINDOW,
     Kind,
     listOf,
@@ -166,7 +167,7 @@ class Snapshots(list):
         self.append(Snapshot(scene, self.value))
 
 
-@takes(snapshots=SNAPSHOTS, limit=NUMBER, label=TEXT, window=WINDOW, curves=NUMBER)
+@takes(snapshots=SNAPSHOTS, titles=TEXTS, limit=NUMBER, label=TEXT, window=WINDOW, curves=NUMBER)
 def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
     """Figure of snapshots side by side (or one above the other), each with its title, and one colour bar:
     (figure, last axes).

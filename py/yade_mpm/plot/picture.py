@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Patch
 
+from ..base.wording import shown
 from ..io.frame import COMPONENTS, DERIVED
 from .figures import colourBar, drawDomains
 
@@ -101,7 +102,9 @@ def drawArrows(axes, parts, field):
     at = np.concatenate([part.corners.mean(axis=1) for part, f in zip(parts, found) if f is not None])
     vectors = np.concatenate([f[0] for f in found if f is not None])
     if vectors.ndim != 2:
-        raise ValueError(f"plot: arrows = {field!r} is no vector; give e.g. 'velocity' or 'displacement'")
+        raise ValueError(
+            f"plot: arrows = {shown(field)} is no vector; give e.g. 'velocity' or 'displacement'"
+        )
     some = slice(None, None, max(1, len(at) // FEW))
     _quiver(axes, at[some], vectors[some], field, unit, "k")
 
@@ -127,7 +130,7 @@ def _quiver(axes, at, vectors, name, unit, colour):
 
 def _fieldOf(part, name):
     if not isinstance(name, str):
-        raise TypeError(f"plot: field = {name!r}; give the name of a field, e.g. 'displacement'")
+        raise TypeError(f"plot: field = {shown(name)}; give the name of a field, e.g. 'displacement'")
     return part.field(name)
 
 
@@ -136,7 +139,7 @@ def _unitOf(found, field, parts):
         if f is not None:
             return f[1]
     known = sorted({name for part in parts for name in part.field.units})
-    raise ValueError(f"plot: no body has a field {field!r}; fields: {', '.join(known)}")
+    raise ValueError(f"plot: no body has a field {shown(field)}; fields: {', '.join(known)}")
 
 
 def componentOf(field, values, component):

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Factor of safety of ground by strength reduction: the number that divides its strength when it fails.
+
+    found = mpm.safety(build)  # build() -> scene with gravity, before its first step
+    print(found)               # factor of safety 1.40: stands at 1.39, fails at 1.41 (8 trials)
+    found.plot()
+
+Ground fails where in the last quarter of a trial its largest displacement still grows, or is a large part of its
+height: it has come down then, and may rest. Velocities of single particles tell nothing: where soil yields at rest
+some swing against their neighbours, and the nodes do not feel it.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..base.kinds import FLAG, FUNCTION, POSITIVE, takes
+from ..engine.callback import PyRunner
+from ..geometry.numbers import isNumber
+from ..scene.restoring import load
+from ..scene.scene import Scene
+from .strength import divideStrength
+
+DAMPING = 0.3  # -, local, where the scene has less
+STILL = 0.02  # growth of the largest displacement in the last quarter of a trial that is none, -
+FALLEN = 0.05  # displacement over the height, beyond that of ground that stands, at which it has come down, -
+FALLEN_FIRST = 0.2  # the same in the first trial, whose displacement has the settlement under its own weight, too
+RAISE_EVERY = 10  # steps between two increments of gravity
+RAMP, HOLD = 1.0, 2.0  # times sqrt(height/gravity): gravity grows, and a trial lasts
+FARTHEST = 0.05, 20.0  # factors between which the search looks, -
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Ground with its strength divided by a factor: the largest displacement, m, and whether it fails."""
+
+    factor: float
+    displacement: float
+    fails: bool
+
+
+class Safety:
+    """What `mpm.safety` has found.
+
+    Attributes
+    ----------
+    factor : factor of safety, -, the middle of `stands` and `fails`.
+    stands, fails : the largest factor at which the ground stands, and the smallest at which it fails, -.
+    trials : list of Trial, by factor.
+    height : of the ground, m.
+    scene : the ground as it fails at `fails`.
+    """
+
+    def __init__(self, trials, height, scene):
+        self.trials = sorted(trials, key=lambda trial: trial.factor)
+        self.height, self.scene = height, scene
+        self.stands = max(t.factor for t in trials if not t.fails)
+        self.fails = min(t.factor for t in trials if t.fails)
+        self.factor = 0.5 * (self.stands + self.fails)
+
+    def plot(self, file=None, references=None):
+        """Draws the ground as it fails, coloured by plastic shear strain, beside the displacements of all trials.
+
+        Parameters
+        ----------
+        file : str, name of the picture; default: none, only the figure.
+        references : dict label -> (low, high), factors to compare with.
+
+        Returns the figure.
+        """
+        from .stability import draw
+
+        return draw(self, references or {}, file)
+
+    def __repr__(self):
+        return (
+            f"factor of safety {self.factor:.2f}: stands at {self.stands:.3g}, fails at {self.fails:.3g} "
+            f"({len(self.trials)} trials)"
+        )
+
+
+@takes(build=FUNCTION, within=POSITIVE, progress=FLAG)
+def safety(build, between=(1.0, 2.0), within=0.02, progress=True):
+    """Factor of safety by strength reduction: cohesion, tan(phi) and strength of all soils are divided by it.
+
+        def build():
+            scene = mpm.Scene((0, 0), (36, 12), cell=0.5, gravity=9.81)
+            scene.fix("bottom")
+            scene.roller("left", "right")
+            scene.add("soil", mpm.polygon([(0, 0), (32, 0), (12, 10), (0, 10)]), clay)
+            return scene
+
+        found = mpm.safety(build)
+
+    Parameters
+    ----------
+    build : function without arguments that returns the scene with its gravity, before its first step. Where its
+        soil has no stress yet, gravity grows from zero.
+    between : two factors, - , at which the ground is expected to stand and to fail; default 1 and 2. The search
+        goes on beyond them if it has to, from 0.05 to 20.
+    within : width of the interval at which the search ends, -; default 0.02.
+    progress : bool, tells each trial in a line; default True.
+
+    Returns a `Safety`. The first trial, at which the ground stands, is the state from which all others begin:
+    their strength falls, and they are watched for 2 sqrt(height/g) seconds. Trials have local damping of 0.3 at least.
+    psi is never above phi. Raises TypeError where build() returns no scene, ValueError without gravity or without a
+    soil whose strength can be divided, RuntimeError where the ground stands or fails at all factors.
+
+    Source: Griffiths & Lane 1999, Geotechnique 49, 387-403 (strength reduction, failure by displacements that do not
+    come to rest).
+    """
+    low, high = _factors(between)
+    search = _Search(build, progress)
+    with search:
+        while search.fails(low):
+            low, high = low / 2, low
+        while not search.fails(high):
+            low, high = high, 2 * high
+        while high - low > within:
+            middle = 0.5 * (low + high)
+            low, high = (low, middle) if search.fails(middle) else (middle, high)
+    return Safety(search.trials, search.height, search.failed)
+
+
+@takes(build=FUNCTION, factor=POSITIVE)
+def trial(build, factor):
+    """One trial of `safety`, with the strength divided by a factor: (Trial, scene at its end).
+
+    build, factor : as of `safety`.
+    """
+    with _Search(build, progress=False) as search:
+        search.fails(factor)
+        return search.trials[0], search.scene
+
+
+def _factors(between):
+    isPair = isinstance(between, (tuple, list)) and len(between) == 2 and all(isNumber(f) for f in between)
+    if not isPair or not 0 < between[0] < between[1]:
+        raise ValueError(
+            f"safety: between = {between!r} is not allowed; give two factors, the smaller one first, e.g. (1, 2)"
+        )
+    return float(between[0]), float(between[1])
+
+
+class _Search:
+    """Trials at one factor after another; all begin where the ground stood at the smallest factor."""
+
+    def __init__(self, build, progress):
+        self._build, self._progress = build, progress
+        self.trials, self.scene, self.failed, self._stood = [], None, None, None
+
+    def __enter__(self):
+        self._folder = tempfile.TemporaryDirectory(prefix="safety")
+        return self
+
+    def __exit__(self, *_):
+        self._folder.cleanup()
+
+    def fails(self, factor):
+        """Whether the ground fails at a factor."""
+        if not FARTHEST[0] <= factor <= FARTHEST[1]:
+            raise RuntimeError(
+                f"safety: the ground {'fails' if factor < 1 else 'stands'} at every factor from {FARTHEST[0]:g} to "
+                f"{FARTHEST[1]:g}; look at single trials with scene.run(), and at what holds the ground"
+            )
+        self.scene, ramp = self._loaded(factor) if self._stood else self._new(factor)
+        trial = self._watch(self.scene, factor, ramp)
+        self.trials.append(trial)
+        if self._progress:
+            print(f"safety: {'fails' if trial.fails else 'stands'} at {factor:.4g}, moved {trial.displacement:.3g} m")
+        if not trial.fails and self._stood is None:
+            self._stood, self._stoodAt = os.path.join(self._folder.name, "stands.h5"), factor
+            self._settled = trial.displacement
+            self.scene.save(self._stood)
+        if trial.fails and factor == min(t.factor for t in self.trials if t.fails):
+            self.failed = self.scene
+        return trial.fails
+
+    def _new(self, factor):
+        """A scene of the user's with weaker soil, and over how long its gravity grows, s."""
+        built = self._build()
+        if not isinstance(built, Scene):
+            raise TypeError(f"safety: build() returns {type(built).__name__}; return the scene")
+        scene = self._copy(built)  # with materials of its own: those of build() keep their strength
+        self._gravity = np.array(scene._gridSolver("safety").gravity, float)
+        if not self._gravity.any():
+            raise ValueError("safety: the scene has no gravity; give it, e.g. mpm.Scene(..., gravity=9.81)")
+        ends = [b.reference[:, -1] for b in scene.bodies if b.count]
+        self.height = float(np.ptp(np.concatenate(ends)))
+        self._time = np.sqrt(self.height / np.linalg.norm(self._gravity))
+        divideStrength(scene, factor)
+        hasStress = any(body.stress.any() for body in scene.bodies)
+        return scene, 0.0 if hasStress else RAMP * self._time
+
+    def _copy(self, scene):
+        file = os.path.join(self._folder.name, "copy.h5")
+        scene.save(file)
+        return load(file)
+
+    def _loaded(self, factor):
+        scene = load(self._stood)
+        divideStrength(scene, factor / self._stoodAt)
+        return scene, 0.0
+
+    def _watch(self, scene, factor, ramp):
+        solver = scene._gridSolver("safety")
+        solver.damping = max(solver.damping, DAMPING)
+        began = scene.time
+        if ramp:
+
+            def raiseGravity():
+                solver.gravity = self._gravity * min(1.0, (scene.time - began) / ramp)
+
+            engines = scene.engines
+            scene.engines = [PyRunner(raiseGravity, iterPeriod=RAISE_EVERY), *engines]
+            scene.run(until=began + ramp, progress=False)
+            solver.gravity = self._gravity
+            scene.engines = engines
+        moved = []
+        for share in (0.75, 1.0):
+            scene.run(until=began + ramp + share * HOLD * self._time, progress=False)
+            moved.append(max(np.linalg.norm(b.displacement, axis=1).max() for b in scene.bodies if b.count))
+        hasFallen = moved[1] > (FALLEN * self.height + self._settled if self._stood else FALLEN_FIRST * self.height)
+        return Trial(factor, float(moved[1]), bool(hasFallen or moved[1] > (1 + STILL) * moved[0]))

@@ -11,12 +11,13 @@ box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & 
 Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes a file's name, too
 LinearElastic, NeoHookean, Material    elastic materials, and the base of all
 MohrCoulombDruckerPrager, MohrCoulomb, Tresca, ModifiedCamClay   soils
+MuI, HerschelBulkley, NewtonianLiquid  flows of grains, mud and water
 RandomField                    a parameter of a soil that varies at random in space
 MaterialPoint, elementTest     one point of a material, strained by hand or in a laboratory test
 UGIMP, APDI, BSpline, ParticleType                               particle types
 ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of every step, in this order
 VelocityRemap, ImplicitBodies  added by the scene: behind GridToParticle; GridSolver (implicit bodies)
-BoundaryLoad, Contact, RigidContact                              engines that may be added
+BoundaryLoad, Contact, RigidContact, UniformAlong                engines that may be added
 Drive, Hold                    prescribed motions, given to the GridSolver
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
 read, Results, ResultFrame     what a Recorder has written, by time

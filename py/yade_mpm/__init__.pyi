@@ -182,6 +182,29 @@ class GridToParticle(Engine):
     ) -> None: ...
 
 
+class HerschelBulkley(Material):
+    """Mud, debris, slurry: elastic up to a yield stress, a liquid above it (Bingham where flowIndex is 1)."""
+
+    density: float | None
+    yieldStress: float | None
+    consistency: float | None
+    flowIndex: float
+    bulk: float | None
+    shearModulus: float | None
+    tensileStrength: float
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        yieldStress: float | None = None,
+        consistency: float | None = None,
+        flowIndex: float = 1.0,
+        bulk: float | None = None,
+        shearModulus: float | None = None,
+        tensileStrength: float = 0.0,
+    ) -> None: ...
+
+
 class ImplicitBodies(Engine):
     """Lets the elastic forces of implicit bodies at the end of the step enter the solution on the nodes: their"""
 
@@ -320,6 +343,33 @@ class MohrCoulombDruckerPrager(Material):
     ) -> None: ...
 
 
+class MuI(Material):
+    """Dense granular flow, mu(I): friction that grows with the rate of shear over the pressure."""
+
+    density: float | None
+    lame: float | Sequence[float]
+    young: float | None
+    poisson: float | None
+    staticFriction: float | None
+    fastFriction: float | None
+    inertialNumber: float
+    grainSize: float | None
+    grainDensity: float | None
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        lame: float | Sequence[float] = (),
+        young: float | None = None,
+        poisson: float | None = None,
+        staticFriction: float | None = None,
+        fastFriction: float | None = None,
+        inertialNumber: float = 0.279,
+        grainSize: float | None = None,
+        grainDensity: float | None = None,
+    ) -> None: ...
+
+
 class NeoHookean(Material):
     """Compressible neo-Hookean elasticity."""
 
@@ -334,6 +384,64 @@ class NeoHookean(Material):
         lame: float | Sequence[float] = (),
         young: float | None = None,
         poisson: float | None = None,
+    ) -> None: ...
+
+
+class NewtonianLiquid(Material):
+    """Weakly compressible liquid of constant viscosity: water, oil, remoulded soil as a fluid."""
+
+    density: float | None
+    viscosity: float
+    bulk: float | None
+    shearModulus: float | None
+    tensileStrength: float
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        viscosity: float = 1e-06,
+        bulk: float | None = None,
+        shearModulus: float | None = None,
+        tensileStrength: float = 0.0,
+    ) -> None: ...
+
+
+class NorSand(Material):
+    """NorSand: sand whose strength and dilatancy follow its density, with critical states."""
+
+    density: float | None
+    shearModulus: float | None
+    poisson: float
+    pressureExponent: float
+    referencePressure: float
+    frictionAngle: float | None
+    criticalVoidRatio: float | None
+    compression: float | None
+    dilatancy: float
+    volumetricCoupling: float
+    hardening: float
+    initialVoidRatio: float | None
+    stateParameter: float | None
+    overconsolidationRatio: float
+    smallestPressure: float
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        shearModulus: float | None = None,
+        poisson: float = 0.2,
+        pressureExponent: float = 0.5,
+        referencePressure: float = 100.0,
+        frictionAngle: float | None = None,
+        criticalVoidRatio: float | None = None,
+        compression: float | None = None,
+        dilatancy: float = 3.5,
+        volumetricCoupling: float = 0.3,
+        hardening: float = 100.0,
+        initialVoidRatio: float | None = None,
+        stateParameter: float | None = None,
+        overconsolidationRatio: float = 1.0,
+        smallestPressure: float = 1.0,
     ) -> None: ...
 
 
@@ -420,6 +528,21 @@ class UGIMP(ParticleType):
         perCell: float | Sequence[float] = (2.0,),
         cut: bool = False,
         splitAt: float | None = None,
+    ) -> None: ...
+
+
+class UniformAlong(Engine):
+    """Makes the scene alike along an axis: all nodes of a row along it move as one."""
+
+    axis: Literal['x', 'y', 'z']
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        axis: Literal['x', 'y', 'z'] = 'x',
+        label: str = '',
+        dead: bool = False,
     ) -> None: ...
 
 

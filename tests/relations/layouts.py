@@ -2,7 +2,6 @@
 """Random scenes as plain data, which can be mirrored, turned, moved or given in other units before they are
 built. Types, laws and schemes come from the registry: a new one is in these scenes without being named."""
 
-import inspect
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -12,12 +11,15 @@ CELL = 0.5
 CELLS = np.array([14, 12])
 SCHEMES = ("MUSL", "USL", "USF")
 ELASTIC = dict(density=1.6, young=2e3, poisson=0.3)
-# What laws need besides density and elastic constants; those that are stresses, kPa.
+# What laws need besides density and elastic constants.
 SOIL = dict(cohesion=4.0, frictionAngle=0.5, dilatancyAngle=0.1)
 LAWS = {
     "MohrCoulombDruckerPrager": SOIL,
     "MohrCoulomb": SOIL,
     "Tresca": dict(undrainedStrength=4.0),
+    "MuI": dict(staticFriction=0.4, fastFriction=0.6, grainSize=0.01),
+    "HerschelBulkley": dict(yieldStress=2.0, consistency=0.1, bulk=2e3),
+    "NewtonianLiquid": dict(viscosity=0.1, bulk=2e3),
     "ModifiedCamClay": dict(
         compression=0.1,
         swelling=0.02,
@@ -27,7 +29,14 @@ LAWS = {
         smallestPressure=5.0,
     ),
 }
-STRESSES = "young", "cohesion", "undrainedStrength", "preconsolidation", "smallestPressure"
+# Units of parameters, by powers of length, mass and time.
+UNITS = {
+    "kPa": (-1, 1, -2),
+    "Mg/m3": (-3, 1, 0),
+    "m": (1, 0, 0),
+    "kPa s": (-1, 1, -1),
+    "kPa s^n": (-1, 1, -1),
+}
 NORMALS = {(-1, 0): "left", (1, 0): "right", (0, -1): "bottom", (0, 1): "top"}
 
 
@@ -40,8 +49,7 @@ class Block:
     law: str
     group: str
     velocity: np.ndarray  # m/s
-    density: float = ELASTIC["density"]
-    stress: float = 1.0  # unit of stresses, kPa
+    units: tuple = (1.0, 1.0, 1.0)  # m, Mg and s in those of the scene
     implicit: bool = False
 
 
@@ -83,10 +91,14 @@ class Layout:
         """Name, region, material and type of a body."""
         region = mpm.box(tuple(block.lower), tuple(block.upper))
         kind = getattr(mpm, block.law)
-        known = inspect.signature(kind).parameters
-        given = {k: v for k, v in {**ELASTIC, **LAWS.get(block.law, {})}.items() if k in known}
-        given |= {k: v * block.stress for k, v in given.items() if k in STRESSES}
-        law = kind(**given | {"density": block.density})
+        units = {p["name"]: p["unit"] for p in mpm._core.makeMaterial(block.law).parameters()}
+        given = {k: v for k, v in {**ELASTIC, **LAWS.get(block.law, {})}.items() if k in units}
+
+        def scale(name):
+            powers = UNITS.get(units[name], (0, 0, 0))
+            return np.prod([unit**power for unit, power in zip(block.units, powers)])
+
+        law = kind(**{k: float(v * scale(k)) for k, v in given.items()})
         kind = getattr(mpm, block.type)
         meshed = mpm._core.makeParticleType(block.type).isMeshed
         return block.name, region, law, kind(size=self.cell / 2) if meshed else kind(perCell=2)
@@ -111,8 +123,7 @@ class Layout:
         stress = mass / length / time**2
 
         def block(b):
-            more = dict(density=b.density * mass / length**3, stress=b.stress * stress)
-            more |= dict(velocity=b.velocity * length / time)
+            more = dict(units=(length, mass, time), velocity=b.velocity * length / time)
             return replace(b, lower=b.lower * length, upper=b.upper * length, **more)
 
         return replace(

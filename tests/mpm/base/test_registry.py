@@ -7,11 +7,14 @@ import yade_mpm as mpm
 from yade_mpm.base.research import hiddenOf
 
 MATERIALS = [
+    "HerschelBulkley",
     "LinearElastic",
     "ModifiedCamClay",
     "MohrCoulomb",
     "MohrCoulombDruckerPrager",
+    "MuI",
     "NeoHookean",
+    "NewtonianLiquid",
     "Tresca",
 ]
 TYPES = ["APDI", "BSpline", "UGIMP"]
@@ -24,6 +27,7 @@ ENGINES = [
     "ImplicitBodies",
     "ParticleToGrid",
     "RigidContact",
+    "UniformAlong",
     "VelocityRemap",
 ]
 

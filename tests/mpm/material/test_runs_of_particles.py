@@ -62,6 +62,12 @@ MATERIALS = {
         initialVoidRatio=1,
         preconsolidation=50,
     ),
+    "mu(I)": lambda: mpm.MuI(
+        density=1.5, lame=(9e3, 6e3), staticFriction=0.4, fastFriction=0.6, grainSize=0.01
+    ),
+    "mud": lambda: mpm.HerschelBulkley(density=1.5, bulk=1e4, yieldStress=5, consistency=0.1, flowIndex=0.5),
+    "Bingham": lambda: mpm.HerschelBulkley(density=1.5, bulk=1e4, yieldStress=5, consistency=0.1),
+    "liquid": lambda: mpm.NewtonianLiquid(density=1.5, bulk=1e4, viscosity=0.1),
     "elastic": lambda: mpm.LinearElastic(density=1.5, lame=(9e3, 6e3)),
     "neo-Hookean": lambda: mpm.NeoHookean(density=1.5, lame=(9e3, 6e3)),
 }

@@ -222,6 +222,7 @@ template <int Dim> struct BindBody {
             .def_readwrite("group", &B::group)
             .def_readwrite("converted", &B::converted)
             .def_readwrite("internalWork", &B::internalWork)
+            .def("storedEnergy", &B::storedEnergy)
             .def_readwrite("lastInternalWork", &B::lastInternalWork)
             .def_readwrite("largestInertialMass", &B::largestInertialMass)
             .add_property("hasBodyForce", hasBodyForce)

@@ -33,23 +33,29 @@ class MaterialPoint {
         Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> L(given.data());
         Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(F_);
         F = (F + dt * L * F).eval();
-        const double J = F.determinant(), initial = 1;
+        const double J = F.determinant();
         require(J > 0, "MaterialPoint: the step turns the point inside out (J = ", J,
                 "); take a smaller increment");
-        MaterialPoints<3> points{};
-        points.count = 1;
-        points.dt = dt;
-        points.volume = &J;
-        points.initialVolume = &initial;
         std::vector<double*> state;
-        for (double& s : state_) state.push_back(&s);
-        points.state = state.data();
-        for (int i = 0; i < 9; ++i) {
-            points.velocityGradient[i] = &given[i];
-            points.deformationGradient[i] = F_ + i;
-            points.stress[i] = stress_ + i;
-        }
-        material_->update(points);
+        material_->update(points(given.data(), dt, J, state));
+        time_ += dt;
+        ++step_;
+    }
+    double storedEnergy() {
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(F_);
+        const double none[9] = {}, J = F.determinant();
+        std::vector<double*> state;
+        double energy;
+        material_->storedEnergy(points(none, 0, J, state), &energy);
+        return energy;
+    }
+    bp::tuple moduli() {
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> F(F_);
+        const double none[9] = {}, J = F.determinant();
+        std::vector<double*> state;
+        double lambda, mu;
+        material_->stiffness(points(none, 0, J, state), &lambda, &mu);
+        return bp::make_tuple(lambda, mu);
     }
 
     bp::list stress() const { return listOf(std::vector<double>(stress_, stress_ + 9)); }
@@ -63,8 +69,33 @@ class MaterialPoint {
 
   private:
     std::shared_ptr<Material> material_;
-    double stress_[9], F_[9];
+    double stress_[9], F_[9], time_ = 0;
+    int64_t step_ = 0;
     std::vector<double> state_;
+
+    // What is pointed to must outlive it. state: room for pointers.
+    MaterialPoints<3> points(const double* L, double dt, const double& J, std::vector<double*>& state) {
+        static const double one = 1, origin = 0;
+        static const int64_t first = 0;
+        MaterialPoints<3> points{};
+        points.count = 1;
+        points.dt = dt;
+        points.time = time_;
+        points.step = step_;
+        points.body = "MaterialPoint";
+        points.id = &first;
+        points.volume = &J;
+        points.initialVolume = &one;
+        for (double& s : state_) state.push_back(&s);
+        points.state = state.data();
+        for (int k = 0; k < 3; ++k) points.position[k] = &origin;
+        for (int i = 0; i < 9; ++i) {
+            points.velocityGradient[i] = L + i;
+            points.deformationGradient[i] = F_ + i;
+            points.stress[i] = stress_ + i;
+        }
+        return points;
+    }
 };
 
 bp::tuple lame(const Material& m) { return bp::make_tuple(m.lame()[0], m.lame()[1]); }
@@ -107,6 +138,8 @@ void exposeMaterials() {
     bp::class_<MaterialPoint>("MaterialPoint", bp::init<std::shared_ptr<Material>, bp::object, bp::dict>())
         .def(bp::init<const MaterialPoint&>())
         .def("gradient", &MaterialPoint::gradient)
+        .def("storedEnergy", &MaterialPoint::storedEnergy)
+        .def("stiffness", &MaterialPoint::moduli)
         .add_property("stress", &MaterialPoint::stress)
         .add_property("deformationGradient", &MaterialPoint::deformationGradient)
         .add_property("state", &MaterialPoint::state);

@@ -87,6 +87,12 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
         for (int k = 0; k < 6; ++k) state[k] = e(row[k], column[k]);
     }
 
+    // That of the Kirchhoff stress, by the initial volume.
+    template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
+        MaterialOf::findStoredEnergy(points, energy);
+        for (int p = 0; p < points.count; ++p) energy[p] *= points.volume[p] / points.initialVolume[p];
+    }
+
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         stretch(points);
         stressOfStretch(points);

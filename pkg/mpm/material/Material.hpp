@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
@@ -25,7 +26,11 @@ namespace mpm {
 // symmetric: write both xy and yx (xz and zx, yz and zy in 3D); read the upper triangle.
 template <int Dim> struct MaterialPoints {
     int count;
-    double dt;
+    double dt, time;                           // s; time at the start of the step
+    int64_t step;                              // number of the step, from 0
+    const char* body;                          // name of their body, for messages
+    const int64_t* id;                         // which particles of the body these are
+    const double* position[Dim];               // m
     const double* velocityGradient[Dim * Dim]; // L_ij at Dim*i + j, 1/s (after anti-locking, if any)
     const double* deformationGradient[9];      // F after the step, F_n+1 = (I + dt L) F_n
     const double *volume,
@@ -35,10 +40,32 @@ template <int Dim> struct MaterialPoints {
     bool hasFbar;         // whether all particles of a cell take its change of volume
 };
 
+// Mean stress and J2 of particle i, kPa and kPa2, from the upper triangle.
+struct Invariants {
+    double mean, J2;
+};
+template <int Dim> Invariants invariants(const MaterialPoints<Dim>& points, int i) {
+    double* const* s = points.stress;
+    const double xx = s[0][i], yy = s[4][i], zz = s[8][i], xy = s[1][i];
+    const double mean = (xx + yy + zz) / 3, a = xx - mean, b = yy - mean, c = zz - mean;
+    double J2 = 0.5 * (a * a + b * b + c * c) + xy * xy;
+    if (Dim == 3) J2 += s[2][i] * s[2][i] + s[5][i] * s[5][i];
+    return {mean, J2};
+}
+
 struct StateVariable {
     std::string name, unit, doc;
     double initial = 0;
     bool isCellSize = false; // initial is the size of the cell of the grid, where the particle is made
+};
+
+// What F-bar moves between the particles of a cell is counted in these state variables of a law, by their places in
+// stateVariables(); -1: none.
+//   opening         by how much soil stands open and bears nothing until it has closed, a logarithmic strain: shared
+//   plasticStrain   plastic volumetric strain, dilation positive: changes with the opening of boxes, and by what the
+//                   elastic strain has lost where F-bar changes the mean stress at constant volume
+struct VolumeRecord {
+    int plasticStrain = -1, opening = -1;
 };
 
 class MPM_PUBLIC Material : public Configurable {
@@ -54,68 +81,87 @@ class MPM_PUBLIC Material : public Configurable {
 
     virtual std::vector<StateVariable> stateVariables() const { return {}; }
 
+    // Stress and state at the end of a step. Throws RunError where a particle has no stress.
     virtual void update(const MaterialPoints<2>& points) const = 0;
     virtual void update(const MaterialPoints<3>& points) const = 0;
-
-    // Whether the stress is bounded by a yield surface: particles of the material then lock without F-bar.
-    virtual bool yields() const { return false; }
-
-    // The state variable that tells by how much soil stands open and bears nothing until it has closed, by its
-    // place in stateVariables(); -1: none. F-bar shares it in a cell.
-    virtual int opening() const { return -1; }
-    // F-bar has changed the opening of each of a run of particles, and the volume of boxes with it: laws whose plastic
-    // strain counts the opening book it.
-    virtual void shared(const MaterialPoints<2>&, const double* /*change*/) const {}
-    virtual void shared(const MaterialPoints<3>&, const double* /*change*/) const {}
-    // F-bar has changed the mean stress of each of a run of particles, while their volume stays: what the elastic
-    // strain of one has gained, its plastic strain has lost to others of the cell. Laws with such a strain book it.
-    virtual void mixed(const MaterialPoints<2>&, const double* /*change*/) const {}
-    virtual void mixed(const MaterialPoints<3>&, const double* /*change*/) const {}
-
-    // Lame constants {lambda, mu} of the elastic response, kPa, of particles at rest without stress.
-    virtual std::array<double, 2> lame() const = 0;
-    // The same for each of a run of particles as they stand; a law whose stiffness follows the stress
-    // overrides it.
-    virtual void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const {
-        constantStiffness(points.count, lambda, mu);
-    }
-    virtual void stiffness(const MaterialPoints<3>& points, double* lambda, double* mu) const {
-        constantStiffness(points.count, lambda, mu);
-    }
-
-    // Shear stress, kPa, that each of a run of particles can bear at its mean stress; infinite where nothing
-    // yields. Hourglass control (APDI) resists with no more than a part of it.
-    virtual void shearStrength(const MaterialPoints<2>& points, double* strength) const {
-        std::fill_n(strength, points.count, std::numeric_limits<double>::infinity());
-    }
-    virtual void shearStrength(const MaterialPoints<3>& points, double* strength) const {
-        std::fill_n(strength, points.count, std::numeric_limits<double>::infinity());
-    }
-
     // Sets the state variables (one value each) that belong to a given Cauchy stress at F = I. Models
     // whose stress follows from F alone throw InputError for a stress that is not zero.
     virtual void stateFromStress(const double stress[9], double* state) const = 0;
+    // Lame constants {lambda, mu} of the elastic response, kPa, of particles at rest without stress.
+    virtual std::array<double, 2> lame() const = 0;
+
+    // What follows is optional.
+
+    // Whether the stress is bounded by a yield surface: particles of the material then lock without F-bar.
+    virtual bool yields() const { return false; }
+    virtual VolumeRecord volumeRecord() const { return {}; }
+    // Whether update() gets all particles of a body at once, from one thread.
+    virtual bool takesWholeBody() const { return false; }
+
+    // Lame constants of each of a run of particles as they stand, kPa: isotropic, and not below the tangent's. The
+    // critical step, hourglass control and implicit bodies use them.
+    virtual void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const = 0;
+    virtual void stiffness(const MaterialPoints<3>& points, double* lambda, double* mu) const = 0;
+    // Shear stress, kPa, that each of a run of particles can bear at its mean stress; infinite where nothing
+    // yields. Hourglass control (APDI) resists with no more than a part of it.
+    virtual void shearStrength(const MaterialPoints<2>& points, double* strength) const = 0;
+    virtual void shearStrength(const MaterialPoints<3>& points, double* strength) const = 0;
+    // Elastic energy of each of a run of particles by their volume, kJ/m3. The work that goes in less what it grows by
+    // is dissipated.
+    virtual void storedEnergy(const MaterialPoints<2>& points, double* energy) const = 0;
+    virtual void storedEnergy(const MaterialPoints<3>& points, double* energy) const = 0;
 
     double waveSpeed() const { return std::sqrt((lame()[0] + 2 * lame()[1]) / density); }
-
-  private:
-    void constantStiffness(int count, double* lambda, double* mu) const {
-        const std::array<double, 2> constants = lame();
-        std::fill_n(lambda, count, constants[0]);
-        std::fill_n(mu, count, constants[1]);
-    }
 };
 
-// Forwards both dimensions to one template text: template <int Dim> void stress(const MaterialPoints<Dim>&)
-// const.
+// Forwards both dimensions to one template text. A law has
+//     template <int Dim> void stress(const MaterialPoints<Dim>&) const
+// and its own of the others where the text here does not suit it.
 template <class Derived> class MaterialOf : public Material {
   public:
-    void update(const MaterialPoints<2>& points) const override {
-        static_cast<const Derived*>(this)->template stress<2>(points);
+    void update(const MaterialPoints<2>& points) const override { law().template stress<2>(points); }
+    void update(const MaterialPoints<3>& points) const override { law().template stress<3>(points); }
+    void stiffness(const MaterialPoints<2>& points, double* lambda, double* mu) const override {
+        law().template findStiffness<2>(points, lambda, mu);
     }
-    void update(const MaterialPoints<3>& points) const override {
-        static_cast<const Derived*>(this)->template stress<3>(points);
+    void stiffness(const MaterialPoints<3>& points, double* lambda, double* mu) const override {
+        law().template findStiffness<3>(points, lambda, mu);
     }
+    void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
+        law().template findStrength<2>(points, strength);
+    }
+    void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
+        law().template findStrength<3>(points, strength);
+    }
+    void storedEnergy(const MaterialPoints<2>& points, double* energy) const override {
+        law().template findStoredEnergy<2>(points, energy);
+    }
+    void storedEnergy(const MaterialPoints<3>& points, double* energy) const override {
+        law().template findStoredEnergy<3>(points, energy);
+    }
+
+    // lame() for all.
+    template <int Dim>
+    void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
+        const std::array<double, 2> constants = lame();
+        std::fill_n(lambda, points.count, constants[0]);
+        std::fill_n(mu, points.count, constants[1]);
+    }
+    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
+        std::fill_n(strength, points.count, std::numeric_limits<double>::infinity());
+    }
+    // Of a stress that is linear in a small strain: p^2/(2 K) + J2/(2 mu).
+    template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
+        std::vector<double> mu(points.count);
+        stiffness(points, energy, mu.data());
+        for (int i = 0; i < points.count; ++i) {
+            const auto [mean, J2] = invariants(points, i);
+            energy[i] = 0.5 * mean * mean / (energy[i] + 2.0 / 3 * mu[i]) + (J2 > 0 ? 0.5 * J2 / mu[i] : 0);
+        }
+    }
+
+  private:
+    const Derived& law() const { return static_cast<const Derived&>(*this); }
 };
 
 // Isotropic elastic constants, given as lame = (lambda, mu) or as young and poisson; the others follow.

@@ -18,6 +18,10 @@ struct Swelling {
     double strain(double p) const {
         return p > smallest ? c * std::log(p / smallest) : c * (p / smallest - 1);
     }
+    double energy(double p) const { // int p de
+        const double least = std::clamp(p, 0.0, smallest);
+        return c * (0.5 * least * least / smallest + std::max(p - smallest, 0.0));
+    }
     double stiffness(double p) const { return std::max(p, smallest) / c; } // dp/de
 };
 
@@ -146,18 +150,6 @@ Behaviour and Critical State Soil Mechanics.)";
     }
     bool yields() const override { return true; }
     std::array<double, 2> lame() const override { return lameAt(smallest_, 1 + voidRatio_); }
-    void stiffness(const MaterialPoints<2>& points, double* l, double* mu) const override {
-        present(points, l, mu);
-    }
-    void stiffness(const MaterialPoints<3>& points, double* l, double* mu) const override {
-        present(points, l, mu);
-    }
-    void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
-        bear(points, strength);
-    }
-    void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
-        bear(points, strength);
-    }
 
     // A stress beyond yield takes pc along to its surface.
     void stateFromStress(const double stress[9], double* state) const override {
@@ -174,6 +166,28 @@ Behaviour and Critical State Soil Mechanics.)";
         std::vector<double*> state(stateVariables().size());
         for (int i = 0; i < points.count; ++i) advance(one(points, i, state), specificVolume(points, i));
     }
+    template <int Dim> void findStiffness(const MaterialPoints<Dim>& points, double* l, double* mu) const {
+        for (int i = 0; i < points.count; ++i) {
+            const double p = -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
+            const auto now = lameAt(p, specificVolume(points, i));
+            l[i] = now[0];
+            mu[i] = now[1];
+        }
+    }
+    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
+        for (int i = 0; i < points.count; ++i) {
+            const double p =
+                std::max(0.0, -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
+            strength[i] = M_ * std::sqrt(std::max(0.0, p * (points.state[2][i] - p))) / std::sqrt(3.0);
+        }
+    }
+    template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
+        for (int i = 0; i < points.count; ++i) {
+            const auto [mean, J2] = invariants(points, i);
+            const double v = specificVolume(points, i);
+            energy[i] = Swelling{smallest_, kappa_ / v}.energy(-mean) + 0.5 * J2 / lameAt(-mean, v)[1];
+        }
+    }
 
   private:
     std::array<double, 2> lameAt(double p, double v) const {
@@ -183,14 +197,6 @@ Behaviour and Critical State Soil Mechanics.)";
     }
     template <int Dim> double specificVolume(const MaterialPoints<Dim>& points, int i) const {
         return (1 + voidRatio_) * points.volume[i] / points.initialVolume[i];
-    }
-    template <int Dim> void present(const MaterialPoints<Dim>& points, double* l, double* mu) const {
-        for (int i = 0; i < points.count; ++i) {
-            const double p = -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
-            const auto now = lameAt(p, specificVolume(points, i));
-            l[i] = now[0];
-            mu[i] = now[1];
-        }
     }
     // Particle i alone.
     template <int Dim>
@@ -237,13 +243,6 @@ Behaviour and Critical State Soil Mechanics.)";
         for (int k = 0; k < 3; ++k) square += 0.5 * (s[4 * k][0] - mean) * (s[4 * k][0] - mean);
         for (int c : {1, 2, 5}) square += s[c][0] * s[c][0];
         return std::sqrt(3 * square);
-    }
-    template <int Dim> void bear(const MaterialPoints<Dim>& points, double* strength) const {
-        for (int i = 0; i < points.count; ++i) {
-            const double p =
-                std::max(0.0, -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
-            strength[i] = M_ * std::sqrt(std::max(0.0, p * (points.state[2][i] - p))) / std::sqrt(3.0);
-        }
     }
 
     double lambda_ = notGiven, kappa_ = notGiven, poisson_ = 0.3, phi_ = notGiven, voidRatio_ = notGiven;

@@ -101,48 +101,37 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
         return all;
     }
     bool yields() const override { return true; }
-    int opening() const override {
-        const bool isBounded =
-            !strength_.isUniform() || strength_.frictionAngle > 0 || !std::isnan(tensileStrength_);
-        return closing_.value_or(true) && isBounded ? 2 : -1;
-    }
-    void shared(const MaterialPoints<2>& points, const double* change) const override {
-        add(points, change, 1);
-    }
-    void shared(const MaterialPoints<3>& points, const double* change) const override {
-        add(points, change, 1);
-    }
-    void mixed(const MaterialPoints<2>& points, const double* change) const override {
-        add(points, change, -1 / elasticity_.bulk());
-    }
-    void mixed(const MaterialPoints<3>& points, const double* change) const override {
-        add(points, change, -1 / elasticity_.bulk());
-    }
+    VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
     std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
-    void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
-        bear(points, strength);
-    }
-    void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
-        bear(points, strength);
-    }
-
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override { std::fill_n(state, ofStrength, 0.0); }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         trialStress(elasticity_.lambda(), elasticity_.mu(), points);
         const std::vector<Surface> surfaces = surfacesOf(points);
-        if (opening() >= 0 && closing_.value_or(points.hasFbar)) {
+        if (opens() && closing_.value_or(points.hasFbar)) {
             const auto most = [&](int i) { return std::min(surfaces[i].apex, cutOff()); };
             closeUp(elasticity_.bulk(), most, points);
             openUp(elasticity_.bulk(), most, points);
         }
         for (int i = 0; i < points.count; ++i) returnToYield(points, i, surfaces[i]);
     }
+    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
+        const std::vector<Surface> surfaces = surfacesOf(points);
+        for (int i = 0; i < points.count; ++i) {
+            const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
+            strength[i] = std::max(0.0, 0.5 * surfaces[i].twiceCCosPhi - p * surfaces[i].sinPhi);
+        }
+    }
 
   private:
     static constexpr int ofStrength = 3; // first state variable of the strength
 
+    bool opens() const {
+        const bool isBounded =
+            !strength_.isUniform() || strength_.frictionAngle > 0 || !std::isnan(tensileStrength_);
+        return closing_.value_or(true) && isBounded;
+    }
     double cutOff() const { return std::isnan(tensileStrength_) ? unbounded : tensileStrength_; }
 
     template <int Dim> std::vector<Surface> surfacesOf(const MaterialPoints<Dim>& points) const {
@@ -176,18 +165,6 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
         for (int k = 0; k < 3; ++k) square += (lost[k] - mean) * (lost[k] - mean);
         points.state[0][i] += std::sqrt(2.0 / 3 * square) / (2 * surface.mu);
         points.state[1][i] += mean / elasticity_.bulk();
-    }
-
-    template <int Dim>
-    static void add(const MaterialPoints<Dim>& points, const double* change, double factor) {
-        for (int i = 0; i < points.count; ++i) points.state[1][i] += factor * change[i];
-    }
-    template <int Dim> void bear(const MaterialPoints<Dim>& points, double* strength) const {
-        const std::vector<Surface> surfaces = surfacesOf(points);
-        for (int i = 0; i < points.count; ++i) {
-            const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
-            strength[i] = std::max(0.0, 0.5 * surfaces[i].twiceCCosPhi - p * surfaces[i].sinPhi);
-        }
     }
 
     Elasticity elasticity_;

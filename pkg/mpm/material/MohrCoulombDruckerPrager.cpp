@@ -204,27 +204,8 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         return all;
     }
     bool yields() const override { return true; }
-    int opening() const override { return closing_.value_or(true) && !std::isinf(mostMeanStress()) ? 2 : -1; }
-    void shared(const MaterialPoints<2>& points, const double* change) const override {
-        bookOpening(points, change);
-    }
-    void shared(const MaterialPoints<3>& points, const double* change) const override {
-        bookOpening(points, change);
-    }
+    VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
     std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
-    void mixed(const MaterialPoints<2>& points, const double* change) const override {
-        exchangeVolume(points, change);
-    }
-    void mixed(const MaterialPoints<3>& points, const double* change) const override {
-        exchangeVolume(points, change);
-    }
-
-    void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
-        strengthAtMeanStress(points, strength);
-    }
-    void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
-        strengthAtMeanStress(points, strength);
-    }
 
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
@@ -247,8 +228,19 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         finishStress(ConeOfEach{{sinPhi.data(), cCosPhi.data(), apex.data(), beta.data()}}, points);
     }
 
+    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
+        StrengthRun run(points.count);
+        strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
+        for (int i = 0; i < points.count; ++i) {
+            const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
+            const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
+            strength[i] = std::max(0.0, cone.cCosPhi - p * cone.sinPhi);
+        }
+    }
+
   private:
-    bool closes(bool hasFbar) const { return opening() >= 0 && closing_.value_or(hasFbar); }
+    bool opens() const { return closing_.value_or(true) && !std::isinf(mostMeanStress()); }
+    bool closes(bool hasFbar) const { return opens() && closing_.value_or(hasFbar); }
     int ofStrength() const { return closing_.value_or(true) ? 3 : 2; } // first state variable of the strength
 
     template <class Cones, int Dim>
@@ -263,23 +255,6 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         }
         std::isinf(constants_.dilatancyLimit) ? returnToYield<false>(constants_, cones, points)
                                               : returnToYield<true>(constants_, cones, points);
-    }
-
-    template <int Dim> void bookOpening(const MaterialPoints<Dim>& points, const double* change) const {
-        for (int i = 0; i < points.count; ++i) points.state[1][i] += change[i];
-    }
-    template <int Dim> void exchangeVolume(const MaterialPoints<Dim>& points, const double* change) const {
-        for (int i = 0; i < points.count; ++i) points.state[1][i] -= change[i] * constants_.bulkCompliance;
-    }
-
-    template <int Dim> void strengthAtMeanStress(const MaterialPoints<Dim>& points, double* strength) const {
-        StrengthRun run(points.count);
-        strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
-        for (int i = 0; i < points.count; ++i) {
-            const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
-            const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
-            strength[i] = std::max(0.0, cone.cCosPhi - p * cone.sinPhi);
-        }
     }
 
     // Highest mean stress of all particles.

@@ -41,6 +41,21 @@ Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
                 "use LinearElastic, or bring the stress up by loading");
     }
 
+    // [mu (tr(F F^T) - 3)/2 - mu ln J + lambda (ln J)^2/2]/J
+    template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
+        const auto F = planes<9>(points.deformationGradient);
+        for (int p = 0; p < points.count; ++p) {
+            Tensor H{F[0][p] - 1, F[1][p], 0, F[3][p], F[4][p] - 1, 0, 0, 0, 0};
+            if (Dim == 3) H = plusSpherical(gather(F, p), -1);
+            const Tensor adj = adjugate(H);
+            const double growth = trace(H) + (trace(adj) + determinant(H, adj));
+            const double logJ = logOnePlus(growth), squares = trace(timesTransposed(H, H));
+            energy[p] = (elasticity_.mu() * (trace(H) + 0.5 * squares - logJ) +
+                         0.5 * elasticity_.lambda() * logJ * logJ) /
+                        (1 + growth);
+        }
+    }
+
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         if constexpr (Dim == 2)
             planeStrain(points);

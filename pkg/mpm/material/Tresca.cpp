@@ -88,12 +88,6 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     }
     bool yields() const override { return true; }
     std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
-    void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
-        bear(points, strength);
-    }
-    void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
-        bear(points, strength);
-    }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override { state[0] = 0; }
 
@@ -119,6 +113,9 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
             points.state[0][i] += excess / (2 * elasticity_.mu());
         }
     }
+    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
+        for (int i = 0; i < points.count; ++i) strength[i] = strengthOf(points, i, 0);
+    }
 
   private:
     template <int Dim> double strengthOf(const MaterialPoints<Dim>& points, int i, double rate) const {
@@ -129,9 +126,6 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
         }
         if (rate > referenceRate_) su *= 1 + rateFactor_ * std::log10(rate / referenceRate_);
         return su;
-    }
-    template <int Dim> void bear(const MaterialPoints<Dim>& points, double* strength) const {
-        for (int i = 0; i < points.count; ++i) strength[i] = strengthOf(points, i, 0);
     }
 
     Elasticity elasticity_;

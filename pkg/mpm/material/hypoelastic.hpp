@@ -66,6 +66,22 @@ MPM_INLINE Midpoint midpointOf(const Tensor& h) {
     return {D, r};
 }
 
+// What a particle does in the step: strain in the axes at its end, and the rotation there from those at its start. A
+// hypoelastic law is sigma <- R sigma R^T + C : strain, and tensors of state turn alike.
+struct Increment {
+    Symmetric strain;
+    Tensor rotation;
+};
+
+template <int Dim> Increment incrementOf(const MaterialPoints<Dim>& points, int i) {
+    const double h = 0.5 * points.dt;
+    auto L = points.velocityGradient;
+    Tensor half{h * L[0][i], h * L[1][i], 0, h * L[Dim][i], h * L[Dim + 1][i], 0, 0, 0, 0};
+    if constexpr (Dim == 3) half = h * gather(L, i);
+    const Midpoint step = midpointOf(half);
+    return {congruence(step.r, step.D), step.r * step.r};
+}
+
 inline void trialStress(double lambda, double mu, const MaterialPoints<3>& points) {
     const double halfStep = 0.5 * points.dt;
     const auto L = planes<9>(points.velocityGradient);

@@ -49,52 +49,29 @@ template <class Derived> class ViscousOf : public MaterialOf<Derived> {
                 openingVariable()};
     }
     bool yields() const override { return true; }
-    int opening() const override { return std::isinf(self().most()) ? -1 : 2; }
-    void shared(const MaterialPoints<2>& points, const double* change) const override {
-        add(points, change, 1);
-    }
-    void shared(const MaterialPoints<3>& points, const double* change) const override {
-        add(points, change, 1);
-    }
-    void mixed(const MaterialPoints<2>& points, const double* change) const override {
-        add(points, change, -1 / bulk());
-    }
-    void mixed(const MaterialPoints<3>& points, const double* change) const override {
-        add(points, change, -1 / bulk());
-    }
+    VolumeRecord volumeRecord() const override { return {1, std::isinf(self().most()) ? -1 : 2}; }
     std::array<double, 2> lame() const override { return {bulk() - 2 * mu() / 3, mu()}; }
-    void shearStrength(const MaterialPoints<2>& points, double* strength) const override {
-        bear(points, strength);
-    }
-    void shearStrength(const MaterialPoints<3>& points, double* strength) const override {
-        bear(points, strength);
-    }
     void stateFromStress(const double*, double* state) const override { std::fill_n(state, 3, 0.0); }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
         trialStress(bulk() - 2 * mu() / 3, mu(), points);
-        if (opening() >= 0 && points.hasFbar) {
+        if (volumeRecord().opening >= 0 && points.hasFbar) {
             const auto most = [limit = self().most()](int) { return limit; };
             closeUp(bulk(), most, points);
             openUp(bulk(), most, points);
         }
         self().flow(points);
     }
+    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
+        for (int i = 0; i < points.count; ++i)
+            strength[i] =
+                self().strengthAt(-(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
+    }
 
   private:
     const Derived& self() const { return static_cast<const Derived&>(*this); }
     double bulk() const { return self().elastic()[0]; }
     double mu() const { return self().elastic()[1]; }
-
-    template <int Dim>
-    static void add(const MaterialPoints<Dim>& points, const double* change, double factor) {
-        for (int i = 0; i < points.count; ++i) points.state[1][i] += factor * change[i];
-    }
-    template <int Dim> void bear(const MaterialPoints<Dim>& points, double* strength) const {
-        for (int i = 0; i < points.count; ++i)
-            strength[i] =
-                self().strengthAt(-(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
-    }
 };
 
 } // namespace mpm

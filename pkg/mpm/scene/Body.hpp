@@ -27,6 +27,8 @@ template <int Dim> class Body {
     double internalWork = 0;        // kJ (2D: per metre), int V sigma : D dt
     double lastInternalWork = 0;    // its part of the last step
     double largestInertialMass = 0; // Mg
+    double time = 0;                // s, of the scene at the start of the step, as laws see it
+    int64_t step = 0;
 
     Body(const std::string& name, std::shared_ptr<Material> material, std::shared_ptr<ParticleType> type,
          const Grid<Dim>& grid)
@@ -72,9 +74,14 @@ template <int Dim> class Body {
         MaterialPoints<Dim> points{};
         points.count = end - begin;
         points.dt = dt;
+        points.time = time;
+        points.step = step;
+        points.body = name.c_str();
+        points.id = particles.id.integers() + begin;
         points.hasFbar = fbar;
         points.volume = particles.volume.plane() + begin;
         points.initialVolume = particles.initialVolume.plane() + begin;
+        for (int k = 0; k < Dim; ++k) points.position[k] = particles.position.plane(k) + begin;
         for (int c = 0; c < Dim * Dim; ++c)
             points.velocityGradient[c] = particles.velocityGradient.plane(c) + begin;
         for (int c = 0; c < 9; ++c) {
@@ -96,6 +103,16 @@ template <int Dim> class Body {
     void shearStrength(int begin, int end, double* strength) {
         std::vector<double*> state(particles.state.size());
         material->shearStrength(points(begin, end, 0, state.data()), strength);
+    }
+
+    // Elastic energy of all particles, kJ.
+    double storedEnergy() {
+        std::vector<double> energy(particles.size());
+        std::vector<double*> state(particles.state.size());
+        material->storedEnergy(points(0, particles.size(), 0, state.data()), energy.data());
+        double sum = 0;
+        for (int p = 0; p < particles.size(); ++p) sum += energy[p] * particles.volume.plane()[p];
+        return sum;
     }
 
     // Gives particle p a Cauchy stress, and the material's state that belongs to it.

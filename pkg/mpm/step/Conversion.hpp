@@ -37,7 +37,7 @@ template <int Dim> void convert(Body<Dim>& to, Body<Dim>& from, const std::vecto
         double F[9];
         for (int c = 0; c < 9; ++c) F[c] = target.deformationGradient.plane(c)[p];
         const double J = Eigen::Map<const Mat<3>>(F).determinant();
-        const int opening = from.material->opening();
+        const int opening = from.material->volumeRecord().opening;
         const double open =
             opening < 0 ? 1 : std::exp(target.state[opening].plane()[p]); // bulk over solid volume
         if (J > 0) target.initialVolume.plane()[p] = target.volume.plane()[p] * open / J;

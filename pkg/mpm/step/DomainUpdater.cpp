@@ -41,6 +41,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         work_.resize(scene.bodies.size());
         partitions_.resize(scene.bodies.size());
         for (size_t b = 0; b < scene.bodies.size(); ++b) {
+            scene.bodies[b]->time = scene.time;
+            scene.bodies[b]->step = scene.step;
             work_[b].clear(scene.bodies[b]->particles.size());
             divide(*scene.bodies[b], partitions_[b]);
         }
@@ -116,31 +118,42 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         const auto gradient = [&](int begin, int end) {
             body.domains->takeGradient(begin, end, nodes, scene.dt);
         };
+        const bool atOnce = body.material->takesWholeBody();
+        const auto stresses = [&](int begin, int end) {
+            work.of(begin) = updateStress(body, scene.dt, begin, end, state.data(),
+                                          body.fbar ? body.cellAverage.values() : nullptr, actsByCells(body));
+        };
         // The volume of a domain is that between its vertices; boxes have what the stress sees.
         const bool follows = body.fbar && body.domains->boxes();
         const auto rest = [&](int begin, int end) {
             follows ? deform<true>(body.particles, scene.dt, begin, end, body.cellAverage.values())
                     : deform<false>(body.particles, scene.dt, begin, end, nullptr);
             body.domains->volumes(begin, end);
-            work.of(begin) = updateStress(body, scene.dt, begin, end, state.data(),
-                                          body.fbar ? body.cellAverage.values() : nullptr, actsByCells(body));
+            if (!atOnce) stresses(begin, end);
         };
-        if (!body.fbar)
-            return region.chunksNoWait(n, partitions_[number].whole, [&](int begin, int end) {
+        const auto wholeBody = [&] {
+            if (!atOnce) return;
+            region.wait();
+            region.once([&] { stresses(0, n); });
+        };
+        if (!body.fbar) {
+            region.chunksNoWait(n, partitions_[number].whole, [&](int begin, int end) {
                 gradient(begin, end);
                 rest(begin, end);
             });
+            return wholeBody();
+        }
         if (lacksCells_[number]) {
             locateCells(region, scene, body);
             findInside(region, scene, body);
         }
-        updateFbar(region, scene, body, partitions_[number], gradient, rest);
+        updateFbar(region, scene, body, partitions_[number], gradient, rest, wholeBody);
     }
 
     // With one increment of volumetric strain per cell, and the mean stress linear in it: see CellAverage.
-    template <int Dim, class Gradient, class Rest>
+    template <int Dim, class Gradient, class Rest, class WholeBody>
     void updateFbar(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, const Partitions& partitions,
-                    Gradient&& gradient, Rest&& rest) {
+                    Gradient&& gradient, Rest&& rest, WholeBody&& wholeBody) {
         auto& cells = body.cellAverage;
         const int n = body.particles.size();
         const double dt = scene.dt;
@@ -185,27 +198,28 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             if (byCells) toTraces<Dim>(L, dt, begin, end, value);
             rest(begin, end);
         });
-        if (body.material->opening() >= 0) shareOpening(region, body, dt);
+        wholeBody();
+        if (body.material->volumeRecord().opening >= 0) shareOpening(region, body);
         region.chunks(n, [&](int begin, int end) {
             if (!cells.areAlone(begin)) traces(stress, 3, begin, end, value + begin);
         });
         cells.template average<true>(region, volume, [](int, auto&) {});
         cells.findSlopes(region, scene.grid);
-        std::vector<double*> state(body.particles.state.size());
         region.chunks(n, [&](int begin, int end) {
-            if (!cells.areAlone(begin)) takeLinear(body, dt, begin, end, state.data());
+            if (!cells.areAlone(begin)) takeLinear(body, begin, end);
         });
     }
 
     // All particles of a cell take part in its change of volume, so all of them stand open by as much as the
     // cell does: o = ln(sum V exp(o)/sum V), with V the solid volume, which is what a box keeps. An opening
     // is room: boxes have at most what their solid volume leaves free in the cell.
-    template <int Dim> void shareOpening(ParallelRegion& region, Body<Dim>& body, double dt) {
+    template <int Dim> void shareOpening(ParallelRegion& region, Body<Dim>& body) {
         constexpr double roundOff = 1e-13;
         auto& cells = body.cellAverage;
         const bool areBoxes = body.domains->boxes();
         const int n = body.particles.size();
-        double *opening = body.particles.state[body.material->opening()].plane(), *share = cells.values();
+        double *opening = body.particles.state[body.material->volumeRecord().opening].plane(),
+               *share = cells.values();
         region.once([&] { isOpen_ = std::any_of(opening, opening + n, [](double o) { return o > 0; }); });
         if (!isOpen_) return;
         region.chunks(n, [&](int begin, int end) {
@@ -224,7 +238,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 isChanged |= share[p] != 0;
                 opening[p] = now;
             }
-            if (isChanged) areBoxes ? dilate(body, dt, begin, end, share) : contract(body, begin, end, share);
+            if (isChanged) areBoxes ? dilate(body, begin, end, share) : contract(body, begin, end, share);
         });
     }
     // Bulk over solid volume of boxes that fill a cell by their centres, which may be a tenth less than what
@@ -238,31 +252,37 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     }
 
     // The logarithm of the bulk volume of boxes [begin, end) changes by what they have gained of the opening.
-    template <int Dim>
-    static void dilate(Body<Dim>& body, double dt, int begin, int end, const double* change) {
+    template <int Dim> static void dilate(Body<Dim>& body, int begin, int end, const double* change) {
         for (int p = begin; p < end; ++p) {
             const double edges = std::exp(change[p] / Dim);
             for (int i = 0; i < Dim; ++i)
                 for (int j = 0; j < Dim; ++j) body.particles.deformationGradient.plane(3 * i + j)[p] *= edges;
         }
-        std::vector<double*> state(body.particles.state.size());
-        body.material->shared(body.points(begin, end, dt, state.data()), change + begin);
+        const int plastic = body.material->volumeRecord().plasticStrain;
+        if (plastic < 0) return;
+        double* strain = body.particles.state[plastic].plane();
+        for (int p = begin; p < end; ++p) strain[p] += change[p];
     }
     // That of domains [begin, end) lies between their vertices: what they gain of the opening is no solid.
     template <int Dim> static void contract(Body<Dim>& body, int begin, int end, const double* change) {
         for (int p = begin; p < end; ++p) body.particles.volume.plane()[p] *= std::exp(-change[p]);
     }
 
-    // The mean stress of particles [begin, end) becomes linear in their cells.
-    template <int Dim>
-    static void takeLinear(Body<Dim>& body, double dt, int begin, int end, double** state) {
+    // The mean stress of particles [begin, end) becomes linear in their cells, while their volume stays: what the
+    // elastic strain of one has gained, its plastic strain has lost to others of the cell.
+    template <int Dim> static void takeLinear(Body<Dim>& body, int begin, int end) {
         double *stress[3], *value = body.cellAverage.values(); // traces, then changes of the mean
         for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
         for (int p = begin; p < end; ++p) {
             value[p] = body.cellAverage.changeToLinear(p, value[p]) / 3;
             for (int k = 0; k < 3; ++k) stress[k][p] += value[p];
         }
-        body.material->mixed(body.points(begin, end, dt, state), value + begin);
+        const int plastic = body.material->volumeRecord().plasticStrain;
+        if (plastic < 0) return;
+        double lambda[chunkSize], mu[chunkSize], *strain = body.particles.state[plastic].plane();
+        body.stiffness(begin, end, lambda, mu);
+        for (int p = begin; p < end; ++p)
+            strain[p] -= value[p] / (lambda[p - begin] + 2.0 / 3 * mu[p - begin]);
     }
 };
 

@@ -88,15 +88,27 @@ template <int Dim> struct Power {
 };
 
 // The volume of particles [begin, end) without their opening: only the solid bears stress. In soil that
-// stands open the other part is a gap (material/Material.hpp, opening).
+// stands open the other part is a gap (material/Material.hpp, VolumeRecord).
 template <int Dim> void takeOutOpening(Body<Dim>& body, int begin, int end) {
-    const int number = body.material->opening();
+    const int number = body.material->volumeRecord().opening;
     if (number < 0) return;
     const double* opening = body.particles.state[number].plane();
     double* volume = body.particles.volume.plane();
     for (int p = begin; p < end; ++p)
         if (opening[p] > 0) volume[p] *= std::exp(-opening[p]);
 }
+
+// Planes of numbers for a run of particles: a chunk, or a whole body (Material::takesWholeBody).
+template <int planes> class RunBuffer {
+  public:
+    explicit RunBuffer(int count) : many_(count > chunkSize ? planes * size_t(count) : 0), count_(count) {}
+    double* plane(int k) { return many_.empty() ? chunk_[k] : &many_[k * size_t(count_)]; }
+
+  private:
+    double chunk_[planes][chunkSize];
+    std::vector<double> many_;
+    int count_;
+};
 
 // Stress and solid volume of particles [begin, end), from deformation and bulk volume; returns their internal
 // work V sigma : D dt, with the mean of old and new stress. state: memory for MaterialPoints. change: of tr
@@ -106,7 +118,9 @@ double updateStress(Body<Dim>& body, double dt, int begin, int end, double** sta
                     bool isWork) {
     auto& particles = body.particles;
     const double* V = particles.volume.plane() + begin;
-    double before[chunkSize], averaged[Dim][chunkSize];
+    RunBuffer<Dim + 1> buffer(end - begin);
+    double *before = buffer.plane(Dim), *averaged[Dim];
+    for (int k = 0; k < Dim; ++k) averaged[k] = buffer.plane(k);
     const MaterialPoints<Dim> points = body.points(begin, end, dt, state);
     MaterialPoints<Dim> averagedPoints = points;
     if (change)

@@ -87,7 +87,8 @@ template <int Dim> void findInside(ParallelRegion& region, const Scene<Dim>& sce
     const auto lackMass = [&](const std::vector<int>& cells) {
         return hasMesh ? withMasslessCorners(scene, body.velocityField, cells) : std::vector<int>();
     };
-    body.cellAverage.findInside(region, scene.grid, others, body.material->opening() >= 0, isFree, lackMass);
+    body.cellAverage.findInside(region, scene.grid, others, body.material->volumeRecord().opening >= 0,
+                                isFree, lackMass);
 }
 
 // Which particles of a body with F-bar are in which cell.

@@ -16,6 +16,7 @@ from .balance import (
     kineticRatio,
     mass,
     momentum,
+    storedEnergy,
     unseenEnergy,
     workDone,
 )
@@ -39,6 +40,7 @@ __all__ = [
     "freeKineticEnergy",
     "unseenEnergy",
     "internalWork",
+    "storedEnergy",
     "externalWork",
     "dampedEnergy",
     "contactEnergy",

@@ -101,6 +101,13 @@ def internalWork(scene):
     return float(sum(body._core.internalWork - _ahead(scene, body) for body in scene.bodies))
 
 
+@takes(scene=SCENE)
+def storedEnergy(scene):
+    """Elastic energy of the particles, kJ, as their laws give it. Internal work less what it has grown by is
+    dissipated."""
+    return float(sum(body._core.storedEnergy() for body in scene.bodies))
+
+
 def _ahead(scene, body):
     """Work of the stresses of a body behind the instant of the velocities, kJ."""
     isAtOnce = body.implicit or scene._core.stressFirst

@@ -195,6 +195,16 @@ class MaterialPoint:
         return np.array(self._point.deformationGradient).reshape(3, 3)
 
     @property
+    def stiffness(self):
+        """Isotropic elastic constants (lambda, mu) as the point stands, kPa."""
+        return self._point.stiffness()
+
+    @property
+    def storedEnergy(self):
+        """Elastic energy by volume, kJ/m3; the work of the stress less what it grows by is dissipated."""
+        return self._point.storedEnergy()
+
+    @property
     def state(self):
         """Dict of the material's state variables."""
         return dict(self._point.state)

@@ -21,7 +21,6 @@ from yade_mpm.geotech import penetration
 WIDTH, DEPTH, FREE, PILE_LENGTH, EMBEDDED = 30.0, 12.0, 12.0, 10.0, 1.0  # m; FREE: grid above the soil
 ZONE_WIDTH, ZONE_BELOW = 2.0, 1.5  # m: uGIMP zone, and how far it reaches below the final tip
 GRAVITY, K0 = 9.81, 0.43  # m/s2, -
-SOLVER = dict(gravity=(0, -GRAVITY), damping=0.05, roller=("left", "right"), fixed="bottom")
 SOIL = dict(density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5)  # Mg/m3, kPa
 SOIL |= dict(frictionAngle=radians(30), dilatancyAngle=radians(10))
 STEEL = dict(density=7.85, lame=(4.20e7, 2.80e7))
@@ -76,10 +75,11 @@ def trusted(a):
     geotech.addGround(scene, "soil", soil, zone, sand, a.types, splitAt=1.3, fbar=True)
     column = geotech.wedgedColumn(a.width / 2, DEPTH - EMBEDDED, a.thickness, PILE_LENGTH, 90.0, a.cell / 2)
     steel = mpm.LinearElastic(**STEEL)
-    pile = scene.add("pile", column, steel, mpm.APDI(size=a.cell / 2), group="pile", implicit=True)
+    pile = scene.add("pile", column, steel, mpm.APDI(size=a.cell / 2), implicit=True)
     pile.isDamped = False
-    contact = mpm.Contact(friction=0.3, impactLoss=1.0, constraints="nodes")
-    return press(a, scene, contact, dt=8e-4 * min(1.0, a.cell / 0.125))
+    soil = [body for body in scene.bodies if body is not pile]
+    scene.contact(pile, soil, friction=0.3).constraints = "nodes"  # as the studies of this pile have it
+    return press(a, scene, dt=8e-4 * min(1.0, a.cell / 0.125))
 
 
 def published(a):
@@ -92,12 +92,19 @@ def published(a):
     return press(a, scene, dt=2e-4 * min(1.0, a.cell / 0.25))
 
 
-def press(a, scene, *contact, dt):
-    """Initial stress, and the engines that press the part of the pile above the ground down."""
-    scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
-    drive = mpm.Drive(scene["pile"].above(DEPTH), velocity=(0, -a.rate), ramp=a.ramp)
-    stages = [mpm.ParticleToGrid(), mpm.GridSolver(**SOLVER, drive=drive), *contact]
-    scene.engines = [*stages, mpm.GridToParticle(), mpm.DomainUpdater()]
+def restrain(scene):
+    """Gravity, walls, and local damping."""
+    scene.gravity, scene.damping = GRAVITY, 0.05
+    scene.roller("left", "right")
+    scene.fix("bottom")
+
+
+def press(a, scene, dt):
+    """Initial stress; the part of the pile above the ground is pressed down."""
+    restrain(scene)
+    scene.initialStress(surface=DEPTH, K0=K0)
+    pressed = scene["pile"].above(DEPTH)  # what sinks below it is let go, as it was published
+    scene.drive(pressed, velocity=(0, -a.rate), ramp=a.ramp, name="drive", byHeight=True)
     scene.dt = dt
     return scene
 

@@ -72,7 +72,7 @@ def build(a, dim=3):
     pile = scene.add("sheet", sheet, steel, mpm.UGIMP(perCell=(4, 2, 2)[:dim]), implicit=True)
     scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
     down = np.array((0, 0, -1))[-dim:]
-    drive = mpm.Drive(pile.above(DEPTH), velocity=a.rate * down, ramp=a.ramp)
+    drive = mpm.Drive(pile.above(DEPTH), velocity=a.rate * down, ramp=a.ramp, byHeight=True)
     sides = ("left", "right", "front", "back")[: 2 * (dim - 1)]
     solver = mpm.GridSolver(gravity=GRAVITY * down, damping=0.05, roller=sides, fixed="bottom", drive=drive)
     history = mpm.History(period=a.penetration / a.rate / 400)

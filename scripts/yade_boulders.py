@@ -99,16 +99,14 @@ def places(a):
 
 
 def build(a):
-    """Scene, contact and coupling, ready to run."""
-    scene = mpm.Scene((0, 0, 0), (a.width, a.width, a.depth + 6 * a.cell), a.cell, threads=a.threads)
+    """Scene and boulders, ready for YADE."""
+    upper = a.width, a.width, a.depth + 6 * a.cell
+    scene = mpm.Scene((0, 0, 0), upper, a.cell, threads=a.threads, gravity=GRAVITY)
+    scene.roller("left", "right", "front", "back")
+    scene.fix("bottom")
     bed = box((0, 0, 0), (a.width, a.width, a.depth))
     scene.add("soil", bed, mpm.MohrCoulombDruckerPrager(**SOIL), mpm.UGIMP(perCell=2), fbar=False)
-    scene.initialStress(surface=a.depth, K0=0.5, gravity=GRAVITY)
-    contact = mpm.RigidContact(normalDamping=DAMPING)
-    solver = mpm.GridSolver(
-        gravity=(0, 0, -GRAVITY), roller=("left", "right", "front", "back"), fixed="bottom"
-    )
-    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.initialStress(surface=a.depth, K0=0.5)
 
     O.materials.append(ViscElMat(label="rock", **ROCK))
     O.materials.append(ViscElMat(label="smooth", **dict(ROCK, frictionAngle=0.0)))
@@ -132,21 +130,18 @@ def build(a):
         ),
         NewtonIntegrator(gravity=(0, 0, -GRAVITY), damping=0),
     ]
-    bodies = mpm.yade.Bodies(contact, ids, friction=FRICTION)
-    return scene, contact, mpm.yade.attach(scene, bodies=bodies)
+    boulders = scene.contact(ids, friction=FRICTION)
+    boulders.contact.normalDamping = DAMPING
+    mpm.inYade(scene)
+    return scene, boulders
 
 
 def record(a, scene):
-    """Recorders of both sides, every FRAME s; to be attached anew."""
+    """Recorders of both sides, every FRAME s; the scene goes into YADE anew then."""
     period = max(1, round(FRAME / O.dt))
-    scene.engines = [
-        *scene.engines,
-        mpm.Recorder(
-            os.path.join(a.out, "soil.vtkhdf"),
-            iterPeriod=period,
-            fields=["velocity", "displacement", "plasticShearStrain"],
-        ),
-    ]
+    fields = ["velocity", "displacement", "plasticShearStrain"]
+    file = os.path.join(a.out, "soil.vtkhdf")
+    scene.engines.append(mpm.Recorder(file, iterPeriod=period, fields=fields))
     O.engines = [
         VTKRecorder(
             fileName=os.path.join(a.out, "boulders-"),
@@ -161,11 +156,11 @@ def run(a, isRecorded=True):
     """Lets the boulders fall; returns (summary, scene, centres, radii, rows of the balance)."""
     O.reset()
     os.makedirs(a.out, exist_ok=True)
-    scene, contact, coupling = build(a)
+    scene, boulders = build(a)
     if isRecorded:
         record(a, scene)
-        coupling = mpm.yade.attach(scene)
-    ids = coupling.exchanges[0].ids
+        mpm.inYade(scene)
+    ids, contact = boulders.ids, boulders.contact
     balance = Balance(scene, contact, ids)
     mpm.yade.setCommand("stepBalance()", balance.step)
     O.engines = O.engines + [
@@ -180,7 +175,7 @@ def run(a, isRecorded=True):
     centres = np.array([tuple(O.bodies[i].state.pos) for i in ids])
     radii = np.array([O.bodies[i].shape.radius for i in ids])
     return (
-        summary(a, scene, balance, coupling.exchanges[0], centres, radii, time.monotonic() - began),
+        summary(a, scene, balance, boulders, centres, radii, time.monotonic() - began),
         scene,
         centres,
         radii,

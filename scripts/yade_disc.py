@@ -72,17 +72,16 @@ def build(types, friction, cell=0.1, planeName="xy"):
     O.reset()
     plane = Plane(planeName)
     gravity = np.array([np.sin(SLOPE), -np.cos(SLOPE), 0]) * G
-    scene = mpm.Scene((0, 0), (LENGTH, 1.0), cell)
+    scene = mpm.Scene((0, 0), (LENGTH, 1.0), cell, gravity=gravity[:2], damping=0.3)
+    scene.fix("bottom", "left", "right")
     kind = mpm.UGIMP(perCell=2) if types == "ugimp" else mpm.APDI(size=cell / 2)
     stiff = mpm.LinearElastic(density=2.0, young=YOUNG, poisson=0.3)
     scene.add("ground", box((0, 0), (LENGTH, DEPTH)), stiff, kind)
-    contact = mpm.RigidContact(normalDamping=0.2)
-    solver = mpm.GridSolver(gravity=gravity[:2], damping=0.3, fixed=("bottom", "left", "right"))
-    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     disc = addDisc(plane)
     O.engines = [ForceResetter(), NewtonIntegrator(gravity=Vector3(*plane.toYade(gravity)), damping=0.3)]
-    bodies = mpm.yade.Bodies(contact, [disc], friction=friction, thickness=THICKNESS, plane=planeName)
-    return mpm.yade.attach(scene, stages=False, bodies=bodies), disc, plane
+    rolling = scene.contact(disc, friction=friction, thickness=THICKNESS, plane=planeName)
+    rolling.contact.normalDamping = 0.2
+    return mpm.inYade(scene, stages=False), disc, plane
 
 
 class Track:

@@ -68,18 +68,17 @@ def addGround(scene, types, cell, fbar):
 def build(types="hybrid", cell=0.3, friction=0.5, rate=0.04, fbar=True):
     """The ground, and the box in O; returns (coupling, number of the box)."""
     O.reset()
-    scene = mpm.Scene((0, 0), (WIDTH, DEPTH + 4 * cell), cell)
+    scene = mpm.Scene((0, 0), (WIDTH, DEPTH + 4 * cell), cell, damping=0.7)
+    scene.roller("left", "right")
+    scene.fix("bottom")
     addGround(scene, types, cell, fbar)
-    contact = mpm.RigidContact()
-    solver = mpm.GridSolver(damping=0.7, roller=("left", "right"), fixed="bottom")
-    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     footing = O.bodies.append(utils.box((0, DEPTH + HEIGHT, 0), (HALF_WIDTH, HEIGHT, THICKNESS / 2)))
     state = O.bodies[footing].state
     state.blockedDOFs, state.vel = "xyzXYZ", Vector3(0, -rate, 0)
     O.engines = [ForceResetter(), NewtonIntegrator()]
-    bodies = mpm.yade.Bodies(contact, [footing], friction=friction, thickness=THICKNESS)
+    scene.contact(footing, friction=friction, thickness=THICKNESS)
     scene.dt = 0.65 * scene.criticalTimeStep()  # constant: the stiffness of the contact follows the step
-    return mpm.yade.attach(scene, stages=False, bodies=bodies), footing
+    return mpm.inYade(scene, stages=False), footing
 
 
 def run(types="hybrid", cell=0.3, friction=0.5, rate=0.04, settlement=0.06, fbar=True):

@@ -58,19 +58,18 @@ def build(types, radius):
     """Layer, and sphere in O, for a contact radius (m); returns (coupling, contact, number of the sphere)."""
     O.reset()
     length, thickness = LENGTH * radius, THICKNESS * radius
-    scene = mpm.Scene((0, 0, 0), (length, length, thickness + 4 * CELL), CELL)
+    scene = mpm.Scene((0, 0, 0), (length, length, thickness + 4 * CELL), CELL, damping=0.6)
+    scene.roller("left", "front", "bottom")
     kind = mpm.APDI(size=CELL) if types == "apdi" else mpm.UGIMP(perCell=2)
     rubber = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
     scene.add("layer", box((0, 0, 0), (length, length, thickness)), rubber, kind)
-    contact = mpm.RigidContact(stiffnessFactor=0.8)
-    solver = mpm.GridSolver(damping=0.6, roller=("left", "front", "bottom"))
-    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     sphere = O.bodies.append(utils.sphere((0, 0, thickness + radius / RATIO), radius / RATIO))
     O.bodies[sphere].state.blockedDOFs = "xyzXYZ"
     O.engines = [ForceResetter(), NewtonIntegrator()]
-    bodies = mpm.yade.Bodies(contact, [sphere], friction=0)
+    contact = scene.contact(sphere, friction=0).contact
+    contact.stiffnessFactor = 0.8
     scene.dt = 0.3 * scene.criticalTimeStep()  # small, for a stiff contact
-    return mpm.yade.attach(scene, stages=False, bodies=bodies), contact, sphere
+    return mpm.inYade(scene, stages=False), contact, sphere
 
 
 class LoadCurve:

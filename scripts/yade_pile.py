@@ -54,12 +54,11 @@ def arguments():
 
 
 # --- the scene ----------------------------------------------------------------------------------------------
-def soil(a, contact):
-    """The ground of the sheet pile scene with the shaft left empty, and the contact in its step."""
+def soil(a):
+    """The ground of the sheet pile scene with the shaft left empty."""
     scene, _ = sheet_pile_model.ground(options.bonded(a))
-    scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
-    solver = mpm.GridSolver(**sheet_pile.SOLVER)
-    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    sheet_pile.restrain(scene)
+    scene.initialStress(surface=DEPTH, K0=K0)
     scene.dt = a.dt
     return scene
 
@@ -151,20 +150,16 @@ def run(a, out):
         NewtonIntegrator(gravity=(0, -GRAVITY, 0), damping=a.damping),
     ]
 
-    contact = mpm.RigidContact(checkBalance=a.smoke)
+    scene = soil(a)
+    contact = scene.contact(number, friction=a.friction).contact
+    contact.checkBalance = a.smoke
     gauge = Gauge(contact, number)
-    scene = soil(a, contact)
-    history = mpm.History(
-        period=drive.until / 800, file=os.path.join(out, "history.csv"), columns=gauge.columns
-    )
-    scene.engines = scene.engines + [
-        mpm.PyRunner(gauge.sample, iterPeriod=1),
-        history,
-        mpm.Recorder(os.path.join(out, "vtk", "soil.vtkhdf"), period=drive.until / 40),
-    ]
-    bodies = mpm.yade.Bodies(contact, [number], friction=a.friction)
+    scene.engines.append(mpm.PyRunner(gauge.sample, iterPeriod=1))
+    file = os.path.join(out, "history.csv")
+    history = scene.history(every=drive.until / 800, file=file, columns=gauge.columns)
+    scene.record(os.path.join(out, "vtk", "soil.vtkhdf"), every=drive.until / 40)
     O.dt = a.dt
-    coupling = mpm.yade.attach(scene, stages=False, bodies=bodies)
+    coupling = mpm.inYade(scene, stages=False)
 
     steps = round(drive.until / O.dt)
     print(

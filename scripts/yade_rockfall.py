@@ -40,7 +40,7 @@ from yade_mpm.io import files
 
 SLOPE, HEIGHT, FOOT, TOE, END = radians(35), 14.0, 4.0, 26.0, 38.0  # rad, m
 CREST = TOE - HEIGHT / tan(SLOPE)  # m
-DAM, DROP, GRAVITY = 34.0, 3.0, (0.0, -9.81)  # m, m, m/s2
+DAM, DROP, GRAVITY = 34.0, 3.0, 9.81  # m, m, m/s2
 SOIL = dict(density=1.8, young=2e4, poisson=0.3)
 STRENGTH = dict(cohesion=8.0, frictionAngle=radians(32), dilatancyAngle=0.0)
 ROCK = dict(density=2.6, young=1e6, poisson=0.3, frictionAngle=radians(35), en=0.3, et=0.3)
@@ -59,14 +59,13 @@ arguments = PARAMETERS.parse
 
 def ground(a):
     """The slope at rest under its weight."""
-    scene = mpm.Scene((0, 0), (END, 24.0), a.cell, threads=a.threads)
+    scene = mpm.Scene((0, 0), (END, 24.0), a.cell, threads=a.threads, gravity=GRAVITY, damping=0.05)
+    scene.roller("left", "right")
+    scene.fix("bottom")
     outline = [(0, 0), (END, 0), (END, FOOT), (TOE, FOOT), (CREST, FOOT + HEIGHT), (0, FOOT + HEIGHT)]
     law = mpm.LinearElastic(**SOIL) if a.elastic else mpm.MohrCoulombDruckerPrager(**SOIL, **STRENGTH)
     scene.add("slope", mpm.polygon(outline), law, mpm.UGIMP(perCell=2))
-    contact = mpm.RigidContact(normalDamping=0.3)
-    solver = mpm.GridSolver(gravity=GRAVITY, roller=("left", "right"), fixed="bottom", damping=0.05)
-    scene.engines = [mpm.ParticleToGrid(), contact, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
-    return scene, contact
+    return scene
 
 
 def rocks(a):
@@ -89,7 +88,7 @@ def rocks(a):
 def run(a):
     """Lets the rocks fall; returns the coupling, the track of each rock, and the picture's axes."""
     O.reset()
-    scene, contact = ground(a)
+    scene = ground(a)
     numbers, dam = rocks(a)
     O.engines = [
         ForceResetter(),
@@ -99,11 +98,11 @@ def run(a):
             [Ip2_ViscElMat_ViscElMat_ViscElPhys()],
             [Law2_ScGeom_ViscElPhys_Basic()],
         ),
-        NewtonIntegrator(gravity=(0, 0, GRAVITY[1]), damping=0),
+        NewtonIntegrator(gravity=(0, 0, -GRAVITY), damping=0),
     ]
-    bodies = mpm.yade.Bodies(contact, [*numbers, dam], plane="xz")
+    scene.contact([*numbers, dam], plane="xz").contact.normalDamping = 0.3
     scene.settle()
-    coupling = mpm.yade.attach(scene, stages=False, bodies=bodies)
+    coupling = mpm.inYade(scene, stages=False)
     states, track = [O.bodies[n].state for n in numbers], []
     mpm.yade.setCommand("look()", lambda: track.append([O.time, *([*s.pos, *s.vel] for s in states)]))
     O.engines = [*O.engines, PyRunner(command="look()", virtPeriod=0.01, initRun=True)]

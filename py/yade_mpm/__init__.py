@@ -19,6 +19,7 @@ ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of ever
 VelocityRemap, ImplicitBodies  added by the scene: behind GridToParticle; GridSolver (implicit bodies)
 BoundaryLoad, Contact, RigidContact, UniformAlong                engines that may be added
 Drive, Hold                    prescribed motions, given to the GridSolver
+inYade                         puts a scene into YADE, on one clock
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
 read, Results, ResultFrame     what a Recorder has written, by time
 quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
@@ -108,10 +109,12 @@ def __getattr__(name):
     for room in (_materials, _particles, _engines):
         if name in room.classes:
             return room.classes[name]
+    if name == "inYade":
+        return _importlib.import_module(f"{__name__}.yade").inYade
     if name in ("plot", "yade", *_oldModules.MODULES):  # what few scenes need
         return _importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 
 
 def __dir__():
-    return [*__all__, "__version__"]
+    return [*__all__, "__version__", "inYade"]

@@ -50,6 +50,7 @@ from .scene.plugins import loadPlugin as loadPlugin
 from .scene.restoring import load as load
 from .scene.scene import Scene as Scene
 from .scene.undoing import undo as undo
+from .yade.attach import inYade as inYade
 
 
 __version__: str

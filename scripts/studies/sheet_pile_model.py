@@ -6,19 +6,7 @@ from math import radians
 
 import sheet_pile
 import yade_mpm as mpm
-from sheet_pile import (
-    DEPTH,
-    EMBEDDED,
-    FREE,
-    GRAVITY,
-    K0,
-    PILE_LENGTH,
-    SOLVER,
-    STEEL,
-    WIDTH,
-    ZONE_WIDTH,
-    regions,
-)
+from sheet_pile import DEPTH, EMBEDDED, FREE, GRAVITY, PILE_LENGTH, STEEL, WIDTH, ZONE_WIDTH, regions
 from yade_mpm import Parameter, app, geotech
 from yade_mpm.geotech import penetration
 
@@ -108,14 +96,11 @@ def build(a):
         "pile", body, mpm.LinearElastic(**STEEL), kind, inertiaScale=inertia, group=group, implicit=a.implicit
     )
     pile.isDamped = not a.undamped
-    scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
-    drive = mpm.Drive(pile.above(DEPTH), velocity=(0, -a.rate), ramp=a.ramp)
-    # By nodes, as all that was published of this pile.
-    contact = [mpm.Contact(friction=a.friction, impactLoss=1.0, constraints="nodes")] if slips else []
-    stages = [mpm.ParticleToGrid(), mpm.GridSolver(**SOLVER, drive=drive), *contact]
-    scene.engines = [*stages, mpm.GridToParticle(flip=a.flip), mpm.DomainUpdater()]
-    scene.dt = a.dt
-    return scene
+    if slips:  # by nodes, as all that was published of this pile
+        contact = mpm.Contact(friction=a.friction, constraints="nodes")
+        scene.engines.insert(2, contact)
+    next(e for e in scene.engines if isinstance(e, mpm.GridToParticle)).flip = a.flip
+    return sheet_pile.press(a, scene, a.dt)
 
 
 def resistanceCurve(a, scene, history):

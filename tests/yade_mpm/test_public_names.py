@@ -38,6 +38,7 @@ def test_the_rooms_of_every_scene_are_there_at_once():
 IMPORTS = "import {0}", "from {1} import {2}"
 OLD = [(how, *names) for names in oldModules.MODULES.items() for how in IMPORTS]
 OLD += [("{0}", old, new) for old, new in oldModules.MODULES.items() if "." not in old]
+OLD = [one for one in OLD if one[1] != "inYade" or one[0] == IMPORTS[0]]  # a function has the name
 
 
 @pytest.mark.parametrize("how, old, new", OLD)
@@ -54,6 +55,12 @@ def test_a_module_has_its_old_name_for_one_version(how, old, new):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         exec(compile(f"import yade_mpm.{new}", "scene.py", "exec"), space)
+
+
+def test_the_function_inYade_has_what_the_room_of_that_name_had():
+    sys.modules.pop("yade_mpm.inYade", None)
+    vars(mpm).pop("inYade", None)
+    assert mpm.inYade.attach is mpm.inYade and mpm.inYade.Bodies is mpm.yade.Bodies
 
 
 def test_a_name_that_has_moved_warns_and_an_unknown_one_is_refused():

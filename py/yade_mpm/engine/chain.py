@@ -32,8 +32,10 @@ def complete(engines, order, added):
             if name not in added:
                 added[name] = classes[name]()
             engines.insert(leader + 1, added[name])
-        elif given is not None and place["isPlaced"] and given > leader + 1:
-            engines.insert(leader + 1, engines.pop(given))
+        elif given is not None and given > leader + 1:
+            isOurs = any(engines[given] is engine for engine in added.values())  # users place theirs round it
+            if isOurs or place["isPlaced"]:
+                engines.insert(leader + 1, engines.pop(given))
 
 
 def checkOrder(engines, order, scheme):

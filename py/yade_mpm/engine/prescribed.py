@@ -36,6 +36,7 @@ class Prescribed(Guarded):
     """
 
     part: BodyPart  # of a Drive
+    byHeight: bool  # of a Drive
     where: str | Region  # of a Hold
     _owner = None
     _hasBegun = False  # whether its ramp counts
@@ -104,8 +105,9 @@ class Prescribed(Guarded):
 
     @property
     def reaction(self) -> np.ndarray:
-        """Force on the material in the last step, kN (2D: kN/m). RuntimeError as long as it is in no scene
-        that was run."""
+        """Force on the material in the last step, kN (2D: kN/m): what the drive adds to the weight. The
+        ground below a pile that is pressed down bears -reaction and the weight of the pile. RuntimeError as
+        long as it is in no scene that was run."""
         if not self._hasBegun:
             kind = type(self).__name__
             raise RuntimeError(
@@ -130,11 +132,12 @@ class Drive(Prescribed):
 
     Parameters
     ----------
-    part : part of a body: `body.above(y)`, `body.below(y)` (looked up again in every step),
-        `body.inside(region)`, `body.all()`, or a body.
+    part : part of a body: `body.above(y)`, `body.below(y)`, `body.inside(region)`, `body.all()`, or a body.
     velocity : m/s, one component per axis; None leaves a direction free.
     ramp : s, time over which the velocity grows from zero; default 0.
     name : for histories; default "drive".
+    byHeight : bool. False: the part keeps the particles that are in it at the first run, wherever they go.
+        True: a part above or below a height is looked up anew in each step; default False.
 
     Nodes of which half of the mass or more is driven take the velocity: where the part ends on a line of the
     grid, all nodes of that line do. While the body moves across the line, that holds as long as half of the
@@ -144,13 +147,23 @@ class Drive(Prescribed):
 
     @checked("Drive")
     def __init__(
-        self, part: Body | BodyPart, velocity: Sequence[float | None], ramp: float = 0.0, name: str = "drive"
+        self,
+        part: Body | BodyPart,
+        velocity: Sequence[float | None],
+        ramp: float = 0.0,
+        name: str = "drive",
+        byHeight: bool = False,
     ) -> None:
         super().__init__(velocity, ramp, name)
         part = part.all() if isinstance(part, Body) else part
         if not isinstance(part, BodyPart):
             raise TypeError(f"Drive: part = {shown(part)}; give a body or a part of one, e.g. pile.above(12)")
-        object.__setattr__(self, "part", part)
+        keep(self, byHeight=bool(byHeight))
+        self._choose(part)
+        part.body.scene._loadsAndDrives.append(self)
+
+    def _choose(self, part):
+        keep(self, part=part)
         far = 1e300
         self._core.body = part.body.name
         lower, upper = [-far] * self.dim, [far] * self.dim
@@ -159,7 +172,13 @@ class Drive(Prescribed):
         self._core.lower, self._core.upper = lower, upper
         if part.ids is not None:
             self._core.ids = part.ids
-        part.body.scene._loadsAndDrives.append(self)
+
+    @property
+    def displacement(self) -> np.ndarray:
+        """Mean displacement of the driven particles, weighted by mass, m (dim,); nan without any."""
+        body, driven = self.part.body, self.part.has()
+        mass = body.mass[driven]
+        return mass @ body.displacement[driven] / mass.sum() if driven.any() else np.full(self.dim, np.nan)
 
     @property
     def rowsCrossed(self) -> float:
@@ -187,6 +206,8 @@ class Drive(Prescribed):
                 f"Drive: no particle of '{self.part.body.name}' is in the driven part, {self.part}, but "
                 f"{at}; give a part there"
             )
+        if not (self._hasBegun or self.byHeight):
+            self._choose(self.part.now())
         super()._bind(scene)
 
 
@@ -242,7 +263,8 @@ class Hold(Prescribed):
         nodes = scene.faceNodes(self.where) if isinstance(self.where, str) else scene.nodesInside(self.where)
         if len(nodes) == 0:
             raise ValueError(
-                f"Hold: no grid node is inside {self.where!r}; make it reach a node (multiples of the cell "
+                f"Hold: no grid node is inside {shown(self.where)}; make it reach a node (multiples of the "
+                "cell "
                 "size)"
             )
         self._core.nodes = np.ascontiguousarray(nodes, np.int32)

@@ -17,6 +17,7 @@ from ..base.html import card, paragraph, table
 from ..base.keywords import checked
 from ..base.kinds import WHOLE, takes
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
 from . import owners, quantities
@@ -118,7 +119,12 @@ class History(Callback):
                 "longer"
             )
         if name not in self._data:
-            raise KeyError(f"History: there is no column {name!r}; columns: {', '.join(self._data)}")
+            moved = {f"{m.name}." for m in self._motions.values() if not m._core.isWall}
+            first = [one for one in self._data if one.startswith(tuple(moved))]
+            rest = [one for one in self._data if one not in first]
+            raise KeyError(
+                f"History: there is no column {shown(name)}; columns: {', '.join([*first, *rest])}"
+            )
         return np.array(self._data[name])
 
     def keys(self) -> list[str]:
@@ -290,5 +296,5 @@ class History(Callback):
 
 def _asNumber(value):
     if not isinstance(value, (int, float)):
-        raise TypeError(f"History: {value!r} in the rows or integrals of a checkpoint is no number")
+        raise TypeError(f"History: {shown(value)} in the rows or integrals of a checkpoint is no number")
     return value

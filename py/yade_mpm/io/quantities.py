@@ -67,7 +67,7 @@ def measured(scene, means, initialEnergy):
 
 
 def _reactions(scene, means):
-    """Reaction, moment and work of every prescribed motion."""
+    """Reaction, moment and work of every prescribed motion; of a driven part, its displacement."""
     row, dim = {}, scene.dim
     for c in scene.constraints:
         six = means.get(c.name, [*c._core.reaction, *c._core.moment])
@@ -78,6 +78,7 @@ def _reactions(scene, means):
             row.update((f"{c.name}.m{'xyz'[k]}", ("kN m", six[3 + k])) for k in axes)
         row[f"{c.name}.work"] = ("kJ", c.work)
         if isinstance(c, Drive):
+            row.update((f"{c.name}.u{axis}", ("m", u)) for axis, u in zip("xyz", c.displacement))
             row[f"{c.name}.rowsCrossed"] = ("-", c.rowsCrossed)
     return row
 

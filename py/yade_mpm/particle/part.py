@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..base.kinds import BODY, NUMBERS, takes
+from ..base.wording import shown
 
 
 class BodyPart:
@@ -22,7 +23,9 @@ class BodyPart:
     def __init__(self, body, lower=None, upper=None, ids=None):
         for height in (lower, upper):
             if not (height is None or isinstance(height, (int, float, np.number)) and np.isfinite(height)):
-                raise ValueError(f"body '{body.name}': a part above or below {height!r}; give a height in m")
+                raise ValueError(
+                    f"body '{body.name}': a part above or below {shown(height)}; give a height in m"
+                )
         self.body, self.lower, self.upper = body, lower, upper
         self.ids = None if ids is None else np.sort(np.asarray(ids, np.int64))
         if ids is not None and len(self.ids) == 0:
@@ -49,7 +52,7 @@ class BodyPart:
         """How it was made of its body, as it is written in a script."""
         for name, height in (("above", self.lower), ("below", self.upper)):
             if height is not None:
-                return f".{name}({height:g})" + ("" if self.ids is None else ".now()")
+                return f".{name}({height:g})"
         return "" if self.ids is None else ".inside(REGION)"
 
     def __repr__(self):

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.keywords import checked
+from ..base.wording import shown
 from ..check import limits
 from ..engine.rigidContact import RigidContact
 from ..geometry.lattice import checkOverlap
@@ -73,8 +74,9 @@ def add(
         is around them (doc/explanation/implicit-bodies.md). Default None: where `particles` is left out an
         elastic body is implicit if its waves are four times as fast as those of the other bodies, until the
         first step; where it is given it is not.
-    exclude : RigidContact, whose rigid bodies keep their place: boxes that would overlap with one are left
-        out, also beside thin and inclined shapes. Of boxes only. Default None: the region is filled.
+    exclude : RigidContact, or what `contact` has returned for bodies of YADE: rigid bodies that keep their
+        place. Boxes that would overlap with one are left out, also beside thin and inclined shapes. Of boxes
+        only. Default None: the region is filled.
     flow : where the soil flows: a region, or (pile, 2.0), a box up to 2 m round a body or a region
         (`mpm.geotech.flowRegion` finds one by a coarse run). Boxes are made there, and elsewhere a mesh with
         edges of a cell, in a body of its own, "NAME (mesh)", whose edges beside the boxes match them. In
@@ -141,11 +143,15 @@ def _without(contact, boxes, scene, how):
 
     how : arguments of newBody behind the scene.
     """
+    contact = getattr(contact, "contact", contact)  # of bodies of YADE
     if not isinstance(contact, RigidContact):
-        raise TypeError(f"body '{how[0]}': exclude = {contact!r}; give the mpm.RigidContact of the bodies")
+        raise TypeError(
+            f"body '{how[0]}': exclude = {shown(contact)}; give the mpm.RigidContact of the bodies"
+        )
     if not isinstance(boxes, Boxes):
         raise ValueError(
-            f"body '{how[0]}': exclude leaves boxes out, and the type is {how[2]!r}; give UGIMP, or a region "
+            f"body '{how[0]}': exclude leaves boxes out, and the type is {shown(how[2])}; give UGIMP, or a "
+            "region "
             "without the place of the bodies"
         )
     body = newBody(scene, *how)
@@ -194,12 +200,12 @@ def build(body, geometry):
 
 def _checkArguments(scene, name, region, material, type):
     if not (isinstance(name, str) and name):
-        raise TypeError(f"Scene: name = {name!r} of a body; give a string")
+        raise TypeError(f"Scene: name = {shown(name)} of a body; give a string")
     if not isinstance(material, Material):
-        raise TypeError(f"body '{name}': material = {material!r}; give e.g. mpm.LinearElastic(...)")
+        raise TypeError(f"body '{name}': material = {shown(material)}; give e.g. mpm.LinearElastic(...)")
     if not isinstance(type, ParticleType):
         raise TypeError(
-            f"body '{name}': particles = {type!r}; give e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=...)"
+            f"body '{name}': particles = {shown(type)}; give e.g. mpm.UGIMP(perCell=2) or mpm.APDI(size=...)"
         )
     if isinstance(region, Region) and region.dim != scene.dim:
         raise ValueError(f"body '{name}': the region is {region.dim}D, the scene {scene.dim}D; give another")

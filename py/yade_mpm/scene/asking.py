@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..base.attributes import didYouMean
+from ..base.wording import shown
 from ..diagnostics.certificate import Certificate
 from ..diagnostics.certificate import quasiStatic as certificateOf
 from ..engine.prescribed import FACES, Drive, Hold
@@ -21,6 +22,7 @@ from ..particle.body import Body
 from ..particle.part import BodyPart
 from .running import refuseDuringStep
 
+SUMMED = ("dampedEnergy", "energyError", "implicitEnergy", "workDone")  # columns that count since the start
 ROWS = 400  # of the history that a run with a drive keeps where none was asked for
 
 
@@ -32,7 +34,7 @@ def gravityVector(scene, gravity):
     if isVector and all(isNumber(g) and np.isfinite(g) for g in gravity):
         return [float(g) for g in gravity]
     raise ValueError(
-        f"Scene: gravity = {gravity!r} is not allowed; give a positive number (m/s2, downwards), or "
+        f"Scene: gravity = {shown(gravity)} is not allowed; give a positive number (m/s2, downwards), or "
         f"{scene.dim} components"
     )
 
@@ -63,16 +65,19 @@ def _addSides(scene, call, sides):
     mine, other = (solver.fixed, solver.roller) if call == "fix" else (solver.roller, solver.fixed)
     example = "scene.fix('bottom')" if call == "fix" else "scene.roller('left', 'right')"
     if not sides or not all(isinstance(side, str) for side in sides):
-        raise TypeError(f"{call}: sides = {sides!r}; give names, e.g. {example}")
+        raise TypeError(f"{call}: sides = {shown(sides)}; give names, e.g. {example}")
     for side in sides:
         if side not in FACES[scene.dim]:
             names = ", ".join(FACES[scene.dim])
             raise ValueError(
-                f"{call}: there is no side {side!r}; sides are {names}{didYouMean(side, FACES[scene.dim])}"
+                f"{call}: there is no side {shown(side)}; sides are "
+                f"{names}{didYouMean(side, FACES[scene.dim])}"
             )
         if side in other:
             has = "rollers" if call == "fix" else "fixed"
-            raise ValueError(f"{call}: the side {side!r} is {has} already; give it to one of fix and roller")
+            raise ValueError(
+                f"{call}: the side {shown(side)} is {has} already; give it to one of fix and roller"
+            )
     mine += [side for side in dict.fromkeys(sides) if side not in mine]
     scene._asked.add(solver)
     scene.stepper.noteChange()
@@ -113,11 +118,13 @@ def drive(
     solver = scene._gridSolver("drive")
     if not isinstance(what, (Body, BodyPart, str, Region)):
         raise TypeError(
-            f"drive: what = {what!r}; give a body, a part of one, e.g. pile.above(12), a region, or a side"
+            f"drive: what = {shown(what)}; give a body, a part of one, e.g. pile.above(12), a region, or a "
+            "side"
         )
     if not (isinstance(velocity, (tuple, list, np.ndarray)) and len(velocity) == scene.dim):
         raise ValueError(
-            f"drive: velocity = {velocity!r} is not allowed; give {scene.dim} components, m/s (None leaves "
+            f"drive: velocity = {shown(velocity)} is not allowed; give {scene.dim} components, m/s (None "
+            "leaves "
             "one free)"
         )
     if isinstance(what, (str, Region)):
@@ -129,7 +136,8 @@ def drive(
             raise ValueError(f"drive: '{body.name}' is in another scene; give a body of this one")
         taken = [m.name for m in (*solver.holds, *solver.drives)]
         part = what.all() if isinstance(what, Body) else what
-        motion = Drive(part if byHeight else part.now(), velocity, ramp, name or _freeName(body.name, taken))
+        part, name = part if byHeight else part.now(), name or _freeName(body.name, taken)
+        motion = Drive(part, velocity, ramp, name, byHeight)
         solver.drives.append(motion)
     scene._asked.add(solver)
     scene.stepper.noteChange()
@@ -186,7 +194,7 @@ def history(
 
 def _positive(call, every):
     if not (isNumber(every) and 0 < every < np.inf):
-        raise ValueError(f"{call}: every = {every!r} is not allowed; give a positive time in s")
+        raise ValueError(f"{call}: every = {shown(every)} is not allowed; give a positive time in s")
     return every
 
 
@@ -213,11 +221,21 @@ def quasiStatic(
     """Tells whether the run was slow enough to be called quasi-static: `mpm.quasiStatic` of its history.
 
     A run with a drive keeps a history by itself; for others call `scene.history` before the run. Arguments
-    are those of `mpm.quasiStatic`.
+    are those of `mpm.quasiStatic`. Behind `settle` all counts from its end: its damping is meant. Whether
+    soil has failed is another question, of `mpm.safety` and `mpm.limitLoad`.
     """
     found = next((engine for engine in scene.engines if isinstance(engine, History)), None)
     if found is None:
         raise ValueError(
             "quasiStatic: the scene keeps no history; call scene.history(every=...) before the run"
         )
-    return certificateOf(found, after, rateSensitivity, limits)
+    return certificateOf(_sinceRest(scene, found), after, rateSensitivity, limits)
+
+
+def _sinceRest(scene, history):
+    """Rows of a history since `settle`, with energies that count from there; all of them without it."""
+    began = 0 if scene._restedAt is None or not len(history) else history["time"] >= scene._restedAt
+    if np.sum(began) < 2:
+        return history
+    rows = {name: column[began] for name, column in dict(history).items()}
+    return {name: c - c[0] if name in SUMMED else c for name, c in rows.items()}

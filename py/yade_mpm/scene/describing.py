@@ -7,6 +7,7 @@ import re
 from ..engine.contact import Contact
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive
+from ..engine.rigidContact import RigidContact
 from ..io.history import History
 from ..io.recorder import Recorder
 from ..particle.body import Body
@@ -14,16 +15,31 @@ from ..particle.body import Body
 _SHAPES = re.compile(r"\b(box|disc|polygon|sphere|halfSpace|everywhere)\(")
 
 
-def describe(scene, long: bool = False) -> None:
+class Printed(str):
+    """Text that has been printed: it shows as nothing, so that `print` and a prompt do not repeat it."""
+
+    __slots__ = ()
+
+    def __str__(self):
+        return ""
+
+    __repr__ = __str__
+
+
+def describe(scene, long: bool = False) -> Printed:
     """Prints what the scene is made of, and why: grid, walls, bodies, contact, motions, step, engines.
 
     Parameters
     ----------
     long : print the script that does the same with every option and engine named; default False.
 
+    Returns the text, to be searched or written to a file.
+
     Estimates the critical time step where none is known yet, and raises what that raises.
     """
-    print(longForm(scene) if long else "\n".join(_lines(scene)))
+    text = longForm(scene) if long else "\n".join(_lines(scene))
+    print(text)
+    return Printed(text)
 
 
 def _lines(scene):
@@ -70,6 +86,9 @@ def _because(body, what):
 
 
 def _contactLines(scene):
+    for engine in (e for e in scene.engines if isinstance(e, RigidContact)):
+        frictions = ", ".join(f"{f:g}" for f in sorted(set(engine.friction)))
+        yield f"Contact   {len(engine.friction)} rigid and all other bodies: friction {frictions}"
     for engine in (e for e in scene.engines if isinstance(e, Contact)):
         named = engine._laws()
         for (a, b), (friction, adhesion) in named.items():
@@ -159,7 +178,8 @@ def _motionCode(motion, bodies):
     else:
         what = _SHAPES.sub(r"mpm.\1(", repr(motion.where))
     ramp = f", ramp={motion.ramp}" if motion.ramp else ""
-    return f"mpm.{type(motion).__name__}({what}, {motion.velocity}{ramp}, name={motion.name!r})"
+    how = ", byHeight=True" if isinstance(motion, Drive) and motion.byHeight else ""
+    return f"mpm.{type(motion).__name__}({what}, {motion.velocity}{ramp}, name={motion.name!r}{how})"
 
 
 def _short(thing):

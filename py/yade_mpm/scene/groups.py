@@ -4,17 +4,19 @@
 Bodies that meet on the grid stick together unless a call of `scene.contact` names them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
 
+from ..base.wording import shown
 from ..engine.contact import Contact
 from ..geometry.numbers import isNumber
 from ..particle.body import Body
 from .running import refuseDuringStep
 
+hosts = []  # pairs of functions: whether bodies belong to a program around us, what makes their contact
 APART = 1e-6  # of a cell: bodies that only touch a node's neighbourhood from outside do not meet there
 
 
@@ -33,10 +35,11 @@ class Pair(NamedTuple):
 
 def contact(
     scene,
-    first: Body | Sequence[Body],
-    second: Body | Sequence[Body],
-    friction: float = 0.0,
-    adhesion: float = 0.0,
+    first: Body | Sequence[Body] | int | Sequence[int],
+    second: Body | Sequence[Body] | None = None,
+    friction: float | Callable | None = None,
+    adhesion: float | Callable = 0.0,
+    **ofYade,
 ) -> Contact:
     """Lets two bodies slip on each other and part, with Coulomb friction and adhesion.
 
@@ -46,20 +49,33 @@ def contact(
     Bodies that meet on the grid stick together where no call names them. The scene makes groups of the bodies
     accordingly, and puts one `Contact` engine behind its GridSolver.
 
+    Inside YADE, `first` may be numbers of bodies in O.bodies. They touch all bodies of the scene, through a
+    `RigidContact` of their own; `mpm.inYade(scene)` moves them.
+
+        stones = scene.contact(O.bodies.append(spheres), friction=0.5)
+
     Parameters
     ----------
-    first, second : Body, or several that stick together.
-    friction : coefficient, -; default 0. For a perfectly rough base or shaft make no call:
-        the two stick together.
+    first, second : Body, or several that stick together. With bodies of YADE `second` may be left out.
+    friction : coefficient, -; default 0, with bodies of YADE by the friction angles of both materials. For a
+        perfectly rough base or shaft make no call: the two stick together.
     adhesion : kPa; default 0.
+    ofYade : `plane`, `thickness`, `facetThickness`: as of `mpm.yade.Bodies`, for bodies of YADE.
 
-    Returns the `Contact` engine, which has forces, work and options for all pairs.
+    Returns the `Contact` engine, which has forces, work and options for all pairs. With bodies of YADE an
+    `mpm.yade.Bodies`, which has the forces on them.
 
     Raises TypeError for what is no body, ValueError for a body against itself, one of another scene, or a
     number that is not allowed; RuntimeError after the first step. Before the first step ValueError where a
     body would stick to two bodies that slip on each other.
     """
     refuseDuringStep(scene, "contact")
+    for isOfHost, touch in hosts:
+        if isOfHost(first):
+            return touch(scene, first, second, friction, adhesion, **ofYade)
+    if ofYade:
+        raise TypeError(f"contact: {next(iter(ofYade))} is for bodies of YADE alone; leave it out")
+    friction = 0.0 if friction is None else friction
     pair = Pair(_bodies(scene, "first", first), _bodies(scene, "second", second), friction, adhesion)
     _check(scene, pair)
     engine = next((e for e in scene.engines if isinstance(e, Contact)), None)
@@ -81,7 +97,9 @@ def _bodies(scene, which, given):
     bodies = tuple(given) if isinstance(given, (tuple, list)) else (given,)
     for body in bodies:
         if not isinstance(body, Body):
-            raise TypeError(f"contact: {which} = {given!r}; give a body, as scene.add returns it, or several")
+            raise TypeError(
+                f"contact: {which} = {shown(given)}; give a body, as scene.add returns it, or several"
+            )
         if body.scene is not scene:
             raise ValueError(f"contact: '{body.name}' is in another scene; give a body of this one")
     if not bodies:
@@ -99,7 +117,7 @@ def _check(scene, pair):
         value = getattr(pair, name)
         if not (isNumber(value) and 0 <= value < np.inf):
             raise ValueError(
-                f"contact: {name} = {value!r} is not allowed; give zero or a positive number"
+                f"contact: {name} = {shown(value)} is not allowed; give zero or a positive number"
                 f"{' (kPa)' if name == 'adhesion' else ''}"
             )
     for a, b in pair.named():
@@ -107,7 +125,8 @@ def _check(scene, pair):
             raise ValueError(f"contact: '{a.name}' is on both sides; give two bodies")
         if not {"group"} <= set(a._chosen) | set(b._chosen) and a.group == b.group:
             raise ValueError(
-                f"contact: '{a.name}' and '{b.name}' were both added with group = {a.group!r}, so they stick "
+                f"contact: '{a.name}' and '{b.name}' were both added with group = {shown(a.group)}, so "
+                "they stick "
                 "together; leave group out in scene.add"
             )
 

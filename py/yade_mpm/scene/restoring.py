@@ -8,6 +8,7 @@ import os
 from ..base.attributes import keep
 from ..base.kinds import DICT, FILE, FLAG, takes
 from ..base.warn import PACKAGE, warnUser
+from ..base.wording import shown
 from ..engine.contact import Contact
 from ..geometry.numbers import isNumber
 from ..io import checkpoint
@@ -52,7 +53,7 @@ def load(
     spec, arrays = checkpoint.read(file)
     callbacks = dict(callbacks or {})
     if not isinstance(trust, bool):
-        raise TypeError(f"load: trust = {trust!r} is not allowed; give True or False")
+        raise TypeError(f"load: trust = {shown(trust)} is not allowed; give True or False")
     permissions = Permissions(file, trust, callbacks, files or {})
     try:
         return _build(spec, arrays, callbacks, permissions, file)
@@ -101,6 +102,8 @@ def _build(spec, arrays, callbacks, permissions, file):
     permissions.finish()
     scene.allowUnstable, scene.dt = spec["allowUnstable"], spec["dt"]
     estimated = {name: spec[name] for name in ("dtCritical", "stiffest")}
+    rested = spec.get("restedAt")
+    estimated["_restedAt"] = rested if isNumber(rested) else None
     keep(scene, **estimated, dtStable=spec.get("dtStable", spec["dtCritical"]))
     _checkClock(spec)
     scene._core.dt, scene._core.time, scene._core.step = spec["currentDt"], spec["time"], spec["steps"]
@@ -117,7 +120,7 @@ def _checkClock(spec):
     """Refuses numbers that no scene has."""
     for name in ("currentDt", "time", "steps"):
         if not (isNumber(spec[name]) and 0 <= spec[name] < FAR):
-            raise TypeError(f"{name} = {spec[name]!r}")
+            raise TypeError(f"{name} = {shown(spec[name])}")
 
 
 def _warn(scene, spec, file):

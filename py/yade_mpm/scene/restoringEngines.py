@@ -3,6 +3,7 @@
 
 from ..base.attributes import keep
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..engine.callback import Callback, PyRunner
 from ..engine.engines import classes as engineClasses
 from ..engine.gridSolver import GridSolver, wall
@@ -102,7 +103,7 @@ def _givenCallback(spec, callbacks, file):
         return given
     if spec["class"] != "PyRunner":
         raise TypeError(
-            f"load: callbacks['{label}'] = {given!r}; give an engine of the class {spec['class']}"
+            f"load: callbacks['{label}'] = {shown(given)}; give an engine of the class {spec['class']}"
         )
     return PyRunner(given, **{RENAMED.get(name, name): value for name, value in attributes.items()})
 
@@ -113,7 +114,8 @@ def _buildSolver(spec, scene):
         where = h["where"] if isinstance(h["where"], str) else regionFromSpec(h["where"])
         holds.append(_restored(Hold(where, h["velocity"], h["ramp"], h["name"]), h))
     drives = [
-        _restored(Drive(_part(d, scene), d["velocity"], d["ramp"], d["name"]), d) for d in spec["drive"]
+        _restored(Drive(_part(d, scene), d["velocity"], d["ramp"], d["name"], d.get("byHeight", True)), d)
+        for d in spec["drive"]
     ]
     solver = GridSolver(
         roller=spec["roller"], fixed=spec["fixed"], hold=holds, drive=drives, **spec["attributes"]

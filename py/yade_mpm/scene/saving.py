@@ -100,6 +100,7 @@ def describe(scene):
         "steps": scene.steps,
         "energies": dict(scene._core.energies),
         "settling": scene._dampingAfterSettling,
+        "restedAt": scene._restedAt,
         "changes": scene.changes,
         "materials": [{"class": type(m).__name__, "attributes": m.attributes()} for m in materials],
         "types": [_describeType(t) for t in types],
@@ -195,5 +196,6 @@ def _describeDrive(drive):
         "lower": lower,
         "upper": upper,
         "ids": None if part.ids is None else part.ids.tolist(),
+        "byHeight": drive.byHeight,
         **_describePrescribed(drive),
     }

@@ -13,6 +13,7 @@ from .. import _core
 from ..base.attributes import Guarded
 from ..base.keywords import checked
 from ..base.kinds import COUNT, FLAG, POSITIVE, takes
+from ..base.wording import shown
 from ..engine import chain
 from ..engine.engine import Engine
 from ..engine.gridSolver import GridSolver
@@ -180,6 +181,7 @@ class Scene(Guarded):
             _geostaticGravity=None,  # m/s2 that the initial stress balances
             _geostaticLayers={},  # name of a body -> Layer that initialStress made of it
             _dampingAfterSettling=None,  # while settle() is at work
+            _restedAt=None,  # s, when settle() was done: a check of the run begins there
             _notedSignals=None,  # that came between the runs of settle()
             _loadsAndDrives=[],  # that were made for its bodies, whether given to it or not
             _asked=Asked(),  # engines that calls of the scene have edited
@@ -222,7 +224,7 @@ class Scene(Guarded):
             if body.name == name:
                 return body
         raise KeyError(
-            f"Scene: there is no body named {name!r}; bodies: {', '.join(b.name for b in self.bodies)}"
+            f"Scene: there is no body named {shown(name)}; bodies: {', '.join(b.name for b in self.bodies)}"
         )
 
     @property
@@ -315,7 +317,9 @@ class Scene(Guarded):
             if not isinstance(engine, Engine):
                 kind = type(engine).__name__
                 where = f"give it to GridSolver({kind.lower()}=...)" if isinstance(engine, Prescribed) else ""
-                raise TypeError(f"Scene: {engine!r} is not an engine; {where or 'give a list of engines'}")
+                raise TypeError(
+                    f"Scene: {shown(engine)} is not an engine; {where or 'give a list of engines'}"
+                )
         order = self._core.stageOrder
         chain.complete(engines, order, self._added)
         chain.checkOrder(engines, order, self.scheme)
@@ -344,7 +348,9 @@ class Scene(Guarded):
         if self._engines is not None:
             raise ValueError("Scene: set the scheme before the engines")
         if not isinstance(name, str):
-            raise ValueError(f"Scene: scheme = {name!r} is not allowed; give one of 'MUSL', 'USF', 'USL'")
+            raise ValueError(
+                f"Scene: scheme = {shown(name)} is not allowed; give one of 'MUSL', 'USF', 'USL'"
+            )
         self._core.scheme = name
 
     def timing(self) -> dict[str, tuple[float, int]]:
@@ -364,7 +370,8 @@ class Scene(Guarded):
         refuseDuringStep(self, "dt")
         if value is not None and not (isNumber(value) and 0 < value < np.inf):
             raise ValueError(
-                f"Scene: dt = {value!r} s is not allowed; give a positive number, or None for an automatic "
+                f"Scene: dt = {shown(value)} s is not allowed; give a positive number, or None for an "
+                "automatic "
                 "step"
             )
         self._dt = None if value is None else float(value)
@@ -378,7 +385,7 @@ class Scene(Guarded):
     @allowUnstable.setter
     def allowUnstable(self, value):
         if not isinstance(value, (bool, np.bool_)):
-            raise ValueError(f"Scene: allowUnstable = {value!r} is not allowed; give True or False")
+            raise ValueError(f"Scene: allowUnstable = {shown(value)} is not allowed; give True or False")
         self._allowUnstable = bool(value)
 
     @property
@@ -396,7 +403,8 @@ class Scene(Guarded):
         isCount = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
         if value is not None and not (isCount and 1 <= value <= MOST_THREADS):
             raise ValueError(
-                f"Scene: threads = {value!r} is not allowed; give a whole number from 1 to {MOST_THREADS}, "
+                f"Scene: threads = {shown(value)} is not allowed; give a whole number from 1 to "
+                f"{MOST_THREADS}, "
                 f"or None for a choice by the number of particles"
             )
         self._threads = None if value is None else int(value)

@@ -12,6 +12,7 @@ import numpy as np
 from ..base.attributes import keep
 from ..base.keywords import checked
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..geometry.numbers import isCount, isNumber
 from .run import NotedSignals
 
@@ -83,6 +84,7 @@ def settle(
     for body in scene.bodies:
         body.velocity[...] = 0
         body.zeroDisplacement()
+    keep(scene, _restedAt=scene.time)
     for motion in motions:
         motion._core.began = scene.time
     return taken
@@ -102,8 +104,8 @@ def _tellWhatMoved(scene, began):
             warnUser(
                 f"settle: '{body.name}' moved by up to {moved[at]:.3g} m, {cells[at]:.2g} cells, before it "
                 "was at rest: it has another shape than given, and displacement counts from here. A slope "
-                "may have failed under its own weight (look at plasticShearStrain), a body may have fallen, "
-                "soft ground may have settled (give it initialStress first)"
+                "may have failed under its own weight (mpm.safety gives its factor of safety), a body may "
+                "have fallen, soft ground may have settled (give it initialStress first)"
             )
 
 
@@ -243,4 +245,4 @@ def _checkSettling(damping, tolerance, maxSteps, checkEvery, maxTime, stressTole
         ("checkEvery", checkEvery, isCount(checkEvery), "a whole number from 1 on"),
     ):
         if not isAllowed:
-            raise ValueError(f"settle: {name} = {value!r} is not allowed; give {allowed}")
+            raise ValueError(f"settle: {name} = {shown(value)} is not allowed; give {allowed}")

@@ -2,7 +2,7 @@
 """Inside YADE: the engines of a scene become engines of O.engines, on one clock with the discrete elements.
 
     import yade_mpm as mpm
-    soil = mpm.yade.attach(scene)   # adds engines before the NewtonIntegrator, chooses O.dt
+    soil = mpm.inYade(scene)   # adds engines before the NewtonIntegrator, chooses O.dt
     O.run(1000, True)
 
 YADE is used through its Python interface. An engine of ours is a PyRunner, see `runners`; with the plugin, of
@@ -13,19 +13,21 @@ import json
 import math
 import os
 
+from ..base.wording import shown
 from ..scene.restoring import load
 from ..scene.scene import Scene
 from . import checkpoints, loop
 from .bodies import Bodies
+from .contact import checkNamed
 from .coupling import Coupling
 from .display import Display
 from .loop import act
 from .output import checkpointOf, tagOf
 
-__all__ = ["Bodies", "Coupling", "Display", "act", "attach", "checkpointOf"]
+__all__ = ["Bodies", "Coupling", "Display", "act", "attach", "checkpointOf", "inYade"]
 
 
-def attach(
+def inYade(
     scene=None,
     mpmSteps=None,
     demSteps=None,
@@ -36,8 +38,13 @@ def attach(
     bodies=None,
     checkpointPeriod=None,
 ):
-    """Makes the engines of a scene engines of O.engines, before the NewtonIntegrator (at the end if there is
-    none).
+    """Puts a scene into YADE: its engines become engines of O.engines, before the NewtonIntegrator (at the
+    end if there is none), and the bodies that `scene.contact` has named feel the soil.
+
+        stones = scene.contact(ids, soil, friction=0.5)
+        coupling = mpm.inYade(scene)
+        O.run(1000, True)
+        print(stones.forces)
 
     Parameters
     ----------
@@ -53,8 +60,8 @@ def attach(
         False. A list of names of columns, such as ["kineticEnergy", "bottom.fy"], passes these alone.
     callbacks : as for `yade_mpm.load`, where the checkpoint needs functions; only without `scene`.
     bodies : `Bodies` of YADE that touch the scene, or a list of them; also other objects for `exchanges`.
-        Default: those that the scene had when it was attached last (after O.load: as saved).
-
+        Default: those that `scene.contact` has named, or that the scene had when it was attached last (after
+        O.load: as saved).
     checkpointPeriod : s of wall time between checkpoints of YADE and the scene, from an engine at the head of
         O.engines: ID.checkpoint-a.yade.gz and ID.checkpoint-b.yade.gz in turn (ID: O.tags["id"]), each with
         ours beside it; O.load the newer one to go on. Default: as before under this label, or as saved, else
@@ -70,38 +77,34 @@ def attach(
     """
     omega = loop.omega()
     if omega.running:
-        raise RuntimeError("yade.attach: YADE is running; O.pause() first")
+        raise RuntimeError("inYade: YADE is running; O.pause() first")
     if not (isinstance(label, str) and label.isidentifier()):
         raise ValueError(
-            f"yade.attach: label = {label!r} is not allowed; give letters, digits and underscores, e.g. 'mpm'"
+            f"inYade: label = {shown(label)} is not allowed; give letters, digits and underscores, e.g. 'mpm'"
         )
     saved = {}
     if scene is None:
         scene, saved = _fromTag(omega, label, callbacks)
     elif callbacks is not None:
-        raise ValueError(
-            "yade.attach: callbacks go with a checkpoint; leave them out where the scene is given"
-        )
+        raise ValueError("inYade: callbacks go with a checkpoint; leave them out where the scene is given")
     if not isinstance(scene, Scene):
-        raise TypeError(f"yade.attach: scene = {scene!r}; give a yade_mpm.Scene")
+        raise TypeError(f"inYade: scene = {shown(scene)}; give a yade_mpm.Scene")
     for other in loop.attached.values():
         if other.scene is scene and other.label != label:
-            raise ValueError(
-                f"yade.attach: this scene is attached as '{other.label}' already; detach() it there"
-            )
+            raise ValueError(f"inYade: this scene is attached as '{other.label}' already; detach() it there")
     mpmSteps = saved.get("mpmSteps", 1) if mpmSteps is None else _count("mpmSteps", mpmSteps)
     demSteps = saved.get("demSteps", 1) if demSteps is None else _count("demSteps", demSteps)
     if mpmSteps > 1 and demSteps > 1:
-        raise ValueError(
-            f"yade.attach: mpmSteps = {mpmSteps}, demSteps = {demSteps}; one of the two has to be 1"
-        )
+        raise ValueError(f"inYade: mpmSteps = {mpmSteps}, demSteps = {demSteps}; one of the two has to be 1")
     stages = saved.get("stages", mpmSteps == 1) if stages is None else bool(stages)
     if stages and mpmSteps > 1:
         raise ValueError(
-            "yade.attach: engines per stage cannot act several times in a DEM step; give stages=False "
+            "inYade: engines per stage cannot act several times in a DEM step; give stages=False "
             "(scene.timing() still tells the time of each stage)"
         )
     bodies = None if bodies is None else _listed(bodies)
+    for named in loop.kept.get(scene, ()) if bodies is None else ():
+        checkNamed(scene, named)
     if checkpointPeriod is None:
         before = loop.attached.get(label)
         checkpointPeriod = before.checkpointPeriod if before else saved.get("checkpointPeriod")
@@ -119,13 +122,16 @@ def attach(
     return coupling
 
 
+attach = inYade  # its name in the room yade
+
+
 def _listed(bodies):
     """What was given as bodies, as a list; TypeError for what is no exchange."""
     bodies = list(bodies) if isinstance(bodies, (list, tuple)) else [bodies]
     for exchange in bodies:
         if not (hasattr(exchange, "read") and hasattr(exchange, "apply")):
             raise TypeError(
-                f"yade.attach: bodies = {exchange!r}; give mpm.yade.Bodies(contact, ids), or a list of them"
+                f"inYade: bodies = {shown(exchange)}; give mpm.yade.Bodies(contact, ids), or a list of them"
             )
     return bodies
 
@@ -137,7 +143,7 @@ def _chosen(plot):
     if plot in (True, False):
         return bool(plot)
     raise TypeError(
-        f"yade.attach: plot = {plot!r} is not allowed; give True, False, or a list of names of columns"
+        f"inYade: plot = {shown(plot)} is not allowed; give True, False, or a list of names of columns"
     )
 
 
@@ -146,13 +152,13 @@ def _checkPeriod(period):
         isinstance(period, bool) or not isinstance(period, (int, float)) or not 0 < period < math.inf
     ):
         raise ValueError(
-            f"yade.attach: checkpointPeriod = {period!r} is not allowed; give a wall time in s, or None"
+            f"inYade: checkpointPeriod = {shown(period)} is not allowed; give a wall time in s, or None"
         )
 
 
 def _count(name, value):
     if not isinstance(value, int) or isinstance(value, bool) or value < 1:
-        raise ValueError(f"yade.attach: {name} = {value!r} is not allowed; give a whole number from 1 on")
+        raise ValueError(f"inYade: {name} = {shown(value)} is not allowed; give a whole number from 1 on")
     return value
 
 
@@ -161,13 +167,13 @@ def _fromTag(omega, label, callbacks):
     tag = tagOf(label)
     if tag not in list(omega.tags.keys()):
         raise ValueError(
-            f"yade.attach: no scene was given, and YADE's state names none for the label '{label}' "
+            f"inYade: no scene was given, and YADE's state names none for the label '{label}' "
             f"(O.tags['{tag}'])"
         )
     saved = json.loads(omega.tags[tag])
     if saved["iter"] != omega.iter:
         raise ValueError(
-            f"yade.attach: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE "
+            f"inYade: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE "
             "is at "
             f"{omega.iter}; load a file that O.save wrote with the scene attached, or give the scene"
         )

@@ -9,6 +9,7 @@ from collections import Counter
 import numpy as np
 
 from .. import _core
+from ..base.wording import shown
 from ..engine.rigidContact import RigidContact
 from ..geometry.numbers import placeText
 from ..rigid.shapes import shapeRow
@@ -28,7 +29,7 @@ DENSER = 30  # times the densest body of the scene; steel on peat has 11
 
 
 class Bodies:
-    """Bodies of YADE as rigid bodies of a `RigidContact`, for `attach(scene, bodies=...)`.
+    """Bodies of YADE as rigid bodies of a `RigidContact`: what `scene.contact` returns for them.
 
     Parameters
     ----------
@@ -59,12 +60,11 @@ class Bodies:
     have it. Warns of a free body that is 30 times as dense as
     the densest of the scene.
 
-        contact = mpm.RigidContact()
-        scene.engines = [mpm.ParticleToGrid(), contact, mpm.GridSolver(...), mpm.GridToParticle(),
-        mpm.DomainUpdater()]
-        bodies = mpm.yade.Bodies(contact, O.bodies.append([sphere((0, 1, 0), 0.2)]), friction=0.5)
-        mpm.yade.attach(scene, bodies=bodies)
+        stones = scene.contact(O.bodies.append([sphere((0, 1, 0), 0.2)]), soil, friction=0.5)
+        mpm.inYade(scene)
     """
+
+    named = None  # bodies of the scene that scene.contact has named; None: all
 
     def __init__(
         self,
@@ -80,12 +80,12 @@ class Bodies:
         from yade import O
 
         if not isinstance(contact, RigidContact):
-            raise TypeError(f"yade.Bodies: contact = {contact!r}; give a mpm.RigidContact()")
+            raise TypeError(f"yade.Bodies: contact = {shown(contact)}; give a mpm.RigidContact()")
         self._O, self.contact, self.ids, self.thickness = O, contact, _numbers(ids), float(thickness)
         self._facetThickness, self._saved = float(facetThickness), forces
         if not 0 < self.thickness < np.inf:
             raise ValueError(
-                f"yade.Bodies: thickness = {thickness!r} m is not allowed; give a positive number"
+                f"yade.Bodies: thickness = {shown(thickness)} m is not allowed; give a positive number"
             )
         self.plane = Plane(plane)
         self._laws, self._waiting = Laws(friction, adhesion), []
@@ -142,7 +142,7 @@ class Bodies:
             raise RuntimeError(
                 "yade.Bodies: two of them serve one RigidContact, and its forces would count twice; take "
                 "one out of "
-                "exchanges (after O.load, mpm.yade.attach() has brought it back)"
+                "exchanges (after O.load, mpm.inYade() has brought it back)"
             )
         isNewRun = coupling.runs != self._run
         steps = coupling.scene.steps
@@ -354,7 +354,7 @@ def _numbers(ids):
         numbers = [operator.index(i) for i in numbers]
     except TypeError:
         raise TypeError(
-            f"yade.Bodies: ids = {ids!r}; give numbers of bodies, as O.bodies.append returns them"
+            f"yade.Bodies: ids = {shown(ids)}; give numbers of bodies, as O.bodies.append returns them"
         ) from None
     twice = [number for number, times in Counter(numbers).items() if times > 1]
     if twice:

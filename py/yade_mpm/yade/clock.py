@@ -72,7 +72,7 @@ class Clock:
             raise RuntimeError(
                 f"the scene '{label}' has taken steps outside of YADE (it is at step {scene.steps}, YADE "
                 "left "
-                f"it at {self._stepsSeen}); call mpm.yade.attach(scene) again"
+                f"it at {self._stepsSeen}); call mpm.inYade(scene) again"
             )
 
     def meet(self):
@@ -104,5 +104,5 @@ class Clock:
             f"the clocks differ: scene.time = {self._scene.time!r} s, O.time + timeOffset = "
             f"{self._omega.time + self.timeOffset!r} s. O.time was set back, or O.dt was changed in a step "
             "after the "
-            f"MPM engines; mend that, and call mpm.yade.attach(scene) again"
+            f"MPM engines; mend that, and call mpm.inYade(scene) again"
         )

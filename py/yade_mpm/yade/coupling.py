@@ -124,14 +124,14 @@ class Coupling(Views):
         self._refusePeriodic()
         if steppersIn(self._list.others[self._list.place :]):
             raise ValueError(
-                "yade.attach: a time stepper stands behind the place of the MPM engines and would change "
+                "inYade: a time stepper stands behind the place of the MPM engines and would change "
                 "O.dt "
                 "in the middle of a step; put it before the NewtonIntegrator"
             )
         self.scene._refuseWhileRunning("attach")
         if any(isinstance(e, RigidContact) and not e._frictions() for e in self.scene.engines):
             raise ValueError(
-                "yade.attach: a RigidContact of the scene has no rigid bodies; make "
+                "inYade: a RigidContact of the scene has no rigid bodies; make "
                 "mpm.yade.Bodies(contact, ids) before"
             )
 
@@ -287,9 +287,7 @@ class Coupling(Views):
     def _checkScene(self):
         scene = self.scene
         if scene.engines is not self._chain:
-            raise RuntimeError(
-                f"scene.engines of '{self.label}' was changed; call mpm.yade.attach(scene) again"
-            )
+            raise RuntimeError(f"scene.engines of '{self.label}' was changed; call mpm.inYade(scene) again")
         self._clock.refuseForeignSteps(self.label)
         scene._handOver(self._loop)
         if self._isFresh or not scene.stepper.isPrepared:

@@ -3,6 +3,7 @@
 
 import re
 
+from ..base.wording import shown
 from .commands import commandOf, labelIn
 from .runners import PACE, Chain, paceOf, runnerOf
 
@@ -73,7 +74,7 @@ class EngineList:
         if missing > 0:
             raise RuntimeError(
                 f"O.engines has lost {missing} of the {len(self.engines)} engines of '{self._label}': it was "
-                "assigned after mpm.yade.attach(); attach the scene again, behind that, or detach() it to go "
+                "assigned after mpm.inYade(); attach the scene again, behind that, or detach() it to go "
                 "on without it; after O.switchScene(), switch back"
             )
 
@@ -82,8 +83,9 @@ class EngineList:
         changed = [name for name, value in PACE.items() if own[name] != value]
         if changed:
             raise ValueError(
-                f"{engine.label}: {changed[0]} = {own[changed[0]]!r} is not allowed; an engine of a scene "
-                f"acts in every step ({PACE[changed[0]]!r})"
+                f"{engine.label}: {changed[0]} = {shown(own[changed[0]])} is not allowed; an engine of a "
+                "scene "
+                f"acts in every step ({shown(PACE[changed[0]])})"
             )
 
     def _checkForces(self, given, places):

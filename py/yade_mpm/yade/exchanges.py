@@ -34,7 +34,7 @@ def _refuseUnfelt(coupling, isFelt):
         if contact in hosted and not contact.dead and not any(isFelt(b) for b in hosted[contact]):
             raise RuntimeError(
                 f"yade: nobody exchanges with the RigidContact of '{coupling.label}': its bodies would "
-                "stand still in the soil, and those of YADE fall through it; call mpm.yade.attach(scene, "
+                "stand still in the soil, and those of YADE fall through it; call mpm.inYade(scene, "
                 "bodies=[...]) with the mpm.yade.Bodies of this contact"
             )
 

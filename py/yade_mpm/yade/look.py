@@ -4,6 +4,7 @@
 import matplotlib
 import numpy as np
 
+from ..base.wording import shown
 from ..plot.picture import componentOf, partsOf
 from .plane import Plane
 
@@ -51,7 +52,7 @@ def checkLook(who, omega, period):
     if omega.running:
         raise RuntimeError(f"{who}: YADE is running; O.pause() first")
     if not (isinstance(period, int) and period >= 1):
-        raise ValueError(f"{who}: period = {period!r} is not allowed; give a whole number of steps")
+        raise ValueError(f"{who}: period = {shown(period)} is not allowed; give a whole number of steps")
 
 
 def coloursOf(who, bodies, field, component=None, limits=None, colours=COLOURS):
@@ -71,7 +72,7 @@ def coloursOf(who, bodies, field, component=None, limits=None, colours=COLOURS):
     values = [part.field(field) for part in parts]
     if all(v is None for v in values):
         known = sorted({name for part in parts for name in part.field.units})
-        raise ValueError(f"{who}: no body has a field {field!r}; fields: {', '.join(known)}")
+        raise ValueError(f"{who}: no body has a field {shown(field)}; fields: {', '.join(known)}")
     numbers = [
         np.full(len(p.corners), np.nan) if v is None else componentOf(field, v[0], component)
         for p, v in zip(parts, values)

@@ -127,7 +127,7 @@ def act(label, number=None):
     yade = omega()
     beginStep(yade)
     if not errors:
-        message = f"yade: no scene is attached as '{label}'; after O.load call mpm.yade.attach()"
+        message = f"yade: no scene is attached as '{label}'; after O.load call mpm.inYade()"
         print(message, file=sys.stderr)
         errors.append(RuntimeError(message))
     pauseAfterStep(yade)

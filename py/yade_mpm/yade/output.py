@@ -5,6 +5,7 @@ O.save."""
 import json
 import os
 
+from ..base.wording import shown
 from ..io.history import History
 from ..io.recorder import Recorder
 
@@ -67,6 +68,6 @@ class PlotRows:
             self._known[history] = len(history)
         if chosen is not None and self._seen and (unknown := [c for c in chosen if c not in self._seen]):
             raise ValueError(
-                f"yade.attach: plot names the column {unknown[0]!r}, which no History has; columns: "
+                f"inYade: plot names the column {shown(unknown[0])}, which no History has; columns: "
                 + ", ".join(sorted(self._seen))
             )

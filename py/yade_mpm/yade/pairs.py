@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 
+from ..base.wording import shown
 from ..geometry.numbers import isNumber
 
 NO_LIMIT = 1e30  # coefficient of friction of a soil that has none of its own
@@ -93,18 +94,22 @@ def _check(name, unit, given):
         return
     if isinstance(given, bool) or not isinstance(given, (int, float)):
         raise TypeError(
-            f"yade.Bodies: {name} = {given!r}; give a number ({unit}), or a function of the materials of "
+            f"yade.Bodies: {name} = {shown(given)}; give a number ({unit}), or a function of the materials "
+            "of "
             "body and soil"
         )
     if not 0 <= given < math.inf:
-        raise ValueError(f"yade.Bodies: {name} = {given!r} is not allowed; give zero or a positive number")
+        raise ValueError(
+            f"yade.Bodies: {name} = {shown(given)} is not allowed; give zero or a positive number"
+        )
 
 
 def _number(name, law, ofBody, ofSoil):
     value = law(ofBody, ofSoil) if callable(law) else law
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
         raise ValueError(
-            f"yade.Bodies: the rule for {name} has returned {value!r} for {ofBody!r} and {ofSoil!r}; it "
+            f"yade.Bodies: the rule for {name} has returned {shown(value)} for {shown(ofBody)} and "
+            f"{shown(ofSoil)}; it "
             "has to return zero or a positive number"
         )
     return float(value)

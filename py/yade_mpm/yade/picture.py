@@ -8,6 +8,7 @@ from matplotlib.collections import PatchCollection
 from matplotlib.patches import Circle, Polygon
 from scipy.spatial import ConvexHull
 
+from ..base.wording import shown
 from ..plot import picture
 from ..plot.figures import save
 from .plane import Plane
@@ -112,7 +113,7 @@ def _sectionOf(scene, cut):
     """Axes and place of a section; the middle of the scene across y by default."""
     if cut is not None and not (len(cut) == 2 and cut[0] in AXES and np.isfinite(cut[1])):
         raise ValueError(
-            f"picture: cut = {cut!r} is not allowed; give e.g. ('y', 1.5), normal and place in m"
+            f"picture: cut = {shown(cut)} is not allowed; give e.g. ('y', 1.5), normal and place in m"
         )
     axes = list(AXES[_normalOf(cut)])
     at = (scene.lower[axes[2]] + scene.upper[axes[2]]) / 2 if cut is None else float(cut[1])

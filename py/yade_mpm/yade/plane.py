@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from ..base.wording import shown
+
 PLANES = {
     "xy": (0, 1, 2),
     "xz": (0, 2, 1),
@@ -23,7 +25,8 @@ class Plane:
     def __init__(self, name="xy"):
         if name not in PLANES:
             raise ValueError(
-                f"yade.Bodies: plane = {name!r} is not allowed; give one of {', '.join(map(repr, PLANES))}"
+                f"yade.Bodies: plane = {shown(name)} is not allowed; give one of "
+                f"{', '.join(map(repr, PLANES))}"
             )
         self.name, self.axes = name, PLANES[name]
         self.frame = np.eye(3)[list(self.axes)]

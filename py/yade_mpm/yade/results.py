@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from .. import diagnostics
+from ..base.wording import shown
 from ..engine.rigidContact import RigidContact
 
 
@@ -117,7 +118,7 @@ class Materials(Sequence):
             if body.name == key:
                 return body.material
         raise KeyError(
-            f"materials: there is no body {key!r}; bodies: {', '.join(b.name for b in self._bodies)}"
+            f"materials: there is no body {shown(key)}; bodies: {', '.join(b.name for b in self._bodies)}"
         )
 
     def __repr__(self):

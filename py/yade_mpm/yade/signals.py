@@ -75,7 +75,7 @@ class Signals:
         try:
             yade.save(file)
             print(
-                f"{at}; the state is in {file} and beside it (continue with O.load and mpm.yade.attach())",
+                f"{at}; the state is in {file} and beside it (continue with O.load and mpm.inYade())",
                 file=sys.stderr,
             )
         except Exception as error:

@@ -65,7 +65,7 @@ class Views:
         """
         checkLook("draw", self._omega, period)
         if loop.attached.get(self.label) is not self:
-            raise RuntimeError(f"draw: '{self.label}' is not attached; mpm.yade.attach(scene) first")
+            raise RuntimeError(f"draw: '{self.label}' is not attached; mpm.inYade(scene) first")
         how = dict(field=field, component=component, limits=limits, period=period, bodies=bodies)
         drawer = makeDrawer(self, **how, colours=colours, wire=wire)
         drawSoil(self, drawer)

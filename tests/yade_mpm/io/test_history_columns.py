@@ -221,5 +221,5 @@ def test_a_column_that_gives_no_number_ends_the_run_and_is_named(column, told):
 def test_an_unknown_column_names_the_known_ones():
     history = mpm.History(iterPeriod=5)
     runWith(history, steps=5)
-    with pytest.raises(KeyError, match="History: there is no column 'drive'; columns: time, step"):
+    with pytest.raises(KeyError, match="History: there is no column 'drive'; columns: drive.fx, drive.fy"):
         history["drive"]

@@ -70,6 +70,44 @@ def testDescribeTellsEveryChoiceWithItsReason(capsys):
     assert "Contact   'pile' and 'soil': friction 0.3" in said and "Engines   ParticleToGrid" in said
 
 
+def testTheVerdictBehindSettleLeavesItsDampingOut(tmp_path):
+    """Soil that settles heavily damped, then stands under a small load: the damping of settle is meant."""
+    scene = mpm.Scene((0, 0), (1, 2), cell=0.25, gravity=9.81, threads=1)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    soft = mpm.LinearElastic(density=2, young=2e3, poisson=0.3)
+    column = scene.add("column", mpm.box((0, 0), (1, 1.5)), soft, mpm.UGIMP())
+    press = scene.drive(column.above(1.375), velocity=(None, 0))
+    history = scene.history(every=0.01)
+    scene.settle(progress=False)
+    press.velocity = (None, -0.02)
+    scene.run(until=scene.time + 1, progress=False)
+    verdict = scene.quasiStatic()
+    plain = mpm.quasiStatic(history)
+    assert verdict.dampedRatio < 0.2 * plain.dampedRatio and verdict.energyError < 0.02 < plain.energyError
+    scene.save(tmp_path / "rested.h5")
+    assert mpm.load(tmp_path / "rested.h5").quasiStatic().dampedRatio == verdict.dampedRatio
+
+
+def testPrintOfDescribeSaysItOnce(capsys):
+    scene, *_ = pileScene()
+    told = scene.describe()
+    said = capsys.readouterr().out
+    print(told)
+    assert said.rstrip("\n") == "".join(told) and capsys.readouterr().out == "\n" and repr(told) == ""
+
+
+def testAHistoryHasTheDisplacementOfADrivenPart():
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    press = scene.drive(block(scene, lower=(1, 1)).above(1.5), velocity=(None, 0.1))
+    history = scene.history(every=0.01)
+    scene.run(until=0.5, progress=False)
+    assert history["block.uy"][-1] == pytest.approx(0.1 * history["time"][-1], rel=0.03)
+    np.testing.assert_allclose(press.displacement[1], history["block.uy"][-1], rtol=0.03)
+    with pytest.raises(KeyError, match="columns: block.fx, block.fy"):
+        history["force"]
+
+
 def testWhatIsGivenIsKept():
     scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
     box = mpm.box((0, 0), (1, 1))
@@ -181,6 +219,22 @@ def testARestartGoesOnBitByBit(tmp_path):
         one.run(steps=10, progress=False)
     for a, b in zip(scene.bodies, again.bodies):
         np.testing.assert_array_equal(a.byId("stress"), b.byId("stress"))
+
+
+def testAnEngineOfTheUserMayStandBeforeOneThatTheSceneHasAdded():
+    """The scene has put ImplicitBodies behind the GridSolver, where the user puts a Contact."""
+
+    def kinds(place):
+        scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+        ground = mpm.box((0, 0), (3, 1))
+        scene.add("ground", ground, mpm.LinearElastic(**STEEL), mpm.APDI(size=0.125), group="ground")
+        block(scene, lower=(1, 1), particles=mpm.APDI(size=0.125), implicit=True, group="block")
+        scene.criticalTimeStep()
+        scene.engines.insert(place, mpm.Contact(friction=0.3))
+        scene.run(steps=2, progress=False)
+        return [type(engine).__name__ for engine in scene.engines]
+
+    assert kinds(2) == kinds(3) and kinds(2)[1:4] == ["GridSolver", "ImplicitBodies", "Contact"]
 
 
 def testADrivenPartKeepsItsParticles():

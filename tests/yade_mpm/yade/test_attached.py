@@ -150,7 +150,7 @@ def test_save_and_load_continue_with_the_same_bits(tmp_path):
     said, _ = run(SAVE, tmp_path)
     assert os.path.exists(mpm.yade.checkpointOf(tmp_path / "state.yade.gz"))
     loaded, _ = run(LOAD, tmp_path)
-    assert "after O.load call mpm.yade.attach()" in loaded["not attached"]
+    assert "after O.load call mpm.inYade()" in loaded["not attached"]
     stages = [
         "mpm_ParticleToGrid",
         "mpm_GridSolver",

@@ -78,7 +78,7 @@ def test_mistakes_with_bodies_and_engines_of_yade_are_told(tmp_path, body):
         for name in ("body", "text", "share")
     )
     assert (
-        "O.engines has lost 6 of the 6 engines of 'mpm': it was assigned after mpm.yade.attach(); attach the "
+        "O.engines has lost 6 of the 6 engines of 'mpm': it was assigned after mpm.inYade(); attach the "
         "scene again" in said["lost"]
     )
     assert said["steps"] == 2

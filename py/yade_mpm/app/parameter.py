@@ -5,6 +5,7 @@ import argparse
 from itertools import islice
 
 from ..base.kinds import DICT, FLAG, LIST, NUMBER, POSITIVE, TEXT, Kind, takes
+from ..base.wording import shown
 from .numbers import Range
 
 MOST_CHOICES = 1000
@@ -81,7 +82,8 @@ class Parameter:
     def _checkDefault(self):
         if self.several and not LIST.isOne(self.default):
             raise ValueError(
-                f"Parameter {self.name}: default = {self.default!r} is no list; give one, for several values"
+                f"Parameter {self.name}: default = {shown(self.default)} is no list; give one, for several "
+                "values"
             )
         try:
             for value in self.default if self.several else [self.default]:

@@ -14,7 +14,7 @@ from .deprecation import currentKeywords, currentName
 from .html import card, table
 from .keywords import refuseUnknown
 from .research import OPTIONS, SET_BY_METHODS, hiddenOf
-from .wording import didYouMean, shortened
+from .wording import didYouMean, shortened, shown
 
 whenSet = []  # functions without argument, called when an attribute of a material, an engine ... was set
 
@@ -164,7 +164,7 @@ class Attributed:
         isFixed = self._usedBy is not None and (self._fixed is None or name in self._fixed)
         if isFixed and getattr(self, name) != before:
             raise ValueError(
-                f"{type(self).__name__}: {name} = {before!r} cannot change any more, the particles of "
+                f"{type(self).__name__}: {name} = {shown(before)} cannot change any more, the particles of "
                 f"'{self._usedBy}' were made with it; set it before scene.add"
             )
 

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 from ..base.kinds import COLUMNS, DICT, NUMBER, POSITIVE, columns, takes
+from ..base.wording import shown
 
 START_UP = (
     0.1  # share of the time at the beginning that does not count: little work is done, and the load sets in
@@ -187,7 +188,8 @@ def quasiStatic(
         )
     if rateSensitivity is not None and not rateSensitivity >= 0:
         raise ValueError(
-            f"quasiStatic: rateSensitivity = {rateSensitivity!r} is not allowed; give zero or a positive "
+            f"quasiStatic: rateSensitivity = {shown(rateSensitivity)} is not allowed; give zero or a "
+            "positive "
             f"number"
         )
     needed = columns("quasiStatic", **{name: _column(history, name) for name in NEEDED})

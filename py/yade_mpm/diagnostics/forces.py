@@ -95,7 +95,9 @@ def sectionForce(body, height, thickness=None):
         thickness = body.scene.cellSizeAt([middle])[0, -1]
     h = float(thickness)
     if not h > 0:
-        raise ValueError(f"sectionForce: thickness = {thickness!r} m is not allowed; give a positive number")
+        raise ValueError(
+            f"sectionForce: thickness = {shown(thickness)} m is not allowed; give a positive number"
+        )
     if not body.count:
         return 0.0
     bottom, top = _verticalExtent(body)

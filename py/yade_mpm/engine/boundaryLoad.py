@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..geometry.contained import insideBoxes, insideCells
 from ..geometry.mesh import FACETS, boundaryFacets
 from ..geometry.numbers import floats
@@ -52,7 +53,7 @@ pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the la
             facets, owners = facets[inside], owners[inside]
         if len(facets) == 0:
             raise ValueError(
-                f"BoundaryLoad: no boundary facet of '{body.name}' is inside {where!r}; widen the region"
+                f"BoundaryLoad: no boundary facet of '{body.name}' is inside {shown(where)}; widen the region"
             )
         pairs = [(owner, _facetNumber(body.mesh.cells[owner], facet)) for facet, owner in zip(facets, owners)]
         super().__init__(body=body.name, facets=pairs, **attributes)
@@ -168,11 +169,13 @@ pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the la
 
 def _checkArguments(body, where, loadsBonded, attributes):
     if not isinstance(body, Body):
-        raise TypeError(f"BoundaryLoad: body = {body!r}; give a body, as scene.add returns it")
+        raise TypeError(f"BoundaryLoad: body = {shown(body)}; give a body, as scene.add returns it")
     if not (where is None or isinstance(where, Region)):
-        raise TypeError(f"BoundaryLoad: where = {where!r}; give a region, e.g. box((0, 2), (1, 3))")
+        raise TypeError(f"BoundaryLoad: where = {shown(where)}; give a region, e.g. box((0, 2), (1, 3))")
     if not isinstance(loadsBonded, (bool, np.bool_)):
-        raise ValueError(f"BoundaryLoad: loadsBonded = {loadsBonded!r} is not allowed; give True or False")
+        raise ValueError(
+            f"BoundaryLoad: loadsBonded = {shown(loadsBonded)} is not allowed; give True or False"
+        )
     for name in ("pressure", "traction"):
         if callable(attributes.get(name)):
             raise TypeError(

@@ -88,7 +88,7 @@ class PyRunner(Callback):
         dead: bool = False,
     ) -> None:
         if not (callable(command) or isinstance(command, str)):
-            raise TypeError(f"PyRunner: command = {command!r}; give a function or a string")
+            raise TypeError(f"PyRunner: command = {shown(command)}; give a function or a string")
         if all(p is None or NUMBER.isOne(p) and p == 0 for p in (iterPeriod, period)):
             raise ValueError("PyRunner: give iterPeriod (steps) or period (s)")
         super().__init__(iterPeriod, period, label, dead)
@@ -147,6 +147,7 @@ def checkPeriod(who, period, iterPeriod):
         and iterPeriod == int(iterPeriod)
     ):
         raise ValueError(
-            f"{who}: period = {period!r} s, iterPeriod = {iterPeriod!r} is not allowed; give one of the two, "
+            f"{who}: period = {shown(period)} s, iterPeriod = {shown(iterPeriod)} is not allowed; give one "
+            "of the two, "
             f"positive: scene time or number of steps between records"
         )

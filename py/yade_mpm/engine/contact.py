@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base.wording import shown
 from .engine import generated
 from .records import column, tableOf
 
@@ -44,7 +45,8 @@ class Contact(generated["Contact"]):
         for name, value in (("friction", friction), ("adhesion", adhesion)):
             if not (isinstance(value, (int, float, np.number)) and value >= 0):
                 raise ValueError(
-                    f"Contact: {name} = {value!r} between '{first}' and '{second}'; give zero or a positive "
+                    f"Contact: {name} = {shown(value)} between '{first}' and '{second}'; give zero or a "
+                    "positive "
                     "number"
                 )
         self._pairs[first, second] = float(friction), float(adhesion)
@@ -169,7 +171,7 @@ class Contact(generated["Contact"]):
         """
         if self._groups and group not in self._groups:
             raise ValueError(
-                f"Contact: there is no group {group!r}; give one of {', '.join(map(repr, self._groups))}"
+                f"Contact: there is no group {shown(group)}; give one of {', '.join(map(repr, self._groups))}"
             )
         return sum(
             (

@@ -2,6 +2,7 @@
 """The engine that moves the nodes, with the motions that are prescribed to them."""
 
 from ..base.deprecation import warnDeprecated
+from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from .engine import generated
 from .prescribed import FACES, Drive, Hold
@@ -29,7 +30,7 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
     def _assign(self, name, value):
         if name == "gravity" and isNumber(value):
             raise ValueError(
-                f"GridSolver: gravity = {value!r} is one number; give one component per axis, e.g. "
+                f"GridSolver: gravity = {shown(value)} is one number; give one component per axis, e.g. "
                 f"(0, {-abs(value):g})"
             )
         super()._assign(name, value)
@@ -81,7 +82,7 @@ def _names(what, names):
     if isinstance(names, str):
         names = (names,)
     if not (isinstance(names, (list, tuple)) and all(isinstance(n, str) for n in names)):
-        raise TypeError(f"GridSolver: {what} = {names!r}; give names of faces, e.g. ('left', 'right')")
+        raise TypeError(f"GridSolver: {what} = {shown(names)}; give names of faces, e.g. ('left', 'right')")
     return list(names)
 
 
@@ -89,5 +90,5 @@ def _listOf(kind, what, given):
     given = list(given) if isinstance(given, (list, tuple)) else [given]
     for one in given:
         if not isinstance(one, kind):
-            raise TypeError(f"GridSolver: {what} = {one!r}; give mpm.{kind.__name__}(...)")
+            raise TypeError(f"GridSolver: {what} = {shown(one)}; give mpm.{kind.__name__}(...)")
     return given

@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..base.kinds import NUMBER, Kind, listOf, takes
+from ..base.wording import shown
 from ..geometry.numbers import floats
 from ..rigid.shapes import shapeRow
 from .engine import generated
@@ -94,14 +95,16 @@ too."""
         }
         if not abs(np.linalg.norm(state["orientation"]) - 1) < 1e-6:
             raise ValueError(
-                f"RigidContact: orientation = {orientation!r} is not allowed; give a unit quaternion (w, x, "
+                f"RigidContact: orientation = {shown(orientation)} is not allowed; give a unit quaternion "
+                "(w, x, "
                 "y, z)"
             )
         impulse = {"force": [0.0] * 3, "torque": [0.0] * 3}
         rows = [shapeRow(number, shape) for shape in shapes]
         if not (isinstance(mass, (int, float, np.number)) and 0 <= mass < np.inf):
             raise ValueError(
-                f"RigidContact: mass = {mass!r} is not allowed; give Mg, or zero for a body that does not "
+                f"RigidContact: mass = {shown(mass)} is not allowed; give Mg, or zero for a body that does "
+                "not "
                 "yield"
             )
         self._core.set("friction", [*self.friction, friction])
@@ -214,5 +217,5 @@ def _numbers(what, value, width):
     if width == 3 and array.shape == (2,):
         array = np.append(array, 0.0)
     if array.shape != (width,) or not np.isfinite(array).all():
-        raise ValueError(f"RigidContact: {what} = {value!r} is not allowed; give {width} numbers")
+        raise ValueError(f"RigidContact: {what} = {shown(value)} is not allowed; give {width} numbers")
     return array.tolist()

@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 
 from .. import _core
+from ..base.wording import shown
 from .numbers import formatNumber, formatPoint
 from .outline import outlineFacets
 
@@ -117,7 +118,7 @@ def _cellsRound(region, lower, upper, spacing, name):
 def _notEmpty(cells, region, spacing, name):
     if not len(cells):
         raise ValueError(
-            f"body '{name}': empty body: {region!r} holds no centre of a lattice of spacing "
+            f"body '{name}': empty body: {shown(region)} holds no centre of a lattice of spacing "
             f"{_formatSpacing(spacing)}; enlarge the region or lower the spacing"
         )
     return cells
@@ -136,7 +137,9 @@ def asSpacing(spacing, dim, name):
     """Spacing as (dim,) array; raises ValueError unless it is one or dim positive numbers."""
     array = np.asarray(spacing, float)
     if array.shape not in ((), (dim,)) or not np.all((array > 0) & np.isfinite(array)):
-        raise ValueError(f"body '{name}': spacing = {spacing!r} must be one positive number or {dim} of them")
+        raise ValueError(
+            f"body '{name}': spacing = {shown(spacing)} must be one positive number or {dim} of them"
+        )
     return np.broadcast_to(array, (dim,)).copy()
 
 
@@ -227,7 +230,7 @@ def _asGrid(lower, upper, region, name):
     lower, upper = np.asarray(lower, float), np.asarray(upper, float)
     if lower.shape != (region.dim,) or upper.shape != (region.dim,):
         raise ValueError(
-            f"body '{name}': {region!r} is {region.dim}D, but the grid corners have shapes "
+            f"body '{name}': {shown(region)} is {region.dim}D, but the grid corners have shapes "
             f"{lower.shape} and {upper.shape}; give both the same number of coordinates"
         )
     return lower, upper

@@ -5,6 +5,7 @@ from itertools import product
 
 import numpy as np
 
+from ..base.wording import shown
 from .lattice import asSpacing, cellsInside, firstNear, requireRoom
 from .mesh import CORNERS, MAX_MASTERS, Mesh
 
@@ -52,10 +53,10 @@ def refineNear(mesh, positions, halfSize, distance, ratio=2):
     is refined already or not of equal boxes, or if distance or ratio are out of range.
     """
     if ratio != int(ratio) or ratio < 1:
-        raise ValueError(f"refineNear: ratio = {ratio!r} must be a whole number from 1 up")
+        raise ValueError(f"refineNear: ratio = {shown(ratio)} must be a whole number from 1 up")
     if not 0 < distance < np.inf:
         raise ValueError(
-            f"refineNear: distance = {distance!r} must be positive and finite; "
+            f"refineNear: distance = {shown(distance)} must be positive and finite; "
             "one coarse cell edge splits one ring of cells"
         )
     ratio = int(ratio)

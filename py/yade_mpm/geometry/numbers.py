@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers that users give, checked, and as text."""
 
+import sys
+
 import numpy as np
 
 from ..base.wording import shown
@@ -83,7 +85,8 @@ def isNumber(value):
     if type(value) is float:  # most are, and NumPy takes its time
         return True
     isReal = isinstance(value, (int, float, np.number)) and not np.iscomplexobj(value)
-    return isReal and not isinstance(value, bool)
+    isHeld = not isinstance(value, int) or abs(value) <= sys.float_info.max  # 10**400 is no float
+    return isReal and isHeld and not isinstance(value, bool)
 
 
 def placeText(x):

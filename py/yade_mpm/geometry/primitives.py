@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base.wording import shown
 from .numbers import formatArgument, formatNumber, formatPoint, numbers, vector
 from .region import Region
 
@@ -54,7 +55,7 @@ class Ball(Primitive):
     def __init__(self, kind, dim, centre, radius):
         if hasattr(centre, "__len__") and len(centre) == 5 - dim:
             raise ValueError(
-                f"{kind}: centre = {centre!r} must have {dim} coordinates; "
+                f"{kind}: centre = {shown(centre)} must have {dim} coordinates; "
                 f"{'in 2D give a disc()' if dim == 3 else 'in 3D give a sphere()'}"
             )
         self._centre = vector(kind, "centre", centre, dim)
@@ -108,7 +109,7 @@ class Everywhere(Primitive):
 
     def __init__(self, dim):
         if dim not in (2, 3):
-            raise ValueError(f"everywhere: dim = {dim!r} must be 2 or 3")
+            raise ValueError(f"everywhere: dim = {shown(dim)} must be 2 or 3")
         super().__init__("everywhere", int(dim), dim=int(dim))
 
     def bounds(self):

@@ -21,6 +21,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.wording import shown
 from .numbers import numbers
 
 _TOLERANCE = 1e-9  # of the region's size
@@ -72,7 +73,7 @@ class Region:
         points = numbers("contains", "points", points)
         if points.ndim != 2 or points.shape[1] != self.dim:
             raise ValueError(
-                f"contains: points has shape {points.shape}, but {self!r} needs "
+                f"contains: points has shape {points.shape}, but {shown(self)} needs "
                 f"(N, {self.dim}); write a single point as [point]"
             )
         if not closed:
@@ -149,12 +150,12 @@ class Composed(Region):
         sign = self.SIGNS[kind]
         if not isinstance(b, Region):
             raise TypeError(
-                f"region {sign} {b!r}: the right side is a {type(b).__name__}, not a region; "
+                f"region {sign} {shown(b)}: the right side is a {type(b).__name__}, not a region; "
                 "make one with box(), sphere(), disc(), polygon() or halfSpace()"
             )
         if a.dim != b.dim:
             raise ValueError(
-                f"{a!r} {sign} {b!r}: a {a.dim}D and a {b.dim}D region do not combine; "
+                f"{shown(a)} {sign} {shown(b)}: a {a.dim}D and a {b.dim}D region do not combine; "
                 "give both the same number of coordinates"
             )
         super().__init__(a.dim)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from ..base.wording import shown
 from .polygon import Polygon
 from .primitives import Ball, Box, Everywhere, HalfSpace
 from .region import Composed, Region
@@ -114,6 +115,6 @@ def regionFromSpec(spec):
     except (KeyError, TypeError) as error:
         raise ValueError(f"regionFromSpec: {spec} does not describe a {kind}: {error}") from error
     raise ValueError(
-        f"regionFromSpec: kind = {kind!r} is unknown; allowed are "
+        f"regionFromSpec: kind = {shown(kind)} is unknown; allowed are "
         f"{', '.join([*_CONSTRUCTORS, *Composed.SIGNS])}"
     )

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Limit load of what is pressed into ground: the plateau of the load, and what smaller cells would make of it.
 
-    def build(cell):
-        scene = mpm.Scene((0, 0), (20, 12), cell=cell, gravity=0)
-        ...
-        return scene, scene.drive(footing, velocity=(0, -0.02))
+def build(cell):
+    scene = mpm.Scene((0, 0), (20, 12), cell=cell, gravity=0)
+    ...
+    return scene, scene.drive(footing, velocity=(0, -0.02))
 
-    found = mpm.limitLoad(build, cells=(0.5, 0.25), travel=0.3)
-    print(found)  # limit load 1030 +- 25 kN/m ...
+found = mpm.limitLoad(build, cells=(0.5, 0.25), travel=0.3)
+print(found)  # limit load 1030 +- 25 kN/m ...
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.kinds import FLAG, FUNCTION, POSITIVE, takes
+from ..base.wording import shown
 from ..engine.prescribed import Prescribed
 from ..geometry.numbers import isNumber
 from ..scene.scene import Scene
@@ -119,13 +120,18 @@ def limitLoad(build, cells, travel, area=None, progress=True):
     """
     sizes = list(cells) if isinstance(cells, (tuple, list, np.ndarray)) else [cells]
     if not sizes or not all(isNumber(c) and 0 < c < np.inf for c in sizes) or len(set(sizes)) < len(sizes):
-        raise ValueError(f"limitLoad: cells = {cells!r} is not allowed; give different positive sizes, m, e.g. (0.5, 0.25)")
+        raise ValueError(
+            f"limitLoad: cells = {shown(cells)} is not allowed; give different positive sizes, m, e.g. "
+            "(0.5, 0.25)"
+        )
     runs = []
     for cell in sorted(map(float, sizes), reverse=True):
         run, dim = _press(build, cell, travel, area)
         runs.append(run)
         if progress:
-            print(f"limitLoad: cell {cell:g} m, {run.load:.4g}, {100 * run.rise:+.1f} % over the last quarter")
+            print(
+                f"limitLoad: cell {cell:g} m, {run.load:.4g}, {100 * run.rise:+.1f} % over the last quarter"
+            )
     return LimitLoad(runs, "kPa" if area is not None else "kN/m" if dim == 2 else "kN")
 
 
@@ -141,7 +147,10 @@ def _press(build, cell, travel, area):
     scene, drive = built
     size = area(cell) if callable(area) else 1.0 if area is None else area
     if not (isNumber(size) and 0 < size < np.inf):
-        raise ValueError(f"limitLoad: area = {size!r} is not allowed; give a positive number, or a function of the cell")
+        raise ValueError(
+            f"limitLoad: area = {shown(size)} is not allowed; give a positive number, or a function of the "
+            "cell"
+        )
     velocity = np.nan_to_num(np.array(drive.velocity, float))
     speed = np.linalg.norm(velocity)
     if not speed > 0:

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..base.kinds import FLAG, FUNCTION, POSITIVE, takes
+from ..base.wording import shown
 from ..engine.callback import PyRunner
 from ..geometry.numbers import isNumber
 from ..scene.restoring import load
@@ -28,7 +29,9 @@ from .strength import divideStrength
 DAMPING = 0.3  # -, local, where the scene has less
 STILL = 0.02  # growth of the largest displacement in the last quarter of a trial that is none, -
 FALLEN = 0.05  # displacement over the height, beyond that of ground that stands, at which it has come down, -
-FALLEN_FIRST = 0.2  # the same in the first trial, whose displacement has the settlement under its own weight, too
+FALLEN_FIRST = (
+    0.2  # the same in the first trial, whose displacement has the settlement under its own weight, too
+)
 RAISE_EVERY = 10  # steps between two increments of gravity
 RAMP, HOLD = 1.0, 2.0  # times sqrt(height/gravity): gravity grows, and a trial lasts
 FARTHEST = 0.05, 20.0  # factors between which the search looks, -
@@ -141,7 +144,8 @@ def _factors(between):
     isPair = isinstance(between, (tuple, list)) and len(between) == 2 and all(isNumber(f) for f in between)
     if not isPair or not 0 < between[0] < between[1]:
         raise ValueError(
-            f"safety: between = {between!r} is not allowed; give two factors, the smaller one first, e.g. (1, 2)"
+            f"safety: between = {shown(between)} is not allowed; give two factors, the smaller one first, "
+            "e.g. (1, 2)"
         )
     return float(between[0]), float(between[1])
 
@@ -164,14 +168,18 @@ class _Search:
         """Whether the ground fails at a factor."""
         if not FARTHEST[0] <= factor <= FARTHEST[1]:
             raise RuntimeError(
-                f"safety: the ground {'fails' if factor < 1 else 'stands'} at every factor from {FARTHEST[0]:g} to "
+                f"safety: the ground {'fails' if factor < 1 else 'stands'} at every factor from "
+                f"{FARTHEST[0]:g} to "
                 f"{FARTHEST[1]:g}; look at single trials with scene.run(), and at what holds the ground"
             )
         self.scene, ramp = self._loaded(factor) if self._stood else self._new(factor)
         trial = self._watch(self.scene, factor, ramp)
         self.trials.append(trial)
         if self._progress:
-            print(f"safety: {'fails' if trial.fails else 'stands'} at {factor:.4g}, moved {trial.displacement:.3g} m")
+            print(
+                f"safety: {'fails' if trial.fails else 'stands'} at {factor:.4g}, moved "
+                f"{trial.displacement:.3g} m"
+            )
         if not trial.fails and self._stood is None:
             self._stood, self._stoodAt = os.path.join(self._folder.name, "stands.h5"), factor
             self._settled = trial.displacement
@@ -224,5 +232,7 @@ class _Search:
         for share in (0.75, 1.0):
             scene.run(until=began + ramp + share * HOLD * self._time, progress=False)
             moved.append(max(np.linalg.norm(b.displacement, axis=1).max() for b in scene.bodies if b.count))
-        hasFallen = moved[1] > (FALLEN * self.height + self._settled if self._stood else FALLEN_FIRST * self.height)
+        hasFallen = moved[1] > (
+            FALLEN * self.height + self._settled if self._stood else FALLEN_FIRST * self.height
+        )
         return Trial(factor, float(moved[1]), bool(hasFallen or moved[1] > (1 + STILL) * moved[0]))

@@ -29,7 +29,8 @@ def divideStrength(scene, factor):
     if not any([_divide(owner, values, factor) for owner, values in owners]):
         names = ", ".join(sorted({type(body.material).__name__ for body in scene.bodies}))
         raise ValueError(
-            f"divideStrength: no material has a strength to divide (there is {names or 'no body'}); give soil "
+            f"divideStrength: no material has a strength to divide (there is {names or 'no body'}); give "
+            "soil "
             f"with {', '.join((*STRENGTHS, *ANGLES))}"
         )
 

@@ -4,6 +4,7 @@
 import math
 from collections.abc import MutableMapping
 
+from ..base.wording import shown
 from .expression import Expression
 
 
@@ -25,9 +26,13 @@ class Columns(dict):
         )  # a checkpoint keeps each text by its name
         if not (column is None or callable(column) or isText):
             orText = "" if isinstance(name, tuple) else ", or an expression as text"
-            raise TypeError(f"History: column '{name}' = {column!r}; give a function of the scene{orText}")
+            raise TypeError(
+                f"History: column '{name}' = {shown(column)}; give a function of the scene{orText}"
+            )
         if any(mark in str(one) for one in namesOf(name) for mark in ',"\n'):
-            raise ValueError(f"History: the name of column {name!r} may hold no comma, quote or line end")
+            raise ValueError(
+                f"History: the name of column {shown(name)} may hold no comma, quote or line end"
+            )
         if isText:
             self._expressions[name] = Expression(column, f"History: column '{name}'")
         super().__setitem__(name, column)

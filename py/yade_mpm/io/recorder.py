@@ -21,6 +21,7 @@ import h5py
 from ..base.keywords import checked
 from ..base.kinds import FILE, takes
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..engine.callback import Callback, checkPeriod
 from ..engine.engine import NO_CALL
 from ..particle.body import Body
@@ -92,12 +93,15 @@ class Recorder(Callback):
     ) -> None:
         checkPeriod("Recorder", period, iterPeriod)
         if not (isinstance(compress, int) and 0 <= compress <= 9):
-            raise ValueError(f"Recorder: compress = {compress!r} is not allowed; give a gzip level, 0 to 9")
+            raise ValueError(
+                f"Recorder: compress = {shown(compress)} is not allowed; give a gzip level, 0 to 9"
+            )
         super().__init__(iterPeriod, period, label, dead)
         self._file, self._compress = os.fspath(file), compress
         if os.path.splitext(self._file)[1].lower() in OTHERS:
             raise ValueError(
-                f"Recorder: file = {self._file!r} would be taken for another format; give a name that ends "
+                f"Recorder: file = {shown(self._file)} would be taken for another format; give a name that "
+                "ends "
                 "in .vtkhdf"
             )
         self._fields = None if fields is None else [str(f) for f in fields]

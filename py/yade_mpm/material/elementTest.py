@@ -11,6 +11,7 @@ laboratory.
 import numpy as np
 import scipy.optimize
 
+from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from .materials import MaterialPoint
 
@@ -119,7 +120,7 @@ def simpleShear(material, pressure, strain, drained=True, steps=400, state=None)
 
 def _point(test, material, pressure, state):
     if not (isNumber(pressure) and pressure >= 0):
-        raise ValueError(f"{test}: pressure = {pressure!r}; give zero or a positive number, kPa")
+        raise ValueError(f"{test}: pressure = {shown(pressure)}; give zero or a positive number, kPa")
     return MaterialPoint(material, -float(pressure) * np.eye(3), state)
 
 
@@ -127,7 +128,7 @@ def _follow(curve, strain, steps, take, measure):
     path, at = np.atleast_1d(np.asarray(strain, dtype=float)), 0.0
     if not (np.isfinite(path).all() and isinstance(steps, (int, np.integer)) and steps > 0):
         raise ValueError(
-            f"{curve.name}: strain = {strain!r}, steps = {steps!r}; give numbers and a whole number"
+            f"{curve.name}: strain = {shown(strain)}, steps = {shown(steps)}; give numbers and a whole number"
         )
     curve.note(at, measure(curve.point.stress))
     for end in path:

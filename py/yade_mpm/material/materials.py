@@ -8,6 +8,7 @@ import numpy as np
 from .. import _core
 from ..base.attributes import Attributed, classAttribute, didYouMean, makeClasses
 from ..base.kinds import DICT, NUMBER, takes
+from ..base.wording import shown
 from ..geometry.numbers import numbers
 from .spatial import PER_PARTICLE, isSpatial, valuesAt
 
@@ -140,7 +141,7 @@ class MaterialPoint:
     def __init__(self, material, stress=None, state=None):
         if not isinstance(material, Material):
             raise TypeError(
-                f"MaterialPoint: material = {material!r}; give a material, e.g. mpm.LinearElastic(...)"
+                f"MaterialPoint: material = {shown(material)}; give a material, e.g. mpm.LinearElastic(...)"
             )
         self.material = material
         stress = _tensor("stress", np.zeros((3, 3)) if stress is None else stress)

@@ -5,6 +5,7 @@ import inspect
 
 import numpy as np
 
+from ..base.wording import shown
 from ..geometry.numbers import floats, isNumber
 
 _FUNCTION = (
@@ -78,7 +79,9 @@ def _floats(who, value):
     try:
         return floats(value)
     except (TypeError, ValueError):
-        raise ValueError(f"{who} = {value!r} is not made of numbers; give one for each particle") from None
+        raise ValueError(
+            f"{who} = {shown(value)} is not made of numbers; give one for each particle"
+        ) from None
 
 
 def _interpolate(who, table, elevation):
@@ -121,7 +124,7 @@ class RandomField:
     def __init__(self, mean, deviation, lengths, seed, lognormal=True, modes=1000):
         self.lengths = np.atleast_1d(_floats("RandomField: lengths", lengths))
         if not ((self.lengths > 0) & np.isfinite(self.lengths)).all():
-            raise ValueError(f"RandomField: lengths = {lengths!r}; give positive numbers, m")
+            raise ValueError(f"RandomField: lengths = {shown(lengths)}; give positive numbers, m")
         self.mean, self.deviation, self.lognormal = mean, deviation, lognormal
         self.seed, self.modes = seed, modes
         if isNumber(mean) and isNumber(deviation):  # functions are asked where there are particles

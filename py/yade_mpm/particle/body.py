@@ -192,7 +192,7 @@ class Body(BodyShape, Guarded):
     @group.setter
     def group(self, value):
         if not (isinstance(value, str) and value):
-            raise ValueError(f"body '{self.name}': group = {value!r}; give a name, e.g. 'pile'")
+            raise ValueError(f"body '{self.name}': group = {shown(value)}; give a name, e.g. 'pile'")
         self._scene._refuseDuringStep("group")
         self._core.group = value
         self._chosen.pop("group", None)
@@ -276,7 +276,9 @@ class Body(BodyShape, Guarded):
         """
         self._scene._refuseDuringStep("convertTo")
         if not (isinstance(other, Body) and any(other is body for body in self._scene.bodies)):
-            raise TypeError(f"body '{self.name}': convertTo: other = {other!r}; give a body of this scene")
+            raise TypeError(
+                f"body '{self.name}': convertTo: other = {shown(other)}; give a body of this scene"
+            )
         self._scene._core.convertTo(self.name, other.name)
         self._convertsTo = other.name
 
@@ -309,7 +311,7 @@ class Body(BodyShape, Guarded):
         if isinstance(tolerance, bool) or not (isinstance(tolerance, (int, float)) and 0 <= tolerance < 1):
             allowed = "give a number from 0 to below 1"
             raise ValueError(
-                f"body '{self.name}': convert: tolerance = {tolerance!r} is not allowed; {allowed}"
+                f"body '{self.name}': convert: tolerance = {shown(tolerance)} is not allowed; {allowed}"
             )
         return self._scene._convert(self, region, particles, tolerance)
 
@@ -340,10 +342,11 @@ class Body(BodyShape, Guarded):
         region : Region.
         """
         if not isinstance(region, Region):
-            raise TypeError(f"body '{self.name}': inside() takes a region, got {region!r}")
+            raise TypeError(f"body '{self.name}': inside() takes a region, got {shown(region)}")
         if region.dim != self.scene.dim:
             raise ValueError(
-                f"body '{self.name}': inside: {region!r} is {region.dim}D and the scene {self.scene.dim}D; "
+                f"body '{self.name}': inside: {shown(region)} is {region.dim}D and the scene "
+                f"{self.scene.dim}D; "
                 "give one of the scene's"
             )
         return BodyPart(self, ids=self.id[region.contains(self.position)])
@@ -355,7 +358,7 @@ class Body(BodyShape, Guarded):
 
 def _flag(body, name, value):
     if not isinstance(value, (bool, np.bool_)):
-        raise ValueError(f"body '{body.name}': {name} = {value!r}; give True or False")
+        raise ValueError(f"body '{body.name}': {name} = {shown(value)}; give True or False")
     return bool(value)
 
 

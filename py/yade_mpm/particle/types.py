@@ -8,6 +8,7 @@ import numpy as np
 
 from .. import _core
 from ..base.attributes import Attributed, classAttribute, makeClasses
+from ..base.wording import shown
 from ..geometry.graded import folded, meshOnLines, refined
 from ..geometry.lattice import asSpacing, cutCells, cutOutline, latticePoints
 from ..geometry.mesh import Mesh
@@ -52,7 +53,7 @@ class ParticleType(Attributed):
         if not isinstance(region, Region):
             raise TypeError(
                 f"body '{name}': {type(self).__name__} particles fill a region, e.g. box((0, 0), (1, 1)); "
-                f"got {region!r}"
+                f"got {shown(region)}"
             )
         cell = np.array(scene._core.cell)
         spacing = (
@@ -105,7 +106,8 @@ class MeshedType(ParticleType):
             return meshFromArrays(*region, name)
         if not isinstance(region, Region):
             raise TypeError(
-                f"body '{name}': give a region, (points, cells), or the name of a mesh file; got {region!r}"
+                f"body '{name}': give a region, (points, cells), or the name of a mesh file; got "
+                f"{shown(region)}"
             )
         size = asSpacing(scene._core.cell if self.size is None else self.size, scene.dim, name)
         if scene.isGraded:
@@ -118,11 +120,12 @@ class MeshedType(ParticleType):
         near = self.matched
         if not hasattr(near, "halfSize") or near.type._core.isMeshed:
             raise TypeError(
-                f"body '{name}': matched = {near!r}; give a body of uGIMP particles that was added before"
+                f"body '{name}': matched = {shown(near)}; give a body of uGIMP particles that was added "
+                "before"
             )
         if near.scene is not scene:
             raise ValueError(
-                f"body '{name}': matched = {near!r} is in another scene; give a body of this one"
+                f"body '{name}': matched = {shown(near)} is in another scene; give a body of this one"
             )
         ratio = size / (2 * near.halfSize)
         if not np.allclose(ratio, round(ratio[0])) or round(ratio[0]) < 1:

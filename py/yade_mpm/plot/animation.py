@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 import matplotlib.pyplot as plt
 from matplotlib.animation import FFMpegWriter, PillowWriter
 
+from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from ..io.files import writeWhole
 from .picture import limitsOf
@@ -18,10 +19,12 @@ def write(results, file, field, limits, fps, picture):
     """See `Results.animate`."""
     kind = os.path.splitext(os.fspath(file))[1].lower()
     if kind not in (".gif", ".mp4"):
-        raise ValueError(f"animate: file = {file!r} is not allowed; give a name that ends in .gif or .mp4")
+        raise ValueError(
+            f"animate: file = {shown(file)} is not allowed; give a name that ends in .gif or .mp4"
+        )
     if not (isNumber(fps) and 0 < fps <= MOST_FPS):
         raise ValueError(
-            f"animate: fps = {fps!r} is not allowed; give frames per second, above 0 to {MOST_FPS}"
+            f"animate: fps = {shown(fps)} is not allowed; give frames per second, above 0 to {MOST_FPS}"
         )
     if kind == ".mp4" and not FFMpegWriter.isAvailable():
         raise ValueError(

@@ -29,6 +29,7 @@ from ..base.kinds import (
     listOf,
     takes,
 )
+from ..base.wording import shown
 from ..io.files import replacing
 
 STYLE = {
@@ -86,7 +87,7 @@ class Snapshot:
         known = {f["name"] for body in scene.bodies for f in body.fields() if not f["shape"]}
         if value not in known:
             raise ValueError(
-                f"Snapshot: no body has a field {value!r} of one number per particle; fields: "
+                f"Snapshot: no body has a field {shown(value)} of one number per particle; fields: "
                 f"{', '.join(sorted(known))}"
             )
         self.time, self.value = scene.time, value

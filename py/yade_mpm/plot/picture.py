@@ -157,7 +157,7 @@ def componentOf(field, values, component):
             1: f"give one of {', '.join(names)}, or None (length)",
         }
         what = allowed.get(rank, f"give one of {', '.join(names)}; 'meanStress' is a field of its own")
-        raise ValueError(f"plot: component = {component!r} of {field} is not allowed; {what}")
+        raise ValueError(f"plot: component = {shown(component)} of {field} is not allowed; {what}")
     if isSymmetric:
         return values[:, names.index(component)]
     return values[(slice(None), *("xyz".index(a) for a in component))]

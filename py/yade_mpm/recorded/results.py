@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 from ..base.kinds import FILE, LIMITS, NUMBER, takes
+from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from ..io.files import requireRegular
 from . import resultsFile
@@ -79,11 +80,12 @@ class Results(Sequence):
 
     def _history(self, label, of):
         if not isinstance(label, str):
-            raise TypeError(f"Results: label = {label!r} of a history; give a string")
+            raise TypeError(f"Results: label = {shown(label)} of a history; give a string")
         found = self._asked(lambda h5: resultsFile.columns(h5, label, of))
         if found is None:
             raise ValueError(
-                f"Results: '{self.file}' has no history {label!r}; give the label of a History of the run"
+                f"Results: '{self.file}' has no history {shown(label)}; give the label of a History of the "
+                "run"
             )
         return found
 
@@ -109,7 +111,7 @@ class Results(Sequence):
         time : s.
         """
         if not (isNumber(time) and np.isfinite(time)):
-            raise ValueError(f"Results: time = {time!r} is not allowed; give seconds")
+            raise ValueError(f"Results: time = {shown(time)} is not allowed; give seconds")
         return self[int(np.argmin(np.abs(self.times - time)))]
 
     @takes(file=FILE, limits=LIMITS, fps=NUMBER)
@@ -154,7 +156,7 @@ class ResultFrame(Mapping):
 
     def __getitem__(self, name):
         if name not in self._data:
-            raise KeyError(f"ResultFrame: there is no field {name!r}; fields: {', '.join(self._data)}")
+            raise KeyError(f"ResultFrame: there is no field {shown(name)}; fields: {', '.join(self._data)}")
         return self._data[name]
 
     def __iter__(self):
@@ -173,7 +175,7 @@ class ResultFrame(Mapping):
         name : of the body.
         """
         if name not in self.bodies:
-            raise KeyError(f"ResultFrame: there is no body {name!r}; bodies: {', '.join(self.bodies)}")
+            raise KeyError(f"ResultFrame: there is no body {shown(name)}; bodies: {', '.join(self.bodies)}")
         rows = self["body"] == self.bodies.index(name)
         data = {field: values[rows] for field, values in self._data.items()}
         return ResultFrame(

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..base.wording import shown
 from ..geometry.numbers import floats
 
 
@@ -54,12 +55,13 @@ class Box(Shape):
         half = _vector(self, "halfSize", missing=1.0)
         if not (half > 0).all():
             raise ValueError(
-                f"Box: halfSize = {self.halfSize!r} is not allowed; give positive half edges in m"
+                f"Box: halfSize = {shown(self.halfSize)} is not allowed; give positive half edges in m"
             )
         turn = np.asarray(self.orientation, float)
         if turn.shape != (4,) or not abs(np.linalg.norm(turn) - 1) < 1e-6:
             raise ValueError(
-                f"Box: orientation = {self.orientation!r} is not allowed; give a unit quaternion (w, x, y, z)"
+                f"Box: orientation = {shown(self.orientation)} is not allowed; give a unit quaternion (w, "
+                "x, y, z)"
             )
         return {"kind": "Box", "centre": _vector(self, "centre"), "halfSize": half, "orientation": turn}
 
@@ -82,7 +84,7 @@ class Wall(Shape):
         normal = _vector(self, "normal")
         if not np.linalg.norm(normal) > 0:
             raise ValueError(
-                f"Wall: normal = {self.normal!r} has no direction; give a vector that is not zero"
+                f"Wall: normal = {shown(self.normal)} has no direction; give a vector that is not zero"
             )
         return {"kind": "Wall", "centre": _vector(self, "point"), "normal": normal / np.linalg.norm(normal)}
 
@@ -111,10 +113,11 @@ class Facet(Shape):
             else np.linalg.norm(np.cross(points[1] - points[0], points[2] - points[0]))
         )
         if not size > 0:
-            raise ValueError(f"Facet: vertices = {self.vertices!r} coincide or lie on a line; move one")
+            raise ValueError(f"Facet: vertices = {shown(self.vertices)} coincide or lie on a line; move one")
         if not (isinstance(self.thickness, (int, float, np.number)) and 0 <= self.thickness < np.inf):
             raise ValueError(
-                f"Facet: thickness = {self.thickness!r} is not allowed; give zero or a positive number in m"
+                f"Facet: thickness = {shown(self.thickness)} is not allowed; give zero or a positive "
+                "number in m"
             )
         return {
             "kind": "Capsule" if len(points) == 2 else "Triangle",
@@ -136,7 +139,7 @@ _NONE = {  # of members that a kind of shape does not have
 def shapeRow(body, shape):
     """The members of a shape of rigid body number `body`: a row of the table that the solver reads."""
     if not isinstance(shape, Shape):
-        raise TypeError(f"RigidContact: shape = {shape!r}; give mpm.rigid.Sphere, Box, Wall or Facet")
+        raise TypeError(f"RigidContact: shape = {shown(shape)}; give mpm.rigid.Sphere, Box, Wall or Facet")
     row = {"body": int(body), **_NONE, **shape.row()}
     return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in row.items()}
 
@@ -152,7 +155,7 @@ def _point(shape, name, value, missing=0.0):
         given = np.zeros(0)
     if given.shape not in ((2,), (3,)) or not np.isfinite(given).all():
         raise ValueError(
-            f"{type(shape).__name__}: {name} = {value!r} is not allowed; give two or three numbers in m"
+            f"{type(shape).__name__}: {name} = {shown(value)} is not allowed; give two or three numbers in m"
         )
     return given if len(given) == 3 else np.append(given, missing)
 
@@ -161,6 +164,6 @@ def _positive(shape, name):
     value = getattr(shape, name)
     if not (isinstance(value, (int, float, np.number)) and 0 < value < np.inf):
         raise ValueError(
-            f"{type(shape).__name__}: {name} = {value!r} is not allowed; give a positive number in m"
+            f"{type(shape).__name__}: {name} = {shown(value)} is not allowed; give a positive number in m"
         )
     return float(value)

@@ -5,6 +5,7 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.gridSolver import GridSolver
 from ..geometry.region import Region
@@ -47,18 +48,18 @@ def _checked(scene, body, region, type):
     """Numbers of the particles that are to be converted."""
     who = f"body '{body.name}': convert"
     if not isinstance(region, Region):
-        raise TypeError(f"{who}: region = {region!r}; give a region, e.g. mpm.box((0, 0), (1, 1))")
+        raise TypeError(f"{who}: region = {shown(region)}; give a region, e.g. mpm.box((0, 0), (1, 1))")
     if not isinstance(type, ParticleType):
-        raise TypeError(f"{who}: type = {type!r}; give mpm.UGIMP(...) or mpm.APDI(...)")
+        raise TypeError(f"{who}: type = {shown(type)}; give mpm.UGIMP(...) or mpm.APDI(...)")
     if not isinstance(body.type, (classes["UGIMP"], classes["APDI"])):
         own = body.type.__class__.__name__
         raise ValueError(f"{who}: its particles are {own}; only those of APDI and UGIMP convert")
     if isinstance(body.type, MeshedType):
         if not isinstance(type, classes["UGIMP"]) or type.cut:
-            raise ValueError(f"{who}: {type!r} is not allowed; give mpm.UGIMP(...), not cut by a region")
+            raise ValueError(f"{who}: {shown(type)} is not allowed; give mpm.UGIMP(...), not cut by a region")
     elif not isinstance(type, classes["APDI"]) or type.size is not None or type.matched is not None:
         edge = "without size and matched: the domains are as large as the boxes"
-        raise ValueError(f"{who}: {type!r} is not allowed; give mpm.APDI(), {edge}")
+        raise ValueError(f"{who}: {shown(type)} is not allowed; give mpm.APDI(), {edge}")
     if region.dim != scene.dim:
         raise ValueError(
             f"{who}: the region is {region.dim}D, the scene {scene.dim}D; give one in {scene.dim}D"

@@ -12,6 +12,7 @@ from ..base.attributes import keep
 from ..base.keywords import checked
 from ..base.kinds import LIST, TEXT, Kind, takes
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..particle.body import Body
 
 
@@ -76,7 +77,7 @@ def initialStress(
     for body in [bodies] if isinstance(bodies, str) else bodies or ():
         if not isinstance(body, Body):
             instead = f"give scene[{body!r}]" if isinstance(body, str) else "give what scene.add returns"
-            raise TypeError(f"initialStress: {body!r} among the bodies is not a body; {instead}")
+            raise TypeError(f"initialStress: {shown(body)} among the bodies is not a body; {instead}")
     ground = bodies or [b for b in scene.bodies if b.count and b.position[:, -1].max() < surface]
     if not ground:
         raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")
@@ -237,6 +238,6 @@ def _checkNumber(name, value):
     least = -np.inf if name == "surface" else 0
     if not (isinstance(value, (int, float, np.number)) and np.isfinite(value) and value >= least):
         raise ValueError(
-            f"initialStress: {name} = {value!r} is not allowed; give "
+            f"initialStress: {name} = {shown(value)} is not allowed; give "
             f"{'zero or a positive number' if least == 0 else 'a number'}"
         )

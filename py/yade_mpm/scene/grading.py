@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from ..base.wording import shown
 from ..geometry.numbers import isNumber, numbers, requireFinite
 from ..geometry.region import Region
 
@@ -29,21 +30,22 @@ class Grading:
     def __init__(self, box, growth=1.2, largest=None):
         corners = box.bounds() if isinstance(box, Region) else box
         if not (isinstance(corners, (tuple, list)) and len(corners) == 2):
-            raise TypeError(f"Grading: box = {box!r}; give a region, or its lower and upper corner")
+            raise TypeError(f"Grading: box = {shown(box)}; give a region, or its lower and upper corner")
         lower, upper = (numbers("Grading", "a corner of the box", corner) for corner in corners)
         if lower.shape != upper.shape or lower.shape not in ((2,), (3,)) or not (lower < upper).all():
             raise ValueError(
-                f"Grading: box = {box!r} is not allowed; give a lower corner and an upper one above it, with "
+                f"Grading: box = {shown(box)} is not allowed; give a lower corner and an upper one above "
+                "it, with "
                 "two or three numbers each, m"
             )
         if not (isNumber(growth) and 1 < growth <= MOST_GROWTH):
             raise ValueError(
-                f"Grading: growth = {growth!r} is not allowed; give a number above 1 and at most "
+                f"Grading: growth = {shown(growth)} is not allowed; give a number above 1 and at most "
                 f"{MOST_GROWTH:g}, e.g. 1.2"
             )
         if largest is not None and not (isNumber(largest) and 0 < largest < np.inf):
             raise ValueError(
-                f"Grading: largest = {largest!r} is not allowed; give a positive number, m, or None for "
+                f"Grading: largest = {shown(largest)} is not allowed; give a positive number, m, or None for "
                 f"{LARGEST} cells"
             )
         self.lower, self.upper, self.growth, self.largest = lower, upper, float(growth), largest
@@ -107,7 +109,7 @@ def linesOf(grading, lower, upper, cell):
         return _unlessEqual(grading.lines(lower, upper, cell), cell)
     if not isinstance(grading, (tuple, list)) or len(grading) != len(lower):
         raise TypeError(
-            f"Scene: grading = {grading!r} is not allowed; give mpm.Grading(box=...), or the lines "
+            f"Scene: grading = {shown(grading)} is not allowed; give mpm.Grading(box=...), or the lines "
             f"across each of the {len(lower)} axes"
         )
     return [_given(k, given, lower[k], upper[k], cell) for k, given in enumerate(grading)]

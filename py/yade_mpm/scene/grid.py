@@ -4,6 +4,7 @@
 import numpy as np
 
 from .. import _core
+from ..base.wording import shown
 from ..geometry.numbers import refuseLongRange
 
 
@@ -29,7 +30,9 @@ def cellSize(cell, dim):
     try:
         return np.broadcast_to(_numbers(cell), (dim,)).copy()
     except (TypeError, ValueError):
-        raise ValueError(f"Scene: cell = {cell!r} is not allowed; give one number, or {dim}, m") from None
+        raise ValueError(
+            f"Scene: cell = {shown(cell)} is not allowed; give one number, or {dim}, m"
+        ) from None
 
 
 def corner(what, values):
@@ -40,7 +43,7 @@ def corner(what, values):
         array = np.zeros(0)
     if array.shape not in ((2,), (3,)) or not np.isfinite(array).all():
         raise ValueError(
-            f"Scene: {what} = {values!r} is not allowed; give two (plane strain) or three numbers, m"
+            f"Scene: {what} = {shown(values)} is not allowed; give two (plane strain) or three numbers, m"
         )
     return array
 

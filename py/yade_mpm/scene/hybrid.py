@@ -4,6 +4,7 @@
 
 import numpy as np
 
+from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from ..geometry.region import Region
 from ..geometry.regions import box
@@ -19,7 +20,7 @@ def addHybrid(scene, name, region, flow, add):
     flow : region, or (region or body, distance in m). add(name, region, type) adds a body.
     """
     if not isinstance(region, Region):
-        raise TypeError(f"body '{name}': flow divides a region; region = {region!r} is a mesh")
+        raise TypeError(f"body '{name}': flow divides a region; region = {shown(region)} is a mesh")
     zone = flowZone(scene, name, flow)
     near = add(name, region & zone, None)
     size = tuple(float(c) for c in scene.cell)
@@ -37,7 +38,8 @@ def flowZone(scene, name, flow):
     isNear = isinstance(flow, (tuple, list)) and len(flow) == 2 and isinstance(flow[0], (Region, Body))
     if not (isNear and isNumber(flow[1]) and 0 < flow[1] < np.inf):
         raise TypeError(
-            f"body '{name}': flow = {flow!r}; give the region that flows, or (pile, 2.0): the pile, a body "
+            f"body '{name}': flow = {shown(flow)}; give the region that flows, or (pile, 2.0): the pile, a "
+            "body "
             "or "
             "a region, and how far from it the soil flows, m"
         )

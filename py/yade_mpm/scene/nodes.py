@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..base.kinds import NUMBERS, TEXT, takes
+from ..base.wording import shown
 from ..engine.prescribed import FACES
 from ..geometry.region import Region
 
@@ -56,7 +57,7 @@ def faceNodes(scene, face: str) -> np.ndarray:
     Raises ValueError for a face that the grid does not have.
     """
     if face not in FACES[scene.dim]:
-        raise ValueError(f"Scene: there is no face {face!r}; faces are {', '.join(FACES[scene.dim])}")
+        raise ValueError(f"Scene: there is no face {shown(face)}; faces are {', '.join(FACES[scene.dim])}")
     axis, side = FACES[scene.dim][face]
     x = scene.nodePositions()[:, axis]
     tolerance = 1e-6 * scene.cell[axis]
@@ -75,9 +76,10 @@ def nodesInside(scene, region: Region) -> np.ndarray:
     Raises TypeError for anything but a region, ValueError for one of the other dimension.
     """
     if not isinstance(region, Region):
-        raise TypeError(f"nodesInside: {region!r} is not a region, e.g. box((0, 0), (1, 1))")
+        raise TypeError(f"nodesInside: {shown(region)} is not a region, e.g. box((0, 0), (1, 1))")
     if region.dim != scene.dim:
         raise ValueError(
-            f"nodesInside: {region!r} is {region.dim}D and the scene {scene.dim}D; give one of the scene's"
+            f"nodesInside: {shown(region)} is {region.dim}D and the scene {scene.dim}D; give one of the "
+            "scene's"
         )
     return np.flatnonzero(region.contains(scene.nodePositions()))

@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..base.attributes import keep
+from ..base.wording import shown
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive
@@ -54,7 +55,7 @@ def _dropDomains(scene, body, empty):
 
 def _check(scene, body):
     if not isinstance(body, Body):
-        raise TypeError(f"Scene: remove({body!r}); give a body, e.g. scene.remove(scene['soil'])")
+        raise TypeError(f"Scene: remove({shown(body)}); give a body, e.g. scene.remove(scene['soil'])")
     who = f"body '{body.name}': remove"
     if not any(body is other for other in scene.bodies):
         raise ValueError(f"{who}: it is not a body of this scene; give one of scene.bodies")

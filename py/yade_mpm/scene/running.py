@@ -10,6 +10,7 @@ import numpy as np
 
 from ..base.attributes import keep
 from ..base.keywords import checked
+from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from ..io import owners
 from ..io.files import checkWritable
@@ -71,9 +72,9 @@ def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
     if (until is None) == (steps is None):
         raise ValueError("run: give either until (s) or steps")
     if steps is not None and not (isinstance(steps, (int, np.integer)) and steps >= 0):
-        raise ValueError(f"run: steps = {steps!r} is not allowed; give a whole number")
+        raise ValueError(f"run: steps = {shown(steps)} is not allowed; give a whole number")
     if until is not None and not (isNumber(until) and until < np.inf):
-        raise ValueError(f"run: until = {until!r} is not allowed; give a time in s")
+        raise ValueError(f"run: until = {shown(until)} is not allowed; give a time in s")
     if until is not None and not until > scene.time:
         raise ValueError(f"run: until = {until:g} s is not after the scene's time {scene.time:g} s")
     if checkpointFile is not None:
@@ -81,7 +82,8 @@ def _checkRun(scene, until, steps, checkpointFile, checkpointPeriod):
         refuseResults(scene, checkpointFile)
     if checkpointPeriod is not None and not (isNumber(checkpointPeriod) and checkpointPeriod >= 0):
         raise ValueError(
-            f"run: checkpointPeriod = {checkpointPeriod!r} is not allowed; give a wall time in s, or None"
+            f"run: checkpointPeriod = {shown(checkpointPeriod)} is not allowed; give a wall time in s, or "
+            "None"
         )
 
 
@@ -122,7 +124,7 @@ def handOver(scene, loop):
     lacks = [n for n in ("isAlive", "isThisThread", "stop", "wait") if not callable(getattr(loop, n, None))]
     if loop is not None and (lacks or isinstance(loop, type)):
         raise TypeError(
-            f"Scene.handOver: loop = {loop!r} is not allowed; give an object with isAlive(), "
+            f"Scene.handOver: loop = {shown(loop)} is not allowed; give an object with isAlive(), "
             "isThisThread(), stop() and wait(), or None"
         )
     scene._loop = loop

@@ -11,6 +11,7 @@ import numpy as np
 from ..base.attributes import Guarded, keep
 from ..base.kinds import ENGINE, takes
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..check import limits
 from ..check.bending import actions, thinBeams
 from ..check.domains import checkFields, checkInterface
@@ -79,7 +80,7 @@ class Stepper(TimeStep, Guarded):
     @onChange.setter
     def onChange(self, function):
         if not (function is None or callable(function)):
-            raise TypeError(f"Stepper: onChange = {function!r} is not allowed; give a function, or None")
+            raise TypeError(f"Stepper: onChange = {shown(function)} is not allowed; give a function, or None")
         self._onChange = function
 
     # --- readiness ------------------------------------------------------------------------------------
@@ -230,7 +231,8 @@ class Stepper(TimeStep, Guarded):
         isWhole = isinstance(steps, (int, np.integer)) and not isinstance(steps, bool)
         if not (isWhole and steps >= 0 and isNumber(seconds)):
             raise ValueError(
-                f"Stepper.advance: steps = {steps!r}, seconds = {seconds!r} is not allowed; give a whole "
+                f"Stepper.advance: steps = {shown(steps)}, seconds = {shown(seconds)} is not allowed; give "
+                "a whole "
                 "number from 0 on, and a wall time in s"
             )
         with self._alone("advance"):
@@ -255,7 +257,8 @@ class Stepper(TimeStep, Guarded):
         """
         if not any(engine is other for other in self._chain or ()):
             raise ValueError(
-                f"Stepper.act: {engine!r} is not in the chain as it was prepared; call scene.prepare() and "
+                f"Stepper.act: {shown(engine)} is not in the chain as it was prepared; call "
+                "scene.prepare() and "
                 "give one of scene.engines"
             )
         self._refuseUnprepared("act")
@@ -323,10 +326,12 @@ class Stepper(TimeStep, Guarded):
 
 def _require(isRight, name, value, allowed):
     if not isRight:
-        raise ValueError(f"Stepper.restore: {name} = {value!r} is not allowed; give {allowed}")
+        raise ValueError(f"Stepper.restore: {name} = {shown(value)} is not allowed; give {allowed}")
 
 
 def _asTime(what, time):
     if not (isNumber(time) and 0 <= time < math.inf):
-        raise ValueError(f"Stepper.{what}: time = {time!r} is not allowed; give zero or a positive time, s")
+        raise ValueError(
+            f"Stepper.{what}: time = {shown(time)} is not allowed; give zero or a positive time, s"
+        )
     return float(time)

@@ -9,6 +9,7 @@ import numpy as np
 from ..base.attributes import keep
 from ..base.kinds import COUNT, FLAG, POSITIVE, takes
 from ..base.warn import warnUser
+from ..base.wording import shown
 from ..check import limits
 from ..engine.callback import Callback
 from ..geometry.numbers import isNumber
@@ -74,7 +75,7 @@ class TimeStep:
     @holding
     def dt(self, value):
         if not (isNumber(value) and 0 < value < math.inf):
-            raise ValueError(f"Stepper: dt = {value!r} s is not allowed; give a positive number")
+            raise ValueError(f"Stepper: dt = {shown(value)} s is not allowed; give a positive number")
         self._scene._core.dt = float(value)
 
     @holding

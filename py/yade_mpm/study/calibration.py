@@ -10,7 +10,7 @@ from scipy.optimize import differential_evolution, least_squares
 
 from ..app.record import CURVE
 from ..base.kinds import DICT, FILE, NUMBERS, TEXT, TEXTS, Kind, takes
-from ..base.wording import shortened
+from ..base.wording import shortened, shown
 from ..io.files import saveJson
 from . import execution, pictures, report, state
 from .study import Study
@@ -92,7 +92,9 @@ def calibrate(
     points, names = _measured(measured)
     search = _Search(scene, ranges, points, curve, out, words, threads)
     if method not in METHODS:
-        raise ValueError(f"calibrate: method = {method!r} is not allowed; give one of {', '.join(METHODS)}")
+        raise ValueError(
+            f"calibrate: method = {shown(method)} is not allowed; give one of {', '.join(METHODS)}"
+        )
     count = len(ranges) + 1 if method == METHODS[0] else 8 * len(ranges)
     jobs, _ = execution.jobsAndThreads(count, jobs, threads)
     with execution.workers(scheduler, jobs) as pool:

@@ -85,19 +85,54 @@ def studyGoesOn(names, said):
     assert abs(names["finer"]["runOut"].item() / names["coarse"] - 1) < 0.1
 
 
+def wallFallsWhereMomentsBalance(names, said):
+    moved, depths = np.array(names["moved"]), np.array(names["DEPTHS"])
+    assert moved[depths <= 2.5].max() < 0.1 and moved[depths > names["critical"]].min() > 0.5
+    assert 3.1 < names["critical"] < 3.13
+
+
+def slopeFailsAsPublished(names, said):
+    stands, fails = (float(f) for f in re.findall(r"(?:stands|fails) at (\d\.\d\d)", said))
+    assert stands < fails and 1.3 <= fails <= 1.5
+
+
+def barMeetsPlasticity(names, said):
+    assert 0 < names["found"] / 9.142 - 1 < 0.06
+
+
+def pipeFollowsTheFit(names, said):
+    assert abs(names["error"]) < 0.06
+
+
+def depositsAreAsHighAsMeasured(names, said):
+    assert max(abs(e) for e in percents(said)) < 0.12 and len(percents(said)) == 2
+
+
+def fitFindsWhatWasGiven(names, said):
+    found, known = names["found"], names["known"]
+    assert all(found.values[n] == pytest.approx(known[n], rel=0.05) for n in known)
+    assert abs(found.correlation[0][1]) < 0.9
+
+
 CLAIMS = {
+    "calibration": fitFindsWhatWasGiven,
+    "column": depositsAreAsHighAsMeasured,
     "first-scene": columnRuns,
     "footing": footingMeetsPrandtl,
     "particle-types": typesAgree,
+    "pipe": pipeFollowsTheFit,
     "quasi-static": slowRunsPass,
     "sheet-pile": frictionTakesResistance,
+    "slope": slopeFailsAsPublished,
     "study": studyGoesOn,
+    "tbar": barMeetsPlasticity,
+    "wall": wallFallsWhereMomentsBalance,
 }
 
 
 @pytest.mark.parametrize("page", NOTEBOOKS)
 def test_a_notebook_of_the_tutorial_runs(page, execute):
-    if page == "study":
+    if page in ("calibration", "study"):
         pytest.importorskip("pandas", reason="no pandas here; scripts/setup --study installs it")
     CLAIMS[page](*execute(f"tutorial/{page}.md", CELLS))
 
@@ -203,3 +238,13 @@ def test_the_tutorial_in_yade_runs(tmp_path):
     depths = [float(depth) for depth in re.findall(r"is (\d\.\d+) m deep", done.stdout)]
     assert done.returncode == 0 and len(depths) == 3, done.stdout + done.stderr
     assert all(0.01 < depth < 0.1 for depth in depths)
+
+
+@inYade
+def test_the_tutorial_on_rocks_runs(tmp_path):
+    done = runInYade("tutorial/rocks.md", tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    across, along = (float(share) for share in re.findall(r" (\d\.\d\d) of", done.stdout))
+    assert 0.2 < across < 0.6 and 0.5 < along < 0.8
+    assert all(float(x) > 16 for x in re.findall(r"is at x = (\S+) m", done.stdout))  # beyond the toe
+    assert (tmp_path / "rocks.png").stat().st_size > 10_000

@@ -157,28 +157,14 @@ def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
     names, seen = {}, []
     for text in re.findall(r"```python\n(.*?)```", (ROOT / "doc" / "howto" / "recipes.md").read_text(), re.S):
         exec(text, names)
-        seen.append(
-            {k: names.get(k) for k in ("scene", "history", "error", "ball", "velocity", "front", "textbook")}
-        )
-    assert len(seen) == 7
-    steep, footing, blast, ball, column, going, results = seen
-    assert {f.name for f in tmp_path.iterdir()} >= {
-        "phi25.csv",
-        "phi35.vtkhdf",
-        "collapse.png",
-        "load.png",
-        "ball.vtkhdf",
-        "column.vtk",
-        "half.h5",
-    }
-    flat = float((tmp_path / "phi25.csv").read_text().splitlines()[-1].split(",")[-1])
-    assert flat > steep["front"]["front"][-1] > 1.0  # the front of 25 degrees lies before that of 35
-    load = -footing["history"]["push.fy"]
-    assert abs(load[-10:].mean() / footing["textbook"] - 1) < 0.04
+        seen.append({k: names.get(k) for k in ("scene", "error", "ball", "velocity")})
+    assert len(seen) == 5
+    blast, ball, column, going, results = seen
+    assert {f.name for f in tmp_path.iterdir()} >= {"ball.vtkhdf", "column.vtk", "half.h5"}
     assert blast["scene"]["block"].stress[:, 1, 1].mean() < -40  # half of the time: 50 kPa
     assert abs(column["error"]).max() < 0.01 * 2.0 * 9.81 * 2.5
     assert going["scene"].steps == column["scene"].steps + 100  # the first hundred went into both
-    assert len(results["velocity"]) == 200
+    assert len(results["velocity"]) == sum(body.count for body in ball["scene"].bodies)
 
 
 def test_the_engine_in_python_slows_the_block_down(monkeypatch, tmp_path, capsys):
@@ -192,10 +178,9 @@ def test_the_engine_in_python_slows_the_block_down(monkeypatch, tmp_path, capsys
 
 
 CPP_FILES = [
-    (page, text)
+    (page, (page.parent / name).read_text())
     for page in PAGES
-    for text in re.findall(r"^```cpp\n(.*?)^```", page.read_text(), re.M | re.S)
-    if text.startswith("// SPDX")  # a whole file, not a part of one
+    for name in re.findall(r"^```\{literalinclude\} (\S+\.cpp)", page.read_text(), re.M)
 ]
 
 
@@ -218,8 +203,8 @@ def test_whole_files_of_cpp_compile(page, text, tmp_path):
 
 
 def test_pages_on_a_new_class_show_a_whole_file():
-    assert {page.stem for page, _ in CPP_FILES} >= {
+    assert [page.stem for page, text in CPP_FILES if text.startswith("// SPDX")] == [
         "adding-a-material",
         "adding-a-particle-type",
         "adding-an-engine",
-    }
+    ]

@@ -60,7 +60,7 @@ class TipHistory:
         nearest = np.flatnonzero(distance <= distance.min() + 1e-9)
         self.tip = nearest if self.beam.cells is not None else self.beam.id[nearest]
         self.start, self.rows = self.heights(), [[0.0, 0.0, 0.0]]
-        scene.engines = [*scene.engines, mpm.PyRunner(self.note, iterPeriod=1)]
+        scene.engines.append(mpm.PyRunner(self.note, iterPeriod=1))
 
     def heights(self):
         """Height of the tip and of the centre of mass now, m."""

@@ -101,7 +101,7 @@ def run(a, scene=None):
     """Presses the pile in; returns (summary, scene, depth of the tip over B, N)."""
     scene = scene or build(a)
     watch = Watch(scene)
-    scene.engines = [*scene.engines, mpm.PyRunner(watch, iterPeriod=WATCHED)]
+    scene.engines.append(mpm.PyRunner(watch, iterPeriod=WATCHED))
     columns = {("tip", "shaft", "touching"): watch.means, "surface": watch.surface}
     way = (a.depth - START) * THICKNESS
     summary, way, force, history = reference.press(a, scene, way, RAMP, columns)

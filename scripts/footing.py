@@ -105,8 +105,7 @@ def run(a, out=None):
     scene, ramp = build(a), rampTime(a)
     until = a.settlement / a.rate + 0.5 * ramp
     name = "history_fbar.csv" if a.fbar else "history.csv"
-    history = mpm.History(period=until / 200, file=None if out is None else os.path.join(out, name))
-    scene.engines = [*scene.engines, history]
+    history = scene.history(every=until / 200, file=None if out is None else os.path.join(out, name))
     scene.run(until=until)
     settlement = geotech.travel(history["time"], a.rate, ramp)
     pressure = -history["footing.fy"] / effectiveHalfWidth(a)

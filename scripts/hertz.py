@@ -106,15 +106,11 @@ def build(a):
         cylinder.position[:, 1] += over(cylinder.position[:, 0])
         cylinder.zeroDisplacement()
 
-    press = mpm.Drive(cylinder.above(top - 1.01 * h), velocity=(None, 0), name="press")
-    base = mpm.Drive(ground.below(bottom + 0.51 * h), velocity=(None, 0), name="base")
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(damping=0.7, roller="left", drive=[press, base]),
-        mpm.Contact(),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.damping = 0.7
+    scene.roller("left")
+    scene.contact(cylinder, ground)
+    scene.drive(cylinder.above(top - 1.01 * h), velocity=(None, 0), name="press")
+    scene.drive(ground.below(bottom + 0.51 * h), velocity=(None, 0), name="base")
     return scene
 
 

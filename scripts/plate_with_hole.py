@@ -74,7 +74,7 @@ def build(a):
     plate = scene.add("plate", quarterMesh(cell), metal, mpm.APDI())
     end = box((-cell, HALF_LENGTH - 1e-6), (HALF_WIDTH + cell, HALF_LENGTH + 1e-6))
     ramp = 4 * 4 * HALF_LENGTH / metal.waveSpeed
-    scene.engines.insert(1, mpm.BoundaryLoad(plate, where=end, traction=(0.0, SIGMA0), ramp=ramp))
+    scene.load(plate, end, traction=(0.0, SIGMA0), ramp=ramp)
     return scene
 
 

@@ -61,7 +61,8 @@ def build(a, dim=3):
     zoneBottom = np.floor((tip - a.penetration - ZONE_BELOW) / h) * h
     even = block(ZONE + 2 * h, wide + ZONE + 2 * h, zoneBottom - 2 * h, DEPTH + LENGTH)
     corners = block(ZONE + BESIDE, wide + BESIDE, 0, DEPTH + LENGTH).bounds()
-    scene = mpm.Scene(*corners, h, threads=a.threads, grading=mpm.Grading(even))
+    grading = mpm.Grading(even)
+    scene = mpm.Scene(*corners, h, threads=a.threads, grading=grading, gravity=GRAVITY, damping=0.05)
     angles = dict(frictionAngle=radians(30), dilatancyAngle=radians(10), dilatancyLimit=0.05)
     sand = mpm.MohrCoulombDruckerPrager(density=1.53, lame=(9.48e3, 6.31e3), cohesion=8.5, **angles)
     sheet = block(h / 2, wide, tip, tip + LENGTH)
@@ -70,14 +71,12 @@ def build(a, dim=3):
     geotech.addGround(scene, "soil", soil, zone, sand, "hybrid", splitAt=1.3, fbar=False)
     steel = mpm.LinearElastic(density=7.85, lame=(4.20e7, 2.80e7))
     pile = scene.add("sheet", sheet, steel, mpm.UGIMP(perCell=(4, 2, 2)[:dim]), implicit=True)
-    scene.initialStress(surface=DEPTH, K0=K0, gravity=GRAVITY)
+    scene.initialStress(surface=DEPTH, K0=K0)
     down = np.array((0, 0, -1))[-dim:]
-    drive = mpm.Drive(pile.above(DEPTH), velocity=a.rate * down, ramp=a.ramp, byHeight=True)
-    sides = ("left", "right", "front", "back")[: 2 * (dim - 1)]
-    solver = mpm.GridSolver(gravity=GRAVITY * down, damping=0.05, roller=sides, fixed="bottom", drive=drive)
-    history = mpm.History(period=a.penetration / a.rate / 400)
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), history]
-    return scene, history
+    scene.drive(pile.above(DEPTH), a.rate * down, a.ramp, name="drive", byHeight=True)
+    scene.roller(*("left", "right", "front", "back")[: 2 * (dim - 1)])
+    scene.fix("bottom")
+    return scene, scene.history(every=a.penetration / a.rate / 400)
 
 
 def press(a, dim=3):

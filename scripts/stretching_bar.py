@@ -64,7 +64,7 @@ class Watch:
     def __init__(self, scene):
         self.scene, self.bar, self.rows = scene, scene["bar"], []
         self.note()
-        scene.engines = [*scene.engines, mpm.PyRunner(self.note, iterPeriod=5)]
+        scene.engines.append(mpm.PyRunner(self.note, iterPeriod=5))
 
     def note(self):
         y, mass = self.bar.position[:, 1], self.bar.mass

@@ -73,7 +73,7 @@ def build(a):
     rock = mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
     ground = scene.add("ground", box((0, -a.extent), (half, 0)), rock, mpm.APDI(size=a.size))
     strip = box((0, -1e-3 * a.cell), (B, 1e-3 * a.cell))
-    scene.engines.insert(1, mpm.BoundaryLoad(ground, where=strip, pressure=Q, ramp=rampTime(a, rock)))
+    scene.load(ground, strip, pressure=Q, ramp=rampTime(a, rock))
     return scene
 
 

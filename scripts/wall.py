@@ -96,8 +96,7 @@ def run(a, state, out=None):
     began, ramp = time.monotonic(), rampTime(a, state)
     scene, until = build(a, state), abs(MOVEMENT[state]) / a.rate + 0.5 * ramp
     file = None if out is None else os.path.join(out, f"history_{state}.csv")
-    history = mpm.History(period=until / 200, file=file)
-    scene.engines = [*scene.engines, history]
+    history = scene.history(every=until / 200, file=file)
     scene.run(until=until)
     movement, thrust = geotech.travel(history["time"], a.rate, ramp) / HEIGHT, history["wall.fx"]
     late = movement > 0.8 * movement[-1]

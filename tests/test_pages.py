@@ -138,7 +138,7 @@ def test_a_notebook_of_the_tutorial_runs(page, execute):
 
 
 def surchargeSettles(names, said):
-    assert 1e-3 < -names["ground"].displacement[:, 1].min() < 0.02 and names["history"]["push.fy"][-1] < 0
+    assert 1e-3 < -names["ground"].displacement[:, 1].min() < 0.02 and names["history"]["block.fy"][-1] < 0
 
 
 def weakSlopeSlides(names, said):

@@ -13,7 +13,7 @@ import numpy as np
 from .deprecation import currentKeywords, currentName
 from .html import card, table
 from .keywords import refuseUnknown
-from .research import OPTIONS, SET_BY_METHODS, hiddenOf
+from .research import OPTIONS, SELDOM, SET_BY_METHODS, hiddenOf
 from .wording import didYouMean, shortened, shown
 
 whenSet = []  # functions without argument, called when an attribute of a material, an engine ... was set
@@ -39,7 +39,8 @@ class Guarded:
         raise TypeError(f"{kind}: it cannot be copied or pickled; {self._instead}")
 
     def __dir__(self):
-        return sorted(set(super().__dir__()) - hiddenOf(type(self)))
+        kind = type(self)
+        return sorted(set(super().__dir__()) - hiddenOf(kind) - set(SELDOM.get(kind.__name__, ())))
 
     if not TYPE_CHECKING:  # for type checkers a name that is not declared is an error
 
@@ -54,7 +55,7 @@ class Guarded:
         """What to do about an attribute that does not exist."""
         if name in self._elsewhere:
             return f"; {self._elsewhere[name]}"
-        return didYouMean(name, [n for n in (*dir(self), *hiddenOf(type(self))) if not n.startswith("_")])
+        return didYouMean(name, [n for n in (*dir(self), *dir(type(self))) if n[0] != "_"])
 
     def __setattr__(self, name, value):
         kind = type(self)

@@ -34,6 +34,23 @@ LOOPS = {  # what engines and loops of your own need
         "stepper",
     )
 }
+# What completion leaves out and help has: numbers behind what `describe`, `run` and the certificate tell.
+SELDOM = {
+    "Scene": (
+        "changes",
+        "constraints",
+        "criticalTimeStep",
+        "dim",
+        "dtCritical",
+        "dtStable",
+        "lines",
+        "particleCount",
+        "stiffest",
+        "step",
+        "timing",
+        "unbalancedForce",
+    )
+}
 SET_BY_METHODS = {"Contact": ("pairs",), "RigidContact": ("masses", "pairs")}  # as pair() and addBody()
 
 

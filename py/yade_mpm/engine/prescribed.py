@@ -272,6 +272,23 @@ class Hold(Prescribed):
         self._isFound = True
 
 
+class Steering:
+    """Command of a PyRunner at the head of the engines: gives a motion the velocity of a function.
+
+    Parameters
+    ----------
+    name : of the `Drive` or `Hold`.
+    function : of the scene's time, s, that returns the velocity, m/s, one component per axis.
+    """
+
+    def __init__(self, name, function):
+        self.name, self.function = name, function
+
+    def __call__(self, scene):
+        motion = next(m for m in scene.constraints if m.name == self.name)
+        motion.velocity = self.function(scene.time + scene.stepper.dt)
+
+
 def _velocity(who, velocity):
     given = list(velocity) if isinstance(velocity, (list, tuple, np.ndarray)) else []
     numbers = [v for v in given if v is not None]

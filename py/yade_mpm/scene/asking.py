@@ -5,7 +5,7 @@ Each call edits the engines that `scene.engines` shows.
 """
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -13,7 +13,9 @@ from ..base.attributes import didYouMean
 from ..base.wording import shown
 from ..diagnostics.certificate import Certificate
 from ..diagnostics.certificate import quasiStatic as certificateOf
-from ..engine.prescribed import FACES, Drive, Hold
+from ..engine.boundaryLoad import BoundaryLoad
+from ..engine.callback import PyRunner
+from ..engine.prescribed import FACES, Drive, Hold, Steering
 from ..geometry.numbers import isNumber
 from ..geometry.region import Region
 from ..io.history import History
@@ -86,7 +88,7 @@ def _addSides(scene, call, sides):
 def drive(
     scene,
     what: Body | BodyPart | Region | str,
-    velocity: Sequence,
+    velocity: Sequence | Callable,
     ramp: float = 0.0,
     name: str | None = None,
     byHeight: bool = False,
@@ -103,7 +105,9 @@ def drive(
     ----------
     what : Body, or a part of one, as of `body.above(12)`, `body.inside(region)`: a `Drive`. Or a region, or
         the name of a side of the grid: a `Hold` of the nodes there, which stay where they are.
-    velocity : m/s, one component per axis; None leaves a direction free, zeros hold it.
+    velocity : m/s, one component per axis; None leaves a direction free, zeros hold it. Or a function of the
+        scene's time (s) that returns them: each step ends with the value at its end. After `mpm.load` give it
+        again, `callbacks={"NAME.velocity": mpm.engine.Steering("NAME", function)}`.
     ramp : s, time over which the velocity grows from zero; default 0.
     name : of its columns in a history; default the name of the body or of the side, "hold" for a region.
 
@@ -121,6 +125,8 @@ def drive(
             f"drive: what = {shown(what)}; give a body, a part of one, e.g. pile.above(12), a region, or a "
             "side"
         )
+    function = velocity if callable(velocity) else None
+    velocity = velocity if function is None else function(scene.time)
     if not (isinstance(velocity, (tuple, list, np.ndarray)) and len(velocity) == scene.dim):
         raise ValueError(
             f"drive: velocity = {shown(velocity)} is not allowed; give {scene.dim} components, m/s (None "
@@ -139,9 +145,32 @@ def drive(
         part, name = part if byHeight else part.now(), name or _freeName(body.name, taken)
         motion = Drive(part, velocity, ramp, name, byHeight)
         solver.drives.append(motion)
+    if function is not None:
+        steering = PyRunner(Steering(motion.name, function), iterPeriod=1, label=f"{motion.name}.velocity")
+        scene.engines.insert(0, steering)
     scene._asked.add(solver)
     scene.stepper.noteChange()
     return motion
+
+
+def load(scene, body: Body, where: Region, **options) -> BoundaryLoad:
+    """Loads the surface of a meshed body: pressure that follows it, or traction of a fixed direction.
+
+        scene.load(ground, mpm.box((4, 4.9), (6, 5.1)), pressure=50, ramp=0.1)
+
+    Parameters
+    ----------
+    body : Body of APDI domains.
+    where : Region with the middles of the facets that are loaded.
+    options : as of `BoundaryLoad`: pressure (kPa), traction (kPa, one component per axis), ramp (s) ...
+
+    Returns the `BoundaryLoad`.
+    """
+    refuseDuringStep(scene, "load")
+    engine = BoundaryLoad(body, where, **options)
+    scene.engines.insert(scene.engines.index(scene._gridSolver("load")), engine)
+    scene.stepper.noteChange()
+    return engine
 
 
 def _freeName(name, taken):

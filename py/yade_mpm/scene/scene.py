@@ -134,6 +134,7 @@ class Scene(Guarded):
     # Methods that have a file of their own.
     add, remove = add, remove
     fix, roller, contact, drive = asking.fix, asking.roller, contact, asking.drive
+    load = asking.load
     record, history, quasiStatic = asking.record, asking.history, asking.quasiStatic
     describe = describe
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside

@@ -13,6 +13,7 @@ from ..base.attributes import keep
 from ..base.keywords import checked
 from ..base.warn import warnUser
 from ..base.wording import shown
+from ..engine.prescribed import Steering
 from ..geometry.numbers import isCount, isNumber
 from .run import NotedSignals
 
@@ -66,6 +67,11 @@ def settle(
             raise ValueError(
                 f"settle: '{motion.name}' would move on with {motion.velocity} m/s; set its velocity to "
                 f"zero, settle, and set it again"
+            )
+    for command in (getattr(engine, "command", None) for engine in scene.engines if not engine.dead):
+        if isinstance(command, Steering):
+            raise ValueError(
+                f"settle: '{command.name}' moves by a function of time; call scene.drive behind settle"
             )
     keep(scene, _dampingAfterSettling=solver.damping)
     began = {body.name: (body.id.copy(), body.position.copy()) for body in scene.bodies}

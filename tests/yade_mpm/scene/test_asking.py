@@ -70,6 +70,28 @@ def testDescribeTellsEveryChoiceWithItsReason(capsys):
     assert "Contact   'pile' and 'soil': friction 0.3" in said and "Engines   ParticleToGrid" in said
 
 
+def testAVelocityMayBeAFunctionOfTime(tmp_path):
+    """Half a period of a sine comes back to where it began; a restart goes on with the same bits."""
+
+    def speed(t):
+        return None, 0.5 * np.sin(2 * np.pi * t)
+
+    scene = mpm.Scene((0, 0), (3, 3), cell=0.25, threads=1)
+    body = block(scene, lower=(1, 1))
+    press = scene.drive(body, velocity=speed)
+    with pytest.raises(ValueError, match="'block' moves by a function of time"):
+        scene.settle()
+    scene.run(until=0.5, progress=False)
+    assert body.displacement[:, 1].mean() == pytest.approx(0.5 / np.pi, rel=0.01)
+    assert press.velocity[1] == pytest.approx(0, abs=1e-6) and press.velocity[0] is None
+    scene.save(tmp_path / "half.h5")
+    again = mpm.load(tmp_path / "half.h5", callbacks={"block.velocity": mpm.engine.Steering("block", speed)})
+    for one in (scene, again):
+        one.run(until=1.0, progress=False)
+    np.testing.assert_array_equal(scene["block"].byId("position"), again["block"].byId("position"))
+    assert abs(body.displacement[:, 1].mean()) < 2e-3
+
+
 def testTheVerdictBehindSettleLeavesItsDampingOut(tmp_path):
     """Soil that settles heavily damped, then stands under a small load: the damping of settle is meant."""
     scene = mpm.Scene((0, 0), (1, 2), cell=0.25, gravity=9.81, threads=1)
@@ -106,6 +128,17 @@ def testAHistoryHasTheDisplacementOfADrivenPart():
     np.testing.assert_allclose(press.displacement[1], history["block.uy"][-1], rtol=0.03)
     with pytest.raises(KeyError, match="columns: block.fx, block.fy"):
         history["force"]
+
+
+def testCompletionShowsTheWordsOfAUser():
+    scene = mpm.Scene((0, 0), (1, 1), cell=0.25, threads=1)
+    shown = {name for name in dir(scene) if not name.startswith("_")}
+    assert {"add", "fix", "contact", "drive", "load", "run", "settle", "describe"} <= shown and len(
+        shown
+    ) <= 31
+    assert scene.dim == 2 and scene.timing() is not None  # they are there
+    with pytest.raises(AttributeError, match="did you mean 'timing'"):
+        scene.timings  # noqa: B018
 
 
 def testWhatIsGivenIsKept():

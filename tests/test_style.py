@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""One format for all: what scripts/format would change is an error, and prose keeps to 110 columns, too."""
+"""One format for all: what scripts/format would change is an error, and prose keeps to 110 columns and to the
+words of pyproject.toml, too."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -30,6 +32,33 @@ def test_prose_keeps_to_110_columns(page):
 
 def test_control_a_long_line_is_found_and_a_row_of_a_table_is_not():
     assert tooLong(f"{'x' * 110}\n{'y' * 111}\n  | {'z' * 200} |\n") == [2]
+
+
+tomllib = pytest.importorskip("tomllib", reason="Python 3.11 and later have it")
+INSTEAD = {
+    word: better
+    for words, better in tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["prose"][
+        "instead"
+    ].items()
+    for word in words.split(", ")
+}
+
+
+def refusedWords(text):
+    """Words of the manual's sentences that readers do not know in this sense; code and names are left out."""
+    bare = re.sub(r"^```.*?^```|`[^`]*`|\]\([^)]*\)", " ", text, flags=re.M | re.S)
+    return [word for word in INSTEAD if re.search(rf"\b{word.replace(' ', chr(92) + 's+')}\b", bare, re.I)]
+
+
+@pytest.mark.parametrize(
+    "page", [p for p in PROSE if p.name != "SECURITY.md"], ids=lambda page: str(page.relative_to(ROOT))
+)
+def test_prose_uses_the_words_of_the_field(page):
+    assert {word: f"write: {INSTEAD[word]}" for word in refusedWords(page.read_text())} == {}
+
+
+def test_control_a_refused_word_is_found_and_a_name_is_not():
+    assert refusedWords("The run\nto trust bears it; `stripes` is a name.") == ["bears", "run to trust"]
 
 
 def test_cpp_and_python_are_formatted():

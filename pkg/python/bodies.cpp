@@ -3,6 +3,7 @@
 #include "mpm/base/freeMemory.hpp"
 #include "mpm/check/BeyondYield.hpp"
 #include "mpm/check/balances.hpp"
+#include "mpm/contact/BoundaryFacets.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/state/facets.hpp"
 #include "python.hpp"
@@ -150,6 +151,38 @@ template <int Dim> struct BindBody {
         });
         return all;
     }
+    // Forces of the stresses on the nodes of the grid: flat lists of positions, m, and forces, kN.
+    static bp::dict internalForces(B& body) {
+        ParallelRegion region;
+        body.domains->locate(region);
+        region.rethrow();
+        std::map<int, Vec<Dim>> at;
+        body.domains->internalForces([&](int node, const Vec<Dim>& force) {
+            at.try_emplace(node, Vec<Dim>::Zero()).first->second += force;
+        });
+        bp::list positions, forces;
+        for (const auto& [node, force] : at) {
+            const Vec<Dim> x = body.domains->grid.nodePosition(node);
+            for (int k = 0; k < Dim; ++k) {
+                positions.append(x[k]);
+                forces.append(force[k]);
+            }
+        }
+        bp::dict d;
+        d["position"] = positions;
+        d["force"] = forces;
+        return d;
+    }
+    // Vertices of the facets at the boundary of a mesh, one facet after the other.
+    static bp::list boundaryFacets(B& body) {
+        bp::list all;
+        if (!body.domains->mesh()) return all;
+        BoundaryFacets<Dim> boundary;
+        boundary.find(*body.domains);
+        for (const auto& facet : boundary.facets)
+            for (int v : facet) all.append(v);
+        return all;
+    }
     static void setInertiaScale(B& body, double scale) {
         require(scale > 0 && std::isfinite(scale), "body '", body.name, "': inertiaScale = ", scale,
                 "; give a positive number");
@@ -249,7 +282,9 @@ template <int Dim> struct BindBody {
             .def("splitStretched", splitStretched)
             .def("setStress", setStress)
             .def("corners", cornerTable)
-            .def("weights", weights);
+            .def("weights", weights)
+            .def("internalForces", internalForces)
+            .def("boundaryFacets", boundaryFacets);
     }
 };
 

@@ -25,6 +25,7 @@ read, Results, ResultFrame     what a Recorder has written, by time
 quasiStatic, rateSensitivity, Certificate                        is the run slow enough?
 safety, limitLoad              factor of safety by strength reduction; limit load for small cells
 Parameter, Parameters, study   what a scene takes; a room: many cases of it
+sectionForces, facePressure, SectionForces, FacePressure         forces in a structure, pressures on its faces
 diagnostics, rigid             rooms: energies and other numbers of a scene; shapes for RigidContact
 
 Rooms, `mpm.NAME` each: `app` (a scene as a program: its command line, its run with --resume), `diagnostics`,
@@ -51,6 +52,8 @@ from .app.parameters import Parameters
 from .base import oldModules as _oldModules
 from .base.notebook import makeInlineReady as _makeInlineReady
 from .diagnostics.certificate import Certificate, quasiStatic, rateSensitivity
+from .diagnostics.facePressure import FacePressure, facePressure
+from .diagnostics.sections import SectionForces, sectionForces
 from .engine import engines as _engines
 from .engine.boundaryLoad import BoundaryLoad
 from .engine.callback import PyRunner

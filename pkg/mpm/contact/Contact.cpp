@@ -45,6 +45,10 @@ template <int Dim> void straighten(const Scene<Dim>& scene, ContactSearch<Dim>& 
     for (auto& point : search.points) look(point, point.contact, point.S, point.size);
 }
 
+template <int Dim> Vec<Dim> middleOf(const Grid<Dim>& grid, int cell) {
+    return grid.nodePosition(cell) + 0.5 * grid.edges(cell);
+}
+
 // For velocities made anew. Surfaces that part though all that is carried holds them do so there, too. Held once more
 // they would strain nothing, at whatever speed their particles part, and no stress would answer the pressure.
 template <int Dim> void startAnew(ContactSite<Dim>& site) {
@@ -112,7 +116,10 @@ std::vector<Parameter> Contact::attributes() {
          "group of\neach pair. At rest their normals stay so.",
          &edgeMotions.numbers},
         {"impulses", "kN s",
-         "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses}};
+         "Time integrals of the forces between groups since the start; see forceImpulses().", &impulses},
+        {"facetImpulses", "kN s",
+         "Time integrals of the forces on the facets of meshes since the start; see facePressure().",
+         &facetImpulses}};
 }
 
 void Contact::finish() {
@@ -125,6 +132,7 @@ void Contact::finish() {
 }
 
 void Contact::stepped(double dt) {
+    std::apply([&](auto&... state) { (state.facets.store(facetImpulses), ...); }, states_);
     std::apply([&](auto*... shared) { ((shared ? shared->store(cells, gaps) : void()), ...); }, shared_);
     impulses.resize(forces.size());
     for (size_t i = 0; i < forces.size(); ++i) impulses[i] += dt * forces[i];
@@ -133,7 +141,9 @@ void Contact::stepped(double dt) {
 template <int Dim> void Contact::check(Scene<Dim>& scene) {
     require(dead || scene.groups.size() > 1, "Contact: all bodies belong to one group, '",
             scene.groups.front(), "'; give scene.add(..., group=...) for those that may slip");
-    std::get<State<Dim>>(states_).search.prepare(scene);
+    State<Dim>& state = std::get<State<Dim>>(states_);
+    state.search.prepare(scene);
+    state.facets.clear(); // facetImpulses may be those of a checkpoint
     const bool sharesCells = !dead && sharedCells && ownedFacets() != OwnedFacets::none;
     if (!sharesCells) {
         cells.clear();
@@ -299,7 +309,42 @@ template <int Dim> void Contact::act(Scene<Dim>& scene) {
                 edgeMotions.add<Dim>(pairOf(pair.group[0], pair.group[1]), side, pair.motionOfEdges[side],
                                      scene.dt, scene.grid.smallestCell().minCoeff());
     touch(scene, search);
+    addToFacets(scene, state);
     if (!scene.scheme->remapsSolution()) recordShared(scene);
+}
+
+// What each facet of a structure takes in the step.
+template <int Dim> void Contact::addToFacets(const Scene<Dim>& scene, State<Dim>& state) {
+    const ContactSearch<Dim>& search = state.search;
+    state.facets.find(scene, search, facetImpulses);
+    const auto isIn = [&](const ContactSite<Dim>& site) {
+        return !site.J.all.isZero(0) || !site.J.agreeing.isZero(0);
+    };
+    for (const ContactPair<Dim>& pair : search.pairs)
+        for (int side = 0; side < 2; ++side) {
+            if (!search.isOfMeshes(pair.group[side])) continue;
+            const double sign = side == 0 ? -1 : 1;
+            const auto takenBy = [&](const ContactSite<Dim>& site) {
+                return Vec<Dim>(sign * (site.J.all - (1 - loss()) * site.J.agreeing));
+            };
+            for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+                if (const auto& node = search.nodes[i]; isIn(node))
+                    state.facets.add(scene, pair.group[side], node.position, -sign * node.normal,
+                                     takenBy(node));
+            for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) {
+                const auto& point = search.points[i];
+                if (!isIn(point)) continue;
+                point.side == side&& point.vertex >= 0
+                    ? state.facets.addAt(search.surfaceOf(point.body), point, -sign * point.normal,
+                                         takenBy(point))
+                    : state.facets.add(scene, pair.group[side], point.position, -sign * point.normal,
+                                       takenBy(point));
+            }
+        }
+    for (const auto& part : scene.sharedCells.forcesOfCells())
+        if (search.isOfMeshes(part.solid))
+            state.facets.add(scene, part.solid, middleOf(scene.grid, part.node), -unit<Dim>(part.force, 0.0),
+                             scene.dt * part.force);
 }
 
 // Tells the shared cells where groups press on each other.

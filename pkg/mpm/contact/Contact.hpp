@@ -4,6 +4,7 @@
 
 #include "mpm/contact/CarriedForces.hpp"
 #include "mpm/contact/ContactImpulses.hpp"
+#include "mpm/contact/FacetImpulses.hpp"
 #include "mpm/scene/Scene.hpp"
 
 #include <map>
@@ -28,7 +29,8 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
         }
     };
     std::vector<PairLaw> pairs;
-    std::vector<double> impulses; // time integrals of the forces since the start
+    std::vector<double> impulses;      // time integrals of the forces since the start
+    std::vector<double> facetImpulses; // see FacetImpulses
     EdgeMotions edgeMotions;
 
     // Of the last step.
@@ -58,6 +60,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
         ContactSearch<Dim> search;
         ContactImpulses<Dim> impulses;
         CarriedForces<Dim> carried;
+        FacetImpulses<Dim> facets;
         // What implicit bodies answer on their own side of each contact node, for velocities made anew.
         struct Own {
             bool is[2] = {false, false};
@@ -79,6 +82,7 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     }
     template <int Dim> State<Dim>& found(const Scene<Dim>& scene);
     template <int Dim> static void touch(Scene<Dim>& scene, const ContactSearch<Dim>& search);
+    template <int Dim> void addToFacets(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void recordShared(const Scene<Dim>& scene);
     template <int Dim> void tie(Scene<Dim>& scene);
     template <int Dim>

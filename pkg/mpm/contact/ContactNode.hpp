@@ -63,7 +63,10 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
 };
 
 // A vertex of a mesh at the surface of the other group, between nodes that both move.
-template <int Dim> struct ContactPoint : ContactSite<Dim>, SurroundingNodes<Dim> {};
+template <int Dim> struct ContactPoint : ContactSite<Dim>, SurroundingNodes<Dim> {
+    int side = 0, body = -1, vertex = -1; // the group whose mesh it belongs to, that body, and its vertex
+    Vec<Dim> position = Vec<Dim>::Zero();
+};
 
 // What is told of a contact node after a step.
 struct ContactRecord {

@@ -19,6 +19,9 @@ template <int Dim> class ContactSearch {
     // before. Where they are, all has to be found anew.
     void findAhead(const Scene<Dim>& scene, const SearchRule& rule);
     bool isFound(const Scene<Dim>& scene) const { return step_ == scene.step; }
+    // Whether a group is of meshes alone, as it was last found; and the surface of a body.
+    bool isOfMeshes(int group) const { return isExplicit_[group] && !hasOutline_[group]; }
+    const ExplicitSurface<Dim>& surfaceOf(int body) const { return pair_.surfaces[body]; }
 
   private:
     long step_ = -1;

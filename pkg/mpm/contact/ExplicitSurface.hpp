@@ -21,6 +21,7 @@ template <int Dim> class ExplicitSurface {
         double size, extent;        // m2, the size of that vector, and the area of the part
         SurroundingNodes<Dim> around;
         Vec<Dim> across = Vec<Dim>::Zero(); // m2, of the part: facets of a mesh that stand across an axis
+        int number = -1;                    // of a vertex of a mesh
 
         // What a surface has left of its area when its directions are added up: 1 for a plane, less at an
         // edge.
@@ -44,6 +45,13 @@ template <int Dim> class ExplicitSurface {
             for (int v : facet)
                 if (place_[v] >= 0)
                     f(near[place_[v]], areaOf(body.domains->mesh()->vertexPositions(), facet) / facets_.size);
+    }
+
+    // Of a mesh, as it was last found.
+    const BoundaryFacets<Dim>& facets() const { return facets_; }
+    // f(number of the facet) for the facets at a vertex.
+    template <class F> void forFacetsAt(int vertex, F&& f) const {
+        for (int i = firstAt_[vertex]; i < firstAt_[vertex + 1]; ++i) f(facetsAt_[i]);
     }
 
   private:
@@ -101,6 +109,7 @@ template <int Dim> class ExplicitSurface {
                     if (std::abs(part[k]) > standsAcross * area) vertex.across[k] += area;
             }
             vertex.size = vertex.outward.norm();
+            vertex.number = v;
             place_[v] = int(near.size());
             near.push_back(vertex);
         }

@@ -55,16 +55,18 @@ typename PairSearch<Dim>::Vertex withoutPlanes(const PairSearch<Dim>& pair,
 template <int Dim> struct SmoothVertices {
     using Vertex = typename PairSearch<Dim>::Vertex;
     std::vector<Vertex> all;
-    std::vector<int> bin;
+    std::vector<int> bin, body; // body: its number in the scene
     Bins bins;
 
     SmoothVertices(PairSearch<Dim>& pair, int side) {
         if (!pair.isExplicit[side]) return;
         pair.forSurfaces(side, [&](const Body<Dim>&, const ExplicitSurface<Dim>& surface) {
+            const int number = int(&surface - pair.surfaces.data());
             for (const Vertex& near : surface.near) {
                 const Vertex vertex = pair.ownsFacets ? withoutPlanes(pair, near) : near;
                 if (!vertex.isFlatter(edgeFlatness)) continue;
                 all.push_back(vertex);
+                body.push_back(number);
                 bin.push_back(pair.nearby.number(vertex.node));
             }
         });
@@ -72,6 +74,7 @@ template <int Dim> struct SmoothVertices {
     }
     bool isEmpty() const { return all.empty(); }
     const Vertex& at(int place) const { return all[bins.point(place)]; }
+    int bodyAt(int place) const { return body[bins.point(place)]; }
 };
 
 // Boxes as a node sees them, less those faces of them that lie on a plane of symmetry.
@@ -223,6 +226,10 @@ template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoi
                             ? distanceOfMesh(pair, own, vertices[1 - side], point.normal)
                             : distanceOfBoxes(pair, own, side);
             if (side == 1) point.normal = -point.normal;
+            point.side = side;
+            point.body = vertices[side].bodyAt(v);
+            point.vertex = own.number;
+            point.position = own.position;
             if (std::abs(point.gap) > furthest * h) continue;
             static_cast<SurroundingNodes<Dim>&>(point) = own.around;
             for (int contact : point.contact) (*pair.nodes)[contact].hasPoints = true;

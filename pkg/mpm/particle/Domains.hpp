@@ -75,6 +75,18 @@ template <int Dim> class MPM_PUBLIC Domains {
                              std::vector<int>& touched) const = 0;
     // Weights and gradients of one particle, by the plain definition.
     virtual void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const = 0;
+    // each(node, force) for the forces of the stresses and of hourglass control on the nodes, kN; after locate(). The
+    // stress of bodies that act by cells is not all in it. One thread.
+    virtual void internalForces(const std::function<void(int, const Vec<Dim>&)>& each) {
+        for (int p = 0; p < particles.size(); ++p) {
+            Mat<Dim> tension;
+            for (int i = 0; i < Dim; ++i)
+                for (int j = 0; j < Dim; ++j)
+                    tension(i, j) = -particles.volume.plane()[p] *
+                                    particles.stress.plane(3 * std::min(i, j) + std::max(i, j))[p];
+            weights(p, [&](int node, double, const Vec<Dim>& gradient) { each(node, tension * gradient); });
+        }
+    }
     virtual size_t bytes() const { return 0; } // of memory
 
     // --- what only some types have; nullptr: not this one -------------------------------------------

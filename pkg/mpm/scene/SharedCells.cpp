@@ -123,6 +123,7 @@ template <int Dim> void SharedCells<Dim>::clear() {
     givers_.clear();
     forces_.clear();
     across_.clear();
+    ofCells_.clear();
     takers_.clear();
     fullness_.clear();
 }
@@ -465,6 +466,7 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
     Grid<Dim>& grid = scene.grid;
     forces_.clear();
     across_.clear();
+    ofCells_.clear();
     for (const Giver& giver : givers_) {
         double stress = 0; // mean one that acts on its corners, kPa
         for (const Part& to : giver.to) {
@@ -487,7 +489,9 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
                 if (isSolid_[g]) forces_.push_back({soil, g, node, force});
                 sum += force;
             }
-            if (isSolid_[g] && !sum.isZero(0)) addAcross(grid, giver.cell, soil, g, sum);
+            if (!isSolid_[g] || sum.isZero(0)) continue;
+            addAcross(grid, giver.cell, soil, g, sum);
+            ofCells_.push_back({soil, g, giver.cell, sum});
         }
     }
 }

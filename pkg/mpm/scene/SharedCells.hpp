@@ -68,6 +68,8 @@ template <int Dim> class SharedCells {
     const std::vector<Force>& forces() const { return forces_; }
     // The same forces, cell by cell, where they act across the surface: on nodes that have volumes of both.
     const std::vector<Force>& forcesAcross() const { return across_; }
+    // The same, as the sum of each cell: `node` is its number.
+    const std::vector<Force>& forcesOfCells() const { return ofCells_; }
 
     // Takes note that the groups press on each other at a node; and then lets takers close, from the next step on.
     void touch(int node) {
@@ -141,7 +143,7 @@ template <int Dim> class SharedCells {
     std::map<int, Taker> takers_;
     std::map<int, double> fullness_; // of cells that were asked for
     std::map<int, double> gaps_;     // of the takers, over their volume: opened since they were closed
-    std::vector<Force> forces_, across_;
+    std::vector<Force> forces_, across_, ofCells_;
 };
 
 template <int Dim>

@@ -20,7 +20,9 @@ from .balance import (
     unseenEnergy,
     workDone,
 )
+from .facePressure import FacePressure, facePressure
 from .forces import meanStressAlong, sectionForce, stripes, unbalancedRatio
+from .sections import SectionForces, bendingMoment, normalForce, sectionForces, shearForce
 from .shapes import (
     convertedCount,
     cornerJacobians,
@@ -59,4 +61,11 @@ __all__ = [
     "stripes",
     "unbalancedRatio",
     "sectionForce",
+    "sectionForces",
+    "SectionForces",
+    "bendingMoment",
+    "shearForce",
+    "normalForce",
+    "facePressure",
+    "FacePressure",
 ]

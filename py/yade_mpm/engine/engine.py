@@ -60,7 +60,7 @@ class Engine(Attributed):
 
 
 STATES = {
-    "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses"),
+    "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses", "facetImpulses"),
     "RigidContact": (
         "frictionWork",
         "bodyWork",

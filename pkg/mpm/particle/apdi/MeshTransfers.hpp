@@ -53,11 +53,30 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     // Domains -> vertices -> nodes.
     void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
                 bool withForce) override {
+        if (!isCleared_) carried_.clear(region);
+        sumAtVertices(region, inertiaScale, withForce, particles.hasBodyForce && withForce);
+        carried_.toNodes(region, mesh_.vertices, nodes, 1 / inertiaScale);
+    }
+
+    void internalForces(const std::function<void(int, const Vec<Dim>&)>& each) override {
+        ParallelRegion alone;
+        carried_.clear(alone);
+        sumAtVertices(alone, 1, true, false);
+        alone.rethrow();
+        const auto force = carried_.template planes<Dim>(Carried::force);
+        for (int v = 0; v < mesh_.vertices.size(); ++v) {
+            Vec<Dim> its;
+            for (int k = 0; k < Dim; ++k) its[k] = force[k][v];
+            forNodes(v, [&](int node, double part, double S) { each(node, part * S * its); });
+        }
+    }
+
+  private:
+    // What the domains give to their vertices, which have to be clear.
+    void sumAtVertices(ParallelRegion& region, double inertiaScale, bool withForce, bool hasBodyForce) {
         const Planes q(particles);
         const auto stress = Base::stressPlanes();
-        const bool hasBodyForce = particles.hasBodyForce && withForce;
         const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
-        if (!isCleared_) carried_.clear(region);
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
             const Shapes d(batch, mesh_.vertices.position, skew_);
             GivenByDomains<Dim> given;
@@ -84,9 +103,9 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
                                        MPM_INLINE_LAMBDA { return d.w[a][p] * given.bodyForce[k][p]; });
             }
         });
-        carried_.toNodes(region, mesh_.vertices, nodes, 1 / inertiaScale);
     }
 
+  public:
     // Nodes -> vertices -> domains, and back with what the domains have then.
     void move(ParallelRegion& region, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
               const Move& how) override {

@@ -18,6 +18,8 @@ UGIMP, APDI, BSpline, ParticleType                               particle types
 ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of every step, in this order
 VelocityRemap, ImplicitBodies  added by the scene: behind GridToParticle; GridSolver (implicit bodies)
 BoundaryLoad, Contact, RigidContact, UniformAlong                engines that may be added
+Spring, Strut, Anchor, Force, SurfaceLoad                        for scene.attach
+PointForce                     what Force returns
 Drive, Hold                    prescribed motions, given to the GridSolver
 inYade                         puts a scene into YADE, on one clock
 Recorder, History, PyRunner    files for ParaView, columns over time, callbacks
@@ -60,6 +62,7 @@ from .engine.callback import PyRunner
 from .engine.gridSolver import GridSolver
 from .engine.prescribed import Drive, Hold
 from .engine.rigidContact import RigidContact
+from .engine.supports import Anchor, Force, PointForce, Spring, Strut, SurfaceLoad
 from .geometry.mesh import Mesh
 from .geometry.meshInput import meshFromArrays, meshFromFile
 from .geometry.meshRows import inRows

@@ -11,6 +11,10 @@ from .app.parameters import Parameters as Parameters
 from .diagnostics.certificate import Certificate as Certificate
 from .diagnostics.certificate import quasiStatic as quasiStatic
 from .diagnostics.certificate import rateSensitivity as rateSensitivity
+from .diagnostics.facePressure import FacePressure as FacePressure
+from .diagnostics.facePressure import facePressure as facePressure
+from .diagnostics.sections import SectionForces as SectionForces
+from .diagnostics.sections import sectionForces as sectionForces
 from .engine.boundaryLoad import BoundaryLoad as _BoundaryLoad
 from .engine.callback import PyRunner as PyRunner
 from .engine.contact import Contact as _Contact
@@ -19,6 +23,12 @@ from .engine.gridSolver import GridSolver as _GridSolver
 from .engine.prescribed import Drive as Drive
 from .engine.prescribed import Hold as Hold
 from .engine.rigidContact import RigidContact as _RigidContact
+from .engine.supports import Anchor as Anchor
+from .engine.supports import Force as Force
+from .engine.supports import PointForce as _PointForce
+from .engine.supports import Spring as _Spring
+from .engine.supports import Strut as Strut
+from .engine.supports import SurfaceLoad as _SurfaceLoad
 from .geometry.mesh import Mesh as Mesh
 from .geometry.meshInput import meshFromArrays as meshFromArrays
 from .geometry.meshInput import meshFromFile as meshFromFile
@@ -420,6 +430,25 @@ class ParticleToGrid(Engine):
     ) -> None: ...
 
 
+class PointForce(_PointForce):
+    """Force on a point of a body, constant or over time."""
+
+    body: str
+    at: float | Sequence[float]
+    table: float | Sequence[float]
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        body: str = '',
+        at: float | Sequence[float] = (),
+        table: float | Sequence[float] = (),
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
 class RigidContact(_RigidContact):
     """Frictional contact of rigid bodies with all bodies of the scene: penalty, Coulomb friction with history."""
 
@@ -443,6 +472,65 @@ class RigidContact(_RigidContact):
         friction: float | Sequence[float] = (),
         adhesion: float | Sequence[float] = (),
         stiffness: float | None = None,
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class Spring(_Spring):
+    """Spring from a point of a body to a fixed point or to a point of another body."""
+
+    body: str
+    at: float | Sequence[float]
+    to: float | Sequence[float]
+    toBody: str
+    stiffness: float | None
+    prestress: float
+    limit: float | None
+    only: Literal['', 'tension', 'compression']
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        body: str = None,
+        at: float | Sequence[float] = None,
+        to: float | Sequence[float] = None,
+        width: Any = None,
+        *,
+        toBody: str = '',
+        stiffness: float | None = None,
+        prestress: float = 0.0,
+        limit: float | None = None,
+        only: Literal['', 'tension', 'compression'] = '',
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class SurfaceLoad(_SurfaceLoad):
+    """Pressure or traction on the free surface of the ground, on boxes, too."""
+
+    bodies: float | Sequence[float]
+    lower: float | Sequence[float]
+    upper: float | Sequence[float]
+    pressure: float
+    traction: float | Sequence[float]
+    table: float | Sequence[float]
+    follows: bool
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        body: Any = None,
+        where: Any = None,
+        *,
+        bodies: float | Sequence[float] = (),
+        lower: float | Sequence[float] = (),
+        upper: float | Sequence[float] = (),
+        pressure: float = 0.0,
+        traction: float | Sequence[float] = (),
+        table: float | Sequence[float] = (),
+        follows: bool = False,
         label: str = '',
         dead: bool = False,
     ) -> None: ...

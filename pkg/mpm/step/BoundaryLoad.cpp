@@ -2,6 +2,7 @@
 // Tractions and pressures on the boundary edges (faces) of APDI domains, mapped through their vertices.
 #include "mpm/scene/Scene.hpp"
 #include "mpm/state/facets.hpp"
+#include "mpm/step/timeTable.hpp"
 
 #include <Eigen/Geometry>
 
@@ -46,19 +47,6 @@ std::vector<ShareOfFacet<3>> sharesOfFacet(const std::vector<Vec<3>>& X) {
         }
     }
     return shares;
-}
-
-// Row of a table (time, values...) at a time: linear between rows, the first and last value outside.
-std::vector<double> rowAt(const std::vector<double>& table, size_t width, double time) {
-    const size_t rows = table.size() / width;
-    size_t next = 0;
-    while (next < rows && table[next * width] <= time) ++next;
-    const size_t above = std::min(next, rows - 1), below = next > 0 ? next - 1 : 0;
-    const double *first = &table[below * width], *last = &table[above * width];
-    const double share = above > below ? (time - first[0]) / (last[0] - first[0]) : 0;
-    std::vector<double> values;
-    for (size_t k = 1; k < width; ++k) values.push_back(first[k] + share * (last[k] - first[k]));
-    return values;
 }
 
 } // namespace
@@ -155,16 +143,8 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
         if (traction.empty()) traction.assign(Dim, 0.0);
         require(int(traction.size()) == Dim, "BoundaryLoad: traction has ", traction.size(),
                 " components; give ", Dim);
-        checkTable("pressureTable", pressureTable, 2);
-        checkTable("tractionTable", tractionTable, 1 + Dim);
-    }
-
-    static void checkTable(const char* name, const std::vector<double>& table, size_t width) {
-        require(table.size() % width == 0, "BoundaryLoad: ", name, " has ", table.size(),
-                " numbers; give rows of ", width, ", the time first");
-        for (size_t row = width; row < table.size(); row += width)
-            require(table[row] > table[row - width], "BoundaryLoad: times in ", name, " go from ",
-                    table[row - width], " to ", table[row], " s; give rows in the order of time");
+        checkTable("BoundaryLoad", "pressureTable", pressureTable, 2);
+        checkTable("BoundaryLoad", "tractionTable", tractionTable, 1 + Dim);
     }
 
     template <int Dim>

@@ -8,11 +8,13 @@ from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.contact import Contact
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
+from ..engine.supports import PointForce, Spring, SurfaceLoad
 from ..material.materials import MaterialPoint
 from ..material.spatial import largestOf
 from . import limits
 from .touching import contactMistakes
 
+LOADS = BoundaryLoad, Spring, PointForce, SurfaceLoad
 UNIT_WEIGHTS = 12, 30  # kN/m3; in Mg/m3 only the heaviest metals are that dense
 STEEPEST = 0.96  # rad, 55 degrees; dense angular gravel has 50
 HARDEST = 1e4  # kPa; clay has up to some hundred, soft rock some thousand
@@ -89,7 +91,7 @@ def _overlap(scene, contact):
 
 def _isMoved(scene):
     """Whether anything else sets the bodies in motion: a velocity, a body force, a load, a stress."""
-    isLoaded = any(isinstance(e, (BoundaryLoad, RigidContact, Contact)) for e in scene.engines)
+    isLoaded = any(isinstance(e, (*LOADS, RigidContact, Contact)) for e in scene.engines)
     return isLoaded or any(
         b.velocity.any() or b.stress.any() or ("bodyForce" in b.fieldNames and b.bodyForce.any())
         for b in scene.bodies
@@ -108,8 +110,8 @@ def _leftOut(scene):
             )
         else:
             yield (
-                f"BoundaryLoad: the load on '{part.body}' is not among the engines and does nothing; add it "
-                "behind ParticleToGrid (USF: "
+                f"{type(part).__name__}: the load on '{part.body}' is not among the engines and does "
+                "nothing; add it behind ParticleToGrid (USF: "
                 f"DomainUpdater), with dead=True if it is for later"
             )
 

@@ -59,7 +59,11 @@ class Engine(Attributed):
         return NO_CALL
 
 
+FOUND_OF_A_FORCE = ("force", "impulse", "work")
 STATES = {
+    "Spring": ("ids", "parts", "toIds", "toParts", "starts", "length", "slip", *FOUND_OF_A_FORCE),
+    "PointForce": ("ids", "parts", *FOUND_OF_A_FORCE),
+    "SurfaceLoad": FOUND_OF_A_FORCE,
     "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses", "facetImpulses"),
     "RigidContact": (
         "frictionWork",

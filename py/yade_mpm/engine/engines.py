@@ -9,11 +9,10 @@ from .engine import Engine, generated
 from .gridSolver import GridSolver
 from .prescribed import Drive, Hold, Prescribed
 from .rigidContact import RigidContact
+from .supports import PointForce, Spring, SurfaceLoad
 
-classes = {
-    **generated,
-    **{own.__name__: own for own in (GridSolver, BoundaryLoad, RigidContact, Contact, PyRunner)},
-}
+OWN = (GridSolver, BoundaryLoad, RigidContact, Contact, PyRunner, Spring, PointForce, SurfaceLoad)
+classes = {**generated, **{own.__name__: own for own in OWN}}
 __getattr__ = classAttribute(classes)
 classes["GridToParticle"]._gone = {
     "transfer": "leave it out: 'flip' is all there is, for 'affine' made energy from nothing "

@@ -6,6 +6,7 @@ import math
 from .. import diagnostics
 from ..engine.contact import Contact
 from ..engine.prescribed import Drive, Hold
+from ..engine.supports import PointForce, Spring, SurfaceLoad
 
 STANDARD = {  # name -> (unit in 3D, function of the scene)
     "time": ("s", lambda scene: scene.time),
@@ -51,6 +52,7 @@ def measured(scene, means, initialEnergy):
         if name == "particles":
             row.update(_reactions(scene, means))
             row.update(_contacts(scene, means))
+            row.update(_supports(scene, means))
         elif name == "mass":
             momentum = diagnostics.momentum(scene)
             row.update((f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", momentum))
@@ -98,6 +100,27 @@ def _contacts(scene, means):
     return row
 
 
+def _supports(scene, means):
+    """Force of every spring, and of forces and loads."""
+    row, axes = {}, "xyz"[: scene.dim]
+    for engine in _supportsOf(scene):
+        if isinstance(engine, Spring):
+            row[f"{engine.label}.force"] = ("kN", *means.get(_nameOfSupport(engine), [engine.force]))
+        else:
+            force = means.get(_nameOfSupport(engine), engine.force or [0.0] * scene.dim)
+            row.update((f"{engine.label}.f{axis}", ("kN", f)) for axis, f in zip(axes, force))
+    return row
+
+
+def _supportsOf(scene):
+    kinds = Spring, PointForce, SurfaceLoad
+    return [engine for engine in scene.engines if isinstance(engine, kinds) and engine.label]
+
+
+def _nameOfSupport(engine):
+    return f"{type(engine).__name__} {engine.label}"
+
+
 def _contactOf(scene):
     """The Contact among the engines of a scene, or None."""
     return next((e for e in scene.engines if isinstance(e, Contact) and not e.dead), None)
@@ -118,6 +141,11 @@ def timeIntegrals(scene):
         integrals.update(
             (_nameOf(pair), impulse.tolist()) for pair, impulse in contact.forceImpulses().items()
         )
+    for engine in _supportsOf(scene):
+        if isinstance(engine, Spring):
+            integrals[_nameOfSupport(engine)] = [engine.impulse]
+        else:
+            integrals[_nameOfSupport(engine)] = list(engine.impulse or [0.0] * scene.dim)
     return integrals
 
 

@@ -20,6 +20,7 @@ from ..material.materials import Material
 from ..particle.body import Body
 from ..particle.types import Boxes, ParticleType, classes
 from . import choices
+from .filling import above, bodiesBelow
 from .hybrid import addHybrid
 from .running import refuseDuringStep
 
@@ -51,6 +52,7 @@ def add(
     implicit: bool | None = None,
     exclude: RigidContact | None = None,
     flow: Region | tuple | None = None,
+    on: Body | tuple | None = None,
 ) -> Body:
     """Adds a body and returns it. What is left out the scene chooses, and `describe` tells why.
 
@@ -81,6 +83,9 @@ def add(
         (`mpm.geotech.flowRegion` finds one by a coarse run). Boxes are made there, and elsewhere a mesh with
         edges of a cell, in a body of its own, "NAME (mesh)", whose edges beside the boxes match them. In
         place of `particles`. Default None: all of the body is of one type.
+    on : Body, or several, whose surface a lift of fill is put on: the region may reach into them, and boxes
+        are cut where the surface is now, heaved or settled. Of boxes only. Default None: bodies that overlap
+        are refused.
 
     Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
@@ -91,7 +96,7 @@ def add(
             raise ValueError(f"body '{name}': particles and flow are given together; flow chooses them")
 
         def part(its, where, kind):
-            return add(scene, its, where, material, kind, inertiaScale, fbar, group, implicit, exclude)
+            return add(scene, its, where, material, kind, inertiaScale, fbar, group, implicit, exclude, on=on)
 
         return addHybrid(scene, name, region, flow, part)
     chosen = {}
@@ -107,15 +112,18 @@ def add(
         group, chosen["group"] = "main", "in no contact"
     with scene._holder.held("add"):
         options = inertiaScale, fbar, group, bool(implicit) if implicit is None else implicit
-        body = _added(scene, name, region, material, particles, options, exclude)
+        body = _added(scene, name, region, material, particles, options, exclude, on)
         for one in [body] if body.convertsTo is None else [body, scene[body.convertsTo]]:
             keep(one, _chosen=dict(chosen))
         choices.update(scene)
     return body
 
 
-def _added(scene, name, region, material, type, options, exclude=None):
+def _added(scene, name, region, material, type, options, exclude=None, on=None):
+    below = [] if on is None else bodiesBelow(scene, name, on)
     geometry = type._geometry(region, scene, name)
+    if below:
+        geometry = above(geometry, below, name)
     if not isinstance(geometry, tuple) and geometry.dim != scene.dim:
         raise ValueError(
             f"body '{name}': the mesh is {geometry.dim}D, the scene {scene.dim}D; give one in {scene.dim}D"
@@ -128,7 +136,7 @@ def _added(scene, name, region, material, type, options, exclude=None):
     try:
         build(body, geometry)
         material._giveTo(body)
-        for other in scene.bodies[:-1]:
+        for other in (one for one in scene.bodies[:-1] if one not in below):
             checkOverlap(other.name, *_innerBoxes(other), name, *_innerBoxes(body))
     except Exception:
         drop(scene, body)

@@ -28,7 +28,7 @@ def toMesh(scene, body, numbers, type, name, tolerance):
     other.isDamped = body.isDamped
     build(other, mesh)
     _copy(body, other, numbers)
-    _remove(body, numbers)
+    dropBoxes(body, numbers)
     if type._core.converts:
         addConverted(scene, other)
     return other
@@ -73,7 +73,7 @@ def _copy(body, other, numbers):
     other._core.massesChanged()
 
 
-def _remove(body, numbers):
+def dropBoxes(body, numbers):
     """Takes particles out of a body of boxes, and groups the others anew."""
     core, stays = body._core, np.setdiff1d(np.arange(body.count), numbers)
     left = {}

@@ -4,19 +4,28 @@
 import numpy as np
 
 from ..base.attributes import keep
+from ..base.warn import warnUser
 from ..base.wording import shown
-from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.gridSolver import GridSolver
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
+from ..engine.supports import PointForce, Spring
+from ..geometry.region import Region
 from ..particle.body import Body
 from ..particle.types import Boxes, MeshedType, classes
 from .adding import build, drop, newBody
+from .convertingToMesh import dropBoxes
+from .filling import LEAST_SHARE
 from .running import refuseDuringStep, refuseMidStep
 
+SAMPLES = 8  # along each edge of a box, to find what of it a region holds
 
-def remove(scene, body: Body) -> None:
-    """Takes all particles of a body out of the scene, between two runs: an excavation.
+
+def remove(scene, body: Body | None = None, region: Region | None = None) -> float:
+    """Takes a body, or what is in a region, out of the scene between two runs: an excavation.
+
+        scene.remove(region=mpm.box((8, 6), (16, 8)))  # the ground there, of whatever layer
+        scene.remove(fill)  # a whole body
 
     Weight, stress and momentum of the body are gone with the next step, and its weight counts no more in
     `initialStress`. The body itself stays in `scene.bodies`, empty, and its name is not free: contact and
@@ -25,14 +34,21 @@ def remove(scene, body: Body) -> None:
 
     Parameters
     ----------
-    body : Body of this scene.
+    body : Body of this scene; default None: all that yield, so that walls and props stay.
+    region : Region; default None: all of the body. Boxes that its edge cuts keep the mass, the volume and
+        the centre of what is left of them; of a mesh whole domains go, by their centre, and a warning says
+        how many are cut.
 
-    Raises ValueError for a body of another scene, one that a Drive or a BoundaryLoad is for,
-    and in scenes with a RigidContact; TypeError for what is no body; RuntimeError during a step.
+    Returns the mass that was taken out, Mg (2D: per metre). Raises ValueError for a body of another scene,
+    one that a Drive, a BoundaryLoad, a Spring or a Force is for, and in scenes with a RigidContact; TypeError
+    for what is no body; RuntimeError during a step.
     """
     refuseDuringStep(scene, "remove")
     refuseMidStep(scene, "remove")
+    if region is not None or body is None:
+        return _removeRegion(scene, body, region)
     _check(scene, body)
+    mass = float(body.mass.sum())
     with scene._holder.held("remove"):
         empty = Boxes(np.zeros((0, scene.dim)), scene.cell / 4)
         if isinstance(body.type, MeshedType):
@@ -41,14 +57,97 @@ def remove(scene, body: Body) -> None:
             build(body, empty)
         scene._geostaticLayers.pop(body.name, None)
         scene.stepper.noteChange()
+    return mass
 
 
-def _dropDomains(scene, body, empty):
+def _removeRegion(scene, body, region):
+    if not isinstance(region, Region) or region.dim != scene.dim:
+        raise TypeError(
+            f"Scene: remove(region={shown(region)}); give a region of {scene.dim} dimensions, or a body"
+        )
+    bodies = [body] if body is not None else [b for b in scene.bodies if b.material._core.yields]
+    found = [(one, *_partsOutside(one, region)) for one in bodies if isinstance(one, Body) and one.count]
+    found = [(one, share, centre) for one, share, centre in found if (share < 1).any()]
+    if not found:
+        names = ", ".join(repr(b.name) for b in bodies) or "a body that yields"
+        raise ValueError(
+            f"Scene: remove: no particle of {names} is in {shown(region)}; give another region or the body"
+        )
+    for one, share, _ in found:
+        _check(scene, one)
+        _refuseHeld(scene, one, one.id[share < 1])
+    mass = 0.0
+    for one, share, centre in found:
+        before = float(one.mass.sum())
+        if (share < LEAST_SHARE).all():
+            remove(scene, one)
+        else:
+            with scene._holder.held("remove"):
+                _removeParts(scene, one, region, share, centre)
+                scene.stepper.noteChange()
+        mass += before - float(one.mass.sum())
+    return mass
+
+
+def _partsOutside(body, region):
+    """Of each particle the part outside of a region, -, and the centre of that part, m (N, dim)."""
+    dim = body.scene.dim
+    if isinstance(body.type, MeshedType):
+        return np.where(region.contains(body.position), 0.0, 1.0), body.position
+    half = body.halfSize * np.abs(np.diagonal(body.deformationGradient, axis1=1, axis2=2)[:, :dim])
+    share, centre = np.zeros(body.count), np.zeros((body.count, dim))
+    for step in np.ndindex(*[SAMPLES] * dim):
+        points = body.position + ((2 * np.array(step) + 1) / SAMPLES - 1) * half
+        isOut = ~region.contains(points)
+        share += isOut / SAMPLES**dim
+        centre += isOut[:, None] * points / SAMPLES**dim
+    return share, np.where(share[:, None] > 0, centre / np.maximum(share, 1e-9)[:, None], body.position)
+
+
+def _removeParts(scene, body, region, share, centre):
+    gone = np.flatnonzero(share < LEAST_SHARE)
+    if isinstance(body.type, MeshedType):
+        lower, upper = body.corners().min(axis=1), body.corners().max(axis=1)
+        cut = region.contains(lower[gone]) & region.contains(upper[gone])
+        if not cut.all():
+            warnUser(
+                f"body '{body.name}': remove: the region cuts {(~cut).sum()} domains of its mesh, which go "
+                "whole; end it where domains end, or use boxes there"
+            )
+        _dropDomains(scene, body, Boxes(np.zeros((0, scene.dim)), scene.cell / 4), gone)
+        return
+    part = np.flatnonzero((share >= LEAST_SHARE) & (share < 1))
+    for name in ("mass", "volume", "initialVolume"):
+        getattr(body, name)[part] *= share[part]
+    body.reference[part] += centre[part] - body.position[part]
+    body.position[part] = centre[part]
+    if len(gone):
+        dropBoxes(body, gone)
+    body._core.massesChanged()
+
+
+def _refuseHeld(scene, body, ids):
+    """Springs and forces act on particles by their ids."""
+    for engine in (e for e in scene.engines if isinstance(e, (Spring, PointForce))):
+        for name, own in (("body", "ids"), ("toBody", "toIds")):
+            held = getattr(engine, own, ()) if getattr(engine, name, None) == body.name else ()
+            if np.isin(ids, np.array(held, int)).any():
+                raise ValueError(
+                    f"body '{body.name}': remove: {type(engine).__name__} '{engine.label}' acts on particles "
+                    "there; call scene.detach of it first"
+                )
+
+
+def _dropDomains(scene, body, empty, numbers=None):
     """Domains leave a mesh by becoming boxes; those go with a body of their own."""
     name = f"{body.name} (removed)"
     boxes = newBody(scene, name, body.material, classes["UGIMP"](), None, 1.0, body.fbar, body.group)
     build(boxes, empty)
-    scene._core.convertDomains(body.name, name, np.arange(body.count, dtype=np.int32))
+    scene._core.convertDomains(
+        body.name,
+        name,
+        np.arange(body.count, dtype=np.int32) if numbers is None else np.asarray(numbers, np.int32),
+    )
     drop(scene, boxes)
     keep(body, mesh=None)
 
@@ -64,7 +163,7 @@ def _check(scene, body):
     for part in scene._loadsAndDrives:
         of = part.part.body.name if isinstance(part, Drive) else part.body
         if of == body.name and id(part) in inUse:
-            what = f"Drive '{part.name}'" if isinstance(part, Drive) else "BoundaryLoad"
+            what = f"Drive '{part.name}'" if isinstance(part, Drive) else type(part).__name__
             raise ValueError(
                 f"{who}: a {what} is for it; take that out of {_place(part)} first, and remove the body then"
             )
@@ -76,4 +175,4 @@ def _check(scene, body):
 
 
 def _place(part):
-    return "scene.engines" if isinstance(part, BoundaryLoad) else "the GridSolver"
+    return "the GridSolver" if isinstance(part, Drive) else "scene.engines"

@@ -16,6 +16,7 @@ from .permissions import Permissions
 from .restoringBodies import buildBodies
 from .restoringEngines import buildEngine
 from .scene import Scene
+from .stages import checkedRows
 
 MOST_SHOWN = 500  # characters of an error from inside
 FAR = 1e300  # steps and seconds: further than any run comes
@@ -112,6 +113,7 @@ def _build(spec, arrays, callbacks, permissions, file):
         spec["checked"], spec["estimatedAt"], spec.get("estimatedStiffness", {}), spec.get("automaticDt")
     )
     scene._changesNoted.restore(scene, spec.get("changes", []))
+    scene._stages.extend(checkedRows(spec.get("stages", [])))
     _warn(scene, spec, file)
     return scene
 

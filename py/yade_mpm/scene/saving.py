@@ -102,6 +102,7 @@ def describe(scene):
         "settling": scene._dampingAfterSettling,
         "restedAt": scene._restedAt,
         "changes": scene.changes,
+        "stages": scene.stages,
         "materials": [{"class": type(m).__name__, "attributes": m.attributes()} for m in materials],
         "types": [_describeType(t) for t in types],
         "bodies": [

@@ -23,6 +23,7 @@ from ..particle.body import Body
 from . import asking, display
 from .adding import Bodies, add
 from .asked import Asked
+from .attaching import attach, detach
 from .changes import Changes
 from .converting import convert
 from .describing import describe
@@ -47,6 +48,7 @@ from .running import (
 )
 from .saving import save
 from .settling import settle, unbalancedForce
+from .stages import stage
 from .stepper import Stepper
 
 MOST_THREADS = 1024
@@ -133,6 +135,7 @@ class Scene(Guarded):
 
     # Methods that have a file of their own.
     add, remove = add, remove
+    attach, detach, stage = attach, detach, stage
     fix, roller, contact, drive = asking.fix, asking.roller, contact, asking.drive
     load = asking.load
     record, history, quasiStatic = asking.record, asking.history, asking.quasiStatic
@@ -188,6 +191,8 @@ class Scene(Guarded):
             _asked=Asked(),  # engines that calls of the scene have edited
             _contactPairs=[],  # that calls of contact have named
             _changesNoted=Changes(),
+            _stages=[],  # rows of the stages that have ended
+            _stage=None,  # name of the one that goes on
             _lastCheckpoint=None,  # (name, stamp) of the file
             _warnedOf=set(),  # faults of the domains that runs have told
         )
@@ -257,6 +262,11 @@ class Scene(Guarded):
         and each checkpoint looks what is other than before. Checkpoints and the files of recorders have
         it."""
         return list(self._changesNoted.all)
+
+    stages = property(
+        lambda self: [dict(row, values=dict(row["values"])) for row in self._stages],
+        doc="Stages that have ended (`stage`): list of dicts with name, begin and end (s), values.",
+    )
 
     @property
     def gravity(self) -> np.ndarray:

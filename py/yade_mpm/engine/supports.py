@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Props, struts, anchors and forces on points of bodies, and loads on the surface of the ground."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.wording import shown
+from ..geometry.numbers import placeText
+from ..particle.body import Body
+from .engine import generated
+
+FIRM = 1e6  # weight of "the parts add up to one" against "they do so around the point"
+
+
+class Spring(generated["Spring"]):
+    __doc__ = (
+        generated["Spring"].__doc__
+        + """
+
+        prop = mpm.Spring(wall, at=(8.0, 7.0), to=(16.0, 7.0), stiffness=2e4, label="prop")
+        scene.attach(prop)
+        scene.run(until=10)
+        prop.force, history["prop.force"]  # kN, tension positive
+
+to : its other end: a point that is fixed, or (body, point).
+width : m, particles of a body up to half of it from the point take the force, so that it acts on the point;
+    default: a cell of the grid.
+
+It begins with the step after `scene.attach`, with its prestress and no elongation. `limit` makes it yield,
+`only="tension"` slack under compression. In 2D a row of props has a stiffness and forces per metre. Results:
+`force` kN, tension positive, `impulse` kN s, `work` kJ, `slip` m. The force follows from the positions at the
+start of a step: a stiffness that the nodes cannot follow ends the run at once, and the error names one."""
+    )
+
+    _fixed = ("body", "at", "to", "toBody")
+
+    def __init__(
+        self,
+        body: Body | None = None,
+        at: Sequence[float] | None = None,
+        to: Sequence | None = None,
+        width: float | None = None,
+        **attributes,
+    ) -> None:
+        super().__init__(**attributes)
+        if body is None:  # from a checkpoint
+            return
+        _attach(self, "Spring", body, at, width)
+        if isinstance(to, (tuple, list)) and len(to) == 2 and isinstance(to[0], Body):
+            _attach(self, "Spring", *to, width, other=True)
+            if to[0].scene is not body.scene:
+                raise ValueError(
+                    f"Spring: '{to[0].name}' is in another scene than '{body.name}'; give one of it"
+                )
+        else:
+            self._core.set("to", _point("Spring", "to", to, body.scene.dim))
+        if np.isnan(self._core.value("stiffness") or np.nan):
+            raise ValueError("Spring: stiffness is missing; give kN/m")
+        if np.allclose(self.at, self.to):
+            raise ValueError(f"Spring: at and to are the same point {placeText(self.at)}; give two")
+
+
+def Strut(first: tuple, second: tuple, stiffness: float, **options) -> Spring:
+    """A `Spring` between two bodies, each given as (body, point); options as of `Spring`.
+
+        scene.attach(mpm.Strut((left, (8, 7)), (right, (16, 7)), stiffness=2e4, only="compression"))
+
+    Parameters
+    ----------
+    first, second : (Body, point), m.
+    stiffness : kN/m: E A / length, 2D: over the spacing.
+    """
+    for name, end in (("first", first), ("second", second)):
+        if not (isinstance(end, (tuple, list)) and len(end) == 2 and isinstance(end[0], Body)):
+            raise TypeError(f"Strut: {name} = {shown(end)}; give (body, point), e.g. (wall, (8, 7))")
+    return Spring(*first, to=second, stiffness=stiffness, **options)
+
+
+def Anchor(
+    body: Body,
+    at: Sequence[float],
+    grout: Sequence,
+    soil: Body,
+    stiffness: float,
+    prestress: float = 0.0,
+    limit: float | None = None,
+    **options,
+) -> Spring:
+    """A ground anchor: a `Spring` that bears tension alone, from a body to the grouted length in the soil.
+
+    Parameters
+    ----------
+    body, at : Body and point of the head, m.
+    grout : (start, end), m, of the grouted length; soil up to half a cell from it takes the force, in equal
+        parts.
+    soil : Body that it is in.
+    stiffness : kN/m, of the free length: E A / length, 2D: over the spacing.
+    prestress : kN; default 0.
+    limit : kN, force at which it is pulled out or yields; default: none.
+    """
+    if not isinstance(soil, Body):
+        raise TypeError(f"Anchor: soil = {shown(soil)}; give the body that the grouted length is in")
+    dim = soil.scene.dim
+    if not (isinstance(grout, (tuple, list)) and len(grout) == 2):
+        raise TypeError(f"Anchor: grout = {shown(grout)}; give (start, end), two points")
+    start, end = (np.array(_point("Anchor", "grout", p, dim)) for p in grout)
+    span = end - start
+    part = np.clip((soil.position - start) @ span / max(span @ span, 1e-300), 0, 1)
+    near = np.linalg.norm(soil.position - start - part[:, None] * span, axis=1) <= 0.5 * soil.scene.cell.max()
+    if not near.any():
+        raise ValueError(
+            f"Anchor: no particle of '{soil.name}' is beside the grouted length from {placeText(start)} to "
+            f"{placeText(end)}; give one in that body"
+        )
+    options = {"only": "tension", **options} | ({} if limit is None else {"limit": limit})
+    middle = soil.position[near].mean(axis=0)
+    anchor = Spring(body, at, to=middle.tolist(), stiffness=stiffness, prestress=prestress, **options)
+    anchor._core.set("toBody", soil.name)
+    _take(anchor, "to", soil.id[near], np.full(near.sum(), 1 / near.sum()))
+    return anchor
+
+
+class PointForce(generated["PointForce"]):
+    __doc__ = generated["PointForce"].__doc__ + "\n\nMade by `mpm.Force`."
+    _fixed = ("body", "at")
+
+
+def Force(
+    body: Body,
+    at: Sequence[float],
+    force: ArrayLike | Callable,
+    times: ArrayLike | None = None,
+    width: float | None = None,
+    label: str = "",
+) -> PointForce:
+    """A force on a point of a body, constant or over time.
+
+        scene.attach(mpm.Force(pile, (5, 12), [(0, 0, 0), (1, 40, 0)]))  # 40 kN after 1 s
+
+    Parameters
+    ----------
+    body, at : Body, and its point, m.
+    force : kN (2D: per metre): one component per axis; or rows (time, components), linear between them; or a
+        function of the time, which is made such rows at `times` (checkpoints keep them).
+    times : s, for a function.
+    width : m, see `Spring`.
+    label : name of its columns in a history; default "force".
+
+    Results: `force`, `impulse`, `work`.
+    """
+    made = PointForce(label=label)
+    _attach(made, "Force", body, at, width)
+    made.table = timeRows("Force", "force", force, body.scene.dim, times).ravel().tolist()
+    return made
+
+
+class SurfaceLoad(generated["SurfaceLoad"]):
+    __doc__ = (
+        generated["SurfaceLoad"].__doc__
+        + """
+
+        scene.attach(mpm.SurfaceLoad(soil, (2, 5), pressure=20))             # kPa on x = 2 to 5 m
+        scene.attach(mpm.SurfaceLoad([clay, fill], (2, 5), pressure=20, table=[(0, 0), (1, 1)]))
+
+body : Body, or several, whose highest particles make the surface.
+where : (left, right), m; 3D: ((x, y), (x, y)), two corners in plan.
+
+A line load is one over a narrow strip; for a load on a point of a body take `Force`. The load acts on what is
+in the strip at the time."""
+    )
+    _fixed = ("bodies", "lower", "upper")
+
+    def __init__(self, body=None, where=None, **attributes):
+        if "table" in attributes and attributes["table"] is not None:
+            attributes["table"] = (
+                timeRows("SurfaceLoad", "table", attributes["table"], 1, None).ravel().tolist()
+            )
+        super().__init__(**attributes)
+        if body is None:  # from a checkpoint
+            return
+        bodies = list(body) if isinstance(body, (tuple, list)) else [body]
+        for one in bodies:
+            if not isinstance(one, Body):
+                raise TypeError(f"SurfaceLoad: body = {shown(one)}; give a body, as scene.add returns it")
+        scene = bodies[0].scene
+        numbers = [k for one in bodies for k, other in enumerate(scene.bodies) if other is one]
+        if len(numbers) < len(bodies):
+            raise ValueError("SurfaceLoad: the bodies are in different scenes; give those of one")
+        try:
+            corners = np.reshape(np.asarray(where, float), (2, scene.dim - 1))
+        except (TypeError, ValueError):
+            corners = np.full((2, 1), np.nan)
+        if not (np.isfinite(corners).all() and (corners[0] < corners[1]).all()):
+            wanted = "(left, right)" if scene.dim == 2 else "((x, y), (x, y)), two corners in plan"
+            raise ValueError(f"SurfaceLoad: where = {shown(where)} is not allowed; give {wanted}, m")
+        self._core.set("bodies", [float(k) for k in numbers])
+        self._core.set("lower", corners[0].tolist())
+        self._core.set("upper", corners[1].tolist())
+        self._usedBy = bodies[0].name
+
+
+def timeRows(who, name, given, width, times):
+    """Rows (time, numbers) of a constant, a table or a function of time, (N, 1 + width)."""
+    if callable(given) and times is None:
+        raise ValueError(f"{who}: {name} is a function; give times=..., s, for its table in checkpoints")
+    try:
+        if callable(given):
+            rows = np.column_stack((times, [np.reshape(given(t), width) for t in np.asarray(times, float)]))
+        else:
+            rows = np.asarray(given, float)
+    except (TypeError, ValueError):
+        rows = np.zeros(0)
+    rows = np.concatenate(([0.0], rows))[None] if rows.shape == (width,) else rows
+    if rows.ndim != 2 or rows.shape[1] != 1 + width or not np.isfinite(rows).all():
+        raise ValueError(
+            f"{who}: {name} = {shown(given)} is not allowed; give {width} number(s), or rows of "
+            "the time and these"
+        )
+    if (np.diff(rows[:, 0]) <= 0).any():
+        raise ValueError(f"{who}: {name}: times do not grow; give rows in the order of time")
+    return rows
+
+
+def _point(who, name, given, dim):
+    try:
+        point = np.asarray(given, float)
+    except (TypeError, ValueError):
+        point = np.zeros(0)
+    if point.shape != (dim,) or not np.isfinite(point).all():
+        raise ValueError(f"{who}: {name} = {shown(given)} is not allowed; give a point, {dim} numbers in m")
+    return point.tolist()
+
+
+def _attach(engine, who, body, at, width, other=False):
+    """Gives an engine the particles of a body round a point, with parts whose resultant is at the point."""
+    if not isinstance(body, Body):
+        raise TypeError(f"{who}: body = {shown(body)}; give a body, as scene.add returns it")
+    scene = body.scene
+    at = np.array(_point(who, "at", at, scene.dim))
+    if width is not None and not (isinstance(width, (int, float)) and 0 < width < np.inf):
+        raise ValueError(f"{who}: width = {shown(width)} is not allowed; give a positive length in m")
+    cell = scene.cellSizeAt([at])[0]
+    away = np.abs(body.position - at) / (cell if width is None else width)
+    near = np.flatnonzero((away <= 0.5 + 1e-9).all(axis=1))
+    if not len(near) and body.count:
+        near = np.argsort((((body.position - at) / cell) ** 2).sum(axis=1), kind="stable")[: 2**scene.dim]
+        if (np.abs(body.position[near[0]] - at) > cell).any():
+            near = near[:0]
+    if not len(near):
+        raise ValueError(
+            f"{who}: '{body.name}' has no particle within a cell of {placeText(at)}; give a point of the body"
+        )
+    near = near[np.argsort(body.id[near], kind="stable")]
+    d = (body.position[near] - at) / cell
+    known, *_ = np.linalg.lstsq(
+        np.vstack((np.full(len(near), FIRM), d.T)), [FIRM, *[0.0] * scene.dim], rcond=1e-9
+    )
+    engine._core.set("to" if other else "at", at.tolist())
+    engine._core.set("toBody" if other else "body", body.name)
+    _take(engine, "to" if other else "", body.id[near], known / known.sum())
+    engine._usedBy = body.name
+
+
+def _take(engine, end, ids, parts):
+    engine._core.set("toIds" if end else "ids", np.asarray(ids, float).tolist())
+    engine._core.set("toParts" if end else "parts", np.asarray(parts, float).tolist())

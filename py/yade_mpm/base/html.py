@@ -38,12 +38,12 @@ def card(title, *parts):
     return f"<div><p><b>{textOf(title)}</b></p>{''.join(parts)}</div>"
 
 
-def pictureTag(draw):
-    """A small picture, drawn by draw(axes), in the page itself; the settings of matplotlib stay."""
+def pictureTag(draw, size=(4.2, 2.8)):
+    """A picture, drawn by draw(axes), in the page itself; the settings of matplotlib stay. size : inches."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(4.2, 2.8), dpi=90, layout="constrained")
+    figure = Figure(figsize=size, dpi=90, layout="constrained")
     FigureCanvasAgg(figure)
     draw(figure.subplots())
     image = io.BytesIO()

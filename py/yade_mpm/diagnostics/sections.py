@@ -65,7 +65,8 @@ def sectionForces(body, axis=None, at=None) -> SectionForces:
     axis : "x", "y", "z" or a vector along the body; default: its longest side.
     at : positions of sections along the axis, m, a number or several; default: the lines of the grid that the
         body crosses. There the moments are exact for what acts on the nodes; between two lines the moment is
-        linear, and misses q h^2/8 of a load q.
+        linear, and misses q h^2/8 of a load q. A point load acts on the nodes of the cells round it, so the
+        peak beside it is lower. At an end of the body N and Q are those half a cell inside.
 
     Raises ValueError for an empty body, one with F-bar, or an axis or a position that is not allowed.
     """
@@ -108,12 +109,12 @@ class _Cut:
         return isThere and ends[1] - ends[0] > 4 * self.width
 
     def atEnd(self, s, ends):
-        """The same from inside, for the nodes at an end have the forces of supports, too: N and Q linear, M
-        quadratic."""
+        """The same from inside, for the nodes at an end have the forces of supports, too: N and Q half a cell
+        away, and M with that Q."""
         step = self.width if abs(s - ends[0]) < abs(s - ends[1]) else -self.width
-        one, two, three = (self.at(s + k * step) for k in (1, 2, 3))
-        count = 1 + len(self.across)
-        return np.concatenate(((2 * one - two)[:count], (3 * one - 3 * two + three)[count:]))
+        middle, beside, count = self.at(s + 0.5 * step), self.at(s + step), len(self.across)
+        Q = middle[1 : 1 + count]
+        return np.concatenate((middle[: 1 + count], beside[1 + count :] + step * Q))
 
 
 @takes(body=BODY, height=NUMBER)

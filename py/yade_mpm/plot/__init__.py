@@ -17,3 +17,4 @@ from .figures import (
     plt,
     save,
 )
+from .structure import structure

@@ -37,12 +37,13 @@ def describe(scene, long: bool = False) -> Printed:
 
     Estimates the critical time step where none is known yet, and raises what that raises.
     """
-    text = longForm(scene) if long else "\n".join(_lines(scene))
+    text = longForm(scene) if long else "\n".join(summary(scene))
     print(text)
     return Printed(text)
 
 
-def _lines(scene):
+def summary(scene):
+    """Lines about a scene: see `describe`."""
     if scene.dt is None and scene.particleCount:
         scene._checkTimeStep()
     solver = scene._gridSolver("describe")

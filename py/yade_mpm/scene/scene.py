@@ -34,6 +34,7 @@ from .groups import contact
 from .holder import Holder
 from .nodes import GHOSTS, cellSizeAt, faceNodes, nodePositions, nodesInside
 from .removing import remove
+from .reporting import report
 from .running import (
     close,
     handOver,
@@ -135,7 +136,7 @@ class Scene(Guarded):
 
     # Methods that have a file of their own.
     add, remove = add, remove
-    attach, detach, stage = attach, detach, stage
+    attach, detach, stage, report = attach, detach, stage, report
     fix, roller, contact, drive = asking.fix, asking.roller, contact, asking.drive
     load = asking.load
     record, history, quasiStatic = asking.record, asking.history, asking.quasiStatic

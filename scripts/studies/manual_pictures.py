@@ -56,7 +56,9 @@ def implicitBodies():
         critical = scene.criticalTimeStep(asIfExplicit=True)
         scene.dt = factor * critical
         top = column.reference[:, 1] > 9.5
-        history = scene.history(every=scene.dt, columns={"top": lambda s, c=column, t=top: c.displacement[t, 1].mean()})
+        history = scene.history(
+            every=scene.dt, columns={"top": lambda s, c=column, t=top: c.displacement[t, 1].mean()}
+        )
         scene.run(until=0.03, progress=False)
         name = f"implicit, {factor} times the critical step" if implicit else "explicit"
         axes.plot(1e3 * history["time"], 1e3 * history["top"], label=name)
@@ -76,7 +78,9 @@ def gradedGrid():
     axes.vlines(x, y[0], y[-1], color="0.6", lw=0.5)
     axes.hlines(y, x[0], x[-1], color="0.6", lw=0.5)
     (left, bottom), (right, top) = even
-    axes.add_patch(plot.plt.Rectangle((left, bottom), right - left, top - bottom, color="C0", alpha=0.3, lw=0))
+    axes.add_patch(
+        plot.plt.Rectangle((left, bottom), right - left, top - bottom, color="C0", alpha=0.3, lw=0)
+    )
     axes.set(xlabel="x (m)", ylabel="y (m)", xlim=(0, 30), ylim=(0, 24), aspect="equal")
     return drawn
 
@@ -86,7 +90,9 @@ def press(rate, shortening=0.1):
     law = dict(density=1.8, young=2e4, poisson=0.3, cohesion=20, frictionAngle=radians(25), dilatancyAngle=0)
     scene = mpm.Scene((-1, 0), (2, 2.5), cell=0.25, damping=0.2)
     scene.fix("bottom")
-    block = scene.add("block", mpm.box((0, 0), (1, 2)), mpm.MohrCoulombDruckerPrager(**law), mpm.UGIMP(perCell=2))
+    block = scene.add(
+        "block", mpm.box((0, 0), (1, 2)), mpm.MohrCoulombDruckerPrager(**law), mpm.UGIMP(perCell=2)
+    )
     scene.drive(block.above(1.75), velocity=(0, -rate), ramp=0.1 * shortening / rate, name="plate")
     history = scene.history(every=shortening / rate / 100)
     scene.run(until=1.05 * shortening / rate, progress=False)
@@ -104,7 +110,10 @@ def quasiStatic():
         checks.append(check)
     left.set(xlabel="shortening (mm)", ylabel="force (kN/m)", xlim=(0, None), ylim=(0, None))
     left.legend(fontsize="small")
-    for name, label in (("kineticRatio", "kinetic energy / work"), ("unbalancedRatio", "unbalanced / acting force")):
+    for name, label in (
+        ("kineticRatio", "kinetic energy / work"),
+        ("unbalancedRatio", "unbalanced / acting force"),
+    ):
         right.loglog(rates, [100 * getattr(check, name) for check in checks], "o-", label=label)
     right.axhline(5, color="k", ls="--", lw=0.9, label="limit of both")
     right.set(xlabel="rate (m/s)", ylabel="ratio (%)")

@@ -61,6 +61,15 @@ GIVEN = {
     "swelling": 0.1,
     "initialVoidRatio": 1.0,
     "overconsolidationRatio": 1.0,
+    "bulk": 1e3,
+    "yieldStress": 1.0,
+    "consistency": 1.0,
+    "viscosity": 1.0,
+    "staticFriction": 0.3,
+    "fastFriction": 0.6,
+    "referenceNumber": 0.3,
+    "grainSize": 1e-3,
+    "grainDensity": 2.5,
 }
 
 

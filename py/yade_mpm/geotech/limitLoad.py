@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Limit load of what is pressed into ground: the plateau of the load, and what smaller cells would make of it.
+"""Limit load of what is pressed into ground: the plateau of the load, and what smaller cells would make of
+it.
 
 def build(cell):
     scene = mpm.Scene((0, 0), (20, 12), cell=cell, gravity=0)
@@ -31,8 +32,9 @@ ORDERS = 0.5, 3.0  # of convergence that three sizes may show; else the order is
 class LoadRun:
     """A run with one size of cells.
 
-    cell : m. load : mean over the last quarter of the way. rise : change of the load over that quarter, as a share
-    of it. scatter : standard deviation about this change, as a share. travel, loads : the curve, m and as `load`.
+    cell : m. load : mean over the last quarter of the way. rise : change of the load over that quarter, as a
+    share of it. scatter : standard deviation about this change, as a share. travel, loads : the curve, m and
+    as `load`.
     """
 
     cell: float
@@ -103,20 +105,20 @@ def limitLoad(build, cells, travel, area=None, progress=True):
 
     Parameters
     ----------
-    build : function of the size of the cells (m) that returns (scene, drive) before the first step: the scene, and
-        what `scene.drive` has returned.
-    cells : sizes, m, one or more. Two tell the limit of small cells for an error that falls with the cell, three
-        measure the order, too.
+    build : function of the size of the cells (m) that returns (scene, drive) before the first step: the
+        scene, and what `scene.drive` has returned.
+    cells : sizes, m, one or more. Two tell the limit of small cells for an error that falls with the cell,
+        three measure the order, too.
     travel : way of the drive, m.
-    area : by which the force is divided, m2 (2D: m); a number, or a function of the size of the cells; default:
-        none, the load is a force.
+    area : by which the force is divided, m2 (2D: m); a number, or a function of the size of the cells;
+        default: none, the load is a force.
     progress : bool, tells each run in a line; default True.
 
-    Returns a `LimitLoad`. Raises TypeError where build() does not return a scene and its drive, ValueError for sizes
-    or an area that are not positive.
+    Returns a `LimitLoad`. Raises TypeError where build() does not return a scene and its drive, ValueError
+    for sizes or an area that are not positive.
 
-    Source of the extrapolation: Roache 1998, Verification and Validation in Computational Science and Engineering
-    (Richardson extrapolation).
+    Source of the extrapolation: Roache 1998, Verification and Validation in Computational Science and
+    Engineering (Richardson extrapolation).
     """
     sizes = list(cells) if isinstance(cells, (tuple, list, np.ndarray)) else [cells]
     if not sizes or not all(isNumber(c) and 0 < c < np.inf for c in sizes) or len(set(sizes)) < len(sizes):

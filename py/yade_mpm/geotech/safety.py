@@ -5,9 +5,9 @@
     print(found)               # factor of safety 1.40: stands at 1.39, fails at 1.41 (8 trials)
     found.plot()
 
-Ground fails where in the last quarter of a trial its largest displacement still grows, or is a large part of its
-height: it has come down then, and may rest. Velocities of single particles tell nothing: where soil yields at rest
-some swing against their neighbours, and the nodes do not feel it.
+Ground fails where in the last quarter of a trial its largest displacement still grows, or is a large part of
+its height: it has come down then, and may rest. Velocities of single particles tell nothing: where soil
+yields at rest some swing against their neighbours, and the nodes do not feel it.
 """
 
 from __future__ import annotations
@@ -66,7 +66,8 @@ class Safety:
         self.factor = 0.5 * (self.stands + self.fails)
 
     def plot(self, file=None, references=None):
-        """Draws the ground as it fails, coloured by plastic shear strain, beside the displacements of all trials.
+        """Draws the ground as it fails, coloured by plastic shear strain, beside the displacements of all
+        trials.
 
         Parameters
         ----------
@@ -75,7 +76,7 @@ class Safety:
 
         Returns the figure.
         """
-        from .stability import draw
+        from .safetyPicture import draw
 
         return draw(self, references or {}, file)
 
@@ -101,20 +102,21 @@ def safety(build, between=(1.0, 2.0), within=0.02, progress=True):
 
     Parameters
     ----------
-    build : function without arguments that returns the scene with its gravity, before its first step. Where its
-        soil has no stress yet, gravity grows from zero.
-    between : two factors, - , at which the ground is expected to stand and to fail; default 1 and 2. The search
-        goes on beyond them if it has to, from 0.05 to 20.
+    build : function without arguments that returns the scene with its gravity, before its first step. Where
+        its soil has no stress yet, gravity grows from zero.
+    between : two factors, - , at which the ground is expected to stand and to fail; default 1 and 2. The
+        search goes on beyond them if it has to, from 0.05 to 20.
     within : width of the interval at which the search ends, -; default 0.02.
     progress : bool, tells each trial in a line; default True.
 
     Returns a `Safety`. The first trial, at which the ground stands, is the state from which all others begin:
-    their strength falls, and they are watched for 2 sqrt(height/g) seconds. Trials have local damping of 0.3 at least.
-    psi is never above phi. Raises TypeError where build() returns no scene, ValueError without gravity or without a
-    soil whose strength can be divided, RuntimeError where the ground stands or fails at all factors.
+    their strength falls, and they are watched for 2 sqrt(height/g) seconds. Trials have local damping of 0.3
+    at least. psi is never above phi. Raises TypeError where build() returns no scene, ValueError without
+    gravity or without a soil whose strength can be divided, RuntimeError where the ground stands or fails at
+    all factors.
 
-    Source: Griffiths & Lane 1999, Geotechnique 49, 387-403 (strength reduction, failure by displacements that do not
-    come to rest).
+    Source: Griffiths & Lane 1999, Geotechnique 49, 387-403 (strength reduction, failure by displacements that
+    do not come to rest).
     """
     low, high = _factors(between)
     search = _Search(build, progress)

@@ -1,16 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""What scenes that find a factor of safety share: parameters, pictures, words (`mpm.safety` finds it).
-
-To import by name, `from yade_mpm.geotech import stability`: it draws with matplotlib.
-"""
+"""What scenes that find a factor of safety share: parameters and words (`mpm.safety` finds it)."""
 
 import time
 
-import numpy as np
-
 from ..app.parameter import Parameter
 from ..app.record import record
-from ..plot import figures as plot
 from .ground import TYPES
 from .safety import safety, trial
 
@@ -37,34 +31,6 @@ def find(a, build, between):
         result = safety(build, between, a.within, progress=False)
         scene, numbers = result.scene, {name: getattr(result, name) for name in ("factor", "stands", "fails")}
     return {**record(a, scene, time.monotonic() - began), **numbers}, result
-
-
-def draw(found, labels, file=None):
-    """Figure of the ground as it fails, and of the displacement of every trial beside references.
-
-    found : a `Safety`. labels : dict label -> factors. file : name of a picture; default: none.
-    """
-    scene = found.scene
-    figure, (left, right) = plot.plt.subplots(
-        1, 2, figsize=(9, 3.0), layout="constrained", width_ratios=(1.5, 1)
-    )
-    strain = np.concatenate([b.plasticShearStrain for b in scene.bodies if b.count])
-    coloured = plot.Snapshot(scene, "plasticShearStrain").draw(left, float(np.quantile(strain, 0.98)))
-    plot.colourBar(left, coloured, "plastic shear strain (-)", extend="max")
-    left.set(xlabel="x (m)", ylabel="y (m)", title=f"strength over {found.fails:.4g}")
-    factors, moved, failed = np.array([(t.factor, t.displacement, t.fails) for t in found.trials]).T
-    for fails, style in ((False, "C0o"), (True, "C3x")):
-        chosen = failed == fails
-        right.semilogy(
-            factors[chosen], moved[chosen] / found.height, style, label="fails" if fails else "stands"
-        )
-    for label, ends in labels.items():
-        right.axvspan(ends[0], ends[-1], color="0.8", lw=0, label=label)
-    right.set(xlabel="factor that divides the strength", ylabel="largest displacement / height")
-    right.legend()
-    if file is not None:
-        plot.save(figure, file)
-    return figure
 
 
 def tell(a, s, reference):

@@ -5,8 +5,15 @@ import numpy as np
 
 from ..base.kinds import POSITIVE, SCENE, takes
 
-# Parameters of soil laws by these names, a plugin's, too. Residual values first: they may not be above the others.
-STRENGTHS = "residualCohesion", "cohesion", "undrainedStrength", "tensileStrength", "tensionCutOff"  # kPa
+# kPa; parameters of soil laws by these names, a plugin's, too. Residual values may not be above the others.
+STRENGTHS = (
+    "residualCohesion",
+    "cohesion",
+    "undrainedStrength",
+    "yieldStress",
+    "tensileStrength",
+    "tensionCutOff",
+)
 ANGLES = {  # rad: friction, and the dilatancy that may not be above it
     "residualFrictionAngle": "residualDilatancyAngle",
     "frictionAngle": "dilatancyAngle",
@@ -26,7 +33,8 @@ def divideStrength(scene, factor):
     """
     materials = {id(body.material): body.material for body in scene.bodies}.values()
     owners = [*((m, _ofAll(m)) for m in materials), *((b, _ofEach(b)) for b in scene.bodies)]
-    if not any([_divide(owner, values, factor) for owner, values in owners]):
+    found = [_divide(owner, values, factor) for owner, values in owners]
+    if not any(found):
         names = ", ".join(sorted({type(body.material).__name__ for body in scene.bodies}))
         raise ValueError(
             f"divideStrength: no material has a strength to divide (there is {names or 'no body'}); give "

@@ -2,8 +2,9 @@
 """What a law has stored, and what it has dissipated.
 
 Reference: the work of the stress, sum J sigma : de by the trapezoidal rule, in elastic strains of 1e-4 from
-a stress; for Tresca in shear, su times the plastic strain. Tolerance: 1e-8 of the work, and 4e-4 of what is stored at
-the start: hypoelastic laws have no potential, and miss it by twice the volumetric strain of 1.6e-4 (3.2e-4 found).
+a stress; for Tresca in shear, su times the plastic strain. Tolerance: 1e-8 of the work, and 4e-4 of what is
+stored at the start: hypoelastic laws have no potential, and miss it by twice the volumetric strain of 1.6e-4
+(3.2e-4 found).
 Control: the energy of the start.
 """
 

@@ -30,6 +30,7 @@ from .describing import describe
 from .geostatic import initialStress
 from .grading import Grading, linesOf
 from .grid import cellSize, corner, makeCore
+from .groundStress import groundStress
 from .groups import contact
 from .holder import Holder
 from .nodes import GHOSTS, cellSizeAt, faceNodes, nodePositions, nodesInside
@@ -144,6 +145,7 @@ class Scene(Guarded):
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside
     cellSizeAt = cellSizeAt
     initialStress, settle, unbalancedForce = initialStress, settle, unbalancedForce
+    groundStress = groundStress
     run, step, pause, wait, close = run, step, pause, wait, close
     _convert = convert  # for Body.convert
     _handOver, _refuseWhileRunning, _refuseDuringStep = handOver, refuseWhileRunning, refuseDuringStep

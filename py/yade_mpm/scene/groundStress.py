@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""The initial stress of ground with sloping layers and surfaces, K0 by layer, by function or by OCR."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..base.attributes import keep
+from ..base.keywords import checked
+from ..base.kinds import BODIES, takes
+from ..base.warn import warnUser
+from ..base.wording import shown
+from ..geometry.numbers import isNumber
+from ..particle.body import Body
+from .running import refuseDuringStep, refuseMidStep
+
+OUT = (
+    0.02  # of the weight of a layer: horizontal forces that are out of balance, above which a warning says so
+)
+
+
+@checked("Scene.groundStress")
+@takes(bodies=BODIES)
+def groundStress(
+    scene,
+    K0,
+    OCR=1.0,
+    bodies: list[Body] | None = None,
+    gravity: float = 9.81,
+    water: float | None = None,
+    weightBelow=None,
+) -> dict[str, float]:
+    """Stress of the ground under its own weight, column by column: for sloping layers and surfaces, too.
+
+        scene.groundStress(K0={clay: "jaky", sand: 0.45}, OCR={clay: 4.0})
+        scene.groundStress(K0=lambda x, y: np.interp(y, heights, values))
+
+    The vertical stress is the weight of all that stands straight above a particle, the horizontal one K0
+    times that; there is no shear. Level ground is in equilibrium. Under a slope it is a first guess: run
+    `scene.settle()` after it.
+
+    Parameters
+    ----------
+    K0 : coefficient at rest, -: a number; "jaky", 1 - sin phi of the material (Jaky 1944); a function of the
+        coordinates (arrays) of the particles; or a dict body -> one of these.
+    OCR : overconsolidation ratio, -, for "jaky": K0 = (1 - sin phi) OCR^(sin phi) (Mayne & Kulhawy 1982); a
+        number, a function of the coordinates, or a dict body -> one of these; default 1.
+    bodies : the ground; default None: all bodies that yield.
+    gravity : m/s2; default 9.81.
+    water : m, height of the water table; default None: none. There are no pore pressures: below it the weight
+        is `weightBelow`, and the stress the effective one.
+    weightBelow : kN/m3, buoyant unit weight below the water, a number or a dict body -> number: the mass of
+        the particles there is set to it.
+
+    Returns a dict: name of a layer -> horizontal forces on its nodes out of balance, over its weight.
+    Warns of layers above 0.02. Raises ValueError and TypeError for what is not allowed.
+    """
+    refuseDuringStep(scene, "groundStress")
+    refuseMidStep(scene, "groundStress")
+    ground = [b for b in (bodies or scene.bodies) if b.count and (bodies or b.material._core.yields)]
+    if not ground:
+        raise ValueError("groundStress: no body of the scene yields; name the ground by bodies=[...]")
+    for name, value in (("gravity", gravity), ("water", water)):
+        if not (value is None and name == "water" or isNumber(value) and np.isfinite(value)):
+            raise ValueError(f"groundStress: {name} = {shown(value)} is not allowed; give a number")
+    coefficients = [_coefficient(body, K0, OCR) for body in ground]
+    if water is not None:
+        _wet(ground, water, weightBelow, gravity)
+    keep(scene, _geostaticGravity=float(gravity))
+    for body, k, vertical in zip(ground, coefficients, _overburden(scene, ground, gravity)):
+        stress = np.zeros((body.count, 3, 3))
+        for axis in range(3):
+            stress[:, axis, axis] = -vertical * (1.0 if axis == scene.dim - 1 else k)
+        body.setStress(stress)
+    found = _outOfBalance(scene, ground, gravity)
+    if worst := {name: part for name, part in found.items() if part > OUT}:
+        told = ", ".join(f"'{name}' {100 * part:.0f} %" for name, part in worst.items())
+        warnUser(
+            f"groundStress: horizontal forces are out of balance by these parts of the weight: {told}; run "
+            "scene.settle() before anything else happens"
+        )
+    return found
+
+
+def _of(given, body):
+    """What was given for a body, alone or in a dict by bodies or their names."""
+    if not isinstance(given, dict):
+        return given
+    for key in (body, body.name):
+        for known, value in given.items():
+            if known is key or isinstance(known, str) and known == key:
+                return value
+    raise ValueError(f"groundStress: nothing is given for '{body.name}'; give a value for each layer")
+
+
+def _values(name, given, body):
+    """A number for each particle."""
+    try:
+        value = given(*body.position.T) if callable(given) else given
+        values = np.broadcast_to(np.asarray(value, float), body.count)
+    except (TypeError, ValueError):
+        values = np.full(1, np.nan)
+    if not (np.isfinite(values).all() and (values >= 0).all()):
+        raise ValueError(
+            f"groundStress: {name} = {shown(given)} of '{body.name}' is not allowed; give zero or a positive "
+            "number, or a function of the coordinates that returns such numbers"
+        )
+    return values
+
+
+def _coefficient(body, K0, OCR):
+    given = _of(K0, body)
+    if not isinstance(given, str):
+        return _values("K0", given, body)
+    if given != "jaky":
+        raise ValueError(
+            f"groundStress: K0 = {shown(given)} is not allowed; give a number, 'jaky' or a function"
+        )
+    phi = getattr(body.material, "frictionAngle", None)
+    if not isNumber(phi):
+        raise ValueError(
+            f"groundStress: K0 = 'jaky' needs one frictionAngle, which the material of '{body.name}' does "
+            "not have; give a number or a function"
+        )
+    return (1 - np.sin(phi)) * _values("OCR", _of(OCR, body), body) ** np.sin(phi)
+
+
+def _wet(ground, water, weightBelow, gravity):
+    for body in ground:
+        weight = _of(weightBelow, body)
+        if not (isNumber(weight) and 0 < weight < np.inf):
+            raise ValueError(
+                f"groundStress: weightBelow = {shown(weight)} of '{body.name}' is not allowed; give the "
+                "buoyant unit weight below the water, kN/m3"
+            )
+        below = body.position[:, -1] < water
+        body.mass[below] = weight / gravity * body.volume[below]
+        body._core.massesChanged()
+
+
+def _overburden(scene, ground, gravity):
+    """Weight of what stands straight above each particle over the area of its strip in plan, kPa: (N,) for
+    each body. Domains count in the strips of half a cell that they reach, by their part in them."""
+    width = 0.5 * scene.cell[:-1]
+    pieces = [_pieces(scene, body, width, gravity) for body in ground]
+    strip, low, high, weight = (np.concatenate(x) for x in zip(*pieces))
+    order = np.argsort(strip, kind="stable")
+    strip, low, high, weight = strip[order], low[order], high[order], weight[order]
+    result = []
+    for body in ground:
+        own = _stripOf(scene, body.position[:, :-1], width)
+        y, vertical = body.position[:, -1], np.zeros(body.count)
+        for k in np.unique(own):
+            a, b = np.searchsorted(strip, [k, k + 1])
+            mine = np.flatnonzero(own == k)
+            part = (high[a:b] - y[mine, None]) / np.maximum(high[a:b] - low[a:b], 1e-300)
+            vertical[mine] = np.clip(part, 0, 1) @ weight[a:b]
+        result.append(vertical / np.prod(width))
+    return result
+
+
+def _stripOf(scene, plan, width):
+    """Number of the strip in plan that points (N, dim - 1) are in."""
+    counts = np.ceil((scene.upper - scene.lower)[:-1] / width).astype(int) + 1
+    index = np.clip(((plan - scene.lower[:-1]) / width).astype(int), 0, counts - 1)
+    return index[:, 0] if len(width) == 1 else index[:, 0] + counts[0] * index[:, 1]
+
+
+def _pieces(scene, body, width, gravity):
+    """Strip, lower and upper end (m) and weight (kN) of the parts of domains in strips."""
+    corners = body.corners()
+    lower, upper = corners.min(axis=1), corners.max(axis=1)
+    first = np.floor((lower[:, :-1] - scene.lower[:-1]) / width + 1e-9).astype(int)
+    last = np.ceil((upper[:, :-1] - scene.lower[:-1]) / width - 1e-9).astype(int)
+    found = []
+    for step in np.ndindex(*(last - first).max(axis=0)):
+        left = scene.lower[:-1] + (first + step) * width
+        inside = np.minimum(left + width, upper[:, :-1]) - np.maximum(left, lower[:, :-1])
+        part = (np.maximum(inside, 0) / (upper - lower)[:, :-1]).prod(axis=1)
+        some = part > 0
+        strip = _stripOf(scene, left[some] + 0.5 * width, width)
+        found.append((strip, lower[some, -1], upper[some, -1], gravity * (part * body.mass)[some]))
+    return [np.concatenate(x) for x in zip(*found)]
+
+
+def _outOfBalance(scene, ground, gravity):
+    """Sum of the horizontal forces that nodes of a layer do not have in balance, over its weight, by name.
+    Nodes on the sides of the grid are left out, for walls hold them."""
+    at, names = {}, [body.name for body in ground]
+    for body in ground:
+        found = body._core.internalForces()
+        x, f = (np.reshape(found[name], (-1, scene.dim)) for name in ("position", "force"))
+        inside = ((x > scene.lower + 1e-9) & (x < scene.upper - 1e-9)).all(axis=1)
+        for place, force in zip(map(tuple, x[inside]), f[inside, :-1]):
+            at.setdefault(place, {})[body.name] = force
+    sums = dict.fromkeys(names, 0.0)
+    for forces in at.values():
+        size = {name: np.linalg.norm(force) for name, force in forces.items()}
+        left, all_ = np.linalg.norm(sum(forces.values())), sum(size.values())
+        for name in forces:
+            sums[name] += left * size[name] / all_ if all_ > 0 else 0.0
+    return {body.name: sums[body.name] / (gravity * float(body.mass.sum())) for body in ground}

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Initial stress of sloping layers, with K0 by layer, function, OCR, and a water table."""
+
+import warnings
+from math import radians, sin
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from inputs import cases, emptyScene, refused
+from yade_mpm import polygon
+
+G, PHI = 9.81, radians(30)
+
+
+def sand(density):
+    return mpm.MohrCoulomb(density=density, young=2e4, poisson=0.3, cohesion=10.0, frictionAngle=PHI)
+
+
+def layers(kind=None, tilt=2.0):
+    """A layer of 1.9 under one of 1.7 Mg/m3, with a boundary that rises by `tilt` over 20 m."""
+    scene = mpm.Scene((0, 0), (20, 8), 0.5, threads=1, gravity=G, damping=0.7)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    kind = kind or mpm.UGIMP(cut=True)
+    lower = scene.add("lower", polygon([(0, 0), (20, 0), (20, 3 + tilt), (0, 3)]), sand(1.9), kind)
+    upper = scene.add("upper", polygon([(0, 3), (20, 3 + tilt), (20, 7), (0, 7)]), sand(1.7), kind)
+    return scene, lower, upper
+
+
+def test_sloping_layers_have_the_weight_that_stands_above_each_point():
+    scene, lower, upper = layers()
+    found = scene.groundStress(K0=0.5)
+    x, y = lower.position.T
+    between = 3 + x / 10
+    exact = G * (1.7 * (7 - between) + 1.9 * (between - y))
+    assert -lower.stress[:, 1, 1] == pytest.approx(exact, abs=0.02 * exact.max())
+    assert upper.stress[:, 0, 0] == pytest.approx(0.5 * upper.stress[:, 1, 1])
+    assert set(found) == {"lower", "upper"} and max(found.values()) < 0.02
+
+
+def test_level_ground_is_in_equilibrium_and_the_control_is_told():
+    scene, lower, upper = layers(mpm.UGIMP(), tilt=0)
+    assert max(scene.groundStress(K0=0.5).values()) < 1e-9
+    before = lower.stress.copy()
+    scene.initialStress(surface=7, K0=0.5, bodies=[upper])
+    scene.initialStress(surface=3, K0=0.5, bodies=[lower])
+    assert before == pytest.approx(lower.stress, rel=1e-9, abs=1e-9)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        scene.groundStress(K0={"lower": lambda x, y: 0.3 + x / 20, upper: 0.5})
+    assert any("'lower' " in str(w.message) and "'upper'" not in str(w.message) for w in caught)
+
+
+def test_k0_follows_jaky_ocr_and_functions():
+    scene, lower, upper = layers(mpm.UGIMP(), tilt=0)
+    scene.groundStress(K0={lower: "jaky", upper: lambda x, y: 0.4 + 0 * y}, OCR={lower: 4.0, upper: 1.0})
+    ratio = lower.stress[:, 0, 0] / lower.stress[:, 1, 1]
+    assert ratio == pytest.approx((1 - sin(PHI)) * 4 ** sin(PHI))
+    assert upper.stress[:, 0, 0] / upper.stress[:, 1, 1] == pytest.approx(0.4)
+
+
+def test_below_the_water_the_buoyant_weight_counts_and_the_ground_rests():
+    scene, lower, upper = layers(mpm.UGIMP(), tilt=0)
+    scene.groundStress(K0=0.5, water=3.0, weightBelow=9.0)
+    y = lower.position[:, 1]
+    assert -lower.stress[:, 1, 1] == pytest.approx(G * 1.7 * 4 + 9.0 * (3 - y))
+    scene.run(steps=30, progress=False)
+    assert np.abs(lower.displacement).max() < 1e-5
+
+
+@cases(
+    ("groundStress: K0 = -1 of 'lower'", lambda: layers()[0].groundStress(K0=-1)),
+    ("groundStress: K0 = 'rest' ... 'jaky'", lambda: layers()[0].groundStress(K0="rest")),
+    ("nothing is given for 'upper'", lambda: layers()[0].groundStress(K0={"lower": 0.5})),
+    ("OCR = 'high' of 'lower'", lambda: layers()[0].groundStress(K0="jaky", OCR="high")),
+    ("weightBelow = None of 'lower'", lambda: layers()[0].groundStress(K0=0.5, water=3)),
+    ("groundStress: no body of the scene yields", lambda: emptyScene().groundStress(K0=0.5)),
+    ("groundStress: gravity", lambda: layers()[0].groundStress(K0=0.5, gravity="g")),
+)
+def test_what_is_refused(named, make, kind):
+    refused(named, make, kind)

@@ -13,13 +13,10 @@ use the same
 Tolerance: 1.5 % of the largest deflection, 0.766 m.
 """
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
+from asModules import script
 
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "cantilever.py"
 TIMES = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5])
 TIP = np.array([-0.380, -0.766, -0.395, -0.001, -0.366, -0.765])
 CENTRE = np.array([-0.158, -0.319, -0.166, -0.001, -0.151, -0.318])
@@ -29,10 +26,7 @@ TOLERANCE = 0.015 * LARGEST
 
 @pytest.fixture(scope="module")
 def cantilever():
-    spec = importlib.util.spec_from_file_location("cantilever", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return script("cantilever")
 
 
 def largestMiss(cantilever, **arguments):

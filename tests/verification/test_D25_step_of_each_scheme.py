@@ -11,23 +11,17 @@ Tolerance: 1 % (dense solve). Runs: at 0.95 of the dense step the energy stays b
 1.05 it grows tenfold or the run ends (control; not under USL with APDI, whose few domains lose what grows).
 """
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from asModules import TESTS, moduleOf
 from scipy.linalg import eigvals
+from setups import chain
 from yade_mpm import box
 from yade_mpm.check import limits
 from yade_mpm.scene.timeStep import stiffnesses
 
-_spec = importlib.util.spec_from_file_location(
-    "d25", Path(__file__).with_name("test_D25_critical_time_step.py")
-)
-d25 = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(d25)
-
+d25 = moduleOf(TESTS / "verification" / "test_D25_critical_time_step.py")
 TYPES = {
     "uGIMP 2": mpm.UGIMP(perCell=2),
     "uGIMP 4": mpm.UGIMP(perCell=4),
@@ -192,7 +186,7 @@ def test_thin_domains_in_3d_keep_still(size):
     body = scene.add("plate", place, mpm.LinearElastic(**d25.SOIL), mpm.APDI(size=size, hourglass=1))
     velocity = 1e-6 * np.random.default_rng(4).normal(size=body.velocity.shape)
     body.velocity = velocity - velocity.mean(axis=0)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain()
     start = (body.mass @ body.velocity**2).sum()
     scene.run(steps=1500, progress=False)
     assert (body.mass @ body.velocity**2).sum() < 2 * start
@@ -229,12 +223,7 @@ def column(scheme="USL"):
         density=1.6, lame=(2e3, 1.5e3), cohesion=0.0, frictionAngle=np.radians(30), dilatancyAngle=0.0
     )
     scene.add("sand", box((0, 0), (1, 2)), sand, mpm.UGIMP(perCell=2), fbar=False)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), roller="left", fixed="bottom"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(gravity=(0, -9.81), roller="left", fixed="bottom")
     return scene
 
 

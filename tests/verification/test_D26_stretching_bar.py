@@ -12,30 +12,20 @@ Tolerance: 3 % of the largest fall of the centre of mass (1.07 m). Boxes farther
 cells share no node.
 """
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
+from asModules import TESTS, moduleOf, script
 
-HERE = Path(__file__).resolve().parent
 FINER = pytest.param(1 / 16, marks=pytest.mark.slow)
-
-
-def load(file):
-    spec = importlib.util.spec_from_file_location(file.stem, file)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.fixture(scope="module")
 def bar():
-    return load(HERE.parents[1] / "scripts" / "stretching_bar.py")
+    return script("stretching_bar")
 
 
 def test_the_stored_reference_is_what_its_script_computes():
-    reference = load(HERE / "stretching_bar_reference.py")
+    reference = moduleOf(TESTS / "verification" / "stretching_bar_reference.py")
     stored = np.loadtxt(reference.TABLE, delimiter=",")
     coarse = reference.run(8, 0.1, 0.005)
     assert np.abs(coarse[:, 1] - stored[: len(coarse), 1]).max() < 0.01 * 1.07

@@ -6,37 +6,24 @@ Closed forms: Gibson & Anderson 1961 (undrained, finite strain); Carter, Booker 
 at a/a0 = 1.5, 2 and 3, 4 % with friction up to a/a0 = 4. Controls: a small body, soil that does not dilate.
 """
 
-import importlib.util
 from math import exp, log, radians, sin
-from pathlib import Path
 
 import numpy as np
 import pytest
+from asModules import runScript, script
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 FRICTION = "--phi", "30", "--psi", "10", "--until", "4.1"
 slow = pytest.mark.slow
 
 
-def script(**constants):
-    spec = importlib.util.spec_from_file_location("cavity", SCRIPTS / "cavity.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    for name, value in constants.items():
-        assert hasattr(module, name)
-        setattr(module, name, value)
-    return module
-
-
 def run(*options, **constants):
-    module = script(**constants)
-    return module.run(module.arguments(["--threads", "1", *options]))[0]
+    return runScript("cavity", "--threads", "1", *options, **constants)
 
 
 # --- closed forms -----------------------------------------------------------------------------------------
 @pytest.mark.parametrize("expansion, pressure", [(1.5, 5.017), (2, 5.317), (3, 5.487)])
 def test_undrained_pressure(expansion, pressure):
-    module = script()
+    module = script("cavity")
     a = module.arguments(["--poisson", "0.49999"])
     assert (module.undrained(expansion, a) - a.confinement) / 10 == pytest.approx(pressure, abs=1e-3)
     grown, curve, _ = module.exact(a)  # that of soil with friction, without friction and volume change
@@ -65,7 +52,7 @@ def series(phi, psi, cohesion, shear, poisson, confinement):
 
 @pytest.mark.parametrize("phi, psi, confinement", [(30, 10, 20), (30, 25, 20), (20, 0, 0), (40, 15, 100)])
 def test_limit_pressure_is_that_of_yu_and_houlsby(phi, psi, confinement):
-    module = script()
+    module = script("cavity")
     a = module.arguments(["--phi", str(phi), "--psi", str(psi), "--confinement", str(confinement)])
     published = series(radians(phi), radians(psi), 10.0, a.shear, a.poisson, confinement)
     assert module.exact(a)[2] == pytest.approx(published, rel=2e-3)
@@ -102,7 +89,7 @@ def test_control_a_small_body_bears_less():
 
 def test_control_soil_that_does_not_dilate_bears_less():
     """Than the pressure of one that does."""
-    module = script()
+    module = script("cavity")
     grown, curve, _ = module.exact(module.arguments(FRICTION))
     found = run("--smoke", *FRICTION[:3], "0", "--until", "2.1")
     assert found["pressure"][-1] < 0.95 * np.interp(2, grown, curve)
@@ -111,7 +98,7 @@ def test_control_soil_that_does_not_dilate_bears_less():
 def hoopScatter(fbar):
     """Scatter of the hoop stress round the hole, of the innermost domains and of twenty rings (rms), over the
     mean of each; associated flow, a/a0 = 1.5."""
-    module = script()
+    module = script("cavity")
     a = module.arguments(
         ["--threads", "1", "--smoke", "--phi", "30", "--psi", "30", "--until", "1.55", "--rate", "0.2"]
     )

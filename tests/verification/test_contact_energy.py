@@ -14,25 +14,16 @@ Where the energy that USF gains comes from: a disc that vibrates alone gains it 
 step.
 """
 
-import importlib.util
 from math import cos, radians, sin
-from pathlib import Path
 
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from asModules import TESTS, moduleOf, script
+from setups import chain
 from yade_mpm import box, disc
 
-
-def module(path):
-    spec = importlib.util.spec_from_file_location(path.stem, path)
-    found = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(found)
-    return found
-
-
-HERE = Path(__file__).resolve().parent
-d16 = module(HERE / "test_D16_two_disks.py")
+d16 = moduleOf(TESTS / "verification" / "test_D16_two_disks.py")
 SCHEMES = pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
 TYPES = {
     "uGIMP": mpm.UGIMP(perCell=2),
@@ -84,14 +75,8 @@ def watched(scene, most=0.1, settles=True, **until):
     return watch
 
 
-def chain(scene, contact, **solver):
-    engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(**solver),
-        contact,
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+def equip(scene, contact, **solver):
+    engines = chain(contact=contact, **solver)
     if scene.scheme == "USF":
         engines.insert(1, engines.pop())
     scene.engines = engines
@@ -105,7 +90,7 @@ def discs(kind, scheme, law, off=0.0, step=0.5):
         points, cells = d16.squircle(0.0)
         shape = (points + centre, cells) if kind == "mesh" else disc(centre, 0.2)
         scene.add(name, shape, rubber, TYPES[kind], group=name).velocity = (v, v)
-    chain(scene, mpm.Contact(**law))
+    equip(scene, mpm.Contact(**law))
     scene.dt = step * scene.criticalTimeStep()
     return scene
 
@@ -155,7 +140,7 @@ def test_of_a_block_thrown_along_a_base(dim, pair, scheme):
         *[0.3] * (dim - 2),
         -0.5,
     )
-    chain(scene, mpm.Contact(friction=0.4, adhesion=0.5), gravity=(0,) * (dim - 1) + (-10,), fixed="bottom")
+    equip(scene, mpm.Contact(friction=0.4, adhesion=0.5), gravity=(0,) * (dim - 1) + (-10,), fixed="bottom")
     watched(scene, steps=150 if dim == 2 else 40)
 
 
@@ -169,7 +154,7 @@ def test_of_a_disc_on_an_incline(base, slope, friction):
     turn = np.array([[1, -1], [1, 1]]) / 2**0.5  # corner domains away from the base
     scene.add("base", box((0, 0), (3, 0.3)), rubber, base, group="base")
     scene.add("disc", (2.5 * points @ turn + (0.8, 0.8), cells), rubber, mpm.APDI(), group="disc")
-    chain(
+    equip(
         scene,
         mpm.Contact(friction=friction),
         gravity=(10 * sin(slope), -10 * cos(slope)),
@@ -180,10 +165,8 @@ def test_of_a_disc_on_an_incline(base, slope, friction):
 
 def test_of_the_sheet_pile():
     """Coarse; soil that flows round a wedge, with friction; impacts are lost."""
-    script = module(HERE.parents[1] / "scripts" / "studies" / "sheet_pile_model.py")
-    watched(
-        script.build(script.MODEL.parse(["--smoke", "--remedies", "--threads", "1"])), most=0.01, until=0.8
-    )
+    model = script("sheet_pile_model")
+    watched(model.build(model.MODEL.parse(["--smoke", "--remedies", "--threads", "1"])), most=0.01, until=0.8)
 
 
 @pytest.mark.parametrize("isHeld", [False, True], ids=["free", "held"])
@@ -202,7 +185,7 @@ def test_of_random_discs(law, isHeld):
         scene.add(name, (0.6 * points + x, cells), soft, mpm.APDI(), group=name)
         for name, x in (("a", (0.35, 0.6)), ("b", (0.75, 0.6)))
     ]
-    chain(
+    equip(
         scene,
         mpm.Contact(**law),
         **(dict(hold=mpm.Hold(box((0, 0), (0.55, 1.2)), velocity=(0, 0))) if isHeld else {}),

@@ -5,28 +5,14 @@ faces far away, waves that come back from growing cells, sliding contact, F-bar.
 Cells of 0.25 m that grow to 1 m, pulses cos^2 of half length 2 and 4 m: a bar of two-node elements sends back
 4.1 and 1.0 % (growth 1.2), 0.9 and 0.25 % (1.1)."""
 
-import importlib.util
 from math import cos, radians, sin
-from pathlib import Path
 
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from asModules import TESTS, moduleOf, script
+from setups import chain
 from yade_mpm import box, geotech
-
-HERE = Path(__file__).parent
-
-
-def module(file):
-    """A fresh copy of a scene, or of another test."""
-    spec = importlib.util.spec_from_file_location(file.stem, file)
-    loaded = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(loaded)
-    return loaded
-
-
-def scene(name):
-    return module(HERE.parents[1] / "scripts" / f"{name}.py")
 
 
 # --- manufactured solution ------------------------------------------------------------------------------
@@ -45,7 +31,7 @@ def alternating(count):
 @pytest.mark.parametrize("lines, within", [(smooth, 1.4), (alternating, 1.25)])
 def test_a_manufactured_solution_converges_with_second_order(lines, within):
     """The error is at most so many times that of as many equal cells (D9)."""
-    D9 = module(HERE / "test_D09_manufactured_solution.py")
+    D9 = moduleOf(TESTS / "verification" / "test_D09_manufactured_solution.py")
     errors = [D9.Solution("APDI", 0.05, N, lines=lines(N)).error for N in (16, 32)]
     assert D9.order(*errors) > 1.9
     assert errors[1] < within * D9.REFERENCE["APDI", 0.05][2]
@@ -75,7 +61,7 @@ STRIP = [  # options, most domains, error at the depths of the scene
 )
 def test_a_half_plane_whose_faces_are_far_takes_no_more_domains(options, most, errors, verified):
     """20 times as far as those of the scene on equal cells, with at most its domains."""
-    strip = scene("strip_load")
+    strip = script("strip_load")
     summary = strip.run(strip.arguments([*options, "--threads", "1"]))[0]
     assert summary["domains"] <= most
     verified(summary["error"], 0, scale=1, within=errors)
@@ -102,8 +88,7 @@ def bar(lines, half, scheme):
     bar.scheme = scheme
     rock = mpm.LinearElastic(density=1.0, lame=(0.5, 0.25))
     body = bar.add("bar", box((0, 0), (lines[-1], 2 * CELL)), rock, mpm.APDI(size=CELL / 2))
-    sides = mpm.GridSolver(roller=("left", "right", "bottom", "top"))
-    bar.engines = [mpm.ParticleToGrid(), sides, mpm.GridToParticle(), mpm.DomainUpdater()]
+    bar.engines = chain(roller=("left", "right", "bottom", "top"))
     away = body.position[:, 0] - start
     pulse = np.where(np.abs(away) < half, np.cos(np.pi * away / (2 * half)) ** 2, 0) * height
     body.velocity[:, 0] = pulse

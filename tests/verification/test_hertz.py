@@ -13,26 +13,12 @@ Control: a cylinder cut from the lattice, whose underside is a staircase with tr
 gives another half-width.
 """
 
-import importlib.util
-from pathlib import Path
-
 import pytest
-
-SCRIPT = Path(__file__).resolve().parents[2] / "scripts" / "hertz.py"
-
-
-def script():
-    spec = importlib.util.spec_from_file_location("hertz", SCRIPT)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+from asModules import runScript, script
 
 
 def press(*options, **changed):
-    module = script()
-    for name, value in changed.items():
-        setattr(module, name, value)
-    return module.run(module.arguments([*options]))[0]
+    return runScript("hertz", *options, **changed)
 
 
 def isHertz(verified, summary, axis=0.08, rms=0.04, overlap=0.02):
@@ -117,7 +103,7 @@ def test_control_whole_boxes_are_no_cylinder():
 
 def test_control_a_staircase_is_no_cylinder():
     """A polygon filled with boxes: they lie level over 0.7 a and more."""
-    module = script()
+    module = script("hertz")
     level = module.rise
     module.rise = lambda x, radius: (level(x, radius) * 10).round() / 10
     summary = module.run(module.arguments(["--smoke", "--ground", "ugimp", "--cylinder", "ugimp"]))[0]
@@ -125,7 +111,7 @@ def test_control_a_staircase_is_no_cylinder():
 
 
 def test_the_scene_draws(tmp_path, monkeypatch):
-    module = script()
+    module = script("hertz")
     monkeypatch.setattr("sys.argv", ["hertz", "--smoke", "--out", str(tmp_path)])
     module.main()
     assert (tmp_path / "hertz.png").stat().st_size > 20_000 and (tmp_path / "summary.json").exists()

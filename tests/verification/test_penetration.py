@@ -10,27 +10,17 @@ Controls: nodes that hold the soil round a curved or inclined surface make the b
 without F-bar locks.
 """
 
-import importlib.util
 from math import cos, radians, sin, tan
-from pathlib import Path
 
 import numpy as np
 import pytest
+from asModules import runScript, script
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 slow = pytest.mark.slow
 
 
-def script(name):
-    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def run(name, *options):
-    module = script(name)
-    return module.run(module.arguments(["--smoke", "--threads", "1", *options]))[0]
+    return runScript(name, "--smoke", "--threads", "1", *options)
 
 
 def byNodes(name):

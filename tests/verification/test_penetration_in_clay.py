@@ -8,27 +8,17 @@ but that of the plate is a theorem. Tolerances: plate 7 % (5 % were asked for), 
 Controls: nodes make a pipe too large, soil without F-bar locks, a smooth shaft bears nothing.
 """
 
-import importlib.util
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
+from asModules import runScript, script
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 slow = pytest.mark.slow
 
 
-def script(name):
-    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def run(name, *options):
-    module = script(name)
-    return module.run(module.arguments(["--threads", "1", *options]))[0]
+    return runScript(name, "--threads", "1", *options)
 
 
 # --- closed forms -----------------------------------------------------------------------------------------

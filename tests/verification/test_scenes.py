@@ -17,37 +17,16 @@ sizes within 5 %; height of higher ones within 12 % of what was measured (Nguyen
 Controls: another friction angle, a base close below, another hole, no F-bar.
 """
 
-import importlib.util
-from pathlib import Path
-
 import numpy as np
 import pytest
+from asModules import runScript as run
+from asModules import script as scene
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
-FOLDERS = SCRIPTS, SCRIPTS / "studies"
 EARTH_PRESSURE = {"active": 13.46, "passive": 710.07}
 STRIP = {0.5: 0.9595, 1.0: 0.8183, 2.0: 0.5498, 3.0: 0.3958, 4.0: 0.3058}
 HOLE = {"side": 3.14, "crown": -1.11}
 PRANDTL, PRANDTL_20 = 514.159, 1483.47  # c = 100 kPa, phi = 0 and 20 degrees
 slow = pytest.mark.slow
-
-
-def scene(name):
-    """A fresh copy of a script, so that a test may change its constants."""
-    file = next(f for folder in FOLDERS if (f := folder / f"{name}.py").exists())
-    spec = importlib.util.spec_from_file_location(name, file)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def run(name, *options, states=(), **constants):
-    """Summary of a scene with the given command line, and with constants of the script changed."""
-    module = scene(name)
-    for constant, value in constants.items():
-        assert hasattr(module, constant)
-        setattr(module, constant, value)
-    return module.run(module.arguments(list(options)), *states)[0]
 
 
 REFUSED = {  # of the scenes, which argument with which words

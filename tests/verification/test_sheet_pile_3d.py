@@ -1,20 +1,13 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A sheet of finite width in 3D (scripts/sheet_pile_3d.py) against the same section in plane strain."""
 
-import importlib.util
-from pathlib import Path
-
 import pytest
-
-FILE = Path(__file__).parents[2] / "scripts" / "sheet_pile_3d.py"
+from asModules import script
 
 
 @pytest.fixture(scope="module")
 def scene():
-    spec = importlib.util.spec_from_file_location("sheet_pile_3d", FILE)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return script("sheet_pile_3d")
 
 
 def test_a_coarse_sheet_feels_more_per_width_than_in_plane_strain(scene, tmp_path, recwarn):

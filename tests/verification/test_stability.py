@@ -4,35 +4,20 @@
 by far, and weaker soil has a smaller factor."""
 
 import importlib
-import importlib.util
-from pathlib import Path
 
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from asModules import runScript, script
 
 rules = importlib.import_module("yade_mpm.geotech.safety")
-SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 PUBLISHED = 1.4
 KINDS = "ugimp", "hybrid", "apdi"
 slow = pytest.mark.slow
 
 
-def script(name):
-    """A fresh copy of a scene, so that a test may change its constants."""
-    spec = importlib.util.spec_from_file_location(name, SCRIPTS / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def run(name, *options, **constants):
-    """Summary of a scene with the given command line, and with constants of the script changed."""
-    module = script(name)
-    for constant, value in constants.items():
-        assert hasattr(module, constant)
-        setattr(module, constant, value)
-    return module.run(module.arguments([*options, "--threads", "1"]))[0]
+    return runScript(name, *options, "--threads", "1", **constants)
 
 
 def test_the_reference_of_the_cut_is_limit_analysis():

@@ -1,34 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The quasi-static check: what the rate does, and scenes that pass or fail."""
 
-import importlib.util
 import json
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from asModules import script
+from historiesOfBars import bar
 from setups import chain
 from yade_mpm import box, diagnostics
-
-STIFFNESS, MASS = 100.0, 3.0
-
-
-def bar(rate, **changed):
-    """History of the pressed bar until it is shorter by 1 m, with 101 rows; the last is where columns may be
-    changed."""
-    t = np.linspace(0, 1 / rate, 101)
-    work = STIFFNESS * (rate * t) ** 2 / 2
-    history = {
-        "time": t,
-        "workDone": work,
-        "kineticEnergy": np.full(101, MASS * rate**2 / 6),
-        "dampedEnergy": 0.01 * work,
-        "energyError": -0.002 * work,
-        "unbalancedRatio": np.where(np.arange(101) % 2, 0.01, 0.03),
-    }
-    return {**history, **changed}
 
 
 # --- another rate ----------------------------------------------------------------------------------------
@@ -55,8 +37,7 @@ def pressed(rate, ramp=0.0):
     drive = mpm.Drive(block.above(0.8), (None, -rate), ramp=ramp)
     end = 0.05 / rate + ramp / 2
     history = mpm.History(period=end / 100)
-    solver = mpm.GridSolver(damping=0.05, gravity=(0, 0), fixed=("bottom",), drive=drive)
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), history]
+    scene.engines = [*chain(damping=0.05, gravity=(0, 0), fixed=("bottom",), drive=drive), history]
     scene.dt = min(1e-3, end / 400)
     scene.run(until=end, progress=False)
     return scene, history
@@ -105,8 +86,10 @@ def pushedBy(inertia):
     drive = mpm.Drive(plate, (0, -0.05), ramp=0.4)
     history = mpm.History(period=0.01)
     roller = ("left", "right")
-    solver = mpm.GridSolver(damping=0.05, gravity=(0, 0), fixed="bottom", roller=roller, drive=drive)
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater(), history]
+    scene.engines = [
+        *chain(damping=0.05, gravity=(0, 0), fixed="bottom", roller=roller, drive=drive),
+        history,
+    ]
     scene.dt = 1e-3
     scene.run(until=1.2, progress=False)
     return mpm.quasiStatic(history, after=0.6), history
@@ -147,25 +130,9 @@ def test_the_unbalanced_ratio_is_the_sum_of_its_definition(dim):
 def test_the_sheet_pile_states_that_it_is_not_quasi_static_at_2_metres_per_second(
     tmp_path, monkeypatch, capsys
 ):
-    path = Path(__file__).resolve().parents[3] / "scripts" / "studies" / "sheet_pile_study.py"
-    spec = importlib.util.spec_from_file_location("sheet_pile_study", path)
-    script = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(script)
-    options = [
-        "--cell",
-        "1",
-        "--rate",
-        "2",
-        "--until",
-        "1.6",
-        "--threads",
-        "1",
-        "--rateCheck",
-        "--dilatancyLimit",
-        "0.02",
-    ]
-    monkeypatch.setattr(sys, "argv", ["sheet_pile_study", *options, "--out", str(tmp_path)])
-    script.main()
+    words = "sheet_pile_study --cell 1 --rate 2 --until 1.6 --threads 1 --rateCheck --dilatancyLimit 0.02"
+    monkeypatch.setattr(sys, "argv", [*words.split(), "--out", str(tmp_path)])
+    script("sheet_pile_study").main()
     assert "NOT quasi-static: kinetic energy is" in capsys.readouterr().out
     written = json.loads((tmp_path / "summary.json").read_text())["quasiStatic"]
     assert (

@@ -2,12 +2,12 @@
 """Parameters declared once: command line, defaults that follow from others, checks, words of a case."""
 
 import argparse
-import importlib.util
 import json
 from pathlib import Path
 
 import pytest
 import yade_mpm as mpm
+from asModules import moduleOf
 from matplotlib.figure import Figure
 from yade_mpm import Parameter, Parameters, app, plot
 from yade_mpm.app import commandLine
@@ -157,10 +157,7 @@ def test_what_is_derived_is_found_anew_in_a_resumed_run(tmp_path):
 
 @pytest.mark.parametrize("file", SCENES, ids=lambda f: f.stem)
 def test_every_scene_takes_its_own_defaults(file):
-    spec = importlib.util.spec_from_file_location(file.stem, file)
-    scene = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(scene)
-    known = scene.PARAMETERS
+    known = moduleOf(file).PARAMETERS
     assert isinstance(known, mpm.Parameters) and known.scene == file.stem and len(list(known)) > 0
     a = known.parse([])
     given = {p.name: p.default for p in known if not callable(p.default)}

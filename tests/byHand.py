@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Checkpoints that are changed by hand and are valid again."""
+"""What is in HDF5 files, and checkpoints that are changed by hand and are valid again."""
 
 import contextlib
 import json
@@ -7,6 +7,19 @@ import json
 import h5py
 import numpy as np
 from yade_mpm.io import checkpoint
+
+
+def arraysOf(file, group="/"):
+    """All arrays of an HDF5 file below a group, by name."""
+    found = {}
+    with h5py.File(file) as h5:
+        h5[group].visititems(lambda name, one: found.update({name: one}) if hasattr(one, "shape") else None)
+        return {name: one[()] for name, one in found.items()}
+
+
+def bitsOf(file):
+    """Arrays and clock of a checkpoint, as bytes."""
+    return {name: values.tobytes() for name, values in arraysOf(file).items() if name != "scene"}
 
 
 @contextlib.contextmanager

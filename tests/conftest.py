@@ -1,10 +1,19 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
+import os
 import signal
 from collections import Counter
+from pathlib import Path
 
 import pytest
+import yade_mpm
 
 pytest_plugins = ["verificationRecords"]
+
+
+def pytest_configure(config):
+    """Processes that tests start find the package, and what tests share."""
+    folders = [Path(yade_mpm.__file__).parents[1], *config.getini("pythonpath")]
+    os.environ["PYTHONPATH"] = os.pathsep.join(map(str, folders))
 
 
 def pytest_addoption(parser):

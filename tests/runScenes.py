@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A block that falls, for tests of runs."""
 
-import os
 import subprocess
 import sys
 
@@ -35,15 +34,8 @@ def smallScene(*engines, velocity=(0.0, 0.0)):
 
 
 def process(script, **options):
-    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    return subprocess.Popen(
-        [sys.executable, "-c", SCENE + script],
-        env=environment,
-        text=True,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        **options,
-    )
+    pipes = dict(text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    return subprocess.Popen([sys.executable, "-c", SCENE + script], **pipes, **options)
 
 
 def pulledMesh(onDistortion):

@@ -14,7 +14,7 @@ from importlib.machinery import EXTENSION_SUFFIXES
 from pathlib import Path
 
 import pytest
-import yade_mpm as mpm
+from processes import runPython
 
 RUN = Path(__file__).parents[1] / "scripts" / "run"
 WHERE = '"""Tells where it runs."""\nimport os, sys\n'
@@ -124,13 +124,7 @@ def main():
     {what}
 app.run(main)
 """)
-    ended = subprocess.run(
-        [sys.executable, "demo.py"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(Path(mpm.__file__).parents[1])},
-    )
+    ended = runPython("demo.py")
     assert ended.returncode == code
     assert ended.stderr.splitlines()[-1].startswith(last) if last else ended.stderr == ""
     assert ("Traceback" in ended.stderr) == last.startswith("ValueError")
@@ -157,12 +151,7 @@ def test_the_package_without_its_solver_says_what_to_do(file, said, tmp_path):
     shutil.copytree(RUN.parents[1] / "py" / "yade_mpm", package)
     if file:
         (package / file).touch()
-    wrong = subprocess.run(
-        [sys.executable, "-c", "import yade_mpm"],
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
-        capture_output=True,
-        text=True,
-    )
+    wrong = runPython("-c", "import yade_mpm", PYTHONPATH=str(tmp_path))
     message = wrong.stderr.splitlines()[-1]
     assert re.search(f"ImportError: yade_mpm: .*{said}", message) and str(package) in message
     assert "circular" not in wrong.stderr

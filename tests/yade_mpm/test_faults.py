@@ -14,10 +14,9 @@ import time
 import h5py
 import pytest
 import victim
-import yade_mpm as mpm
+from byHand import bitsOf
 
-ENVIRONMENT = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-ENVIRONMENT["OMP_NUM_THREADS"] = "1"
+ENVIRONMENT = dict(os.environ, OMP_NUM_THREADS="1")
 SIZE = 4 << 20  # bytes of the small disk
 PATIENCE = 600  # s for one run, also on a machine that has little time for it
 MOST_BLOWS = 60  # on a run; then one start is spared, for it may not come further between two blows
@@ -42,22 +41,11 @@ class Fallen:
         return self
 
 
-def arrays(file):
-    """All arrays of a checkpoint, and where its clock stands."""
-    found = {}
-    with h5py.File(file) as h5:
-        h5.visititems(
-            lambda name, x: found.update({name: x[...].tobytes()}) if isinstance(x, h5py.Dataset) else None
-        )
-    found.pop("scene")
-    return found
-
-
 def results():
     """What is in the files of a run that has come to its end."""
     with h5py.File("out.vtkhdf") as h5, open("out.csv") as table:
         return (
-            arrays("end.h5"),
+            bitsOf("end.h5"),
             h5["VTKHDF/Steps/Values"][:].tolist(),
             h5["VTKHDF/CellData/velocity"][:].tobytes(),
             table.read(),

@@ -2,8 +2,6 @@
 """What scenes are warned of, and what a run refuses."""
 
 import os
-import subprocess
-import sys
 import warnings
 from functools import partial
 from math import inf, nan
@@ -26,6 +24,7 @@ from inputs import (
     warningsOf,
     withSolver,
 )
+from processes import runPython
 from yade_mpm import box, plot
 
 
@@ -361,11 +360,5 @@ def test_the_time_step_is_checked_again_after_every_change_that_matters():
     "script", ["mpm.LinearElastic(density=-1, lame=(1, 1))", "mpm.Scene((0, 0), (1, 1), 0.5).run(steps=1)"]
 )
 def test_a_script_with_bad_input_ends_with_an_exit_code(script):
-    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    out = subprocess.run(
-        [sys.executable, "-c", "import yade_mpm as mpm\n" + script],
-        env=environment,
-        capture_output=True,
-        text=True,
-    )
+    out = runPython("-c", "import yade_mpm as mpm\n" + script)
     assert out.returncode == 1 and "ValueError" in out.stderr

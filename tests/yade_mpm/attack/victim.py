@@ -31,7 +31,7 @@ def made():
     solver = mpm.GridSolver(gravity=(0, -9.81), roller=("left", "right"), fixed="bottom")
     scene.engines = [
         *(mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()),
-        mpm.Recorder("out.vtkhdf", iterPeriod=25),
+        mpm.Recorder("out.vtkhdf", period=0.025),
         mpm.History(iterPeriod=7, file="out.csv"),
     ]
     scene.dt = 1e-3

@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from processes import runPython
 
 SIZE = 8 << 20  # bytes of the small disk
 SCENE = """
@@ -52,10 +53,7 @@ def disk(tmp_path):
 
 
 def ran(script):
-    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    run = subprocess.run(
-        [sys.executable, "-c", SCENE + script], env=environment, capture_output=True, text=True, timeout=100
-    )
+    run = runPython("-c", SCENE + script)
     assert run.returncode == 0, run.stderr
     return run.stdout + run.stderr
 

@@ -89,10 +89,7 @@ def test_a_scene_that_is_gone_owns_nothing():
 def anotherProcess():
     """A process that has run a scene, and has not ended."""
     words = [sys.executable, "-c", OF_ANOTHER_PROCESS, os.path.dirname(__file__)]
-    path = os.path.dirname(os.path.dirname(mpm.__file__))
-    with subprocess.Popen(
-        words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=dict(os.environ, PYTHONPATH=path)
-    ) as process:
+    with subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline() == "written\n"
         yield
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Files of a Recorder: fields, units, what is refused."""
 
-# SPDX-License-Identifier: GPL-2.0-or-later
+import json
 import os
 import shutil
 
@@ -9,7 +9,9 @@ import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from byHand import arraysOf
 from recordedScenes import assertSameFrames, engines, makeScene, readWithH5py, runAndWatch
+from setups import soft
 from yade_mpm import box
 from yade_mpm.io import pagedFile, vtkhdf
 
@@ -23,11 +25,8 @@ def again(recorder):
 
 def contentOf(file):
     """All arrays of the VTKHDF group by name."""
-    content = {}
+    content = arraysOf(file, "VTKHDF")
     with h5py.File(file) as h5:
-        h5["VTKHDF"].visititems(
-            lambda name, item: content.update({name: item[()]}) if hasattr(item, "shape") else None
-        )
         content["NSteps"] = h5["VTKHDF/Steps"].attrs["NSteps"]
     return content
 
@@ -43,7 +42,7 @@ def test_a_body_has_a_field_of_its_name(tmp_path):
     scene = makeScene()
     scene.engines = engines(mpm.Recorder(tmp_path / "a.vtkhdf", iterPeriod=5))
     scene.run(steps=5, progress=False)
-    rock = mpm.LinearElastic(density=1, lame=(1e3, 1e3))
+    rock = soft()
     late = scene.add("rock, 1/2", box((1.5, 1), (2, 1.5)), rock, mpm.APDI(size=0.5))
     scene.run(steps=5, progress=False)
     first, _, last = readWithH5py(tmp_path / "a.vtkhdf")
@@ -82,7 +81,7 @@ def test_state_variables_are_nan_where_a_material_has_none(tmp_path):
 
 def test_a_variable_that_appears_later_is_nan_before(tmp_path):
     scene = mpm.Scene((0, 0), (2, 2), 0.5)
-    elastic = mpm.LinearElastic(density=2, lame=(1e3, 1e3))
+    elastic = soft(2)
     low = scene.add("low", box((0, 0), (2, 1)), elastic, mpm.APDI(size=0.5))
     scene.engines = engines(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5))
     scene.run(steps=5, progress=False)
@@ -98,28 +97,12 @@ def test_a_variable_that_appears_later_is_nan_before(tmp_path):
 
 
 def test_fields_and_bodies_can_be_chosen(tmp_path):
-    scene = makeScene()
-    scene.engines = engines(
-        mpm.Recorder(
-            tmp_path / "a.h5",
-            iterPeriod=5,
-            bodies=[scene["high"]],
-            fields=["volume", "velocityGradient", "deviatoricStress"],
-        )
-    )
+    scene, fields = makeScene(), ["volume", "velocityGradient", "deviatoricStress"]
+    recorder = mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, bodies=[scene["high"]], fields=fields)
+    scene.engines = engines(recorder)
     scene.run(steps=5, progress=False)
     frame = readWithH5py(tmp_path / "a.h5")[-1]
-    assert set(frame) == {
-        "body",
-        "body high",
-        "id",
-        "volume",
-        "velocityGradient",
-        "deviatoricStress",
-        "corners",
-        "time",
-        "steps",
-    }
+    assert set(frame) == {"body", "body high", "id", *fields, "corners", "time", "steps"}
     assert frame["velocityGradient"].shape == (scene["high"].count, 9)
     assert np.array_equal(
         frame["velocityGradient"][:, [0, 1, 3, 4]].reshape(-1, 2, 2), scene["high"].velocityGradient
@@ -187,8 +170,6 @@ def test_two_recorders_need_two_files(tmp_path):
 
 
 def test_the_spec_is_plain_and_makes_the_same_recorder(tmp_path):
-    import json
-
     one = mpm.Recorder(
         tmp_path / "a.h5", period=0.5, fields=("stress",), bodies=["low"], compress=2, label="r"
     )
@@ -237,25 +218,18 @@ def test_wrong_arguments_are_refused(arguments, text):
 
 
 @pytest.mark.parametrize(
-    "arguments, text",
+    "arguments, error, text",
     [
-        (dict(fields=["strees"]), "there is no field 'strees'; fields: .*stress"),
-        (dict(bodies=["pile"]), "there is no body named 'pile'; bodies: low, high"),
+        (dict(fields=["strees"]), ValueError, "there is no field 'strees'; fields: .*stress"),
+        (dict(bodies=["pile"]), ValueError, "there is no body named 'pile'; bodies: low, high"),
+        (dict(file="missing/a.h5"), OSError, "Recorder '.*give .* file"),
+        (dict(file="."), OSError, "Recorder '.*give .* file"),
     ],
 )
-def test_unknown_fields_and_bodies_are_refused_before_the_first_step(tmp_path, arguments, text):
+def test_what_a_scene_cannot_record_is_refused_before_the_first_step(arguments, error, text):
     scene = makeScene()
-    scene.engines = engines(mpm.Recorder(tmp_path / "a.h5", iterPeriod=5, **arguments))
-    with pytest.raises(ValueError, match=text):
-        scene.run(steps=5, progress=False)
-    assert scene.steps == 0
-
-
-@pytest.mark.parametrize("place", ["missing/a.h5", "."])
-def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path, place):
-    scene = makeScene()
-    scene.engines = engines(mpm.Recorder(tmp_path / place, iterPeriod=5))
-    with pytest.raises(OSError, match="Recorder '.*give .* file"):
+    scene.engines = engines(mpm.Recorder(**{"file": "a.h5", "iterPeriod": 5, **arguments}))
+    with pytest.raises(error, match=text):
         scene.run(steps=5, progress=False)
     assert scene.steps == 0
 
@@ -264,62 +238,49 @@ class Killed(BaseException):
     pass
 
 
-@pytest.mark.parametrize("survived", [0, 1, 2, 3])
-def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(
-    tmp_path, monkeypatch, survived
-):
-    """Kills the writer before its write number `survived` + 1 of a frame that takes new pages of the file."""
-    scene, file = makeScene(perCell=8), tmp_path / "a.h5"
-    scene.engines = engines(mpm.Recorder(file, iterPeriod=10))
+def killedAtWrite(number):
+    """A scene, and its file a.h5, whose writer is killed before a write of a frame that takes new pages."""
+    scene = makeScene(perCell=8)
+    scene.engines = engines(mpm.Recorder("a.h5", iterPeriod=10))
     scene.run(steps=20, progress=False)
-    shutil.copy(file, tmp_path / "before.h5")
+    shutil.copy("a.h5", "before.h5")
     writes, write = [], pagedFile._writeAll
 
     def dying(*arguments):
-        if len(writes) >= survived:
+        if len(writes) >= number:
             raise Killed
         writes.append(arguments)
         write(*arguments)
 
-    monkeypatch.setattr(pagedFile, "_writeAll", dying)
-    with pytest.raises(Killed):
+    with pytest.MonkeyPatch.context() as patch, pytest.raises(Killed):
+        patch.setattr(pagedFile, "_writeAll", dying)
         scene.run(steps=10, progress=False)
-    monkeypatch.undo()
-    hadJournal = pagedFile.recover(file)
+
+
+@pytest.mark.parametrize("survived", [0, 1, 2, 3])
+def test_a_kill_at_any_write_leaves_the_old_file_or_one_that_can_be_completed(survived):
+    killedAtWrite(survived)
+    hadJournal = pagedFile.recover("a.h5")
     assert hadJournal == (survived > 0)
-    assert not os.path.exists(str(file) + ".journal")
+    assert not os.path.exists("a.h5.journal")
     if not hadJournal:
-        assertSameContent(file, tmp_path / "before.h5")
+        assertSameContent("a.h5", "before.h5")
         return
-    expected = runAndWatch(makeScene(perCell=8), tmp_path / "whole.h5", steps=30)
-    assertSameFrames(readWithH5py(file), expected)
-    assertSameContent(file, tmp_path / "whole.h5")
+    expected = runAndWatch(makeScene(perCell=8), "whole.h5", steps=30)
+    assertSameFrames(readWithH5py("a.h5"), expected)
+    assertSameContent("a.h5", "whole.h5")
 
 
-def test_the_journal_is_what_saves_a_killed_writer(tmp_path, monkeypatch):
+def test_the_journal_is_what_saves_a_killed_writer():
     """The control of the test above: between two writes the file alone is not what it should be."""
-    scene, file = makeScene(perCell=8), tmp_path / "a.h5"
-    scene.engines = engines(mpm.Recorder(file, iterPeriod=10))
-    scene.run(steps=20, progress=False)
-    count, write = [0], pagedFile._writeAll
-
-    def dying(*arguments):
-        count[0] += 1
-        if count[0] > 2:
-            raise Killed
-        write(*arguments)
-
-    monkeypatch.setattr(pagedFile, "_writeAll", dying)
-    with pytest.raises(Killed):
-        scene.run(steps=10, progress=False)
-    monkeypatch.undo()
+    killedAtWrite(2)
     try:
-        steps = [f["steps"] for f in readWithH5py(file)]
+        steps = [f["steps"] for f in readWithH5py("a.h5")]
     except Exception:
         steps = None
     assert steps != [0, 10, 20, 30]
-    pagedFile.recover(file)
-    assert [f["steps"] for f in readWithH5py(file)] == [0, 10, 20, 30]
+    pagedFile.recover("a.h5")
+    assert [f["steps"] for f in readWithH5py("a.h5")] == [0, 10, 20, 30]
 
 
 def test_an_error_while_a_frame_is_made_leaves_the_file_as_it_was(tmp_path):

@@ -3,11 +3,9 @@
 
 import os
 import re
-import subprocess
-import sys
 
 import pytest
-import yade_mpm as mpm
+from processes import runPython
 
 LIMITED = """
 import resource
@@ -53,10 +51,7 @@ MATCHING = """
 
 def inLittleMemory(body):
     """What a process with little memory says."""
-    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    out = subprocess.run(
-        [sys.executable, "-c", LIMITED + body + TOLD], env=environment, capture_output=True, text=True
-    )
+    out = runPython("-c", LIMITED + body + TOLD)
     assert out.returncode == 0, out.stderr
     return out.stdout
 

@@ -2,15 +2,13 @@
 """One thread has a scene at a time, and a process made by fork can run scenes of its own."""
 
 import multiprocessing
-import os
 import signal
-import subprocess
-import sys
 import threading
 
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from processes import runPython
 from yade_mpm import box
 
 
@@ -187,10 +185,7 @@ def inChild(work):
 
 
 def forked(script):
-    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    return subprocess.run(
-        [sys.executable, "-c", FORK + script], env=environment, capture_output=True, text=True, timeout=60
-    )
+    return runPython("-c", FORK + script)
 
 
 def test_a_fork_in_a_callback_leaves_a_child_that_can_run_scenes():

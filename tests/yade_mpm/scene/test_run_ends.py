@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """How a run ends: particles that leave, distorted domains, errors of callbacks."""
 
-import os
-import subprocess
-import sys
 import warnings
 
 import numpy as np
@@ -11,7 +8,9 @@ import pytest
 import yade_mpm as mpm
 import yade_mpm.base.attributes
 import yade_mpm.scene.scene
+from processes import runPython
 from runScenes import process, pulledMesh, smallScene
+from setups import soft
 from yade_mpm import box
 
 
@@ -34,9 +33,7 @@ def test_a_particle_that_leaves_the_grid_ends_the_run_and_is_named(capsys):
 @pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
 def test_an_inverted_domain_ends_the_run_and_is_named(scheme, recwarn):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme)
-    body = scene.add(
-        "mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI()
-    )
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), soft(1.3), mpm.APDI())
     scene.dt = 1e-4
     scene.run(steps=3)
     body.vertices[6] += 0.15
@@ -57,12 +54,7 @@ def test_an_inverted_domain_ends_the_run_and_is_named(scheme, recwarn):
 @pytest.mark.parametrize("onDistortion", ["stop", "convert"])
 def test_a_distorted_domain_is_warned_of_once_before_it_ends_the_run(onDistortion, capsys):
     scene = mpm.Scene((0, 0), (2, 2), 0.25)
-    body = scene.add(
-        "mesh",
-        box((0.5, 0.5), (1.5, 1.5)),
-        mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)),
-        mpm.APDI(onDistortion=onDistortion),
-    )
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), soft(1.3), mpm.APDI(onDistortion=onDistortion))
     scene.dt = 1e-6
     scene.run(steps=1)
     start = body.vertices[0].copy()
@@ -84,9 +76,7 @@ def test_a_distorted_domain_is_warned_of_once_before_it_ends_the_run(onDistortio
 
 def test_domains_are_looked_at_every_thousand_steps(capsys):
     scene = mpm.Scene((0, 0), (2, 2), 0.25)
-    body = scene.add(
-        "mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.3, lame=(1e3, 1e3)), mpm.APDI()
-    )
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), soft(1.3), mpm.APDI())
 
     def distort():
         body.vertices[0] += 0.46 * 0.25 * (1 if scene.steps == 500 else -1)
@@ -141,9 +131,7 @@ assert np.abs(moved - 20e-6 * np.array((0.3, -0.2))).max() < 1e-9
 @pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
 def test_pieces_of_a_converted_domain_move_on_as_it_did(scheme):
     """In a process of its own: converted within a step, as under USF, it went round for ever."""
-    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    out = subprocess.run([sys.executable, "-c", MOVED, scheme], env=environment, timeout=60)
-    assert out.returncode == 0
+    assert runPython("-c", MOVED, scheme).returncode == 0
 
 
 def totals(scene):

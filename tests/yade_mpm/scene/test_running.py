@@ -8,11 +8,12 @@ import subprocess
 import sys
 import time
 
-import h5py
 import pytest
 import yade_mpm as mpm
 import yade_mpm.base.attributes
 import yade_mpm.scene.scene
+from byHand import bitsOf
+from processes import runPython
 from runScenes import SCENE, process, smallScene
 
 
@@ -41,16 +42,6 @@ def test_signals_leave_a_checkpoint_and_an_exit_code(script, number, codes):
     scene.run(steps=5)
 
 
-def bitsOf(file):
-    """Arrays and clock of a checkpoint."""
-    with h5py.File(file, "r") as h5:
-        bits = {}
-        h5.visititems(
-            lambda name, data: bits.update({name: data[...].tobytes()}) if hasattr(data, "dtype") else None
-        )
-    return {name: values for name, values in bits.items() if name != "scene"}
-
-
 SETTLED = """
 import signal, sys, threading, time
 import yade_mpm as mpm
@@ -76,8 +67,7 @@ def test_ctrl_c_in_wait_leaves_the_state_of_a_whole_step(delay, recorder):
     script = (
         SETTLED + output + "scene.run(steps=10**9, background=True)\nprint('go', flush=True)\nscene.wait()"
     )
-    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    pipes = dict(stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment)
+    pipes = dict(stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     run = subprocess.Popen([sys.executable, "-c", script], **pipes)
     assert run.stdout.readline() == "go\n"
     time.sleep(delay)
@@ -88,7 +78,7 @@ def test_ctrl_c_in_wait_leaves_the_state_of_a_whole_step(delay, recorder):
     loaded = mpm.load(file)
     assert loaded.steps > 0
     again = SETTLED + f"scene.run(steps={loaded.steps}, progress=False)\nscene.save('whole.h5')"
-    subprocess.run([sys.executable, "-c", again], check=True, timeout=100, env=environment)
+    assert runPython("-c", again).returncode == 0
     bits, whole = bitsOf(file), bitsOf("whole.h5")
     assert [name for name in whole if bits[name] != whole[name]] == []
 
@@ -208,56 +198,10 @@ def test_a_signal_ends_these_tests_and_is_no_test_that_failed(pytestconfig):
         shutil.copy(pytestconfig.rootpath / "tests" / name, ".")
     with open("test_cut_off.py", "w") as file:
         file.write(SCENE + TESTS)
-    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    tests = subprocess.run(
-        [sys.executable, "-m", "pytest", "-s", "test_cut_off.py"],
-        env=environment,
-        text=True,
-        capture_output=True,
-        timeout=60,
-    )
+    tests = runPython("-m", "pytest", "-s", "test_cut_off.py")
     assert tests.returncode == 143, tests.stdout
     assert "SIGTERM in test_cut_off.py::test_that_is_cut_off" in tests.stdout
     assert "1 failed" not in tests.stdout and "went on" not in tests.stdout
-
-
-WITH_FILES = """
-import os
-def end(s):
-    if s.steps == killedAt: os.kill(os.getpid(), 9)
-scene["a"].velocity = (0.3, 0.0)
-scene.engines = [*scene.engines[:-1], mpm.Recorder("out.vtkhdf", period=0.2),
-    mpm.History(iterPeriod=7, file="out.csv"),
-                 mpm.PyRunner(end, iterPeriod=50, label="end")]
-scene.dt = 1e-3
-mpm.scene.policy.SHARE = 1e6
-"""
-
-
-def results():
-    with h5py.File("out.vtkhdf") as file, open("out.csv") as table:
-        return (
-            file["VTKHDF/Steps/Values"][:].tolist(),
-            file["VTKHDF/CellData/velocity"][:].tobytes(),
-            table.read(),
-        )
-
-
-def test_a_killed_run_goes_on_from_what_was_saved_meanwhile():
-    """SIGKILL, as where power fails: no handler is asked."""
-    whole = process("killedAt = -1\n" + WITH_FILES + "scene.run(steps=300)")
-    assert (
-        whole.wait(timeout=30) == 0
-        and not os.path.exists("yade_mpm.checkpoint.h5")
-        and not os.path.exists("out.checkpoint.h5")
-    )
-    expected = results()
-    killed = process("killedAt = 150\n" + WITH_FILES + "scene.run(steps=300, checkpointPeriod=0)")
-    assert killed.wait(timeout=30) == -signal.SIGKILL
-    scene = mpm.load("out.checkpoint.h5", callbacks={"end": None})
-    assert 100 < scene.steps < 150
-    scene.run(steps=300 - scene.steps)
-    assert results() == expected
 
 
 def test_what_cannot_be_saved_meanwhile_is_said_and_the_run_goes_on(capsys):

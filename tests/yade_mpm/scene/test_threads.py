@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The results are the same bits for any number of threads."""
 
-import os
-import subprocess
 import sys
 from math import radians
 
 import pytest
-import setups
 import yade_mpm as mpm
+from processes import runPython
 from setups import chain
 from yade_mpm import box
 from yade_mpm.scene import pace, run
@@ -29,14 +27,13 @@ def hybrid(scheme="MUSL"):
         "flying", box((3, 5), (5, 6)), mpm.NeoHookean(density=1.0, lame=(2e3, 1e3)), mpm.UGIMP(perCell=3)
     )
     flying.velocity, near.velocity = (0.0, 6.0), (1.0, -1.0)
-    solver = mpm.GridSolver(
+    scene.engines = chain(
         gravity=(0, -9.81),
         damping=0.05,
         roller=("left", "right"),
         fixed="bottom",
         drive=mpm.Drive(near.below(2.5), velocity=(0.5, None)),
     )
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
     return scene
 
 
@@ -125,18 +122,9 @@ def orders(scene):
         pytest.param("shaken", "MUSL", 10000, marks=pytest.mark.slow),
     ],
 )
-def test_threads_do_not_change_a_bit(tmp_path, name, scheme, steps):
+def test_threads_do_not_change_a_bit(name, scheme, steps):
     # In a process of its own, where waiting threads sleep: the machine may have fewer cores than threads.
-    paths = os.path.dirname(os.path.dirname(mpm.__file__)), os.path.dirname(setups.__file__)
-    environment = dict(os.environ, OMP_WAIT_POLICY="passive", PYTHONPATH=os.pathsep.join(paths))
-    out = subprocess.run(
-        [sys.executable, __file__, name, scheme, str(steps)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=1800,
-        cwd=tmp_path,
-    )
+    out = runPython(__file__, name, scheme, steps, timeout=1800, OMP_WAIT_POLICY="passive")
     assert out.returncode == 0, out.stderr
     *runs, control = out.stdout.split()
     assert len(runs) == len(THREADS) and set(runs) == {runs[0]}
@@ -201,7 +189,7 @@ def test_threads_go_on_after_an_error(threads):
     assert scene.steps == 20
 
 
-def test_energies_are_the_same_for_any_number_of_threads_that_numpy_has(tmp_path):
+def test_energies_are_the_same_for_any_number_of_threads_that_numpy_has():
     """Of 40,000 particles: the library that NumPy multiplies with shares the work then, and adds in another
     order."""
     text = """import numpy as np, yade_mpm as mpm
@@ -212,18 +200,7 @@ body.velocity[...] = np.random.default_rng(1).random((body.count, 2))
 body.stress[...] = np.random.default_rng(2).random(body.count)[:, None, None] * np.eye(3)
 print(mpm.diagnostics.kineticEnergy(scene), *mpm.diagnostics.momentum(scene),
     mpm.diagnostics.sectionForce(body, 50, thickness=96))"""
-    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__)))
-    runs = [
-        subprocess.run(
-            [sys.executable, "-c", text],
-            env={**environment, "OMP_NUM_THREADS": n, "OPENBLAS_NUM_THREADS": n},
-            capture_output=True,
-            text=True,
-            timeout=300,
-            cwd=tmp_path,
-        )
-        for n in "12"
-    ]
+    runs = [runPython("-c", text, timeout=300, OMP_NUM_THREADS=n, OPENBLAS_NUM_THREADS=n) for n in "12"]
     assert runs[0].returncode == 0, runs[0].stderr
     assert len(runs[0].stdout.split()) == 4 and runs[0].stdout == runs[1].stdout
 

@@ -12,14 +12,9 @@ import time
 from pathlib import Path
 
 import pytest
-import yade_mpm as mpm
 from yade_mpm.study import state
 
 SCENE = Path(__file__).with_name("demo_scene.py")
-ENVIRONMENT = {
-    **os.environ,
-    "PYTHONPATH": os.pathsep.join([str(Path(mpm.__file__).parents[1]), os.environ.get("PYTHONPATH", "")]),
-}
 PATIENCE = 300  # s: beside fourteen other jobs on two cores a first case begins after more than a minute
 WORDS = ["gravity=5,6,7,8,9,10", "--pause", "0.1", "--held", "--threads", "1", "--out", "o"]  # 1 s of pauses
 HELD = [Path(f"hold{gravity}") for gravity in range(6, 11)]  # all cases but the first
@@ -40,9 +35,7 @@ def letThemGo():
 def start(*more, words=WORDS):
     code = "from yade_mpm import commandLine; from yade_mpm.study.program import main; app.run(main)"
     command = [sys.executable, "-c", code, str(SCENE), *words, *more]
-    return subprocess.Popen(
-        command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-    )
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
 def states():
@@ -91,7 +84,7 @@ def alone(tmp_path_factory):
         out = folder / "cases" / str(gravity)
         out.mkdir(parents=True)
         words = ["--gravity", str(gravity), "--threads", "1", "--out", str(out)]
-        subprocess.run([sys.executable, SCENE, *words], env=ENVIRONMENT, check=True, capture_output=True)
+        subprocess.run([sys.executable, SCENE, *words], check=True, capture_output=True)
     return histories(folder)
 
 
@@ -142,7 +135,6 @@ def cluster(workers):
     program = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--no-dashboard"]
     scheduler = subprocess.Popen(
         [*program, "--host", "127.0.0.1", "--port", "0", "--scheduler-file", "scheduler.json"],
-        env=ENVIRONMENT,
         stderr=subprocess.DEVNULL,
     )
     waitFor(Path("scheduler.json").exists)
@@ -150,8 +142,7 @@ def cluster(workers):
     address = json.loads(Path("scheduler.json").read_text())["address"]
     program = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--no-dashboard", "--no-nanny"]
     started = [
-        subprocess.Popen([*program, "--nthreads", "1"], env=ENVIRONMENT, stderr=subprocess.DEVNULL)
-        for _ in range(workers)
+        subprocess.Popen([*program, "--nthreads", "1"], stderr=subprocess.DEVNULL) for _ in range(workers)
     ]
     try:
         yield address, scheduler, started

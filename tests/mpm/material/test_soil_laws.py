@@ -218,6 +218,9 @@ def testCamClayBearsNoTensionAndPressureAgain():
     assert np.isfinite(stress).all() and pressure(stress) > 2
 
 
+SAND = {"cohesion": 5, "frictionAngle": 0.5}
+
+
 @pytest.mark.parametrize(
     "law, given, error",
     [
@@ -225,21 +228,9 @@ def testCamClayBearsNoTensionAndPressureAgain():
         ("Tresca", {"undrainedStrength": 5, "softeningStrain": 1}, "without remouldedRatio"),
         ("Tresca", {"undrainedStrength": 5, "rateFactor": 0.1}, "belong together"),
         ("Tresca", {"undrainedStrength": 5, "bandWidth": 0.1}, "without softeningStrain"),
-        (
-            "MohrCoulomb",
-            {"cohesion": 5, "frictionAngle": 0.5, "residualCohesion": 2},
-            "without softeningStrain",
-        ),
-        (
-            "MohrCoulomb",
-            {"cohesion": 5, "frictionAngle": 0.5, "residualCohesion": 9, "softeningStrain": 0.1},
-            "exceeds cohesion",
-        ),
-        (
-            "MohrCoulombDruckerPrager",
-            {"cohesion": 5, "frictionAngle": 0.5, "softeningStrain": 0.1},
-            "without a residual strength",
-        ),
+        ("MohrCoulomb", {**SAND, "residualCohesion": 2}, "without softeningStrain"),
+        ("MohrCoulomb", {**SAND, "residualCohesion": 9, "softeningStrain": 0.1}, "exceeds cohesion"),
+        ("MohrCoulombDruckerPrager", {**SAND, "softeningStrain": 0.1}, "without a residual strength"),
     ],
 )
 def testWhatDoesNotFitIsRefused(law, given, error):

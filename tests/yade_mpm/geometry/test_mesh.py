@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 import numpy as np
 import pytest
+from inputs import refused
 from yade_mpm.geometry.lattice import latticePoints
 from yade_mpm.geometry.mesh import boundaryFacets, cellVolumes, cornerJacobians
 from yade_mpm.geometry.meshing import meshRegion, refineNear
@@ -191,33 +192,24 @@ def quads(**moved):
 
 
 @pytest.mark.parametrize(
-    "points, cells, text",
+    "points, cells, named",
     [
-        (
-            quads(),
-            [(0, 1, 4, 3), (1, 4, 5, 2)],
-            r"cell 1 at \(1.5, 0.5\) is inverted; order .* \(1 such cells\)",
-        ),
-        (quads(p5=(1.2, 0.2)), QUADS[1], "'soil': cell 1 at .* is concave or collapsed; every corner"),
-        (quads(p5=(2, 0)), QUADS[1], "cell 1 at .* is concave or collapsed"),
-        (quads(), [(0, 1, 4, 4)], r"cell 0 at .* names a vertex twice"),
-        (
-            quads(),
-            [(0, 1, 4, 6)],
-            r"cell 0 names vertices \[0, 1, 4, 6\], but the points are numbered 0 to 5",
-        ),
+        (quads(), [(0, 1, 4, 3), (1, 4, 5, 2)], "cell 1 at (1.5, 0.5) is inverted; ... (1 such cells)"),
+        (quads(p5=(1.2, 0.2)), QUADS[1], "'soil': cell 1 at ... is concave or collapsed; every corner"),
+        (quads(p5=(2, 0)), QUADS[1], "cell 1 at ... is concave or collapsed"),
+        (quads(), [(0, 1, 4, 4)], "cell 0 at ... names a vertex twice"),
+        (quads(), [(0, 1, 4, 6)], "cell 0 names vertices [0, 1, 4, 6], but ... numbered 0 to 5"),
         (quads(), [(0, 1, 4, -1)], "count from zero"),
-        (quads(p1=(np.nan, 0)), QUADS[1], r"'soil': point 1 at \(nan, 0\) is not finite"),
-        (quads(), [(0, 1, 4)], r"cells has shape \(1, 3\) and type int64; give \(Nc, 4\) or \(Nc, 8\)"),
+        (quads(p1=(np.nan, 0)), QUADS[1], "'soil': point 1 at (nan, 0) is not finite"),
+        (quads(), [(0, 1, 4)], "cells has shape (1, 3) and type int64; give (Nc, 4) or (Nc, 8)"),
         (quads(), [(0.0, 1.0, 4.0, 3.0)], "type float64"),
-        (quads(), np.zeros((0, 4), int), r"cells has shape \(0, 4\)"),
-        (quads(), HEX[1], r"points has shape \(6, 2\), but cells of 8 vertices need \(Nv, 3\)"),
+        (quads(), np.zeros((0, 4), int), "cells has shape (0, 4)"),
+        (quads(), HEX[1], "points has shape (6, 2), but cells of 8 vertices need (Nv, 3)"),
         ([(x, y, x) for x, y in QUADS[0]], QUADS[1], "must lie in the plane z = 0, but z reaches 2"),
     ],
 )
-def test_bad_cells_are_refused_by_number_and_place(points, cells, text):
-    with pytest.raises(ValueError, match=text):
-        meshFromArrays(points, cells, "soil")
+def test_bad_cells_are_refused_by_number_and_place(points, cells, named):
+    refused(named, lambda: meshFromArrays(points, cells, "soil"))
 
 
 def test_an_inverted_hexahedron_among_good_ones_is_refused():

@@ -5,7 +5,6 @@ import traceback
 
 import blows
 import pytest
-import wrongInputs
 import wrongSequences
 import yade_mpm as mpm
 from yade_mpm import box
@@ -38,17 +37,9 @@ def harm(results):
     return found["crash"] + found["hang"] + found["silent"], found["unclear"] / len(results)
 
 
-@pytest.mark.parametrize("script, count", [(wrongInputs.__file__, 200), (wrongSequences.__file__, 40)])
-def test_wrong_inputs_through_all_public_entries_are_refused_in_words(script, count):
-    results = blows.survey(script, count)
+@pytest.mark.parametrize("count", [150, pytest.param(20000, marks=pytest.mark.slow)])
+def test_wrong_inputs_through_all_public_entries_are_refused_in_words(count):
+    results = blows.survey(wrongSequences.__file__, count)
     harmed, unclear = harm(results)
-    assert harmed == 0 and unclear <= 0.01, blows.harmful(results)
+    assert harmed == 0 and unclear <= 0.01, blows.harmful(results)[:50]
     assert blows.summary(results)["refused"] > count / 2
-
-
-@pytest.mark.slow  # 20 minutes
-@pytest.mark.parametrize("script", [wrongInputs.__file__, wrongSequences.__file__])
-def test_twenty_thousand_wrong_inputs_are_refused_in_words(script):
-    results = blows.survey(script, 10000, seed=2)
-    harmed, unclear = harm(results)
-    assert harmed == 0 and unclear < 0.01, blows.harmful(results)[:50]

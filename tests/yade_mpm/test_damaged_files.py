@@ -162,20 +162,13 @@ def test_a_run_does_not_go_on_in_a_damaged_file_of_results():
     assert Path("a.vtkhdf").read_bytes() == before
 
 
+@pytest.mark.parametrize("count", [40, pytest.param(1000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("script", [damagedFiles.__file__, handMadeFiles.__file__])
-def test_damaged_and_hand_made_files_do_no_harm(script):
-    results = blows.survey(script, 40)
-    assert blows.harmful(results) == []
-    assert blows.summary(results)["refused"] > 20
-
-
-@pytest.mark.slow  # 5 minutes
-@pytest.mark.parametrize("script", [damagedFiles.__file__, handMadeFiles.__file__])
-def test_two_thousand_files_do_no_harm(script):
-    results = blows.survey(script, 1000, seed=2)
+def test_damaged_and_hand_made_files_do_no_harm(script, count):
+    results = blows.survey(script, count)
     found = blows.summary(results)
-    harm = [found[k] for k in ("crash", "hang", "silent")]
-    assert harm == [0, 0, 0] and found["unclear"] < 10, blows.harmful(results)
+    assert found["crash"] + found["hang"] + found["silent"] == 0, blows.harmful(results)
+    assert found["unclear"] <= 0.01 * count and found["refused"] > count / 2, blows.harmful(results)
 
 
 def instead(place, make):

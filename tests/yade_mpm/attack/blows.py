@@ -56,6 +56,22 @@ def unclear(error, tokens):
     return ""
 
 
+def answer(error, tokens):
+    """What came of a case that ended with an error, and what it said."""
+    why = unclear(error, tokens)
+    return f"unclear: {why}" if why else "refused", f"{type(error).__name__}: {str(error)[:400]}"
+
+
+def ofKinds(attack, kinds):
+    """Function that prepares an attack (number, seed, kinds) for those whose name has an expression in it."""
+
+    def prepared(match):
+        chosen = [kind for kind in kinds if re.search(match, kind.__name__)]
+        return lambda number, seed: attack(number, seed, chosen)
+
+    return prepared
+
+
 def worker(attack, first, last, seed):
     """Cases first ... last, a line of JSON each."""
     with open("/proc/self/statm") as file:  # a sanitizer has taken 20 TB of addresses already

@@ -11,7 +11,6 @@ import functools
 import io
 import os
 import random
-import re
 
 import blows
 
@@ -213,37 +212,16 @@ def attackJournal(rng):
 KINDS = (attackCheckpoint, attackCheckpoint, attackMesh, attackJournal)
 
 
-def attack(number, seed, kinds=KINDS):
+def attack(number, seed, kinds):
     """One case: (label, what came of it, text)."""
     rng = random.Random(f"{seed} {number}")
     kind = rng.choice(kinds)
     try:
         return kind(rng)
-    except (KeyboardInterrupt, GeneratorExit):
-        raise
-    except BaseException as error:
-        tokens = [
-            "checkpoint",
-            "mesh",
-            "read",
-            "recover",
-            "body '",
-            "Scene",
-            "History",
-            "dt =",
-            "particle",
-            *os.listdir(),
-        ]
-        why = blows.unclear(error, tokens)
-        told = f"{type(error).__name__}: {str(error)[:400]}"
-        return kind.__name__, f"unclear: {why}" if why else "refused", told
-
-
-def prepared(match):
-    """The case of a number. match : expression in the name of the kind, such as Checkpoint."""
-    kinds = [k for k in KINDS if re.search(match, k.__name__)]
-    return lambda number, seed: attack(number, seed, kinds)
+    except (Exception, SystemExit) as error:
+        tokens = "checkpoint,mesh,read,recover,body ',Scene,History,dt =,particle"
+        return kind.__name__, *blows.answer(error, [*tokens.split(","), *os.listdir()])
 
 
 if __name__ == "__main__":
-    blows.main(__file__, __doc__, prepared)
+    blows.main(__file__, __doc__, blows.ofKinds(attack, KINDS))

@@ -12,7 +12,6 @@ import io
 import json
 import os
 import random
-import re
 
 import blows
 import damagedFiles
@@ -264,7 +263,7 @@ def attackCases(rng):
 KINDS = (*[attackCheckpoint] * 8, attackMeasured, attackCases)
 
 
-def attack(number, seed, kinds=KINDS):
+def attack(number, seed, kinds):
     """One case: (label, what came of it, text)."""
     rng = random.Random(f"{seed} {number} hand")
     telling = rng.choice(kinds)(rng)
@@ -272,21 +271,11 @@ def attack(number, seed, kinds=KINDS):
     try:
         wrong = next(telling)
         return label, "silent" if wrong else "accepted", wrong
-    except (KeyboardInterrupt, GeneratorExit):
-        raise
-    except BaseException as error:
+    except (Exception, SystemExit) as error:
         tokens = "checkpoint,body ',scene,load,file,history,recorder,dt,particle,step,drive,hold,contact,grid"
         tokens += ",domain,vertex,boundary,grading,apdi,ugimp,table.csv,calibrate,a measured curve,demo"
-        why = blows.unclear(error, tokens.split(","))
-        told = f"{type(error).__name__}: {str(error)[:400]}"
-        return label, f"unclear: {why}" if why else "refused", told
-
-
-def prepared(match):
-    """The case of a number. match : expression in the name of the kind, such as Checkpoint."""
-    kinds = [k for k in KINDS if re.search(match, k.__name__)]
-    return lambda number, seed: attack(number, seed, kinds)
+        return label, *blows.answer(error, tokens.split(","))
 
 
 if __name__ == "__main__":
-    blows.main(__file__, __doc__, prepared)
+    blows.main(__file__, __doc__, blows.ofKinds(attack, KINDS))

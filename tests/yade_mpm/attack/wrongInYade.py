@@ -138,11 +138,8 @@ def attack(number, seed, entries):
             if wrong:
                 return label, "silent", f"{wrong}: {told}"
         return label, "accepted", told
-    except (KeyboardInterrupt, GeneratorExit):
-        raise
-    except BaseException as error:
-        why = blows.unclear(error, tokens)
-        return label, f"unclear: {why}" if why else "refused", f"{type(error).__name__}: {str(error)[:400]}"
+    except (Exception, SystemExit) as error:
+        return label, *blows.answer(error, tokens)
 
 
 def prepared(match):

@@ -1,22 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""Thousands of wrong inputs through all public entries, which introspection finds; the same for a seed.
+"""All public entries, which introspection finds, and arguments for them that are most likely wrong."""
 
-    python tests/yade_mpm/attack/wrongInputs.py --count 20000 --show 20
-    python tests/yade_mpm/attack/wrongInputs.py --count 500 --match "Grading|convert"
-
-Tells how many were accepted, refused in words, refused without (unclear), and what crashed or hung.
-"""
-
-import contextlib
 import importlib
 import inspect
-import random
-import re
-import tempfile
 
-import blows
 import numpy as np
-from fixtures import Fixtures, shown
 
 MODULES = ("diagnostics", "engine", "io.files", "plot", "rigid", "geotech", "app", "study")
 
@@ -147,44 +135,3 @@ def nonsense(scene):
         if (body.mass <= 0).any() or (body.volume <= 0).any():
             return f"mass or volume of '{body.name}' is not positive"
     return ""
-
-
-def attack(number, seed, entries=None):
-    """One case: (label, what came of it, text)."""
-    rng = random.Random(f"{seed} {number}")
-    fixtures = Fixtures()
-    entries = entries or entriesOf(fixtures)
-    label, make = rng.choice(entries)
-    if rng.random() < 0.3:
-        fixtures.ofRun()
-    thing, tokens = make(fixtures)
-    positional, named = argumentsFor(rng, fixtures, thing)
-    tokens = [*tokens, *named, "body '", "checkpoint", "Scene", "file", "region", "mesh", "demo"]
-    if label.startswith("mpm.box") or "Region" in label:
-        tokens += ["box", "disc", "polygon"]
-    told = ", ".join([*map(shown, positional), *(f"{n} = {shown(v)}" for n, v in named.items())])
-    try:
-        made = thing(*positional, **named)
-        if rng.random() < 0.5 and not label.startswith(("app", "io.files", "plot")):
-            label += " then run"
-            wrong = nonsense(use(fixtures, made))
-            if wrong:
-                return label, "silent", f"{wrong}: {told}"
-        return label, "accepted", told
-    except (KeyboardInterrupt, GeneratorExit):
-        raise
-    except BaseException as error:
-        why = blows.unclear(error, tokens)
-        said = f"{type(error).__name__}: {str(error)[:400]}"
-        return label, f"unclear: {why}" if why else "refused", said
-
-
-def prepared(match):
-    """The case of a number, for a process that takes many. match : expression that labels of entries have."""
-    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
-        entries = [entry for entry in entriesOf(Fixtures()) if re.search(match, entry[0])]
-    return lambda number, seed: attack(number, seed, entries)
-
-
-if __name__ == "__main__":
-    blows.main(__file__, __doc__, prepared)

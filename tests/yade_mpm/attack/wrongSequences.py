@@ -119,9 +119,7 @@ def attack(number, seed, entries):
             made = thing(*positional, **named)
             if rng.random() < 0.4 and not label.startswith(("app", "io.files", "plot")):
                 fixtures.scene = wrongInputs.use(fixtures, made)
-        except (KeyboardInterrupt, GeneratorExit):
-            raise
-        except BaseException as error:
+        except (Exception, SystemExit) as error:
             outcome = "refused"
             told.append(f"{type(error).__name__}: {str(error)[:300]}")
             why = blows.unclear(error, tokens)
@@ -141,9 +139,7 @@ def afterwards(rng, fixtures, outcome, told):
             if [b.count for b in mpm.load("end.h5", trust=True).bodies] != [b.count for b in scene.bodies]:
                 wrong = "a checkpoint has other bodies"
         return "silent" if wrong else outcome, f"{wrong} {' ;; '.join(told)}"
-    except (KeyboardInterrupt, GeneratorExit):
-        raise
-    except BaseException as error:
+    except (Exception, SystemExit) as error:
         why = blows.unclear(error, [*OF_A_RUN.split(), "body '", "mesh", "file"])
         said = f"then {type(error).__name__}: {str(error)[:300]} after {' ;; '.join(told)}"
         isLie = any(lie in str(error) for lie in LIES)

@@ -6,7 +6,7 @@ import csv
 
 import numpy as np
 import yade_mpm as mpm
-from setups import chain
+from setups import chain, soft
 from yade_mpm import box
 
 
@@ -17,7 +17,7 @@ def engines(*more, **arguments):
 def makeScene():
     """A stiff block pressed into a soft one."""
     scene = mpm.Scene((0, 0), (2, 3), 0.5)
-    scene.add("soil", box((0, 0), (2, 1)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.APDI(size=0.5))
+    scene.add("soil", box((0, 0), (2, 1)), soft(2), mpm.APDI(size=0.5))
     scene.add(
         "pile", box((0.5, 1), (1.5, 2)), mpm.LinearElastic(density=2, lame=(1e4, 1e4)), mpm.UGIMP(perCell=2)
     )

@@ -5,7 +5,7 @@
 import h5py
 import numpy as np
 import yade_mpm as mpm
-from setups import chain
+from setups import chain, soft
 from yade_mpm import box
 
 GRAVITY = {2: (0, -9.81), 3: (0, 0, -9.81)}
@@ -20,7 +20,7 @@ def makeScene(dim=2, onDistortion="stop", perCell=2):
     flat = (0, 0) if dim == 2 else (0, 0, 0)
     wide = (2, 1) if dim == 2 else (2, 1, 1)
     scene = mpm.Scene(flat, (2, 2) if dim == 2 else (2, 1, 2), 0.5)
-    elastic = mpm.LinearElastic(density=2, lame=(1e3, 1e3))
+    elastic = soft(2)
     soil = mpm.MohrCoulombDruckerPrager(
         density=1.5, lame=(1e3, 1e3), cohesion=5, frictionAngle=0.5, dilatancyAngle=0.1
     )

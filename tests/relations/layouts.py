@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import yade_mpm as mpm
+from setups import chain
 
 CELL = 0.5
 CELLS = np.array([14, 12])
@@ -77,13 +78,10 @@ class Layout:
             body.velocity = tuple(block.velocity)
         faces = {"roller": self.roller, "fixed": self.fixed}
         walls = {name: tuple(NORMALS[normal] for normal in normals) for name, normals in faces.items()}
-        scene.engines = [
-            mpm.ParticleToGrid(),
-            mpm.GridSolver(gravity=tuple(self.gravity), **{k: v for k, v in walls.items() if v}),
-            *([mpm.Contact(adhesion=self.adhesion, **self.contact)] if self.contact else []),
-            mpm.GridToParticle(),
-            mpm.DomainUpdater(),
-        ]
+        contact = mpm.Contact(adhesion=self.adhesion, **self.contact) if self.contact else None
+        scene.engines = chain(
+            contact=contact, gravity=tuple(self.gravity), **{k: v for k, v in walls.items() if v}
+        )
         scene.dt = self.dt or 0.4 * scene.criticalTimeStep()
         return scene, bodies
 

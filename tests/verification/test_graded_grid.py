@@ -5,7 +5,7 @@ threads and after a restart, wrong inputs."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import chain, restarted, withAnyThreads
 from yade_mpm import box
 
 GRAVITY = 9.81
@@ -79,23 +79,16 @@ def test_a_column_under_its_weight_stays_at_rest():
         assert np.abs(body.stress[:, 1, 1] - stress).max() < 0.02 * 1.5 * GRAVITY * 10
 
 
-def test_threads_and_a_restart_give_the_same_bits(tmp_path):
-    def state(scene):
-        return [np.copy(x) for b in scene.bodies for x in (b.position, b.stress, b.velocity)]
-
-    scenes = [column(), column(threads=2), column()]
-    for scene in scenes:
+def test_threads_and_a_restart_give_the_same_bits():
+    def moving(threads):
+        scene = column(threads)
         scene["near"].velocity = (0.3, -0.2)
         scene.dt = 2e-4
-    for scene in scenes[:2]:
-        scene.run(steps=60, progress=False)
-    scenes[2].run(steps=30, progress=False)
-    scenes[2].save(str(tmp_path / "half.h5"))
-    again = mpm.load(str(tmp_path / "half.h5"))
-    assert again.isGraded and all((a == b).all() for a, b in zip(again.lines, scenes[0].lines))
-    again.run(steps=30, progress=False)
-    for other in (scenes[1], again):
-        assert all((a == b).all() for a, b in zip(state(scenes[0]), state(other)))
+        return scene
+
+    scene = withAnyThreads(moving, 30)
+    again = restarted(scene, 30)
+    assert again.isGraded and all((a == b).all() for a, b in zip(again.lines, scene.lines))
 
 
 def test_cells_grow_from_the_box_to_the_largest():

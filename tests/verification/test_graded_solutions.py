@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from asModules import TESTS, moduleOf, script
-from setups import chain
+from setups import chain, elastic
 from yade_mpm import box, geotech
 
 
@@ -132,7 +132,7 @@ def test_a_block_slides_as_coulomb_says_from_small_cells_into_large_ones(alongOn
     slope, friction, g, h = radians(45), 0.3, 10.0, 0.1
     even = ((0, 0), (1, 2)) if alongOnly else ((0, 0.1), (1, 0.4))
     scene = mpm.Scene((0, 0), (6, 2), h, threads=1, grading=mpm.Grading(even, largest=3 * h))
-    rubber = mpm.LinearElastic(density=2.0, young=1e5, poisson=0.3)
+    rubber = elastic(1e5)
     scene.add("base", box((0, 0), (6, 0.4)), rubber, mpm.APDI(size=h / 2), group="base")
     mesh = geotech.quadrilaterals(*np.meshgrid(np.linspace(0.3, 0.8, 11), np.linspace(0.4, 0.9, 11)))
     block = scene.add("block", mesh, rubber, mpm.APDI(), group="block")

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from PIL import Image
+from setups import chain
 from yade_mpm import box
 
 
@@ -26,10 +27,7 @@ def ran(tmp_path_factory):
     scene.add("mesh", box((1, 0), (1.5, 1)), mpm.NeoHookean(density=1, young=1e3, poisson=0.3), mpm.APDI())
     history = mpm.History(period=0.02)
     scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller="left"),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
+        *chain(gravity=(0, -9.81), fixed="bottom", roller="left"),
         history,
         mpm.Recorder(file, period=0.05),
     ]
@@ -214,13 +212,8 @@ def test_contact_forces_are_drawn_where_they_act():
     rock = mpm.LinearElastic(density=2, young=1e4, poisson=0.3)
     scene.add("ground", box((0, 0), (2, 1)), rock, mpm.UGIMP())
     scene.add("block", box((0.5, 1), (1.5, 1.5)), rock, mpm.UGIMP(), group="block")
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right")),
-        contact := mpm.Contact(friction=0.3),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    contact = mpm.Contact(friction=0.3)
+    scene.engines = chain(contact=contact, gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
     scene.run(steps=50)
     arrows = scene.plot(forces=True).collections[-1]
     table = contact.contactTable()

@@ -5,12 +5,13 @@ last step."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import soft
 from yade_mpm import box
 
 
 def moving(dim):
     scene = mpm.Scene((0,) * dim, (2,) * dim, 0.25, threads=1)
-    elastic = mpm.LinearElastic(density=2.0, lame=(1e3, 1e3))
+    elastic = soft(2)
     mesh = scene.add("mesh", box((0.5,) * dim, (1.5,) * (dim - 1) + (1.0,)), elastic, mpm.APDI(size=0.25))
     boxes = scene.add("boxes", box((0.5,) * (dim - 1) + (1.0,), (1.5,) * dim), elastic, mpm.UGIMP())
     mesh.velocity, boxes.velocity = np.arange(dim) - 0.5, 0.5 - np.arange(dim)

@@ -19,7 +19,7 @@ Controls: without the limit the volume goes on growing; a limit that is 1e-9 hig
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import chain, restarted
 
 C, PHI, PSI = 8.5, np.radians(30), np.radians(10)
 LAMBDA, MU = 9.48e3, 6.31e3
@@ -245,7 +245,7 @@ def shearedBlock(limit):
     return scene, dilated
 
 
-def test_the_plastic_volume_goes_through_a_conversion_and_on_from_a_checkpoint(tmp_path):
+def test_the_plastic_volume_goes_through_a_conversion_and_on_from_a_checkpoint():
     scene, dilated = shearedBlock(LIMIT)
     assert abs(dilated - LIMIT) < 1e-15
     after = scene["soil (converted)"].plasticVolumetricStrain
@@ -253,10 +253,7 @@ def test_the_plastic_volume_goes_through_a_conversion_and_on_from_a_checkpoint(t
         "with its neighbours at the pulled vertex, whose edges grew by more than 15 %"
     )
     assert len(after) >= 4 and (np.abs(after - LIMIT) < 1e-15).all()
-    scene.save(tmp_path / "a.h5")
-    loaded = mpm.load(tmp_path / "a.h5")
-    for one in (scene, loaded):
-        one.run(steps=50, progress=False)
+    loaded = restarted(scene, 50)
     for body in scene.bodies:
         assert loaded[body.name].material.dilatancyLimit == LIMIT
         assert np.array_equal(loaded[body.name].plasticVolumetricStrain, body.plasticVolumetricStrain)

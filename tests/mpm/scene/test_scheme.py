@@ -3,6 +3,7 @@
 
 import pytest
 import yade_mpm as mpm
+from setups import soft
 from yade_mpm import box
 
 ORDER = {
@@ -23,8 +24,6 @@ def test_a_scheme_tells_the_order_of_the_stages(scheme):
 @pytest.mark.parametrize("scheme, share", [("MUSL", 0.8), ("USF", 0.8), ("USL", 0.55)])
 def test_the_step_by_itself_is_a_share_of_the_critical_one(scheme, share):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme, threads=1)
-    scene.add(
-        "block", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.UGIMP()
-    )
+    scene.add("block", box((0.5, 0.5), (1.5, 1.5)), soft(2), mpm.UGIMP())
     scene.prepare()
     assert scene.dt == share * scene.dtCritical > 0

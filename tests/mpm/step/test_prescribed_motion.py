@@ -5,6 +5,7 @@ the change of their momentum."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import restarted
 from yade_mpm import box
 
 SOFT = dict(density=2.0, young=1e4, poisson=0.3)
@@ -133,20 +134,9 @@ def test_a_plate_that_is_held_takes_the_momentum_of_what_falls_on_it(scheme, fli
     assert scene.constraints[-1].impulse == pytest.approx(mpm.diagnostics.momentum(scene) - before, abs=1e-11)
 
 
-def test_a_run_goes_on_from_a_file_with_the_same_bits(tmp_path):
+def test_a_run_goes_on_from_a_file_with_the_same_bits():
     """Though the drive has just got another velocity."""
-
-    def stopped():
-        scene, _, drive = moved(first=-0.3)
-        scene.run(steps=20, progress=False)
-        drive.velocity = (None, 0.05)
-        return scene
-
-    plain, saved = stopped(), stopped()
-    saved.save(tmp_path / "state.h5")
-    loaded = mpm.load(tmp_path / "state.h5")
-    for scene in (plain, loaded):
-        scene.run(steps=20, progress=False)
-    one, other = (scene.constraints[-1] for scene in (plain, loaded))
-    assert one.work == other.work
-    assert plain["block"].velocity.tobytes() == loaded["block"].velocity.tobytes()
+    scene, _, drive = moved(first=-0.3)
+    scene.run(steps=20, progress=False)
+    drive.velocity = (None, 0.05)
+    assert restarted(scene, 20).constraints[-1].work == scene.constraints[-1].work

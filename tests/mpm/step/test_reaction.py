@@ -5,7 +5,7 @@ component."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import chain, soft
 from yade_mpm import box
 
 
@@ -13,12 +13,7 @@ from yade_mpm import box
 @pytest.mark.parametrize("dim", [2, 3])
 def test_force_and_moment_of_a_drive_balance_body_forces(dim, kind):
     scene = mpm.Scene((0,) * dim, (2,) * dim, 0.2, threads=1)
-    body = scene.add(
-        "block",
-        box((0.4,) * dim, (0.8, 1.2, 1.0)[:dim]),
-        mpm.LinearElastic(density=2.0, lame=(1e3, 1e3)),
-        kind,
-    )
+    body = scene.add("block", box((0.4,) * dim, (0.8, 1.2, 1.0)[:dim]), soft(2), kind)
     drive = mpm.Drive(body, velocity=(0,) * dim)
     scene.engines = chain(gravity=(0,) * dim, drive=drive)
     arm = body.position - (body.mass @ body.position) / body.mass.sum()

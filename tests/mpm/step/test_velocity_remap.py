@@ -5,7 +5,7 @@ time it."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import bits, chain, soft
 from yade_mpm import box
 
 CHAINS = {
@@ -30,7 +30,7 @@ def four():
 def thrown(scheme="MUSL", contact=False, kinds=(mpm.UGIMP, mpm.APDI)):
     """Two elastic blocks that meet."""
     scene = mpm.Scene((0, 0), (2, 2), 0.125, scheme=scheme, threads=1)
-    elastic = mpm.LinearElastic(density=2.0, lame=(1e3, 1e3))
+    elastic = soft(2)
     lower = scene.add(
         "lower", box((0.5, 0.25), (1.5, 0.75)), elastic, kinds[0](), group="lower" if contact else "main"
     )
@@ -42,10 +42,6 @@ def thrown(scheme="MUSL", contact=False, kinds=(mpm.UGIMP, mpm.APDI)):
         engines = four()
         scene.engines = [*engines[:2], mpm.Contact(friction=0.3), *engines[2:]]
     return scene
-
-
-def state(scene):
-    return b"".join(b.position.tobytes() + b.velocity.tobytes() + b.stress.tobytes() for b in scene.bodies)
 
 
 @pytest.mark.parametrize("scheme", CHAINS)
@@ -106,13 +102,13 @@ def test_a_loop_of_its_own_gives_the_same_bits(contact):
         if between:
             scene.engines.insert(place, mpm.PyRunner(lambda: None, iterPeriod=1))
         scene.run(steps=150, progress=False)
-        states.append(state(scene))
+        states.append(bits(scene))
     assert states[0] == states[1]
     if contact:
         smooth = thrown(contact=True)
         smooth.engines[2].friction = 0.0
         smooth.run(steps=150, progress=False)
-        assert state(smooth) != states[0]
+        assert bits(smooth) != states[0]
 
 
 @pytest.mark.parametrize("scheme", CONTACT)

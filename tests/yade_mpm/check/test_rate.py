@@ -9,7 +9,7 @@ import pytest
 import yade_mpm as mpm
 from asModules import script
 from historiesOfBars import bar
-from setups import chain
+from setups import chain, soft
 from yade_mpm import box, diagnostics
 
 
@@ -31,9 +31,7 @@ def test_twice_the_rate_shows_what_the_rate_itself_does():
 def pressed(rate, ramp=0.0):
     """An elastic block of 1 m, pressed by 0.05 m."""
     scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
-    block = scene.add(
-        "block", box((0.5, 0), (1.5, 1)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.APDI(size=0.25)
-    )
+    block = scene.add("block", box((0.5, 0), (1.5, 1)), soft(2), mpm.APDI(size=0.25))
     drive = mpm.Drive(block.above(0.8), (None, -rate), ramp=ramp)
     end = 0.05 / rate + ramp / 2
     history = mpm.History(period=end / 100)
@@ -80,7 +78,7 @@ def test_energy_that_a_drive_prescribes_is_not_kinetic():
 def pushedBy(inertia):
     """An elastic column of 2 m under a plate of that inertial scale, driven whole by 0.05 m at 0.05 m/s."""
     scene = mpm.Scene((0, 0), (1, 4), 0.25, threads=1)
-    elastic = mpm.LinearElastic(density=2, lame=(1e3, 1e3))
+    elastic = soft(2)
     scene.add("column", box((0, 0), (1, 2)), elastic, mpm.UGIMP(perCell=2))
     plate = scene.add("plate", box((0, 2), (1, 3)), elastic, mpm.UGIMP(perCell=2), inertiaScale=inertia)
     drive = mpm.Drive(plate, (0, -0.05), ramp=0.4)
@@ -106,12 +104,7 @@ def test_the_inertia_of_what_is_driven_does_not_decide():
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_unbalanced_ratio_is_the_sum_of_its_definition(dim):
     scene = mpm.Scene((0,) * dim, (2,) * dim, (0.5, 0.25, 0.5)[:dim], threads=1)
-    body = scene.add(
-        "block",
-        box((0.5,) * dim, (1.5,) * dim),
-        mpm.LinearElastic(density=2, lame=(1e3, 1e3)),
-        mpm.UGIMP(perCell=2),
-    )
+    body = scene.add("block", box((0.5,) * dim, (1.5,) * dim), soft(2), mpm.UGIMP(perCell=2))
     assert np.isnan(diagnostics.unbalancedRatio(scene))
     body.velocity = np.random.default_rng(1).normal(size=body.velocity.shape)
     scene.engines = chain(gravity=(0,) * (dim - 1) + (-9.81,))
@@ -168,7 +161,7 @@ def test_a_footing_whose_load_jumps_with_the_grid_is_refused():
 @pytest.mark.parametrize("kind", [mpm.UGIMP(), mpm.APDI(size=0.25)], ids=repr)
 def test_rows_crossed_count_from_the_edge_behind_the_body(kind):
     scene = mpm.Scene((0, 0), (4, 4), 0.5, threads=1)
-    elastic = mpm.LinearElastic(density=2, lame=(1e3, 1e3))
+    elastic = soft(2)
     body = scene.add("block", box((1, 1.25), (2, 3)), elastic, kind)
     for velocity, rows in (((1, 0), 4), ((-1, 0), 6), ((0.1, 2), 6), ((None, -1), 5.5)):
         assert mpm.Drive(body, velocity).rowsCrossed == pytest.approx(rows)

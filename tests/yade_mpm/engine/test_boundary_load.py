@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import elastic
+from setups import chain, elastic
 from yade_mpm import box
 
 ELASTIC = elastic(1e4)
@@ -18,14 +18,7 @@ def twoBodies(dim, kind, group="main", contact=False, where=None, **options):
     block = scene.add("block", box((*lower, 1.0), (*upper, 1.5)), ELASTIC, mpm.APDI(size=0.25))
     scene.add("bed", box((*lower, 0.5), (*upper, 1.0)), ELASTIC, kind, group=group)
     load = mpm.BoundaryLoad(block, where, **options)
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        load,
-        mpm.GridSolver(),
-        *([mpm.Contact(friction=0.3)] if contact else []),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-    ]
+    scene.engines = chain(load, contact=mpm.Contact(friction=0.3) if contact else None)
     return scene, load
 
 

@@ -1,18 +1,16 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A run continued from a checkpoint gives the same bits as one that never stopped."""
 
-import os
-import subprocess
 import sys
 from math import radians
 
-import h5py
 import numpy as np
 import pytest
 import yade_mpm as mpm
-import yade_mpm.scene.scene
+from byHand import bitsOf, opened
+from processes import runPython
+from setups import chain, restarted
 from yade_mpm import box, diagnostics
-from yade_mpm.io import checkpoint
 
 PERIOD = 20  # steps between estimates of the time step; the runs below cross several
 
@@ -118,18 +116,6 @@ def run(scene, steps):
         mpm.check.limits.DT_PERIOD = 5000
 
 
-def bitsOf(file):
-    """Everything in a checkpoint: dict name -> raw bytes, and the text of its description."""
-    bits = {}
-    with h5py.File(file, "r") as h5:
-        h5.visititems(
-            lambda name, data: (
-                bits.update({name: data[...].tobytes()}) if isinstance(data, h5py.Dataset) else None
-            )
-        )
-    return bits
-
-
 def differences(a, b):
     return [name for name in sorted({*a, *b}) if a.get(name) != b.get(name)]
 
@@ -141,12 +127,7 @@ def orderOf(scene):
 
 def continued(file, steps, out):
     """Loads, runs and saves in a process of its own."""
-    subprocess.run(
-        [sys.executable, __file__, str(file), str(steps), str(out)],
-        check=True,
-        timeout=100,
-        env=dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(mpm.__file__))),
-    )
+    assert runPython(__file__, file, steps, out).returncode == 0
     return bitsOf(out)
 
 
@@ -172,12 +153,9 @@ def test_restart_in_a_new_process_continues_bitwise(tmp_path, make, scheme, step
     whole = bitsOf(tmp_path / "whole.h5")
     assert differences(whole, continued(tmp_path / "half.h5", steps, tmp_path / "out.h5")) == []
 
-    with h5py.File(
-        tmp_path / "half.h5", "r+"
-    ) as h5:  # the control: one unit in the last place of the velocities of a body
+    with opened(tmp_path / "half.h5") as h5:  # control: one unit in the last place of velocities
         velocity = h5["bodies/0/particles/velocity"]
         velocity[...] = np.nextafter(velocity[...], np.inf)
-    checkpoint.seal(tmp_path / "half.h5")
     assert "bodies/0/particles/velocity" in differences(
         whole, continued(tmp_path / "half.h5", steps, tmp_path / "out.h5")
     )
@@ -229,13 +207,10 @@ def test_a_checkpoint_before_every_step_continues_bitwise(tmp_path, type):
         "flying", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, young=1e3, poisson=0.3), type
     )
     body.velocity = (2.0, 16.0)
-    scene.engines = [mpm.ParticleToGrid(), mpm.GridSolver(), mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain()
     groups = []
     while scene.steps < 50:
-        scene.save(tmp_path / "before.h5")
-        loaded = mpm.load(tmp_path / "before.h5")
-        for one in (scene, loaded):
-            one.run(steps=1, progress=False)
+        loaded = restarted(scene, 1)
         scene.save(tmp_path / "one.h5")
         loaded.save(tmp_path / "other.h5")
         assert differences(bitsOf(tmp_path / "one.h5"), bitsOf(tmp_path / "other.h5")) == [], scene.steps
@@ -249,14 +224,11 @@ def test_the_energy_balance_is_there_before_the_next_run(tmp_path):
         "block", box((0, 0), (2, 1)), mpm.LinearElastic(density=2, lame=(1e3, 1e3)), mpm.UGIMP()
     )
     drive = mpm.Drive(block.above(0.75), velocity=(0, -0.05))
-    solver = mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"), drive=drive)
-    scene.engines = [mpm.ParticleToGrid(), solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"), drive=drive)
     scene.run(steps=20, progress=False)
     scene.save(tmp_path / "block.h5")
     again = mpm.load(tmp_path / "block.h5")
-    assert diagnostics.energyError(again) == diagnostics.energyError(
-        scene
-    )  # the work of motions was left out
+    assert diagnostics.energyError(again) == diagnostics.energyError(scene)  # with the work of motions
 
 
 def test_save_in_the_middle_of_a_step_is_refused(tmp_path):
@@ -284,38 +256,19 @@ def test_outputs_and_choices_come_back(tmp_path):
     scene.threads = 2
     scene.save(tmp_path / "a.h5")
     loaded = mpm.load(tmp_path / "a.h5", trust=True)
-    assert (
-        loaded.time,
-        loaded.steps,
-        loaded.dt,
-        loaded.threads,
-        loaded.allowUnstable,
-        loaded.dtCritical,
-        loaded.stiffest,
-    ) == (scene.time, scene.steps, scene.dt, 2, True, scene.dtCritical, scene.stiffest)
+    for name in ("time", "steps", "dt", "threads", "allowUnstable", "dtCritical", "stiffest"):
+        assert getattr(loaded, name) == getattr(scene, name), name
+    assert loaded.threads == 2 and loaded.allowUnstable
     assert [b.name for b in loaded.bodies] == [b.name for b in scene.bodies]
-    assert (
-        loaded["near"].material is loaded["ring"].material and loaded["ring"].type.matched is loaded["near"]
-    )
-    assert (
-        repr(loaded["ring"].region) == repr(scene["ring"].region)
-        and loaded["ring"].fbar
-        and loaded["pile"].inertiaScale == 4
-    )
+    near, ring = loaded["near"], loaded["ring"]
+    assert near.material is ring.material and ring.type.matched is near
+    assert repr(ring.region) == repr(scene["ring"].region) and ring.fbar
+    assert loaded["pile"].inertiaScale == 4
     assert [b.isDamped for b in loaded.bodies] == [True, True, False, True]
     a, b = (next(e for e in s.engines if isinstance(e, mpm.GridSolver)) for s in (scene, loaded))
     for mine, theirs in zip(a._constraints(scene), b._constraints(loaded)):
-        assert (mine.name, mine.work, mine.heldNodes, mine.ramp) == (
-            theirs.name,
-            theirs.work,
-            theirs.heldNodes,
-            theirs.ramp,
-        )
-        assert (
-            np.array_equal(mine.reaction, theirs.reaction)
-            and mine.moment == theirs.moment
-            and mine.velocity == theirs.velocity
-        )
+        for name in ("name", "work", "heldNodes", "ramp", "reaction", "moment", "velocity"):
+            assert np.array_equal(getattr(mine, name), getattr(theirs, name)), name
     assert scene._core.energies == loaded._core.energies
     with pytest.raises(ValueError, match="two prescribed motions"):
         b.drives.append(b.drives[0])

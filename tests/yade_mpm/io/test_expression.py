@@ -6,6 +6,7 @@ import os
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm import box, diagnostics
 from yade_mpm.io.expression import Expression
 
@@ -17,10 +18,7 @@ def scene():
     scene.add("soil", box((0, 0), (2, 1)), elastic, mpm.UGIMP(perCell=2))
     pile = scene.add("pile", box((0.5, 1), (1, 2)), elastic, mpm.APDI(size=0.25), group="pile")
     contact, drive = mpm.Contact(friction=0.3), mpm.Drive(pile.above(1.7), velocity=(0, -0.1))
-    scene.engines = [
-        *(mpm.ParticleToGrid(), mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", drive=drive)),
-        *(contact, mpm.GridToParticle(), mpm.DomainUpdater()),
-    ]
+    scene.engines = chain(contact=contact, gravity=(0, -9.81), fixed="bottom", drive=drive)
     scene.run(steps=20, progress=False)
     return scene
 

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from recordedScenes import assertSameFrames, engines, makeScene, readWithH5py, runAndWatch
+from setups import soft
 from yade_mpm import box
 
 
@@ -29,7 +30,7 @@ def test_the_vtk_reader_sees_the_same_steps_cells_and_arrays(tmp_path, dim, comp
     scene.engines = engines(mpm.Recorder(file, iterPeriod=10, compress=compress), dim=dim)
     scene.run(steps=20, progress=False)
     wide = ((1.5, 1), (2, 1.5)) if dim == 2 else ((1.5, 0, 1), (2, 1, 1.5))
-    scene.add("late", box(*wide), mpm.LinearElastic(density=1, lame=(1e3, 1e3)), mpm.APDI(size=0.5))
+    scene.add("late", box(*wide), soft(), mpm.APDI(size=0.5))
     scene.run(steps=20, progress=False)  # the cells are others from here on
 
     reader = vtk.vtkHDFReader()

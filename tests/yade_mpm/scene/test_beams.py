@@ -44,8 +44,7 @@ def test_loads_across_a_beam_alone_bend_it_and_axial_ones_do_not(where, load, is
     scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
     body = scene.add("beam", box((0, 2), (4, 2.5)), mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
     pushing = mpm.BoundaryLoad(body, where=where, **load)
-    solver = mpm.GridSolver(fixed="left")
-    scene.engines = [mpm.ParticleToGrid(), pushing, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(pushing, fixed="left")
     assert len(warned(scene)) == isBent
 
 
@@ -76,8 +75,7 @@ def test_loads_that_balance_each_other_bend_a_beam_if_they_have_a_moment(loads, 
     scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
     body = scene.add("beam", box((0, 2), (4, 2.5)), mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
     pushing = [mpm.BoundaryLoad(body, where=where, **load) for where, load in loads]
-    solver = mpm.GridSolver(fixed="left")
-    scene.engines = [mpm.ParticleToGrid(), *pushing, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(*pushing, fixed="left")
     assert len(warned(scene)) == isBent
 
 
@@ -85,8 +83,7 @@ def loadedBeam(**load):
     scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
     body = scene.add("beam", box((0, 2), (4, 2.5)), mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
     pushing = mpm.BoundaryLoad(body, where=TOP, **load)
-    solver = mpm.GridSolver(fixed="left")
-    scene.engines = [mpm.ParticleToGrid(), pushing, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(pushing, fixed="left")
     return scene, body
 
 
@@ -114,8 +111,7 @@ def test_a_square_section_bends_both_ways(axis):
     body = scene.add("beam", region, mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
     force = np.eye(3)[axis]
     pushing = mpm.BoundaryLoad(body, where=box((3.9, 0, 0), (4.1, 3, 4)), traction=force)
-    solver = mpm.GridSolver(fixed="left")
-    scene.engines = [mpm.ParticleToGrid(), pushing, solver, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(pushing, fixed="left")
     assert len(warned(scene)) == (axis > 0)
 
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
-from setups import chain
+from setups import chain, restarted, withAnyThreads
 from yade_mpm import box
 
 LEFT = box((0, 0), (1.5, 4))
@@ -102,17 +102,13 @@ def test_what_is_no_lattice_any_more_is_refused_or_converted_within_a_tolerance(
     one.run(until=0.3, progress=False)
 
 
-def test_a_checkpoint_keeps_it_and_threads_do_not_change_a_bit(tmp_path):
-    ends = []
-    for threads in (1, 2):
+def test_a_checkpoint_keeps_it_and_threads_do_not_change_a_bit():
+    def converted(threads):
         one = scene(threads=threads)
         one["soil"].convert(LEFT, mpm.APDI(onDistortion="convert"))
-        one.run(until=0.1, progress=False)
-        one.save(tmp_path / "c.h5")
-        for s in (one, mpm.load(tmp_path / "c.h5")):
-            s.run(until=0.2, progress=False)
-            ends.append(sums(s.bodies).tolist())
-    assert ends == [ends[0]] * 4
+        return one
+
+    restarted(withAnyThreads(converted, 40), 40)
 
 
 def test_there_and_back_again():

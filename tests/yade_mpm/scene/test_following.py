@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import bits
 from yade_mpm.check import limits
 from yade_mpm.scene.policy import LoopPolicy
 
@@ -52,11 +53,6 @@ def damped(scene, body):
 
 def longest(scene):
     return scene._core.criticalTimeStep(1e-4, 300, False)["longestStable"]
-
-
-def bits(scene):
-    body = scene.bodies[0]
-    return [np.array(getattr(body, name)).tobytes() for name in ("position", "velocity", "stress")]
 
 
 @pytest.mark.parametrize("loop", LOOPS)

@@ -11,7 +11,7 @@ import yade_mpm as mpm
 import yade_mpm.base.attributes
 import yade_mpm.scene.scene
 from runScenes import pulledMesh, smallScene
-from setups import chain
+from setups import chain, elastic, soft
 from yade_mpm import box
 
 
@@ -90,9 +90,7 @@ def test_runs_can_be_cut_in_pieces(monkeypatch):
 @pytest.mark.parametrize("scheme", ["MUSL", "USF", "USL"])
 def test_loads_act_under_every_scheme_wherever_the_updater_was_put(scheme):
     scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme=scheme)
-    body = scene.add(
-        "mesh", box((0.5, 0.5), (1.5, 1.5)), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.APDI()
-    )
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), soft(), mpm.APDI())
     scene.engines = chain(mpm.BoundaryLoad(body, traction=(1.0, 0.0)))
     scene.run(steps=10)
     assert (body.mass * body.velocity[:, 0]).sum() == pytest.approx(4.0 * scene.time, rel=0.02)
@@ -102,12 +100,7 @@ def test_vertices_and_particles_follow_the_same_nodes_under_a_load():
     """Under USL vertices move with the solution on the nodes, and so do particles with flip = 0: their
     velocity is the mean of their corners'."""
     scene = mpm.Scene((0, 0), (2, 2), 0.25, scheme="USL")
-    body = scene.add(
-        "mesh",
-        box((0.5, 0.5), (1.5, 1.5)),
-        mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)),
-        mpm.APDI(size=0.25),
-    )
+    body = scene.add("mesh", box((0.5, 0.5), (1.5, 1.5)), soft(), mpm.APDI(size=0.25))
     scene.engines = [
         mpm.ParticleToGrid(),
         mpm.BoundaryLoad(body, traction=(1.0, 2.0)),
@@ -143,9 +136,7 @@ def test_estimates_of_the_time_step_leave_no_trace(monkeypatch):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_rates_stay_with_their_particles_where_an_estimate_sorts_these(dim):
     scene = mpm.Scene((0,) * dim, (2,) * dim, 0.25)
-    body = scene.add(
-        "soft", box((0.5,) * dim, (1.5,) * dim), mpm.LinearElastic(density=1.0, lame=(1e3, 1e3)), mpm.UGIMP()
-    )
+    body = scene.add("soft", box((0.5,) * dim, (1.5,) * dim), soft(), mpm.UGIMP())
     body.velocity = (0.0,) * (dim - 1) + (-3.0,)
     scene.dt, sorts = 1e-3, 0
     for _ in range(150):
@@ -288,7 +279,7 @@ def test_a_distorted_mesh_settles(scheme):
         [(k, k + 1, k + 6, k + 5) for k in range(50) if k % 5 < 4],
     )
     scene = mpm.Scene((0, 0), (1, 3), 0.25, scheme=scheme)
-    column = scene.add("column", mesh, mpm.LinearElastic(density=2.0, young=1e4, poisson=0.3), mpm.APDI())
+    column = scene.add("column", mesh, elastic(1e4), mpm.APDI())
     scene.engines = [
         mpm.GridSolver(gravity=(0, -9.81), fixed="bottom", roller=("left", "right"))
         if isinstance(e, mpm.GridSolver)

@@ -19,13 +19,6 @@ def block(kind=None, dim=2, **options):
     return scene, body
 
 
-def beam(height=0.5, perCell=1, **solver):
-    scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
-    scene.add("beam", box((0, 2), (4, 2 + height)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP(perCell=perCell))
-    scene.engines = chain(**solver)
-    return scene
-
-
 # --- order of fields ------------------------------------------------------------------------------------
 def test_byId_gives_fields_in_the_order_of_id_however_particles_are_sorted():
     scene, body = block()
@@ -215,8 +208,7 @@ def test_the_force_on_a_group_that_nobody_is_in_is_refused():
     scene, _ = block(group="soil")
     scene.add("pile", box((3, 1), (3.5, 3)), mpm.LinearElastic(**ELASTIC), mpm.UGIMP(), group="pile")
     contact = mpm.Contact(friction=0.3)
-    solver = mpm.GridSolver()
-    scene.engines = [mpm.ParticleToGrid(), solver, contact, mpm.GridToParticle(), mpm.DomainUpdater()]
+    scene.engines = chain(contact=contact)
     scene.run(steps=1, progress=False)
     assert not contact.forceOn("soil").any()
     with pytest.raises(ValueError, match="Contact: there is no group 'wall'; give one of 'soil', 'pile'"):

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import chain
 from yade_mpm.app.record import saveCurve
 from yade_mpm.io.files import saveJson
 from yade_mpm.study import collect, pictures, report, state
@@ -70,13 +71,7 @@ def fall(a):
     scene.add("block", mpm.box((0.5, 1), (1.5, 2)), rubber, mpm.UGIMP(perCell=2))
     height = "scene['block'].position[:, 1].mean()"
     history = mpm.History(period=0.01, columns={"height": height})
-    scene.engines = [
-        mpm.ParticleToGrid(),
-        mpm.GridSolver(gravity=(0, -9.81)),
-        mpm.GridToParticle(),
-        mpm.DomainUpdater(),
-        history,
-    ]
+    scene.engines = [*chain(gravity=(0, -9.81)), history]
     return scene
 
 

@@ -8,10 +8,11 @@ Cells of 0.5 m, boxes of 0.25 m; gaps of up to 0.25 m are bridged.
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from setups import soft
 from yade_mpm import box
 from yade_mpm.geotech import groundSurface
 
-SOIL = mpm.LinearElastic(density=2.0, lame=(1e3, 1e3))
+SOIL = soft(2)
 UGIMP, APDI = mpm.UGIMP(perCell=2), mpm.APDI(size=0.5)
 MOST = 0.5 * (1 - 1e-9)  # m: the largest step that a limit of 0.5 m lets pass
 

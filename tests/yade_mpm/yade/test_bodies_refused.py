@@ -5,37 +5,7 @@ import json
 
 import numpy as np
 import pytest
-import yade_mpm as mpm
-from yade_mpm import _core
 from yadeProcess import needsYade, run
-
-
-# --- without YADE -----------------------------------------------------------------------------------------
-class State:
-    """As a host has it that knows no vectors of Eigen."""
-
-    pos, ori, vel, angVel = (0.1, 0.2, 0.3), (0.0, 0.0, 0.6, 0.8), (1, 2, 3), (4, 5, 6)
-
-
-class Forces:
-    def __init__(self):
-        self.given = []
-
-    def addF(self, number, force, isPermanent):
-        self.given.append(("F", number, tuple(force), isPermanent))
-
-    def addT(self, number, torque, isPermanent):
-        self.given.append(("T", number, tuple(torque), isPermanent))
-
-
-ALONG_AXES = np.eye(3)
-
-
-def exchange(shape, frame=ALONG_AXES, turn=(1.0, 0, 0, 0)):
-    contact, forces = mpm.RigidContact(), Forces()
-    contact.addBody(shape)
-    return contact, forces, _core.BodyExchange(contact._core, [State()], [7], forces, frame.tolist(), [turn])
-
 
 MISTAKES = """
 from yade import FrictMat, NewtonIntegrator, ForceResetter, utils

@@ -5,19 +5,12 @@ masters, once."""
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from nodalTables import giveAnything, givenTo, gotBy, numbersOf
 from setups import chain, elastic
 from yade_mpm.geometry.mesh import Mesh
 from yade_mpm.geometry.meshing import meshRegion, refineNear
 
 EDGE = 1.0
-
-
-def symmetric(stress, dim):
-    """Symmetric, and in 2D without the shear out of the plane that plane strain does not have."""
-    stress = stress + stress.swapaxes(1, 2)
-    if dim == 2:
-        stress[:, :2, 2] = stress[:, 2, :2] = 0
-    return stress
 
 
 def block(dim, hourglass):
@@ -44,14 +37,6 @@ def onMasters(values, mesh):
     return values
 
 
-def nodeTable(scene):
-    """Mass, momentum and force of all nodes, as the last ParticleToGrid left them."""
-    table = np.zeros((len(scene.nodePositions()), 1 + 2 * scene.dim))
-    values = scene._core.nodalValues()
-    table[values["node"]] = np.column_stack([values["mass"], values["momentum"], values["force"]])
-    return table
-
-
 def hats(scene, points):
     """S_i (nodes, points): products of hats of one cell's width."""
     return np.maximum(1 - np.abs(scene.nodePositions()[:, None] - points) / EDGE, 0).prod(axis=2)
@@ -60,23 +45,10 @@ def hats(scene, points):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_nodes_get_what_the_weights_say(dim):
     scene, body = block(dim, hourglass=0)
-    rng = np.random.default_rng(5)
-    body.velocity = rng.normal(size=(body.count, dim))
-    stress = rng.normal(size=(body.count, 3, 3))
-    body.stress = symmetric(stress, body.position.shape[1])
-    number = {tuple(x.round(6)): i for i, x in enumerate(scene.nodePositions())}
-    expected = np.zeros((len(number), 1 + 2 * dim))
-    for p in range(body.count):
-        for x, phi, gradient in body.weights(p):
-            f = -body.volume[p] * body.stress[p, :dim, :dim] @ gradient
-            expected[number[tuple(np.round(x, 6))]] += np.concatenate(
-                [[phi * body.mass[p]], phi * body.mass[p] * body.velocity[p], f]
-            )
-    for engine in scene.engines[1:]:
-        engine.dead = True
-    scene.run(steps=1, progress=False)
-    assert np.abs(nodeTable(scene) - expected).max() <= 1e-13 * np.abs(expected).max()
-    assert nodeTable(scene)[:, 0].sum() == pytest.approx(body.mass.sum(), rel=1e-14)
+    giveAnything(body, dim)
+    expected, found = givenTo(scene, body), gotBy(scene)
+    assert np.abs(found - expected).max() <= 1e-13 * np.abs(expected).max()
+    assert found[:, 0].sum() == pytest.approx(body.mass.sum(), rel=1e-14)
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -87,15 +59,12 @@ def test_vertices_get_the_work_that_hourglass_control_loses(dim):
     rng = np.random.default_rng(2)
     body.vertices[...] = onMasters(body.vertices + 0.1 * rng.uniform(-1, 1, body.vertices.shape), body.mesh)
     body.deformationGradient[:, :dim, :dim] += 0.2 * rng.uniform(-1, 1, (body.count, dim, dim))
-    number = {tuple(x.round(6)): i for i, x in enumerate(scene.nodePositions())}
+    number = numbersOf(scene)
     u, L = rng.normal(size=(len(number), dim)), np.zeros((body.count, 3, 3))
     for p in range(body.count):
         for x, _, gradient in body.weights(p):
             L[p, :dim, :dim] += np.outer(u[number[tuple(np.round(x, 6))]], gradient)
-    for engine in scene.engines[1:]:
-        engine.dead = True
-    scene.run(steps=1, progress=False)
-    power = (nodeTable(scene)[:, 1 + dim :] * u).sum()
+    power = (gotBy(scene)[:, 1 + dim :] * u).sum()
     start, F = body.vertices.copy(), body.deformationGradient.copy()
     velocity, energies = onMasters(hats(scene, start).T @ u, body.mesh), []
     for dt in 1e-5, -1e-5:

@@ -91,9 +91,10 @@ def drive():
     return mpm.Drive(block(), (0, 0))
 
 
-def warningsOf(prepare):
-    """Messages but the one about scenes whose default engines move nothing, as most are here."""
+def warningsOf(prepare, about=""):
+    """Messages with a text, but the one about scenes whose default engines move nothing, as most are here."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         prepare()
-    return [str(w.message) for w in caught if "no engines were given" not in str(w.message)]
+    messages = [str(w.message) for w in caught]
+    return [text for text in messages if about in text and "no engines were given" not in text]

@@ -127,8 +127,7 @@ def test_every_picture_is_shown():
     assert set((ROOT / "doc" / "images").iterdir()) == shown
 
 
-def test_the_scene_of_the_readme_runs(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_the_scene_of_the_readme_runs(tmp_path, capsys):
     scene = re.search(r"## A scene to read\n\n```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S)[1]
     short = scene.replace("scene.run(until=40)", "scene.run(steps=3)")
     assert short != scene
@@ -139,9 +138,8 @@ def test_the_scene_of_the_readme_runs(tmp_path, monkeypatch, capsys):
     assert names["press"].reaction[1] != 0
 
 
-def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
+def test_the_recipes_run_one_after_the_other(tmp_path):
     """What each recipe is about, besides that it runs."""
-    monkeypatch.chdir(tmp_path)
     names, seen = {}, []
     for text in re.findall(r"```python\n(.*?)```", (ROOT / "doc" / "howto" / "recipes.md").read_text(), re.S):
         exec(text, names)
@@ -155,8 +153,7 @@ def test_the_recipes_run_one_after_the_other(tmp_path, monkeypatch):
     assert len(results["velocity"]) == sum(body.count for body in ball["scene"].bodies)
 
 
-def test_the_engine_in_python_slows_the_block_down(monkeypatch, tmp_path, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_the_engine_in_python_slows_the_block_down(capsys):
     page = (ROOT / "doc" / "development" / "adding-an-engine.md").read_text()
     names = {}
     exec(re.search(r"```python\n(.*?)```", page, re.S)[1], names)

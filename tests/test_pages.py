@@ -30,9 +30,8 @@ HOWTO = [
 
 
 @pytest.fixture
-def execute(tmp_path, monkeypatch, capsys):
+def execute(monkeypatch, capsys):
     """Function that runs the pieces of a page in their order; returns their names and what they print."""
-    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", ["page"])
     before = plt.get_backend()
     plt.switch_backend("Agg")

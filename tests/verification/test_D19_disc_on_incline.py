@@ -127,10 +127,8 @@ def test_a_disc_of_boxes_stays_round_over_a_full_turn():
     the radius."""
     disc = descend("uu", *ROLLING, h=0.1, until=1.55)[1]["disc"]
     F = disc.deformationGradient.mean(axis=0)
-    assert (
-        disc.position[:, 0].mean() - (R + 0.2) > 2 * np.pi * R
-        and abs(np.degrees(np.arctan2(F[0, 1], F[0, 0]))) < 60
-    )  # once, and on
+    assert disc.position[:, 0].mean() - (R + 0.2) > 2 * np.pi * R
+    assert abs(np.degrees(np.arctan2(F[0, 1], F[0, 0]))) < 60  # once, and on
     middles, areas = disc.outline()
     size = np.linalg.norm(areas, axis=1)
     out = middles - size @ middles / size.sum()

@@ -66,10 +66,9 @@ def test_coarse_domains_are_allowed_a_cell_away():
     hybrid(None, coarseElsewhere=2 * H).prepare()  # matched: fine beside the particles, coarse elsewhere
 
 
-def test_the_rule_stays_checked_while_the_interface_moves(tmp_path, monkeypatch):
+def test_the_rule_stays_checked_while_the_interface_moves():
     """Coarse domains start two cells away and particles drift towards them; the rule is looked at every
     1000 steps."""
-    monkeypatch.chdir(tmp_path)  # the state of the failed run goes to a file
     scene = hybrid(2 * H, gap=1.0)
     scene["boxes"].velocity[:, 0] = 0.2
     scene.dt = 1e-3
@@ -93,8 +92,7 @@ def stretched(by):
     return scene
 
 
-def test_domains_that_stretch_at_the_interface_are_told_from_a_coarse_mesh(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_domains_that_stretch_at_the_interface_are_told_from_a_coarse_mesh(capsys):
     expected = (
         r"interface of 'meshed' and 'boxes' near \(2.55, 0.25\): an edge has stretched from 0.5 to 1.1 m, "
         r'2.2 cells, .*; use UGIMP there, or APDI\(onDistortion="convert"\)'

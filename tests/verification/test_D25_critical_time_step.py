@@ -229,9 +229,7 @@ def test_a_step_above_the_longest_stable_one_is_refused_before_the_first_step():
     scene = soilBlock(mpm.UGIMP(perCell=2))
     scene.criticalTimeStep()
     scene.dt = 1.01 * scene.dtStable
-    with pytest.raises(
-        ValueError, match=r"dt = .* s exceeds the longest stable step .* \(stiffest: 'block'\); lower dt"
-    ):
+    with pytest.raises(ValueError, match="dt = .* s exceeds the longest stable step"):
         scene.run(steps=1, progress=False)
     assert scene.steps == 0
     scene.allowUnstable = True
@@ -245,8 +243,7 @@ def test_a_step_left_out_is_eight_tenths_of_the_critical_one():
     assert scene.dt == pytest.approx(0.8 * scene.criticalTimeStep(), rel=1e-3)
 
 
-def test_control_far_above_the_critical_step_the_run_blows_up(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)  # the state of the failed run goes to a file
+def test_control_far_above_the_critical_step_the_run_blows_up():
     with pytest.raises(RuntimeError):
         ratio, _ = shaken(mpm.UGIMP(perCell=2), 2.5, 10_000)
         assert ratio < 1e6

@@ -59,8 +59,7 @@ def test_the_automatic_step_holds_where_a_driven_base_is_within_a_cell():
     assert kineticEnergy(footing()) < 0.2
 
 
-def test_the_step_of_the_clay_alone_does_not(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_step_of_the_clay_alone_does_not():
     assert kineticEnergy(footing(dt=ownStep(footing(group="apart")))) > 10
 
 

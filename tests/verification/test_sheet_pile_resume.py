@@ -51,9 +51,8 @@ def interrupt(monkeypatch, body, run, *words):
 
 
 @pytest.fixture
-def interrupted(tmp_path, monkeypatch):
+def interrupted(monkeypatch):
     """Checkpoint of a run that Ctrl-C has ended."""
-    monkeypatch.chdir(tmp_path)
     interrupt(monkeypatch, "pile", results, *OPTIONS, "--out", "cut")
     assert not Path("cut/summary.json").exists()
     return "cut/checkpoint.h5"
@@ -71,8 +70,7 @@ def test_a_run_that_is_resumed_ends_like_one_that_was_not_interrupted(interrupte
     }
 
 
-def test_the_scene_of_the_readme_goes_on_alike(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_scene_of_the_readme_goes_on_alike(monkeypatch):
 
     def run(*words):
         return sheet_pile.run(sheet_pile.arguments([*words]))[0]
@@ -86,9 +84,8 @@ def test_the_scene_of_the_readme_goes_on_alike(tmp_path, monkeypatch):
 
 def test_until_may_change_also_where_no_snapshot_is_left(interrupted):
     summary = results("--resume", interrupted, "--until", "0.4", "--cell", "1")  # as the run has it
-    assert summary["penetration"] == pytest.approx(2 * 0.4 - 0.25, abs=0.003) and list(
-        summary["resistance"]
-    ) == ["0.5"]
+    assert summary["penetration"] == pytest.approx(2 * 0.4 - 0.25, abs=0.003)
+    assert list(summary["resistance"]) == ["0.5"]
     with pytest.raises(SystemExit, match="is at t = .* and the run ends at 0.1 s; give a later --until"):
         results("--resume", interrupted, "--until", "0.1")
 
@@ -100,8 +97,7 @@ def compared(monkeypatch, *words):
     return json.loads(Path(sheet_pile_compare.arguments([*words]).out, "compare.json").read_text())
 
 
-def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(monkeypatch, capsys):
     monkeypatch.setattr(
         plot,
         "save",
@@ -130,9 +126,8 @@ def test_a_comparison_that_was_interrupted_in_its_second_half_goes_on_there(tmp_
     assert len(s1) == 3 and resumed["resistance"] == {depth: [s1[depth], s2[depth]] for depth in s1}
 
 
-def test_the_second_half_begins_anew_after_another_run(tmp_path, monkeypatch):
+def test_the_second_half_begins_anew_after_another_run(monkeypatch):
     """What that left in the folder belongs to other arguments."""
-    monkeypatch.chdir(tmp_path)
     interrupt(monkeypatch, "pile", results, *DEEPER, "--flip", "0.9", "--out", "cut")
     a = sheet_pile_compare.arguments(["--resume", "cut/checkpoint.h5"])
     for flip, resume in (("1", None), ("0.9", "cut/ugimp/checkpoint.h5")):
@@ -160,7 +155,7 @@ def test_other_arguments_than_those_of_the_run_are_refused(interrupted, capsys):
         assert f"that run has {named}; leave that out" in refusal(capsys, interrupted, *words.split())
 
 
-def test_a_checkpoint_whose_run_is_not_known_is_refused(interrupted, capsys, monkeypatch):
+def test_a_checkpoint_whose_run_is_not_known_is_refused(interrupted, capsys):
     assert "there is no such file" in refusal(capsys, "nothing.h5")
     os.link(interrupted, "alone.h5")
     assert "there is no arguments.json of its run beside it" in refusal(capsys, "alone.h5")

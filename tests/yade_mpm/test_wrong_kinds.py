@@ -27,14 +27,12 @@ def fromInside(blows):
     return told
 
 
-def test_some_wrong_kinds_are_refused_in_words(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_some_wrong_kinds_are_refused_in_words():
     assert not fromInside(random.Random(1).sample(wrongKinds.blows(), SOME))
 
 
 @pytest.mark.slow
-def test_all_wrong_kinds_are_refused_in_words(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_all_wrong_kinds_are_refused_in_words():
     assert not fromInside(wrongKinds.blows())
 
 

@@ -148,9 +148,8 @@ def test_the_step_that_reaches_the_limit_ends_there():
         assert abs(plasticVolume(point) - limit) < 1e-17
     free = mpm.MaterialPoint(soil(dilatancyLimit=1.001 * full), stress=BEFORE)
     free.strain(STEP)
-    assert np.abs(free.stress - whole.stress).max() < 1e-11 and plasticVolume(free) == pytest.approx(
-        full, rel=1e-12
-    )
+    assert np.abs(free.stress - whole.stress).max() < 1e-11
+    assert plasticVolume(free) == pytest.approx(full, rel=1e-12)
 
 
 def test_a_soil_at_its_limit_is_one_without_dilatancy():
@@ -202,10 +201,8 @@ def test_opening_is_not_held_back_but_counts(attributes, highest):
     for _ in range(400):
         stress = point.strain(1e-5 * I)
     assert stress == pytest.approx(highest * I, rel=1e-12, abs=1e-9)
-    assert (
-        plasticVolume(point) == pytest.approx(400 * 3e-5 - highest / BULK, rel=1e-9)
-        and plasticVolume(point) > LIMIT
-    )
+    assert plasticVolume(point) == pytest.approx(400 * 3e-5 - highest / BULK, rel=1e-9)
+    assert plasticVolume(point) > LIMIT
     opened = plasticVolume(point)
     point.strain(
         -(100 + highest) / (3 * BULK) * I

@@ -86,10 +86,8 @@ def testCutParticlesAndConvertedDomainsKeepTheirStrength():
     body.velocity[:, 0] = 8 * (body.position[:, 0] - 2)
     scene.run(until=0.1, progress=False)
     assert body.count > before
-    assert (
-        body.cohesion.min() >= 5
-        and np.unique(body.cohesion).size == np.unique(body.byId("cohesion")[:before]).size
-    )
+    assert body.cohesion.min() >= 5
+    assert np.unique(body.cohesion).size == np.unique(body.byId("cohesion")[:before]).size
 
 
 @pytest.mark.parametrize(
@@ -132,9 +130,8 @@ def testARandomFieldHasItsMomentsAndItsLength():
     np.testing.assert_array_equal(field(x), field(x[::-1])[::-1])
     many = np.random.default_rng(1).uniform(0, 300, size=(20000, 2))
     assert (field(many) > 0).all()
-    assert field(many).mean() == pytest.approx(10, rel=0.03) and field(many).std() == pytest.approx(
-        3, rel=0.1
-    )
+    assert field(many).mean() == pytest.approx(10, rel=0.03)
+    assert field(many).std() == pytest.approx(3, rel=0.1)
 
 
 @pytest.mark.parametrize(

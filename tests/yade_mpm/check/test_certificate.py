@@ -24,9 +24,8 @@ def test_ratios_of_the_pressed_bar_are_those_of_the_closed_form():
     found = mpm.quasiStatic(bar(0.1))
     assert found.after == pytest.approx(1.0)  # a tenth of 10 s: pressed by 0.1 m
     assert found.kineticRatio == pytest.approx(MASS * 0.01 / 6 / (STIFFNESS * 0.01 / 2), rel=1e-12)
-    assert found.energyError == pytest.approx(0.002, rel=1e-12) and found.dampedRatio == pytest.approx(
-        0.01, rel=1e-12
-    )
+    assert found.energyError == pytest.approx(0.002, rel=1e-12)
+    assert found.dampedRatio == pytest.approx(0.01, rel=1e-12)
     assert found.unbalancedRatio == pytest.approx(0.02, abs=2e-4)  # 46 of 91 rows have 0.03
     assert found.isQuasiStatic and found.reasons == [] and found.rateSensitivity is None
 
@@ -190,11 +189,9 @@ def test_what_is_not_known_is_refused(changed, name):
 
 def test_the_certificate_is_written_as_plain_numbers():
     plain = json.loads(json.dumps(mpm.quasiStatic(bar(0.1), rateSensitivity=0.2).asDict(), allow_nan=False))
-    assert (
-        plain["isQuasiStatic"] is False
-        and plain["limits"] == certificate.LIMITS
-        and len(plain["reasons"]) == 1
-    )
+    assert plain["isQuasiStatic"] is False
+    assert plain["limits"] == certificate.LIMITS
+    assert len(plain["reasons"]) == 1
     assert plain["rateSensitivity"] == 0.2 and plain["kineticRatio"] == pytest.approx(0.01)
 
 

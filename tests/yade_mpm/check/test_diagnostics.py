@@ -258,7 +258,6 @@ def test_mean_stress_along_a_line_is_that_of_the_particles_in_the_strip_from_bel
     ).ravel()  # the sixth column is unlike the others
     soil.stress[...] = p[:, None, None] * np.eye(3) + np.diag([4.0, -4.0, 0.0])
     y, mean = d.meanStressAlong([soil], x=1.375, width=0.25, lower=0.5, upper=3.5)
-    assert y == pytest.approx(np.arange(0.625, 3.5, 0.25)) and mean == pytest.approx(
-        p[order].reshape(16, 8)[2:14, 5]
-    )
+    assert y == pytest.approx(np.arange(0.625, 3.5, 0.25))
+    assert mean == pytest.approx(p[order].reshape(16, 8)[2:14, 5])
     assert d.stripes(mean) == pytest.approx(4 * 3 / abs(mean.mean()))

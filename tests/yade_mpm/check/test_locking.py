@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Soil that flows without F-bar is warned of, once for each body."""
 
-import warnings
-
 import pytest
 import yade_mpm as mpm
+from inputs import warningsOf
 from yade_mpm import box
 
 CLAY = dict(density=2.0, young=5e3, poisson=0.3, cohesion=10.0, frictionAngle=0.0)
@@ -82,10 +81,7 @@ def elastic(poisson, type_, **more):
 def test_boxes_that_hardly_change_their_volume_are_warned_of_before_the_first_step(
     poisson, type_, more, isTold
 ):
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        elastic(poisson, type_(), **more).prepare()
-    said = [str(w.message) for w in caught]
+    said = warningsOf(elastic(poisson, type_(), **more).prepare)
     told = f"body 'block': its boxes have no F-bar and Poisson's ratio {poisson:.4g}, so they lock: "
     assert [text.startswith(told) and text.endswith("give fbar=True in scene.add") for text in said] == (
         [True] if isTold else []

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Warnings of what contact is known to do badly, before the first step."""
 
-import warnings
-
 import pytest
 import yade_mpm as mpm
+from inputs import warningsOf
+from setups import chain
 from yade_mpm import box
 
 MESH, BOXES = mpm.APDI(size=0.25), mpm.UGIMP(perCell=2)
@@ -25,14 +25,8 @@ def told(wall, thickness=0.5, dim=2, back="soil", cell=0.5, tilt=0.0, **law):
     made = scene.add("wall", block((4, 0), (4 + thickness, 4)), elastic, wall, group="wall")
     if tilt:
         made.vertices[:, 0] += tilt * made.vertices[:, 1]
-    contact = mpm.Contact(**law)
-    stages = mpm.ParticleToGrid(), mpm.GridSolver(), contact, mpm.GridToParticle(), mpm.DomainUpdater()
-    scene.engines = list(stages)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        scene.run(steps=1, progress=False)
-        scene.run(steps=1, progress=False)
-    return [str(w.message) for w in caught if "Contact" in str(w.message)]
+    scene.engines = chain(contact=mpm.Contact(**law))
+    return warningsOf(lambda: [scene.run(steps=1, progress=False) for _ in "12"], "Contact")
 
 
 @pytest.mark.parametrize("dim", [2, 3])

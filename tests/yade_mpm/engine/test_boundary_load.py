@@ -1,10 +1,9 @@
 """Which facets a BoundaryLoad takes, and what it refuses."""
 
-import warnings
-
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from inputs import warningsOf
 from setups import chain, elastic
 from yade_mpm import box
 
@@ -23,10 +22,7 @@ def twoBodies(dim, kind, group="main", contact=False, where=None, **options):
 
 
 def told(scene):
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        scene.prepare()
-    return [str(w.message) for w in caught if "BoundaryLoad" in str(w.message)]
+    return warningsOf(scene.prepare, "BoundaryLoad")
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -231,9 +231,7 @@ def test_a_region_of_ones_own_combines_with_others():
 
 
 def test_what_a_region_of_ones_own_lacks_is_said():
-    with pytest.raises(
-        NotImplementedError, match=r"Region has no contains\(points, closed=True\); a region of your"
-    ):
+    with pytest.raises(NotImplementedError, match=r"Region has no contains\(points, closed=True\)"):
         Region(2).contains([(0, 0)], closed=False)
     with pytest.raises(NotImplementedError, match=r"Region has no bounds\(\)"):
         Region(2).bounds()

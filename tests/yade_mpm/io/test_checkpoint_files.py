@@ -65,9 +65,7 @@ def test_callbacks_come_back_by_spec_or_by_label(tmp_path):
     ]
     scene.run(steps=2)
     scene.save(tmp_path / "a.h5")
-    with pytest.raises(
-        ValueError, match=r"has the callback 'watch', which cannot be stored; give load\(file, callbacks"
-    ):
+    with pytest.raises(ValueError, match="has the callback 'watch', which cannot be stored"):
         mpm.load(tmp_path / "a.h5")
     with pytest.raises(TypeError, match="give an engine of the class Forgetful"):
         mpm.load(tmp_path / "a.h5", callbacks={"watch": None, "Forgetful": print})
@@ -96,9 +94,7 @@ def test_files_that_are_no_checkpoint_are_refused(tmp_path):
     smallScene().save(file)
     with opened(file) as h5:
         h5.attrs["formatVersion"], h5.attrs["package"] = 7, "9.9"
-    with pytest.raises(
-        ValueError, match="has format 7, written by yade_mpm 9.9; .* reads format 3; continue it with"
-    ):
+    with pytest.raises(ValueError, match="has format 7, written by yade_mpm 9.9; .* reads format 3"):
         mpm.load(file)
 
 

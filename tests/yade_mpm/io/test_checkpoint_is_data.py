@@ -186,6 +186,28 @@ def test_every_flipped_bit_and_every_missing_end_is_noticed(tmp_path):
             mpm.load("b.h5")
 
 
+OTHER_KIND_OR_ORDER = {  # numbers of rows and ranges: test_tables.py
+    "bodies/0/tables/blockStart": lambda v: v[::-1],
+    "bodies/0/particles/id": lambda v: v.astype(float),
+    "bodies/0/particles/mass": lambda v: v[:, None],
+    "bodies/0/particles/position": lambda v: v.astype(int),
+    "bodies/1/tables/corners": lambda v: v.astype("i8"),
+    "bodies/1/tables/slaves": lambda v: v[::-1],
+    "bodies/1/tables/blockOrder": lambda v: 0 * v,
+}
+
+
+@pytest.mark.parametrize("name", OTHER_KIND_OR_ORDER)
+def test_arrays_of_another_kind_or_order_are_refused(name):
+    makeScene().save("a.h5")
+    with opened("a.h5") as h5:
+        values = OTHER_KIND_OR_ORDER[name](h5[name][...])
+        del h5[name]
+        h5[name] = values
+    with pytest.raises(ValueError, match="checkpoint 'a.h5'"):
+        mpm.load("a.h5")
+
+
 def test_an_array_larger_than_the_file_is_refused_before_memory_is_taken(tmp_path):
     makeScene().save("a.h5")
     for options in ({"compression": "gzip"}, {"chunks": (2**20,)}, {}):

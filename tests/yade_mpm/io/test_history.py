@@ -75,9 +75,8 @@ def test_contact_has_columns_of_force_between_groups_friction_and_overlap():
     means = np.array(seen).reshape(4, 100, 4).mean(axis=1)
     columns = [f"contact.base-{group}.f{axis}" for group in ("block", "cap") for axis in "xy"]
     assert np.allclose(np.transpose([history[c] for c in columns]), means, rtol=1e-12, atol=1e-12)
-    assert np.abs(means).max(axis=0).min() > 0.1 and not np.allclose(
-        means, np.array(seen)[99::100], rtol=1e-3
-    )  # the last step is another one
+    assert np.abs(means).max(axis=0).min() > 0.1
+    assert not np.allclose(means, np.array(seen)[99::100], rtol=1e-3)  # the last step is another one
     table = contact.contactTable()
     for (a, b), force in contact.forces().items():
         assert np.allclose(
@@ -130,11 +129,9 @@ def test_a_resumed_history_of_contact_goes_on_with_the_same_rows(tmp_path):
 def test_units_are_per_metre_in_2d_only():
     history = mpm.History(iterPeriod=10)
     runWith(history, steps=10)
-    assert (
-        history.units["drive.fy"] == "kN/m"
-        and history.units["drive.mz"] == "kN m/m"
-        and history.units["time"] == "s"
-    )
+    assert history.units["drive.fy"] == "kN/m"
+    assert history.units["drive.mz"] == "kN m/m"
+    assert history.units["time"] == "s"
     scene = mpm.Scene((0, 0, 0), (1, 1, 1), 0.5)
     scene.add("cube", box((0, 0, 0), (1, 1, 0.5)), soft(2), mpm.UGIMP(perCell=2))
     solver = mpm.GridSolver(

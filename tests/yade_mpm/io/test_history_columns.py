@@ -55,20 +55,17 @@ def test_one_function_may_give_several_columns_and_is_called_once_a_row():
 
     history = mpm.History(iterPeriod=20, columns={"first": "scene.time", ("toe", "at"): both, "last": "1"})
     scene = runWith(history, steps=60)
-    assert history.names[-4:] == ["first", "toe", "at", "last"] and calls == [20, 40, 60] == list(
-        history["at"]
-    )
+    assert history.names[-4:] == ["first", "toe", "at", "last"]
+    assert calls == [20, 40, 60] == list(history["at"])
     assert history["toe"][-1] == scene["pile"].position[:, 1].min()
     assert history.spec()["columns"] == {"first": "scene.time", "toe": None, "at": None, "last": "1"}
     other = again(history)
     other.columns.update({("toe", "at"): both})
     scene.engines = [*scene.engines[:5], other]
     scene.run(steps=20, progress=False)
-    assert (
-        other.names == history.names
-        and other["at"][-1] == 80
-        and other["toe"][-1] == scene["pile"].position[:, 1].min()
-    )
+    assert other.names == history.names
+    assert other["at"][-1] == 80
+    assert other["toe"][-1] == scene["pile"].position[:, 1].min()
 
 
 @pytest.mark.parametrize("found", ((1,), (1, 2, 3), 1, (1, None)))
@@ -142,9 +139,8 @@ def test_a_history_loaded_from_a_checkpoint_continues_bitwise_in_memory_and_file
     forgetful.restoreState(state)
     scene.engines = [*scene.engines[:5], forgetful]
     scene.run(steps=70, progress=False)
-    assert (
-        forgetful["drive.fy"][2] != whole["drive.fy"][2] and forgetful["drive.fy"][3] == whole["drive.fy"][3]
-    )
+    assert forgetful["drive.fy"][2] != whole["drive.fy"][2]
+    assert forgetful["drive.fy"][3] == whole["drive.fy"][3]
 
 
 def test_the_spec_keeps_text_columns_and_asks_for_functions_again():
@@ -187,9 +183,7 @@ def test_wrong_arguments_are_refused(given, error, named):
 
 def test_a_file_that_cannot_be_written_is_refused_before_the_first_step(tmp_path):
     scene = makeScene()
-    with pytest.raises(
-        OSError, match="History '.*a.csv': there is no folder '.*missing'; make it, or give another file"
-    ):
+    with pytest.raises(OSError, match="History '.*a.csv': there is no folder '.*missing'"):
         runWith(mpm.History(iterPeriod=5, file=tmp_path / "missing" / "a.csv"), scene=scene)
     assert scene.steps == 0
 

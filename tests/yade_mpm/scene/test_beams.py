@@ -7,6 +7,7 @@ import warnings
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from inputs import warningsOf
 from setups import chain
 from yade_mpm import box
 
@@ -15,10 +16,7 @@ ELASTIC = dict(density=2.0, young=1e4, poisson=0.3)
 
 # --- beams ----------------------------------------------------------------------------------------------
 def warned(scene):
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        scene.prepare()
-    return [str(w.message) for w in caught if "bending stiffness" in str(w.message)]
+    return warningsOf(scene.prepare, "bending stiffness")
 
 
 def beam(height=0.5, perCell=1, **solver):
@@ -41,11 +39,7 @@ def beam(height=0.5, perCell=1, **solver):
     ],
 )
 def test_loads_across_a_beam_alone_bend_it_and_axial_ones_do_not(where, load, isBent):
-    scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
-    body = scene.add("beam", box((0, 2), (4, 2.5)), mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
-    pushing = mpm.BoundaryLoad(body, where=where, **load)
-    scene.engines = chain(pushing, fixed="left")
-    assert len(warned(scene)) == isBent
+    assert len(warned(loadedBeam((where, load))[0])) == isBent
 
 
 TOP, BELOW = box((0, 2.4), (4, 2.6)), box((0, 1.9), (4, 2.1))
@@ -72,24 +66,20 @@ TOP, BELOW = box((0, 2.4), (4, 2.6)), box((0, 1.9), (4, 2.1))
     ],
 )
 def test_loads_that_balance_each_other_bend_a_beam_if_they_have_a_moment(loads, isBent):
-    scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
-    body = scene.add("beam", box((0, 2), (4, 2.5)), mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
-    pushing = [mpm.BoundaryLoad(body, where=where, **load) for where, load in loads]
-    scene.engines = chain(*pushing, fixed="left")
-    assert len(warned(scene)) == isBent
+    assert len(warned(loadedBeam(*loads)[0])) == isBent
 
 
-def loadedBeam(**load):
+def loadedBeam(*loads):
+    """Held at its left end; loads: where, and the load."""
     scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1)
     body = scene.add("beam", box((0, 2), (4, 2.5)), mpm.LinearElastic(**ELASTIC), mpm.APDI(size=0.5))
-    pushing = mpm.BoundaryLoad(body, where=TOP, **load)
-    scene.engines = chain(pushing, fixed="left")
+    scene.engines = chain(*(mpm.BoundaryLoad(body, where, **load) for where, load in loads), fixed="left")
     return scene, body
 
 
 def test_a_load_that_is_off_bends_nothing_and_one_on_boxes_is_no_error():
-    assert warned(loadedBeam(pressure=1.0, dead=True)[0]) == []
-    scene, body = loadedBeam(pressure=1.0)
+    assert warned(loadedBeam((TOP, dict(pressure=1.0, dead=True)))[0]) == []
+    scene, body = loadedBeam((TOP, dict(pressure=1.0)))
     body.convert(box((2, 2), (4, 2.5)), mpm.UGIMP(perCell=1))
     scene.remove(scene.bodies[-1])
     warned(scene)
@@ -98,7 +88,7 @@ def test_a_load_that_is_off_bends_nothing_and_one_on_boxes_is_no_error():
 def test_a_long_table_of_a_load_is_looked_at_in_no_time():
     rows = np.column_stack((np.arange(20000), np.zeros(20000)))
     rows[-1, 1] = 1.0
-    scene, _ = loadedBeam(pressureTable=rows)
+    scene, _ = loadedBeam((TOP, dict(pressureTable=rows)))
     began = time.process_time()
     assert len(warned(scene)) == 1
     assert time.process_time() - began < 2  # 150 s when each row was looked at alone

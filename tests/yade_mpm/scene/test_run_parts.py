@@ -76,11 +76,9 @@ def test_runs_can_be_cut_in_pieces(monkeypatch):
     whole.run(steps=40)
     for steps in (0, 3, 7, 1, 19, 10):
         pieces.run(steps=steps)
-    assert (
-        pieces.steps == 40
-        and np.array_equal(whole["soft"].stress, pieces["soft"].stress)
-        and whole.time == pieces.time
-    )
+    assert pieces.steps == 40
+    assert np.array_equal(whole["soft"].stress, pieces["soft"].stress)
+    assert whole.time == pieces.time
     stepped = smallScene(velocity=(0.1, 0.2))
     for _ in range(5):
         stepped.step()

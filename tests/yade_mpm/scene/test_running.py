@@ -33,10 +33,8 @@ def test_signals_leave_a_checkpoint_and_an_exit_code(script, number, codes):
     run.send_signal(number)
     _, message = run.communicate(timeout=30)
     assert run.returncode in codes, message
-    assert (
-        "interrupted at step" in message
-        and "the state is in yade_mpm.checkpoint.h5 (continue with yade_mpm.load)" in message
-    )
+    assert "interrupted at step" in message
+    assert "the state is in yade_mpm.checkpoint.h5 (continue with yade_mpm.load)" in message
     scene = mpm.load("yade_mpm.checkpoint.h5", callbacks={"go": None})
     assert scene.steps >= 10
     scene.run(steps=5)

@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from inputs import warningsOf
 from yade_mpm import box
 
 ELASTIC = dict(density=2.0, young=1e4, poisson=0.3)
@@ -141,11 +142,8 @@ def surfaceOf(surface, names, size=0.5, unitWeight=None):
     for name, density, bottom in (("lower", 20, 0), ("upper", 18, 2)):
         soil = mpm.LinearElastic(density=density / 9.81, young=1e4, poisson=0.3)
         scene.add(name, box((0, bottom), (4, bottom + 2)), soil, mpm.APDI(size=size))
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        bodies = [scene[n] for n in names]
-        scene.initialStress(surface=surface, K0=0.5, bodies=bodies, unitWeight=unitWeight)
-    return [str(w.message) for w in caught]
+    given = dict(surface=surface, K0=0.5, bodies=[scene[n] for n in names], unitWeight=unitWeight)
+    return warningsOf(lambda: scene.initialStress(**given))
 
 
 def test_a_surface_that_is_not_the_top_of_the_ground_is_warned_of():
@@ -153,9 +151,8 @@ def test_a_surface_that_is_not_the_top_of_the_ground_is_warned_of():
     assert "surface = 4 m, but the top of 'lower' is at 2 m: the stress is that of 2 m" in said
     assert "more than there is, 40 kPa" in said
     [said] = surfaceOf(3, ["upper"])
-    assert (
-        "the top of 'upper' is at 4 m" in said and "1 m of ground less, with tension above it, 18 k" in said
-    )
+    assert "the top of 'upper' is at 4 m" in said
+    assert "1 m of ground less, with tension above it, 18 k" in said
     assert surfaceOf(2, ["lower"]) == surfaceOf(4, ["upper"]) == []
     assert surfaceOf(4, ["lower"], unitWeight=10) == []  # both layers weigh that much
     assert len(surfaceOf(5, ["lower"], unitWeight=10)) == 1
@@ -180,10 +177,7 @@ def saidOf(parts, surface, type_=None, **options):
         scene.add(name, region, material, type_ or mpm.UGIMP(perCell=2))
     names = options.pop("names", None)
     bodies = names and [scene[name] for name in names]
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        scene.initialStress(surface=surface, K0=0.5, bodies=bodies, **options)
-    return [str(w.message) for w in caught]
+    return warningsOf(lambda: scene.initialStress(surface=surface, K0=0.5, bodies=bodies, **options))
 
 
 SLOPE = [(0, 0), (8, 0), (8, 1), (6, 1), (4, 4), (0, 4)]

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Fields by id, runs that end on time, settling."""
 
-import warnings
-
 import numpy as np
 import pytest
 import yade_mpm as mpm
+from inputs import warningsOf
 from setups import chain
 from yade_mpm import box
 
@@ -84,13 +83,11 @@ def test_a_run_to_whole_steps_keeps_its_bits():
     assert np.array_equal(byTime["block"].position, bySteps["block"].position)
 
 
-def test_a_checkpoint_among_the_short_steps_goes_on_with_the_same_bits(tmp_path):
+def test_a_checkpoint_among_the_short_steps_goes_on_with_the_same_bits():
     scene, _ = moving(1e-3)
     scene.engines.append(mpm.PyRunner("scene.steps == 35 and scene.save('short.h5')", iterPeriod=1))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(tmp_path)
-        scene.run(until=0.0374, progress=False)
-        again = mpm.load("short.h5", trust=True)
+    scene.run(until=0.0374, progress=False)
+    again = mpm.load("short.h5", trust=True)
     assert again._core.dt == 1e-3 and scene.steps == 38
     again.run(until=0.0374, progress=False)
     assert again.time == scene.time
@@ -143,11 +140,7 @@ def test_settle_tells_what_moved_by_more_than_a_cell(cells, isTold):
     scene.fix("bottom")
     scene.roller("left", "right")
     scene.add("column", box((0, 0), (1, height)), soft, mpm.UGIMP(perCell=2))
-    with warnings.catch_warnings(record=True) as found:
-        warnings.simplefilter("always")
-        scene.settle()
-    told = [str(w.message) for w in found if "settle: 'column' moved by up to" in str(w.message)]
-    assert len(told) == isTold
+    assert len(warningsOf(scene.settle, "settle: 'column' moved by up to")) == isTold
 
 
 def test_settle_has_a_limit_of_time_and_says_what_is_left():
@@ -167,11 +160,7 @@ def test_a_scheme_of_first_order_in_time_is_told_at_the_start(scheme):
     scene = mpm.Scene((0, 0), (2, 2), 0.5, scheme=scheme)
     elastic = mpm.LinearElastic(density=1.0, lame=(1e3, 1e3))
     scene.add("block", mpm.box((0, 0), (1, 1)), elastic, mpm.UGIMP()).velocity = (0.1, 0.1)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        scene.run(steps=1)
-        scene.run(steps=1)
-    told = [str(w.message) for w in caught if "first order in time" in str(w.message)]
+    told = warningsOf(lambda: [scene.run(steps=1), scene.run(steps=1)], "first order in time")
     assert len(told) == (scheme == "USF") and all("take MUSL, or look whether half" in t for t in told)
 
 

@@ -47,9 +47,7 @@ def test_text_and_dates_are_no_numbers(cell):
 @pytest.mark.parametrize("make", [mpm.GridSolver, mpm.UGIMP, mpm.APDI, mpm.Contact])
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy])
 def test_what_would_share_its_core_is_not_copied(make, copied):
-    with pytest.raises(
-        TypeError, match=r"it cannot be copied; make another one, e.g. \w+\(\*\*one.attributes\(\)\)"
-    ):
+    with pytest.raises(TypeError, match="it cannot be copied; make another one"):
         copied(make())
 
 

@@ -70,9 +70,8 @@ def test_samples_that_mean_nothing_are_refused(word, sample, message):
 @pytest.mark.parametrize("how", ["lhs", "sobol"])
 def test_a_sample_fills_its_ranges_evenly_and_is_the_same_for_a_seed(how):
     found = words("phi=20..40", "count=1..9", "types=hybrid,ugimp", sample=(how, 16))
-    assert len(found) == 32 and found == words(
-        "phi=20..40", "count=1..9", "types=hybrid,ugimp", sample=(how, 16)
-    )
+    assert len(found) == 32
+    assert found == words("phi=20..40", "count=1..9", "types=hybrid,ugimp", sample=(how, 16))
     phi = np.sort([c["phi"] for c in found[::2]])
     assert (np.floor((phi - 20) / 20 * 16) == np.arange(16)).all()  # one in each sixteenth
     assert all(isinstance(c["count"], int) for c in found)

@@ -15,10 +15,9 @@ from yade_mpm.study.study import parametersOf
 PAGE = Path(__file__).resolve().parents[3] / "doc" / "howto" / "studies.md"
 
 
-def test_the_scene_of_the_page_can_be_studied(tmp_path, monkeypatch):
+def test_the_scene_of_the_page_can_be_studied(tmp_path):
     section = PAGE.read_text().split("## A scene of your own")[1]
     (tmp_path / "my_scene.py").write_text(re.search("```py\n(.*?)```", section, re.S)[1])
-    monkeypatch.chdir(tmp_path)
     program.main(["my_scene.py", "young=500,1000", "--smoke", "--until", "0.1", "--out", "mine"])
     table = pandas.read_csv("mine/results.csv")
     assert list(table["state"]) == ["done", "done"] and (table["settlement"] > 0).all()

@@ -149,9 +149,8 @@ def test_what_the_hole_holds_counts_nowhere():
     made = scene(soil=(BLOCK | box((4, 2), (5, 4)), UGIMP))
     assert surface(made, hole=(4, 5)).areas(2.0, 0.5) == pytest.approx((0, 0, 0), abs=1e-9)
     assert surface(made, hole=(4, 5)).isContinuous(0.5)
-    assert surface(made).areas(2.0, 0.5)[0] == pytest.approx(2, abs=0.01) and not surface(made).isContinuous(
-        0.5
-    )  # control
+    assert surface(made).areas(2.0, 0.5)[0] == pytest.approx(2, abs=0.01)
+    assert not surface(made).isContinuous(0.5)  # control
 
 
 # --- isolated particles -------------------------------------------------------------------------------------

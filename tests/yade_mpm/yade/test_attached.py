@@ -162,9 +162,8 @@ def test_save_and_load_continue_with_the_same_bits(tmp_path):
     assert loaded["loaded"] == [4, 102, ["", *stages, ""]]
     assert loaded["on"] == said["on"]
     assert loaded["other"] != said["on"][0]  # control
-    assert (
-        "no scene is attached" in loaded["late"][0] and "at O.iter = 102, YADE is at 103" in loaded["late"][1]
-    )
+    assert "no scene is attached" in loaded["late"][0]
+    assert "at O.iter = 102, YADE is at 103" in loaded["late"][1]
 
 
 # --- errors and signals -----------------------------------------------------------------------------------

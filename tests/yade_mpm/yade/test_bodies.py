@@ -58,9 +58,8 @@ def test_states_and_forces_of_a_host_without_vectors():
     contact, forces, between = exchange(rigid.Box((1, 1, 1)))
     between.read(0, 1e-3, 1e-3, 1, False)
     assert contact.positions[0].tolist() == [0.1, 0.2, 0.3] and contact.velocities[0].tolist() == [1, 2, 3]
-    assert contact.orientations[0] == pytest.approx([0.8, 0, 0, 0.6]) and contact.angularVelocities[
-        0
-    ].tolist() == [4, 5, 6]
+    assert contact.orientations[0] == pytest.approx([0.8, 0, 0, 0.6])
+    assert contact.angularVelocities[0].tolist() == [4, 5, 6]
     contact._core.set("impulses", {"force": [[2.0, 0, 0]], "torque": [[0, 0, 4.0]]})
     between.apply(0, 1e-3, 0.5)
     between.apply(1, 1e-3, 0.5)  # in the next step of the same cycle: the same again
@@ -71,12 +70,10 @@ def test_the_scene_may_lie_in_another_plane():
     frame = np.array([(1.0, 0, 0), (0, 0, 1), (0, -1, 0)])  # its y is the host's z
     contact, forces, between = exchange(rigid.Box((1, 1, 1)), frame)
     between.read(0, 1e-3, 1e-3, 1, False)
-    assert contact.positions[0] == pytest.approx([0.1, 0.3, -0.2]) and contact.velocities[0] == pytest.approx(
-        [1, 3, -2]
-    )
-    assert contact.orientations[0] == pytest.approx([0.8, 0, 0.6, 0]) and contact.angularVelocities[
-        0
-    ] == pytest.approx([4, 6, -5])
+    assert contact.positions[0] == pytest.approx([0.1, 0.3, -0.2])
+    assert contact.velocities[0] == pytest.approx([1, 3, -2])
+    assert contact.orientations[0] == pytest.approx([0.8, 0, 0.6, 0])
+    assert contact.angularVelocities[0] == pytest.approx([4, 6, -5])
     contact._core.set("impulses", {"force": [[0, 2.0, 0]], "torque": [[0, 0, 4.0]]})
     between.apply(0, 1e-3, 1.0)
     assert forces.given == [("F", 7, (0, 0, 2.0), False), ("T", 7, (0, -4.0, 0), False)]

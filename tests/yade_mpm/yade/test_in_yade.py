@@ -31,9 +31,8 @@ def test_control_another_time_step_makes_other_bits(same):
 def test_subcycling_keeps_the_clocks_together(same, kind, steps, ratio):
     taken, time, yadeTime, dt, maxDt, critical, own, applied, inTime = same[kind]
     assert taken == steps and time == yadeTime
-    assert dt == maxDt == pytest.approx(0.8 * critical * ratio, rel=1e-12) and own == pytest.approx(
-        dt / ratio, rel=1e-15
-    )
+    assert dt == maxDt == pytest.approx(0.8 * critical * ratio, rel=1e-12)
+    assert own == pytest.approx(dt / ratio, rel=1e-15)
     assert applied == 400 and len(inTime) == (400 if kind == "mpm" else 100) and all(inTime)
 
 
@@ -80,9 +79,8 @@ def test_bad_input(steps):
     assert "YADE is running" in steps["running"][0] and "going on in the background" in steps["running"][1]
     assert "YADE is running" in steps["running"][2]
     assert "one of the two has to be 1" in steps["ratio"] and "demSteps = 0 is not allowed" in steps["zero"]
-    assert (
-        "mpmSteps = 1.5 is not allowed" in steps["half"] and "label = 'a b' is not allowed" in steps["label"]
-    )
+    assert "mpmSteps = 1.5 is not allowed" in steps["half"]
+    assert "label = 'a b' is not allowed" in steps["label"]
     assert "give stages=False" in steps["several"] and "attached as 'mpm' already" in steps["twice"]
     assert "give a yade_mpm.Scene" in steps["kind"] and "no scene was given" in steps["unsaved"]
 

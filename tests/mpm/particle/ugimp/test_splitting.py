@@ -87,9 +87,8 @@ def test_halves_stand_along_the_stretched_direction_and_keep_the_second_moment(d
     soil._core.splitStretched()
     n = R[:, 0]
     offsets = np.array([x - first[i] for i, x in zip(soil.id, soil.position) if i in first])
-    assert np.allclose(np.abs(offsets @ n), 0.5 * 1.8 * half) and np.allclose(
-        offsets, np.outer(offsets @ n, n)
-    )
+    assert np.allclose(np.abs(offsets @ n), 0.5 * 1.8 * half)
+    assert np.allclose(offsets, np.outer(offsets @ n, n))
     whole, part = (1.8 * half) ** 2 / 3, (0.9 * half) ** 2 / 3
     assert part + (0.9 * half) ** 2 == pytest.approx(whole), "half length 0.9 l at a distance of 0.9 l"
 

@@ -36,6 +36,7 @@ BOOST_PYTHON_MODULE(_core) {
     mpm::ThreadPool::surviveForks();
     exposeParameters();
     exposeMaterials();
+    exposePythonLaw();
     exposeBodies();
     exposeEngines();
     exposeContact();

@@ -97,6 +97,7 @@ class Locked {
 
 void exposeParameters();
 void exposeMaterials();
+void exposePythonLaw();
 void exposeBodies();
 void exposeEngines();
 void exposeContact();

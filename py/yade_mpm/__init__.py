@@ -12,6 +12,7 @@ Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.a
 LinearElastic, NeoHookean, Material    elastic materials, and the base of all
 MohrCoulombDruckerPrager, MohrCoulomb, Tresca, ModifiedCamClay   soils
 MuI, HerschelBulkley, NewtonianLiquid  flows of grains, mud and water
+UMAT, MFront, PythonLaw        laws from elsewhere: Fortran, MFront, a Python function
 RandomField                    a parameter of a soil that varies at random in space
 MaterialPoint, elementTest     one point of a material, strained by hand or in a laboratory test
 UGIMP, APDI, BSpline, ParticleType                               particle types

@@ -246,6 +246,31 @@ class LinearElastic(Material):
     ) -> None: ...
 
 
+class MFront(Material):
+    """A behaviour compiled by `mfront --obuild --interface=generic`, from its shared library."""
+
+    library: str
+    behaviour: str
+    density: float | None
+    properties: float | Sequence[float]
+    states: float | Sequence[float]
+    threadSafe: bool
+    yields: bool
+    externalStates: float | Sequence[float]
+    def __init__(
+        self,
+        library: str = '',
+        *,
+        behaviour: str = '',
+        density: float | None = None,
+        properties: float | Sequence[float] = (),
+        states: float | Sequence[float] = (),
+        threadSafe: bool = True,
+        yields: bool = True,
+        externalStates: float | Sequence[float] = (293.15,),
+    ) -> None: ...
+
+
 class ModifiedCamClay(Material):
     """Modified Cam-Clay: an elliptic yield surface that hardens with the plastic volumetric strain."""
 
@@ -449,6 +474,31 @@ class PointForce(_PointForce):
     ) -> None: ...
 
 
+class PythonLaw(Material):
+    """A law whose stress a Python function finds, for all particles of a body in one call a step."""
+
+    law: str
+    density: float | None
+    lame: float | Sequence[float]
+    young: float | None
+    poisson: float | None
+    states: float | Sequence[float]
+    stateNames: str
+    yields: bool
+    def __init__(
+        self,
+        law: str = '',
+        *,
+        density: float | None = None,
+        lame: float | Sequence[float] = (),
+        young: float | None = None,
+        poisson: float | None = None,
+        states: float | Sequence[float] = (),
+        stateNames: str = '',
+        yields: bool = True,
+    ) -> None: ...
+
+
 class RigidContact(_RigidContact):
     """Frictional contact of rigid bodies with all bodies of the scene: penalty, Coulomb friction with history."""
 
@@ -578,6 +628,31 @@ class UGIMP(ParticleType):
         perCell: float | Sequence[float] = (2.0,),
         cut: bool = False,
         splitAt: float | None = None,
+    ) -> None: ...
+
+
+class UMAT(Material):
+    """A law in Fortran or C with Abaqus' call UMAT, from a shared library."""
+
+    library: str
+    density: float | None
+    properties: float | Sequence[float]
+    states: float | Sequence[float]
+    threadSafe: bool
+    yields: bool
+    routine: str
+    name: str
+    def __init__(
+        self,
+        library: str = '',
+        *,
+        density: float | None = None,
+        properties: float | Sequence[float] = (),
+        states: float | Sequence[float] = (),
+        threadSafe: bool = False,
+        yields: bool = True,
+        routine: str = 'umat_',
+        name: str = '',
     ) -> None: ...
 
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/base/plugin.hpp"
 
+#include "mpm/base/publicSymbols.hpp"
 #include "mpm/base/require.hpp"
 
 #include <dlfcn.h>
@@ -15,14 +16,13 @@ std::string& refusals() {
     return all;
 }
 
-// Python loads an extension module so that nobody else sees its symbols; a plugin needs the public ones.
+} // namespace
+
 void showPublicSymbols() {
     Dl_info self;
     if (dladdr(reinterpret_cast<void*>(&loadPlugin), &self))
         dlopen(self.dli_fname, RTLD_NOW | RTLD_NOLOAD | RTLD_GLOBAL);
 }
-
-} // namespace
 
 bool mayRegister(const std::string& name, const char* build, size_t bytesThere, size_t bytesHere) {
     if (build == std::string(MPM_BUILD) && bytesThere == bytesHere) return true;

@@ -37,6 +37,8 @@ template <int Dim> struct PointsAtRest {
         }
         for (size_t k = 0; k < state.size(); ++k)
             std::copy_n(particles.state[k].plane() + first, count, states[k]);
+        points.id = particles.id.integers() + first;
+        for (int k = 0; k < Dim; ++k) points.position[k] = particles.position.plane(k) + first;
         points.volume = particles.volume.plane() + first;
         points.initialVolume = particles.initialVolume.plane() + first;
     }
@@ -49,6 +51,7 @@ template <int Dim> BeyondYield beyondYield(const Body<Dim>& body, double toleran
     const Particles<Dim>& particles = body.particles;
     PointsAtRest<Dim> copy(int(particles.state.size()));
     copy.points.hasFbar = body.fbar;
+    copy.points.body = body.name.c_str();
     for (int first = 0; first < particles.size() && !copy.state.empty(); first += copy.most) {
         const int count = std::min(copy.most, particles.size() - first);
         copy.take(particles, first, count);

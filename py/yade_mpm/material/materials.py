@@ -10,6 +10,7 @@ from ..base.attributes import Attributed, classAttribute, didYouMean, makeClasse
 from ..base.kinds import DICT, NUMBER, takes
 from ..base.wording import shown
 from ..geometry.numbers import numbers
+from .outside import lawsFromElsewhere
 from .spatial import PER_PARTICLE, isSpatial, valuesAt
 
 
@@ -121,6 +122,7 @@ def rebuilt(cls, attributes):
 
 
 classes = makeClasses(_core.materialNames(), _core.makeMaterial, Material)
+classes.update(lawsFromElsewhere(classes))
 __getattr__ = classAttribute(classes)
 
 

@@ -9,13 +9,16 @@ from yade_mpm.base.research import hiddenOf
 MATERIALS = [
     "HerschelBulkley",
     "LinearElastic",
+    "MFront",
     "ModifiedCamClay",
     "MohrCoulomb",
     "MohrCoulombDruckerPrager",
     "MuI",
     "NeoHookean",
     "NewtonianLiquid",
+    "PythonLaw",
     "Tresca",
+    "UMAT",
 ]
 TYPES = ["APDI", "BSpline", "UGIMP"]
 ENGINES = [

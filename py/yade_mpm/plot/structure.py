@@ -57,7 +57,7 @@ def structure(stages, figure=None):
         axes.set_xlabel(label)
     panels[0].set_ylabel("along the body (m)")
     if len(stages) > 1:
-        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(stages))
+        panels[0].legend(fontsize="small", frameon=False)
     return figure
 
 

@@ -142,7 +142,7 @@ def _overburden(scene, ground, gravity):
     """Weight of what stands straight above each particle over the area of its strip in plan, kPa: (N,) for
     each body. Domains count in the strips of half a cell that they reach, by their part in them."""
     width = 0.5 * scene.cell[:-1]
-    pieces = [_pieces(scene, body, width, gravity) for body in ground]
+    pieces = [_pieces(scene, body, width, gravity) for body in scene.bodies if body.count]
     strip, low, high, weight = (np.concatenate(x) for x in zip(*pieces))
     order = np.argsort(strip, kind="stable")
     strip, low, high, weight = strip[order], low[order], high[order], weight[order]
@@ -185,13 +185,18 @@ def _pieces(scene, body, width, gravity):
 
 def _outOfBalance(scene, ground, gravity):
     """Sum of the horizontal forces that nodes of a layer do not have in balance, over its weight, by name.
-    Nodes on the sides of the grid are left out, for walls hold them."""
+    Nodes on the sides of the grid and in structures are left out, for these hold them."""
     at, names = {}, [body.name for body in ground]
+    touched = set()  # nodes that a structure moves, too, which holds the ground there
+    for body in (b for b in scene.bodies if b.count and b not in ground):
+        touched |= set(map(tuple, np.reshape(body._core.internalForces()["position"], (-1, scene.dim))))
     for body in ground:
         found = body._core.internalForces()
         x, f = (np.reshape(found[name], (-1, scene.dim)) for name in ("position", "force"))
         inside = ((x > scene.lower + 1e-9) & (x < scene.upper - 1e-9)).all(axis=1)
         for place, force in zip(map(tuple, x[inside]), f[inside, :-1]):
+            if place in touched:
+                continue
             at.setdefault(place, {})[body.name] = force
     sums = dict.fromkeys(names, 0.0)
     for forces in at.values():

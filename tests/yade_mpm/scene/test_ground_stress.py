@@ -52,6 +52,15 @@ def test_level_ground_is_in_equilibrium_and_the_control_is_told():
     assert any("'lower' " in str(w.message) and "'upper'" not in str(w.message) for w in caught)
 
 
+def test_the_face_of_a_wall_holds_the_ground_beside_it():
+    scene = mpm.Scene((0, 0), (6, 4), 0.5, threads=1, gravity=G)
+    shaft = mpm.box((3, 1), (4, 3))
+    scene.add("soil", mpm.box((0, 0), (6, 3)) - shaft, sand(1.8), mpm.UGIMP())
+    steel = mpm.LinearElastic(density=1.8, young=1e6, poisson=0.0)
+    scene.add("wall", shaft, steel, mpm.APDI(size=0.25), implicit=True)
+    assert scene.groundStress(K0=0.5)["soil"] < 1e-9
+
+
 def test_k0_follows_jaky_ocr_and_functions():
     scene, lower, upper = layers(mpm.UGIMP(), tilt=0)
     scene.groundStress(K0={lower: "jaky", upper: lambda x, y: 0.4 + 0 * y}, OCR={lower: 4.0, upper: 1.0})

@@ -48,6 +48,16 @@ def test_it_has_scene_materials_stages_pictures_curves_and_a_verdict(page):
     assert EVIL not in text
 
 
+def test_one_picture_shows_several_stages(tmp_path):
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
+    steel = mpm.LinearElastic(density=1.0, young=1e4, poisson=0.0)
+    wall = scene.add("wall", box((0.5, 0), (1, 2)), steel, mpm.APDI(size=0.25))
+    forces = mpm.sectionForces(wall)
+    figure = mpm.plot.structure({"one": forces, "two": (forces, None)})
+    assert len(figure.axes) == 4 and len(figure.axes[1].lines) == 3
+    mpm.plot.save(figure, tmp_path / "wall.png")
+
+
 @pytest.mark.skipif(BROWSER is None, reason="there is no browser")
 @pytest.mark.parametrize("width", [412, 1200])
 def test_a_browser_shows_it_without_sideways_scrolling(page, width, tmp_path):

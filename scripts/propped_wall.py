@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""A propped sheet-pile wall (AZ 18), dug in two stages, beside a hand calculation: free earth, Rankine.
+Soil arches to the prop (Rowe 1952): more force than by hand, a smaller moment. Units: Mg, m, s, kPa."""
+
+import os
+from math import pi
+
+import yade_mpm as mpm
+from yade_mpm import Parameter, app, box, plot
+
+TOP, LENGTH, LEFT, RIGHT = 8.0, 6.5, 8.0, 9.0  # m: ground, length of the wall, its faces (any two cells)
+EI, WEIGHT, GAMMA, PROP = 71820.0, 0.118, 18.0, 2e4  # kN m2/m, Mg/m2, kN/m3, kN/m per metre
+STAGES = (("gravity", 0, 0.5), ("dig to -2 m", 2, 1.0), ("dig to -4 m", 4, 2.0))  # name, depth (m), time (s)
+CELL = Parameter("cell", 0.5, "size of the grid's cells", unit="m", partOf=0.5)
+REST = Parameter("rest", 1.0, "factor on the time of each stage", above=0)
+PARAMETERS = mpm.Parameters("propped_wall", __doc__, CELL, REST, smoke={"rest": 0.02})
+
+
+def byHand(dig=4.0, Ka=1 / 3, propAt=1.0):  # prop force, kN/m, and largest moment, kN m/m
+    active, arm = 0.5 * Ka * GAMMA * LENGTH**2, 2 / 3 * LENGTH - propAt
+    prop = active - active * arm / (dig + 2 / 3 * (LENGTH - dig) - propAt)
+    z = (2 * prop / (Ka * GAMMA)) ** 0.5  # no shear force there
+    return round(prop, 1), round(prop * (z - propAt) - Ka * GAMMA * z**3 / 6, 1)
+
+
+def main():
+    a = PARAMETERS.parse()
+    sand = mpm.MohrCoulomb(density=GAMMA / 9.81, young=3e4, poisson=0.3, cohesion=0.5, frictionAngle=pi / 6)
+    steel = mpm.LinearElastic(density=WEIGHT / (RIGHT - LEFT), young=12 * EI / (RIGHT - LEFT) ** 3, poisson=0)
+    scene = mpm.Scene((0, 0), (17, 9), a.cell, gravity=9.81, damping=0.5, threads=a.threads)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    shaft = box((LEFT, TOP - LENGTH), (RIGHT, TOP))
+    soil = scene.add("soil", box((0, 0), (17, TOP)) - shaft, sand, mpm.UGIMP())
+    wall = scene.add("wall", shaft, steel, mpm.APDI(size=a.cell / 2), implicit=True)
+    contact = scene.contact(wall, soil)  # smooth and plane
+    contact.constraints, contact.sharedCells = "nodes", False
+    scene.initialStress(surface=TOP, K0=0.5, bodies=[soil])
+    scene.history(every=0.02 * a.rest)
+    scene.dt, found = 2e-3 * a.cell, {}
+    prop = scene.attach(mpm.Spring(wall, (RIGHT, 7), (17, 7), stiffness=PROP, label="prop", dead=True))
+    for name, depth, time in STAGES:
+        prop.dead = depth < 4
+        with scene.stage(name) as stage:
+            if depth:
+                scene.remove(region=box((RIGHT, TOP - depth), (17, TOP)))
+            scene.run(until=scene.time + 0.75 * a.rest * time)
+            before = mpm.facePressure(wall)
+            scene.run(until=scene.time + 0.25 * a.rest * time)
+            found[name] = mpm.sectionForces(wall, "y"), mpm.facePressure(wall, since=before)
+            stage.note(moment=abs(found[name][0].M).max(), settlement=-soil.displacement[:, 1].min())
+    print(f"prop {-prop.force:.1f} kN/m, moment {abs(found[name][0].M).max():.1f} kN m/m; by hand", byHand())
+    os.makedirs(a.out, exist_ok=True)
+    plot.save(plot.structure(found), f"{a.out}/propped_wall.png")
+    scene.report(f"{a.out}/propped_wall.html", title="Propped wall")
+
+
+if __name__ == "__main__":
+    app.run(main)

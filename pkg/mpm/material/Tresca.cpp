@@ -16,10 +16,11 @@ inline double shearRate(const MaterialPoints<2>& points, int i) {
     return std::max(mean + radius, 0.0) - std::min(mean - radius, 0.0);
 }
 inline double shearRate(const MaterialPoints<3>& points, int i) {
-    Mat<3> L;
-    for (int c = 0; c < 9; ++c) L(c / 3, c % 3) = points.velocityGradient[c][i];
-    const Eigen::SelfAdjointEigenSolver<Mat<3>> spectrum(0.5 * (L + L.transpose()), Eigen::EigenvaluesOnly);
-    return spectrum.eigenvalues()[2] - spectrum.eigenvalues()[0];
+    Symmetric D = 0.5 * plusTransposed(gather(points.velocityGradient, i));
+    D = plusSpherical(D, -(D.xx + D.yy + D.zz) / 3);
+    const double J2 = halfSquare(D), q = std::sqrt(J2);
+    const Lode lode = lodeOf(D, J2, q);
+    return 2 * q * (lode.cosine - lode.correction);
 }
 
 class Tresca : public MaterialOf<Tresca> {

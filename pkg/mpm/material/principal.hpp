@@ -4,8 +4,7 @@
 #pragma once
 
 #include "mpm/material/Material.hpp"
-
-#include <Eigen/Eigenvalues>
+#include "mpm/material/lode.hpp"
 
 namespace mpm {
 
@@ -40,30 +39,44 @@ template <> class PrincipalStress<2> {
     double half_, shear_, radius_;
 };
 
+// In space by Lode's angle, and back by Newton's interpolation of the new values over the old ones,
+//     s' = v1 I + (s - s1 I) [d12 I + d123 (s - s2 I)],  d12, d123 the divided differences of v over s
+// A return keeps the order of the values, so that d12 and d23 are within 0 and 1, however close the old ones are, and an
+// error of these counts no more than once.
 template <> class PrincipalStress<3> {
   public:
     double value[3];
 
-    // The iterative solver: the direct one loses half the digits where two values are close.
     PrincipalStress(const MaterialPoints<3>& points, int i) : stress_(points.stress), i_(i) {
-        Mat<3> m;
-        for (int a = 0; a < 3; ++a)
-            for (int b = a; b < 3; ++b) m(a, b) = m(b, a) = stress_[3 * a + b][i];
-        spectrum_.compute(m);
-        for (int k = 0; k < 3; ++k) value[k] = spectrum_.eigenvalues()[2 - k];
+        const Symmetric trial = gatherUpper(stress_, i);
+        mean_ = trace(trial) / 3;
+        s_ = plusSpherical(trial, -mean_);
+        const double J2 = halfSquare(s_), q = std::sqrt(J2);
+        const Lode lode = lodeOf(s_, J2, q);
+        const double half = -q * lode.sine / std::sqrt(3.0), radius = q * (lode.cosine - lode.correction);
+        const double all[] = {half + radius, -2 * half, half - radius};
+        std::copy(all, all + 3, deviator_);
+        for (int k = 0; k < 3; ++k) value[k] = mean_ + deviator_[k];
     }
     void write() const {
-        const Vec<3> values(value[2], value[1], value[0]);
-        const Mat<3>& axes = spectrum_.eigenvectors();
-        const Mat<3> m = axes * values.asDiagonal() * axes.transpose();
-        for (int a = 0; a < 3; ++a)
-            for (int b = a; b < 3; ++b) stress_[3 * a + b][i_] = stress_[3 * b + a][i_] = m(a, b);
+        const double d12 = slope(0, 1), d23 = slope(1, 2), wide = deviator_[0] - deviator_[2];
+        const double d123 = wide > 0 ? (d12 - d23) / wide : 0;
+        const Symmetric first = plusSpherical(s_, -deviator_[0]), second = plusSpherical(s_, -deviator_[1]);
+        const Symmetric m = plusSpherical(d12 * first + d123 * timesTransposed(first, second), value[0]);
+        scatter(m, stress_, i_);
     }
 
   private:
     double* const* stress_;
     int i_;
-    Eigen::SelfAdjointEigenSolver<Mat<3>> spectrum_;
+    double mean_, deviator_[3];
+    Symmetric s_;
+
+    // Between neighbours. Where the old values are one, so are the new ones, up to round-off.
+    double slope(int a, int b) const {
+        const double old = deviator_[a] - deviator_[b];
+        return old > 0 ? std::clamp((value[a] - value[b]) / old, 0.0, 1.0) : 0;
+    }
 };
 
 // A trial stress is written to the upper triangle alone; stress that stays is symmetric, too.

@@ -4,6 +4,7 @@
 #include "mpm/check/InterfaceRule.hpp"
 #include "mpm/check/balances.hpp"
 #include "mpm/check/growth.hpp"
+#include "mpm/check/unseenEnergy.hpp"
 #include "mpm/step/Conversion.hpp"
 #include "python.hpp"
 
@@ -258,6 +259,7 @@ template <int Dim> struct BindScene {
             .def("innerVolumes", innerVolumes)
             .def("nodalTotals", totals)
             .def("nodalEnergy", nodalEnergy<Dim>)
+            .def("unseenEnergy", unseenEnergy<Dim>)
             .def("nodalValues", nodalValues);
     }
 };

@@ -75,6 +75,7 @@ ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : s
     std::vector<double> scratch;
     holdDrivenNodes(scene, scratch);
     freeSharedNodes(explicitAlone);
+    scene.mirrors.fold(scene.grid, Vec<Dim>::Zero());
     findDofs();
     for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
         velocity_.emplace_back(scene.grid.count, NF::Velocity::zero());
@@ -169,6 +170,10 @@ template <int Dim> void ElasticOperator<Dim>::apply(const std::vector<double>& x
     take(x);
     parallel(scene_.threads, [&](ParallelRegion& region) { strain(region); });
     parallel(scene_.threads, [&](ParallelRegion& region) { sumForces(region); });
+    for (size_t f = 0; f < force_.size(); ++f)
+        scene_.mirrors.foldValues(
+            int(f), [&](int ghost, int k) { return NF::forceOf(force_[f][ghost])[k]; },
+            [&](int node, int k, double force) { NF::addForce(force_[f][node], k, force); });
     readForces(y);
 }
 
@@ -193,13 +198,17 @@ template <int Dim> void ElasticOperator<Dim>::passAll(const std::vector<double>&
                 motion_[f][node] = NF::Motion::zero();
                 velocity_[f][node] = NF::Velocity::zero();
             });
-    for (int i = 0; i < size(); ++i) motion_[dofs_[i].field][dofs_[i].node].set(dofs_[i].axis, x[i]);
+    setValues(motion_, x);
     // Particles that take all of the velocity (PIC), and no time in which anything else could happen.
     parallel(scene_.threads, [&](ParallelRegion& region) {
         for (auto& body : scene_.bodies)
             body->domains->move(region, motion_[body->velocityField].data(),
                                 velocity_[body->velocityField].data(), {0, 0, 0, body->inertiaScale});
     });
+    for (size_t f = 0; f < velocity_.size(); ++f)
+        scene_.mirrors.foldValues(
+            int(f), [&](int ghost, int k) { return velocity_[f][ghost][k]; },
+            [&](int node, int k, double p) { velocity_[f][node].set(k, velocity_[f][node][k] + p); });
     y.resize(size());
     for (int i = 0; i < size(); ++i)
         y[i] = velocity_[dofs_[i].field][dofs_[i].node][dofs_[i].axis] / mass_[i];
@@ -230,7 +239,17 @@ template <int Dim> void ElasticOperator<Dim>::take(const std::vector<double>& x)
                 velocity_[f][node] = NF::Velocity::zero();
                 force_[f][node] = NF::Sum::zero();
             });
-    for (int i = 0; i < size(); ++i) velocity_[dofs_[i].field][dofs_[i].node].set(dofs_[i].axis, x[i]);
+    setValues(velocity_, x);
+}
+
+template <int Dim>
+template <class Values>
+void ElasticOperator<Dim>::setValues(Values& values, const std::vector<double>& x) const {
+    for (int i = 0; i < size(); ++i) values[dofs_[i].field][dofs_[i].node].set(dofs_[i].axis, x[i]);
+    for (size_t f = 0; f < values.size(); ++f)
+        scene_.mirrors.reflectValues(
+            int(f), [&](int node, int k) { return values[f][node][k]; },
+            [&](int ghost, int k, double v) { values[f][ghost].set(k, v); });
 }
 
 template <int Dim> void ElasticOperator<Dim>::strain(ParallelRegion& region) {

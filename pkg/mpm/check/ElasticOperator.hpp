@@ -61,6 +61,8 @@ template <int Dim> class ElasticOperator {
     void findSolved();
     void passAll(const std::vector<double>& x, std::vector<double>& y);
     void take(const std::vector<double>& x);
+    // Of the free components, and of the images behind rollers.
+    template <class Values> void setValues(Values& values, const std::vector<double>& x) const;
     void sumForces(ParallelRegion& region);
     void readForces(std::vector<double>& y) const;
     void strain(ParallelRegion& region);

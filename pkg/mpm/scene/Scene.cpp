@@ -27,6 +27,7 @@ template <int Dim> void Scene<Dim>::prepare() {
                 for (int k = 0; k < Dim; ++k)
                     if (!std::isnan(constraint.velocity[k])) field.holder[node][k] = short(c);
     }
+    mirrors.findRollers(grid, constraints);
     sharedCells.isWanted = false;
     for (auto& engine : engines) {
         engine->finish();

@@ -5,6 +5,7 @@
 #include "mpm/scene/Body.hpp"
 #include "mpm/scene/Constraint.hpp"
 #include "mpm/scene/Engine.hpp"
+#include "mpm/scene/MirrorNodes.hpp"
 #include "mpm/scene/Scheme.hpp"
 #include "mpm/scene/SharedCells.hpp"
 
@@ -83,6 +84,7 @@ template <int Dim> class Scene {
         return 1e-30 * largest;
     }
 
+    MirrorNodes<Dim> mirrors;        // behind rollers
     SharedCells<Dim> sharedCells;    // of soil and a body that it is in contact with
     std::vector<std::string> groups; // of bodies with a velocity field each, by the number of the field
 

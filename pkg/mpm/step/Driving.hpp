@@ -35,11 +35,29 @@ template <int Dim> std::vector<int> drivenPart(const Body<Dim>& body, Constraint
     return part;
 }
 
+// Beside a roller the mass of a node and its image counts together, and the drive holds the node. A drive that moves a
+// body across the plane of the roller holds the ghost nodes, which then are no images.
+template <int Dim>
+void foldDrivenMass(const Scene<Dim>& scene, const Body<Dim>& body, const Constraint& drive,
+                    std::vector<double>& nodalMass, std::vector<int>& touched) {
+    for (const auto& image : scene.mirrors.images()) {
+        if (image.field != body.velocityField) continue;
+        bool crosses = false;
+        for (int k = 0; k < Dim; ++k) crosses |= image.sign[k] < 0 && std::abs(drive.velocity[k]) > 0;
+        if (crosses) continue;
+        if (nodalMass[image.node] == 0) touched.push_back(image.node);
+        nodalMass[image.node] +=
+            nodalMass[image.ghost] - leastDriven * image.sum[NodalField<Dim>::mass] / body.inertiaScale;
+        nodalMass[image.ghost] = 0;
+    }
+}
+
 // nodalMass: scratch, zero on entry and exit.
 template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& nodalMass) {
     for (auto held = scene.driven.rbegin(); held != scene.driven.rend(); ++held)
         scene.grid.fields[held->field].holder[held->node][held->axis] = held->before;
     scene.driven.clear();
+    scene.mirrors.find(scene.grid);
     std::vector<int> touched;
     for (int c = 0; c < int(scene.constraints.size()); ++c) {
         Constraint& drive = *scene.constraints[c];
@@ -49,12 +67,16 @@ template <int Dim> void holdDrivenNodes(Scene<Dim>& scene, std::vector<double>& 
         touched.clear();
         body.domains->addQuantity(body.particles.mass.plane(), drivenPart(body, drive), nodalMass.data(),
                                   touched);
+        foldDrivenMass(scene, body, drive, nodalMass, touched);
         auto& field = scene.grid.fields[body.velocityField];
         for (int node : touched) {
             const bool isDriven =
                 body.inertiaScale * nodalMass[node] > leastDriven * field.sum[node][NodalField<Dim>::mass];
+            const auto isHeldByRoller = [&](int k) { // and goes on to be, where the drive does not cross it
+                return drive.velocity[k] == 0 && scene.mirrors.isRoller(field.holder[node][k]);
+            };
             for (int k = 0; k < Dim && isDriven; ++k)
-                if (!std::isnan(drive.velocity[k])) {
+                if (!std::isnan(drive.velocity[k]) && !isHeldByRoller(k)) {
                     scene.driven.push_back({body.velocityField, node, k, field.holder[node][k]});
                     field.holder[node][k] = short(c);
                 }

@@ -33,6 +33,7 @@ template <int Dim> void GridSolver::act(Scene<Dim>& scene) {
     flip_ = flipOf(scene);
     const int slabs = scene.grid.slabs(), n = int(scene.constraints.size());
     partial_.resize(size_t(slabs) * (n + 1));
+    scene.mirrors.fold(scene.grid, gravityOf(scene));
     const double least = scene.leastMass();
     Quad g{};
     for (int k = 0; k < Dim; ++k) NF::setComponent(g, k, gravity[k]);

@@ -12,8 +12,49 @@
 
 namespace mpm {
 
+namespace {
+
+// What rollers do where particles reach ghost nodes: the momentum that these lack, for what they are given counts twice,
+// at the node and mirrored.
+template <int Dim> void reactMirrored(Scene<Dim>& scene, double flip) {
+    using NF = NodalField<Dim>;
+    for (const auto& image : scene.mirrors.images()) {
+        const auto& motion = scene.grid.fields[image.field].motion[image.ghost];
+        const double m = image.sum[NF::mass];
+        const Vec<Dim> given = NF::forceOf(image.sum), x = scene.grid.nodePosition(image.ghost),
+                       weight = image.sum[NF::weightMass] * gravityOf(scene);
+        for (int k = 0; k < Dim; ++k) {
+            const int c = scene.mirrors.rollerOf(scene.grid, image, k);
+            if (c < 0) continue;
+            const double v = motion[NF::velocity + k], a = motion[NF::acceleration + k];
+            const double taken = flip * m * a + (1 - flip) * (m * v - image.sum[NF::momentum + k]) / scene.dt;
+            Constraint& roller = *scene.constraints[c];
+            addReaction<Dim>(x, roller.centre, k, 2 * (taken - given[k] - weight[k]), roller.reaction,
+                             roller.moment);
+            scene.energies.gravity += 2 * weight[k] * (v - 0.5 * scene.dt * a) * scene.dt;
+        }
+    }
+}
+
+// The images behind rollers move as the nodes before them.
+template <int Dim> void reflectMotion(Scene<Dim>& scene) {
+    using NF = NodalField<Dim>;
+    for (int f = 0; f < int(scene.grid.fields.size()); ++f) {
+        auto& field = scene.grid.fields[f];
+        for (int first : {int(NF::velocity), int(NF::acceleration)})
+            scene.mirrors.reflectValues(
+                f, [&](int node, int k) { return field.motion[node][first + k]; },
+                [&](int ghost, int k, double value) { field.motion[ghost].set(first + k, value); });
+        if (field.straining == NF::Straining::velocity) reflectVelocity(scene, f);
+    }
+}
+
+} // namespace
+
 template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
     using Straining = typename NodalField<Dim>::Straining;
+    reflectMotion(scene);
+    reactMirrored(scene, flip);
     auto& fields = scene.grid.fields;
     const bool givesMomentum =
         fields.front().straining == Straining::noMomentum && scene.template next<VelocityRemap>(*this);

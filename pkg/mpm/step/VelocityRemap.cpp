@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/step/VelocityRemap.hpp"
 
+#include "mpm/step/GridSolver.hpp"
 #include "mpm/step/ImplicitBodies.hpp"
 #include "mpm/step/nodes.hpp"
 
@@ -16,6 +17,16 @@ void clearMomentum(ParallelRegion& region, const Scene<Dim>& scene, NodalField<D
         const double m = field.sum[node][NodalField<Dim>::mass];
         field.clearMomentum(node, m > least ? 1 / m : 0);
     });
+}
+
+// What particles gave to the images of nodes behind rollers.
+template <int Dim> void foldMomenta(Scene<Dim>& scene) {
+    for (size_t f = 0; f < scene.grid.fields.size(); ++f) {
+        auto& field = scene.grid.fields[f];
+        scene.mirrors.foldValues(
+            int(f), [&](int ghost, int k) { return field.velocityOf(ghost, k); },
+            [&](int node, int k, double p) { field.setVelocity(node, k, field.velocityOf(node, k) + p); });
+    }
 }
 
 // With what is prescribed: at the end of the step, or at its start.
@@ -53,6 +64,7 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
     const bool isCleared = isGiven || fields.front().straining == Straining::noMomentum; // by GridSolver
     for (auto& field : fields)
         if (!isCleared) field.straining = Straining::noMomentum;
+    if (!isCleared) scene.mirrors.fold(scene.grid, gravityOf(scene));
     parallel(scene.threads, [&](ParallelRegion& region) {
         for (auto& field : fields)
             if (!isCleared) clearMomentum(region, scene, field);
@@ -60,6 +72,7 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
             if (!isGiven)
                 body->domains->move(region, nullptr, fields[body->velocityField].momenta(),
                                     {scene.dt, 1, 0, body->inertiaScale});
+        region.once([&] { foldMomenta(scene); });
         for (auto& field : fields) momentumToVelocity(region, scene, field);
     });
     for (auto& field : fields) field.straining = Straining::velocity;
@@ -67,6 +80,7 @@ template <int Dim> void VelocityRemap::act(Scene<Dim>& scene) {
         if (auto* coupling = dynamic_cast<VelocityCoupling*>(engine.get()); coupling && !engine->dead)
             coupling->couple(scene);
     if (auto* implicit = scene.template find<ImplicitBodies>()) implicit->strainNeighbours(scene);
+    for (size_t f = 0; f < fields.size(); ++f) reflectVelocity(scene, int(f));
 }
 
 MPM_REGISTER(Engine, VelocityRemap);

@@ -13,6 +13,14 @@ void forActiveNodes(ParallelRegion& region, const Scene<Dim>& scene, const Nodal
     region.forPieces(field.partition, [&](int slab) { scene.grid.forNodes(field, slab, f); });
 }
 
+// The images of nodes behind rollers strain particles as the nodes before them do.
+template <int Dim> void reflectVelocity(Scene<Dim>& scene, int f) {
+    auto& field = scene.grid.fields[f];
+    scene.mirrors.reflectValues(
+        f, [&](int node, int k) { return field.velocityOf(node, k); },
+        [&](int ghost, int k, double v) { field.setVelocity(ghost, k, v); });
+}
+
 // Finds everything in the grid, and what part of the grid is touched.
 template <int Dim> void locateParticles(ParallelRegion& region, Scene<Dim>& scene) {
     do { // once more after sorting

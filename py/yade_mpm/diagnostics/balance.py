@@ -39,17 +39,19 @@ def kineticEnergy(scene):
 
 @takes(scene=SCENE, kinetic=NUMBER)
 def unseenEnergy(scene, kinetic=None):
-    """Kinetic energy of the particles that the nodes do not have, kJ: of motion against each other.
+    """Kinetic energy of the particles that the nodes do not feel, kJ: of motion against each other.
 
-    Where it grows in soil that yields, the particles follow the strain of the soil less and less, and the
-    soil becomes too weak. It is small where velocities are smooth.
+    E_kin less that of the momentum of the particles on the nodes, sum |p_i|^2 / (2 m_i); on held nodes of
+    motion against the prescribed velocity. It is never negative, and zero where all particles of a node have
+    its velocity. Where it grows in soil that yields, the particles follow the strain of the soil less
+    and less, and the soil becomes too weak. It is small where velocities are smooth.
 
     Parameters
     ----------
     kinetic : E_kin, kJ, if it is known already; default: `kineticEnergy`.
     """
     kinetic = kineticEnergy(scene) if kinetic is None else kinetic
-    return max(0.0, kinetic - float(scene._core.nodalEnergy()))
+    return max(0.0, float(scene._core.unseenEnergy(kinetic)))  # round-off
 
 
 @takes(scene=SCENE)

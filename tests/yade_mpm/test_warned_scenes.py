@@ -154,6 +154,40 @@ def test_an_angle_for_the_friction_of_a_rigid_body_is_warned_of():
     assert any("RigidContact: friction = 30 " in text for text in warningsOf(scene.prepare))
 
 
+def besideRigidBody(kind, dt=0.8, **options):
+    """Warnings of a block beside a rigid sphere that it does not touch; dt: over the critical step."""
+    scene, contact = oneBody(type=kind), mpm.RigidContact(**options)
+    contact.addBody(mpm.rigid.Sphere(0.1), position=(0.5, 3))
+    scene.engines.insert(1, contact)
+    scene.dt = dt * scene.criticalTimeStep()
+    return warningsOf(scene.prepare)
+
+
+def test_soil_of_b_splines_beside_rigid_bodies_is_warned_of():
+    (text,) = besideRigidBody(mpm.BSpline(perCell=2))
+    assert "'block' is of B-splines, and soil of B-splines loses more than half of its strength" in text
+    assert besideRigidBody(mpm.UGIMP(perCell=2)) == besideRigidBody(mpm.APDI(size=0.25)) == []
+
+
+@pytest.mark.parametrize(
+    "kind, dt, options, isWarned",
+    (
+        (mpm.UGIMP(perCell=2), 0.8, dict(stiffnessFactor=0.61), False),
+        (mpm.UGIMP(perCell=2), 0.8, dict(stiffnessFactor=0.62), True),
+        (mpm.UGIMP(perCell=4), 0.8, dict(stiffnessFactor=0.87), False),
+        (mpm.UGIMP(perCell=4), 0.8, dict(stiffnessFactor=0.88), True),
+        (mpm.UGIMP(perCell=2), 0.9, dict(), False),
+        (mpm.UGIMP(perCell=2), 0.92, dict(), True),
+        (mpm.UGIMP(perCell=2), 0.8, dict(stiffnessFactor=0.9, stiffness=10.0), False),
+        (mpm.APDI(size=0.25), 0.8, dict(stiffnessFactor=1.0), False),
+    ),
+)
+def test_a_contact_with_rigid_bodies_too_stiff_for_the_step_is_warned_of(kind, dt, options, isWarned):
+    """Equation (4.11): 4 [1 - (dt/dtCritical)^2] over 1/(1 - l/h) + 4 l/h, of vertices over 1."""
+    told = ["is more than" in text and "stable" in text for text in besideRigidBody(kind, dt, **options)]
+    assert told == [True] * isWarned
+
+
 def test_a_rigid_body_that_starts_in_the_soil_is_warned_of():
     """Not one that touches it, nor where the soil leaves its place empty."""
 

@@ -64,6 +64,7 @@ def likelyMistakes(scene, gravity):
             yield from contactMistakes(scene, engine)
         if isinstance(engine, RigidContact):
             yield from _overlap(scene, engine)
+            yield from _rigidWalls(scene, engine)
     for engine, friction in ((e, f) for e in scene.engines for f in e._frictions()):
         if ANGLES[0] <= friction <= ANGLES[1]:
             yield (
@@ -87,6 +88,34 @@ def _overlap(scene, contact):
             f"faster the smaller the time step; start where the two only touch, or leave the place of the "
             "body empty: scene.add(..., exclude=contact)"
         )
+
+
+def _rigidWalls(scene, contact):
+    """Soil that rigid bodies press on with other weights than its stress has."""
+    for body in (b for b in scene.bodies if contact._core.bodies and type(b.type).__name__ == "BSpline"):
+        yield (
+            f"RigidContact: '{body.name}' is of B-splines, and soil of B-splines loses more than half of its "
+            "strength where rigid bodies squeeze it, for they press with other weights than the stress; make "
+            "it UGIMP or APDI"
+        )
+
+
+def stiffContacts(scene):
+    """Yields a text for each body that a rigid one presses on so stiffly that points may gain energy; once
+    the time step is known. Equation (4.11) of doc/theory/contact.md."""
+    share = scene.stepper.dt / scene.dtCritical
+    for contact in (e for e in scene.engines if isinstance(e, RigidContact) and not e.dead):
+        isGiven = contact.stiffness is not None and not np.isnan(contact.stiffness)
+        for body in scene.bodies if contact._core.bodies and not isGiven else ():
+            perCell = getattr(body.type, "perCell", None)
+            half = 0.5 / min(perCell) if perCell else 0.0  # of a box, in cells; a vertex has no size
+            most = 4 * max(0.0, 1 - share**2) / (1 / (1 - half) + 4 * half)
+            if contact.stiffnessFactor > most:
+                yield (
+                    f"RigidContact: stiffnessFactor = {contact.stiffnessFactor:g} is more than {most:.2g}, up to "
+                    f"which contact with '{body.name}' is stable at {share:.2g} of the critical step; lower "
+                    "stiffnessFactor or dt, else what touches may gain energy"
+                )
 
 
 def _isMoved(scene):

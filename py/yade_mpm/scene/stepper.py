@@ -15,7 +15,7 @@ from ..base.wording import shown
 from ..check import limits
 from ..check.bending import actions, thinBeams
 from ..check.domains import checkFields, checkInterface
-from ..check.mistakes import likelyMistakes
+from ..check.mistakes import likelyMistakes, stiffContacts
 from ..engine import chain
 from ..engine.callback import Callback
 from ..engine.engine import belongTo
@@ -166,6 +166,8 @@ class Stepper(TimeStep, Guarded):
         checkInterface(scene, limits.INTERFACE_BUILD if scene.steps == 0 else limits.INTERFACE_RUN)
         if not self.isChecked:
             self.checkTimeStep()
+            for text in stiffContacts(scene) if scene.steps == 0 else ():
+                warnUser(text)
         scene._core.threads = scene.threads
         self._isPrepared = True
         scene._changesNoted.look(scene)

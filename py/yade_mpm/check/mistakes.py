@@ -112,9 +112,9 @@ def stiffContacts(scene):
             most = 4 * max(0.0, 1 - share**2) / (1 / (1 - half) + 4 * half)
             if contact.stiffnessFactor > most:
                 yield (
-                    f"RigidContact: stiffnessFactor = {contact.stiffnessFactor:g} is more than {most:.2g}, up to "
-                    f"which contact with '{body.name}' is stable at {share:.2g} of the critical step; lower "
-                    "stiffnessFactor or dt, else what touches may gain energy"
+                    f"RigidContact: stiffnessFactor = {contact.stiffnessFactor:g} is more than {most:.2g}, "
+                    f"up to which contact with '{body.name}' is stable at {share:.2g} of the critical step; "
+                    "lower stiffnessFactor or dt, else what touches may gain energy"
                 )
 
 

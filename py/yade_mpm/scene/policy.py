@@ -4,11 +4,14 @@
 import math
 import time
 
+import numpy as np
+
 from ..check import domains, limits
 from ..check.domains import OF_THE_RUN, checkFields, checkInterface, distortion, leftBehind
 from ..engine.callback import Callback
 from ..engine.engine import NO_CALL
 from ..engine.gridSolver import GridSolver
+from ..material.materials import MaterialPoint
 
 SHARE = 0.01  # of the wall time of a run that checkpoints may take
 
@@ -34,7 +37,9 @@ class LoopPolicy:
         self._followsSpeed = followsSpeed
         self._checkAt = _firstAt(scene.steps, limits.CHECK_PERIOD, stride)
         self._estimateAt = _firstAt(scene.steps, limits.DT_PERIOD, stride)
-        self._lookAt = _firstAt(scene.steps, limits.DT_LOOK, stride)
+        follows = any(followsStress(body.material) for body in scene.bodies)
+        self.lookPeriod = limits.DT_LOOK_PRESSED if follows else limits.DT_LOOK
+        self._lookAt = _firstAt(scene.steps, self.lookPeriod, stride)
         self._saveAt = math.inf if savePeriod is None else time.monotonic() + savePeriod
 
     def beforeSteps(self):
@@ -51,7 +56,7 @@ class LoopPolicy:
             self.lookAtFields()
         isChanged = False
         if steps >= self._lookAt:
-            self._lookAt = _nextAt(steps, limits.DT_LOOK)
+            self._lookAt = _nextAt(steps, self.lookPeriod)
             isChanged = self._followGrowth() or self._followSpeed()
         if steps < self._estimateAt:
             return isChanged
@@ -185,6 +190,13 @@ class LoopPolicy:
                 f"warning: step {scene.steps}: dt = {scene._dt:.3g} s now exceeds the longest stable "
                 f"step {scene.dtStable:.3g} s (stiffest: '{scene.stiffest}')"
             )
+
+
+def followsStress(material):
+    """Whether the stiffness of a law is another one under pressure."""
+    pressure, state = material.lameConstants[1], dict.fromkeys(material._spatial, 0.0)
+    free, pressed = (MaterialPoint(material, -p * np.eye(3), state).stiffness for p in (0.0, pressure))
+    return free != pressed
 
 
 def _firstAt(steps, period, stride):

@@ -326,7 +326,7 @@ class Coupling(Views):
         looks = [e.cyclesToLook(self) for e in self.exchanges if hasattr(e, "cyclesToLook")]
         steps = self._policy.cyclesToNext(self.mpmSteps)
         steps = min(steps, self._energies.stepsToNext(), *looks) if self.error is None else 0
-        look = self._policy.nextLook, self.scene.stepper.growthLimits
+        look = self._policy.nextLook, self._policy.lookPeriod, self.scene.stepper.growthLimits
         self._grants.grant(
             self._omega, steps, self._clock, self._timeStep.dt, lastStage, self.exchanges, look
         )

@@ -10,7 +10,6 @@ import weakref
 
 from .. import _core
 from ..base.attributes import whenSet
-from ..check import limits
 from . import native
 
 MOST = 250  # steps in a grant: so late it is seen that O.engines or O.timingEnabled were set in a run
@@ -165,8 +164,8 @@ class Grants:
         dt : float, s, DEM step.
         lastStage : int, number of the last stage that lives; -1: the scene acts as a whole.
         exchanges : list of exchanges of the coupling; nothing is granted where one of them needs Python.
-        look : step of the scene from which on the solver looks by itself every DT_LOOK steps whether bodies
-            have grown, and asks Python where one has; and a function that returns `Stepper.growthLimits`.
+        look : step of the scene from which on the solver looks by itself whether bodies have grown, and asks
+            Python where one has; steps between looks; a function that returns `Stepper.growthLimits`.
         """
         if self._core is None or steps < 1:
             return
@@ -182,6 +181,6 @@ class Grants:
         self._isWhole = steps > 0 and lastStage >= 0 and self._mayFold(omega)
         if self._isWhole:
             lastStage = -1
-        self._core.lookAtGrowth(look[0], limits.DT_LOOK, look[1]())
+        self._core.lookAtGrowth(look[0], look[1], look[2]())
         where = clock.iteration + 1, dt, clock.timeOffset
         self._core.grant(steps, *where, self._mpmSteps, lastStage, SECONDS, self._revocations)

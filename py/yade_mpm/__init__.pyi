@@ -442,6 +442,45 @@ class NewtonianLiquid(Material):
     ) -> None: ...
 
 
+class NorSand(Material):
+    """NorSand: sand whose strength and dilatancy follow its density, with critical states."""
+
+    density: float | None
+    shearModulus: float | None
+    poisson: float
+    pressureExponent: float
+    referencePressure: float
+    frictionAngle: float | None
+    criticalVoidRatio: float | None
+    compression: float | None
+    dilatancy: float
+    volumetricCoupling: float
+    hardening: float
+    initialVoidRatio: float | None
+    stateParameter: float | None
+    overconsolidationRatio: float
+    smallestPressure: float
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        shearModulus: float | None = None,
+        poisson: float = 0.2,
+        pressureExponent: float = 0.5,
+        referencePressure: float = 100.0,
+        frictionAngle: float | None = None,
+        criticalVoidRatio: float | None = None,
+        compression: float | None = None,
+        dilatancy: float = 3.5,
+        volumetricCoupling: float = 0.3,
+        hardening: float = 100.0,
+        initialVoidRatio: float | None = None,
+        stateParameter: float | None = None,
+        overconsolidationRatio: float = 1.0,
+        smallestPressure: float = 1.0,
+    ) -> None: ...
+
+
 class ParticleToGrid(Engine):
     """Finds the particles in the grid and sums their mass, momentum and forces on the nodes."""
 

@@ -16,6 +16,7 @@ MATERIALS = [
     "MuI",
     "NeoHookean",
     "NewtonianLiquid",
+    "NorSand",
     "PythonLaw",
     "Tresca",
     "UMAT",

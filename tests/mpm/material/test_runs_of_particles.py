@@ -62,6 +62,14 @@ MATERIALS = {
         initialVoidRatio=1,
         preconsolidation=50,
     ),
+    "NorSand": lambda: mpm.NorSand(
+        density=1.5,
+        shearModulus=1e3,
+        frictionAngle=0.5,
+        criticalVoidRatio=0.9,
+        compression=0.02,
+        initialVoidRatio=0.7,
+    ),
     "mu(I)": lambda: mpm.MuI(
         density=1.5, lame=(9e3, 6e3), staticFriction=0.4, fastFriction=0.6, grainSize=0.01
     ),

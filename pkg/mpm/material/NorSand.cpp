@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Sand whose strength and dilatancy follow its density: critical states and a state parameter.
+#include "mpm/material/Material.hpp"
+#include "mpm/material/hypoelastic.hpp"
+#include "mpm/material/opening.hpp"
+#include "mpm/material/pressureStiffness.hpp"
+
+namespace mpm {
+namespace {
+
+// From a trial state back to the yield surface q = M p (1 - u), u = ln(p/pi), pressures positive in compression. Unknown
+// is the plastic shear strain g of the step:
+//     q = q_trial - 3 mu g,  p of the elastic strain e - g M u,  ln(pi/pi_0) = h g e^u (limit e^u - 1)
+// with the dilatancy M u and the hardening towards pi/p = limit. For a g, u is found by Newton's method.
+struct SandReturn {
+    PressureStiffness elastic;
+    double e, qTrial, pi0, mu, M, h, limit;
+    double p = elastic.pressure(e), u = std::log(std::max(p, least()) / pi0), g = 0;
+
+    double least() const { return 1e-6 * elastic.smallest; }
+    double q() const { return std::max(qTrial - 3 * mu * g, 0.0); }
+    double pi() const { return p * std::exp(-u); }
+    // q less what is borne, kPa; falls with g.
+    double excess(double multiplier) {
+        g = multiplier;
+        for (int n = 0; n < 40; ++n) {
+            const double pressure = std::max(elastic.pressure(e - g * M * u), least()), grown = std::exp(u);
+            const double left =
+                std::log(pi0 / pressure) + u + h * g * grown * (limit * grown - 1); // rises with u
+            const double slope =
+                1 + h * g * grown * (2 * limit * grown - 1) + g * M * elastic.stiffness(pressure) / pressure;
+            const double step = std::clamp(left / std::max(slope, 0.2), -0.5, 0.5);
+            u -= step;
+            p = pressure;
+            if (std::abs(step) <= 1e-14) break;
+        }
+        p = std::max(elastic.pressure(e - g * M * u), least());
+        return q() - M * p * (1 - u);
+    }
+    // Secants within a bracket (Anderson & Bjorck 1973).
+    void solve() {
+        double low = 0, fLow = excess(0), high = qTrial / (3 * mu) + 1e-9, fHigh = excess(high);
+        const double scale = 1e-14 * std::max(p, elastic.smallest);
+        for (int n = 0; fHigh > 0 && n < 40; ++n) low = high, fLow = fHigh, fHigh = excess(high *= 2);
+        for (int n = 0; n < 100 && high - low > 1e-16 * high; ++n) {
+            double next = (low * fHigh - high * fLow) / (fHigh - fLow);
+            if (!(next > low && next < high)) next = 0.5 * (low + high);
+            const double f = excess(next);
+            if (std::abs(f) <= scale) return;
+            if (f > 0) {
+                const double factor = 1 - f / fLow;
+                if (n > 0) fHigh *= factor > 0 ? factor : 0.5;
+                low = next, fLow = f;
+            } else {
+                const double factor = 1 - f / fHigh;
+                if (n > 0) fLow *= factor > 0 ? factor : 0.5;
+                high = next, fHigh = f;
+            }
+        }
+    }
+};
+
+class NorSand : public MaterialOf<NorSand> {
+  public:
+    std::string className() const override { return "NorSand"; }
+    std::string doc() const override {
+        return R"(NorSand: sand whose strength and dilatancy follow its density, with critical states.
+
+    q = M_i p (1 + ln(p_i/p)),  p = -tr(sigma)/3,  q = sqrt(3 J2),  dilatancy de_v/de_q = M_i - q/p
+    dp_i/p_i = H M_i/M (p/p_i)^2 [exp(-chi psi_i/M) - p_i/p] de_q,  M_i = M(theta) (1 - N chi |psi_i|/M)
+    psi_i = e - e_c(p_i),  e_c = Gamma - lambda ln(p/p_ref),  M = 6 sin(phi)/(3 - sin(phi))
+    M(theta) = M - M^2/(3 + M) cos(3 theta/2 + 45 deg),  G = G_ref (p/p_ref)^m
+
+Strains and pressures are positive in compression; stress is effective stress. The density is given by
+initialVoidRatio or by stateParameter, psi = e - e_c(p) at the initial stress: below zero dense, above zero loose.
+The image pressure p_i starts on the surface through the initial stress, times overconsolidationRatio, and
+stays below what the density allows, so that sand that is unloaded yields inwards. The return solves for
+shear strain and pressure together; psi_i and theta are those of the trial. Grains without pressure part, and
+close before they resist again (in bodies with F-bar). It does not know cycles: at constant volume sand liquefies in
+monotonic loading alone.
+
+Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in Soil Constitutive Models (ASCE GSP 128),
+204-236; Jefferies & Been 2016, Soil Liquefaction.)";
+    }
+    std::vector<Parameter> parameters() override {
+        const Range acute{0, std::acos(-1.0) / 2, true, true};
+        return {
+            {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()},
+            {"shearModulus", "kPa", "required: elastic shear modulus G_ref at referencePressure", &shear_,
+             Range::positive()},
+            {"poisson", "-", "Poisson's ratio", &poisson_, Range::inside(-1, 0.5)},
+            {"pressureExponent", "-", "exponent m of the shear modulus over the pressure", &power_,
+             Range{0, 1, false, false}},
+            {"referencePressure", "kPa", "pressure p_ref of shearModulus and criticalVoidRatio", &reference_,
+             Range::positive()},
+            {"frictionAngle",
+             "rad",
+             "required: friction angle at the critical state, triaxial compression",
+             &phi_,
+             acute,
+             {},
+             true},
+            {"criticalVoidRatio", "-", "required: critical void ratio Gamma at referencePressure", &gamma_,
+             Range::positive()},
+            {"compression", "-", "required: slope lambda of the critical states, e against ln p", &lambda_,
+             Range::positive()},
+            {"dilatancy", "-", "chi: dilatancy at the peak over psi_i", &chi_, Range::notNegative()},
+            {"volumetricCoupling", "-", "N: share of the dilatancy that raises the peak", &N_,
+             Range{0, 1, false, true}},
+            {"hardening", "-", "H: plastic hardening", &H_, Range::positive()},
+            {"initialVoidRatio",
+             "-",
+             "void ratio of the sand as it is placed; or give stateParameter",
+             &voidRatio_,
+             Range::positive(),
+             {},
+             false,
+             true},
+            {"stateParameter", "-",
+             "psi = e - e_c(p) at the stress that a body is given; not given: by initialVoidRatio", &psi_,
+             Range{-0.5, 0.5, false, false}},
+            {"overconsolidationRatio", "-",
+             "image pressure over that of the surface through the initial stress", &ratio_,
+             Range{1, std::numeric_limits<double>::infinity(), false, false}},
+            {"smallestPressure", "kPa", "mean pressure below which the stiffness stays", &smallest_,
+             Range::positive()},
+        };
+    }
+    void finish() override {
+        const std::string who = className();
+        require(density > 0, who, ": density is required; give density in Mg/m3");
+        const std::pair<double, const char*> needed[] = {{shear_, "shearModulus"},
+                                                         {phi_, "frictionAngle"},
+                                                         {gamma_, "criticalVoidRatio"},
+                                                         {lambda_, "compression"}};
+        for (auto& [value, name] : needed)
+            require(!std::isnan(value), who, ": ", name, " is required; give it");
+        const bool byRatio = !std::isnan(voidRatio_) || varies("initialVoidRatio");
+        require(byRatio != !std::isnan(psi_), who, ": initialVoidRatio and stateParameter ",
+                byRatio ? "are both given" : "are both missing", "; give one of them");
+        M_ = 6 * std::sin(phi_) / (3 - std::sin(phi_));
+    }
+    std::vector<StateVariable> stateVariables() const override {
+        return {
+            {"plasticShearStrain", "-", "accumulated plastic shear strain, sum of sqrt(2/3 de:de)"},
+            {"plasticVolumetricStrain", "-", "plastic volumetric strain, dilation positive"},
+            openingVariable(),
+            {"imagePressure", "kPa", "pressure p_i at which the surface has the stress ratio M_i", smallest_},
+            {"initialVoidRatio", "-", "void ratio of the sand as it was placed",
+             std::isnan(psi_) ? voidRatio_ : std::max(critical(smallest_) + psi_, leastVoidRatio)}};
+    }
+    bool yields() const override { return true; }
+    VolumeRecord volumeRecord() const override { return {1, 2}; }
+    std::array<double, 2> lame() const override { return lameAt(smallest_); }
+
+    void stateFromStress(const double stress[9], double* state) const override {
+        const double xx = stress[0], yy = stress[4], zz = stress[8],
+                     p = std::max(smallest_, -(xx + yy + zz) / 3);
+        const Symmetric s{xx, yy, zz, stress[1], stress[2], stress[5]};
+        const Symmetric deviator = plusSpherical(s, -(xx + yy + zz) / 3);
+        const double q = std::sqrt(3 * halfSquare(deviator));
+        if (!std::isnan(psi_)) state[4] = std::max(critical(p) + psi_, leastVoidRatio);
+        const double M = frictionAt(deviator);
+        state[0] = state[1] = state[2] = 0;
+        state[3] = ratio_ * p * std::exp(std::min(q / (M * p), 2.0) - 1);
+    }
+
+    template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
+        for (int i = 0; i < points.count; ++i) {
+            const Increment step = incrementOf(points, i);
+            Symmetric s{
+                points.stress[0][i], points.stress[4][i], points.stress[8][i], points.stress[1][i], 0, 0};
+            if constexpr (Dim == 3) s.xz = points.stress[2][i], s.yz = points.stress[5][i];
+            s = advance(congruence(step.rotation, s), step.strain, points, i);
+            points.stress[0][i] = s.xx;
+            points.stress[4][i] = s.yy;
+            points.stress[8][i] = s.zz;
+            points.stress[1][i] = points.stress[3][i] = s.xy;
+            if constexpr (Dim == 3) {
+                points.stress[2][i] = points.stress[6][i] = s.xz;
+                points.stress[5][i] = points.stress[7][i] = s.yz;
+            }
+        }
+    }
+    template <int Dim> void findStiffness(const MaterialPoints<Dim>& points, double* l, double* mu) const {
+        for (int i = 0; i < points.count; ++i) {
+            const auto now = lameAt(pressureOf(points, i));
+            l[i] = now[0];
+            mu[i] = now[1];
+        }
+    }
+    template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
+        for (int i = 0; i < points.count; ++i) strength[i] = M_ * pressureOf(points, i) / std::sqrt(3.0);
+    }
+    // Of the pressure the integral of p dp/K.
+    template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
+        for (int i = 0; i < points.count; ++i) {
+            const double p = pressureOf(points, i), K = elastic().stiffness(p), mu = lameAt(p)[1];
+            energy[i] = p * p / ((p > smallest_ ? 2 - power_ : 2) * K) + 0.5 * invariants(points, i).J2 / mu;
+        }
+    }
+
+  private:
+    static constexpr double leastVoidRatio = 0.05;
+
+    double critical(double p) const { return gamma_ - lambda_ * std::log(p / reference_); }
+    PressureStiffness elastic() const {
+        return {2 * shear_ * (1 + poisson_) / (3 * (1 - 2 * poisson_)), reference_, power_, smallest_};
+    }
+    std::array<double, 2> lameAt(double p) const {
+        const double K = elastic().stiffness(p), mu = 1.5 * K * (1 - 2 * poisson_) / (1 + poisson_);
+        return {K - 2.0 / 3 * mu, mu};
+    }
+    template <int Dim> static double pressureOf(const MaterialPoints<Dim>& points, int i) {
+        return std::max(0.0, -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
+    }
+    // M of the Lode angle of a deviator, tension positive: theta is 30 degrees in triaxial compression. With S = sin(3
+    // theta), cos(3 theta/2 + 45 deg) is the root of (1 - S)/2; near S = 1 it comes from cos(3 theta), which lode.hpp
+    // finds without the loss of half the digits.
+    double frictionAt(const Symmetric& s) const {
+        const double J2 = halfSquare(s), J4 = J2 * J2;
+        if (!(J4 > 0)) return M_;
+        const Symmetric adj = adjugate(s);
+        const double J3 = determinant(Tensor(s), Tensor(adj)),
+                     S = -1.5 * std::sqrt(3.0) * J3 / (J2 * std::sqrt(J2));
+        const Symmetric orthogonal = plusSpherical(J2 * adj, J4 / 3) + (-1.5 * J3) * s;
+        const double cos3 = std::sqrt(3 * halfSquare(orthogonal)) / J4;
+        const double root = S > 0 ? cos3 / std::sqrt(2 * (1 + S)) : std::sqrt(std::max(1 - S, 0.0) / 2);
+        return M_ - M_ * M_ / (3 + M_) * std::min(root, 1.0);
+    }
+
+    // Stress of a point from the one at the start in the axes at the end, and the strain.
+    template <int Dim>
+    Symmetric advance(const Symmetric& before, const Symmetric& D, const MaterialPoints<Dim>& points,
+                      int i) const {
+        double *shear = points.state[0] + i, *volumetric = points.state[1] + i,
+               *opening = points.state[2] + i, *image = points.state[3] + i;
+        const PressureStiffness law = elastic();
+        const double mean = (before.xx + before.yy + before.zz) / 3, pBefore = std::max(-mean, 0.0);
+        const double mu = lameAt(pBefore)[1], dilation = D.xx + D.yy + D.zz;
+        const double closed = points.hasFbar ? std::clamp(-dilation, 0.0, *opening) : 0;
+        *opening -= closed;
+        *volumetric -= closed;
+        const double solid = points.volume[i] / points.initialVolume[i] * std::exp(-*opening);
+        const double voidRatio = (1 + points.state[4][i]) * solid - 1;
+
+        const Symmetric s = plusSpherical(before, -mean) + 2 * mu * plusSpherical(D, -dilation / 3);
+        const double psi = voidRatio - critical(*image), M0 = frictionAt(s);
+        const double M = M0 * std::max(1 - N_ * chi_ * std::abs(psi) / M_, 0.5);
+        const double limit = std::exp(std::clamp(-chi_ * psi / M_, -0.9, 2.0));
+        *image = std::max(std::min(*image, limit * std::max(pBefore, smallest_)), 0.1 * smallest_);
+
+        const double e = law.strain(pBefore) - dilation - closed;
+        SandReturn back{law, e, std::sqrt(3 * halfSquare(s)), *image, mu, M, H_ * M / M_, limit};
+        if (back.p <= back.least()) { // the grains part
+            const double gap = std::max(0.0, -e - smallest_ / law.stiffness(smallest_));
+            if (points.hasFbar) *opening += gap;
+            *volumetric += gap;
+            *shear += back.qTrial / (3 * mu);
+            return Symmetric{};
+        }
+        if (back.qTrial > M * back.p * (1 - back.u)) {
+            back.solve();
+            *volumetric -= back.g * M * back.u;
+            *image = std::max(back.pi(), 0.1 * smallest_);
+        }
+        *shear += (back.qTrial - back.q()) / (3 * mu);
+        const double scale = back.qTrial > 0 ? back.q() / back.qTrial : 1;
+        return plusSpherical(scale * s, -back.p);
+    }
+
+    double shear_ = notGiven, poisson_ = 0.2, power_ = 0.5, reference_ = 100, phi_ = notGiven,
+           gamma_ = notGiven;
+    double lambda_ = notGiven, chi_ = 3.5, N_ = 0.3, H_ = 100, voidRatio_ = notGiven, psi_ = notGiven;
+    double ratio_ = 1, smallest_ = 1, M_ = 0;
+};
+
+MPM_REGISTER(Material, NorSand);
+
+} // namespace
+} // namespace mpm

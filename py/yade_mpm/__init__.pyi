@@ -305,6 +305,9 @@ class MohrCoulomb(Material):
     lame: float | Sequence[float]
     young: float | None
     poisson: float | None
+    pressureExponent: float
+    referencePressure: float
+    smallestPressure: float
     cohesion: float | None
     frictionAngle: float | None
     dilatancyAngle: float
@@ -322,6 +325,9 @@ class MohrCoulomb(Material):
         lame: float | Sequence[float] = (),
         young: float | None = None,
         poisson: float | None = None,
+        pressureExponent: float = 0.0,
+        referencePressure: float = 100.0,
+        smallestPressure: float = 1.0,
         cohesion: float | None = None,
         frictionAngle: float | None = None,
         dilatancyAngle: float = 0.0,
@@ -342,6 +348,9 @@ class MohrCoulombDruckerPrager(Material):
     lame: float | Sequence[float]
     young: float | None
     poisson: float | None
+    pressureExponent: float
+    referencePressure: float
+    smallestPressure: float
     cohesion: float | None
     frictionAngle: float | None
     dilatancyAngle: float
@@ -363,6 +372,9 @@ class MohrCoulombDruckerPrager(Material):
         lame: float | Sequence[float] = (),
         young: float | None = None,
         poisson: float | None = None,
+        pressureExponent: float = 0.0,
+        referencePressure: float = 100.0,
+        smallestPressure: float = 1.0,
         cohesion: float | None = None,
         frictionAngle: float | None = None,
         dilatancyAngle: float = 0.0,

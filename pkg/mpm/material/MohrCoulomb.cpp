@@ -3,6 +3,7 @@
 #include "mpm/material/Strength.hpp"
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/opening.hpp"
+#include "mpm/material/pressureDependence.hpp"
 #include "mpm/material/principal.hpp"
 
 namespace mpm {
@@ -76,6 +77,7 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
         std::vector<Parameter> all{
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters()) all.push_back(p);
+        for (auto& p : pressure_.parameters()) all.push_back(p);
         for (auto& p : strength_.parameters()) all.push_back(p);
         all.push_back({"tensileStrength", "kPa", "highest principal stress; not given: off",
                        &tensileStrength_, Range::notNegative()});
@@ -102,22 +104,23 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
     }
     bool yields() const override { return true; }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
-    std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
+    std::array<double, 2> lame() const override {
+        const double factor = pressure_.factor(0);
+        return {factor * elasticity_.lambda(), factor * elasticity_.mu()};
+    }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override { std::fill_n(state, ofStrength, 0.0); }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
-        trialStress(elasticity_.lambda(), elasticity_.mu(), points);
-        const std::vector<Surface> surfaces = surfacesOf(points);
-        if (opens() && closing_.value_or(points.hasFbar)) {
-            const auto most = [&](int i) { return std::min(surfaces[i].apex, cutOff()); };
-            closeUp(elasticity_.bulk(), most, points);
-            openUp(elasticity_.bulk(), most, points);
-        }
-        for (int i = 0; i < points.count; ++i) returnToYield(points, i, surfaces[i]);
+        pressure_.forEach(int(stateVariables().size()), points,
+                          [&](double factor, const auto& its) { advance(factor, its); });
+    }
+    template <int Dim>
+    void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
+        pressure_.find({elasticity_.lambda(), elasticity_.mu()}, points, lambda, mu);
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        const std::vector<Surface> surfaces = surfacesOf(points);
+        const std::vector<Surface> surfaces = surfacesOf(1, points);
         for (int i = 0; i < points.count; ++i) {
             const double p = (points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
             strength[i] = std::max(0.0, 0.5 * surfaces[i].twiceCCosPhi - p * surfaces[i].sinPhi);
@@ -127,6 +130,18 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
   private:
     static constexpr int ofStrength = 3; // first state variable of the strength
 
+    // factor: on the elastic moduli.
+    template <int Dim> void advance(double factor, const MaterialPoints<Dim>& points) const {
+        trialStress(factor * elasticity_.lambda(), factor * elasticity_.mu(), points);
+        const std::vector<Surface> surfaces = surfacesOf(factor, points);
+        if (opens() && closing_.value_or(points.hasFbar)) {
+            const auto most = [&](int i) { return std::min(surfaces[i].apex, cutOff()); };
+            closeUp(factor * elasticity_.bulk(), most, points);
+            openUp(factor * elasticity_.bulk(), most, points);
+        }
+        for (int i = 0; i < points.count; ++i) returnToYield(points, i, surfaces[i]);
+    }
+
     bool opens() const {
         const bool isBounded =
             !strength_.isUniform() || strength_.frictionAngle > 0 || !std::isnan(tensileStrength_);
@@ -134,11 +149,15 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
     }
     double cutOff() const { return std::isnan(tensileStrength_) ? unbounded : tensileStrength_; }
 
-    template <int Dim> std::vector<Surface> surfacesOf(const MaterialPoints<Dim>& points) const {
+    template <int Dim>
+    std::vector<Surface> surfacesOf(double factor, const MaterialPoints<Dim>& points) const {
         const auto surface = [&](double c, double phi, double psi) {
-            return Surface{elasticity_.lambda(),  elasticity_.mu(),
-                           std::sin(phi),         std::sin(psi),
-                           2 * c * std::cos(phi), phi > 0 ? c / std::tan(phi) : unbounded};
+            return Surface{factor * elasticity_.lambda(),
+                           factor * elasticity_.mu(),
+                           std::sin(phi),
+                           std::sin(psi),
+                           2 * c * std::cos(phi),
+                           phi > 0 ? c / std::tan(phi) : unbounded};
         };
         if (strength_.isUniform())
             return std::vector<Surface>(
@@ -164,10 +183,11 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
         for (int k = 0; k < 3; ++k) mean += (lost[k] = trial[k] - s[k]) / 3;
         for (int k = 0; k < 3; ++k) square += (lost[k] - mean) * (lost[k] - mean);
         points.state[0][i] += std::sqrt(2.0 / 3 * square) / (2 * surface.mu);
-        points.state[1][i] += mean / elasticity_.bulk();
+        points.state[1][i] += mean / (surface.lambda + 2.0 / 3.0 * surface.mu);
     }
 
     Elasticity elasticity_;
+    PressureDependence pressure_;
     Strength strength_;
     double tensileStrength_ = notGiven;
     std::optional<bool> closing_; // not given: where there is F-bar

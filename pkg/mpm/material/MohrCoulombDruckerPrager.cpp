@@ -5,6 +5,7 @@
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/lode.hpp"
 #include "mpm/material/opening.hpp"
+#include "mpm/material/pressureDependence.hpp"
 
 #include <limits>
 
@@ -29,6 +30,16 @@ struct Constants {
     double tensionCutOff;
     double shearCompliance; // plastic shear strain per unit loss of q, 1/(sqrt(3) mu)
     double bulkCompliance;  // 1/K
+
+    Constants withModuli(double lambda_, double mu_) const {
+        Constants k = *this;
+        k.lambda = lambda_;
+        k.mu = mu_;
+        k.bulk = lambda_ + 2.0 / 3.0 * mu_;
+        k.shearCompliance = 1 / (std::sqrt(3.0) * k.mu);
+        k.bulkCompliance = 1 / k.bulk;
+        return k;
+    }
 };
 
 template <class Number> struct Returned {
@@ -167,6 +178,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
         std::vector<Parameter> all{
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters()) all.push_back(p);
+        for (auto& p : pressure_.parameters()) all.push_back(p);
         for (auto& p : strength_.parameters()) all.push_back(p);
         all.push_back({"coneFit",
                        "",
@@ -205,7 +217,10 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
     bool yields() const override { return true; }
     VolumeRecord volumeRecord() const override { return {1, opens() ? 2 : -1}; }
-    std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
+    std::array<double, 2> lame() const override {
+        const double factor = pressure_.factor(0);
+        return {factor * elasticity_.lambda(), factor * elasticity_.mu()};
+    }
 
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override {
@@ -213,19 +228,14 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
-        trialStress(constants_.lambda, constants_.mu, points);
-        if (strength_.isUniform()) return finishStress(OneCone{cone_}, points);
-        StrengthRun run(points.count);
-        strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
-        std::vector<double> sinPhi(points.count), cCosPhi(sinPhi), apex(sinPhi), beta(sinPhi);
-        for (int i = 0; i < points.count; ++i) {
-            const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
-            sinPhi[i] = cone.sinPhi;
-            cCosPhi[i] = cone.cCosPhi;
-            apex[i] = cone.apex;
-            beta[i] = cone.beta;
-        }
-        finishStress(ConeOfEach{{sinPhi.data(), cCosPhi.data(), apex.data(), beta.data()}}, points);
+        if (!pressure_.isGiven()) return advance(constants_, points);
+        pressure_.forEach(int(stateVariables().size()), points, [&](double factor, const auto& its) {
+            advance(constants_.withModuli(factor * constants_.lambda, factor * constants_.mu), its);
+        });
+    }
+    template <int Dim>
+    void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
+        pressure_.find({elasticity_.lambda(), elasticity_.mu()}, points, lambda, mu);
     }
 
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
@@ -239,22 +249,39 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     }
 
   private:
+    template <int Dim> void advance(const Constants& constants, const MaterialPoints<Dim>& points) const {
+        trialStress(constants.lambda, constants.mu, points);
+        if (strength_.isUniform()) return finishStress(constants, OneCone{cone_}, points);
+        StrengthRun run(points.count);
+        strength_.find(points.count, points.state + ofStrength(), points.state[0], run);
+        std::vector<double> sinPhi(points.count), cCosPhi(sinPhi), apex(sinPhi), beta(sinPhi);
+        for (int i = 0; i < points.count; ++i) {
+            const Cone<double> cone = coneOf(run.cohesion[i], run.frictionAngle[i], run.dilatancyAngle[i]);
+            sinPhi[i] = cone.sinPhi;
+            cCosPhi[i] = cone.cCosPhi;
+            apex[i] = cone.apex;
+            beta[i] = cone.beta;
+        }
+        finishStress(constants, ConeOfEach{{sinPhi.data(), cCosPhi.data(), apex.data(), beta.data()}},
+                     points);
+    }
     bool opens() const { return closing_.value_or(true) && !std::isinf(mostMeanStress()); }
     bool closes(bool hasFbar) const { return opens() && closing_.value_or(hasFbar); }
     int ofStrength() const { return closing_.value_or(true) ? 3 : 2; } // first state variable of the strength
 
     template <class Cones, int Dim>
-    void finishStress(const Cones& cones, const MaterialPoints<Dim>& points) const {
+    void finishStress(const Constants& constants, const Cones& cones,
+                      const MaterialPoints<Dim>& points) const {
         if (closes(points.hasFbar)) {
-            const double cutOff = constants_.tensionCutOff;
+            const double cutOff = constants.tensionCutOff;
             const auto most = [cones, cutOff](int i) {
                 return std::min(cones([i](const double* plane) { return plane[i]; }).apex, cutOff);
             };
-            closeUp(constants_.bulk, most, points);
-            openUp(constants_.bulk, most, points);
+            closeUp(constants.bulk, most, points);
+            openUp(constants.bulk, most, points);
         }
-        std::isinf(constants_.dilatancyLimit) ? returnToYield<false>(constants_, cones, points)
-                                              : returnToYield<true>(constants_, cones, points);
+        std::isinf(constants.dilatancyLimit) ? returnToYield<false>(constants, cones, points)
+                                             : returnToYield<true>(constants, cones, points);
     }
 
     // Highest mean stress of all particles.
@@ -270,6 +297,7 @@ Hardening Soil model in the PLAXIS Material Models Manual; non-associated flow: 
     double limitOfDilatancy() const;
 
     Elasticity elasticity_;
+    PressureDependence pressure_;
     Strength strength_;
     std::string coneFit_ = "planeStrain";
     double tensionCutOff_ = notGiven, dilatancyLimit_ = notGiven;
@@ -310,14 +338,9 @@ void MohrCoulombDruckerPrager::finish() {
     elasticity_.finish(who);
     strength_.finish(*this);
 
-    Constants k;
-    k.lambda = elasticity_.lambda();
-    k.mu = elasticity_.mu();
-    k.bulk = elasticity_.bulk();
+    Constants k = Constants{}.withModuli(elasticity_.lambda(), elasticity_.mu());
     k.dilatancyLimit = limitOfDilatancy();
     k.tensionCutOff = orInfinity(tensionCutOff_);
-    k.shearCompliance = 1 / (std::sqrt(3.0) * k.mu);
-    k.bulkCompliance = 1 / k.bulk;
     if (strength_.isUniform())
         cone_ = coneOf(strength_.cohesion, strength_.frictionAngle, strength_.dilatancyAngle);
     require(std::isnan(tensionCutOff_) || !strength_.isUniform() || tensionCutOff_ <= cone_.apex, who,

@@ -37,6 +37,12 @@ MATERIALS = {
     "Mohr-Coulomb": lambda: mpm.MohrCoulomb(
         density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, dilatancyAngle=0.2, tensileStrength=4
     ),
+    "stiffening soil": lambda: mpm.MohrCoulomb(
+        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, pressureExponent=0.5
+    ),
+    "stiffening cone": lambda: mpm.MohrCoulombDruckerPrager(
+        density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, pressureExponent=0.5
+    ),
     "softening soil": lambda: mpm.MohrCoulombDruckerPrager(
         density=1.5,
         lame=(9e3, 6e3),

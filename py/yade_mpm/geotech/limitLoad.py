@@ -109,9 +109,9 @@ def limitLoad(build, cells, travel, area=None, progress=True):
         scene, and what `scene.drive` has returned.
     cells : sizes, m, one or more. Two tell the limit of small cells for an error that falls with the cell,
         three measure the order, too.
-    travel : way of the drive, m.
+    travel : way of the drive, m; for nodes that are held a third of the smallest cell at most.
     area : by which the force is divided, m2 (2D: m); a number, or a function of the size of the cells;
-        default: none, the load is a force.
+        default: none, the load is a force. Nodes that are held press half a cell beyond the last of them.
     progress : bool, tells each run in a line; default True.
 
     Returns a `LimitLoad`. Raises TypeError where build() does not return a scene and its drive, ValueError

@@ -48,7 +48,11 @@ _meaning = {
     "loadJump": "the load jumps by {} when the moving body crosses a row of cells",
     "rateSensitivity": "another rate changes the result by {}",
 }
-_remedy = {"loadJump": ": take smaller cells, or the mean load over a cell of the path"}
+_remedy = {
+    "energyError": ": half the rate, or half the cells where the rate makes no difference",
+    "dampedRatio": ": damp less and load more slowly (not of soil that comes to rest, as after a dig)",
+    "loadJump": ": take smaller cells, or the mean load over a cell of the path",
+}
 
 
 @dataclass(frozen=True)

@@ -57,6 +57,8 @@ def test_each_ratio_is_judged_by_its_limit(name, column, words):
         assert getattr(found, name) == pytest.approx(factor * limit, rel=1e-12)
         assert found.isQuasiStatic == (factor < 1)
         assert [words in reason for reason in found.reasons] == [True] * (factor > 1)
+        if name in ("energyError", "dampedRatio") and factor > 1:
+            assert ": " in found.reasons[0], "what to do"
 
 
 @pytest.mark.parametrize("factor", [0.5, 0.999, 1.001, 2.0])

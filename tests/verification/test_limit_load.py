@@ -55,6 +55,18 @@ def block(cell, velocity=(0, -0.01)):
     return scene, scene.drive(body.above(0.6), velocity)
 
 
+@pytest.mark.parametrize("ramp", [0.0, 0.5, 10.0])
+def test_the_way_is_the_given_one_whatever_the_ramp(ramp):
+    """Of 40 pieces the middle of the last one; a ramp of 10 s ends behind the way."""
+
+    def build(cell):
+        scene, _ = block(cell)
+        return scene, scene.drive(scene["a"].above(0.8), (0, -0.01), ramp=ramp)
+
+    run = mpm.limitLoad(build, 0.25, travel=0.01, progress=False).runs[0]
+    assert 0.0095 < run.travel[-1] < 0.01
+
+
 def test_the_order_of_three_sizes_is_measured():
     """Loads 10 + h^2 and a scatter that has no order."""
     order = importlib.import_module("yade_mpm.geotech.limitLoad")._extrapolated

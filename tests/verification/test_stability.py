@@ -107,6 +107,29 @@ def test_the_search_goes_on_beyond_where_it_was_to_look(between):
     assert run("slope", "--smoke", BETWEEN=between)["factor"] == pytest.approx(1.39, abs=0.05)
 
 
+def test_trials_do_not_contradict_each_other_where_the_first_ones_fail():
+    """Those before the ground stands begin without stress, and are made again from where it stands."""
+    found = mpm.safety(block(8.0), between=(8.0, 16.0), within=1.0, progress=False)
+    factors = [trial.factor for trial in found.trials]
+    assert len(set(factors)) == len(factors) and found.stands < found.fails
+    assert not found.trials[0].fails
+
+
+def test_a_mast_that_falls_on_the_slope_is_no_failure_of_the_ground():
+    """What moves the farthest, and the height, are the ground's; control: the mast alone moves by more."""
+
+    def build():
+        scene = block(20.0)()
+        steel = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.0)
+        mast = scene.add("mast", mpm.box((3, 0.5), (3.5, 1.25)), steel, mpm.UGIMP())
+        scene.contact(mast, scene["soil"], friction=0.3)
+        return scene
+
+    found, scene = rules.trial(build, 1.0)
+    assert np.abs(scene["mast"].displacement).max() > 0.2
+    assert not found.fails and found.displacement < 0.05
+
+
 def test_ground_that_stands_at_every_factor_is_an_error():
     with pytest.raises(RuntimeError, match="safety: the ground stands at every factor from 0.05 to 20"):
         mpm.safety(block(1e4), progress=False)

@@ -157,7 +157,7 @@ def _press(build, cell, travel, area):
     speed = np.linalg.norm(velocity)
     if not speed > 0:
         raise ValueError(f"limitLoad: the drive '{drive.name}' stands still; give it a velocity")
-    began, until = scene.time, scene.time + travel / speed + drive.ramp / 2
+    began, until = scene.time, scene.time + _timeOf(travel / speed, drive.ramp)
     times, impulses = [began], [0.0]
     for time in np.linspace(began, until, PIECES + 1)[1:]:
         scene.run(until=float(time), progress=False)
@@ -175,7 +175,12 @@ def _press(build, cell, travel, area):
 
 def _way(time, ramp):
     """Way of a drive of the velocity one that grows over `ramp`."""
-    return time - ramp / 2 if time > ramp else time**2 / (2 * ramp)
+    return time - ramp / 2 if time >= ramp else time**2 / (2 * ramp)
+
+
+def _timeOf(way, ramp):
+    """Time in which such a drive goes a way."""
+    return way + ramp / 2 if way >= ramp / 2 else (2 * ramp * way) ** 0.5
 
 
 def _extrapolated(cells, loads):

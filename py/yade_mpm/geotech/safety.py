@@ -53,7 +53,7 @@ class Safety:
     ----------
     factor : factor of safety, -, the middle of `stands` and `fails`.
     stands, fails : the largest factor at which the ground stands, and the smallest at which it fails, -.
-    trials : list of Trial, by factor.
+    trials : list of Trial, by factor, from the first at which the ground stands.
     height : of the ground, m.
     scene : the ground as it fails at `fails`.
     """
@@ -142,6 +142,12 @@ def trial(build, factor):
         return search.trials[0], search.scene
 
 
+def _ground(scene):
+    """Bodies that yield, or all: a structure that moves alone is no failure of the ground."""
+    bodies = [b for b in scene.bodies if b.count]
+    return [b for b in bodies if b.material._core.yields] or bodies
+
+
 def _factors(between):
     isPair = isinstance(between, (tuple, list)) and len(between) == 2 and all(isNumber(f) for f in between)
     if not isPair or not 0 < between[0] < between[1]:
@@ -185,6 +191,7 @@ class _Search:
         if not trial.fails and self._stood is None:
             self._stood, self._stoodAt = os.path.join(self._folder.name, "stands.h5"), factor
             self._settled = trial.displacement
+            self.trials = [trial]  # those before it began with the ground without stress
             self.scene.save(self._stood)
         if trial.fails and factor == min(t.factor for t in self.trials if t.fails):
             self.failed = self.scene
@@ -199,7 +206,7 @@ class _Search:
         self._gravity = np.array(scene._gridSolver("safety").gravity, float)
         if not self._gravity.any():
             raise ValueError("safety: the scene has no gravity; give it, e.g. mpm.Scene(..., gravity=9.81)")
-        ends = [b.reference[:, -1] for b in scene.bodies if b.count]
+        ends = [b.reference[:, -1] for b in _ground(scene)]
         self.height = float(np.ptp(np.concatenate(ends)))
         self._time = np.sqrt(self.height / np.linalg.norm(self._gravity))
         divideStrength(scene, factor)
@@ -233,7 +240,7 @@ class _Search:
         moved = []
         for share in (0.75, 1.0):
             scene.run(until=began + ramp + share * HOLD * self._time, progress=False)
-            moved.append(max(np.linalg.norm(b.displacement, axis=1).max() for b in scene.bodies if b.count))
+            moved.append(max(np.linalg.norm(b.displacement, axis=1).max() for b in _ground(scene)))
         hasFallen = moved[1] > (
             FALLEN * self.height + self._settled if self._stood else FALLEN_FIRST * self.height
         )

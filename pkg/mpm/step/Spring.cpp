@@ -120,13 +120,13 @@ class Spring : public EngineOf<Spring> {
 
     double law(double elongation) {
         double F = stiffness * (elongation - slip);
+        if ((only == "tension" && F < 0) || (only == "compression" && F > 0))
+            return 0; // and what is slack does not yield
         if (!std::isnan(limit) && std::abs(F) > limit) {
             const double most = F > 0 ? limit : -limit;
             slip += (F - most) / stiffness;
             F = most;
         }
-        if (only == "tension") return std::max(F, 0.0);
-        if (only == "compression") return std::min(F, 0.0);
         return F;
     }
 

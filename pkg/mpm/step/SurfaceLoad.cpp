@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A load on the free surface of the ground, boxes and meshes alike. The surface is found in each step: the plan is cut
-// into strips of half a cell, and the highest particle of each one takes the load of the strip.
+// into strips of half a cell, and the highest particle of each one takes the load of the strip. Particles of the size of
+// a cell are on the edge of two strips, and stand for both.
 #include "mpm/step/NodalForces.hpp"
 #include "mpm/step/timeTable.hpp"
 
@@ -47,17 +48,17 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
         const double factor = table.empty() ? 1 : rowAt(table, 2, scene.time + scene.dt)[0];
         if (factor == 0) return;
         state.strips.find(scene, *this);
-        for (int strip = 0; strip < state.strips.count(); ++strip) {
-            const int top = state.strips.topNear(strip);
-            if (top < 0) continue; // nothing is there
-            Vec<Dim> load = loadAt(state.strips, top);
-            load *= factor * state.strips.areaOf(strip, *this);
-            const auto [body, p] = state.strips.tops[top];
-            const int field = body->velocityField;
-            body->domains->weights(
-                p, [&](int node, double phi, const Vec<Dim>&) { state.given.add(field, node, phi * load); });
-            for (int k = 0; k < Dim; ++k) force[k] += load[k];
-        }
+        for (int strip = 0; strip < state.strips.count(); ++strip)
+            state.strips.forNearest(strip, [&](int near, double share) {
+                Vec<Dim> load = loadAt(state.strips, near);
+                load *= factor * share * state.strips.areaOf(strip, *this);
+                for (const auto& [body, p] : state.strips.tops[near])
+                    body->domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {
+                        state.given.add(body->velocityField, node,
+                                        phi / state.strips.tops[near].size() * load);
+                    });
+                for (int k = 0; k < Dim; ++k) force[k] += load[k];
+            });
     }
     void stepped(double dt) override {
         impulse.resize(force.size());
@@ -68,17 +69,16 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
   private:
     template <int Dim> struct Strips {
         struct Top {
-            Body<Dim>* body = nullptr;
-            int particle = -1;
+            Body<Dim>* body;
+            int particle;
         };
-        std::vector<Top> tops;
+        std::vector<std::vector<Top>>
+            tops; // of each strip the highest particles, those of one height share its load
         Vec<Dim> width;
         Index<Dim> first, size; // strips along each horizontal axis, of a lattice of the whole grid
 
         int count() const { return int(tops.size()); }
-        double heightOf(int strip) const {
-            return tops[strip].body->particles.position.plane(Dim - 1)[tops[strip].particle];
-        }
+        double heightOf(int strip) const { return heights_[strip]; }
         void find(Scene<Dim>& scene, const SurfaceLoad& load) {
             width = 0.5 * scene.grid.smallestCell();
             int all = 1;
@@ -88,25 +88,44 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
                 all *= size[k];
             }
             origin_ = scene.grid.lower;
-            tops.assign(all, {});
-            for (double number : load.bodies) {
-                Body<Dim>& body = *scene.bodies[size_t(number)];
-                const double* up = body.particles.position.plane(Dim - 1);
-                for (int p = 0; p < body.particles.size(); ++p) {
-                    const int strip = stripOf(vectorAt<Dim>(body.particles.position, p));
-                    if (strip < 0) continue;
-                    Top& top = tops[strip];
-                    if (!top.body || up[p] > heightOf(strip)) top = {&body, p};
+            tops.resize(all);
+            for (auto& top : tops) top.clear();
+            heights_.assign(all, -HUGE_VAL);
+            const auto forParticles = [&](auto&& f) {
+                for (double number : load.bodies) {
+                    Body<Dim>& body = *scene.bodies[size_t(number)];
+                    const double* up = body.particles.position.plane(Dim - 1);
+                    for (int p = 0; p < body.particles.size(); ++p)
+                        forStripsAt(vectorAt<Dim>(body.particles.position, p),
+                                    [&](int strip) { f(strip, up[p], Top{&body, p}); });
                 }
-            }
+            };
+            forParticles(
+                [&](int strip, double up, const Top&) { heights_[strip] = std::max(heights_[strip], up); });
+            forParticles([&](int strip, double up, const Top& top) {
+                if (up >= heights_[strip] - onEdge * width[0]) tops[strip].push_back(top);
+            });
         }
-        // Of an empty strip, the nearest one along the first axis that has a particle.
-        int topNear(int strip) const {
-            const int row = strip / size[0] * size[0];
-            for (int d = 0; d < size[0]; ++d)
-                for (int other : {strip - d, strip + d})
-                    if (other >= row && other < row + size[0] && tops[other].body) return other;
-            return -1;
+        // f(strip, share) of a strip that has a particle. The load of an empty one is that of the nearest ones within a
+        // cell, in equal parts.
+        template <class F> void forNearest(int strip, F&& f) const {
+            constexpr int reach = 2;
+            const int rows = Dim == 3 ? size[1] : 1, i = strip % size[0], j = strip / size[0];
+            int nearest = reach * reach + 1, found = 0;
+            const auto forFilled = [&](auto&& g) {
+                if (!tops[strip].empty()) return g(strip, 0);
+                for (int b = std::max(j - reach, 0); b <= std::min(j + reach, rows - 1); ++b)
+                    for (int a = std::max(i - reach, 0); a <= std::min(i + reach, size[0] - 1); ++a)
+                        if (const int other = b * size[0] + a; !tops[other].empty())
+                            g(other, (a - i) * (a - i) + (b - j) * (b - j));
+            };
+            forFilled([&](int, int away) {
+                if (away < nearest) nearest = away, found = 0;
+                found += away == nearest;
+            });
+            forFilled([&](int other, int away) {
+                if (away == nearest) f(other, 1.0 / found);
+            });
         }
         double areaOf(int strip, const SurfaceLoad& load) const {
             double area = 1;
@@ -122,23 +141,27 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
             int stride = 1;
             for (int k = 0; k < axis; ++k) stride *= size[k];
             const int at = strip / stride % size[axis];
-            const int before = at > 0 && tops[strip - stride].body ? strip - stride : strip;
-            const int behind = at + 1 < size[axis] && tops[strip + stride].body ? strip + stride : strip;
+            const int before = at > 0 && !tops[strip - stride].empty() ? strip - stride : strip;
+            const int behind = at + 1 < size[axis] && !tops[strip + stride].empty() ? strip + stride : strip;
             if (before == behind) return 0;
             return (heightOf(behind) - heightOf(before)) / ((behind - before) / stride * width[axis]);
         }
 
       private:
+        static constexpr double onEdge = 1e-6; // of a strip: what is so near its edge is on it
         Vec<Dim> origin_;
+        std::vector<double> heights_;
 
-        int stripOf(const Vec<Dim>& x) const {
-            int strip = 0, stride = 1;
-            for (int k = 0; k < Dim - 1; stride *= size[k++]) {
-                const int at = int(std::floor((x[k] - origin_[k]) / width[k])) - first[k];
-                if (at < 0 || at >= size[k]) return -1;
-                strip += at * stride;
+        // f(strip) of the strip that a point is in, of both where it is on their edge.
+        template <class F> void forStripsAt(const Vec<Dim>& x, F&& f) const {
+            int low[2] = {0, 0}, high[2] = {0, 0};
+            for (int k = 0; k < Dim - 1; ++k) {
+                const double at = (x[k] - origin_[k]) / width[k];
+                low[k] = std::max(int(std::floor(at - onEdge)) - first[k], 0);
+                high[k] = std::min(int(std::floor(at + onEdge)) - first[k], size[k] - 1);
             }
-            return strip;
+            for (int j = low[1]; j <= high[1]; ++j)
+                for (int i = low[0]; i <= high[0]; ++i) f(j * size[0] + i);
         }
     };
     template <int Dim> struct State {

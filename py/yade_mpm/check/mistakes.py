@@ -103,6 +103,8 @@ def _rigidWalls(scene, contact):
 def stiffContacts(scene):
     """Yields a text for each body that a rigid one presses on so stiffly that points may gain energy; once
     the time step is known. Equation (4.11) of doc/theory/contact.md."""
+    if not scene.dtCritical:  # nothing moves freely, or all bodies are implicit
+        return
     share = scene.stepper.dt / scene.dtCritical
     for contact in (e for e in scene.engines if isinstance(e, RigidContact) and not e.dead):
         isGiven = contact.stiffness is not None and not np.isnan(contact.stiffness)

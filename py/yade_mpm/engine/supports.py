@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -60,7 +61,7 @@ start of a step: a stiffness that the nodes cannot follow ends the run at once, 
             self._core.set("to", _point("Spring", "to", to, body.scene.dim))
         if np.isnan(self._core.value("stiffness") or np.nan):
             raise ValueError("Spring: stiffness is missing; give kN/m")
-        if np.allclose(self.at, self.to):
+        if np.linalg.norm(np.subtract(self.at, self.to)) < 1e-6 * min(body.scene.cell):
             raise ValueError(f"Spring: at and to are the same point {placeText(self.at)}; give two")
 
 
@@ -186,6 +187,11 @@ in the strip at the time."""
         for one in bodies:
             if not isinstance(one, Body):
                 raise TypeError(f"SurfaceLoad: body = {shown(one)}; give a body, as scene.add returns it")
+        if not {"pressure", "traction"} - set(attributes):
+            raise ValueError(
+                "SurfaceLoad: pressure and traction are given; give one of the two, for a traction may have "
+                "a vertical component, too"
+            )
         scene = bodies[0].scene
         numbers = [k for one in bodies for k, other in enumerate(scene.bodies) if other is one]
         if len(numbers) < len(bodies):
@@ -200,7 +206,7 @@ in the strip at the time."""
         self._core.set("bodies", [float(k) for k in numbers])
         self._core.set("lower", corners[0].tolist())
         self._core.set("upper", corners[1].tolist())
-        self._usedBy = bodies[0].name
+        self._usedBy, self._owner = bodies[0].name, weakref.ref(scene)
 
 
 def timeRows(who, name, given, width, times):
@@ -262,7 +268,7 @@ def _attach(engine, who, body, at, width, other=False):
     engine._core.set("to" if other else "at", at.tolist())
     engine._core.set("toBody" if other else "body", body.name)
     _take(engine, "to" if other else "", body.id[near], known / known.sum())
-    engine._usedBy = body.name
+    engine._usedBy, engine._owner = body.name, weakref.ref(scene)
 
 
 def _take(engine, end, ids, parts):

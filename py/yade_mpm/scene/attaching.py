@@ -3,6 +3,7 @@
 
 from ..base.wording import shown
 from ..engine.boundaryLoad import BoundaryLoad
+from ..engine.engine import belongTo
 from ..engine.supports import PointForce, Spring, SurfaceLoad
 from .running import refuseDuringStep
 
@@ -37,6 +38,7 @@ def attach(scene, *supports):
             raise ValueError(
                 f"attach: the {type(one).__name__} '{one.label}' is at work already; give another one"
             )
+        belongTo(scene, one)
         taken = [engine.label for engine in scene.engines if engine.label]
         if one.label in taken:
             raise ValueError(f"attach: the label {one.label!r} is taken; give each its own")

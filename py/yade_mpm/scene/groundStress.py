@@ -63,6 +63,11 @@ def groundStress(
     for name, value in (("gravity", gravity), ("water", water)):
         if not (value is None and name == "water" or isNumber(value) and np.isfinite(value)):
             raise ValueError(f"groundStress: {name} = {shown(value)} is not allowed; give a number")
+    _refuseUnknown(scene, K0=K0, OCR=OCR, weightBelow=weightBelow)
+    if water is None and weightBelow is not None:
+        raise ValueError(
+            "groundStress: weightBelow is given, and no water; give water, the height of its table, m"
+        )
     coefficients = [_coefficient(body, K0, OCR) for body in ground]
     if water is not None:
         _wet(ground, water, weightBelow, gravity)
@@ -80,6 +85,18 @@ def groundStress(
             "scene.settle() before anything else happens"
         )
     return found
+
+
+def _refuseUnknown(scene, **tables):
+    """ValueError for a dict that gives a value to what is no body."""
+    for name, table in tables.items():
+        for key in table if isinstance(table, dict) else ():
+            if not any(key is body or key == body.name for body in scene.bodies):
+                known = ", ".join(repr(body.name) for body in scene.bodies)
+                raise ValueError(
+                    f"groundStress: {name} has a value for {shown(key)}, which is no body of the scene; "
+                    f"there are {known}"
+                )
 
 
 def _of(given, body):
@@ -126,13 +143,14 @@ def _coefficient(body, K0, OCR):
 
 
 def _wet(ground, water, weightBelow, gravity):
-    for body in ground:
-        weight = _of(weightBelow, body)
+    weights = [_of(weightBelow, body) for body in ground]
+    for body, weight in zip(ground, weights):
         if not (isNumber(weight) and 0 < weight < np.inf):
             raise ValueError(
                 f"groundStress: weightBelow = {shown(weight)} of '{body.name}' is not allowed; give the "
                 "buoyant unit weight below the water, kN/m3"
             )
+    for body, weight in zip(ground, weights):
         below = body.position[:, -1] < water
         body.mass[below] = weight / gravity * body.volume[below]
         body._core.massesChanged()

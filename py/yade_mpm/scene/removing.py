@@ -48,6 +48,7 @@ def remove(scene, body: Body | None = None, region: Region | None = None) -> flo
     if region is not None or body is None:
         return _removeRegion(scene, body, region)
     _check(scene, body)
+    _refuseHeld(scene, body, body.id)
     mass = float(body.mass.sum())
     with scene._holder.held("remove"):
         empty = Boxes(np.zeros((0, scene.dim)), scene.cell / 4)

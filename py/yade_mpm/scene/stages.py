@@ -38,6 +38,10 @@ class Stage:
             self.values[name] = float(value)
 
     def __enter__(self) -> Stage:
+        inside = self._scene._stage
+        if inside is not None:
+            raise RuntimeError(f"stage: {self.name!r} begins inside of {inside!r}; end that block first")
+        keep(self._scene, _stage=self.name)
         return self
 
     def __exit__(self, kind, *error):
@@ -76,11 +80,8 @@ def stage(scene, name: str, picture: str | os.PathLike | None = None) -> Stage:
         raise TypeError(f"stage: name = {shown(name)}; give a text")
     if any(name == row["name"] for row in scene._stages):
         raise ValueError(f"stage: there is a stage {name!r} already; give each a name of its own")
-    if scene._stage is not None:
-        raise RuntimeError(f"stage: {name!r} begins inside of {scene._stage!r}; end that block first")
     if picture is not None and scene.dim != 2:
         raise ValueError("stage: pictures are made of 2D scenes; record a file for ParaView")
-    keep(scene, _stage=name)
     return Stage(scene, name, picture)
 
 

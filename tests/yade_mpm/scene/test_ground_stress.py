@@ -78,7 +78,20 @@ def test_below_the_water_the_buoyant_weight_counts_and_the_ground_rests():
     assert np.abs(lower.displacement).max() < 1e-5
 
 
+def test_a_refused_weight_changes_no_mass():
+    scene, lower, upper = layers()
+    before = lower.mass.copy()
+    with pytest.raises(ValueError, match="weightBelow = -1 of 'upper'"):
+        scene.groundStress(K0=0.5, water=3.0, weightBelow={"lower": 9.0, "upper": -1})
+    assert np.array_equal(lower.mass, before)
+
+
 @cases(
+    (
+        "groundStress: K0 has a value for 'uper' ... 'upper'",
+        lambda: layers()[0].groundStress(K0={"lower": 1, "upper": 1, "uper": 1}),
+    ),
+    ("weightBelow is given, and no water", lambda: layers()[0].groundStress(K0=0.5, weightBelow=9)),
     ("groundStress: K0 = -1 of 'lower'", lambda: layers()[0].groundStress(K0=-1)),
     ("groundStress: K0 = 'rest' ... 'jaky'", lambda: layers()[0].groundStress(K0="rest")),
     ("nothing is given for 'upper'", lambda: layers()[0].groundStress(K0={"lower": 0.5})),

@@ -118,6 +118,14 @@ def test_stages_are_kept_with_their_numbers(tmp_path):
     assert mpm.load(tmp_path / "c.h5").stages == scene.stages
 
 
+def test_a_stage_begins_with_its_block():
+    scene, *_ = ground()
+    scene.stage("forgotten")  # without a block
+    with scene.stage("one"):
+        pass
+    assert [row["name"] for row in scene.stages] == ["one"]
+
+
 def nested():
     scene, *_ = ground()
     with scene.stage("one"), scene.stage("two"):

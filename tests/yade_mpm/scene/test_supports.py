@@ -162,6 +162,57 @@ def test_a_load_follows_the_slope_and_its_part_of_a_strip_counts():
     assert load.force[0] == pytest.approx(10 * 2.05 * 0.5, rel=0.15)
 
 
+def toAndFro(make, velocity, steps=100):
+    """A prop or an anchor whose body is driven whole, away and back, by 0.5 m."""
+    scene, one, other = two()
+    scene.dt = 0.005
+    support = scene.attach(make(one, other))
+    there = scene.drive(one, velocity=(velocity, 0))
+    scene.drive(other, velocity=(0, 0))
+    scene.run(steps=steps, progress=False)
+    there.velocity = (-velocity, 0)
+    scene.run(steps=steps, progress=False)
+    return support
+
+
+def test_what_is_slack_does_not_yield():
+    """0.5 m of slack are more than the limit over the stiffness: the force comes back where it was."""
+    prop = toAndFro(
+        lambda one, other: mpm.Spring(
+            one, (2, 2), (4, 2), stiffness=40.0, prestress=-4, limit=8, only="compression"
+        ),
+        velocity=-1.0,
+    )
+    assert prop.slip == 0 and prop.force == pytest.approx(-4, abs=0.5)
+    anchor = toAndFro(
+        lambda one, other: mpm.Anchor(one, (2, 2), ((4.2, 2), (4.7, 2)), other, 40.0, prestress=4, limit=8),
+        velocity=1.0,
+    )
+    assert anchor.slip == 0 and anchor.force == pytest.approx(4, abs=0.5)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("kind", [mpm.APDI(size=CELL), mpm.UGIMP(perCell=1), mpm.UGIMP(perCell=3)])
+def test_a_surface_load_is_whole_and_in_its_middle_with_particles_of_every_size(kind, dim):
+    """Particles of a cell are on the edge of two strips: in 3D half of the load was lost."""
+    scene = mpm.Scene((0,) * dim, (2,) * dim, CELL, threads=1)
+    elastic = mpm.LinearElastic(density=2.0, young=1e4, poisson=0.0)
+    body = scene.add("soil", box((0.5,) * dim, (1.5,) * (dim - 1) + (1,)), elastic, kind)
+    where = (0.5, 1.5) if dim == 2 else ((0.5, 0.5), (1.5, 1.5))
+    load = scene.attach(mpm.SurfaceLoad(body, where, pressure=20))
+    scene.run(steps=1, progress=False)
+    assert load.force[-1] == pytest.approx(-20)
+    part = body.mass * body.velocity[:, -1] / (body.mass @ body.velocity[:, -1])
+    assert part @ body.position[:, :-1] == pytest.approx([1.0] * (dim - 1), abs=1e-9)
+
+
+def test_a_load_beyond_the_ground_acts_on_nothing():
+    scene, body = block("UGIMP")
+    load = scene.attach(mpm.SurfaceLoad(body, (0, 4), pressure=10))
+    scene.run(steps=1, progress=False)
+    assert load.force[1] == pytest.approx(-10 * (1 + 2 * CELL))
+
+
 def attached(make):
     scene, body = block()
     return lambda: scene.attach(make(body))
@@ -177,6 +228,17 @@ def twice():
     scene, body = block()
     spring = scene.attach(mpm.Spring(body, (1.5, 2), (3, 2), stiffness=1e2))
     scene.attach(spring)
+
+
+def elsewhere():
+    block()[0].attach(mpm.Force(block()[1], (1.5, 2), (1, 0)))
+
+
+def removedGround():
+    scene, one, other = two()
+    scene.attach(mpm.Anchor(one, (2, 2), ((4.2, 2), (4.7, 2)), other, 40.0, label="a"))
+    assert scene.remove(region=box((4, 2.5), (5, 3)), body=other) > 0  # none of the grouted length
+    scene.remove(other)
 
 
 def removed():
@@ -205,6 +267,12 @@ def removed():
     ("Force: force is a function; give times", attached(lambda b: mpm.Force(b, (1.5, 2), lambda t: (t, 0)))),
     ("Force: force: times do not grow", attached(lambda b: mpm.Force(b, (1.5, 2), [(1, 0, 0), (0, 1, 1)]))),
     ("SurfaceLoad: where = 3 ... (left, right)", attached(lambda b: mpm.SurfaceLoad(b, 3, pressure=1))),
+    (
+        "SurfaceLoad: pressure and traction",
+        attached(lambda b: mpm.SurfaceLoad(b, (1, 2), pressure=1, traction=(1, 0))),
+    ),
+    ("Force ... another scene", elsewhere),
+    ("'other': remove: Spring 'a' acts on particles there", removedGround),
     ("SurfaceLoad: body", attached(lambda b: mpm.SurfaceLoad("soil", (1, 2), pressure=1)), TypeError),
     ("attach: 3 is not allowed", attached(lambda b: 3), TypeError),
     ("attach: the Spring 'spring' is at work already", twice),

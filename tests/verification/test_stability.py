@@ -130,6 +130,16 @@ def test_a_mast_that_falls_on_the_slope_is_no_failure_of_the_ground():
     assert not found.fails and found.displacement < 0.05
 
 
+def test_a_scene_that_writes_files_can_be_tried(tmp_path):
+    def build():
+        scene = block(20.0)()
+        scene.history(0.1, tmp_path / "h.csv")
+        scene.record(tmp_path / "r.vtkhdf", 0.2)
+        return scene
+
+    assert not rules.trial(build, 1.0)[0].fails
+
+
 def test_ground_that_stands_at_every_factor_is_an_error():
     with pytest.raises(RuntimeError, match="safety: the ground stands at every factor from 0.05 to 20"):
         mpm.safety(block(1e4), progress=False)

@@ -22,6 +22,8 @@ from ..base.kinds import FLAG, FUNCTION, POSITIVE, takes
 from ..base.wording import shown
 from ..engine.callback import PyRunner
 from ..geometry.numbers import isNumber
+from ..io.history import History
+from ..io.recorder import Recorder
 from ..scene.restoring import load
 from ..scene.scene import Scene
 from .strength import divideStrength
@@ -214,6 +216,8 @@ class _Search:
         return scene, 0.0 if hasStress else RAMP * self._time
 
     def _copy(self, scene):
+        files = (History, Recorder)  # trials write nothing to the files of the user
+        scene.engines = [engine for engine in scene.engines if not isinstance(engine, files)]
         file = os.path.join(self._folder.name, "copy.h5")
         scene.save(file)
         return load(file)

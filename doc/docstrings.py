@@ -17,7 +17,7 @@ act allowUnstable average bind compress finish flush row scheme spec stepsToCall
 NO_FACE = ("replacing", "drawDomains")  # in public modules, but not for users
 HEAD = re.compile(r"^(\**\w+(?:, \**\w+)*) ?: (.*)$")
 PAGE = re.compile(r"\bdoc/([\w/-]+)\.md\b")
-MARKS = re.compile(r"(?<![\\`])([*|]|\b_(?=\W|$))")
+MARKS = re.compile(r"(?<![\\`])([*|]|_(?!\w))")
 
 
 def publicNames(module):

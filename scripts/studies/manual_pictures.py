@@ -13,9 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import yade_mpm as mpm
-from yade_mpm import plot
+from yade_mpm import app, plot
 
-plot.drawToFiles()
 PAGE = Path(__file__).resolve().parents[2] / "doc" / "explanation" / "performance.md"
 
 
@@ -148,7 +147,12 @@ PICTURES = {
     "performance": performance,
 }
 
-if __name__ == "__main__":
+
+def main():
     folder, *names = sys.argv[1:]
     for name in names or PICTURES:
         plot.save(PICTURES[name](), f"{folder}/{name}.png")
+
+
+if __name__ == "__main__":
+    app.run(main)

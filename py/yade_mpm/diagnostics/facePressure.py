@@ -33,10 +33,12 @@ class FacePressure:
     Attributes
     ----------
     body : its name.
-    begin, end : s, the time of which it is the mean.
+    begin : s, start of the time of which it is the mean.
+    end : s, its end.
     impulse : (N, dim), kN s, on each facet since the contact began.
     force : (N, dim), kN, on each facet: the mean.
-    centre, normal : (N, dim), m; normals point out of the body.
+    centre : (N, dim), of each facet, m.
+    normal : (N, dim), of each facet, out of the body, -.
     area : (N,), m2 (2D: m).
     """
 

@@ -74,6 +74,7 @@ def Strut(first: tuple, second: tuple, stiffness: float, **options) -> Spring:
     ----------
     first, second : (Body, point), m.
     stiffness : kN/m: E A / length, 2D: over the spacing.
+    options : as of `Spring`.
     """
     for name, end in (("first", first), ("second", second)):
         if not (isinstance(end, (tuple, list)) and len(end) == 2 and isinstance(end[0], Body)):
@@ -102,6 +103,7 @@ def Anchor(
     stiffness : kN/m, of the free length: E A / length, 2D: over the spacing.
     prestress : kN; default 0.
     limit : kN, force at which it is pulled out or yields; default: none.
+    options : as of `Spring`.
     """
     if not isinstance(soil, Body):
         raise TypeError(f"Anchor: soil = {shown(soil)}; give the body that the grouted length is in")

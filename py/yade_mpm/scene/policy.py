@@ -193,9 +193,14 @@ class LoopPolicy:
 
 
 def followsStress(material):
-    """Whether the stiffness of a law is another one under pressure."""
+    """Whether the stiffness of a law is another one under pressure; True where the law cannot tell."""
     pressure, state = material.lameConstants[1], dict.fromkeys(material._spatial, 0.0)
-    free, pressed = (MaterialPoint(material, -p * np.eye(3), state).stiffness for p in (0.0, pressure))
+    try:
+        free, pressed = (MaterialPoint(material, -p * np.eye(3), state).stiffness for p in (0.0, pressure))
+    except ValueError:  # its stress follows from F alone, and so does its stiffness
+        return False
+    except RuntimeError:  # a routine from elsewhere that fails at these stresses
+        return True
     return free != pressed
 
 

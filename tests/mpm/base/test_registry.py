@@ -30,7 +30,10 @@ ENGINES = [
     "GridToParticle",
     "ImplicitBodies",
     "ParticleToGrid",
+    "PointForce",
     "RigidContact",
+    "Spring",
+    "SurfaceLoad",
     "UniformAlong",
     "VelocityRemap",
 ]

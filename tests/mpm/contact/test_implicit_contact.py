@@ -181,7 +181,7 @@ def test_two_bodies_that_answer_in_different_ways():
 @pytest.mark.parametrize("friction", [0.0, 0.6])
 def test_rounds_that_do_not_settle_are_told(friction):
     """Without friction they always do; with it single steps end at the largest number of rounds."""
-    scene, _ = pileAndTower()
+    scene = pileAndTower()
     contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
     contact.friction = friction
     told = []

@@ -18,7 +18,8 @@ def test_a_scheme_tells_the_order_of_the_stages(scheme):
     places = mpm.Scene((0, 0), (1, 1), 0.5, scheme=scheme)._core.stageOrder
     assert [place["engines"][0] for place in places] == ORDER[scheme].split()
     assert [p["engines"][0] for p in places if not p["isNeeded"]] == ["BoundaryLoad", "Contact"]
-    assert [p["engines"] for p in places if p["takesMany"]] == [["BoundaryLoad", "RigidContact"]]
+    many = [p["engines"] for p in places if p["takesMany"]]
+    assert many == [["BoundaryLoad", "SurfaceLoad", "Spring", "PointForce", "RigidContact"]]
 
 
 @pytest.mark.parametrize("scheme, share", [("MUSL", 0.8), ("USF", 0.8), ("USL", 0.55)])

@@ -3,13 +3,13 @@
 
 Set-up: unit square between rollers, neo-Hookean, E = 1e7, nu = 0.3, rho = 1000, c = sqrt(E/rho) = 100,
     u_x = A sin(2 pi X) sin(c pi t),  u_y = A sin(2 pi Y) sin(c pi t + pi),  t in [0, 0.02],
-driven by the body force that makes it exact; USL with leap-frog start, FLIP 1, 2 x 2 particles per cell,
-time step 0.2 h/c_p. The error is the largest over time of the volume-RMS position error.
+driven by the body force that makes it exact; USL with leap-frog start, FLIP 1, 2 x 2 particles per cell, time
+step 0.2 h/c_p. The error is the largest over time of the volume-RMS position error.
 Reference: errors of independent trial codes, N = 8, 16, 32, 64 cells (the tables below).
 Source: Wallstedt & Guilkey 2008, J. Comput. Phys. 227(22), 9628-9642.
 Tolerance: 25 % of each error (APDI). Boxes reach below it: rollers mirror what lies behind them here, and not
-in the trial codes. Order over the two finest grids >= 1.8 (APDI; uGIMP, A = 0.02).
-MUSL within 26 % of USL at N = 8; at N = 64 5 % (APDI) and 30 % (uGIMP). The reference codes have no hourglass control, so it is off here.
+in the trial codes. Order over the two finest grids >= 1.8 (APDI; uGIMP, A = 0.02). MUSL within 26 % of USL at
+N = 8; at N = 64 5 % (APDI) and 30 % (uGIMP). The reference codes have no hourglass control: it is off here.
 """
 
 import numpy as np

@@ -62,10 +62,8 @@ __all__ = [
     "unbalancedRatio",
     "sectionForce",
     "sectionForces",
-    "SectionForces",
     "bendingMoment",
     "shearForce",
     "normalForce",
     "facePressure",
-    "FacePressure",
 ]

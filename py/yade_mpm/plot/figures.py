@@ -18,12 +18,12 @@ from ..base.kinds import (
     FILE,
     FUNCTION,
     LIMITS,
+    LIST,
     NUMBER,
     NUMBERS,
     POSITIVE,
     SCENE,
     TEXT,
-    TEXTS,
     WINDOW,
     Kind,
     listOf,
@@ -56,6 +56,10 @@ VALUES = Kind("numbers of the domains, or None", lambda value: value is None or 
 _COLOUR = (str, tuple, list)
 EDGE = Kind("a colour", lambda v: isinstance(v, _COLOUR) and (v in ("face", "none") or is_color_like(v)))
 CORNERS = Kind("corners (N, 4, 2)", lambda value: NUMBERS.isOne(value) and np.ndim(value) == 3)
+TITLES = Kind(
+    "a text for each panel",  # the keys of a dict, too
+    lambda titles: LIST.isOne(titles) and hasattr(titles, "__len__") and all(map(TEXT.isOne, titles)),
+)
 SNAPSHOTS = listOf(Kind("", lambda value: hasattr(value, "draw")), "a list of `Snapshot`")
 
 
@@ -168,7 +172,7 @@ class Snapshots(list):
         self.append(Snapshot(scene, self.value))
 
 
-@takes(snapshots=SNAPSHOTS, titles=TEXTS, limit=NUMBER, label=TEXT, window=WINDOW, curves=NUMBER)
+@takes(snapshots=SNAPSHOTS, titles=TITLES, limit=NUMBER, label=TEXT, window=WINDOW, curves=NUMBER)
 def panels(snapshots, titles, limit, label, window, curves=0.0, vertical=False):
     """Figure of snapshots side by side (or one above the other), each with its title, and one colour bar:
     (figure, last axes).

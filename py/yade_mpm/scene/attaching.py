@@ -41,7 +41,7 @@ def attach(scene, *supports):
         belongTo(scene, one)
         taken = [engine.label for engine in scene.engines if engine.label]
         if one.label in taken:
-            raise ValueError(f"attach: the label {one.label!r} is taken; give each its own")
+            raise ValueError(f"attach: the label {shown(one.label)} is taken; give each its own")
         if not one.label:
             names = [NAMES[type(one).__name__]]
             names += [f"{names[0]} {k}" for k in range(2, len(taken) + 3)]

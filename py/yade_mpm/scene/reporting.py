@@ -9,6 +9,7 @@ import numpy as np
 from .. import __version__
 from ..base.html import paragraph, pictureTag, table, textOf
 from ..base.kinds import FILE, TEXT, takes
+from ..base.wording import shown
 from ..diagnostics.certificate import quasiStatic
 from ..diagnostics.facePressure import facePressure
 from ..diagnostics.sections import sectionForces
@@ -48,7 +49,9 @@ def report(scene, file, title: str = "Report") -> None:
     """
     refuseDuringStep(scene, "report")
     if not os.fspath(file).lower().endswith((".html", ".htm")):
-        raise ValueError(f"report: file = {os.fspath(file)!r} is not allowed; give a name that ends in .html")
+        raise ValueError(
+            f"report: file = {shown(os.fspath(file))} is not allowed; give a name that ends in .html"
+        )
     parts = [
         ("Scene", _text("\n".join(summary(scene)))),
         ("Materials", _materials(scene)),
@@ -59,13 +62,13 @@ def report(scene, file, title: str = "Report") -> None:
         ("Verdict", _verdict(scene)),
         ("Script", _text(longForm(scene))),
     ]
-    shown = "".join(f"<h2>{textOf(head)}</h2>{body}" for head, body in parts if body)
+    contents = "".join(f"<h2>{textOf(head)}</h2>{body}" for head, body in parts if body)
     about = paragraph(f"t = {scene.time:g} s, {scene.steps} steps; yade_mpm {__version__}; Mg, m, s, kPa.")
     with replacing(file) as part, open(part, "w", encoding="utf-8") as page:
         page.write(
             '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><meta name="viewport" '
             f'content="width=device-width, initial-scale=1"><title>{textOf(title)}</title>'
-            f"<style>{STYLE}</style></head><body><h1>{textOf(title)}</h1>{about}{shown}</body></html>"
+            f"<style>{STYLE}</style></head><body><h1>{textOf(title)}</h1>{about}{contents}</body></html>"
         )
 
 

@@ -40,7 +40,9 @@ class Stage:
     def __enter__(self) -> Stage:
         inside = self._scene._stage
         if inside is not None:
-            raise RuntimeError(f"stage: {self.name!r} begins inside of {inside!r}; end that block first")
+            raise RuntimeError(
+                f"stage: {shown(self.name)} begins inside of {shown(inside)}; end that block first"
+            )
         keep(self._scene, _stage=self.name)
         return self
 
@@ -79,7 +81,7 @@ def stage(scene, name: str, picture: str | os.PathLike | None = None) -> Stage:
     if not (isinstance(name, str) and name):
         raise TypeError(f"stage: name = {shown(name)}; give a text")
     if any(name == row["name"] for row in scene._stages):
-        raise ValueError(f"stage: there is a stage {name!r} already; give each a name of its own")
+        raise ValueError(f"stage: there is a stage {shown(name)} already; give each a name of its own")
     if picture is not None and scene.dim != 2:
         raise ValueError("stage: pictures are made of 2D scenes; record a file for ParaView")
     return Stage(scene, name, picture)

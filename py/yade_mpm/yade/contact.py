@@ -50,7 +50,7 @@ def _soils(scene, given):
 
 def checkNamed(scene, bodies):
     """ValueError for a body of the scene that touches bodies of YADE and that no call has named."""
-    if bodies.named is None:
+    if getattr(bodies, "named", None) is None:  # exchanges of a user, too
         return
     for body in scene.bodies:
         if body.count and not any(body.name == n or body.name.startswith(f"{n} (") for n in bodies.named):

@@ -128,6 +128,11 @@ def _values(name, given, body):
 def _coefficient(body, K0, OCR):
     given = _of(K0, body)
     if not isinstance(given, str):
+        if not (isNumber(_of(OCR, body)) and _of(OCR, body) == 1):
+            raise ValueError(
+                f"groundStress: OCR of '{body.name}' has no meaning beside K0 = {shown(given)}; "
+                "give K0='jaky', or leave OCR out"
+            )
         return _values("K0", given, body)
     if given != "jaky":
         raise ValueError(

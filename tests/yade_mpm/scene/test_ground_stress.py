@@ -95,6 +95,7 @@ def test_a_refused_weight_changes_no_mass():
     ("groundStress: K0 = -1 of 'lower'", lambda: layers()[0].groundStress(K0=-1)),
     ("groundStress: K0 = 'rest' ... 'jaky'", lambda: layers()[0].groundStress(K0="rest")),
     ("nothing is given for 'upper'", lambda: layers()[0].groundStress(K0={"lower": 0.5})),
+    ("OCR of 'lower' has no meaning beside K0 = 0.5", lambda: layers()[0].groundStress(K0=0.5, OCR=4.0)),
     ("OCR = 'high' of 'lower'", lambda: layers()[0].groundStress(K0="jaky", OCR="high")),
     ("weightBelow = None of 'lower'", lambda: layers()[0].groundStress(K0=0.5, water=3)),
     ("groundStress: no body of the scene yields", lambda: emptyScene().groundStress(K0=0.5)),

@@ -2,6 +2,7 @@
 // Hencky elasticity: linear between logarithmic strain and Kirchhoff stress, exact under rotation.
 #include "mpm/material/Material.hpp"
 #include "mpm/material/logarithm.hpp"
+#include "mpm/material/required.hpp"
 #include "mpm/material/tensors.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -64,7 +65,7 @@ Source: Hencky 1928, Z. Techn. Phys. 9, 215-220; Simo & Hughes 1998, Computation
         return all;
     }
     void finish() override {
-        require(density > 0, className(), ": density is required; give density in Mg/m3");
+        requireDensity(className(), density);
         elasticity_.finish(className());
     }
     std::vector<StateVariable> stateVariables() const override {

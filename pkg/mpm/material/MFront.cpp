@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // A behaviour that MFront has compiled with its generic interface, from a shared library.
 #include "mpm/material/OutsideLaw.hpp"
+#include "mpm/material/required.hpp"
 
 #include <cstdlib>
 
@@ -60,7 +61,7 @@ Source: Helfer et al. 2015, Comput. Math. Appl. 70, 994-1023; MFrontGenericInter
     void finish() override {
         require(!library_.empty(), "MFront: library is required; give the path of a shared library");
         require(!behaviour_.empty(), "MFront: behaviour is required; give its name in the library");
-        require(density > 0, "MFront: density is required; give density in Mg/m3");
+        requireDensity("MFront", density);
         checkLayout();
         function_ = reinterpret_cast<Behaviour>(symbol(behaviour_ + "_Tridimensional"));
         readStates();

@@ -3,6 +3,7 @@
 // with the volume.
 #include "mpm/material/Material.hpp"
 #include "mpm/material/hypoelastic.hpp"
+#include "mpm/material/required.hpp"
 
 namespace mpm {
 namespace {
@@ -128,13 +129,11 @@ Behaviour and Critical State Soil Mechanics.)";
     }
     void finish() override {
         const std::string who = className();
-        require(density > 0, who, ": density is required; give density in Mg/m3");
-        const std::pair<double, const char*> needed[] = {{lambda_, "compression"},
-                                                         {kappa_, "swelling"},
-                                                         {phi_, "frictionAngle"},
-                                                         {voidRatio_, "initialVoidRatio"}};
-        for (auto& [value, name] : needed)
-            require(!std::isnan(value), who, ": ", name, " is required; give it");
+        requireDensity(who, density);
+        requireGiven(who, {{lambda_, "compression"},
+                           {kappa_, "swelling"},
+                           {phi_, "frictionAngle"},
+                           {voidRatio_, "initialVoidRatio"}});
         require(kappa_ < lambda_, who, ": swelling = ", kappa_, " is not below compression = ", lambda_,
                 "; unloading is stiffer than normal compression");
         const bool byValue = !std::isnan(pc_) || varies("preconsolidation");

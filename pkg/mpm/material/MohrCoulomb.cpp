@@ -5,6 +5,7 @@
 #include "mpm/material/opening.hpp"
 #include "mpm/material/pressureDependence.hpp"
 #include "mpm/material/principal.hpp"
+#include "mpm/material/required.hpp"
 
 namespace mpm {
 namespace {
@@ -89,7 +90,7 @@ softening: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016.)";
         return all;
     }
     void finish() override {
-        require(density > 0, className(), ": density is required; give density in Mg/m3");
+        requireDensity(className(), density);
         elasticity_.finish(className());
         strength_.finish(*this);
     }

@@ -6,6 +6,7 @@
 #include "mpm/material/lode.hpp"
 #include "mpm/material/opening.hpp"
 #include "mpm/material/pressureDependence.hpp"
+#include "mpm/material/required.hpp"
 
 #include <limits>
 
@@ -334,7 +335,7 @@ double MohrCoulombDruckerPrager::limitOfDilatancy() const {
 
 void MohrCoulombDruckerPrager::finish() {
     const std::string who = className();
-    require(density > 0, who, ": density is required; give density in Mg/m3");
+    requireDensity(who, density);
     elasticity_.finish(who);
     strength_.finish(*this);
 

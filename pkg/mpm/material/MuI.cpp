@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Dense granular flow: friction that grows with the inertial number.
+#include "mpm/material/required.hpp"
 #include "mpm/material/viscous.hpp"
 
 namespace mpm {
@@ -40,12 +41,9 @@ Source: Jop, Forterre & Pouliquen 2006, Nature 441, 727-730; GDR MiDi 2004, Eur.
     }
     void finish() override {
         const std::string who = className();
-        require(density > 0, who, ": density is required; give density in Mg/m3");
+        requireDensity(who, density);
         elasticity_.finish(who);
-        const std::pair<double, const char*> needed[] = {
-            {static_, "staticFriction"}, {fast_, "fastFriction"}, {size_, "grainSize"}};
-        for (auto& [value, name] : needed)
-            require(!std::isnan(value), who, ": ", name, " is required; give it");
+        requireGiven(who, {{static_, "staticFriction"}, {fast_, "fastFriction"}, {size_, "grainSize"}});
         require(fast_ >= static_, who, ": fastFriction = ", fast_, " is below staticFriction = ", static_,
                 "; friction grows with the rate: give at least that");
     }

@@ -2,6 +2,7 @@
 // Compressible neo-Hookean elasticity; the stress is a function of F alone.
 #include "mpm/material/Material.hpp"
 #include "mpm/material/logarithm.hpp"
+#include "mpm/material/required.hpp"
 #include "mpm/material/tensors.hpp"
 
 #include <algorithm>
@@ -30,7 +31,7 @@ Source: Simo & Pister 1984, Comput. Methods Appl. Mech. Eng. 46, 201-215.)";
         return all;
     }
     void finish() override {
-        require(density > 0, className(), ": density is required; give density in Mg/m3");
+        requireDensity(className(), density);
         elasticity_.finish(className());
     }
     std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }

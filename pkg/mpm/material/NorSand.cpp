@@ -4,6 +4,7 @@
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/opening.hpp"
 #include "mpm/material/pressureStiffness.hpp"
+#include "mpm/material/required.hpp"
 
 namespace mpm {
 namespace {
@@ -128,13 +129,11 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
     }
     void finish() override {
         const std::string who = className();
-        require(density > 0, who, ": density is required; give density in Mg/m3");
-        const std::pair<double, const char*> needed[] = {{shear_, "shearModulus"},
-                                                         {phi_, "frictionAngle"},
-                                                         {gamma_, "criticalVoidRatio"},
-                                                         {lambda_, "compression"}};
-        for (auto& [value, name] : needed)
-            require(!std::isnan(value), who, ": ", name, " is required; give it");
+        requireDensity(who, density);
+        requireGiven(who, {{shear_, "shearModulus"},
+                           {phi_, "frictionAngle"},
+                           {gamma_, "criticalVoidRatio"},
+                           {lambda_, "compression"}});
         const bool byRatio = !std::isnan(voidRatio_) || varies("initialVoidRatio");
         require(byRatio != !std::isnan(psi_), who, ": initialVoidRatio and stateParameter ",
                 byRatio ? "are both given" : "are both missing", "; give one of them");

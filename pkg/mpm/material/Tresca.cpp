@@ -4,6 +4,7 @@
 #include "mpm/material/Strength.hpp"
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/principal.hpp"
+#include "mpm/material/required.hpp"
 
 namespace mpm {
 namespace {
@@ -68,7 +69,7 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     }
     void finish() override {
         const std::string who = className();
-        require(density > 0, who, ": density is required; give density in Mg/m3");
+        requireDensity(who, density);
         elasticity_.finish(who);
         require(
             !std::isnan(strength_) || varies("undrainedStrength"), who,

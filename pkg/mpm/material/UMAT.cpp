@@ -2,6 +2,7 @@
 // A law in Fortran or C with the call of Abaqus' UMAT, from a shared library.
 #include "mpm/base/publicSymbols.hpp"
 #include "mpm/material/OutsideLaw.hpp"
+#include "mpm/material/required.hpp"
 
 #include <csetjmp>
 #include <cstdlib>
@@ -88,7 +89,7 @@ Source: Abaqus User Subroutines Reference Guide, UMAT; Hughes & Winget 1980, Int
     }
     void finish() override {
         require(!library_.empty(), "UMAT: library is required; give the path of a shared library");
-        require(density > 0, "UMAT: density is required; give density in Mg/m3");
+        requireDensity("UMAT", density);
         require(name_.size() <= sizeof cmname_, "UMAT: name = '", name_, "' is longer than 80 characters");
         showPublicSymbols();
         umat_ = reinterpret_cast<Umat>(symbol(routine_));

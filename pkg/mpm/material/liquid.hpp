@@ -2,6 +2,7 @@
 // Parameters that the liquids have in common.
 #pragma once
 
+#include "mpm/material/required.hpp"
 #include "mpm/material/viscous.hpp"
 
 namespace mpm {
@@ -24,7 +25,7 @@ class Liquid {
              &tension, Range::notNegative()}};
     }
     void check(const std::string& who, double density) const {
-        require(density > 0, who, ": density is required; give density in Mg/m3");
+        requireDensity(who, density);
         require(!std::isnan(bulk), who, ": bulk is required; give the bulk modulus in kPa");
     }
     std::array<double, 2> elastic() const { return {bulk, std::isnan(shear) ? bulk / 10 : shear}; }

@@ -31,9 +31,7 @@ from .strength import divideStrength
 DAMPING = 0.3  # -, local, where the scene has less
 STILL = 0.02  # growth of the largest displacement in the last quarter of a trial that is none, -
 FALLEN = 0.05  # displacement over the height, beyond that of ground that stands, at which it has come down, -
-FALLEN_FIRST = (
-    0.2  # the same in the first trial, whose displacement has the settlement under its own weight, too
-)
+FALLEN_FIRST = 0.2  # the same in the first trial: with the settlement under its own weight
 RAISE_EVERY = 10  # steps between two increments of gravity
 RAMP, HOLD = 1.0, 2.0  # times sqrt(height/gravity): gravity grows, and a trial lasts
 FARTHEST = 0.05, 20.0  # factors between which the search looks, -
@@ -106,7 +104,7 @@ def safety(build, between=(1.0, 2.0), within=0.02, progress=True):
     ----------
     build : function without arguments that returns the scene with its gravity, before its first step. Where
         its soil has no stress yet, gravity grows from zero.
-    between : two factors, - , at which the ground is expected to stand and to fail; default 1 and 2. The
+    between : two factors, -, at which the ground is expected to stand and to fail; default 1 and 2. The
         search goes on beyond them if it has to, from 0.05 to 20.
     within : width of the interval at which the search ends, -; default 0.02.
     progress : bool, tells each trial in a line; default True.
@@ -179,8 +177,8 @@ class _Search:
         if not FARTHEST[0] <= factor <= FARTHEST[1]:
             raise RuntimeError(
                 f"safety: the ground {'fails' if factor < 1 else 'stands'} at every factor from "
-                f"{FARTHEST[0]:g} to "
-                f"{FARTHEST[1]:g}; look at single trials with scene.run(), and at what holds the ground"
+                f"{FARTHEST[0]:g} to {FARTHEST[1]:g}; look at single trials with scene.run(), and at what "
+                "holds the ground"
             )
         self.scene, ramp = self._loaded(factor) if self._stood else self._new(factor)
         trial = self._watch(self.scene, factor, ramp)
@@ -191,8 +189,7 @@ class _Search:
                 f"{trial.displacement:.3g} m"
             )
         if not trial.fails and self._stood is None:
-            self._stood, self._stoodAt = os.path.join(self._folder.name, "stands.h5"), factor
-            self._settled = trial.displacement
+            self._stood = os.path.join(self._folder.name, "stands.h5")
             self.trials = [trial]  # those before it began with the ground without stress
             self.scene.save(self._stood)
         if trial.fails and factor == min(t.factor for t in self.trials if t.fails):
@@ -224,7 +221,7 @@ class _Search:
 
     def _loaded(self, factor):
         scene = load(self._stood)
-        divideStrength(scene, factor / self._stoodAt)
+        divideStrength(scene, factor / self.trials[0].factor)
         return scene, 0.0
 
     def _watch(self, scene, factor, ramp):
@@ -245,7 +242,6 @@ class _Search:
         for share in (0.75, 1.0):
             scene.run(until=began + ramp + share * HOLD * self._time, progress=False)
             moved.append(max(np.linalg.norm(b.displacement, axis=1).max() for b in _ground(scene)))
-        hasFallen = moved[1] > (
-            FALLEN * self.height + self._settled if self._stood else FALLEN_FIRST * self.height
-        )
+        share, settled = (FALLEN, self.trials[0].displacement) if self._stood else (FALLEN_FIRST, 0.0)
+        hasFallen = moved[1] > share * self.height + settled
         return Trial(factor, float(moved[1]), bool(hasFallen or moved[1] > (1 + STILL) * moved[0]))

@@ -4,6 +4,7 @@
 import copy
 import inspect
 import re
+import time
 import warnings
 from pathlib import Path
 
@@ -198,6 +199,8 @@ def test_a_with_block_completes_the_files_and_another_scene_or_process_may_write
         with block()[0] as scene:
             scene.engines = [*scene.engines, mpm.History(iterPeriod=1, file=str(tmp_path / "a.csv"))]
             scene.run(**options)
+            while scene.running and not scene.steps:  # a run in the background that has not begun has no file
+                time.sleep(0.001)
         assert isFree()
         return scene, len((tmp_path / "a.csv").read_text().splitlines())
 

@@ -5,6 +5,7 @@ import gc
 import os
 import subprocess
 import sys
+import time
 from contextlib import contextmanager
 
 import pytest
@@ -69,6 +70,8 @@ def test_two_scenes_do_not_share_a_csv():
 def test_a_file_that_a_run_in_the_background_writes_is_refused():
     one, two = makeScene(history()), makeScene(history())
     one.run(steps=10**8, background=True, progress=False)
+    while not one.steps:  # until it has begun
+        time.sleep(0.001)
     with pytest.raises(RuntimeError, match="another scene, which is writing to it"):
         run(two)
     one.pause()

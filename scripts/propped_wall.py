@@ -12,7 +12,7 @@ from yade_mpm import Parameter, app, box, plot
 TOP, LENGTH, LEFT, RIGHT = 8.0, 6.5, 8.0, 9.0  # m: ground, length of the wall, its faces (any two cells)
 EI, WEIGHT, GAMMA, PROP = 71820.0, 0.118, 18.0, 2e4  # kN m2/m, Mg/m2, kN/m3, kN/m per metre
 STAGES = (("gravity", 0, 0.5), ("dig to -2 m", 2, 1.0), ("dig to -4 m", 4, 2.0))  # name, depth (m), time (s)
-CELL = Parameter("cell", 0.5, "size of the grid's cells", unit="m", partOf=0.5)
+CELL = Parameter("cell", 0.25, "size of the grid's cells", unit="m", partOf=0.5)
 REST = Parameter("rest", 1.0, "factor on the time of each stage", above=0)
 PARAMETERS = mpm.Parameters("propped_wall", __doc__, CELL, REST, smoke={"rest": 0.02})
 
@@ -34,8 +34,7 @@ def main():
     shaft = box((LEFT, TOP - LENGTH), (RIGHT, TOP))
     soil = scene.add("soil", box((0, 0), (17, TOP)) - shaft, sand, mpm.UGIMP())
     wall = scene.add("wall", shaft, steel, mpm.APDI(size=a.cell / 2), implicit=True)
-    contact = scene.contact(wall, soil)  # smooth and plane
-    contact.constraints, contact.sharedCells = "nodes", False
+    scene.contact(wall, soil).sharedCells = False  # for a smooth, plane wall
     scene.initialStress(surface=TOP, K0=0.5, bodies=[soil])
     scene.history(every=0.02 * a.rest)
     scene.dt, found = 2e-3 * a.cell, {}
@@ -44,7 +43,7 @@ def main():
         prop.dead = depth < 4
         with scene.stage(name) as stage:
             if depth:
-                scene.remove(region=box((RIGHT, TOP - depth), (17, TOP)))
+                scene.remove(region=box((RIGHT, TOP - depth), (17, 9)))
             scene.run(until=scene.time + 0.75 * a.rest * time)
             before = mpm.facePressure(wall)
             scene.run(until=scene.time + 0.25 * a.rest * time)

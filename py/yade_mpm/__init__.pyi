@@ -589,6 +589,7 @@ class Spring(_Spring):
     prestress: float
     limit: float | None
     only: Literal['', 'tension', 'compression']
+    besides: float
     label: str
     dead: bool
     def __init__(
@@ -603,6 +604,7 @@ class Spring(_Spring):
         prestress: float = 0.0,
         limit: float | None = None,
         only: Literal['', 'tension', 'compression'] = '',
+        besides: float = 0.0,
         label: str = '',
         dead: bool = False,
     ) -> None: ...

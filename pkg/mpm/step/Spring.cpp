@@ -10,7 +10,7 @@ class Spring : public EngineOf<Spring> {
   public:
     std::string body, toBody, only;
     std::vector<double> at, to, ids, parts, toIds, toParts;
-    double stiffness = notGiven, prestress = 0, limit = notGiven;
+    double stiffness = notGiven, prestress = 0, limit = notGiven, besides = 0;
     // What a run finds:
     std::vector<double> starts; // m, middles of the particles at both ends when it began
     double length = 0, slip = 0, force = 0, impulse = 0, work = 0;
@@ -38,6 +38,7 @@ class Spring : public EngineOf<Spring> {
                  &only,
                  {},
                  {"", "tension", "compression"}},
+                {"besides", "kN/m", "Stiffness of the other springs at the same particles.", &besides},
                 {"ids", "", "Particles of the body that it acts on, by id.", &ids},
                 {"parts", "-", "Parts of the force that they take.", &parts},
                 {"toIds", "", "Those of the other body.", &toIds},
@@ -137,13 +138,16 @@ class Spring : public EngineOf<Spring> {
         double inverse = 0;
         for (int end = 0; end < (hasOther() ? 2 : 1); ++end) inverse += state.ends[end].inverseMass(scene);
         const double stiffest = most / (inverse * scene.dt * scene.dt);
-        if (stiffness > stiffest)
-            throw RunError(
-                message("step ", scene.step, ": ", who, ": stiffness = ", stiffness,
-                        " kN/m is more than the nodes at its ends can follow at dt = ", scene.dt,
-                        " s, which is ", stiffest,
-                        " kN/m; lower dt or stiffness (a prop ten times as stiff as the wall behind "
-                        "it is as good as rigid), or spread it by width"));
+        if (stiffness + besides > stiffest)
+            throw RunError(message(
+                "step ", scene.step, ": ", who, ": stiffness = ", stiffness, " kN/m",
+                besides > 0
+                    ? message(", with other springs at the same place ", stiffness + besides, " kN/m,")
+                    : "",
+                " is more than the nodes at its ends can follow at dt = ", scene.dt, " s, which is ",
+                stiffest,
+                " kN/m; lower dt or stiffness (a prop ten times as stiff as the wall behind "
+                "it is as good as rigid), or spread it by width"));
     }
 };
 

@@ -252,25 +252,30 @@ def _attach(engine, who, body, at, width, other=False):
     if width is not None and not (isinstance(width, (int, float)) and 0 < width < np.inf):
         raise ValueError(f"{who}: width = {shown(width)} is not allowed; give a positive length in m")
     cell = scene.cellSizeAt([at])[0]
-    away = np.abs(body.position - at) / (cell if width is None else width)
-    near = np.flatnonzero((away <= 0.5 + 1e-9).all(axis=1))
-    if not len(near) and body.count:
-        near = np.argsort((((body.position - at) / cell) ** 2).sum(axis=1), kind="stable")[: 2**scene.dim]
-        if (np.abs(body.position[near[0]] - at) > cell).any():
-            near = near[:0]
-    if not len(near):
+    d = (body.position - at) / cell
+    away = np.abs(d).max(axis=1)
+    if not (away <= 1).any():
         raise ValueError(
             f"{who}: '{body.name}' has no particle within a cell of {placeText(at)}; give a point of the body"
         )
-    near = near[np.argsort(body.id[near], kind="stable")]
-    d = (body.position[near] - at) / cell
-    known, *_ = np.linalg.lstsq(
-        np.vstack((np.full(len(near), FIRM), d.T)), [FIRM, *[0.0] * scene.dim], rcond=1e-9
-    )
+    reach = 0.5 if width is None else 0.5 * np.max(width / cell)
+    reaches = max(reach, away.min()) * np.array([1, 2, 4])  # at an edge a second row takes the moment
+    found = [_parts(d, np.flatnonzero(away <= r + 1e-9), body.id) for r in reaches]
+    held = [(near, parts) for near, parts in found if np.abs(parts @ d[near]).max() < 1e-6]
+    near, parts = (held or found)[0]
     engine._core.set("to" if other else "at", at.tolist())
     engine._core.set("toBody" if other else "body", body.name)
-    _take(engine, "to" if other else "", body.id[near], known / known.sum())
+    _take(engine, "to" if other else "", body.id[near], parts)
     engine._usedBy, engine._owner = body.name, weakref.ref(scene)
+
+
+def _parts(d, near, ids):
+    """Particles in the order of their ids, and parts that add up to 1, their middle at 0 if it can be."""
+    near = near[np.argsort(ids[near], kind="stable")]
+    parts, *_ = np.linalg.lstsq(
+        np.vstack((np.full(len(near), FIRM), d[near].T)), [FIRM, *[0.0] * d.shape[1]], rcond=1e-9
+    )
+    return near, parts / parts.sum()
 
 
 def _take(engine, end, ids, parts):

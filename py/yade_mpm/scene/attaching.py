@@ -49,6 +49,7 @@ def attach(scene, *supports):
         scene.engines.insert(scene.engines.index(scene._gridSolver("attach")), one)
         if isinstance(one, (Spring, PointForce)):
             scene._loadsAndDrives.append(one)
+    addUpStiffness([engine for engine in scene.engines if isinstance(engine, Spring)])
     scene.stepper.noteChange()
     return supports[0] if len(supports) == 1 else supports
 
@@ -69,3 +70,11 @@ def detach(scene, *supports):
         scene.engines[:] = [engine for engine in scene.engines if engine is not one]
         scene._loadsAndDrives[:] = [other for other in scene._loadsAndDrives if other is not one]
     scene.stepper.noteChange()
+
+
+def addUpStiffness(springs):
+    """Tells each spring the stiffness of those that act on the same particles: nodes follow the sum."""
+    ends = [{(s.body, i) for i in s.ids} | {(s.toBody, i) for i in s.toIds} for s in springs]
+    for spring, own in zip(springs, ends):
+        others = (o.stiffness for o, end in zip(springs, ends) if o is not spring and own & end)
+        spring._core.set("besides", float(sum(others)))

@@ -63,6 +63,19 @@ def test_a_force_at_a_point_moves_its_body_and_does_not_turn_it():
     assert abs(turning) < 1e-6
 
 
+@pytest.mark.parametrize("kind", ["APDI", "UGIMP"])
+@pytest.mark.parametrize("at", [(1.5, 3.0), (2.0, 3.0), (2.0, 2.03)])
+def test_a_force_on_an_edge_acts_there(kind, at):
+    """Its moment about the centre of the block is that of the point."""
+    scene, body = block(kind, damping=0.0)
+    scene.attach(mpm.Force(body, at, (3.0, 8.0)))
+    arm = np.subtract(at, centre(body))
+    scene.run(until=0.1, progress=False)
+    x = body.position - centre(body)
+    turning = (body.mass * (x[:, 0] * body.velocity[:, 1] - x[:, 1] * body.velocity[:, 0])).sum()
+    assert turning == pytest.approx((arm[0] * 8 - arm[1] * 3) * 0.1, rel=0.08)  # the transfers lose 5 to 7 %
+
+
 def test_a_function_of_time_becomes_a_table_that_checkpoints_keep(tmp_path):
     scene, body = block()
     times = np.linspace(0, 1, 11)
@@ -88,6 +101,24 @@ def test_a_spring_yields_at_its_limit_and_one_of_tension_alone_goes_slack():
     scene, spring = limited(only="tension")
     scene.run(until=2.0, progress=False)
     assert spring.force == 0.0 and spring.slip == 0
+
+
+def test_springs_at_one_place_are_checked_by_their_sum():
+    """Each of six is 0.3 of what the nodes can follow, together they are not."""
+
+    def attached(number, stiffness):
+        scene, body = block()
+        scene.dt = 1e-4
+        for _ in range(number):
+            scene.attach(mpm.Spring(body, at=(1.5, 2.0), to=(3.5, 2.0), stiffness=stiffness))
+        return scene
+
+    with pytest.raises(RuntimeError, match="stiffness = 1e") as error:
+        attached(1, 1e12).run(steps=1, progress=False)
+    most = float(str(error.value).split("which is ")[1].split(" kN/m")[0])
+    attached(1, 0.9 * most).run(steps=20, progress=False)
+    with pytest.raises(RuntimeError, match="with other springs at the same place"):
+        attached(6, 0.3 * most).run(steps=1, progress=False)
 
 
 def two(threads=1, damping=0.0):

@@ -2,6 +2,7 @@
 """Geotechnics: ground, what is pressed into it, its surface and its safety.
 
 addGround, TYPES                            ground of uGIMP, of APDI, or of both
+addLayers                                   layers, laws and stress of a borehole's table
 flowRegion                                  where the soil of a coarse run has flowed
 groundSurface, Surface                      heave, trough and cavity of the ground surface
 quadrilaterals, ring, wedgedColumn          structured meshes
@@ -10,6 +11,7 @@ travel, movingAverage, atSteps, scatter     curves over the way of a driven body
 Modules to import by name, which draw with matplotlib: `penetration`, `reference`, `stability`.
 """
 
+from .borehole import addLayers
 from .curves import atSteps, movingAverage, scatter, travel
 from .ground import TYPES, addGround, flowRegion
 from .meshes import quadrilaterals, ring, wedgedColumn

@@ -19,6 +19,7 @@ sys.path.insert(0, str(ROOT / "doc"))
 import docstrings  # noqa: E402
 import verificationPictures  # noqa: E402
 import yade_mpm  # noqa: E402
+from yade_mpm.scene import tables  # noqa: E402
 
 project = "yade-mpm"
 author = copyright = "The yade-mpm developers"
@@ -100,7 +101,22 @@ class Verification(SphinxDirective):
         return self.parse_text_to_nodes(f"{table}\n\nMeasured with yade-mpm {'; '.join(versions)}.")
 
 
+class CheckpointArrays(SphinxDirective):
+    """`{checkpoint-arrays}`: what the arrays of a checkpoint must be, as `checkTables` asks for it."""
+
+    def run(self):
+        lines = ["| array | one row for each of the | numbers | content |", "|---|---|---|---|"]
+        for name, table in tables.DECLARED.items():
+            limits = [] if table.least is None else [f"from {table.least}"]
+            if table.end is not None:
+                limits += [f"below {'2^53' if table.end == tables.MOST_ID else 'the number of ' + table.end}"]
+            numbers = ", ".join([*limits, *([table.rule] if table.rule else [])]) or "any"
+            lines.append(f"| `{name}` | {table.rows} | {numbers} | {table.text} |")
+        return self.parse_text_to_nodes("\n".join(lines))
+
+
 def setup(app):
     app.add_directive("public", Public)
     app.add_directive("verification", Verification)
+    app.add_directive("checkpoint-arrays", CheckpointArrays)
     app.connect("autodoc-process-docstring", docstrings.process, priority=400)  # before napoleon

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Arrays of a body by which the solver finds its way, as a checkpoint holds them: what each must be.
 
-One declaration is what `checkTables` goes by, and the table in doc/reference/file-formats.md is made of it.
+`checkTables` goes by this declaration, and the manual shows it (doc/reference/file-formats.md).
 Arrays that are not named here (velocity, stress ...) have a row per particle, and any numbers.
 """
 
@@ -121,15 +121,3 @@ def _checkOnce(name, numbers, count):
 def _require(isRight, complaint):
     if not isRight:
         raise ValueError(complaint)
-
-
-def page():
-    """The declaration as a Markdown table."""
-    lines = ["| array | one row for each of the | numbers | content |", "|---|---|---|---|"]
-    for name, table in DECLARED.items():
-        limits = [] if table.least is None else [f"from {table.least}"]
-        if table.end is not None:
-            limits += [f"below {'2^53' if table.end == MOST_ID else 'the number of ' + table.end}"]
-        numbers = ", ".join([*limits, *([table.rule] if table.rule else [])]) or "any"
-        lines.append(f"| `{name}` | {table.rows} | {numbers} | {table.text} |")
-    return "\n".join(lines)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from yade_mpm.io import checkpoint
-from yade_mpm.scene.tables import DECLARED, page
+from yade_mpm.scene.tables import DECLARED
 
 HOW = {
     "empty": lambda old: old[:0],
@@ -123,12 +123,6 @@ def test_what_is_not_refused_runs_or_ends_in_words(outcomes):
     inWords = ("ran", "ValueError: ", "RuntimeError: ")
     assert [(k, told) for k, (_, told) in outcomes.items() if not told.startswith(inWords)] == []
     assert sum(told == "ran" for _, told in outcomes.values()) > 10, "or nothing is a control"
-
-
-def test_the_reference_page_has_the_declaration():
-    file = os.path.join(os.path.dirname(__file__), "../../../doc/reference/file-formats.md")
-    with open(file, encoding="utf-8") as page_:
-        assert page() in page_.read(), f"put this into {file}:\n{page()}"
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
 #include "mpm/contact/BoundaryFacets.hpp"
 #include "mpm/scene/Scene.hpp"
 #include "mpm/state/facets.hpp"
+#include "mpm/step/PoreWater.hpp"
 #include "python.hpp"
 
 namespace mpm::python {
@@ -83,6 +84,8 @@ template <int Dim> struct BindBody {
         return ArrayView(fieldOf(body, name, domain));
     }
     static bool hasBodyForce(B& body) { return body.particles.hasBodyForce; }
+    static bool hasPores(B& body) { return PoreState::in(body.particles) >= 0; }
+    static void addPores(B& body) { PoreState::addTo(body.particles); }
 
     static bp::dict tables(B& body) {
         bp::dict d;
@@ -259,6 +262,8 @@ template <int Dim> struct BindBody {
             .def_readwrite("lastInternalWork", &B::lastInternalWork)
             .def_readwrite("largestInertialMass", &B::largestInertialMass)
             .add_property("hasBodyForce", hasBodyForce)
+            .add_property("hasPores", hasPores)
+            .def("addPores", addPores)
             .add_property("halfSize", halfSize)
             .add_property("bytes", bytes)
             .add_property("minJacobian", minJacobian)

@@ -20,6 +20,7 @@ ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of ever
 VelocityRemap, ImplicitBodies  added by the scene: behind GridToParticle; GridSolver (implicit bodies)
 BoundaryLoad, Contact, RigidContact, UniformAlong                engines that may be added
 Spring, Strut, Anchor, Force, SurfaceLoad                        for scene.attach
+PoreWater                      for scene.add(..., water=...)
 PointForce                     what Force returns
 Drive, Hold                    prescribed motions, given to the GridSolver
 inYade                         puts a scene into YADE, on one clock
@@ -61,6 +62,7 @@ from .engine import engines as _engines
 from .engine.boundaryLoad import BoundaryLoad
 from .engine.callback import PyRunner
 from .engine.gridSolver import GridSolver
+from .engine.poreWater import PoreWater
 from .engine.prescribed import Drive, Hold
 from .engine.rigidContact import RigidContact
 from .engine.supports import Anchor, Force, PointForce, Spring, Strut, SurfaceLoad

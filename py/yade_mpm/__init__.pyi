@@ -20,6 +20,7 @@ from .engine.callback import PyRunner as PyRunner
 from .engine.contact import Contact as _Contact
 from .engine.engine import Engine
 from .engine.gridSolver import GridSolver as _GridSolver
+from .engine.poreWater import PoreWater as _PoreWater
 from .engine.prescribed import Drive as Drive
 from .engine.prescribed import Hold as Hold
 from .engine.rigidContact import RigidContact as _RigidContact
@@ -520,6 +521,35 @@ class PointForce(_PointForce):
         body: str = '',
         at: float | Sequence[float] = (),
         table: float | Sequence[float] = (),
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...
+
+
+class PoreWater(_PoreWater):
+    """Water in the pores of soil: flow by Darcy's law, pressure as one implicit unknown per cell."""
+
+    table: float | Sequence[float]
+    rise: float | Sequence[float]
+    heads: float | Sequence[float]
+    sealed: bool
+    bulkModulus: float
+    density: float
+    tolerance: float
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        table: float | Sequence[float] = None,
+        permeability: Any = 1e-07,
+        porosity: Any = 0.4,
+        rise: float | Sequence[float] = None,
+        heads: float | Sequence[float] = None,
+        *,
+        sealed: bool = False,
+        bulkModulus: float = 2200000.0,
+        density: float = 1.0,
+        tolerance: float = 0.1,
         label: str = '',
         dead: bool = False,
     ) -> None: ...

@@ -14,6 +14,7 @@ std::vector<Scheme::Place> Scheme::order(bool hasImplicit) const {
     add({{"BoundaryLoad", "SurfaceLoad", "Spring", "PointForce", "RigidContact"}, false, true});
     add({{"GridSolver"}});
     if (hasImplicit) add({{"ImplicitBodies"}, true, false, true});
+    add({{"PoreWater"}, false, false, false, true});
     add({{"Contact"}, false});
     add({{"GridToParticle"}});
     if (!stressFirst) addStress();

@@ -64,6 +64,7 @@ STATES = {
     "Spring": ("ids", "parts", "toIds", "toParts", "starts", "length", "slip", *FOUND_OF_A_FORCE),
     "PointForce": ("ids", "parts", *FOUND_OF_A_FORCE),
     "SurfaceLoad": FOUND_OF_A_FORCE,
+    "PoreWater": ("iterations", "outflow", "debt"),
     "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses", "facetImpulses"),
     "RigidContact": (
         "frictionWork",

@@ -7,11 +7,12 @@ from .callback import Callback, PyRunner
 from .contact import Contact
 from .engine import Engine, generated
 from .gridSolver import GridSolver
+from .poreWater import PoreWater
 from .prescribed import Drive, Hold, Prescribed
 from .rigidContact import RigidContact
 from .supports import PointForce, Spring, SurfaceLoad
 
-OWN = (GridSolver, BoundaryLoad, RigidContact, Contact, PyRunner, Spring, PointForce, SurfaceLoad)
+OWN = (GridSolver, BoundaryLoad, RigidContact, Contact, PoreWater, PyRunner, Spring, PointForce, SurfaceLoad)
 classes = {**generated, **{own.__name__: own for own in OWN}}
 __getattr__ = classAttribute(classes)
 classes["GridToParticle"]._gone = {

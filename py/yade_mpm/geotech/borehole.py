@@ -16,7 +16,9 @@ OWN = ("name", "bottom", "law", "K0", "OCR")
 DEFAULT = "MohrCoulomb"
 
 
-LOG = Kind("the name of a CSV file, or a list of dicts", lambda v: FILE.isOne(v) or isinstance(v, (list, tuple)))
+LOG = Kind(
+    "the name of a CSV file, or a list of dicts", lambda v: FILE.isOne(v) or isinstance(v, (list, tuple))
+)
 
 
 @takes(scene=SCENE, region=REGION, log=LOG)
@@ -38,7 +40,7 @@ def addLayers(scene, region, log, particles=None, gravity=9.81, water=None, weig
     region : all of the ground; each layer is what of it lies above its bottom and below the layer before.
     log : path of a CSV file, or a list of dicts, one for each layer from the top. `name`; `bottom`, m, its
         height; `law`, name of a law, default MohrCoulomb; `K0`, a number or "jaky", default 1.0; `OCR`; and
-        what the law takes. A heading may have a unit in parentheses: degrees are converted, any other has to be
+        what the law takes. A heading may have a unit in parentheses: degrees are converted, others have to be
         the unit of the parameter. Empty cells are left out; in a dict a value may vary in space.
     particles : type; default `UGIMP()`.
     gravity, water, weightBelow : as of `Scene.groundStress`.
@@ -60,9 +62,7 @@ def addLayers(scene, region, log, particles=None, gravity=9.81, water=None, weig
     for name, bottom, top, material, _ in layers:
         slab = box([*lower[:-1], bottom], [*upper[:-1], upper[-1] if top is None else top])
         bodies.append(scene.add(name, region & slab, material, particles or UGIMP(), **more))
-    tables = [
-        {body: row.get(key, 1.0) for body, (*_, row) in zip(bodies, layers)} for key in ("K0", "OCR")
-    ]
+    tables = [{body: row.get(key, 1.0) for body, (*_, row) in zip(bodies, layers)} for key in ("K0", "OCR")]
     scene.groundStress(*tables, bodies=bodies, gravity=gravity, water=water, weightBelow=weightBelow)
     return bodies
 

@@ -11,6 +11,7 @@ from ..base.attributes import keep
 from ..base.keywords import checked
 from ..base.wording import shown
 from ..check import limits
+from ..engine.poreWater import PoreWater
 from ..engine.rigidContact import RigidContact
 from ..geometry.lattice import checkOverlap
 from ..geometry.mesh import Mesh
@@ -23,6 +24,7 @@ from . import choices
 from .filling import above, bodiesBelow
 from .hybrid import addHybrid
 from .running import refuseDuringStep
+from .wetting import checkWater, giveWater
 
 
 class Bodies(tuple):
@@ -53,6 +55,7 @@ def add(
     exclude: RigidContact | None = None,
     flow: Region | tuple | None = None,
     on: Body | tuple | None = None,
+    water: PoreWater | None = None,
 ) -> Body:
     """Adds a body and returns it. What is left out the scene chooses, and `describe` tells why.
 
@@ -86,6 +89,7 @@ def add(
     on : Body, or several, whose surface a lift of fill is put on: the region may reach into them, and boxes
         are cut where the surface is now, heaved or settled. Of boxes only. Default None: bodies that overlap
         are refused.
+    water : PoreWater, fills the pores below its table. Default None: dry, or one phase.
 
     Raises ValueError for an empty body, edges off the particle spacing, particles outside the grid, bodies
     that overlap, or a mesh that is inverted; TypeError for a wrong kind of argument.
@@ -96,7 +100,20 @@ def add(
             raise ValueError(f"body '{name}': particles and flow are given together; flow chooses them")
 
         def part(its, where, kind):
-            return add(scene, its, where, material, kind, inertiaScale, fbar, group, implicit, exclude, on=on)
+            return add(
+                scene,
+                its,
+                where,
+                material,
+                kind,
+                inertiaScale,
+                fbar,
+                group,
+                implicit,
+                exclude,
+                on=on,
+                water=water,
+            )
 
         return addHybrid(scene, name, region, flow, part)
     chosen = {}
@@ -105,6 +122,8 @@ def add(
         if implicit is None:
             chosen["implicit"] = "its material yields"
     _checkArguments(scene, name, region, material, particles)
+    if water is not None:
+        checkWater(scene, name, water, implicit)
     if fbar is None:
         fbar = material._core.yields and not implicit
         chosen["fbar"] = "yields, and would lock" if fbar else "keeps its volume by itself"
@@ -115,6 +134,8 @@ def add(
         body = _added(scene, name, region, material, particles, options, exclude, on)
         for one in [body] if body.convertsTo is None else [body, scene[body.convertsTo]]:
             keep(one, _chosen=dict(chosen))
+            if water is not None:
+                giveWater(scene, one, water)
         choices.update(scene)
     return body
 

@@ -81,6 +81,10 @@ def initialStress(
     ground = bodies or [b for b in scene.bodies if b.count and b.position[:, -1].max() < surface]
     if not ground:
         raise ValueError(f"initialStress: no body lies below the surface {surface:g} m; check the level")
+    if wet := [b.name for b in ground if b._core.hasPores]:
+        raise ValueError(
+            f"initialStress: '{wet[0]}' has water; call scene.groundStress(K0=...), which knows its buoyancy"
+        )
     weights = {b.material.density * gravity for b in ground} if unitWeight is None else {unitWeight}
     if len(weights) > 1:
         raise ValueError(

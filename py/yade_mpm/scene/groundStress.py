@@ -13,6 +13,7 @@ from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from ..particle.body import Body
 from .running import refuseDuringStep, refuseMidStep
+from .wetting import displaced
 
 OUT = (
     0.02  # of the weight of a layer: horizontal forces that are out of balance, above which a warning says so
@@ -195,6 +196,7 @@ def _pieces(scene, body, width, gravity):
     lower, upper = corners.min(axis=1), corners.max(axis=1)
     first = np.floor((lower[:, :-1] - scene.lower[:-1]) / width + 1e-9).astype(int)
     last = np.ceil((upper[:, :-1] - scene.lower[:-1]) / width - 1e-9).astype(int)
+    mass = body.mass - displaced(scene, body)
     found = []
     for step in np.ndindex(*(last - first).max(axis=0)):
         left = scene.lower[:-1] + (first + step) * width
@@ -202,7 +204,7 @@ def _pieces(scene, body, width, gravity):
         part = (np.maximum(inside, 0) / (upper - lower)[:, :-1]).prod(axis=1)
         some = part > 0
         strip = _stripOf(scene, left[some] + 0.5 * width, width)
-        found.append((strip, lower[some, -1], upper[some, -1], gravity * (part * body.mass)[some]))
+        found.append((strip, lower[some, -1], upper[some, -1], gravity * (part * mass)[some]))
     return [np.concatenate(x) for x in zip(*found)]
 
 

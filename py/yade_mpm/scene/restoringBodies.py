@@ -12,6 +12,7 @@ from ..material.materials import rebuilt
 from ..particle.types import classes as particleClasses
 from .adding import newBody
 from .tables import checkTables
+from .wetting import addPores
 
 
 def buildBodies(scene, spec, arrays, file):
@@ -57,6 +58,8 @@ def _buildBody(scene, entry, stored, material, kind, file):
         core.resizeDomainField(field["name"], len(_stored(stored, "domains", field["name"], body, file)))
     if entry["hasBodyForce"]:
         core.view("bodyForce", False)
+    if entry.get("hasPores"):
+        addPores(body)
     _fill(body, storedFields(body), False, stored, file)
     _fill(body, [f["name"] for f in core.fields(True)], True, stored, file)
     for name in core.tables():

@@ -147,6 +147,7 @@ def _describeBody(body, material, kind):
         "lastInternalWork": body._core.lastInternalWork,
         "largestInertialMass": body._core.largestInertialMass,
         "hasBodyForce": body._core.hasBodyForce,
+        "hasPores": body._core.hasPores,
         "convertsTo": body.convertsTo,
     }
 

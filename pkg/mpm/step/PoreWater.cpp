@@ -1,0 +1,484 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+#include "mpm/step/PoreWater.hpp"
+
+#include "mpm/scene/CellPoints.hpp"
+#include "mpm/step/GridSolver.hpp"
+#include "mpm/step/timeTable.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace mpm {
+
+namespace {
+
+constexpr double standardGravity = 9.81; // m/s2, of the permeability in m/s
+constexpr double fullFrom = 0.5;    // cover of a cell from which its neighbours may be inside of the soil
+constexpr double leastCover = 0.05; // of a cell, for the way to a surface
+constexpr double leastWay = 0.25;   // in cells, between the middles of the soil in two cells
+constexpr int mostIterations = 5000;
+
+} // namespace
+
+const Field* PoreState::fields() {
+    static const Field all[count] = {
+        {"porePressure", "kPa", "Pressure of the pore water, compression positive."},
+        {"saturation", "-", "1 where the pores are full of water, 0 where they are dry."},
+        {"permeability", "m/s", "Hydraulic conductivity."},
+        {"porosity", "-", "Volume of the pores over that of the soil."}};
+    return all;
+}
+
+std::string PoreWater::doc() const {
+    return "Water in the pores of soil: flow by Darcy's law, pressure as one implicit unknown per cell.\n\n"
+           "Stress is effective, tension positive; total stress is stress - porePressure I. The time step is "
+           "that of the\n"
+           "soil without water. Stands behind GridSolver; needs the scheme MUSL. See doc/theory/water.md.";
+}
+
+std::vector<Parameter> PoreWater::attributes() {
+    return {{"table", "m", "Rows (x, level) of the water table, linear between them.", &table},
+            {"rise", "s, m", "Rows (time, height) that the table rises by.", &rise},
+            {"heads", "m", "Rows (face, level of the water behind it); others are closed.", &heads},
+            {"sealed", "", "No water passes the surface of the soil.", &sealed},
+            {"bulkModulus", "kPa", "Bulk modulus of water.", &bulkModulus, Range::positive()},
+            {"density", "Mg/m3", "Density of water.", &density, Range::positive()},
+            {"tolerance", "kPa", "Error of the pressure that the solution may leave to the next step.",
+             &tolerance, Range::positive()},
+            {"iterations", "", "Iterations of the last step.", &iterations},
+            {"outflow", "m3/s", "Flow out of the soil in the last step (2D: m2/s).", &outflow},
+            {"debt", "m3/s", "Rows (cell, what the last solution left over).", &debt}};
+}
+
+void PoreWater::finish() {
+    checkTable("PoreWater", "table", table, 2);
+    checkTable("PoreWater", "rise", rise, 2);
+    checkTable("PoreWater", "heads", heads, 2);
+}
+
+template <int Dim> PoreWater::Wet<Dim>::Wet(Body<Dim>& body) : body(&body) {
+    auto& state = body.particles.state;
+    const int first = PoreState::in(body.particles);
+    pressure = state[first].plane();
+    saturation = state[first + 1].plane();
+    permeability = state[first + 2].plane();
+    porosity = state[first + 3].plane();
+}
+
+template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
+    if (dead) return;
+    require(scene.scheme->name == "MUSL", "PoreWater: needs the scheme MUSL, not ", scene.scheme->name);
+    const Vec<Dim> g = gravityOf(scene);
+    require(g.template head<Dim - 1>().isZero(),
+            "PoreWater: gravity points along an axis that is level; give "
+            "gravity along the last axis alone");
+    const Body<Dim>* first = nullptr;
+    auto& state = std::get<State<Dim>>(states_);
+    state.owed.assign(scene.grid.count, 0.0);
+    for (size_t i = 0; i + 1 < debt.size(); i += 2) state.owed[int(debt[i])] = debt[i + 1];
+    for (auto& body : scene.bodies) {
+        if (PoreState::in(body->particles) < 0) continue;
+        if (!first) first = body.get();
+        require(first->velocityField == body->velocityField, "PoreWater: '", first->name, "' and '",
+                body->name, "' have water and are in different groups; give them one");
+        state.field = body->velocityField;
+        Wet<Dim> wet(*body);
+        lift(scene, wet, scene.time);
+    }
+    for (auto& body : scene.bodies)
+        require(!first || !body->isImplicit, "PoreWater: '", body->name,
+                "' is implicit; leave implicit=True out in a scene with water");
+    require(!first || scene.grid.fields.size() == 1,
+            "PoreWater: bodies in contact with soil that has water are "
+            "not possible; give all bodies one group, and drive a structure by its particles");
+}
+
+// Of the water table over a place.
+template <int Dim> double PoreWater::levelAt(const Vec<Dim>& x, double time) const {
+    if (table.empty()) return -std::numeric_limits<double>::infinity();
+    const double level = table.size() == 2 ? table[1] : rowAt(table, 2, x[0])[0];
+    return rise.empty() ? level : level + rowAt(rise, 2, time)[0];
+}
+
+template <int Dim> double PoreWater::unitWeight(const Scene<Dim>& scene) const {
+    return -density * gravityOf(scene)[Dim - 1];
+}
+
+// Hydrostatic pressure below the table, kPa.
+template <int Dim>
+double PoreWater::reference(const Scene<Dim>& scene, const Vec<Dim>& x, double time) const {
+    return unitWeight(scene) > 0 ? unitWeight(scene) * std::max(0.0, levelAt<Dim>(x, time) - x[Dim - 1]) : 0;
+}
+
+// Of the water outside of the soil at a place, or of a surface that drips, kPa.
+template <int Dim> double PoreWater::headAt(const Scene<Dim>& scene, const Vec<Dim>& x) const {
+    return reference(scene, x, scene.time) + unitWeight(scene) * x[Dim - 1];
+}
+
+template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
+    auto& state = std::get<State<Dim>>(states_);
+    state.wet.clear();
+    for (auto& body : scene.bodies)
+        if (PoreState::in(body->particles) >= 0 && body->particles.size() > 0) state.wet.emplace_back(*body);
+    if (state.wet.empty()) return;
+    fillCells(scene, state);
+    addCells(scene, state);
+    addFlow(scene, state);
+    state.system.addNodes(scene.grid);
+    setSteps(scene, state);
+    state.system.finish();
+    auto& system = state.system;
+    const auto& motion = scene.grid.fields[state.field].motion;
+    state.excess = state.before;
+    iterations = 0;
+    for (auto* vector : {&state.right, &state.residual, &state.flow}) vector->resize(system.cells.size());
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        system.flowOut(region, [&](int node, int k) { return motion[node][k]; }, state.flow);
+    });
+    for (size_t c = 0; c < system.cells.size(); ++c) {
+        const auto& cell = system.cells[c];
+        state.right[c] =
+            cell.storage * state.before[c] - state.flow[c] + cell.source - state.owed[cell.number];
+    }
+    solve(scene, state, state.excess);
+    accelerate(scene, state);
+}
+
+// Which cells have soil with water, how much, and its means.
+template <int Dim> void PoreWater::fillCells(Scene<Dim>& scene, State<Dim>& state) {
+    state.fill.resize(scene.grid.count);
+    for (int cell : state.touched) state.fill[cell] = {};
+    state.touched.clear();
+    for (auto& wet : state.wet) addPoints(scene, state, wet);
+    addStrange(scene, state);
+    takeMeans(scene, state);
+}
+
+template <int Dim> void PoreWater::addPoints(const Scene<Dim>& scene, State<Dim>& state, Wet<Dim>& wet) {
+    auto& particles = wet.body->particles;
+    wet.points.start(particles, wet.body->domains->mesh());
+    wet.cell.resize(wet.points.size());
+    for (int begin = 0; begin < particles.size(); begin += chunkSize)
+        wet.points.place(scene.grid, begin, std::min(particles.size(), begin + chunkSize),
+                         wet.cell.data() + wet.points.at(begin));
+    const double gamma = unitWeight(scene);
+    for (int p = 0; p < particles.size(); ++p) {
+        const int count = wet.points.per(p);
+        const double volume = particles.volume.plane()[p] / count;
+        const Vec<Dim> at = vectorAt<Dim>(particles.position, p);
+        const double referenceThere = reference(scene, at, scene.time);
+        for (int point = wet.points.at(p); point < wet.points.at(p) + count; ++point) {
+            auto& fill = state.fill[wet.cell[point]];
+            if (fill.saturated == 0 && fill.dry == 0) state.touched.push_back(wet.cell[point]);
+            if (!(wet.saturation[p] > 0)) {
+                fill.dry += volume;
+                continue;
+            }
+            fill.saturated += volume;
+            fill.excess += volume * (wet.pressure[p] - referenceThere);
+            fill.head += volume * (referenceThere + gamma * at[Dim - 1]);
+            fill.permeability += volume * wet.permeability[p];
+            fill.porosity += volume * wet.porosity[p];
+            for (int k = 0; k < Dim; ++k) fill.centre[k] += volume * wet.points.position(p, point, k);
+        }
+    }
+}
+
+// What no water passes: bodies without water.
+template <int Dim> void PoreWater::addStrange(const Scene<Dim>& scene, State<Dim>& state) {
+    for (auto& body : scene.bodies) {
+        if (PoreState::in(body->particles) >= 0) continue;
+        auto& particles = body->particles;
+        std::vector<int> cell(particles.size(), 0);
+        for (int k = 0; k < Dim; ++k)
+            scene.grid.addCells(k, particles.position.plane(k), particles.size(), cell.data());
+        for (int p = 0; p < particles.size(); ++p) {
+            auto& fill = state.fill[cell[p]];
+            if (fill.saturated == 0 && fill.dry == 0 && fill.strange == 0) state.touched.push_back(cell[p]);
+            fill.strange += particles.volume.plane()[p];
+        }
+    }
+}
+
+// Inside of the soil, the middle of it in a cell is that of the cell.
+template <int Dim> void PoreWater::takeMeans(const Scene<Dim>& scene, State<Dim>& state) {
+    const Grid<Dim>& grid = scene.grid;
+    std::sort(state.touched.begin(), state.touched.end());
+    for (int number : state.touched) {
+        auto& fill = state.fill[number];
+        if (!(fill.saturated > 0)) continue;
+        for (double* sum : {&fill.excess, &fill.head, &fill.permeability, &fill.porosity})
+            *sum /= fill.saturated;
+        fill.centre /= fill.saturated;
+        const auto isFull = [&](int cell) {
+            const auto& other = state.fill[cell];
+            return other.saturated > fullFrom * grid.edges(cell).prod();
+        };
+        const Index<Dim> index = grid.indices(number);
+        fill.isInside = isFull(number);
+        for (int k = 0; k < Dim; ++k) {
+            if (index[k] > grid.ghost) fill.isInside &= isFull(number - grid.strides[k]);
+            if (index[k] < grid.ghost + grid.cells[k] - 1) fill.isInside &= isFull(number + grid.strides[k]);
+        }
+        if (fill.isInside) fill.centre = grid.centre(index);
+    }
+}
+
+// The unknowns.
+template <int Dim> void PoreWater::addCells(const Scene<Dim>& scene, State<Dim>& state) {
+    auto& system = state.system;
+    system.start(scene.grid.count);
+    state.before.clear();
+    for (int number : state.touched) {
+        const auto& fill = state.fill[number];
+        if (!(fill.saturated > 0)) continue;
+        auto& cell = system.addCell(scene.grid, number);
+        cell.volume = fill.isInside ? scene.grid.edges(number).prod() : fill.saturated;
+        cell.storage = fill.porosity * cell.volume / (bulkModulus * scene.dt);
+        state.before.push_back(fill.excess);
+    }
+}
+
+// Whether something presses on a face of a cell: its corners are held across it.
+template <int Dim> bool PoreWater::isHeld(const Scene<Dim>& scene, int field, int cell, int axis, int side) {
+    bool is = true;
+    for (int a = 0; a < corners<Dim>; ++a)
+        if ((cornerSign(a, axis) > 0) == bool(side))
+            is &= scene.grid.fields[field].holder[cornerOf(scene.grid, cell, a)][axis] >= 0;
+    return is;
+}
+
+// Between cells, to the surface and to the faces of the grid (two-point flux).
+template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& state) {
+    const Grid<Dim>& grid = scene.grid;
+    auto& system = state.system;
+    const double overWeight = 1 / (density * standardGravity);
+    for (int c = 0; c < int(system.cells.size()); ++c) {
+        const int number = system.cells[c].number;
+        const auto& own = state.fill[number];
+        const Index<Dim> index = grid.indices(number);
+        const Vec<Dim> edges = grid.edges(number);
+        for (int k = 0; k < Dim; ++k)
+            for (int side = 0; side < 2; ++side) {
+                const int at = index[k] - grid.ghost;
+                if (side ? at == grid.cells[k] - 1 : at == 0) {
+                    addWall(scene, state, c, k, side);
+                    continue;
+                }
+                const int beside = number + (side ? 1 : -1) * grid.strides[k], other = system.cellAt(beside);
+                const auto& there = state.fill[beside];
+                const double area = edges.prod() / edges[k];
+                if (other < 0) {
+                    const bool isClosed = sealed || there.strange > fullFrom * grid.edges(beside).prod() ||
+                                          isHeld(scene, state.field, number, k, side);
+                    if (isClosed) continue;
+                    const double way =
+                        0.5 * std::clamp(own.saturated / edges.prod(), leastCover, 1.0) * edges[k];
+                    Vec<Dim> surface = own.centre;
+                    surface[k] += side ? way : -way;
+                    const double conductance = own.permeability * overWeight * area / way;
+                    const bool isTable = own.dry > 0 || there.dry > 0; // and no surface of the soil
+                    system.cells[c].flow += conductance;
+                    system.cells[c].source += isTable ? 0 : conductance * (headAt(scene, surface) - own.head);
+                    continue;
+                }
+                if (!side) continue; // once
+                const double face = grid.line(k, index[k] + 1);
+                const double to = std::max(face - own.centre[k], 0.0),
+                             from = std::max(there.centre[k] - face, 0.0);
+                const double way = to + from, least = leastWay * edges[k];
+                const double cover = own.isInside || there.isInside
+                                         ? 1
+                                         : std::min({1.0, own.saturated / edges.prod(),
+                                                     there.saturated / grid.edges(beside).prod()});
+                const double resistance =
+                    way > 0 ? to / own.permeability + from / there.permeability : least / own.permeability;
+                const double conductance =
+                    cover * area * overWeight / (resistance * std::max(1.0, way > 0 ? least / way : 1.0));
+                if (conductance > 0)
+                    system.faces.push_back({c, other, conductance, conductance * (own.head - there.head)});
+            }
+    }
+}
+
+template <int Dim>
+void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int axis, int side) {
+    double level = notGiven;
+    for (size_t i = 0; i + 1 < heads.size(); i += 2)
+        if (int(heads[i]) == 2 * axis + side) level = heads[i + 1];
+    if (std::isnan(level)) return;
+    const Grid<Dim>& grid = scene.grid;
+    auto& cell = state.system.cells[c];
+    const auto& fill = state.fill[cell.number];
+    const Vec<Dim> edges = grid.edges(cell.number);
+    Vec<Dim> x = fill.centre;
+    x[axis] = side ? grid.upper[axis] : grid.lower[axis];
+    const double way = std::max(std::abs(x[axis] - fill.centre[axis]), leastCover * edges[axis]);
+    const double conductance =
+        fill.permeability / (density * standardGravity) * edges.prod() / edges[axis] / way;
+    const double gamma = unitWeight(scene),
+                 head = gamma > 0 ? std::max(gamma * level, gamma * x[Dim - 1]) : 0;
+    cell.flow += conductance;
+    cell.source += conductance * (head - fill.head);
+}
+
+template <int Dim> void PoreWater::setSteps(const Scene<Dim>& scene, State<Dim>& state) {
+    using NF = NodalField<Dim>;
+    const auto& field = scene.grid.fields[state.field];
+    const double least = scene.leastMass();
+    for (auto& node : state.system.nodes) {
+        const double mass = field.sum[node.number][NF::mass];
+        for (int k = 0; k < Dim; ++k)
+            node.step[k] = mass > least && field.holder[node.number][k] < 0 ? scene.dt / mass : 0;
+    }
+}
+
+template <int Dim> void PoreWater::solve(Scene<Dim>& scene, State<Dim>& state, std::vector<double>& u) {
+    int needed = 0;
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        const int found =
+            state.system.solve(region, state.right, tolerance, mostIterations, u, state.residual);
+        region.once([&] { needed = found; });
+    });
+    if (needed < 0)
+        throw RunError(message("step ", scene.step, ": PoreWater: the pressure is not found in ",
+                               mostIterations, " iterations; lower dt or raise tolerance, ", tolerance,
+                               " kPa"));
+    iterations += needed;
+}
+
+// What the pressure does to the motion of the nodes, and to what holds them.
+template <int Dim> void PoreWater::accelerate(Scene<Dim>& scene, State<Dim>& state) {
+    using NF = NodalField<Dim>;
+    auto& field = scene.grid.fields[state.field];
+    const Vec<Dim> gravity = gravityOf(scene);
+    for (const auto& node : state.system.nodes) {
+        const auto& sum = field.sum[node.number];
+        if (!(sum[NF::mass] > 0)) continue;
+        const Vec<Dim> force = state.system.force(node, state.excess);
+        auto& motion = field.motion[node.number];
+        for (int k = 0; k < Dim; ++k) {
+            const double own = NF::velocityAtStart(sum, k);
+            if (const int holder = field.holder[node.number][k]; holder >= 0) {
+                Constraint& constraint = *scene.constraints[holder];
+                const double work = force[k] * scene.heldMean(holder, k, own) * scene.dt;
+                addReaction<Dim>(scene.grid.nodePosition(node.number), constraint.centre, k, -force[k],
+                                 constraint.reaction, constraint.moment);
+                constraint.work -= work;
+                scene.energies.loads += work;
+                continue;
+            }
+            const double more = node.step[k] * force[k];
+            motion.set(NF::acceleration + k, motion[NF::acceleration + k] + more / scene.dt);
+            motion.set(k, motion[k] + more);
+            scene.energies.loads += force[k] * 0.5 * (own + motion[k]) * scene.dt;
+            scene.energies.gravity += sum[NF::weightMass] * gravity[k] * 0.5 * more * scene.dt;
+        }
+    }
+}
+
+// Once more with the velocity that strains the soil: the balance of water closes for what the particles get.
+template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
+    auto& state = std::get<State<Dim>>(states_);
+    if (state.wet.empty()) return;
+    auto& system = state.system;
+    auto& field = scene.grid.fields[state.field];
+    const int n = int(system.cells.size());
+    parallel(scene.threads, [&](ParallelRegion& region) {
+        system.flowOut(region, [&](int node, int k) { return field.velocityOf(node, k); }, state.flow);
+    });
+    outflow = 0;
+    for (int c = 0; c < n; ++c) {
+        const auto& cell = system.cells[c];
+        state.right[c] = -(cell.storage * (state.excess[c] - state.before[c]) + state.flow[c] +
+                           system.flowAway(c, state.excess) - cell.source + state.owed[cell.number]);
+    }
+    state.change.assign(n, 0.0);
+    solve(scene, state, state.change);
+    for (const auto& node : system.nodes) {
+        const Vec<Dim> more = system.force(node, state.change).cwiseProduct(node.step);
+        for (int k = 0; k < Dim; ++k)
+            if (node.step[k] > 0)
+                field.setVelocity(node.number, k, field.velocityOf(node.number, k) + more[k]);
+    }
+    std::fill(state.owed.begin(), state.owed.end(), 0.0);
+    debt.clear();
+    for (int c = 0; c < n; ++c) {
+        const auto& cell = system.cells[c];
+        state.excess[c] += state.change[c];
+        state.owed[cell.number] = -state.residual[c];
+        debt.insert(debt.end(), {double(cell.number), -state.residual[c]});
+    }
+    for (int c = 0; c < n; ++c) // what passes faces between cells adds up to nothing
+        outflow += system.flowAway(c, state.excess) - system.cells[c].source;
+    giveToParticles(scene, state);
+}
+
+// Of the excess in a cell, limited by its neighbours (van Leer 1977), kPa/m.
+template <int Dim>
+Vec<Dim> PoreWater::slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int c) const {
+    const Grid<Dim>& grid = scene.grid;
+    const int number = state.system.cells[c].number;
+    Vec<Dim> slope = Vec<Dim>::Zero();
+    for (int k = 0; k < Dim; ++k) {
+        const int low = state.system.cellAt(number - grid.strides[k]),
+                  high = state.system.cellAt(number + grid.strides[k]);
+        if (low < 0 || high < 0) continue;
+        const double x = state.fill[number].centre[k];
+        const double before = (state.excess[c] - state.excess[low]) /
+                              (x - state.fill[state.system.cells[low].number].centre[k]);
+        const double after = (state.excess[high] - state.excess[c]) /
+                             (state.fill[state.system.cells[high].number].centre[k] - x);
+        if (before * after > 0)
+            slope[k] = std::copysign(
+                std::min(0.5 * std::abs(before + after), 2 * std::min(std::abs(before), std::abs(after))),
+                before);
+    }
+    return slope;
+}
+
+template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>& state) {
+    std::vector<Vec<Dim>> slope(state.system.cells.size());
+    for (size_t c = 0; c < slope.size(); ++c) slope[c] = slopeOf(scene, state, int(c));
+    const double end = scene.time + scene.dt;
+    for (auto& wet : state.wet) {
+        for (int p = 0; p < wet.body->particles.size(); ++p) {
+            if (!(wet.saturation[p] > 0)) continue;
+            const Vec<Dim> x = vectorAt<Dim>(wet.body->particles.position, p);
+            double excess = 0;
+            for (int point = wet.points.at(p); point < wet.points.at(p) + wet.points.per(p); ++point) {
+                const int c = state.system.cellAt(wet.cell[point]);
+                excess += state.excess[c] + slope[c].dot(x - state.fill[wet.cell[point]].centre);
+            }
+            wet.pressure[p] = excess / wet.points.per(p) + reference(scene, x, end);
+        }
+        lift(scene, wet, end);
+    }
+}
+
+// Buoyancy below the table, and what its slope drives: the body force of the hydrostatic pressure, m/s2.
+template <int Dim> void PoreWater::lift(Scene<Dim>& scene, Wet<Dim>& wet, double time) {
+    auto& particles = wet.body->particles;
+    particles.needBodyForce();
+    const double gamma = unitWeight(scene), h = scene.grid.smallestCell()[0];
+    for (int p = 0; p < particles.size(); ++p) {
+        const Vec<Dim> x = vectorAt<Dim>(particles.position, p);
+        Vec<Dim> force = Vec<Dim>::Zero();
+        if (wet.saturation[p] > 0 && reference(scene, x, time) > 0) {
+            force[Dim - 1] = gamma;
+            Vec<Dim> before = x, after = x;
+            before[0] -= 0.5 * h;
+            after[0] += 0.5 * h;
+            force[0] -= gamma * (levelAt<Dim>(after, time) - levelAt<Dim>(before, time)) / h;
+        }
+        force *= particles.initialVolume.plane()[p] / particles.mass.plane()[p];
+        for (int k = 0; k < Dim; ++k) particles.bodyForce.plane(k)[p] = force[k];
+    }
+}
+
+template void PoreWater::act(Scene<2>&);
+template void PoreWater::act(Scene<3>&);
+
+MPM_REGISTER(Engine, PoreWater);
+
+} // namespace mpm

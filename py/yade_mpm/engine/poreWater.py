@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Water in the pores of soil."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.wording import shown
+from ..geometry.numbers import isNumber
+from .engine import generated
+from .supports import timeRows
+
+FACES = {2: ("left", "right", "bottom", "top"), 3: ("left", "right", "front", "back", "bottom", "top")}
+
+
+class PoreWater(generated["PoreWater"]):
+    __doc__ = (
+        generated["PoreWater"].__doc__
+        + """
+
+        water = mpm.PoreWater(table=8.0, permeability=1e-7, porosity=0.4)
+        clay = scene.add("clay", mpm.box((0, 0), (20, 8)), law, water=water)
+        scene.groundStress(K0=0.6)
+
+Soil below the table is full of water and stays so; its density includes the water. Where the table is above
+the ground, that is under water, with its pressure on the ground. Water leaves through the surface of the
+soil; faces of the grid, bodies without water and what is driven are closed.
+
+table : m, level; or rows (x, level), linear between them; default: 0 kPa everywhere, and no buoyancy.
+permeability : m/s, hydraulic conductivity, default 1e-7; 0: undrained. porosity : -, default 0.4.
+rise : rows (time, height), s and m, that the table rises by, as a boundary of the soil that is full of water.
+heads : dict face -> level, m, of the water behind a face of the grid ("left", "right", "bottom" ...).
+sealed : True: no water passes the surface of the soil.
+
+A soil with another permeability or porosity has another `PoreWater`, equal in the rest. Results:
+`body.porePressure`, kPa, compression positive; `outflow`, m3/s; `iterations`."""
+    )
+
+    def __init__(
+        self,
+        table: float | ArrayLike | None = None,
+        permeability: float = 1e-7,
+        porosity: float = 0.4,
+        rise: ArrayLike | None = None,
+        heads: dict[str, float] | Sequence[float] | None = None,
+        **attributes,
+    ) -> None:
+        for name, value, isAllowed, what in (
+            ("permeability", permeability, lambda v: v >= 0, "zero or a positive number, m/s"),
+            ("porosity", porosity, lambda v: 0 < v < 1, "a number between 0 and 1"),
+        ):
+            if not (isNumber(value) and isAllowed(value)):
+                raise ValueError(f"PoreWater: {name} = {shown(value)} is not allowed; give {what}")
+        if isNumber(table):
+            table = [(0.0, table)]
+        elif table is not None and np.ndim(table) == 1:  # from a checkpoint
+            table = np.reshape(table, (-1, 2))
+        if table is not None:
+            attributes["table"] = timeRows("PoreWater", "table", table, 1, None).ravel().tolist()
+        if rise is not None:
+            rise = np.reshape(rise, (-1, 2)) if np.ndim(rise) == 1 else rise
+            attributes["rise"] = timeRows("PoreWater", "rise", rise, 1, None).ravel().tolist()
+        named = heads if isinstance(heads, dict) else {}
+        if heads is not None and not isinstance(heads, dict):
+            attributes["heads"] = list(heads)
+        super().__init__(**attributes)
+        self.__dict__.update(permeability=float(permeability), porosity=float(porosity), _named=named)
+
+    def _enter(self, scene):
+        """What is known of the faces only with a scene."""
+        faces = FACES[scene.dim]
+        if unknown := [face for face in self._named if face not in faces]:
+            raise ValueError(
+                f"PoreWater: heads has {shown(unknown[0])}, which is no face; give {', '.join(faces)}"
+            )
+        if self._named:
+            rows = [(k, self._named[face]) for k, face in enumerate(faces) if face in self._named]
+            self._core.set("heads", np.ravel(rows).astype(float).tolist())
+
+    def _sameAs(self, other):
+        """What two of them disagree on, or nothing."""
+        mine, its = ({**one.attributes(), "heads": one._named or None} for one in (self, other))
+        ignored = ("iterations", "outflow", "debt", "label")
+        return [name for name in mine if name not in ignored and mine[name] != its.get(name)]
+
+    def level(self, positions, time=0.0):
+        """Level of the table over places (N, dim), m: -inf where there is none."""
+        rows = np.reshape(self.table, (-1, 2))
+        if not len(rows):
+            return np.full(len(positions), -np.inf)
+        rise = np.reshape(self.rise, (-1, 2))
+        return np.interp(positions[:, 0], *rows.T) + (np.interp(time, *rise.T) if len(rise) else 0.0)

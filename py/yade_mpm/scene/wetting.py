@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Soil with water in its pores."""
+
+import numpy as np
+
+from ..base.wording import shown
+from ..engine.poreWater import PoreWater
+
+
+def checkWater(scene, name, water, implicit):
+    """Before a body is made: whether it may have this water."""
+    if not isinstance(water, PoreWater):
+        raise TypeError(f"body '{name}': water = {shown(water)}; give mpm.PoreWater(table=...)")
+    if implicit:
+        raise ValueError(f"body '{name}': water and implicit=True are given together; leave one out")
+    if scene.scheme != "MUSL":
+        raise ValueError(f"body '{name}': water needs scheme='MUSL', and this is {scene.scheme}")
+    there = waterOf(scene)
+    if there is not None and there is not water and (different := there._sameAs(water)):
+        raise ValueError(
+            f"body '{name}': water has another {different[0]} than that of the scene; only permeability and "
+            "porosity may differ"
+        )
+    water._enter(scene)
+
+
+def giveWater(scene, body, water):
+    """Fills the pores of a body below the table, with the hydrostatic pressure."""
+    if waterOf(scene) is None:
+        scene.engines.insert(scene.engines.index(scene._gridSolver("add")) + 1, water)
+    addPores(body)
+    depth = water.level(body.position, scene.time) - body.position[:, -1]
+    body.saturation = (depth > 0) | (not water.table)
+    body.permeability, body.porosity = water.permeability, water.porosity
+    gravity = scene._gridSolver("add").gravity or (0,)
+    body.porePressure = water.density * abs(gravity[-1]) * np.maximum(depth, 0)
+
+
+def addPores(body):
+    """Room for the state of the water in the particles of a body."""
+    body._core.addPores()
+    body.__dict__["_fields"] = {field["name"] for field in body._core.fields(False)}
+
+
+def waterOf(scene):
+    """The PoreWater of a scene, or None."""
+    return next((engine for engine in scene.engines if isinstance(engine, PoreWater)), None)
+
+
+def displaced(scene, body):
+    """Mass of the water that particles below the table displace, Mg."""
+    if not body._core.hasPores:
+        return 0.0
+    water = waterOf(scene)
+    isUnder = (body.saturation > 0) & (water.level(body.position, scene.time) > body.position[:, -1])
+    return water.density * isUnder * body.initialVolume

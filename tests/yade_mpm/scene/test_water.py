@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Soil with water: what is refused, kept in checkpoints, and the same on any number of threads."""
+
+from math import radians
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from inputs import cases, refused
+from yade_mpm import box
+
+CLAY = dict(density=2.0, young=1e4, poisson=0.3, cohesion=5.0, frictionAngle=radians(25), dilatancyAngle=0)
+
+
+def pressed(threads=1, dim=2, steps=0, rate=0.1, **water):
+    """Wet ground of two soils, a part of whose surface is pressed down."""
+    h = 0.25
+    lower, upper = (0,) * dim, (2.0,) + (0.5,) * (dim - 2) + (1.75,)
+    scene = mpm.Scene(lower, upper, h, gravity=9.81, threads=threads)
+    scene.fix("bottom")
+    scene.roller("left", "right", *(("front", "back") if dim == 3 else ()))
+    law = mpm.MohrCoulomb(**CLAY)
+    low, middle, top = lower, (*upper[:-1], 0.75), (*upper[:-1], 1.5)
+    given = dict(table=1.2, porosity=0.4) | water
+    scene.add("sand", box(low, middle), law, mpm.UGIMP(), water=mpm.PoreWater(permeability=1e-3, **given))
+    clay = box((*lower[:-1], 0.75), top)
+    scene.add("clay", clay, law, mpm.UGIMP(), water=mpm.PoreWater(permeability=1e-6, **given))
+    scene.groundStress(K0=0.6)
+    scene.drive(box((*lower[:-1], 1.5 - 1e-6), (0.5, *upper[1:])), velocity=(0,) * (dim - 1) + (-rate,), ramp=0.01)
+    scene.run(steps=steps, progress=False)
+    return scene
+
+
+def state(scene):
+    fields = ("porePressure", "stress", "position", "velocity", "permeability", "saturation")
+    return [np.array(getattr(body, name)) for body in scene.bodies for name in fields]
+
+
+def same(scene, other):
+    return all(np.array_equal(a, b) for a, b in zip(state(scene), state(other)))
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_threads_and_a_checkpoint_change_no_bit(tmp_path, dim):
+    scene, other = pressed(dim=dim, steps=30), pressed(dim=dim, steps=30, threads=2)
+    assert scene["clay"].porePressure.max() > 1.0 and same(scene, other)
+    scene.save(tmp_path / "c.h5")
+    loaded = mpm.load(tmp_path / "c.h5")
+    for one in (scene, loaded):
+        one.run(steps=30, progress=False)
+    assert same(scene, loaded)
+
+
+def test_each_soil_has_its_permeability_and_the_table_divides_it():
+    scene = pressed()
+    sand, clay = scene.bodies
+    assert set(sand.permeability) == {1e-3} and set(clay.permeability) == {1e-6}
+    assert np.array_equal(clay.saturation > 0, clay.position[:, 1] < 1.2)
+    assert len([e for e in scene.engines if isinstance(e, mpm.PoreWater)]) == 1
+    assert sand.porePressure == pytest.approx(9.81 * (1.2 - sand.position[:, 1]))
+
+
+def test_a_table_that_falls_drains_the_ground():
+    """As a boundary: the pressure falls with it."""
+    scene = pressed(rise=[(0, 0), (0.1, -0.5)], bulkModulus=1e3, rate=0)
+    before = scene["sand"].porePressure.mean()
+    scene.run(until=0.3, progress=False)
+    assert before == pytest.approx(8.09, abs=0.01)
+    assert scene["sand"].porePressure.mean() == pytest.approx(9.81 * 0.7**2 / 2 / 0.75, rel=0.25)
+
+
+def made(**options):
+    def make():
+        scene = mpm.Scene((0, 0), (1, 1), 0.25, scheme=options.pop("scheme", "MUSL"))
+        scene.fix("bottom")
+        body = box((0, 0), (1, 0.5))
+        water = options.pop("water", None) or mpm.PoreWater(**options.pop("of", {}))
+        return scene.add("soil", body, mpm.MohrCoulomb(**CLAY), mpm.UGIMP(), water=water, **options)
+
+    return make
+
+
+def twoTables():
+    body = made(of={"table": 0.3})()
+    more = mpm.PoreWater(table=0.4)
+    body.scene.add("more", box((0, 0.5), (1, 0.75)), body.material, mpm.UGIMP(), water=more)
+
+
+def inContact():
+    body = made()()
+    steel = mpm.LinearElastic(density=7.0, young=1e5, poisson=0.3)
+    pile = body.scene.add("pile", box((0.25, 0.5), (0.75, 0.75)), steel, mpm.APDI(size=0.125), implicit=False)
+    body.scene.contact(pile, body)
+    body.scene.run(steps=1, progress=False)
+
+
+@cases(
+    ("permeability = -1", lambda: mpm.PoreWater(permeability=-1)),
+    ("porosity = 1.2", lambda: mpm.PoreWater(porosity=1.2)),
+    ("table: times do not grow", lambda: mpm.PoreWater(table=[(1, 2), (0, 3)])),
+    ("heads has 'north' ... left, right", made(of={"heads": {"north": 1.0}})),
+    ("water = 3; give mpm.PoreWater", made(water=3), TypeError),
+    ("implicit=True", made(implicit=True, fbar=False)),
+    ("needs scheme='MUSL'", made(scheme="USL")),
+    ("another table", twoTables),
+    ("bodies in contact with soil that has water", inContact),
+    ("'soil' has water; call scene.groundStress", lambda: made()().scene.initialStress(surface=0.5, K0=0.5)),
+)
+def test_what_is_refused(named, make, kind):
+    refused(named, make, kind)

@@ -9,16 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import _core
 from ..base.attributes import Guarded
 from ..base.keywords import checked
-from ..base.kinds import COUNT, FLAG, POSITIVE, takes
 from ..base.wording import shown
-from ..engine import chain
-from ..engine.engine import Engine
-from ..engine.gridSolver import GridSolver
-from ..engine.prescribed import Prescribed
-from ..geometry.numbers import isNumber
 from ..particle.body import Body
 from . import asking, display
 from .adding import Bodies, add
@@ -32,6 +25,8 @@ from .grading import Grading, linesOf
 from .grid import cellSize, corner, makeCore
 from .groundStress import groundStress
 from .groups import contact
+from .hasClock import HasClock
+from .hasEngines import HasEngines
 from .holder import Holder
 from .nodes import GHOSTS, cellSizeAt, faceNodes, nodePositions, nodesInside
 from .removing import remove
@@ -53,11 +48,8 @@ from .settling import settle, unbalancedForce
 from .stages import stage
 from .stepper import Stepper
 
-MOST_THREADS = 1024
-PARTICLES_PER_THREAD = 1000  # a block of 2000 is 1.5 times as fast on two (doc/explanation/performance.md)
 
-
-class Scene(Guarded):
+class Scene(HasEngines, HasClock, Guarded):
     """A grid, the bodies on it, the engines of a step, and a clock: everything a run works on.
 
         scene = mpm.Scene(lower=(0, 0), upper=(4, 2), cell=0.25, gravity=9.81)
@@ -248,12 +240,6 @@ class Scene(Guarded):
     particleCount = property(
         lambda self: sum(b.count for b in self.bodies), doc="Number of particles of all bodies."
     )
-    dtSpeed = property(
-        lambda self: self.stepper.speedDt(),
-        doc="Step in which what moves fastest moves 0.2 of the smallest cell, s.",
-    )
-    time = property(lambda self: self._core.time, doc="Scene time, s.")
-    steps = property(lambda self: self._core.step, doc="Number of steps taken.")
     constraints = property(
         lambda self: list(self.stepper.constraints), doc="All prescribed motions, faces included."
     )
@@ -270,182 +256,6 @@ class Scene(Guarded):
         lambda self: [dict(row, values=dict(row["values"])) for row in self._stages],
         doc="Stages that have ended (`stage`): list of dicts with name, begin and end (s), values.",
     )
-
-    @property
-    def gravity(self) -> np.ndarray:
-        """Gravity of the GridSolver, m/s2 (dim,); set it by a number (downwards) or a vector."""
-        return np.array(self._gridSolver("Scene").gravity or [0.0] * self.dim)
-
-    @gravity.setter
-    def gravity(self, value: ArrayLike) -> None:
-        self._ask("gravity", asking.gravityVector(self, value))
-
-    @property
-    def damping(self) -> float:
-        """Local damping of the GridSolver, -."""
-        return self._gridSolver("Scene").damping
-
-    @damping.setter
-    def damping(self, value: float) -> None:
-        self._ask("damping", value)
-
-    def _ask(self, name, value):
-        """Sets an attribute of the GridSolver, which has to stay from then on."""
-        refuseDuringStep(self, name)
-        solver = self._gridSolver("Scene")
-        setattr(solver, name, value)
-        self._asked.add(solver)
-
-    # --- engines --------------------------------------------------------------------------------------
-    @property
-    def engines(self) -> list[Engine]:
-        """The chain of engines; assign a list to change it.
-
-        Default: ParticleToGrid, GridSolver, GridToParticle, DomainUpdater (USF: DomainUpdater before
-        GridSolver). The scene adds VelocityRemap behind GridToParticle (USF: before DomainUpdater; USL: not).
-        They serve this scene alone; `dead=True` leaves one out.
-        """
-        if self._engines is None:
-            self.engines = chain.defaultChain()
-            self._defaultSolver = self._gridSolver("Scene")
-        return self._engines
-
-    @engines.setter
-    def engines(self, engines: Sequence[Engine]) -> None:
-        refuseDuringStep(self, "engines")
-        engines = list(engines) if isinstance(engines, (list, tuple)) else [engines]
-        self._putInOrder(engines)
-        self._engines = engines
-        self.stepper.noteChange()
-
-    _hasEngines = property(
-        lambda self: self._engines is not None, doc="Whether engines were given, or made as a default."
-    )
-
-    def _putInOrder(self, engines):
-        """Adds what the scheme asks for to a chain, in the list itself.
-
-        TypeError for what is no engine, ValueError for stages in no order.
-        """
-        for engine in engines:
-            if not isinstance(engine, Engine):
-                kind = type(engine).__name__
-                where = f"give it to GridSolver({kind.lower()}=...)" if isinstance(engine, Prescribed) else ""
-                raise TypeError(
-                    f"Scene: {shown(engine)} is not an engine; {where or 'give a list of engines'}"
-                )
-        order = self._core.stageOrder
-        chain.complete(engines, order, self._added)
-        chain.checkOrder(engines, order, self.scheme)
-        self._asked.refuseLost(engines)
-
-    def _isLeftAsMade(self):
-        """Whether the GridSolver is that of the default chain, as it was: without gravity and walls."""
-        solver = self._defaultSolver
-        isThere = any(engine is solver for engine in self.engines)
-        return isThere and not (any(solver.gravity) or solver._constraints(self))
-
-    def _gridSolver(self, who):
-        """The GridSolver among the engines; ValueError, in the name of `who`, if there is none."""
-        for engine in self.engines:
-            if isinstance(engine, GridSolver):
-                return engine
-        raise ValueError(f"{who}: there is no GridSolver among the engines; add one to scene.engines")
-
-    @property
-    def scheme(self) -> str:
-        """ "MUSL", "USF" or "USL"."""
-        return self._core.scheme
-
-    @scheme.setter
-    def scheme(self, name):
-        if self._engines is not None:
-            raise ValueError("Scene: set the scheme before the engines")
-        if not isinstance(name, str):
-            raise ValueError(
-                f"Scene: scheme = {shown(name)} is not allowed; give one of 'MUSL', 'USF', 'USL'"
-            )
-        self._core.scheme = name
-
-    def timing(self) -> dict[str, tuple[float, int]]:
-        """Dict engine -> (seconds, calls) since the scene was made."""
-        return {(e.label or type(e).__name__): (e.seconds, e.calls) for e in self.engines}
-
-    # --- time step and threads ------------------------------------------------------------------------
-    @property
-    def dt(self) -> float | None:
-        """Time step, s. Left out: 0.8 (USL: 0.55) of the critical step, which is estimated again every 5000
-        steps and where stiffness has grown by a quarter: particles that grow or are cut, constants that a
-        callback changes (doc/explanation/time-step.md)."""
-        return self._dt if self._dt is not None else (self._core.dt or None)
-
-    @dt.setter
-    def dt(self, value: float | None) -> None:
-        refuseDuringStep(self, "dt")
-        if value is not None and not (isNumber(value) and 0 < value < np.inf):
-            raise ValueError(
-                f"Scene: dt = {shown(value)} s is not allowed; give a positive number, or None for an "
-                "automatic "
-                "step"
-            )
-        self._dt = None if value is None else float(value)
-        self.stepper.noteChange()
-
-    @property
-    def allowUnstable(self) -> bool:
-        """Whether dt may exceed the longest stable step."""
-        return self._allowUnstable
-
-    @allowUnstable.setter
-    def allowUnstable(self, value):
-        if not isinstance(value, (bool, np.bool_)):
-            raise ValueError(f"Scene: allowUnstable = {shown(value)} is not allowed; give True or False")
-        self._allowUnstable = bool(value)
-
-    @property
-    def threads(self) -> int:
-        """Number of threads in use.
-
-        As given, or one for every 1000 particles but at most OMP_NUM_THREADS (all cores); a run tries a
-        single one now and then, and stays with the faster.
-        """
-        byParticles = max(1, self.particleCount // PARTICLES_PER_THREAD)
-        return self._threads or min(_core.availableThreads(), byParticles)
-
-    @threads.setter
-    def threads(self, value: int | None) -> None:
-        isCount = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-        if value is not None and not (isCount and 1 <= value <= MOST_THREADS):
-            raise ValueError(
-                f"Scene: threads = {shown(value)} is not allowed; give a whole number from 1 to "
-                f"{MOST_THREADS}, "
-                f"or None for a choice by the number of particles"
-            )
-        self._threads = None if value is None else int(value)
-        self.stepper.noteChange(mayBeUnstable=False)
-
-    @takes(tolerance=POSITIVE, iterations=COUNT, asIfExplicit=FLAG)
-    def criticalTimeStep(
-        self, tolerance: float = 1e-4, iterations: int = 300, asIfExplicit: bool = False
-    ) -> float:
-        """Critical time step of the scene as it stands, s: 2/omega_max of the assembled elastic grid
-        operator, or the longest stable step of the scheme if that is shorter (doc/explanation/time-step.md).
-
-        Also sets `dtCritical`, `dtStable` and `stiffest`. Source: spectral bound of the central-difference
-        scheme and of the one-step map; Lanczos iteration.
-
-        Parameters
-        ----------
-        tolerance : float, relative change of the eigenvalue over ten iterations at which to stop; default
-            1e-4.
-        iterations : int, most iterations; default 300.
-        asIfExplicit : bool, whether the stiffness of implicit bodies counts like that of others, for
-            comparison: nothing is set then; default False.
-        """
-        self._refuseWhileRunning("criticalTimeStep")
-        refuseMidStep(self, "criticalTimeStep")
-        with self._holder.held("criticalTimeStep"):
-            return self.stepper.estimateCriticalStep(tolerance, iterations, asIfExplicit)
 
     # --- running --------------------------------------------------------------------------------------
     def prepare(self) -> None:

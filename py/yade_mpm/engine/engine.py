@@ -28,13 +28,15 @@ class Engine(Attributed):
 
     _hooks = ("bind", "flush", "restoreState", "state", "stepsToCall")
     _owner = None  # weak reference to the scene that it works for
+    _tables = ()  # attributes of as many rows as the user likes
     _isBound = False  # checked against a scene: vectors keep their length from then on
 
     def __setattr__(self, name, value):
         name = currentName(type(self), name) or name
         before = None if name.startswith("_") else getattr(self, name, None)
         super().__setattr__(name, value)
-        if self._isBound and isinstance(before, tuple) and len(getattr(self, name)) != len(before):
+        isVector = isinstance(before, tuple) and name not in self._tables
+        if self._isBound and isVector and len(getattr(self, name)) != len(before):
             given = len(getattr(self, name))
             self._core.set(name, before)
             raise ValueError(f"{type(self).__name__}: {name} has {given} components; give {len(before)}")

@@ -39,6 +39,8 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
 `body.porePressure`, kPa, compression positive; `outflow`, m3/s; `iterations`."""
     )
 
+    _tables = ("table", "rise", "heads")
+
     def __init__(
         self,
         table: float | ArrayLike | None = None,
@@ -54,20 +56,22 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
         ):
             if not (isNumber(value) and isAllowed(value)):
                 raise ValueError(f"PoreWater: {name} = {shown(value)} is not allowed; give {what}")
-        if isNumber(table):
-            table = [(0.0, table)]
-        elif table is not None and np.ndim(table) == 1:  # from a checkpoint
-            table = np.reshape(table, (-1, 2))
-        if table is not None:
-            attributes["table"] = timeRows("PoreWater", "table", table, 1, None).ravel().tolist()
-        if rise is not None:
-            rise = np.reshape(rise, (-1, 2)) if np.ndim(rise) == 1 else rise
-            attributes["rise"] = timeRows("PoreWater", "rise", rise, 1, None).ravel().tolist()
+        for name, rows in (("table", table), ("rise", rise)):
+            if rows is not None:
+                attributes[name] = rows
         named = heads if isinstance(heads, dict) else {}
         if heads is not None and not isinstance(heads, dict):
             attributes["heads"] = list(heads)
         super().__init__(**attributes)
         self.__dict__.update(permeability=float(permeability), porosity=float(porosity), _named=named)
+
+    def _assign(self, name, value):
+        """Tables as numbers, rows, or rows one behind the other, as checkpoints have them."""
+        if name in ("table", "rise") and not (isinstance(value, (list, tuple)) and len(value) == 0):
+            rows = [(0.0, value)] if isNumber(value) else value
+            rows = np.reshape(rows, (-1, 2)) if np.ndim(rows) == 1 and len(rows) % 2 == 0 else rows
+            value = timeRows("PoreWater", name, rows, 1, None).ravel().tolist()
+        super()._assign(name, value)
 
     def _enter(self, scene):
         """What is known of the faces only with a scene."""

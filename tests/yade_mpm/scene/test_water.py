@@ -26,7 +26,9 @@ def pressed(threads=1, dim=2, steps=0, rate=0.1, **water):
     clay = box((*lower[:-1], 0.75), top)
     scene.add("clay", clay, law, mpm.UGIMP(), water=mpm.PoreWater(permeability=1e-6, **given))
     scene.groundStress(K0=0.6)
-    scene.drive(box((*lower[:-1], 1.5 - 1e-6), (0.5, *upper[1:])), velocity=(0,) * (dim - 1) + (-rate,), ramp=0.01)
+    scene.drive(
+        box((*lower[:-1], 1.5 - 1e-6), (0.5, *upper[1:])), velocity=(0,) * (dim - 1) + (-rate,), ramp=0.01
+    )
     scene.run(steps=steps, progress=False)
     return scene
 
@@ -67,6 +69,27 @@ def test_a_table_that_falls_drains_the_ground():
     scene.run(until=0.3, progress=False)
     assert before == pytest.approx(8.09, abs=0.01)
     assert scene["sand"].porePressure.mean() == pytest.approx(9.81 * 0.7**2 / 2 / 0.75, rel=0.25)
+
+
+def test_a_pit_that_is_pumped_dry_has_water_flow_in_from_below():
+    """Below its bottom the pressure falls from that of the water that stood there."""
+    scene = mpm.Scene((0, 0), (6, 4), 0.25, gravity=9.81, damping=0.3)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    water = mpm.PoreWater(table=3.0, permeability=1e-3)
+    soil = scene.add(
+        "soil", box((0, 0), (6, 3)), mpm.MohrCoulomb(**CLAY | {"cohesion": 20}), mpm.UGIMP(), water=water
+    )
+    scene.groundStress(K0=0.6)
+    scene.remove(region=box((4, 2), (6, 4)))
+    scene.run(until=0.5, progress=False)
+    below = (soil.position[:, 0] > 5) & (soil.position[:, 1] > 1.75)
+    wet = soil.porePressure[below].mean()
+    assert wet == pytest.approx(9.81 * 1.125, rel=0.1)  # a pit full of water
+    water.table = [(0, 3), (3.9, 3), (4.1, 2), (6, 2)]
+    assert water.table[:2] == (0, 3)
+    scene.run(until=1.5, progress=False)
+    assert 0 < soil.porePressure[below].mean() < 0.5 * wet
 
 
 def made(**options):

@@ -20,6 +20,7 @@ from .balance import (
     unseenEnergy,
     workDone,
 )
+from .drainage import drainage
 from .facePressure import FacePressure, facePressure
 from .forces import meanStressAlong, sectionForce, stripes, unbalancedRatio
 from .sections import SectionForces, bendingMoment, normalForce, sectionForces, shearForce
@@ -36,6 +37,7 @@ from .shapes import (
 
 __all__ = [
     "mass",
+    "drainage",
     "volumeRatio",
     "momentum",
     "kineticEnergy",

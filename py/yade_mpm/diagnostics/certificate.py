@@ -79,6 +79,8 @@ class Certificate:
         long enough (`notJudged`): it needs half a cell before a row and 0.15 behind it.
     unseenRatio : largest `diagnostics.unseenEnergy` over the work done, -: where particles move against each
         other soil that yields becomes too weak; None: the history has no such column.
+    drainage : sentence that says whether pore water has time to leave, by `diagnostics.drainage`; None: there
+        is none. It is no part of the verdict.
     after : rows of the history from this time on count, s.
     limits : dict name -> largest allowed value.
     notJudged : dict name -> what a ratio needs that this run did not give; it does not refuse the verdict.
@@ -97,6 +99,7 @@ class Certificate:
     volumeError: float | None = None
     loadJump: float | None = None
     unseenRatio: float | None = None
+    drainage: str | None = None
     limits: dict = field(default_factory=lambda: dict(LIMITS))
     notJudged: dict = field(default_factory=dict)
 
@@ -125,7 +128,8 @@ class Certificate:
         table = ["  {:<16}{:>10}{:>8}  {}".format(*row).rstrip() for row in rows]
         table += [f"  {name:<16}not judged, needs {needs}" for name, needs in self.notJudged.items()]
         every = "every ratio that is judged" if self.notJudged else "every ratio"
-        return "\n".join([*(reasons or [f"quasi-static: {every} is within its limit"]), *table])
+        water = [f"pore water: {self.drainage}"] if self.drainage else []
+        return "\n".join([*(reasons or [f"quasi-static: {every} is within its limit"]), *table, *water])
 
     __repr__ = __str__
 

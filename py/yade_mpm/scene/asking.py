@@ -6,6 +6,7 @@ Each call edits the engines that `scene.engines` shows.
 
 import os
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from ..base.attributes import didYouMean
 from ..base.wording import shown
 from ..diagnostics.certificate import Certificate
 from ..diagnostics.certificate import quasiStatic as certificateOf
+from ..diagnostics.drainage import drainage
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.callback import PyRunner
 from ..engine.prescribed import FACES, Drive, Hold, Steering
@@ -251,14 +253,17 @@ def quasiStatic(
 
     A run with a drive keeps a history by itself; for others call `scene.history` before the run. Arguments
     are those of `mpm.quasiStatic`. Behind `settle` all counts from its end: its damping is meant. Whether
-    soil has failed is another question, of `mpm.safety` and `mpm.limitLoad`.
+    soil has failed is another question, of `mpm.safety` and `mpm.limitLoad`. With pore water a line says
+    whether the rate was drained or undrained.
     """
     found = next((engine for engine in scene.engines if isinstance(engine, History)), None)
     if found is None:
         raise ValueError(
             "quasiStatic: the scene keeps no history; call scene.history(every=...) before the run"
         )
-    return certificateOf(_sinceRest(scene, found), after, rateSensitivity, limits)
+    certificate = certificateOf(_sinceRest(scene, found), after, rateSensitivity, limits)
+    water = drainage(scene)
+    return certificate if water is None else replace(certificate, drainage=water[1])
 
 
 def _sinceRest(scene, history):

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 #include "mpm/step/PoreWater.hpp"
 
-#include "mpm/scene/CellPoints.hpp"
 #include "mpm/step/GridSolver.hpp"
 #include "mpm/step/timeTable.hpp"
 
@@ -13,9 +12,8 @@ namespace mpm {
 namespace {
 
 constexpr double standardGravity = 9.81; // m/s2, of the permeability in m/s
-constexpr double fullFrom = 0.5;    // cover of a cell from which its neighbours may be inside of the soil
-constexpr double leastCover = 0.05; // of a cell, for the way to a surface
-constexpr double leastWay = 0.25;   // in cells, between the middles of the soil in two cells
+constexpr double leastCover = 0.05;      // of a cell, for the way to a surface
+constexpr double leastWay = 0.25;        // in cells, between the middles of the soil in two cells
 constexpr int mostIterations = 5000;
 
 } // namespace
@@ -56,15 +54,6 @@ void PoreWater::finish() {
     checkTable("PoreWater", "heads", heads, 2);
 }
 
-template <int Dim> PoreWater::Wet<Dim>::Wet(Body<Dim>& body) : body(&body) {
-    auto& state = body.particles.state;
-    const int first = PoreState::in(body.particles);
-    pressure = state[first].plane();
-    saturation = state[first + 1].plane();
-    permeability = state[first + 2].plane();
-    porosity = state[first + 3].plane();
-}
-
 template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
     if (dead) return;
     require(scene.scheme->name == "MUSL", "PoreWater: needs the scheme MUSL, not ", scene.scheme->name);
@@ -82,7 +71,7 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
         require(first->velocityField == body->velocityField, "PoreWater: '", first->name, "' and '",
                 body->name, "' have water and are in different groups; give them one");
         state.field = body->velocityField;
-        Wet<Dim> wet(*body);
+        WetBody<Dim> wet(*body);
         lift(scene, wet, scene.time);
     }
     for (auto& body : scene.bodies)
@@ -117,11 +106,13 @@ template <int Dim> double PoreWater::headAt(const Scene<Dim>& scene, const Vec<D
 
 template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
-    state.wet.clear();
+    auto& wet = state.fill.wet;
+    wet.clear();
     for (auto& body : scene.bodies)
-        if (PoreState::in(body->particles) >= 0 && body->particles.size() > 0) state.wet.emplace_back(*body);
-    if (state.wet.empty()) return;
-    fillCells(scene, state);
+        if (PoreState::in(body->particles) >= 0 && body->particles.size() > 0) wet.emplace_back(*body);
+    if (wet.empty()) return;
+    state.fill.find(scene, unitWeight(scene),
+                    [&](const Vec<Dim>& x) { return reference(scene, x, scene.time); });
     addCells(scene, state);
     addFlow(scene, state);
     state.system.addNodes(scene.grid);
@@ -144,92 +135,12 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
     accelerate(scene, state);
 }
 
-// Which cells have soil with water, how much, and its means.
-template <int Dim> void PoreWater::fillCells(Scene<Dim>& scene, State<Dim>& state) {
-    state.fill.resize(scene.grid.count);
-    for (int cell : state.touched) state.fill[cell] = {};
-    state.touched.clear();
-    for (auto& wet : state.wet) addPoints(scene, state, wet);
-    addStrange(scene, state);
-    takeMeans(scene, state);
-}
-
-template <int Dim> void PoreWater::addPoints(const Scene<Dim>& scene, State<Dim>& state, Wet<Dim>& wet) {
-    auto& particles = wet.body->particles;
-    wet.points.start(particles, wet.body->domains->mesh());
-    wet.cell.resize(wet.points.size());
-    for (int begin = 0; begin < particles.size(); begin += chunkSize)
-        wet.points.place(scene.grid, begin, std::min(particles.size(), begin + chunkSize),
-                         wet.cell.data() + wet.points.at(begin));
-    const double gamma = unitWeight(scene);
-    for (int p = 0; p < particles.size(); ++p) {
-        const int count = wet.points.per(p);
-        const double volume = particles.volume.plane()[p] / count;
-        const Vec<Dim> at = vectorAt<Dim>(particles.position, p);
-        const double referenceThere = reference(scene, at, scene.time);
-        for (int point = wet.points.at(p); point < wet.points.at(p) + count; ++point) {
-            auto& fill = state.fill[wet.cell[point]];
-            if (fill.saturated == 0 && fill.dry == 0) state.touched.push_back(wet.cell[point]);
-            if (!(wet.saturation[p] > 0)) {
-                fill.dry += volume;
-                continue;
-            }
-            fill.saturated += volume;
-            fill.excess += volume * (wet.pressure[p] - referenceThere);
-            fill.head += volume * (referenceThere + gamma * at[Dim - 1]);
-            fill.permeability += volume * wet.permeability[p];
-            fill.porosity += volume * wet.porosity[p];
-            for (int k = 0; k < Dim; ++k) fill.centre[k] += volume * wet.points.position(p, point, k);
-        }
-    }
-}
-
-// What no water passes: bodies without water.
-template <int Dim> void PoreWater::addStrange(const Scene<Dim>& scene, State<Dim>& state) {
-    for (auto& body : scene.bodies) {
-        if (PoreState::in(body->particles) >= 0) continue;
-        auto& particles = body->particles;
-        std::vector<int> cell(particles.size(), 0);
-        for (int k = 0; k < Dim; ++k)
-            scene.grid.addCells(k, particles.position.plane(k), particles.size(), cell.data());
-        for (int p = 0; p < particles.size(); ++p) {
-            auto& fill = state.fill[cell[p]];
-            if (fill.saturated == 0 && fill.dry == 0 && fill.strange == 0) state.touched.push_back(cell[p]);
-            fill.strange += particles.volume.plane()[p];
-        }
-    }
-}
-
-// Inside of the soil, the middle of it in a cell is that of the cell.
-template <int Dim> void PoreWater::takeMeans(const Scene<Dim>& scene, State<Dim>& state) {
-    const Grid<Dim>& grid = scene.grid;
-    std::sort(state.touched.begin(), state.touched.end());
-    for (int number : state.touched) {
-        auto& fill = state.fill[number];
-        if (!(fill.saturated > 0)) continue;
-        for (double* sum : {&fill.excess, &fill.head, &fill.permeability, &fill.porosity})
-            *sum /= fill.saturated;
-        fill.centre /= fill.saturated;
-        const auto isFull = [&](int cell) {
-            const auto& other = state.fill[cell];
-            return other.saturated > fullFrom * grid.edges(cell).prod();
-        };
-        const Index<Dim> index = grid.indices(number);
-        fill.isInside = isFull(number);
-        for (int k = 0; k < Dim; ++k) {
-            if (index[k] > grid.ghost) fill.isInside &= isFull(number - grid.strides[k]);
-            if (index[k] < grid.ghost + grid.cells[k] - 1) fill.isInside &= isFull(number + grid.strides[k]);
-        }
-        if (fill.isInside) fill.centre = grid.centre(index);
-    }
-}
-
 // The unknowns.
 template <int Dim> void PoreWater::addCells(const Scene<Dim>& scene, State<Dim>& state) {
     auto& system = state.system;
     system.start(scene.grid.count);
     state.before.clear();
-    for (int number : state.touched) {
+    for (int number : state.fill.touched()) {
         const auto& fill = state.fill[number];
         if (!(fill.saturated > 0)) continue;
         auto& cell = system.addCell(scene.grid, number);
@@ -269,7 +180,7 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                 const auto& there = state.fill[beside];
                 const double area = edges.prod() / edges[k];
                 if (other < 0) {
-                    const bool isClosed = sealed || there.strange > fullFrom * grid.edges(beside).prod() ||
+                    const bool isClosed = sealed || state.fill.isClosed(grid, beside) ||
                                           isHeld(scene, state.field, number, k, side);
                     if (isClosed) continue;
                     const double way =
@@ -380,7 +291,7 @@ template <int Dim> void PoreWater::accelerate(Scene<Dim>& scene, State<Dim>& sta
 // Once more with the velocity that strains the soil: the balance of water closes for what the particles get.
 template <int Dim> void PoreWater::coupleAs(Scene<Dim>& scene) {
     auto& state = std::get<State<Dim>>(states_);
-    if (state.wet.empty()) return;
+    if (state.fill.wet.empty()) return;
     auto& system = state.system;
     auto& field = scene.grid.fields[state.field];
     const int n = int(system.cells.size());
@@ -441,7 +352,7 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
     std::vector<Vec<Dim>> slope(state.system.cells.size());
     for (size_t c = 0; c < slope.size(); ++c) slope[c] = slopeOf(scene, state, int(c));
     const double end = scene.time + scene.dt;
-    for (auto& wet : state.wet) {
+    for (auto& wet : state.fill.wet) {
         for (int p = 0; p < wet.body->particles.size(); ++p) {
             if (!(wet.saturation[p] > 0)) continue;
             const Vec<Dim> x = vectorAt<Dim>(wet.body->particles.position, p);
@@ -457,7 +368,7 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
 }
 
 // Buoyancy below the table, and what its slope drives: the body force of the hydrostatic pressure, m/s2.
-template <int Dim> void PoreWater::lift(Scene<Dim>& scene, Wet<Dim>& wet, double time) {
+template <int Dim> void PoreWater::lift(Scene<Dim>& scene, WetBody<Dim>& wet, double time) {
     auto& particles = wet.body->particles;
     particles.needBodyForce();
     const double gamma = unitWeight(scene), h = scene.grid.smallestCell()[0];

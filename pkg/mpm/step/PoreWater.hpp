@@ -3,30 +3,12 @@
 // doc/theory/water.md.
 #pragma once
 
-#include "mpm/scene/Scene.hpp"
+#include "mpm/step/PoreFill.hpp"
 #include "mpm/step/PoreSystem.hpp"
 
 #include <tuple>
 
 namespace mpm {
-
-// What the particles of a body with water have besides the state of their material, in this order.
-struct PoreState {
-    static constexpr int count = 4;
-    static const Field* fields(); // pressure, saturation, permeability, porosity
-    // Number of the first in the state of a body, -1: it has no water.
-    template <int Dim> static int in(const Particles<Dim>& particles) {
-        const int first = int(particles.state.size()) - count;
-        return first >= 0 && particles.state[first].name == "porePressure" ? first : -1;
-    }
-    template <int Dim> static void addTo(Particles<Dim>& particles) {
-        if (in(particles) >= 0) return;
-        for (int i = 0; i < count; ++i) {
-            particles.state.push_back(fields()[i]);
-            particles.state.back().resize(particles.size());
-        }
-    }
-};
 
 class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
   public:
@@ -47,28 +29,9 @@ class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
     void couple(Scene<3>& scene) override { coupleAs(scene); }
 
   private:
-    // A body with water: its particles' state, and which cell each point of it is in.
-    template <int Dim> struct Wet {
-        Body<Dim>* body;
-        double *pressure, *saturation, *permeability, *porosity;
-        CellPoints<Dim> points;
-        std::vector<int> cell; // of each point
-
-        explicit Wet(Body<Dim>& body);
-    };
-    // Sums over the saturated points in a cell, then means.
-    template <int Dim> struct Fill {
-        double saturated = 0, dry = 0,
-               strange = 0; // volumes: of soil with and without water, of other bodies
-        double excess = 0, head = 0, permeability = 0, porosity = 0;
-        Vec<Dim> centre = Vec<Dim>::Zero();
-        bool isInside = false;
-    };
     template <int Dim> struct State {
         PoreSystem<Dim> system;
-        std::vector<Wet<Dim>> wet;
-        std::vector<Fill<Dim>> fill; // of each cell of the grid
-        std::vector<int> touched;
+        PoreFill<Dim> fill;
         std::vector<double> before, excess, change, right, residual, flow; // of the unknowns
         std::vector<double> owed;                                          // of each cell of the grid
         int field = 0;
@@ -80,10 +43,6 @@ class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
     template <int Dim> double reference(const Scene<Dim>& scene, const Vec<Dim>& x, double time) const;
     template <int Dim> double headAt(const Scene<Dim>& scene, const Vec<Dim>& x) const;
     template <int Dim> double unitWeight(const Scene<Dim>& scene) const;
-    template <int Dim> void fillCells(Scene<Dim>& scene, State<Dim>& state);
-    template <int Dim> void addPoints(const Scene<Dim>& scene, State<Dim>& state, Wet<Dim>& wet);
-    template <int Dim> void addStrange(const Scene<Dim>& scene, State<Dim>& state);
-    template <int Dim> void takeMeans(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void addCells(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> static bool isHeld(const Scene<Dim>& scene, int field, int cell, int axis, int side);
     template <int Dim> void addFlow(const Scene<Dim>& scene, State<Dim>& state);
@@ -94,7 +53,7 @@ class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
     template <int Dim> void coupleAs(Scene<Dim>& scene);
     template <int Dim> void giveToParticles(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> Vec<Dim> slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
-    template <int Dim> void lift(Scene<Dim>& scene, Wet<Dim>& wet, double time);
+    template <int Dim> void lift(Scene<Dim>& scene, WetBody<Dim>& wet, double time);
 };
 
 } // namespace mpm

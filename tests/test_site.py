@@ -85,7 +85,6 @@ PICTURES = {  # that the cells of a page draw
     "footing": 2,
     "particle-types": 3,
     "pipe": 2,
-    "quasi-static": 1,
     "sheet-pile": 3,
     "slope": 2,
     "study": 1,

@@ -10,7 +10,8 @@ Body, BodyPart                 what scene.add returns, and parts of it
 box, disc, polygon, sphere, halfSpace, everywhere, Region        regions; + - & | combine them
 Mesh, meshFromFile, meshFromArrays, inRows                       meshes; scene.add takes a file's name, too
 LinearElastic, NeoHookean, Material    elastic materials, and the base of all
-MohrCoulombDruckerPrager, MohrCoulomb, Tresca, ModifiedCamClay, NorSand   soils
+MohrCoulombDruckerPrager, MohrCoulomb, Tresca, ModifiedCamClay   soils
+NorSand, Sanisand                  sands of critical states; Sanisand for cycles
 MuI, HerschelBulkley, NewtonianLiquid  flows of grains, mud and water
 UMAT, MFront, PythonLaw        laws from elsewhere: Fortran, MFront, a Python function
 RandomField                    a parameter of a soil that varies at random in space

@@ -284,6 +284,7 @@ class ModifiedCamClay(Material):
     preconsolidation: float | None
     overconsolidationRatio: float | None
     smallestPressure: float
+    waterBulk: float
     def __init__(
         self,
         *,
@@ -296,6 +297,7 @@ class ModifiedCamClay(Material):
         preconsolidation: float | None = None,
         overconsolidationRatio: float | None = None,
         smallestPressure: float = 1.0,
+        waterBulk: float = 0.0,
     ) -> None: ...
 
 
@@ -605,6 +607,55 @@ class RigidContact(_RigidContact):
         stiffness: float | None = None,
         label: str = '',
         dead: bool = False,
+    ) -> None: ...
+
+
+class Sanisand(Material):
+    """Sand under cycles: cyclic mobility, liquefaction, and critical states."""
+
+    density: float | None
+    shearFactor: float
+    poisson: float
+    referencePressure: float
+    frictionAngle: float | None
+    extensionRatio: float
+    criticalVoidRatio: float | None
+    compression: float | None
+    criticalExponent: float
+    yieldRatio: float
+    hardening: float
+    hardeningDensity: float
+    bounding: float
+    dilatancy: float
+    phaseTransformation: float
+    fabricLimit: float
+    fabricRate: float
+    initialVoidRatio: float | None
+    stateParameter: float | None
+    smallestPressure: float
+    def __init__(
+        self,
+        *,
+        density: float | None = None,
+        shearFactor: float = 125.0,
+        poisson: float = 0.05,
+        referencePressure: float = 101.0,
+        frictionAngle: float | None = None,
+        extensionRatio: float = 0.712,
+        criticalVoidRatio: float | None = None,
+        compression: float | None = None,
+        criticalExponent: float = 0.7,
+        yieldRatio: float = 0.01,
+        hardening: float = 7.05,
+        hardeningDensity: float = 0.968,
+        bounding: float = 1.1,
+        dilatancy: float = 0.704,
+        phaseTransformation: float = 3.5,
+        fabricLimit: float = 4.0,
+        fabricRate: float = 600.0,
+        initialVoidRatio: float | None = None,
+        stateParameter: float | None = None,
+        smallestPressure: float = 0.5,
     ) -> None: ...
 
 

@@ -60,7 +60,7 @@ def test_no_energy_comes_from_nowhere(make, seeds):
 
 
 def test_control_too_long_a_step_makes_energy():
-    layout = freeLayout(9)
+    layout = freeLayout(17)
     scene, _ = layout.build()
     scene.allowUnstable = True
     scene.dt = 1.3 * scene.criticalTimeStep()

@@ -76,6 +76,7 @@ GIVEN = {
 OPTIONAL = {  # in place of another, or only together
     "MohrCoulombDruckerPrager": {"initialVoidRatio", "criticalVoidRatio"},
     "NorSand": {"initialVoidRatio"},
+    "Sanisand": {"initialVoidRatio"},
 }
 OF_A_LIBRARY = {"MFront", "UMAT"}  # their library is looked for first
 

@@ -2,8 +2,10 @@
 // Modified Cam-Clay: elasticity and strength that follow the mean pressure, and a yield surface that hardens and softens
 // with the volume.
 #include "mpm/material/Material.hpp"
+#include "mpm/material/criticalState.hpp"
 #include "mpm/material/hypoelastic.hpp"
-#include "mpm/material/required.hpp"
+#include "mpm/material/opening.hpp"
+#include "mpm/material/undrained.hpp"
 
 namespace mpm {
 namespace {
@@ -85,15 +87,16 @@ class ModifiedCamClay : public MaterialOf<ModifiedCamClay> {
 Stress is effective stress (total where there is no pore pressure). pc, the preconsolidation pressure, is given by
 preconsolidation (a number, a function of position, a profile or an array), or by overconsolidationRatio from the
 stress that a body is given. Elastic pressure is integrated exactly over a step, mu is that of its start; the return
-solves for plastic volumetric strain and multiplier (Newton). Below smallestPressure the stiffness stays, and there is
-no tension. A frictionAngle is that of triaxial compression at the critical state; M does not depend on
-the Lode angle.
+solves for plastic volumetric strain and multiplier (Newton). Below smallestPressure the stiffness stays.
+There is no tension: soil that has opened closes before it resists again (in bodies with F-bar). With waterBulk the
+soil is undrained: the stress is the total one, and the effective pressure a state variable; the initial stress has no
+excess pore pressure. A frictionAngle is that of triaxial compression at the critical state; M does not depend on the
+Lode angle.
 
 Source: Roscoe & Burland 1968; Borja & Lee 1990, Comput. Methods Appl. Mech. Eng. 78, 49-72 (return); Wood 1990, Soil
 Behaviour and Critical State Soil Mechanics.)";
     }
     std::vector<Parameter> parameters() override {
-        const Range acute{0, std::acos(-1.0) / 2, true, true};
         return {
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()},
             {"compression", "-", "required: slope lambda of normal compression, e against ln p", &lambda_,
@@ -101,13 +104,7 @@ Behaviour and Critical State Soil Mechanics.)";
             {"swelling", "-", "required: slope kappa of unloading, below compression", &kappa_,
              Range::positive()},
             {"poisson", "-", "Poisson's ratio", &poisson_, Range::inside(-1, 0.5)},
-            {"frictionAngle",
-             "rad",
-             "required: friction angle at the critical state, triaxial compression",
-             &phi_,
-             acute,
-             {},
-             true},
+            criticalFriction(&phi_),
             {"initialVoidRatio", "-", "required: void ratio e_0 of the soil as it is placed", &voidRatio_,
              Range::positive()},
             {"preconsolidation",
@@ -123,8 +120,8 @@ Behaviour and Critical State Soil Mechanics.)";
              "pc over that of the yield surface through the stress that a body is given; not given: pc is preconsolidation",
              &ratio_,
              {1, std::numeric_limits<double>::infinity(), false, false}},
-            {"smallestPressure", "kPa", "mean pressure below which the stiffness stays", &smallest_,
-             Range::positive()},
+            leastPressure(&smallest_),
+            undrained_.parameter(),
         };
     }
     void finish() override {
@@ -139,16 +136,27 @@ Behaviour and Critical State Soil Mechanics.)";
         const bool byValue = !std::isnan(pc_) || varies("preconsolidation");
         require(byValue != !std::isnan(ratio_), who, ": preconsolidation and overconsolidationRatio ",
                 byValue ? "are both given" : "are both missing", "; give one of them");
-        M_ = 6 * std::sin(phi_) / (3 - std::sin(phi_));
+        M_ = criticalRatio(phi_);
     }
     std::vector<StateVariable> stateVariables() const override {
-        return {{"plasticShearStrain", "-", "accumulated plastic shear strain, sum of sqrt(2/3 de:de)"},
-                {"plasticVolumetricStrain", "-", "plastic volumetric strain, dilation positive"},
-                {"preconsolidation", "kPa", "preconsolidation pressure pc",
-                 std::isnan(ratio_) ? pc_ : smallest_}};
+        std::vector<StateVariable> all = {
+            {"plasticShearStrain", "-", "accumulated plastic shear strain, sum of sqrt(2/3 de:de)"},
+            {"plasticVolumetricStrain", "-", "plastic volumetric strain, dilation positive"},
+            openingVariable(),
+            {"preconsolidation", "kPa", "preconsolidation pressure pc",
+             std::isnan(ratio_) ? pc_ : smallest_}};
+        undrained_.addState(all);
+        return all;
     }
     bool yields() const override { return true; }
-    std::array<double, 2> lame() const override { return lameAt(smallest_, 1 + voidRatio_); }
+    // Of undrained soil F-bar changes the pressure of the water.
+    VolumeRecord volumeRecord() const override {
+        return undrained_.isGiven() ? VolumeRecord{} : VolumeRecord{1, 2};
+    }
+    std::array<double, 2> lame() const override {
+        const auto drained = lameAt(smallest_, 1 + voidRatio_);
+        return {drained[0] + undrained_.bulk, drained[1]};
+    }
 
     // A stress beyond yield takes pc along to its surface.
     void stateFromStress(const double stress[9], double* state) const override {
@@ -157,49 +165,53 @@ Behaviour and Critical State Soil Mechanics.)";
         const double J2 = ((xx - yy) * (xx - yy) + (yy - zz) * (yy - zz) + (zz - xx) * (zz - xx)) / 6 +
                           stress[1] * stress[1] + stress[2] * stress[2] + stress[5] * stress[5];
         const double through = p + 3 * J2 / (M_ * M_ * p);
-        state[0] = state[1] = 0;
-        state[2] = std::isnan(ratio_) ? std::max(state[2], through) : ratio_ * through;
+        state[0] = state[1] = state[2] = 0;
+        state[3] = std::isnan(ratio_) ? std::max(state[3], through) : ratio_ * through;
+        if (undrained_.isGiven()) state[effective] = -(xx + yy + zz) / 3;
     }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
-        std::vector<double*> state(stateVariables().size());
-        for (int i = 0; i < points.count; ++i) advance(one(points, i, state), specificVolume(points, i));
+        std::array<double*, effective> state;
+        for (int i = 0; i < points.count; ++i)
+            undrained_.withEffective(points, i, effective,
+                                     [&] { advance(one(points, i, state), specificVolume(points, i)); });
     }
     template <int Dim> void findStiffness(const MaterialPoints<Dim>& points, double* l, double* mu) const {
         for (int i = 0; i < points.count; ++i) {
-            const double p = -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3;
-            const auto now = lameAt(p, specificVolume(points, i));
-            l[i] = now[0];
+            const auto now = lameAt(undrained_.pressure(points, i, effective), specificVolume(points, i));
+            l[i] = now[0] + undrained_.bulk;
             mu[i] = now[1];
         }
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
         for (int i = 0; i < points.count; ++i) {
-            const double p =
-                std::max(0.0, -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
-            strength[i] = M_ * std::sqrt(std::max(0.0, p * (points.state[2][i] - p))) / std::sqrt(3.0);
+            const double p = undrained_.pressure(points, i, effective);
+            strength[i] = M_ * std::sqrt(std::max(0.0, p * (points.state[3][i] - p))) / std::sqrt(3.0);
         }
     }
     template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
         for (int i = 0; i < points.count; ++i) {
-            const auto [mean, J2] = invariants(points, i);
-            const double v = specificVolume(points, i);
-            energy[i] = Swelling{smallest_, kappa_ / v}.energy(-mean) + 0.5 * J2 / lameAt(-mean, v)[1];
+            const double p = undrained_.pressure(points, i, effective), v = specificVolume(points, i);
+            energy[i] = Swelling{smallest_, kappa_ / v}.energy(p) + undrained_.energy(points, i, effective) +
+                        0.5 * invariants(points, i).J2 / lameAt(p, v)[1];
         }
     }
 
   private:
+    static constexpr int effective = 4; // place of the effective pressure among the state variables
+
     std::array<double, 2> lameAt(double p, double v) const {
         const double K = v * std::max(p, smallest_) / kappa_,
                      mu = 1.5 * K * (1 - 2 * poisson_) / (1 + poisson_);
         return {K - 2.0 / 3 * mu, mu};
     }
     template <int Dim> double specificVolume(const MaterialPoints<Dim>& points, int i) const {
-        return (1 + voidRatio_) * points.volume[i] / points.initialVolume[i];
+        return (1 + voidRatio_) * points.volume[i] / points.initialVolume[i] * std::exp(-points.state[2][i]);
     }
     // Particle i alone.
     template <int Dim>
-    static MaterialPoints<Dim> one(const MaterialPoints<Dim>& points, int i, std::vector<double*>& state) {
+    static MaterialPoints<Dim> one(const MaterialPoints<Dim>& points, int i,
+                                   std::array<double*, effective>& state) {
         MaterialPoints<Dim> its = points;
         its.count = 1;
         for (auto& plane : its.velocityGradient) plane += i;
@@ -215,11 +227,13 @@ Behaviour and Critical State Soil Mechanics.)";
         const double before = mean(), pBefore = std::max(0.0, -before), mu = lameAt(pBefore, v)[1];
         trialStress(mu / 3, mu,
                     point); // of bulk modulus mu: the mean of the stress tells the change of volume
-        const double compressed = std::clamp((before - mean()) / mu, -0.5, 0.5);
+        double compressed = std::clamp((before - mean()) / mu, -0.5, 0.5);
+        const double closed = point.hasFbar ? std::clamp(compressed, 0.0, *state[2]) : 0;
+        compressed -= closed;
         Return back{swelling,
                     swelling.strain(pBefore) + compressed,
                     deviator(s, mean()),
-                    state[2][0],
+                    state[3][0],
                     mu,
                     M_ * M_,
                     v / (lambda_ - kappa_)};
@@ -233,8 +247,10 @@ Behaviour and Critical State Soil Mechanics.)";
         s[3][0] = s[1][0];
         if (Dim == 3) s[6][0] = s[2][0], s[7][0] = s[5][0];
         state[0][0] += (1 - back.shrink) * back.qTrial / (3 * mu);
-        state[1][0] -= back.x;
-        state[2][0] = std::max(back.pc, smallest_);
+        const double gap = std::max(swelling.strain(0) - (back.e - back.x), 0.0);
+        state[1][0] += gap - closed - back.x;
+        if (point.hasFbar) state[2][0] += gap - closed;
+        state[3][0] = std::max(back.pc, smallest_);
     }
     // q = sqrt(3 J2) from the upper triangle.
     static double deviator(double* const* s, double mean) {
@@ -247,6 +263,7 @@ Behaviour and Critical State Soil Mechanics.)";
     double lambda_ = notGiven, kappa_ = notGiven, poisson_ = 0.3, phi_ = notGiven, voidRatio_ = notGiven;
     double pc_ = notGiven, ratio_ = notGiven, smallest_ = 1;
     double M_ = 0;
+    Undrained undrained_;
 };
 
 MPM_REGISTER(Material, ModifiedCamClay);

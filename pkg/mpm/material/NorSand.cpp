@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Sand whose strength and dilatancy follow its density: critical states and a state parameter.
 #include "mpm/material/Material.hpp"
+#include "mpm/material/criticalState.hpp"
 #include "mpm/material/hypoelastic.hpp"
 #include "mpm/material/opening.hpp"
 #include "mpm/material/pressureStiffness.hpp"
-#include "mpm/material/required.hpp"
 
 namespace mpm {
 namespace {
@@ -84,7 +84,6 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
 204-236; Jefferies & Been 2016, Soil Liquefaction.)";
     }
     std::vector<Parameter> parameters() override {
-        const Range acute{0, std::acos(-1.0) / 2, true, true};
         return {
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()},
             {"shearModulus", "kPa", "required: elastic shear modulus G_ref at referencePressure", &shear_,
@@ -94,13 +93,7 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
              Range{0, 1, false, false}},
             {"referencePressure", "kPa", "pressure p_ref of shearModulus and criticalVoidRatio", &reference_,
              Range::positive()},
-            {"frictionAngle",
-             "rad",
-             "required: friction angle at the critical state, triaxial compression",
-             &phi_,
-             acute,
-             {},
-             true},
+            criticalFriction(&phi_),
             {"criticalVoidRatio", "-", "required: critical void ratio Gamma at referencePressure", &gamma_,
              Range::positive()},
             {"compression", "-", "required: slope lambda of the critical states, e against ln p", &lambda_,
@@ -109,22 +102,12 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
             {"volumetricCoupling", "-", "N: share of the dilatancy that raises the peak", &N_,
              Range{0, 1, false, true}},
             {"hardening", "-", "H: plastic hardening", &H_, Range::positive()},
-            {"initialVoidRatio",
-             "-",
-             "void ratio of the sand as it is placed; or give stateParameter",
-             &voidRatio_,
-             Range::positive(),
-             {},
-             false,
-             true},
-            {"stateParameter", "-",
-             "psi = e - e_c(p) at the stress that a body is given; not given: by initialVoidRatio", &psi_,
-             Range{-0.5, 0.5, false, false}},
+            density_.ratioParameter(),
+            density_.stateParameter(),
             {"overconsolidationRatio", "-",
              "image pressure over that of the surface through the initial stress", &ratio_,
              Range{1, std::numeric_limits<double>::infinity(), false, false}},
-            {"smallestPressure", "kPa", "mean pressure below which the stiffness stays", &smallest_,
-             Range::positive()},
+            leastPressure(&smallest_),
         };
     }
     void finish() override {
@@ -134,10 +117,8 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
                            {phi_, "frictionAngle"},
                            {gamma_, "criticalVoidRatio"},
                            {lambda_, "compression"}});
-        const bool byRatio = !std::isnan(voidRatio_) || varies("initialVoidRatio");
-        require(byRatio != !std::isnan(psi_), who, ": initialVoidRatio and stateParameter ",
-                byRatio ? "are both given" : "are both missing", "; give one of them");
-        M_ = 6 * std::sin(phi_) / (3 - std::sin(phi_));
+        density_.check(who, varies("initialVoidRatio"));
+        M_ = criticalRatio(phi_);
     }
     std::vector<StateVariable> stateVariables() const override {
         return {
@@ -145,8 +126,7 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
             {"plasticVolumetricStrain", "-", "plastic volumetric strain, dilation positive"},
             openingVariable(),
             {"imagePressure", "kPa", "pressure p_i at which the surface has the stress ratio M_i", smallest_},
-            {"initialVoidRatio", "-", "void ratio of the sand as it was placed",
-             std::isnan(psi_) ? voidRatio_ : std::max(critical(smallest_) + psi_, leastVoidRatio)}};
+            density_.variable(critical(smallest_))};
     }
     bool yields() const override { return true; }
     VolumeRecord volumeRecord() const override { return {1, 2}; }
@@ -158,7 +138,7 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
         const Symmetric s{xx, yy, zz, stress[1], stress[2], stress[5]};
         const Symmetric deviator = plusSpherical(s, -(xx + yy + zz) / 3);
         const double q = std::sqrt(3 * halfSquare(deviator));
-        if (!std::isnan(psi_)) state[4] = std::max(critical(p) + psi_, leastVoidRatio);
+        state[4] = density_.at(critical(p), state[4]);
         const double M = frictionAt(deviator);
         state[0] = state[1] = state[2] = 0;
         state[3] = ratio_ * p * std::exp(std::min(q / (M * p), 2.0) - 1);
@@ -200,8 +180,6 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
     }
 
   private:
-    static constexpr double leastVoidRatio = 0.05;
-
     double critical(double p) const { return gamma_ - lambda_ * std::log(p / reference_); }
     PressureStiffness elastic() const {
         return {2 * shear_ * (1 + poisson_) / (3 * (1 - 2 * poisson_)), reference_, power_, smallest_};
@@ -270,8 +248,9 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
 
     double shear_ = notGiven, poisson_ = 0.2, power_ = 0.5, reference_ = 100, phi_ = notGiven,
            gamma_ = notGiven;
-    double lambda_ = notGiven, chi_ = 3.5, N_ = 0.3, H_ = 100, voidRatio_ = notGiven, psi_ = notGiven;
+    double lambda_ = notGiven, chi_ = 3.5, N_ = 0.3, H_ = 100;
     double ratio_ = 1, smallest_ = 1, M_ = 0;
+    SandDensity density_;
 };
 
 MPM_REGISTER(Material, NorSand);

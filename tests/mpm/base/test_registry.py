@@ -18,6 +18,7 @@ MATERIALS = [
     "NewtonianLiquid",
     "NorSand",
     "PythonLaw",
+    "Sanisand",
     "Tresca",
     "UMAT",
 ]

@@ -164,3 +164,29 @@ def test_open_soil_does_not_shorten_the_critical_step():
             assert sand.bulkVolume == pytest.approx(9 * sand.initialVolume, rel=1e-12)
         steps[opened] = scene.criticalTimeStep()
     assert steps[True] == pytest.approx(steps[False], rel=1e-6)
+
+
+def test_clay_of_cam_clay_that_opened_closes_first():
+    """Clay is squeezed by 0.4 % of its volume a step; half of it stands open by 1 %."""
+    clay = mpm.ModifiedCamClay(
+        density=2.0,
+        compression=0.2,
+        swelling=0.04,
+        frictionAngle=0.4,
+        initialVoidRatio=1.0,
+        preconsolidation=50.0,
+    )
+    scene = mpm.Scene((0, 0), (2, 2), 0.25, threads=1)
+    body = scene.add("clay", box((0.5, 0.5), (1.5, 1.5)), clay, mpm.UGIMP(perCell=2))
+    body.velocity[...] = -2 * (body.position - 1)
+    scene.engines, scene.dt = chain(), 1e-3
+    scene.prepare()
+    body.opening[...] = 0.01
+    scene.run(steps=2, progress=False)
+    inner = np.abs(body.position - 1).max(axis=1) < 0.2
+    assert inner.any()
+    assert body.opening[inner] == pytest.approx(0.002, rel=0.05)
+    assert np.trace(body.stress[inner], axis1=1, axis2=2).min() > -0.01
+    scene.run(steps=2, progress=False)
+    assert body.opening[inner].max() == 0
+    assert (np.trace(body.stress[inner], axis1=1, axis2=2) < -0.3).all()

@@ -24,6 +24,13 @@ from yade_mpm import box
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*stress outside the yield surface")  # random ones
 
+
+def hypoelastic(points):
+    stress = points.stress + 2 * 6e3 * points.strain
+    stress[:3] += 9e3 * points.strain[:3].sum(axis=0)
+    return stress
+
+
 MATERIALS = {
     "soil": lambda: mpm.MohrCoulombDruckerPrager(
         density=1.5, lame=(9e3, 6e3), cohesion=8.5, frictionAngle=0.5, dilatancyAngle=0.2
@@ -76,6 +83,19 @@ MATERIALS = {
         compression=0.02,
         initialVoidRatio=0.7,
     ),
+    "undrained Cam-Clay": lambda: mpm.ModifiedCamClay(
+        density=1.5,
+        compression=0.2,
+        swelling=0.04,
+        frictionAngle=0.4,
+        initialVoidRatio=1,
+        preconsolidation=50,
+        waterBulk=1e4,
+    ),
+    "Sanisand": lambda: mpm.Sanisand(
+        density=1.5, frictionAngle=0.5, criticalVoidRatio=0.9, compression=0.02, initialVoidRatio=0.7
+    ),
+    "Python": lambda: mpm.PythonLaw(hypoelastic, density=1.5, lame=(9e3, 6e3)),
     "mu(I)": lambda: mpm.MuI(
         density=1.5, lame=(9e3, 6e3), staticFriction=0.4, fastFriction=0.6, grainSize=0.01
     ),
@@ -195,7 +215,8 @@ def planeAndSolid(material, seed, outOfPlane=0.0):
 def test_plane_strain_is_the_3d_update_in_the_plane(material):
     for seed in range(40):
         plane, solid = planeAndSolid(material, seed)
-        assert np.abs(plane - solid).max() <= 1e-14 * np.abs(solid).max()
+        tolerance = 1e-12 if material == "Sanisand" else 1e-14  # hundreds of parts of a step
+        assert np.abs(plane - solid).max() <= tolerance * np.abs(solid).max()
 
 
 @everyMaterial

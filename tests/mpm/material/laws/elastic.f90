@@ -1,15 +1,8 @@
 ! SPDX-License-Identifier: GPL-2.0-or-later
 ! Linear elasticity: props = young, poisson. A third one makes faults: 1 STOP, 2 NaN, 3 PNEWDT, 4 ERROR STOP, 5 XIT, in
 ! step 3 at particle 1. statev(1), if any, counts the calls; statev(2) is the sum of DROT(1, 2).
-subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, &
-                temp, dtemp, predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, &
-                celent, dfgrd0, dfgrd1, noel, npt, layer, kspt, kstep, kinc)
-  implicit none
-  integer :: ndi, nshr, ntens, nstatv, nprops, noel, npt, layer, kspt, kstep, kinc
-  character(len=80) :: cmname
-  real(8) :: stress(ntens), statev(nstatv), ddsdde(ntens, ntens), sse, spd, scd, rpl, ddsddt(ntens), drplde(ntens)
-  real(8) :: drpldt, stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(1), dpred(1), props(nprops)
-  real(8) :: coords(3), drot(3, 3), pnewdt, celent, dfgrd0(3, 3), dfgrd1(3, 3), lambda, mu
+include 'umat.inc'
+  real(8) :: lambda, mu
   integer :: k
   mu = props(1) / (2 * (1 + props(2)))
   lambda = 2 * mu * props(2) / (1 - 2 * props(2))

@@ -1,15 +1,7 @@
 ! SPDX-License-Identifier: GPL-2.0-or-later
 ! Hypoplastic sand of Wu, Bauer & Kolymbas 1996, Mech. Mater. 23, 45-69, without void ratio:
 !   rate(s) = c1 tr(s) D + c2 tr(s D)/tr(s) s + (c3 s s + c4 dev(s) dev(s))/tr(s) |D|,  props = c1 .. c4
-subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpldt, stran, dstran, time, dtime, &
-                temp, dtemp, predef, dpred, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, drot, pnewdt, &
-                celent, dfgrd0, dfgrd1, noel, npt, layer, kspt, kstep, kinc)
-  implicit none
-  integer :: ndi, nshr, ntens, nstatv, nprops, noel, npt, layer, kspt, kstep, kinc
-  character(len=80) :: cmname
-  real(8) :: stress(ntens), statev(nstatv), ddsdde(ntens, ntens), sse, spd, scd, rpl, ddsddt(ntens), drplde(ntens)
-  real(8) :: drpldt, stran(ntens), dstran(ntens), time(2), dtime, temp, dtemp, predef(1), dpred(1), props(nprops)
-  real(8) :: coords(3), drot(3, 3), pnewdt, celent, dfgrd0(3, 3), dfgrd1(3, 3)
+include 'umat.inc'
   real(8) :: s(3, 3), d(3, 3), dev(3, 3), first(3, 3), tr
   integer :: k, n, i, j
   integer, parameter :: steps = 20, row(6) = (/1, 2, 3, 1, 1, 2/), column(6) = (/1, 2, 3, 2, 3, 3/)

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-2.0-or-later
+// Parameters that laws of critical states share, and what they require.
+#pragma once
+
+#include "mpm/material/required.hpp"
+
+#include <cmath>
+
+namespace mpm {
+
+inline Parameter criticalFriction(double* phi) {
+    return {"frictionAngle",
+            "rad",
+            "required: friction angle at the critical state, triaxial compression",
+            phi,
+            Range{0, std::acos(-1.0) / 2, true, true},
+            {},
+            true};
+}
+// M of triaxial compression.
+inline double criticalRatio(double phi) { return 6 * std::sin(phi) / (3 - std::sin(phi)); }
+
+inline Parameter leastPressure(double* p, const char* doc = "mean pressure below which the stiffness stays") {
+    return {"smallestPressure", "kPa", doc, p, Range::positive()};
+}
+
+// Density of sand, by the void ratio or by the state parameter.
+struct SandDensity {
+    static constexpr double least = 0.05;        // void ratio
+    double voidRatio = notGiven, psi = notGiven; // psi = e - e_c(p)
+
+    Parameter ratioParameter() {
+        return {"initialVoidRatio",
+                "-",
+                "void ratio of the sand as it is placed; or give stateParameter",
+                &voidRatio,
+                Range::positive(),
+                {},
+                false,
+                true};
+    }
+    Parameter stateParameter() {
+        return {"stateParameter", "-",
+                "psi = e - e_c(p) at the stress that a body is given; not given: by initialVoidRatio", &psi,
+                Range{-0.5, 0.5, false, false}};
+    }
+    void check(const std::string& who, bool varies) const {
+        const bool byRatio = !std::isnan(voidRatio) || varies;
+        require(byRatio != !std::isnan(psi), who, ": initialVoidRatio and stateParameter ",
+                byRatio ? "are both given" : "are both missing", "; give one of them");
+    }
+    // Void ratio where the critical one is as given; `given`: what the particle has, if any.
+    double at(double critical, double given) const {
+        return std::isnan(psi) ? given : std::max(critical + psi, least);
+    }
+    StateVariable variable(double critical) const {
+        return {"initialVoidRatio", "-", "void ratio of the sand as it was placed", at(critical, voidRatio)};
+    }
+};
+
+} // namespace mpm

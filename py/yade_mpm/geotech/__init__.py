@@ -5,6 +5,7 @@ addGround, TYPES                            ground of uGIMP, of APDI, or of both
 addLayers                                   layers, laws and stress of a borehole's table
 flowRegion                                  where the soil of a coarse run has flowed
 groundSurface, Surface                      heave, trough and cavity of the ground surface
+readRecord, responseSpectrum                an earthquake as a motion; spectra of histories
 quadrilaterals, ring, wedgedColumn          structured meshes
 travel, movingAverage, atSteps, scatter     curves over the way of a driven body
 
@@ -15,4 +16,5 @@ from .borehole import addLayers
 from .curves import atSteps, movingAverage, scatter, travel
 from .ground import TYPES, addGround, flowRegion
 from .meshes import quadrilaterals, ring, wedgedColumn
+from .shaking import readRecord, responseSpectrum
 from .surface import Surface, groundSurface

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..engine.boundaryLoad import BoundaryLoad
 from ..engine.contact import Contact
+from ..engine.poreWater import PoreWater
 from ..engine.prescribed import Drive
 from ..engine.rigidContact import RigidContact
 from ..engine.supports import PointForce, Spring, SurfaceLoad
@@ -24,6 +25,7 @@ FASTEST = 2e4  # m/s; compression waves in diamond: 1.8e4
 ROUNDOFF = 1e-6  # relative, of a stress
 # cells, of a rigid body with the soil; with the default stiffness p/kappa is less under 0.5 % of rho c^2
 OVERLAP = 0.02
+OVERDRAWN = 0.99  # of the hydrostatic pressure that water lacks: where gravity was zero, all of it
 
 
 def likelyMistakes(scene, gravity):
@@ -52,6 +54,7 @@ def likelyMistakes(scene, gravity):
             f"ground will move"
         )
     yield from _leftOut(scene)
+    yield from _water(scene)
     groups = dict.fromkeys(b.group for b in scene.bodies)
     if len(groups) > 1 and not any(isinstance(e, Contact) for e in scene.engines):
         yield (
@@ -71,6 +74,26 @@ def likelyMistakes(scene, gravity):
                 f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its "
                 "tangent, "
                 f"{np.tan(np.radians(friction)):.3g}, if it is one"
+            )
+
+
+def _water(scene):
+    """Water that nothing lets out, and water that got its pressure without gravity."""
+    water = next((e for e in scene.engines if isinstance(e, PoreWater) and not e.dead), None)
+    wet = [b for b in scene.bodies if b.count and b._core.hasPores and (b.saturation > 0).any()]
+    if water is None or not wet:
+        return
+    isFull = sum(b.volume.sum() for b in scene.bodies) > (1 - ROUNDOFF) * np.prod(scene.upper - scene.lower)
+    if not water.heads and (water.sealed or isFull) and max(b.permeability.max() for b in wet) > 0:
+        yield (
+            "PoreWater: no drained boundary: undrained for ever; leave the surface open (sealed=False), give "
+            'the level behind a face, e.g. heads={"bottom": 0.0}, or say permeability=0'
+        )
+    for body in wet:
+        if scene.steps == 0 and water.excess(body).min() < -OVERDRAWN * water.hydrostatic(body).max():
+            yield (
+                f"PoreWater: '{body.name}' has less than the hydrostatic pressure of its table at the start; "
+                "give gravity before scene.add"
             )
 
 

@@ -36,7 +36,8 @@ heads : dict face -> level, m, of the water behind a face of the grid ("left", "
 sealed : True: no water passes the surface of the soil.
 
 A soil with another permeability or porosity has another `PoreWater`, equal in the rest. Results:
-`body.porePressure`, kPa, compression positive; `outflow`, m3/s; `iterations`."""
+`body.porePressure`, kPa, compression positive; `excess(body)` over the hydrostatic one, kPa; `head(body)`, m;
+`outflow`, m3/s; `iterations`. A history has the columns water.outflow and water.iterations."""
     )
 
     _tables = ("table", "rise", "heads")
@@ -89,6 +90,24 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
         mine, its = ({**one.attributes(), "heads": one._named or None} for one in (self, other))
         ignored = ("iterations", "outflow", "debt", "label")
         return [name for name in mine if name not in ignored and mine[name] != its.get(name)]
+
+    def hydrostatic(self, body):
+        """Pressure at rest below the table at the particles of a body, kPa (N,)."""
+        depth = self.level(body.position, body.scene.time) - body.position[:, -1]
+        return self._unitWeight(body.scene) * np.maximum(depth, 0)
+
+    def excess(self, body):
+        """Pore pressure over the hydrostatic one at the particles of a body, kPa (N,); 0 where dry."""
+        return np.where(body.saturation > 0, body.porePressure - self.hydrostatic(body), 0.0)
+
+    def head(self, body):
+        """Height of the level in a standpipe at the particles of a body, m (N,); nan where dry, or without
+        gravity."""
+        weight = self._unitWeight(body.scene) or np.nan
+        return np.where(body.saturation > 0, body.position[:, -1] + body.porePressure / weight, np.nan)
+
+    def _unitWeight(self, scene):
+        return self.density * abs((scene._gridSolver("water").gravity or (0.0,))[-1])
 
     def level(self, positions, time=0.0):
         """Level of the table over places (N, dim), m: -inf where there is none."""

@@ -5,6 +5,7 @@ import math
 
 from .. import diagnostics
 from ..engine.contact import Contact
+from ..engine.poreWater import PoreWater
 from ..engine.prescribed import Drive, Hold
 from ..engine.supports import PointForce, Spring, SurfaceLoad
 
@@ -33,7 +34,7 @@ STANDARD = {  # name -> (unit in 3D, function of the scene)
 }
 
 
-EXTENSIVE = ("kN", "kN m", "kJ", "Mg", "Mg m/s")  # per metre of thickness in 2D
+EXTENSIVE = ("kN", "kN m", "kJ", "Mg", "Mg m/s", "m3/s")  # per metre of thickness in 2D
 
 
 def measured(scene, means, initialEnergy):
@@ -53,6 +54,7 @@ def measured(scene, means, initialEnergy):
             row.update(_reactions(scene, means))
             row.update(_contacts(scene, means))
             row.update(_supports(scene, means))
+            row.update(_water(scene))
         elif name == "mass":
             momentum = diagnostics.momentum(scene)
             row.update((f"momentum.{axis}", ("Mg m/s", p)) for axis, p in zip("xyz", momentum))
@@ -110,6 +112,14 @@ def _supports(scene, means):
             force = means.get(_nameOfSupport(engine), engine.force or [0.0] * scene.dim)
             row.update((f"{engine.label}.f{axis}", ("kN", f)) for axis, f in zip(axes, force))
     return row
+
+
+def _water(scene):
+    """Flow out of the soil, and what its solution took."""
+    water = next((e for e in scene.engines if isinstance(e, PoreWater) and not e.dead), None)
+    if water is None:
+        return {}
+    return {"water.outflow": ("m3/s", water.outflow), "water.iterations": ("-", water.iterations)}
 
 
 def _supportsOf(scene):

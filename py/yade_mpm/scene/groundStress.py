@@ -69,6 +69,11 @@ def groundStress(
         raise ValueError(
             "groundStress: weightBelow is given, and no water; give water, the height of its table, m"
         )
+    if water is not None and (wet := [b.name for b in ground if b._core.hasPores]):
+        raise ValueError(
+            f"groundStress: water = {water:g} is given, and '{wet[0]}' has a PoreWater, which knows its "
+            "table; leave water out"
+        )
     coefficients = [_coefficient(body, K0, OCR) for body in ground]
     if water is not None:
         _wet(ground, water, weightBelow, gravity)

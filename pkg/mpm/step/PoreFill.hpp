@@ -46,7 +46,8 @@ template <int Dim> struct WetBody {
 
 template <int Dim> class PoreFill {
   public:
-    static constexpr double fullFrom = 0.5; // cover of a cell from which its neighbours may be inside of the soil
+    static constexpr double fullFrom =
+        0.5; // cover of a cell from which its neighbours may be inside of the soil
 
     // Of a cell of the grid: volumes of soil that is full of water, of dry soil, and of bodies without water; and
     // means over the first.
@@ -122,7 +123,8 @@ template <int Dim> class PoreFill {
             std::vector<int> number(particles.size(), 0);
             for (int k = 0; k < Dim; ++k)
                 scene.grid.addCells(k, particles.position.plane(k), particles.size(), number.data());
-            for (int p = 0; p < particles.size(); ++p) touch(number[p]).strange += particles.volume.plane()[p];
+            for (int p = 0; p < particles.size(); ++p)
+                touch(number[p]).strange += particles.volume.plane()[p];
         }
     }
 
@@ -130,7 +132,8 @@ template <int Dim> class PoreFill {
     void takeMeans(const Grid<Dim>& grid, int number) {
         Cell& cell = cells_[number];
         if (!(cell.saturated > 0)) return;
-        for (double* sum : {&cell.excess, &cell.head, &cell.permeability, &cell.porosity}) *sum /= cell.saturated;
+        for (double* sum : {&cell.excess, &cell.head, &cell.permeability, &cell.porosity})
+            *sum /= cell.saturated;
         cell.centre /= cell.saturated;
         const auto isFull = [&](int other) {
             return cells_[other].saturated > fullFrom * grid.edges(other).prod();

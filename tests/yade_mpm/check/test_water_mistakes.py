@@ -51,7 +51,12 @@ def test_what_water_is_warned_of(told, options):
     assert len(texts) == (told is not None) and all(told in text for text in texts)
 
 
-@cases(("has a PoreWater, which knows its table; leave water out", lambda: ground(table=0.5)[0].groundStress(0.5, water=0.5, weightBelow=10)))
+@cases(
+    (
+        "has a PoreWater, which knows its table; leave water out",
+        lambda: ground(table=0.5)[0].groundStress(0.5, water=0.5, weightBelow=10),
+    )
+)
 def test_a_table_is_given_once(named, make, kind):
     refused(named, make, kind)
 

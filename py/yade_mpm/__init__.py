@@ -19,7 +19,7 @@ MaterialPoint, elementTest     one point of a material, strained by hand or in a
 UGIMP, APDI, BSpline, ParticleType                               particle types
 ParticleToGrid, GridSolver, GridToParticle, DomainUpdater        engines of every step, in this order
 VelocityRemap, ImplicitBodies  added by the scene: behind GridToParticle; GridSolver (implicit bodies)
-BoundaryLoad, Contact, RigidContact, UniformAlong                engines that may be added
+BoundaryLoad, Contact, RigidContact, UniformAlong, ViscousBoundary   engines that may be added
 Spring, Strut, Anchor, Force, SurfaceLoad                        for scene.attach
 PoreWater                      for scene.add(..., water=...)
 PointForce                     what Force returns

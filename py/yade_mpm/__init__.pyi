@@ -816,3 +816,26 @@ class VelocityRemap(Engine):
         label: str = '',
         dead: bool = False,
     ) -> None: ...
+
+
+class ViscousBoundary(Engine):
+    """A face of the grid behind which the ground goes on: dashpots let waves out, and a motion in."""
+
+    face: float
+    density: float | None
+    normal: float | None
+    shear: float | None
+    motion: float | Sequence[float]
+    label: str
+    dead: bool
+    def __init__(
+        self,
+        *,
+        face: float = 0,
+        density: float | None = None,
+        normal: float | None = None,
+        shear: float | None = None,
+        motion: float | Sequence[float] = (),
+        label: str = '',
+        dead: bool = False,
+    ) -> None: ...

@@ -11,7 +11,9 @@ std::vector<Scheme::Place> Scheme::order(bool hasImplicit) const {
         add({{"DomainUpdater"}, true, false, false, stressFirst});
     };
     if (stressFirst) addStress();
-    add({{"BoundaryLoad", "SurfaceLoad", "Spring", "PointForce", "RigidContact"}, false, true});
+    add({{"BoundaryLoad", "SurfaceLoad", "Spring", "PointForce", "ViscousBoundary", "RigidContact"},
+         false,
+         true});
     add({{"GridSolver"}});
     if (hasImplicit) add({{"ImplicitBodies"}, true, false, true});
     add({{"PoreWater"}, false, false, false, true});

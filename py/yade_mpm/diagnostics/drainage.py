@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..base.kinds import SCENE, takes
 from ..engine.poreWater import PoreWater
 from ..engine.prescribed import Drive
 
@@ -13,6 +14,7 @@ UNDRAINED, DRAINED = 30.0, 0.003
 GRAVITY = 9.81  # m/s2, that belongs to a permeability in m/s
 
 
+@takes(scene=SCENE)
 def drainage(scene) -> tuple[float, str] | None:
     """(V, what it means): speed v of the fastest motion times its width B over the least coefficient of
     consolidation c_v = k M / gamma_w, -; M is the oedometer modulus as it stands. None without pore water or

@@ -66,6 +66,7 @@ STATES = {
     "Spring": ("ids", "parts", "toIds", "toParts", "starts", "length", "slip", *FOUND_OF_A_FORCE),
     "PointForce": ("ids", "parts", *FOUND_OF_A_FORCE),
     "SurfaceLoad": FOUND_OF_A_FORCE,
+    "ViscousBoundary": ("held", "work"),
     "PoreWater": ("iterations", "outflow", "debt"),
     "Contact": ("cells", "gaps", "frictionWork", "edgeMotions", "impulses", "facetImpulses"),
     "RigidContact": (

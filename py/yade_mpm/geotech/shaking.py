@@ -43,8 +43,8 @@ def readRecord(file, factor=1.0):
 
     Parameters
     ----------
-    file : a name that ends in .AT2 (PEER: acceleration in g, NPTS and DT in the fourth line), or any other: two
-        columns, time (s) and acceleration (m/s2), with commas or blanks between; lines of words are headings.
+    file : a name that ends in .AT2 (PEER: acceleration in g, NPTS and DT in the fourth line), or any other:
+        two columns, time (s) and acceleration (m/s2), with commas or blanks between; lines of words are headings.
     factor : that all accelerations are multiplied with; default 1.
 
     Returns a `Record`. Raises ValueError for a file that holds something else.
@@ -67,10 +67,12 @@ def _at2(file, lines):
         points, dt = int(count[1]), float(step[1])
     except (TypeError, ValueError):
         raise ValueError(
-            f"readRecord: {shown(str(file))} is no AT2 file; give NPTS= and DT= in its fourth line, numbers below"
+            f"readRecord: {shown(str(file))} is no AT2 file; give NPTS= and DT= in its fourth line"
         ) from None
     if len(values) != points:
-        raise ValueError(f"readRecord: {shown(str(file))} has {len(values)} values, NPTS = {points}; give all")
+        raise ValueError(
+            f"readRecord: {shown(str(file))} has {len(values)} values, NPTS = {points}; give all"
+        )
     return dt * np.arange(points), G * values
 
 
@@ -81,7 +83,7 @@ def _table(file, lines):
         table = np.array(rows, float).reshape(len(rows), 2)
     except ValueError:
         raise ValueError(
-            f"readRecord: {shown(str(file))} is not two columns of numbers; give time (s), acceleration (m/s2)"
+            f"readRecord: {shown(str(file))} is not two columns of numbers; give time and acceleration"
         ) from None
     return table.T.copy()
 
@@ -105,7 +107,9 @@ def responseSpectrum(time, acceleration, periods, damping=0.05):
     periods = np.atleast_1d(np.asarray(periods, float))
     steps = np.diff(time)
     if len(time) < 2 or not (steps > 0).all() or np.ptp(steps) > 1e-6 * steps.mean():
-        raise ValueError("responseSpectrum: times are not at equal steps; give those of np.interp on equal ones")
+        raise ValueError(
+            "responseSpectrum: times are not at equal steps; give those of np.interp on equal ones"
+        )
     if not (periods > 0).all() or damping >= 1:
         raise ValueError(
             f"responseSpectrum: periods = {shown(periods)}, damping = {damping:g} are not allowed; give "

@@ -45,6 +45,7 @@ from .running import (
 )
 from .saving import save
 from .settling import settle, unbalancedForce
+from .shaking import viscous
 from .stages import stage
 from .stepper import Stepper
 
@@ -131,7 +132,7 @@ class Scene(HasEngines, HasClock, Guarded):
     add, remove = add, remove
     attach, detach, stage, report = attach, detach, stage, report
     fix, roller, contact, drive = asking.fix, asking.roller, contact, asking.drive
-    load = asking.load
+    load, viscous = asking.load, viscous
     record, history, quasiStatic = asking.record, asking.history, asking.quasiStatic
     describe = describe
     nodePositions, faceNodes, nodesInside = nodePositions, faceNodes, nodesInside

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Sides of the grid behind which the ground goes on: earthquakes come in and waves go out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.attributes import didYouMean
+from ..base.wording import shown
+from ..engine.engines import classes
+from ..engine.prescribed import FACES
+from ..engine.supports import timeRows
+from ..geotech.shaking import Record
+from ..material.materials import Material
+from .running import refuseDuringStep
+
+NUMBERS = {2: ("left", "right", "bottom", "top"), 3: ("left", "right", "front", "back", "bottom", "top")}
+
+
+def viscous(
+    scene,
+    *sides: str,
+    motion: ArrayLike | Callable | None = None,
+    times: ArrayLike | None = None,
+    behind: Material | None = None,
+):
+    """Lets waves leave through sides of the grid, and an earthquake come in through them.
+
+        scene.viscous("bottom", motion=mpm.geotech.readRecord("quake.csv"), behind=rock)
+        scene.viscous("left", "right")
+
+    Dashpots take the place of the ground behind (Lysmer & Kuhlemeyer 1969). What a side bears when the run
+    goes on stays on it, so call this once gravity is at rest, on sides that are free; what is fixed or
+    on rollers is given up for it.
+
+    Parameters
+    ----------
+    sides : names, as of `fix`.
+    motion : velocity of the ground at an outcrop of the rock, m/s: a record (along x), rows (time, one
+        component per axis) or (time, along x), or a function of the time, at `times`. Half of it comes in as a wave.
+    times : s, for a function.
+    behind : Material of the ground there; default: that of the body at the side.
+
+    Returns the `ViscousBoundary`, or a tuple. Raises ValueError for another side, or where the ground at a
+    side is of several materials and `behind` is left out.
+    """
+    refuseDuringStep(scene, "viscous")
+    if not sides or not all(isinstance(side, str) for side in sides):
+        raise TypeError(f"viscous: sides = {shown(sides)}; give names, e.g. scene.viscous('bottom')")
+    made = [_made(scene, side, motion, times, behind) for side in sides]
+    solver = scene._gridSolver("viscous")
+    for side, engine in zip(sides, made):
+        for held in (solver.fixed, solver.roller):
+            if side in held:
+                held.remove(side)
+        scene.engines.insert(scene.engines.index(solver), engine)
+    scene.stepper.noteChange()
+    return made[0] if len(made) == 1 else tuple(made)
+
+
+def _made(scene, side, motion, times, behind):
+    if side not in FACES[scene.dim]:
+        known = ", ".join(FACES[scene.dim])
+        raise ValueError(
+            f"viscous: there is no side {shown(side)}; sides are {known}{didYouMean(side, FACES[scene.dim])}"
+        )
+    soil = _groundAt(scene, side)
+    rock = soil if behind is None else behind
+    if rock is None:
+        raise ValueError(
+            f"viscous: the ground at the side '{side}' is of several materials, or there is none; give "
+            "behind=, the material of the ground behind it"
+        )
+    if not isinstance(rock, Material):
+        raise TypeError(f"viscous: behind = {shown(behind)}; give a material, e.g. mpm.LinearElastic(...)")
+    first, second = rock.lame
+    density = rock.density if soil is None else soil.density
+    engine = classes["ViscousBoundary"](
+        face=NUMBERS[scene.dim].index(side),
+        density=density,
+        normal=float(np.sqrt((first + 2 * second) * rock.density)),
+        shear=float(np.sqrt(second * rock.density)),
+        label=f"viscous {side}",
+    )
+    if motion is not None:
+        rows = _rows(motion, times, scene.dim)
+        engine.motion = (rows * [1.0, *[0.5] * scene.dim]).ravel().tolist()
+    return engine
+
+
+def _rows(motion, times, dim):
+    if isinstance(motion, Record):
+        motion = np.column_stack((motion.time, motion.velocity))
+    along = not callable(motion) and np.ndim(motion) == 2 and np.shape(motion)[1] == 2 and dim > 1
+    rows = timeRows("viscous", "motion", motion, 1 if along else dim, times)
+    return np.column_stack((rows, np.zeros((len(rows), dim - 1)))) if along else rows
+
+
+def _groundAt(scene, side):
+    """The material of the bodies at a side, None where they are of several."""
+    number = NUMBERS[scene.dim].index(side)
+    axis, isUpper = divmod(number, 2)
+    face = (scene.upper if isUpper else scene.lower)[axis]
+    near = [b for b in scene.bodies if b.count and (np.abs(b.corners()[..., axis] - face) < 1e-6).any()]
+    materials = [body.material for body in near]
+    isOne = materials and all(m == materials[0] for m in materials)
+    return materials[0] if isOne and hasattr(materials[0], "lame") else None

@@ -44,7 +44,8 @@ def readRecord(file, factor=1.0):
     Parameters
     ----------
     file : a name that ends in .AT2 (PEER: acceleration in g, NPTS and DT in the fourth line), or any other:
-        two columns, time (s) and acceleration (m/s2), with commas or blanks between; lines of words are headings.
+        two columns, time (s) and acceleration (m/s2), with commas or blanks between, below
+        lines of words.
     factor : that all accelerations are multiplied with; default 1.
 
     Returns a `Record`. Raises ValueError for a file that holds something else.

@@ -40,7 +40,8 @@ def viscous(
     ----------
     sides : names, as of `fix`.
     motion : velocity of the ground at an outcrop of the rock, m/s: a record (along x), rows (time, one
-        component per axis) or (time, along x), or a function of the time, at `times`. Half of it comes in as a wave.
+        component per axis) or (time, along x), or a function of the time, at `times`. Half of it comes in as
+        a wave.
     times : s, for a function.
     behind : Material of the ground there; default: that of the body at the side.
 

@@ -123,7 +123,7 @@ def add(
             chosen["implicit"] = "its material yields"
     _checkArguments(scene, name, region, material, particles)
     if water is not None:
-        checkWater(scene, name, water, implicit)
+        checkWater(scene, name, material, water, implicit)
     if fbar is None:
         fbar = material._core.yields and not implicit
         chosen["fbar"] = "yields, and would lock" if fbar else "keeps its volume by itself"

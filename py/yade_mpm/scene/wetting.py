@@ -7,10 +7,14 @@ from ..base.wording import shown
 from ..engine.poreWater import PoreWater
 
 
-def checkWater(scene, name, water, implicit):
+def checkWater(scene, name, material, water, implicit):
     """Before a body is made: whether it may have this water."""
     if not isinstance(water, PoreWater):
         raise TypeError(f"body '{name}': water = {shown(water)}; give mpm.PoreWater(table=...)")
+    if getattr(material, "waterBulk", None):
+        raise ValueError(
+            f"body '{name}': its {type(material).__name__} has water of its own, waterBulk; leave one out"
+        )
     if implicit:
         raise ValueError(f"body '{name}': water and implicit=True are given together; leave one out")
     if scene.scheme != "MUSL":

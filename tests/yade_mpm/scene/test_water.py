@@ -98,9 +98,15 @@ def made(**options):
         scene.fix("bottom")
         body = box((0, 0), (1, 0.5))
         water = options.pop("water", None) or mpm.PoreWater(**options.pop("of", {}))
-        return scene.add("soil", body, mpm.MohrCoulomb(**CLAY), mpm.UGIMP(), water=water, **options)
+        law = options.pop("law", None) or mpm.MohrCoulomb(**CLAY)
+        return scene.add("soil", body, law, mpm.UGIMP(), water=water, **options)
 
     return make
+
+
+def wetCamClay():
+    clay = dict(density=1.7, compression=0.2, swelling=0.04, frictionAngle=0.4, initialVoidRatio=1.5)
+    return made(law=mpm.ModifiedCamClay(**clay, overconsolidationRatio=1.5, waterBulk=1e6))()
 
 
 def twoTables():
@@ -123,6 +129,7 @@ def inContact():
     ("table: times do not grow", lambda: mpm.PoreWater(table=[(1, 2), (0, 3)])),
     ("heads has 'north' ... left, right", made(of={"heads": {"north": 1.0}})),
     ("water = 3; give mpm.PoreWater", made(water=3), TypeError),
+    ("has water of its own, waterBulk", wetCamClay),
     ("implicit=True", made(implicit=True, fbar=False)),
     ("needs scheme='MUSL'", made(scheme="USL")),
     ("another table", twoTables),

@@ -226,6 +226,9 @@ template <int Dim> struct BindScene {
             .add_property(
                 "time", +[](S& s) { return loadRelaxed(s.time); },
                 +[](S& s, double t) { storeRelaxed(s.time, t); })
+            .add_property(
+                "isAxisymmetric", +[](const S& s) { return s.grid.isAxisymmetric; },
+                +[](S& s, bool is) { s.grid.isAxisymmetric = is; })
             .def_readwrite("dt", &S::dt)
             .add_property(
                 "step", +[](S& s) { return loadRelaxed(s.step); },

@@ -87,6 +87,7 @@ ElasticOperator<Dim>::ElasticOperator(Scene<Dim>& scene, bool explicitAlone) : s
         stress_.emplace_back("elasticStress", "kPa", "", std::vector<int>{3, 3});
         stress_.back().resize(body->particles.size());
         gradient_.emplace_back(body->particles.velocityGradient);
+        if (scene.grid.isAxisymmetric) gradient_.emplace_back(body->particles.hoopRate);
         vertices_.emplace_back(body->particles.velocity);
         if (auto* mesh = body->domains->mesh()) vertices_.emplace_back(mesh->vertexVelocities());
     }
@@ -260,40 +261,46 @@ template <int Dim> void ElasticOperator<Dim>::strain(ParallelRegion& region) {
         if (auto* mesh = body.domains->mesh()) mesh->takeVelocity(region, nodes);
         region.chunks(body.particles.size(), [&](int begin, int end) {
             body.domains->takeGradient(begin, end, nodes, 0);
-            elasticStress(body, stress_[b], begin, end);
+            scene_.grid.inGeometry([&](auto isRound) {
+                elasticStress<strainedAxes<Dim, isRound>>(body, stress_[b], begin, end);
+            });
         });
     }
 }
 
 template <int Dim>
+template <int N>
 void ElasticOperator<Dim>::elasticStress(Body<Dim>& body, Field& stress, int begin, int end) {
     double lambda[chunkSize], mu[chunkSize];
     body.stiffness(begin, end, lambda, mu);
-    const Field& L = body.particles.velocityGradient;
-    for (int p = begin; p < end; ++p) {
-        const double shear = mu[p - begin];
+    const VelocityGradient<N> L(body.particles, begin);
+    for (int p = 0; p < end - begin; ++p) {
         double trace = 0;
-        for (int k = 0; k < Dim; ++k) trace += L.plane((Dim + 1) * k)[p];
-        for (int i = 0; i < Dim; ++i)
-            for (int j = i; j < Dim; ++j)
-                stress.plane(3 * i + j)[p] = (i == j ? lambda[p - begin] * trace : 0) +
-                                             shear * (L.plane(Dim * i + j)[p] + L.plane(Dim * j + i)[p]);
+        for (int k = 0; k < N; ++k) trace += L(k, k, p);
+        for (int i = 0; i < N; ++i)
+            for (int j = i; j < N; ++j)
+                stress.plane(3 * i + j)[begin + p] =
+                    (i == j ? lambda[p] * trace : 0) + mu[p] * (L(i, j, p) + L(j, i, p));
     }
 }
 
 template <int Dim> std::string ElasticOperator<Dim>::stiffest() const {
     double most = -1;
     std::string name;
+    const bool isRound = scene_.grid.isAxisymmetric;
+    const int each = isRound ? 2 : 1; // fields of a body
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
         const auto& particles = scene_.bodies[b]->particles;
-        const Field& L = gradient_[b].own;
         double power = 0;
         for (int p = 0; p < particles.size(); ++p)
             for (int i = 0; i < Dim; ++i)
                 for (int j = 0; j < Dim; ++j)
                     power += particles.volume.plane()[p] *
                              stress_[b].plane(3 * std::min(i, j) + std::max(i, j))[p] *
-                             L.plane(Dim * i + j)[p];
+                             gradient_[b * each].own.plane(Dim * i + j)[p];
+        for (int p = 0; isRound && p < particles.size(); ++p)
+            power +=
+                particles.volume.plane()[p] * stress_[b].plane(8)[p] * gradient_[b * each + 1].own.plane()[p];
         if (power > most) {
             most = power;
             name = scene_.bodies[b]->name;

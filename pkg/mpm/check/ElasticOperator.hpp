@@ -66,7 +66,7 @@ template <int Dim> class ElasticOperator {
     void sumForces(ParallelRegion& region);
     void readForces(std::vector<double>& y) const;
     void strain(ParallelRegion& region);
-    static void elasticStress(Body<Dim>& body, Field& stress, int begin, int end);
+    template <int N> static void elasticStress(Body<Dim>& body, Field& stress, int begin, int end);
 };
 
 } // namespace mpm

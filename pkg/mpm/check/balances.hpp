@@ -160,7 +160,7 @@ template <int Dim> InnerVolumes innerVolumes(const Scene<Dim>& scene) {
         for (int n = 0; n < around && isInside; ++n) isInside = !isEmpty(c, index, n);
         if (!isInside) continue;
         inner.particles += volume[c];
-        inner.cells += grid.edges(c).prod();
+        inner.cells += grid.volume(c);
     }
     return inner;
 }

@@ -69,6 +69,9 @@ void ContactSearch<Dim>::find(const Scene<Dim>& scene, const SearchRule& rule, b
                              {pair_.motion[0], pair_.motion[1]},
                              {pair_.edges[0] > 0, pair_.edges[1] > 0}});
         }
+    if (!scene.grid.isAxisymmetric) return;
+    for (auto& node : nodes) node.area *= scene.grid.thicknessAt(node.position[0]);
+    for (auto& point : points) point.area *= scene.grid.thicknessAt(point.position[0]);
 }
 
 template <int Dim> void ContactSearch<Dim>::findAhead(const Scene<Dim>& scene, const SearchRule& rule) {

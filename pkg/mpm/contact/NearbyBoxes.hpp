@@ -143,7 +143,9 @@ template <int Dim> class NearbyBoxes {
                 for (int i = 0; i < count; ++i) {
                     const int near = nearby.number(node[i]);
                     if (near < 0) continue;
-                    found_.push_back({vectorAt<Dim>(position, begin + i), half, V[begin + i] / size});
+                    const Vec<Dim> x = vectorAt<Dim>(position, begin + i);
+                    const double thickness = std::max(grid.thicknessAt(x[0]), 1e-9); // m
+                    found_.push_back({x, half, V[begin + i] / (thickness * size)});
                     bin_.push_back(near);
                 }
             }

@@ -84,10 +84,14 @@ template <int Dim> class MPM_PUBLIC Domains {
                 for (int j = 0; j < Dim; ++j)
                     tension(i, j) = -particles.volume.plane()[p] *
                                     particles.stress.plane(3 * std::min(i, j) + std::max(i, j))[p];
-            weights(p, [&](int node, double, const Vec<Dim>& gradient) { each(node, tension * gradient); });
+            const double hoop = -particles.volume.plane()[p] * particles.stress.plane(8)[p] * overRadius(p);
+            weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
+                each(node, tension * gradient + hoop * phi * Vec<Dim>::Unit(0));
+            });
         }
     }
-    virtual size_t bytes() const { return 0; } // of memory
+    virtual double overRadius(int /*p*/) const { return 0; } // 1/r with axial symmetry, 1/m; of boxes
+    virtual size_t bytes() const { return 0; }               // of memory
 
     // --- what only some types have; nullptr: not this one -------------------------------------------
     virtual EqualBoxes<Dim>* boxes() { return nullptr; }
@@ -98,7 +102,7 @@ template <int Dim> class MPM_PUBLIC Domains {
     double dampedEnergy() const { return std::accumulate(damped_.begin(), damped_.end(), 0.0); }
 
     // Stands in for the diagonal of the stress in addSum() where some of it acts otherwise; nullptr: does not.
-    std::array<const double*, Dim> diagonal{};
+    std::array<const double*, 3> diagonal{};
 
     Particles<Dim>& particles;
     const Grid<Dim>& grid;

@@ -27,11 +27,12 @@ template <int Dim> class Mesh {
     virtual Field& vertexVelocities() = 0;
     // Node += share of a force on one vertex.
     virtual void addVertexForce(int vertex, const Vec<Dim>& force, typename NF::Sum* nodes) const = 0;
-    // What strains domain p: each(node, phi, gradient, gamma), a node once for each vertex that feels it. gamma:
+    // What strains domain p: each(node, phi, gradient, hoop, gamma), a node once for each vertex that feels it. hoop:
+    // what its radial velocity adds to v_r/r, zero but for axial symmetry; gamma:
     // what unit velocity of the node adds to the rate of each hourglass pattern, `patterns` numbers;
     // `stiffness`: what the domain resists each with, kN/m (2D: per m).
     static constexpr int patterns = Dim == 2 ? 1 : 4;
-    using EachStrain = std::function<void(int, double, const Vec<Dim>&, const double*)>;
+    using EachStrain = std::function<void(int, double, const Vec<Dim>&, double, const double*)>;
     virtual void strains(int p, const EachStrain& each, double* stiffness) const = 0;
     // And how far the domain is from a linear deformation, what they resist: of each pattern and axis, m.
     virtual void amplitude(int p, double (*h)[Dim]) const = 0;

@@ -17,8 +17,11 @@ template <int Dim> struct ParticlePlanes {
     using L = Lanes<Dim>;
     static constexpr int largestBatch = 64; // particles that are treated together, at most
 
+    double* hoopRate;
     double *mass, *volume, *position[Dim], *velocity[Dim], *bodyForce[Dim], *velocityGradient[Dim * Dim];
-    explicit ParticlePlanes(Particles<Dim>& p) : mass(p.mass.plane()), volume(p.volume.plane()) {
+    explicit ParticlePlanes(Particles<Dim>& p)
+        : hoopRate(p.isAxisymmetric ? p.hoopRate.plane() : nullptr), mass(p.mass.plane()),
+          volume(p.volume.plane()) {
         for (int i = 0; i < Dim; ++i) {
             position[i] = p.position.plane(i);
             velocity[i] = p.velocity.plane(i);

@@ -41,11 +41,15 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
             takesUnequalCells() || !grid.isGraded(), Kernel::name, " in '", Base::bodyName,
             "': its kernel is made for equal cells, and the grid is graded; use UGIMP or APDI, or a scene "
             "without grading");
+        require(takesAxialSymmetry() || !grid.isAxisymmetric, Kernel::name, " in '", Base::bodyName,
+                "': its weights do not know the radius, and the scene is axisymmetric; use UGIMP or APDI");
         half_.resize(Dim);
         for (int k = 0; k < Dim; ++k) half_.plane()[k] = geometry.halfSize[k];
         double volume = 1;
         for (int k = 0; k < Dim; ++k) volume *= 2 * geometry.halfSize[k];
-        Base::create(geometry.positions, std::vector<double>(geometry.positions.size(), volume));
+        std::vector<double> volumes;
+        for (const Vec<Dim>& x : geometry.positions) volumes.push_back(volume * grid.thicknessAt(x[0]));
+        Base::create(geometry.positions, volumes);
         group();
     }
 
@@ -54,6 +58,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     void restored() override {
         cell_.assign(particles.size(), -1);
         local_.resize(particles.size());
+        if (grid.isAxisymmetric) overRadius_.resize(particles.size());
         order.isOf(grid) ? order.prepare(grid, support) : group();
     }
 
@@ -115,7 +120,11 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
         stencil(p, each);
     }
 
-    size_t bytes() const override { return sizeof(int) * cell_.size() + local_.bytes(); }
+    size_t bytes() const override {
+        return sizeof(int) * cell_.size() + sizeof(double) * overRadius_.size() + local_.bytes();
+    }
+
+    double overRadius(int p) const override { return grid.isAxisymmetric ? overRadius_[p] : 0; }
 
     EqualBoxes<Dim>* boxes() override { return this; }
     Vec<Dim> halfSize() const override { return Eigen::Map<const Vec<Dim>>(half_.plane()); }
@@ -150,6 +159,10 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
             x[k] = particles.position.plane(k);
             local[k] = local_.plane(k);
         }
+        if (grid.isAxisymmetric) {
+            const double least = 0.5 * half_.plane()[0];
+            for (int p = begin; p < end; ++p) overRadius_[p] = 1 / std::max(x[0][p], least);
+        }
         return Base::support(begin, end, x, middle - 0.5, cell_.data(), local, "particle",
                              particles.id.integers());
     }
@@ -158,6 +171,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     virtual void group() {
         cell_.resize(particles.size());
         local_.resize(particles.size());
+        if (grid.isAxisymmetric) overRadius_.resize(particles.size());
         find(0, particles.size());
         order.group(grid, cell_);
         particles.permute(order.order);
@@ -173,7 +187,12 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     virtual bool isScattered() const { return false; }
     // Whether a type finds its weights where cells differ; along() of a kernel does not.
     virtual bool takesUnequalCells() const { return false; }
+    // Whether its weights know the distance from the axis.
+    virtual bool takesAxialSymmetry() const { return false; }
 
+    // With axial symmetry 1/r of each particle where locate() found it, 1/m; a box on the axis has its middle half way
+    // from its inner to its outer half at least.
+    std::vector<double> overRadius_;
     std::vector<int> cell_; // lowest node of the support of each particle, found once per step ...
     Field local_{"local", "-", "Position from that node, in cells.", {Dim}}; // ... and
     Field half_{"halfSize", "m", "Half edge of the box domains, one entry per axis."};

@@ -40,7 +40,7 @@ template <int Dim> class Transfers : public Domains<Dim> {
     std::array<const double*, 9> stressPlanes() const {
         std::array<const double*, 9> planes;
         for (int c = 0; c < 9; ++c) planes[c] = particles.stress.plane(c);
-        for (int k = 0; k < Dim; ++k)
+        for (int k = 0; k < 3; ++k)
             if (Base::diagonal[k]) planes[4 * k] = Base::diagonal[k];
         return planes;
     }

@@ -5,6 +5,7 @@
 #include "mpm/material/Material.hpp"
 #include "mpm/particle/Domains.hpp"
 #include "mpm/scene/CellAverage.hpp"
+#include "mpm/state/VelocityGradient.hpp"
 
 namespace mpm {
 
@@ -34,6 +35,7 @@ template <int Dim> class Body {
          const Grid<Dim>& grid)
         : name(name), material(material), type(type), domains(type->make(particles, grid)), grid_(grid) {
         domains->bodyName = name;
+        particles.isAxisymmetric = grid.isAxisymmetric;
         domains->stiffness = [this](int begin, int end, double* lambda, double* mu) {
             stiffness(begin, end, lambda, mu);
         };
@@ -69,9 +71,12 @@ template <int Dim> class Body {
             largestInertialMass = std::max(largestInertialMass, inertiaScale * particles.mass.plane()[p]);
     }
 
-    // Particles [begin, end) as their material sees them. state: room for a pointer to each state variable.
-    MaterialPoints<Dim> points(int begin, int end, double dt, double** state) {
-        MaterialPoints<Dim> points{};
+    // Particles [begin, end) as their material sees them: with axial symmetry N = 3 and the zeros of VelocityGradient for
+    // an update, else as in plane strain. state: room for a pointer to each state variable.
+    template <int N = Dim>
+    MaterialPoints<N> points(int begin, int end, double dt, double** state,
+                             const double* zeros = VelocityGradient<N>::none) {
+        MaterialPoints<N> points{};
         points.count = end - begin;
         points.dt = dt;
         points.time = time;
@@ -81,9 +86,10 @@ template <int Dim> class Body {
         points.hasFbar = fbar;
         points.volume = particles.volume.plane() + begin;
         points.initialVolume = particles.initialVolume.plane() + begin;
-        for (int k = 0; k < Dim; ++k) points.position[k] = particles.position.plane(k) + begin;
-        for (int c = 0; c < Dim * Dim; ++c)
-            points.velocityGradient[c] = particles.velocityGradient.plane(c) + begin;
+        for (int k = 0; k < N; ++k)
+            points.position[k] = k < Dim ? particles.position.plane(k) + begin : zeros;
+        const VelocityGradient<N> L(particles, begin, zeros);
+        std::copy(L.plane, L.plane + N * N, points.velocityGradient);
         for (int c = 0; c < 9; ++c) {
             points.deformationGradient[c] = particles.deformationGradient.plane(c) + begin;
             points.stress[c] = particles.stress.plane(c) + begin;

@@ -36,6 +36,7 @@ template <int Dim> class CellAverage {
     struct Cell {
         long round = 0;                // in which particles entered it
         Vec<Dim> edges;                // m
+        double whole = 0;              // volume, m3
         double volume = 0, inside = 0; // of the particles in it; 1 inside the material, 0 at its surface
         double share = 1;              // of the volume of all bodies in it
         double uneven = 1;             // factor of its rate of volume change
@@ -72,8 +73,7 @@ template <int Dim> class CellAverage {
                 if (cell.round != where_.round()) enter(grid, where_[point], cell);
                 cell.volume += volume[p] / where_.points().per(p);
             });
-            forOccupied(firstSlab, endSlab,
-                        [&](int c, Cell& cell) { cover_[c] = cell.volume / cell.edges.prod(); });
+            forOccupied(firstSlab, endSlab, [&](int c, Cell& cell) { cover_[c] = cell.volume / cell.whole; });
         });
     }
     // How far each cell lies inside the material, and what share of it is this body's. others: the bodies that
@@ -210,12 +210,22 @@ template <int Dim> class CellAverage {
             for (int k = 0; k < Dim; ++k)
                 x[k][a] = 0.5 * cornerSign(a, k) + dt * nodes[node][k] / edges[k]; // in cells
         }
-        return (ClosedShape<Dim>(x).volume - 1) / dt;
+        return (grown(grid, number, x) - 1) / dt;
+    }
+    // V'/V_c of a cell with its corners at x, in cells from its middle.
+    static double grown(const Grid<Dim>& grid, int number, CornerNumbers<Dim>& x) {
+        if constexpr (Dim == 2)
+            if (grid.isAxisymmetric) {
+                const double middle = grid.centre(grid.indices(number))[0] / grid.edges(number)[0];
+                for (double& r : x[0]) r += middle;
+                return RingShape(x).volume / (2 * M_PI * std::abs(middle));
+            }
+        return ClosedShape<Dim>(x).volume;
     }
 
     // Rate of volume change of the particles in a cell, from that of the cell and their own mean, 1/s.
     static double rateOf(const Cell& cell, double ofCell) {
-        const double holes = cell.taken == 0 ? 0 : cell.taken / acting(cell, cell.share * cell.edges.prod());
+        const double holes = cell.taken == 0 ? 0 : cell.taken / acting(cell, cell.share * cell.whole);
         return cell.uneven * (cell.inside * ofCell + (1 - cell.inside) * cell.mean + holes);
     }
     // Volume that the mean stress of a cell acts with, m3, where `whole` is the volume of the cell that is its own.
@@ -258,7 +268,10 @@ template <int Dim> class CellAverage {
                 Extent extent = extents_[slab];
                 if (slab > 0) extent.include(extents_[slab - 1]);
                 for (int k = 0; k < Dim - 1; ++k) ++extent.last[k];
-                grid.forNodes(extent, slab, [&](int node) { f(node, force(grid, node)); });
+                grid.inGeometry([&](auto isRound) {
+                    grid.forNodes(extent, slab,
+                                  [&](int node) { f(node, this->template force<isRound>(grid, node)); });
+                });
             }
         });
     }
@@ -291,7 +304,8 @@ template <int Dim> class CellAverage {
         for (int p = 0; p < particles.size() && is; ++p) {
             const Vec<Dim> cell = grid.sizeAt(vectorAt<Dim>(particles.reference, p));
             is = mesh.initialEdge(p) <= tolerated * cell.maxCoeff() &&
-                 particles.initialVolume.plane()[p] <= tolerated * cell.prod();
+                 particles.initialVolume.plane()[p] <=
+                     tolerated * cell.prod() * grid.thicknessAt(particles.reference.plane(0)[p]);
         }
         return is;
     }
@@ -308,6 +322,7 @@ template <int Dim> class CellAverage {
     void enter(const Grid<Dim>& grid, int number, Cell& cell) {
         cell.round = where_.round();
         cell.edges = grid.edges(number);
+        cell.whole = grid.volume(number);
         empty(cell);
         occupied_[where_.slabOf(number)].push_back(number);
         extents_[where_.slabOf(number)].include(only(grid, number));
@@ -324,7 +339,7 @@ template <int Dim> class CellAverage {
 
     // full: mean cover of the cells round it, also of what is outside of the grid, where soil may stand off the wall.
     static double unevenness(const Cell& cell, double full) {
-        const double ratio = cell.inside * cell.share * cell.edges.prod() / cell.volume + 1 - cell.inside;
+        const double ratio = cell.inside * cell.share * cell.whole / cell.volume + 1 - cell.inside;
         if (std::abs(ratio - 1) < 1e-9) return 1;
         const double part = std::clamp((full - sparse) / (dense - sparse), 0.0, 1.0);
         return 1 + part * (std::clamp(ratio, 1 / flexibility, flexibility) - 1);
@@ -394,13 +409,17 @@ template <int Dim> class CellAverage {
         return std::copysign(std::min({std::abs(central), 2 * std::abs(left), 2 * std::abs(right)}), central);
     }
 
-    Vec<Dim> force(const Grid<Dim>& grid, int node) const {
+    template <bool isAxisymmetric> Vec<Dim> force(const Grid<Dim>& grid, int node) const {
         Vec<Dim> sum = Vec<Dim>::Zero();
         for (int a = 0; a < corners<Dim>; ++a) { // the node is corner a of the cell
             int number = node;
             for (int k = 0; k < Dim; ++k) number -= cornerSign(a, k) > 0 ? grid.strides[k] : 0;
             if (number < 0) continue;
-            for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * acting_[k][number];
+            if (isAxisymmetric && acting_[Dim - 1][number] != 0) {
+                const Vec<Dim> slopes = grid.volumeSlopes(number, node);
+                for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * slopes[k] * acting_[k][number];
+            } else
+                for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * acting_[k][number];
         }
         return sum / (corners<Dim> / 2);
     }

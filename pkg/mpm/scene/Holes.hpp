@@ -53,7 +53,7 @@ template <int Dim> class Holes {
         holes_.clear();
         for (int cell : cells) {
             if (!isFree(cell) || std::binary_search(lacking.begin(), lacking.end(), cell)) continue;
-            Hole<Dim> hole{cell, insideBy(grid, cell, coverOf) * grid.edges(cell).prod()};
+            Hole<Dim> hole{cell, insideBy(grid, cell, coverOf) * grid.volume(cell)};
             double sum = 0;
             for (int k = 0; k < Dim; ++k)
                 for (int beside : {cell - grid.strides[k], cell + grid.strides[k]}) {

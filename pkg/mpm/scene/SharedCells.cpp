@@ -30,14 +30,21 @@ template <int Dim, class F> void forNeighbours(const Grid<Dim>& grid, int cell, 
     });
 }
 
-// Integral of the hat function of a node over the grid, m3.
+// Integral of the hat function of a node over the grid, m3; of its ring with axial symmetry.
 template <int Dim> double hatVolume(const Grid<Dim>& grid, int node) {
     const Index<Dim> index = grid.indices(node);
     double volume = 1;
     for (int k = 0; k < Dim; ++k) {
         const int line = index[k] - grid.ghost;
-        volume *= 0.5 * ((line > 0 && line <= grid.cells[k] ? grid.cellSize(k, index[k] - 1) : 0) +
-                         (line >= 0 && line < grid.cells[k] ? grid.cellSize(k, index[k]) : 0));
+        const double before = line > 0 && line <= grid.cells[k] ? grid.cellSize(k, index[k] - 1) : 0,
+                     after = line >= 0 && line < grid.cells[k] ? grid.cellSize(k, index[k]) : 0;
+        if (k == 0 &&
+            grid.isAxisymmetric) { // with the thickness where the halves of the hat have their middle
+            const double r = grid.line(0, index[0]);
+            volume *=
+                0.5 * (before * grid.thicknessAt(r - before / 3) + after * grid.thicknessAt(r + after / 3));
+        } else
+            volume *= 0.5 * (before + after);
     }
     return volume;
 }
@@ -233,7 +240,7 @@ template <int Dim> bool SharedCells<Dim>::hasSoil(const Scene<Dim>& scene, int c
 template <int Dim> void SharedCells<Dim>::findGivers(const Scene<Dim>& scene) {
     for (int cell : near_) give(scene, cell);
     for (auto& [cell, taker] : takers_) {
-        const double whole = scene.grid.edges(cell).prod();
+        const double whole = scene.grid.volume(cell);
         if (giverAt_[cell] < 0) { // whole cells beside: with their own flux
             giverAt_[cell] = int(givers_.size());
             givers_.push_back({cell, {{cell, 1}}});
@@ -313,7 +320,7 @@ template <int Dim> double SharedCells<Dim>::insideOfAll(const Scene<Dim>& scene,
 // ones where no other has soil.
 template <int Dim> void SharedCells<Dim>::give(const Scene<Dim>& scene, int cell) {
     const Grid<Dim>& grid = scene.grid;
-    const double open = openPart(cell), volume = open * grid.edges(cell).prod();
+    const double open = openPart(cell), volume = open * grid.volume(cell);
     const bool hasOwn = hasSoil(scene, cell);
     double own = hasOwn ? std::min(1.0, open / ownShare) : 0, sum = 0;
     Giver giver{cell, {}};
@@ -476,7 +483,7 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
         if (stress == 0) continue;
         const int soil = groupOf(scene, giver.to.front().cell);
         const Vec<Dim> edges = grid.edges(giver.cell);
-        const Vec<Dim> pull = stress * edges.prod() / (corners<Dim> / 2) * edges.cwiseInverse();
+        const Vec<Dim> pull = stress * grid.volume(giver.cell) / (corners<Dim> / 2) * edges.cwiseInverse();
         for (int g = 0; g < int(volumes_.size()); ++g) {
             Vec<Dim> sum = Vec<Dim>::Zero();
             for (int a = 0; a < corners<Dim>; ++a) {
@@ -484,7 +491,8 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
                 const double own = volumeOf(g, node), part = own > 0 ? own / volumeAt(node) : 0;
                 if (part == 0) continue;
                 Vec<Dim> force;
-                for (int k = 0; k < Dim; ++k) force[k] = -part * pull[k] * cornerSign(a, k);
+                const Vec<Dim> slopes = grid.volumeSlopes(giver.cell, node);
+                for (int k = 0; k < Dim; ++k) force[k] = -part * pull[k] * cornerSign(a, k) * slopes[k];
                 for (int k = 0; k < Dim; ++k) NF::addForce(grid.fields[g].sum[node], k, force[k]);
                 if (isSolid_[g]) forces_.push_back({soil, g, node, force});
                 sum += force;

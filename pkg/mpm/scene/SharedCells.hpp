@@ -167,7 +167,7 @@ double SharedCells<Dim>::rate(const Scene<Dim>& scene, int taker, VelocityOf&& v
             if (volume > 0) u /= volume;
             for (int k = 0; k < Dim; ++k) x[k][a] = 0.5 * cornerSign(a, k) + scene.dt * u[k] / edges[k];
         }
-        sum += from.part * (ClosedShape<Dim>(x).volume - 1) * edges.prod();
+        sum += from.part * (CellAverage<Dim>::grown(grid, from.cell, x) - 1) * grid.volume(from.cell);
     }
     return sum / (scene.dt * its.volume);
 }

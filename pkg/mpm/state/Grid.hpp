@@ -59,6 +59,9 @@ template <int Dim> class Grid {
     }
 
     const Vec<Dim> lower, upper;
+    // With axial symmetry the first axis is the distance from the axis, r, and all that is by volume is of the whole
+    // ring: it has the thickness 2 pi r where plane strain has 1 m. Set before there are bodies.
+    bool isAxisymmetric = false;
     Index<Dim> cells, nodes, strides;
     int count = 0;
     std::vector<NodalField<Dim>> fields;
@@ -127,6 +130,28 @@ template <int Dim> class Grid {
         Vec<Dim> size;
         for (int k = 0; k < Dim; ++k) size[k] = lines_[k].size(std::clamp(index[k], 0, nodes[k] - 2));
         return size;
+    }
+    double thicknessAt(double r) const { return isAxisymmetric ? 2 * M_PI * std::abs(r) : 1; }
+    double volume(int cell) const {
+        const double area = edges(cell).prod();
+        return isAxisymmetric ? area * thicknessAt(centre(indices(cell))[0]) : area;
+    }
+    // What a cell's volume gains as its node moves along each axis, over the same where the thickness is that in the
+    // middle of the cell.
+    Vec<Dim> volumeSlopes(int cell, int node) const {
+        Vec<Dim> slopes = Vec<Dim>::Ones();
+        if constexpr (Dim == 2)
+            if (isAxisymmetric) {
+                const double middle = centre(indices(cell))[0], r = nodePosition(node)[0];
+                slopes = {r / middle, (r / middle + 2) / 3};
+            }
+        return slopes;
+    }
+    // f(std::true_type()) with axial symmetry, else f(std::false_type()): loops are compiled for each of the two.
+    template <class F> decltype(auto) inGeometry(F&& f) const {
+        if constexpr (Dim == 2)
+            if (isAxisymmetric) return f(std::true_type());
+        return f(std::false_type());
     }
     // Edges of the cell at a place.
     Vec<Dim> sizeAt(const Vec<Dim>& x) const {

@@ -16,8 +16,9 @@ template <int Dim> class Particles {
              'i'};
     Field position{"position", "m", "Position.", {Dim}};
     Field velocity{"velocity", "m/s", "Velocity.", {Dim}};
-    Field mass{"mass", "Mg", "Mass (2D: per metre of thickness), without inertial scaling; constant."};
-    Field volume{"volume", "m3", "Current volume (2D: area), without what soil stands open by."};
+    Field mass{"mass", "Mg",
+               "Mass (plane strain: per metre of thickness), without inertial scaling; constant."};
+    Field volume{"volume", "m3", "Current volume (plane strain: area), without what soil stands open by."};
     Field initialVolume{"initialVolume", "m3", "Volume when the body was made."};
     Field stress{
         "stress", "kPa", "Cauchy stress, tension positive; the solver reads the upper triangle.", {3, 3}};
@@ -25,12 +26,14 @@ template <int Dim> class Particles {
         "deformationGradient", "-", "Deformation gradient F since the body was made.", {3, 3}};
     Field velocityGradient{
         "velocityGradient", "1/s", "Velocity gradient L_ij = dv_i/dx_j of the last step.", {Dim, Dim}};
+    Field hoopRate{"hoopRate", "1/s", "Rate of strain round the axis, v_r/r, of the last step."};
     Field bodyForce{
         "bodyForce", "m/s2", "Acceleration by a body force, besides gravity; set by the user.", {Dim}};
     Field reference{"reference", "m", "Position that displacement is counted from.", {Dim}};
     std::vector<Field> state; // the material's variables
 
-    bool hasBodyForce = false; // bodyForce takes memory and is read only once somebody has asked for it
+    bool isAxisymmetric = false; // only then hoopRate is there
+    bool hasBodyForce = false;   // bodyForce takes memory and is read only once somebody has asked for it
 
     int size() const { return mass.size(); }
 
@@ -47,6 +50,7 @@ template <int Dim> class Particles {
                                 &velocityGradient,
                                 &bodyForce,
                                 &reference};
+        if (isAxisymmetric) all.push_back(&hoopRate);
         for (Field& variable : state) all.push_back(&variable);
         return all;
     }

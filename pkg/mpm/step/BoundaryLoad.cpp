@@ -150,13 +150,20 @@ class BoundaryLoad : public EngineOf<BoundaryLoad> {
     template <int Dim>
     void push(Given<Dim>& given, int p, int facet, double factor, typename NodalField<Dim>::Sum* nodes) {
         Body<Dim>& loaded = *given.body;
+        const Scene<Dim>& scene = *given.scene;
         std::vector<int> vertices;
         std::vector<Vec<Dim>> X;
         for (int a : FacetCorners<Dim>::of[facet]) {
             vertices.push_back(loaded.domains->mesh()->cornerTable()[corners<Dim> * p + a]);
             X.push_back(vectorAt<Dim>(loaded.domains->mesh()->vertexPositions(), vertices.back()));
         }
-        const auto shares = sharesOfFacet(X);
+        auto shares = sharesOfFacet(X);
+        if constexpr (Dim == 2) // with the hat function's mean thickness
+            for (int a = 0; a < 2; ++a) {
+                const double thickness = scene.grid.thicknessAt((2 * X[a][0] + X[1 - a][0]) / 3);
+                shares[a].vector *= thickness;
+                shares[a].area *= thickness;
+            }
         for (size_t a = 0; a < vertices.size(); ++a) {
             Vec<Dim> force = -pressure * shares[a].vector;
             for (int k = 0; k < Dim; ++k) force[k] += traction[k] * shares[a].area;

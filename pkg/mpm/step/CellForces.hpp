@@ -31,15 +31,16 @@ class CellForces {
     template <int Dim>
     void takeOut(ParallelRegion& region, Body<Dim>& body, const Grid<Dim>& grid, SharedCells<Dim>& shared) {
         const int n = body.particles.size();
+        const int axes = grid.isAxisymmetric ? 3 : Dim; // that strain
         auto& cells = body.cellAverage;
         region.once([&] {
-            for (int k = 0; k < Dim; ++k) diagonal_[k].resize(n);
+            for (int k = 0; k < axes; ++k) diagonal_[k].resize(n);
         });
         const double* stress[3];
         for (int k = 0; k < 3; ++k) stress[k] = body.particles.stress.plane(4 * k);
         cells.forEach(region, [&](int c, auto& cell) {
             const bool isShared = cell.shared > 0;
-            const double whole = isShared ? cell.shared : cell.share * cell.edges.prod();
+            const double whole = isShared ? cell.shared : cell.share * cell.whole;
             const double outside = 1 - cell.inside;
             const double volume = cells.acting(cell, whole);
             const double acting = cell.inside * volume * cell.mean;
@@ -53,11 +54,11 @@ class CellForces {
             for (int p = begin; p < end; ++p) {
                 const double by =
                     cells.over(p, [](const auto& cell, int) { return cell.byParticles; }) - mean[p];
-                for (int k = 0; k < Dim; ++k) diagonal_[k][p] = stress[k][p] + by;
+                for (int k = 0; k < axes; ++k) diagonal_[k][p] = stress[k][p] + by;
             }
         });
         region.once([&] {
-            for (int k = 0; k < Dim; ++k) body.domains->diagonal[k] = diagonal_[k].data();
+            for (int k = 0; k < axes; ++k) body.domains->diagonal[k] = diagonal_[k].data();
         });
     }
 

@@ -8,12 +8,21 @@
 
 namespace mpm {
 
+// Fractions of area become those of volume: with axial symmetry outer pieces are longer rings.
+template <int Dim> void byThickness(const Grid<Dim>& grid, std::vector<Piece<Dim>>& parts) {
+    if (!grid.isAxisymmetric) return;
+    double whole = 0;
+    for (auto& part : parts) whole += part.fraction *= grid.thicknessAt(part.position[0]);
+    for (auto& part : parts) part.fraction /= whole;
+}
+
 // Replaces domains by uGIMP particles of the same mass, momentum, volume and stress.
 template <int Dim> void convert(Body<Dim>& to, Body<Dim>& from, const std::vector<Distorted>& all) {
     std::vector<Piece<Dim>> pieces;
     std::vector<int> gone;
     for (const Distorted& d : all) {
-        const auto parts = from.domains->distortion()->split(d.particle, to.domains->boxes()->halfSize());
+        auto parts = from.domains->distortion()->split(d.particle, to.domains->boxes()->halfSize());
+        byThickness(to.domains->grid, parts);
         pieces.insert(pieces.end(), parts.begin(), parts.end());
         gone.push_back(d.particle);
     }

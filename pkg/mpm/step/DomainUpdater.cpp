@@ -13,11 +13,10 @@ namespace mpm {
 
 namespace {
 
-// Traces of a tensor field with planes size*i + j.
-void traces(const Field& tensor, int size, int begin, int end, double* trace) {
+void traces(const Field& stress, int begin, int end, double* trace) {
     std::fill(trace, trace + end - begin, 0.0);
-    for (int k = 0; k < size; ++k) {
-        const double* diagonal = tensor.plane((size + 1) * k);
+    for (int k = 0; k < 3; ++k) {
+        const double* diagonal = stress.plane(4 * k);
         for (int p = begin; p < end; ++p) trace[p - begin] += diagonal[p];
     }
 }
@@ -55,7 +54,10 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             for (auto& body : scene.bodies)
                 if (auto* mesh = body->domains->mesh())
                     mesh->takeVelocity(region, strainingVelocity(scene, *body));
-            for (size_t b = 0; b < scene.bodies.size(); ++b) update(region, scene, *scene.bodies[b], int(b));
+            scene.grid.inGeometry([&](auto isAxisymmetric) {
+                for (size_t b = 0; b < scene.bodies.size(); ++b)
+                    update<strainedAxes<Dim, isAxisymmetric>>(region, scene, *scene.bodies[b], int(b));
+            });
             region.wait();
             for (auto& body : scene.bodies)
                 if (auto* mesh = body->domains->mesh()) mesh->advance(region, scene.dt);
@@ -109,8 +111,9 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         return implicit ? implicit->velocities(body) : scene.grid.fields[body.velocityField].velocities();
     }
 
-    // The threads do not wait for each other at the end.
-    template <int Dim> void update(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, int number) {
+    // N axes strain. The threads do not wait for each other at the end.
+    template <int N, int Dim>
+    void update(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, int number) {
         OrderedSum& work = work_[number];
         const auto* nodes = strainingVelocity(scene, body);
         const int n = body.particles.size();
@@ -120,14 +123,15 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         };
         const bool atOnce = body.material->takesWholeBody();
         const auto stresses = [&](int begin, int end) {
-            work.of(begin) = updateStress(body, scene.dt, begin, end, state.data(),
-                                          body.fbar ? body.cellAverage.values() : nullptr, actsByCells(body));
+            work.of(begin) =
+                updateStress<N>(body, scene.dt, begin, end, state.data(),
+                                body.fbar ? body.cellAverage.values() : nullptr, actsByCells(body));
         };
         // The volume of a domain is that between its vertices; boxes have what the stress sees.
         const bool follows = body.fbar && body.domains->boxes();
         const auto rest = [&](int begin, int end) {
-            follows ? deform<true>(body.particles, scene.dt, begin, end, body.cellAverage.values())
-                    : deform<false>(body.particles, scene.dt, begin, end, nullptr);
+            follows ? deform<true, N>(body.particles, scene.dt, begin, end, body.cellAverage.values())
+                    : deform<false, N>(body.particles, scene.dt, begin, end, nullptr);
             body.domains->volumes(begin, end);
             if (!atOnce) stresses(begin, end);
         };
@@ -147,17 +151,16 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
             locateCells(region, scene, body);
             findInside(region, scene, body);
         }
-        updateFbar(region, scene, body, partitions_[number], gradient, rest, wholeBody);
+        updateFbar<N>(region, scene, body, partitions_[number], gradient, rest, wholeBody);
     }
 
     // With one increment of volumetric strain per cell, and the mean stress linear in it: see CellAverage.
-    template <int Dim, class Gradient, class Rest, class WholeBody>
+    template <int N, int Dim, class Gradient, class Rest, class WholeBody>
     void updateFbar(ParallelRegion& region, Scene<Dim>& scene, Body<Dim>& body, const Partitions& partitions,
                     Gradient&& gradient, Rest&& rest, WholeBody&& wholeBody) {
         auto& cells = body.cellAverage;
         const int n = body.particles.size();
         const double dt = scene.dt;
-        Field &L = body.particles.velocityGradient, &stress = body.particles.stress;
         const bool byCells = actsByCells(body);
         const auto* nodes = scene.grid.fields[body.velocityField].velocities();
         const auto* implicit = scene.template find<ImplicitBodies>();
@@ -174,7 +177,8 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
         region.chunks(n, partitions.gradients, [&](int begin, int end) {
             if (cells.areAlone(begin)) return;
             gradient(begin, end);
-            byCells ? volumeRates<Dim>(L, dt, begin, end, value) : traces(L, Dim, begin, end, value + begin);
+            const VelocityGradient<N> L(body.particles, begin);
+            byCells ? volumeRates(L, dt, end - begin, value + begin) : traces(L, end - begin, value + begin);
         });
         if (byCells) cells.takeFromHoles(region, scene.grid, nodes, dt);
         cells.template average<false>(region, volume, [&](int number, auto& cell) {
@@ -195,13 +199,14 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 return rest(begin, end);
             }
             for (int p = begin; p < end; ++p) value[p] = cells.meanAt(p) - value[p];
-            if (byCells) toTraces<Dim>(L, dt, begin, end, value);
+            const VelocityGradient<N> L(body.particles, begin);
+            if (byCells) toTraces(L, dt, end - begin, value + begin);
             rest(begin, end);
         });
         wholeBody();
-        if (body.material->volumeRecord().opening >= 0) shareOpening(region, body);
+        if (body.material->volumeRecord().opening >= 0) shareOpening<N>(region, body);
         region.chunks(n, [&](int begin, int end) {
-            if (!cells.areAlone(begin)) traces(stress, 3, begin, end, value + begin);
+            if (!cells.areAlone(begin)) traces(body.particles.stress, begin, end, value + begin);
         });
         cells.template average<true>(region, volume, [](int, auto&) {});
         cells.findSlopes(region, scene.grid);
@@ -213,7 +218,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
     // All particles of a cell take part in its change of volume, so all of them stand open by as much as the
     // cell does: o = ln(sum V exp(o)/sum V), with V the solid volume, which is what a box keeps. An opening
     // is room: boxes have at most what their solid volume leaves free in the cell.
-    template <int Dim> void shareOpening(ParallelRegion& region, Body<Dim>& body) {
+    template <int N, int Dim> void shareOpening(ParallelRegion& region, Body<Dim>& body) {
         constexpr double roundOff = 1e-13;
         auto& cells = body.cellAverage;
         const bool areBoxes = body.domains->boxes();
@@ -238,7 +243,7 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
                 isChanged |= share[p] != 0;
                 opening[p] = now;
             }
-            if (isChanged) areBoxes ? dilate(body, begin, end, share) : contract(body, begin, end, share);
+            if (isChanged) areBoxes ? dilate<N>(body, begin, end, share) : contract(body, begin, end, share);
         });
     }
     // Bulk over solid volume of boxes that fill a cell by their centres, which may be a tenth less than what
@@ -248,15 +253,15 @@ class DomainUpdater : public EngineOf<DomainUpdater> {
 
     // m3, of a cell for the particles of a body.
     template <class Cell> static double roomIn(const Cell& cell) {
-        return cell.shared != 0 ? std::abs(cell.shared) : cell.share * cell.edges.prod();
+        return cell.shared != 0 ? std::abs(cell.shared) : cell.share * cell.whole;
     }
 
     // The logarithm of the bulk volume of boxes [begin, end) changes by what they have gained of the opening.
-    template <int Dim> static void dilate(Body<Dim>& body, int begin, int end, const double* change) {
+    template <int N, int Dim> static void dilate(Body<Dim>& body, int begin, int end, const double* change) {
         for (int p = begin; p < end; ++p) {
-            const double edges = std::exp(change[p] / Dim);
-            for (int i = 0; i < Dim; ++i)
-                for (int j = 0; j < Dim; ++j) body.particles.deformationGradient.plane(3 * i + j)[p] *= edges;
+            const double edges = std::exp(change[p] / N);
+            for (int i = 0; i < N; ++i)
+                for (int j = 0; j < N; ++j) body.particles.deformationGradient.plane(3 * i + j)[p] *= edges;
         }
         const int plastic = body.material->volumeRecord().plasticStrain;
         if (plastic < 0) return;

@@ -82,6 +82,8 @@ class EvenCover {
                                           ? (x[k] + half[k] - grid.line(k, int(face))) / (2 * half[k])
                                           : (low + 2 * l - face) / (2 * l);
                 share[k][1] = std::clamp(beyond, 0.0, 1.0);
+                if (k == 0 && grid.isAxisymmetric && x[0] > half[0]) // the outer part is the longer ring
+                    share[0][1] *= 1 + (1 - share[0][1]) * half[0] / x[0];
                 share[k][0] = 1 - share[k][1];
                 cell += (int(face) - 1) * grid.strides[k];
             }
@@ -108,9 +110,10 @@ class EvenCover {
             const Vec<Dim> x = vectorAt<Dim>(body.particles.position, p);
             if (!((x - reach[0]).array() >= 0).all() || !((reach[1] - x).array() >= 0).all()) continue;
             // A domain of a mesh stands for a box of its volume.
+            const double size = volume / std::max(grid.thicknessAt(x[0]), 1e-9);
             const Vec<Dim> half =
                 boxes ? boxes->halfSize()
-                      : Vec<Dim>(Vec<Dim>::Constant(0.5 * (Dim == 2 ? std::sqrt(volume) : std::cbrt(volume)))
+                      : Vec<Dim>(Vec<Dim>::Constant(0.5 * (Dim == 2 ? std::sqrt(size) : std::cbrt(size)))
                                      .cwiseMin(0.5 * grid.sizeAt(x)));
             Shares<Dim>(grid, x, half).each(grid, -1, [&](int c, double part, bool) {
                 cover_[c] += part * volume;
@@ -120,7 +123,7 @@ class EvenCover {
 
     template <int Dim> void findExcess(const Grid<Dim>& grid) {
         for (int c = 0; c < grid.count; ++c)
-            if (cover_[c] != 0) cover_[c] /= grid.edges(c).prod();
+            if (cover_[c] != 0) cover_[c] /= grid.volume(c);
         excess_.assign(grid.count, 0.0);
         for (int c = 0; c < grid.count; ++c) {
             if (cover_[c] == 0) continue;

@@ -76,8 +76,10 @@ void ImplicitSystem<Dim>::add(const StrainedNodes<Dim>& strained,
             for (int j = 0; j < Dim; ++j) {
                 double* below = &stiffness_.at(row, column + j);
                 for (int i = a == b ? j : 0; i < Dim; ++i)
-                    below[i] += lambda * g.g[i] * q.g[j] + mu * g.g[j] * q.g[i] + (i == j ? diagonal : 0.0);
+                    below[i] +=
+                        lambda * g.trace[i] * q.trace[j] + mu * g.g[j] * q.g[i] + (i == j ? diagonal : 0.0);
             }
+            stiffness_.at(row, column) += 2 * mu * g.hoop * q.hoop;
         }
     }
 }

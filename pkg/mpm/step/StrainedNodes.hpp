@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-or-later
 // Which nodes strain some particles of a body, and how: the elastic energy of particle p that moves by u is
 //     1/2 V [lambda (tr e)^2 + 2 mu e : e] + 1/2 sum_m control_m |h_m|^2,
-//     e = sym sum_n u_n (x) g_n,  h_m = sum_n gamma_nm u_n.
+//     e = sym sum_n u_n (x) g_n,  h_m = sum_n gamma_nm u_n,
+// with axial symmetry also e_33 = sum_n hoop_n u_r.
 #pragma once
 
 #include "mpm/scene/Body.hpp"
@@ -15,6 +16,7 @@ template <int Dim> class StrainedNodes {
     struct Entry {
         int node;
         double g[Dim], gamma[patterns];     // 1/m; -
+        double hoop = 0, trace[Dim] = {};   // 1/m; of tr e
         Vec<Dim> force;                     // kN, of the stress of the particle at the start
         Vec<Dim> weight = Vec<Dim>::Zero(); // kN, of gravity
     };
@@ -50,18 +52,24 @@ template <int Dim> class StrainedNodes {
         const auto entryOf = [&](int node) -> Entry& {
             for (size_t e = particle.begin; e < entries.size(); ++e)
                 if (entries[e].node == node) return entries[e];
-            return entries.emplace_back(Entry{node, {}, {}, Vec<Dim>::Zero()});
+            return entries.emplace_back(Entry{node, {}, {}, 0, {}, Vec<Dim>::Zero()});
         };
         Mat<Dim> stress;
         for (int i = 0; i < Dim; ++i)
             for (int j = 0; j < Dim; ++j)
                 stress(i, j) = body.particles.volume.plane()[p] * body.particles.stress.plane(3 * i + j)[p];
-        const auto add = [&](int node, double phi, const Vec<Dim>& gradient, const double* gamma) {
+        const double ring = body.particles.volume.plane()[p] * body.particles.stress.plane(8)[p];
+        const auto add = [&](int node, double phi, const Vec<Dim>& gradient, double hoop,
+                             const double* gamma) {
             if (!isIn(node)) return;
             Entry& entry = entryOf(node);
             entry.weight += phi * weight;
             entry.force -= stress * gradient;
+            entry.force[0] -= ring * hoop;
+            entry.hoop += hoop;
             for (int k = 0; k < Dim; ++k) entry.g[k] += gradient[k];
+            for (int k = 0; k < Dim; ++k) entry.trace[k] = entry.g[k];
+            entry.trace[0] += entry.hoop;
             for (int m = 0; m < patterns && gamma; ++m) entry.gamma[m] += gamma[m];
         };
         if (const auto* mesh = body.domains->mesh()) {
@@ -72,10 +80,12 @@ template <int Dim> class StrainedNodes {
                 for (int m = 0; m < patterns; ++m)
                     for (int k = 0; k < Dim; ++k)
                         entries[e].force[k] -= particle.control[m] * entries[e].gamma[m] * h[m][k];
-        } else
-            body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
-                add(node, phi, gradient, nullptr);
-            });
+            return;
+        }
+        const double overRadius = body.domains->overRadius(p);
+        body.domains->weights(p, [&](int node, double phi, const Vec<Dim>& gradient) {
+            add(node, phi, gradient, phi * overRadius, nullptr);
+        });
     }
 };
 

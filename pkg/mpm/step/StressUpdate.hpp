@@ -6,39 +6,42 @@
 
 namespace mpm {
 
-// F <- (I + dt L) F for particles [begin, end); in plane strain only the in-plane block changes. dilation: of
-// tr L, by F-bar: F, and with it the volume of boxes, follow what the stress sees.
-template <bool dilates, int Dim>
+// F <- (I + dt L) F for particles [begin, end), along the N axes that strain. dilation: of tr L, by F-bar: F, and with
+// it the volume of boxes, follow what the stress sees.
+template <bool dilates, int N, int Dim>
 void deform(Particles<Dim>& particles, double dt, int begin, int end, const double* dilation) {
-    const double* L[Dim * Dim];
-    double* F[Dim * Dim];
-    for (int i = 0; i < Dim; ++i)
-        for (int j = 0; j < Dim; ++j) {
-            L[Dim * i + j] = particles.velocityGradient.plane(Dim * i + j);
-            F[Dim * i + j] = particles.deformationGradient.plane(3 * i + j);
-        }
+    const VelocityGradient<N> L(particles, begin);
+    if constexpr (dilates) dilation += begin;
+    double* F[N * N];
+    for (int i = 0; i < N; ++i)
+        for (int j = 0; j < N; ++j) F[N * i + j] = particles.deformationGradient.plane(3 * i + j) + begin;
 #pragma omp simd
-    for (int p = begin; p < end; ++p) {
-        double change[Dim * Dim];
-        for (int i = 0; i < Dim; ++i)
-            for (int j = 0; j < Dim; ++j) {
+    for (int p = 0; p < end - begin; ++p) {
+        double change[N * N];
+        for (int i = 0; i < N; ++i)
+            for (int j = 0; j < N; ++j) {
                 double sum = 0;
-                for (int k = 0; k < Dim; ++k) sum += L[Dim * i + k][p] * F[Dim * k + j][p];
-                if constexpr (dilates) sum += dilation[p] / Dim * F[Dim * i + j][p];
-                change[Dim * i + j] = dt * sum;
+                for (int k = 0; k < N; ++k) sum += L(i, k, p) * F[N * k + j][p];
+                if constexpr (dilates) sum += dilation[p] / N * F[N * i + j][p];
+                change[N * i + j] = dt * sum;
             }
-        for (int c = 0; c < Dim * Dim; ++c) F[c][p] += change[c];
+        for (int c = 0; c < N * N; ++c) F[c][p] += change[c];
     }
 }
 
-// (det(I + dt L) - 1)/dt of particles [begin, end): their rate of volume change in a step.
-template <int Dim>
-void volumeRates(const Field& velocityGradient, double dt, int begin, int end, double* rate) {
-    const double* L[Dim * Dim];
-    for (int c = 0; c < Dim * Dim; ++c) L[c] = velocityGradient.plane(c);
+// Rates of volume change of `count` particles: tr L.
+template <int N> void traces(const VelocityGradient<N>& L, int count, double* trace) {
+    std::fill_n(trace, count, 0.0);
+    for (int k = 0; k < N; ++k)
+        for (int p = 0; p < count; ++p) trace[p] += L(k, k, p);
+}
+
+// (det(I + dt L) - 1)/dt of `count` particles: their rate of volume change in a step.
+template <int N> void volumeRates(const VelocityGradient<N>& gradient, double dt, int count, double* rate) {
+    const auto& L = gradient.plane;
 #pragma omp simd
-    for (int p = begin; p < end; ++p) {
-        if constexpr (Dim == 2) {
+    for (int p = 0; p < count; ++p) {
+        if constexpr (N == 2) {
             rate[p] = L[0][p] + L[3][p] + dt * (L[0][p] * L[3][p] - L[1][p] * L[2][p]);
         } else {
             const double x = L[4][p] * L[8][p] - L[5][p] * L[7][p], y = L[3][p] * L[8][p] - L[5][p] * L[6][p],
@@ -52,21 +55,16 @@ void volumeRates(const Field& velocityGradient, double dt, int begin, int end, d
 }
 
 // From the change of the rate of volume change, what L_kk changes by in sum: det(I + dt L + e I) has the slope
-// 2 + tr g in plane strain and 3 + 2 tr g + I2(g) in space over e, with g = dt L.
-template <int Dim>
-void toTraces(const Field& velocityGradient, double dt, int begin, int end, double* change) {
-    const double* L[Dim * Dim];
-    for (int c = 0; c < Dim * Dim; ++c) L[c] = velocityGradient.plane(c);
-#pragma omp simd
-    for (int p = begin; p < end; ++p) {
+// 2 + tr g where two axes strain and 3 + 2 tr g + I2(g) where three do over e, with g = dt L.
+template <int N> void toTraces(const VelocityGradient<N>& L, double dt, int count, double* change) {
+    for (int p = 0; p < count; ++p) {
         double trace = 0, minors = 0;
-        for (int i = 0; i < Dim; ++i) {
-            trace += dt * L[(Dim + 1) * i][p];
+        for (int i = 0; i < N; ++i) {
+            trace += dt * L(i, i, p);
             for (int j = 0; j < i; ++j)
-                minors += dt * dt *
-                          (L[(Dim + 1) * i][p] * L[(Dim + 1) * j][p] - L[Dim * i + j][p] * L[Dim * j + i][p]);
+                minors += dt * dt * (L(i, i, p) * L(j, j, p) - L(i, j, p) * L(j, i, p));
         }
-        change[p] *= Dim / (Dim == 2 ? 2 + trace : 3 + 2 * trace + minors);
+        change[p] *= N / (N == 2 ? 2 + trace : 3 + 2 * trace + minors);
     }
 }
 
@@ -111,25 +109,26 @@ template <int planes> class RunBuffer {
 };
 
 // Stress and solid volume of particles [begin, end), from deformation and bulk volume; returns their internal
-// work V sigma : D dt, with the mean of old and new stress. state: memory for MaterialPoints. change: of tr
-// L, by F-bar; isWork: the work is that of the changed L, for the forces are.
-template <int Dim>
+// work V sigma : D dt, with the mean of old and new stress. N axes strain. state: memory for MaterialPoints. change: of
+// tr L, by F-bar; isWork: the work is that of the changed L, for the forces are.
+template <int N, int Dim>
 double updateStress(Body<Dim>& body, double dt, int begin, int end, double** state, const double* change,
                     bool isWork) {
-    auto& particles = body.particles;
-    const double* V = particles.volume.plane() + begin;
-    RunBuffer<Dim + 1> buffer(end - begin);
-    double *before = buffer.plane(Dim), *averaged[Dim];
-    for (int k = 0; k < Dim; ++k) averaged[k] = buffer.plane(k);
-    const MaterialPoints<Dim> points = body.points(begin, end, dt, state);
-    MaterialPoints<Dim> averagedPoints = points;
+    const double* V = body.particles.volume.plane() + begin;
+    RunBuffer<N + 1> buffer(end - begin);
+    double *before = buffer.plane(N), *averaged[N];
+    for (int k = 0; k < N; ++k) averaged[k] = buffer.plane(k);
+    const std::vector<double> zeros(N > Dim && end - begin > chunkSize ? end - begin : 0);
+    const MaterialPoints<N> points = body.template points<N>(
+        begin, end, dt, state, zeros.empty() ? VelocityGradient<N>::none : zeros.data());
+    MaterialPoints<N> averagedPoints = points;
     if (change)
-        for (int k = 0; k < Dim; ++k) {
-            const double* L = points.velocityGradient[(Dim + 1) * k];
-            for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + change[begin + i] / Dim;
-            averagedPoints.velocityGradient[(Dim + 1) * k] = averaged[k];
+        for (int k = 0; k < N; ++k) {
+            const double* L = points.velocityGradient[(N + 1) * k];
+            for (int i = 0; i < points.count; ++i) averaged[k][i] = L[i] + change[begin + i] / N;
+            averagedPoints.velocityGradient[(N + 1) * k] = averaged[k];
         }
-    const Power<Dim> power(isWork ? averagedPoints : points);
+    const Power<N> power(isWork ? averagedPoints : points);
 #pragma omp simd
     for (int i = 0; i < points.count; ++i) before[i] = power(i);
     body.material->update(averagedPoints);

@@ -88,6 +88,7 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
                 all *= size[k];
             }
             origin_ = scene.grid.lower;
+            grid_ = &scene.grid;
             tops.resize(all);
             for (auto& top : tops) top.clear();
             heights_.assign(all, -HUGE_VAL);
@@ -131,8 +132,10 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
             double area = 1;
             for (int k = 0; k < Dim - 1; strip /= size[k++]) {
                 const double left = origin_[k] + (first[k] + strip % size[k]) * width[k];
-                area *=
-                    std::max(0.0, std::min(left + width[k], load.upper[k]) - std::max(left, load.lower[k]));
+                const double from = std::max(left, load.lower[k]),
+                             to = std::min(left + width[k], load.upper[k]);
+                area *= std::max(0.0, to - from);
+                if (k == 0) area *= grid_->thicknessAt(0.5 * (from + to));
             }
             return area;
         }
@@ -150,6 +153,7 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
       private:
         static constexpr double onEdge = 1e-6; // of a strip: what is so near its edge is on it
         Vec<Dim> origin_;
+        const Grid<Dim>* grid_ = nullptr;
         std::vector<double> heights_;
 
         // f(strip) of the strip that a point is in, of both where it is on their edge.

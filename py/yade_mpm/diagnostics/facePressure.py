@@ -39,7 +39,7 @@ class FacePressure:
     force : (N, dim), kN, on each facet: the mean.
     centre : (N, dim), of each facet, m.
     normal : (N, dim), of each facet, out of the body, -.
-    area : (N,), m2 (2D: m).
+    area : (N,), m2 (plane strain: m).
     """
 
     body: str
@@ -139,11 +139,11 @@ def facePressure(body, since: FacePressure | None = None) -> FacePressure:
         raise ValueError(f"facePressure: since is of the same time, {end:g} s; run the scene in between")
     corners = body.vertices[facets]
     vector = _outward(corners)
-    area = np.linalg.norm(vector, axis=1)
+    length = np.linalg.norm(vector, axis=1)
+    middle = corners.mean(axis=1)
+    area = length * body.scene._thicknessAt(middle[:, 0])
     force = (impulse - before) / (end - begin) if end > begin else np.zeros_like(impulse)
-    return FacePressure(
-        body.name, begin, end, impulse, force, corners.mean(axis=1), vector / area[:, None], area
-    )
+    return FacePressure(body.name, begin, end, impulse, force, middle, vector / length[:, None], area)
 
 
 def _contactOf(body):

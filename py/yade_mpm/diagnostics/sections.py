@@ -162,6 +162,11 @@ def _single(body, height):
 def _check(body):
     if not body.count:
         raise ValueError(f"sectionForces: '{body.name}' is empty; give a body with particles")
+    if body.scene.isAxisymmetric:
+        raise ValueError(
+            f"sectionForces: '{body.name}' is in an axisymmetric scene, where stress round the axis acts, "
+            "too; use axialForce, or the stress of the body"
+        )
     if body.fbar:
         raise ValueError(
             f"sectionForces: '{body.name}' has fbar=True, and its mean stress acts by the cells, not by the "

@@ -7,6 +7,8 @@ from ..geometry.numbers import isNumber
 from .engine import generated
 from .prescribed import FACES, Drive, Hold
 
+AXIS = "left"  # side of the grid that is the axis of an axisymmetric scene
+
 
 class GridSolver(generated["GridSolver"]):
     __doc__ = (
@@ -48,14 +50,21 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
 
     def _constraints(self, scene):
         """All prescribed motions of the scene, in the order in which later ones win."""
-        faces = []
-        for face in self._roller + self._fixed:
+        faces, rollers = [], list(self._roller)
+        if scene._hasAxis and AXIS not in rollers:
+            rollers.append(AXIS)
+        if scene._hasAxis and AXIS in self._fixed:
+            raise ValueError(
+                "GridSolver: the left side is fixed, and it is the axis of the scene, where bodies slide; "
+                "leave it out: it has rollers"
+            )
+        for face in rollers + self._fixed:
             if face not in FACES[scene.dim]:
                 raise ValueError(
                     f"GridSolver: there is no face '{face}'; faces are {', '.join(FACES[scene.dim])}"
                 )
             velocity = [0.0] * scene.dim
-            if face in self._roller and face not in self._fixed:
+            if face in rollers and face not in self._fixed:
                 velocity = [0.0 if k == FACES[scene.dim][face][0] else None for k in range(scene.dim)]
             if face not in self._faceHolds:
                 self._faceHolds[face] = wall(face, velocity)

@@ -28,8 +28,8 @@ class Prescribed(Guarded):
     """A prescribed velocity; base of `Drive` and `Hold`.
 
     Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D),
-    both exerted by the constraint on the material (2D: per metre). Since the start: `work` kJ, and `impulse`
-    (dim,) kN s, the time integral of the reaction, whose difference between two times makes the mean.
+    both exerted by the constraint on the material (plane strain: per metre). Since the start: `work` kJ, and
+    `impulse` (dim,) kN s, the time integral of the reaction, whose difference between two times makes the mean.
     The impulse is the change of momentum of what is held, less that by other forces. Work is done with the
     mean of the velocities prescribed at the start and the end of a step; one that begins takes over the
     velocity that it finds.
@@ -40,6 +40,7 @@ class Prescribed(Guarded):
     where: str | Region  # of a Hold
     _owner = None
     _hasBegun = False  # whether its ramp counts
+    _per = ""  # what stands behind the unit of its force, known once it has begun
 
     def __init__(self, velocity, ramp, name):
         object.__setattr__(self, "_core", _core.Constraint())
@@ -58,7 +59,7 @@ class Prescribed(Guarded):
             raise ValueError(f"{type(self).__name__}: velocity has {self.dim} components; give {scene.dim}")
         if not self._hasBegun:
             self._core.began = scene.time
-            keep(self, _hasBegun=True)
+            keep(self, _hasBegun=True, _per=scene._perMetre)
 
     @takes(time=NUMBER)
     def velocityAt(self, time: float) -> np.ndarray:
@@ -71,12 +72,11 @@ class Prescribed(Guarded):
 
     def _repr_html_(self):
         """Card for a notebook: what is prescribed, and what it takes."""
-        per = "/m" if self.dim == 2 else ""
         rows = [("velocity", self.velocity, "m/s"), ("ramp", self.ramp, "s")]
         if self._hasBegun:
             rows += [
-                ("reaction", self.reaction.round(6).tolist(), f"kN{per}"),
-                ("work", self.work, f"kJ{per}"),
+                ("reaction", self.reaction.round(6).tolist(), f"kN{self._per}"),
+                ("work", self.work, f"kJ{self._per}"),
             ]
         return card(f"{type(self).__name__} '{self.name}'", table(("", "value", "unit"), rows))
 
@@ -105,8 +105,8 @@ class Prescribed(Guarded):
 
     @property
     def reaction(self) -> np.ndarray:
-        """Force on the material in the last step, kN (2D: kN/m): what the drive adds to the weight. The
-        ground below a pile that is pressed down bears -reaction and the weight of the pile. RuntimeError as
+        """Force on the material in the last step, kN (plane strain: kN/m): what the drive adds to the weight.
+        The ground below a pile that is pressed down bears -reaction and the weight of the pile. RuntimeError as
         long as it is in no scene that was run."""
         if not self._hasBegun:
             kind = type(self).__name__

@@ -131,17 +131,17 @@ def limitLoad(build, cells, travel, area=None, progress=True):
         )
     runs = []
     for cell in sorted(map(float, sizes), reverse=True):
-        run, dim = _press(build, cell, travel, area)
+        run, per = _press(build, cell, travel, area)
         runs.append(run)
         if progress:
             print(
                 f"limitLoad: cell {cell:g} m, {run.load:.4g}, {100 * run.rise:+.1f} % over the last quarter"
             )
-    return LimitLoad(runs, "kPa" if area is not None else "kN/m" if dim == 2 else "kN")
+    return LimitLoad(runs, "kPa" if area is not None else f"kN{per}")
 
 
 def _press(build, cell, travel, area):
-    """A LoadRun with cells of one size, and the dimension of its scene."""
+    """A LoadRun with cells of one size, and what stands behind the unit of its force."""
     built = build(cell)
     isPair = isinstance(built, tuple) and len(built) == 2
     if not (isPair and isinstance(built[0], Scene) and isinstance(built[1], Prescribed)):
@@ -173,7 +173,9 @@ def _press(build, cell, travel, area):
     rise = slope * (middle[-1] - middle[-LATE])
     scatter = np.std(loads[-LATE:] - mean - slope * (middle[-LATE:] - middle[-LATE:].mean()))
     share = abs(mean) or 1.0
-    return LoadRun(cell, float(mean), float(rise / share), float(scatter / share), middle, loads), scene.dim
+    return LoadRun(
+        cell, float(mean), float(rise / share), float(scatter / share), middle, loads
+    ), scene._perMetre
 
 
 def _timeOf(way, ramp):

@@ -266,7 +266,7 @@ class History(Callback):
         row = quantities.measured(scene, self._means(scene), self._initialEnergy)
         for key in self._columns:
             row.update((name, ("", value)) for name, value in self._columns.measure(key, scene))
-        if scene.dim == 2:
+        if scene._perMetre:
             row = {name: (quantities.perMetre(unit), value) for name, (unit, value) in row.items()}
         self._append(row)
         integrals = quantities.timeIntegrals(scene)

@@ -34,7 +34,7 @@ STANDARD = {  # name -> (unit in 3D, function of the scene)
 }
 
 
-EXTENSIVE = ("kN", "kN m", "kJ", "Mg", "Mg m/s", "m3/s")  # per metre of thickness in 2D
+EXTENSIVE = ("kN", "kN m", "kJ", "Mg", "Mg m/s", "m3/s")  # per metre of thickness in plane strain
 
 
 def measured(scene, means, initialEnergy):

@@ -33,7 +33,14 @@ class Part(NamedTuple):
 
 def partsOf(bodies):
     """Parts of bodies as they are now."""
-    return [Part(b.name, b.cells is not None, b.deformedCorners(), _Fields(b)) for b in bodies if b.count]
+    parts = [Part(b.name, b.cells is not None, b.deformedCorners(), _Fields(b)) for b in bodies if b.count]
+    return [_mirrored(p) if p.field.body.scene.isAxisymmetric else p for p in parts]
+
+
+def _mirrored(part):
+    """A part and its image beyond the axis of symmetry, x = 0."""
+    corners = np.concatenate([part.corners, part.corners[:, ::-1] * (-1, 1)])
+    return part._replace(corners=corners, field=_MirroredFields(part.field.body))
 
 
 class _Fields:
@@ -49,6 +56,20 @@ class _Fields:
             return None
         of = DERIVED[name][1] if name in DERIVED else lambda body: getattr(body, name)
         return np.asarray(of(self.body)), self.units[name]
+
+
+class _MirroredFields(_Fields):
+    """The same with those of the image behind: components across the axis change their sign."""
+
+    def __call__(self, name):
+        found = super().__call__(name)
+        if found is None:
+            return None
+        values, image = found[0], found[0].copy()
+        if values.ndim > 1 and values.shape[1:] != (6,):
+            for k in range(1, values.ndim):
+                image[(slice(None),) * k + (0,)] *= -1
+        return np.concatenate([values, image]), found[1]
 
 
 def drawBodies(axes, parts):

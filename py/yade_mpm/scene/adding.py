@@ -291,7 +291,9 @@ def addConverted(scene, body):
 def _innerBoxes(body):
     """Centres and half sizes of boxes that lie inside the domains of a body, for the check of overlaps."""
     if body.cells is None:
-        share = body.initialVolume / np.prod(2 * body.halfSize)
+        share = body.initialVolume / (
+            np.prod(2 * body.halfSize) * body.scene._thicknessAt(body.reference[:, 0])
+        )
         # Of cut boxes, half of what they hold.
         return body.position, np.where(share > 1 - 1e-9, 1, share / 2)[:, None] * body.halfSize
     return body.position, 0.5 * np.abs(body.corners() - body.position[:, None]).min(axis=1)

@@ -43,6 +43,7 @@ def _places(scene, body, numbers, who):
             f"region become domains"
         )
     made, whole = body.type._geometry(body.region, scene, body.name).positions, np.prod(2 * body.halfSize)
+    whole = whole * scene._thicknessAt(made[np.minimum(body.id[numbers], len(made) - 1), 0])
     isCut = (body.id[numbers] >= len(made)) | (np.abs(body.initialVolume[numbers] / whole - 1) > ROUND_OFF)
     if isCut.any():
         at = placeText(body.position[numbers[np.argmax(isCut)]])
@@ -52,7 +53,8 @@ def _places(scene, body, numbers, who):
 
 def _refuseGaps(body, numbers, mesh, gaps, tolerance, who):
     """ValueError where a mesh through the particles is not what they are."""
-    volumes = cellVolumes(mesh.points, mesh.cells) / body.bulkVolume[numbers]
+    thickness = body.scene._thicknessAt(body.position[numbers, 0])
+    volumes = thickness * cellVolumes(mesh.points, mesh.cells) / body.bulkVolume[numbers]
     error = np.maximum(gaps, np.abs(volumes - 1))
     worst = np.argmax(error)
     if error[worst] > tolerance:

@@ -64,7 +64,13 @@ def _grid(scene):
     cells = " x ".join(str(len(x) - 1) for x in scene.lines)
     edge = " x ".join(f"{n:g}" for n in (scene.cell[:1] if len(set(scene.cell)) == 1 else scene.cell))
     of = f"graded, smallest {edge} m" if scene.isGraded else f"{edge} m"
-    return f"{size} m, {cells} cells of {of}{', per metre of thickness' if scene.dim == 2 else ''}"
+    return f"{size} m, {cells} cells of {of}{_thickness(scene)}"
+
+
+def _thickness(scene):
+    if scene.isAxisymmetric:
+        return ", axisymmetric: x is the distance from the axis, forces are of the whole circumference"
+    return ", per metre of thickness" if scene.dim == 2 else ""
 
 
 def _sides(solver):
@@ -128,7 +134,8 @@ def longForm(scene):
         f"grading={[x.tolist() for x in scene.lines]}" if scene.isGraded else f"cell={_plain(scene.cell)}"
     )
     corners = f"{tuple(scene.lower.tolist())}, {tuple(scene.upper.tolist())}"
-    lines = ["import yade_mpm as mpm", "", f"scene = mpm.Scene({corners}, {graded})"]
+    round_ = ", axisymmetric=True" if scene.isAxisymmetric else ""
+    lines = ["import yade_mpm as mpm", "", f"scene = mpm.Scene({corners}, {graded}{round_})"]
     bodies = {body.name: f"scene[{body.name!r}]" for body in scene.bodies}
     for body in (b for b in scene.bodies if b.count):
         lines.append("scene.add(\n    " + ",\n    ".join(_bodyArguments(body)) + ",\n)")

@@ -184,7 +184,8 @@ def _overburden(scene, ground, gravity):
             mine = np.flatnonzero(own == k)
             part = (high[a:b] - y[mine, None]) / np.maximum(high[a:b] - low[a:b], 1e-300)
             vertical[mine] = np.clip(part, 0, 1) @ weight[a:b]
-        result.append(vertical / np.prod(width))
+        middle = scene.lower[0] + (own + 0.5) * width[0]
+        result.append(vertical / (scene._thicknessAt(middle) * np.prod(width)))
     return result
 
 

@@ -86,7 +86,13 @@ def _isOfFile(error):
 
 def _build(spec, arrays, callbacks, permissions, file):
     scene = Scene(
-        spec["lower"], spec["upper"], spec["cell"], spec["scheme"], spec["threads"], grading=spec.get("lines")
+        spec["lower"],
+        spec["upper"],
+        spec["cell"],
+        spec["scheme"],
+        spec["threads"],
+        grading=spec.get("lines"),
+        axisymmetric=spec.get("axisymmetric", False),
     )
     permissions.checkTexts(spec["engines"] or [])
     buildBodies(scene, spec, arrays, file)

@@ -84,6 +84,7 @@ def describe(scene):
         "upper": list(scene.upper),
         "cell": None if scene.isGraded else list(scene.cell),
         "lines": [list(x) for x in scene.lines] if scene.isGraded else None,
+        "axisymmetric": scene.isAxisymmetric,
         "scheme": scene.scheme,
         "threads": scene._threads,
         "allowUnstable": bool(scene.allowUnstable),

@@ -13,7 +13,7 @@ from ..base.attributes import Guarded
 from ..base.keywords import checked
 from ..base.wording import shown
 from ..particle.body import Body
-from . import asking, display
+from . import asking, axial, display
 from .adding import Bodies, add
 from .asked import Asked
 from .attaching import attach, detach
@@ -65,6 +65,10 @@ class Scene(HasEngines, HasClock, Guarded):
     ----------
     lower, upper : corners of the grid, m; two numbers each make a plane-strain scene (per metre of
         thickness), three a 3D scene. Ghost nodes outside are added by the solver.
+    axisymmetric : bool, whether a scene of two axes is symmetric about the line x = 0: x is the distance from
+        that axis, and y goes along it. Masses, forces, energies are those of the whole circumference (kN, Mg,
+        kJ), and so are the loads that you give. Grids that begin at x = 0 have rollers there. Default False.
+        See doc/howto/axisymmetry.md.
     cell : cell size, m; one number or one per axis. upper - lower must be a multiple of it.
     grading : `Grading`, whose cells grow outside of a box; or a sequence with the positions of the lines of
         nodes across each axis, m (None: equal cells along that axis; `cell` may be left out where none is
@@ -84,7 +88,8 @@ class Scene(HasEngines, HasClock, Guarded):
     lower : (dim,), m, corner of the grid with the smallest coordinates; ghost nodes lie outside.
     upper : (dim,), m, opposite corner of the grid.
     cell : (dim,), m, cell size along each axis; with a grading the smallest.
-    dim : 2 for plane strain, or 3.
+    dim : 2 for plane strain and axial symmetry, or 3.
+    isAxisymmetric : bool, whether x is the distance from an axis of symmetry.
     isGraded : bool, whether cells differ.
     bodies : tuple of Body, in the order in which they were added; `remove` empties one.
     dtCritical : s, 2/omega_max of the grid, or the longest stable step if that is shorter (USL), as estimated
@@ -123,6 +128,7 @@ class Scene(HasEngines, HasClock, Guarded):
     cell: np.ndarray
     dim: int
     isGraded: bool
+    isAxisymmetric: bool
     dtCritical: float | None
     dtStable: float | None
     stiffest: str | None
@@ -157,6 +163,7 @@ class Scene(HasEngines, HasClock, Guarded):
         grading: Grading | Sequence | None = None,
         gravity: ArrayLike | None = None,
         damping: float | None = None,
+        axisymmetric: bool = False,
     ) -> None:
         lower, upper = corner("lower", lower), corner("upper", upper)
         dim = len(lower)
@@ -165,12 +172,15 @@ class Scene(HasEngines, HasClock, Guarded):
         cell = None if cell is None and grading is not None else cellSize(cell, dim)
         lines = linesOf(grading, lower, upper, cell)
         core = makeCore(lower, upper, cell, lines)
+        if axisymmetric:
+            axial.begin(core, lower)
         self.__dict__.update(
             lower=lower,
             upper=upper,
             dim=dim,
             cell=cell if lines is None else np.array(core.cell),
             isGraded=lines is not None,
+            isAxisymmetric=bool(axisymmetric),
             _core=core,
             dtCritical=None,  # s, as estimated last
             dtStable=None,
@@ -243,6 +253,18 @@ class Scene(HasEngines, HasClock, Guarded):
     )
     constraints = property(
         lambda self: list(self.stepper.constraints), doc="All prescribed motions, faces included."
+    )
+
+    def _thicknessAt(self, x):
+        """Thickness of the scene at distances x from the axis, m: 2 pi x, in plane strain 1."""
+        return 2 * np.pi * x if self.isAxisymmetric else np.ones_like(x)
+
+    _perMetre = property(
+        lambda self: "/m" if self.dim == 2 and not self.isAxisymmetric else "",
+        doc="What stands behind the unit of a force.",
+    )
+    _hasAxis = property(
+        lambda self: self.isAxisymmetric and self.lower[0] == 0, doc="Whether the left side is the axis."
     )
 
     @property

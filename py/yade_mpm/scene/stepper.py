@@ -21,7 +21,7 @@ from ..engine.callback import Callback
 from ..engine.engine import belongTo
 from ..engine.gridSolver import GridSolver
 from ..geometry.numbers import isNumber
-from . import choices
+from . import axial, choices
 from .timeStep import TimeStep, holding
 
 UNLIMITED = 1e9  # s of wall time: no limit
@@ -190,6 +190,7 @@ class Stepper(TimeStep, Guarded):
 
     def _prepareChain(self):
         scene, engines = self._scene, self._scene.engines
+        axial.refuseUndone(scene)
         choices.update(scene, isFinal=True)
         if self._isStepping and engines != self._chain:
             raise RuntimeError(

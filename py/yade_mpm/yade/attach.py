@@ -89,6 +89,10 @@ def inYade(
         raise ValueError("inYade: callbacks go with a checkpoint; leave them out where the scene is given")
     if not isinstance(scene, Scene):
         raise TypeError(f"inYade: scene = {shown(scene)}; give a yade_mpm.Scene")
+    if scene.isAxisymmetric:
+        raise ValueError(
+            "inYade: the scene is axisymmetric, and bodies of YADE are no rings; make the scene in 3D"
+        )
     for other in loop.attached.values():
         if other.scene is scene and other.label != label:
             raise ValueError(f"inYade: this scene is attached as '{other.label}' already; detach() it there")

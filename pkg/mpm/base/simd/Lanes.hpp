@@ -39,6 +39,10 @@ template <> struct Lanes<2> {
         MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w)
             : both((Mask{0, 0, 0, 0, 0, -1, 0, -1} ? all(w.G[0]) : all(w.S)) *
                    __builtin_shufflevector(value, B[0], 0, 1, 2, 3, 4, 5, 6, 7)) {}
+        // along: what takes phi itself, of the force along x.
+        MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w, double along) : Row(value, B, w) {
+            both += Octo{0, 0, 0, 0, 0, w.S * along, 0, 0};
+        }
         MPM_INLINE void add(Pack<8>& sum, double S, double G) const {
             sum.wide(0) += (Mask{0, 0, 0, 0, -1, 0, -1, 0} ? all(G) : all(S)) * both;
         }
@@ -48,6 +52,10 @@ template <> struct Lanes<2> {
         Quad value, product; // of product: the even lanes take d_x phi, the odd ones d_y phi
         MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w)
             : value(w.S * value), product(alternating(w.S, w.G[0]) * B[0]) {}
+        // along: what takes phi itself, of the force along x.
+        MPM_INLINE Row(const Quad& value, const Set& B, const Across<2>& w, double along) : Row(value, B, w) {
+            product += Quad{0, w.S * along, 0, 0};
+        }
         MPM_INLINE void add(Pack<8>& sum, double S, double G) const {
             sum.part[0] += S * value;
             sum.part[1] += alternating(G, S) * product;

@@ -80,21 +80,27 @@ template <int Dim> class CarriedByVertices {
 };
 
 // What a batch of domains gives to its vertices.
-template <int Dim> struct alignas(64) GivenByDomains {
-    using Shapes = BatchShapes<Dim>;
+template <int Dim, bool isRound> struct alignas(64) GivenByDomains {
+    using Shapes = BatchShapes<Dim, isRound>;
     using Carried = CarriedByVertices<Dim>;
     static constexpr int most = Batch<Dim>::most;
     double momentum[Dim + 1][most];                  // and inertial mass, times w
     double tension[Dim][Dim][most];                  // -V sigma, times g
+    double ring[isRound ? most : 1];                 // -V sigma_theta, times hoop: radial force
     double bodyForce[Dim][most];                     // times w
     typename HourglassControl<Dim>::OfBatch control; // times gamma
 
+    void takeRing(const double* volume, const double* sigmaTheta, int count) {
+        for (int p = 0; isRound && p < count; ++p) ring[p] = -volume[p] * sigmaTheta[p];
+    }
     // To plane k of corner a.
     template <bool isPatterned> MPM_INLINE double toCorner(const Shapes& d, int a, int k, int p) const {
         double sum = 0;
         if (k < Carried::force) return d.w[a][p] * momentum[k][p];
         MPM_UNROLL
         for (int j = 0; j < Dim; ++j) sum += d.g[a][j][p] * tension[k - Carried::force][j][p];
+        if constexpr (isRound)
+            if (k == Carried::force) sum += d.hoop[a][p] * ring[p];
         MPM_UNROLL
         for (int m = 0; m < Shapes::modes; ++m)
             sum += control.template gamma<isPatterned>(d, m, a, p) * control.force[m][k - Carried::force][p];

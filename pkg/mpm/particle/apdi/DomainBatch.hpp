@@ -111,9 +111,9 @@ template <int Dim> std::array<const double*, Dim> vectorPlanes(const Field& fiel
 }
 
 // Corner weights of a batch, from the skew that Shapes has found.
-template <int Dim> struct alignas(64) BatchWeights {
+template <int Dim, bool isRound> struct alignas(64) BatchWeights {
     static constexpr int NC = corners<Dim>;
-    using Skew = decltype(ClosedShape<Dim>::skew);
+    using Skew = decltype(DomainShape<Dim, isRound>::skew);
     static constexpr int skews = int(std::tuple_size<Skew>());
     double w[NC][Batch<Dim>::most];
 
@@ -124,7 +124,7 @@ template <int Dim> struct alignas(64) BatchWeights {
             Skew amount;
             MPM_UNROLL
             for (int m = 0; m < skews; ++m) amount[m] = skew[m][p];
-            const auto all = ClosedShape<Dim>::weights(amount);
+            const auto all = DomainShape<Dim, isRound>::weights(amount);
             MPM_UNROLL
             for (int a = 0; a < NC; ++a) w[a][p] = all[a];
         };
@@ -133,22 +133,24 @@ template <int Dim> struct alignas(64) BatchWeights {
 };
 
 // Shapes of a batch; the skew of the weights is kept for BatchWeights.
-template <int Dim> struct alignas(64) BatchShapes {
+template <int Dim, bool isRound> struct alignas(64) BatchShapes {
     static constexpr int NC = corners<Dim>, modes = hourglassModes<Dim>, most = Batch<Dim>::most;
-    static constexpr int skews = BatchWeights<Dim>::skews;
+    static constexpr int skews = BatchWeights<Dim, isRound>::skews;
     double w[NC][most], g[NC][Dim][most], pattern[modes][Dim][most];
+    double hoop[isRound ? NC : 1][isRound ? most : 1];
 
     BatchShapes(const Batch<Dim>& batch, const Field& positions, Field& skewField) {
         const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(positions));
         double* skew[skews];
         for (int m = 0; m < skews; ++m) skew[m] = skewField.plane(m) + batch.first;
         auto one = [&](int p) MPM_INLINE_LAMBDA {
-            const ClosedShape<Dim> shape(X.at(p));
+            const DomainShape<Dim, isRound> shape(X.at(p));
             MPM_UNROLL
             for (int a = 0; a < NC; ++a) {
                 w[a][p] = shape.w[a];
                 MPM_UNROLL
                 for (int k = 0; k < Dim; ++k) g[a][k][p] = shape.g[a][k];
+                if constexpr (isRound) hoop[a][p] = shape.hoop[a];
             }
             MPM_UNROLL
             for (int m = 0; m < skews; ++m) skew[m][p] = shape.skew[m];

@@ -49,11 +49,12 @@ template <int Dim> QualityReport reportQuality(const DomainMesh<Dim>& mesh, doub
 }
 
 // Smallest corner over initial volume.
-template <int Dim> double smallestJacobian(const DomainMesh<Dim>& mesh, const Field& initialVolume) {
+template <bool isRound, int Dim>
+double smallestJacobian(const DomainMesh<Dim>& mesh, const Field& initialVolume) {
     double least = 1e300;
     for (int p = 0; p < mesh.domains(); ++p) {
         const auto X = mesh.cornerNumbersOf(p);
-        least = std::min(least, smallestCorner(ClosedShape<Dim>(X), X) / initialVolume.plane()[p]);
+        least = std::min(least, smallestCorner(DomainShape<Dim, isRound>(X), X) / initialVolume.plane()[p]);
     }
     return least;
 }

@@ -20,8 +20,7 @@ namespace mpm {
 
 template <int Dim> class HourglassControl {
   public:
-    using Shapes = BatchShapes<Dim>;
-    static constexpr int NC = corners<Dim>, modes = Shapes::modes;
+    static constexpr int NC = corners<Dim>, modes = hourglassModes<Dim>;
 
     // Part of the shear strength: soil ten times as stiff then carries the same footing (a part of 1: 1.4 % more,
     // without a limit 11 %).
@@ -42,7 +41,7 @@ template <int Dim> class HourglassControl {
             if (std::abs(h.data()[i]) > roundOff) reference.plane(i)[p] = h.data()[i];
     }
 
-    void restored(const DomainMesh<Dim>& mesh) {
+    template <bool isRound> void restored(const DomainMesh<Dim>& mesh) {
         const int domains = mesh.domains();
         isPatterned_ = false;
         for (int i = 0; i < reference.components(); ++i)
@@ -53,7 +52,7 @@ template <int Dim> class HourglassControl {
         volume_.resize(domains);
         steepness_.resize(domains);
         for (int p = 0; p < domains; ++p) {
-            const ClosedShape<Dim> shape(numbersOf<Dim>(mesh.cornersOf(p, mesh.vertices.reference)));
+            const DomainShape<Dim, isRound> shape(numbersOf<Dim>(mesh.cornersOf(p, mesh.vertices.reference)));
             volume_[p] = shape.volume;
             for (int m = 0; m < modes; ++m) steepness_.plane(m)[p] = shape.steepness[m];
         }
@@ -95,7 +94,8 @@ template <int Dim> class HourglassControl {
             };
             forEachSimd(batch.count, one);
         }
-        template <bool isPatterned> MPM_INLINE double gamma(const Shapes& d, int m, int a, int p) const {
+        template <bool isPatterned, class Shapes>
+        MPM_INLINE double gamma(const Shapes& d, int m, int a, int p) const {
             double sum = hourglassSign(Dim, m, a) / NC;
             if constexpr (isPatterned) {
                 MPM_UNROLL
@@ -118,7 +118,8 @@ template <int Dim> class HourglassControl {
     }
 
     // The forces of a batch against the patterns as they are.
-    template <bool isPatterned> void resist(const Batch<Dim>& batch, const Shapes& d, OfBatch& out) const {
+    template <bool isPatterned, class Shapes>
+    void resist(const Batch<Dim>& batch, const Shapes& d, OfBatch& out) const {
         const Constants c(*this, batch.first);
         const double* limit = limit_.data() + batch.first;
         auto one = [&](int p) MPM_INLINE_LAMBDA {
@@ -148,7 +149,7 @@ template <int Dim> class HourglassControl {
     }
 
     // Those against the rates of the patterns over unit time, without a limit; V: velocities at the corners.
-    template <bool isPatterned, int n>
+    template <bool isPatterned, class Shapes, int n>
     void resistRates(const Batch<Dim>& batch, const Shapes& d, const AtCorners<Dim, n>& V,
                      OfBatch& out) const {
         const Constants c(*this, batch.first);
@@ -164,8 +165,8 @@ template <int Dim> class HourglassControl {
 
     // k of pattern m of domain p, kN/m (2D: per m), and what the velocity of corner a gives to the rate of h.
     double stiffnessOf(int p, int m) const { return Constants(*this, p).stiffness(m, 0); }
-    double gammaOf(const ClosedShape<Dim>& shape, const DeformedPattern& deformed, int p, int m,
-                   int a) const {
+    template <class Closed>
+    double gammaOf(const Closed& shape, const DeformedPattern& deformed, int p, int m, int a) const {
         double sum = hourglassSign(Dim, m, a) / NC;
         for (int j = 0; j < Dim; ++j) sum -= shape.g[a][j] * deformed.at(m, j, p);
         return sum;
@@ -180,13 +181,15 @@ template <int Dim> class HourglassControl {
         return h;
     }
     // Largest hourglass amplitude over the mean edge of its domain.
-    double largestAmplitude(const DomainMesh<Dim>& mesh, const Particles<Dim>& particles) const {
+    double largestAmplitude(const DomainMesh<Dim>& mesh, const Particles<Dim>& particles,
+                            const Grid<Dim>& grid) const {
         double largest = 0; // its 2 Dim-th power: no root in the loop
         const DeformedPattern deformed(*this, particles);
         for (int p = 0; p < particles.size(); ++p) {
             const HourglassAmplitude<Dim> h = amplitude(mesh, deformed, p);
             const double square = h.colwise().squaredNorm().maxCoeff();
-            const double volume = particles.volume.plane()[p];
+            const double volume =
+                particles.volume.plane()[p] / grid.thicknessAt(particles.position.plane(0)[p]);
             largest = std::max(largest, (Dim == 2 ? 1 : square) * square * square / (volume * volume));
         }
         return std::pow(largest, 0.5 / Dim);

@@ -27,12 +27,13 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
         hourglass_.reference.resize(domains);
         for (int p = 0; p < domains; ++p) {
             const Corners<Dim> X = mesh_.cornersOf(p);
-            const ClosedShape<Dim> shape(numbersOf<Dim>(X));
-            require(shape.volume > 0 && smallestCorner(shape, numbersOf<Dim>(X)) > 0, "APDI in '",
-                    Base::bodyName, "': domain ", p, " near ", place(Vec<Dim>(X.col(0))),
-                    " is inverted or concave; mend the mesh");
-            for (int a = 0; a < NC; ++a) centres[p] += shape.w[a] * X.col(a);
-            volumes[p] = shape.volume;
+            Base::inShape(numbersOf<Dim>(X), [&](const auto& shape) {
+                require(shape.volume > 0 && smallestCorner(shape, numbersOf<Dim>(X)) > 0, "APDI in '",
+                        Base::bodyName, "': domain ", p, " near ", place(Vec<Dim>(X.col(0))),
+                        " is inverted or concave; mend the mesh");
+                for (int a = 0; a < NC; ++a) centres[p] += shape.w[a] * X.col(a);
+                volumes[p] = shape.volume;
+            });
             hourglass_.setReference(p, X);
         }
         Base::create(centres, volumes);
@@ -85,17 +86,19 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
     void strains(int p, const typename Mesh<Dim>::EachStrain& each, double* stiffness) const override {
         constexpr int patterns = Mesh<Dim>::patterns;
         const auto corner = mesh_.cornerNumbersOf(p);
-        const ClosedShape<Dim> closed(corner);
-        const Shape<Dim> shape(corner);
         const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
-        for (int a = 0; a < NC; ++a) {
-            double gamma[patterns], given[patterns];
-            for (int m = 0; m < patterns; ++m) gamma[m] = hourglass_.gammaOf(closed, deformed, p, m, a);
-            Base::forNodes(mesh_.corner[NC * p + a], [&](int node, double part, double S) {
-                for (int m = 0; m < patterns; ++m) given[m] = part * S * gamma[m];
-                each(node, part * shape.w[a] * S, Vec<Dim>(part * S * shape.g[a]), given);
-            });
-        }
+        Base::inShape(corner, [&](const auto& closed) {
+            const Shape<Dim> shape(closed);
+            for (int a = 0; a < NC; ++a) {
+                double gamma[patterns], given[patterns];
+                for (int m = 0; m < patterns; ++m) gamma[m] = hourglass_.gammaOf(closed, deformed, p, m, a);
+                Base::forNodes(mesh_.corner[NC * p + a], [&](int node, double part, double S) {
+                    for (int m = 0; m < patterns; ++m) given[m] = part * S * gamma[m];
+                    each(node, part * shape.w[a] * S, Vec<Dim>(part * S * shape.g[a]),
+                         part * S * hoopOf(closed, a), given);
+                });
+            }
+        });
         for (int m = 0; m < patterns; ++m) stiffness[m] = hourglass_.stiffnessOf(p, m);
     }
     void amplitude(int p, double (*h)[Dim]) const override {
@@ -124,8 +127,11 @@ template <int Dim> class MeshDomains : public MeshTransfers<Dim>, public Mesh<Di
         Base::distorted_.clear();
     }
     QualityReport qualityReport(double limit) const override { return reportQuality(mesh_, limit); }
-    double minJacobian() const override { return smallestJacobian(mesh_, particles.initialVolume); }
-    double hourglass() const override { return hourglass_.largestAmplitude(mesh_, particles); }
+    double minJacobian() const override {
+        return Base::grid.inGeometry(
+            [&](auto isRound) { return smallestJacobian<isRound>(mesh_, particles.initialVolume); });
+    }
+    double hourglass() const override { return hourglass_.largestAmplitude(mesh_, particles, Base::grid); }
     double hourglassEnergy() override {
         double total = 0;
         forStiffChunks([&](int begin, int end) { total += hourglass_.energy(mesh_, particles, begin, end); });

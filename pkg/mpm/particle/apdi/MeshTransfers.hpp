@@ -19,14 +19,21 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     static constexpr int NC = corners<Dim>;
 
     MeshTransfers(Particles<Dim>& particles, const Grid<Dim>& grid, double hourglass, bool converts)
-        : Base(particles, grid), mesh_(grid, order), hourglass_(hourglass), converts_(converts) {}
+        : Base(particles, grid), mesh_(grid, order), hourglass_(hourglass),
+          skew_{"skew",
+                "-",
+                "What the corner weights differ from 1/2^Dim by, for the step.",
+                {grid.isAxisymmetric ? 3
+                 : Dim == 2          ? 2
+                                     : 7}},
+          converts_(converts) {}
 
     // What follows from the connectivity.
     void restored() override {
         mesh_.restored();
         carried_.resize(mesh_.vertices.size());
         skew_.resize(particles.size());
-        hourglass_.restored(mesh_);
+        grid.inGeometry([&](auto isRound) { hourglass_.template restored<isRound>(mesh_); });
         pieces_.cut(mesh_);
         if (!order.isOf(grid)) regroup();
     }
@@ -54,14 +61,17 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     void addSum(ParallelRegion& region, typename NF::Sum* nodes, double inertiaScale,
                 bool withForce) override {
         if (!isCleared_) carried_.clear(region);
-        sumAtVertices(region, inertiaScale, withForce, particles.hasBodyForce && withForce);
+        grid.inGeometry([&](auto isRound) {
+            this->template sumAtVertices<isRound>(region, inertiaScale, withForce,
+                                                  particles.hasBodyForce && withForce);
+        });
         carried_.toNodes(region, mesh_.vertices, nodes, 1 / inertiaScale);
     }
 
     void internalForces(const std::function<void(int, const Vec<Dim>&)>& each) override {
         ParallelRegion alone;
         carried_.clear(alone);
-        sumAtVertices(alone, 1, true, false);
+        grid.inGeometry([&](auto isRound) { this->template sumAtVertices<isRound>(alone, 1, true, false); });
         alone.rethrow();
         const auto force = carried_.template planes<Dim>(Carried::force);
         for (int v = 0; v < mesh_.vertices.size(); ++v) {
@@ -73,17 +83,20 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
 
   private:
     // What the domains give to their vertices, which have to be clear.
+    template <bool isRound>
     void sumAtVertices(ParallelRegion& region, double inertiaScale, bool withForce, bool hasBodyForce) {
         const Planes q(particles);
         const auto stress = Base::stressPlanes();
         const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
-            const Shapes d(batch, mesh_.vertices.position, skew_);
-            GivenByDomains<Dim> given;
+            const BatchShapes<Dim, isRound> d(batch, mesh_.vertices.position, skew_);
+            GivenByDomains<Dim, isRound> given;
             q.momenta(batch.first, batch.count, inertiaScale, given.momentum);
             if (withForce) {
                 q.tension(batch.first, batch.count, stress.data(), given.tension);
+                given.takeRing(q.volume + batch.first, stress[8] + batch.first, batch.count);
             } else {
+                std::memset(given.ring, 0, sizeof given.ring);
                 std::memset(given.tension, 0, sizeof given.tension);
                 std::memset(given.control.force, 0, sizeof given.control.force);
             }
@@ -109,12 +122,17 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     // Nodes -> vertices -> domains, and back with what the domains have then.
     void move(ParallelRegion& region, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
               const Move& how) override {
+        grid.inGeometry([&](auto isRound) { this->template move<isRound>(region, nodes, momentum, how); });
+    }
+    template <bool isRound>
+    void move(ParallelRegion& region, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
+              const Move& how) {
         const Planes q(particles);
         isCleared_ = false;
         if (momentum) carried_.clearBack(region);
         nodes ? carried_.takeMotion(region, mesh_.vertices, nodes) : region.wait();
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int piece) {
-            const BatchWeights<Dim> d(batch, skew_);
+            const BatchWeights<Dim, isRound> d(batch, skew_);
             if (nodes) {
                 const AtCorners<Dim, 2 * Dim> at(batch, carried_.template planes<2 * Dim>(Carried::motion));
                 damped_[piece] += q.move(batch.first, batch.count, how, [&](int k, int p) MPM_INLINE_LAMBDA {
@@ -141,7 +159,10 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     void takeGradient(int begin, int end, const typename NF::Velocity*, double dt) override {
         mesh_.forBatches(begin, end, [&](const Batch<Dim>& batch) {
             const auto velocity = vectorPlanes<Dim>(mesh_.vertices.velocity);
-            dt > 0 ? gradients<true>(batch, dt, velocity) : gradients<false>(batch, 0, velocity);
+            grid.inGeometry([&](auto isRound) {
+                dt > 0 ? this->template gradients<true, isRound>(batch, dt, velocity)
+                       : this->template gradients<false, isRound>(batch, 0, velocity);
+            });
         });
     }
 
@@ -149,13 +170,18 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     // With the forces of hourglass control as a stiffness: those of the motion that the velocity of the
     // vertices holds, over unit time.
     void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) override {
+        grid.inGeometry([&](auto isRound) { this->template addForce<isRound>(region, nodes, tensor); });
+    }
+    template <bool isRound>
+    void addForce(ParallelRegion& region, typename NF::Sum* nodes, const double* const tensor[9]) {
         const Planes q(particles);
         const typename HourglassControl<Dim>::DeformedPattern deformed(hourglass_, particles);
         carried_.clear(region);
         pieces_.forBatches(region, mesh_, [&](const Batch<Dim>& batch, int) {
-            const Shapes d(batch, mesh_.vertices.position, skew_);
-            GivenByDomains<Dim> given;
+            const BatchShapes<Dim, isRound> d(batch, mesh_.vertices.position, skew_);
+            GivenByDomains<Dim, isRound> given;
             q.tension(batch.first, batch.count, tensor, given.tension);
+            given.takeRing(q.volume + batch.first, tensor[8] + batch.first, batch.count);
             const AtCorners<Dim, Dim> V(batch, vectorPlanes<Dim>(mesh_.vertices.velocity));
             const auto add = [&](auto isPatterned) {
                 if (isPatterned) given.control.take(batch, deformed);
@@ -177,9 +203,10 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
         std::vector<double> atVertex(mesh_.vertices.size(), 0.0);
         std::vector<int> with;
         for (int p : which) {
-            const ClosedShape<Dim> shape(mesh_.cornerNumbersOf(p));
-            for (int a = 0; a < NC; ++a)
-                Base::addTo(mesh_.corner[NC * p + a], shape.w[a] * quantity[p], atVertex.data(), with);
+            inShape(mesh_.cornerNumbersOf(p), [&](const auto& shape) {
+                for (int a = 0; a < NC; ++a)
+                    Base::addTo(mesh_.corner[NC * p + a], shape.w[a] * quantity[p], atVertex.data(), with);
+            });
         }
         for (int v : with)
             forNodes(v, [&](int node, double part, double S) {
@@ -188,7 +215,8 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     }
 
     void weights(int p, const std::function<void(int, double, const Vec<Dim>&)>& each) const override {
-        const Shape<Dim> shape(mesh_.cornerNumbersOf(p));
+        const Shape<Dim> shape =
+            inShape(mesh_.cornerNumbersOf(p), [](const auto& closed) { return Shape<Dim>(closed); });
         for (int a = 0; a < NC; ++a)
             forNodes(mesh_.corner[NC * p + a], [&](int node, double part, double S) {
                 each(node, part * shape.w[a] * S, Vec<Dim>(part * S * shape.g[a]));
@@ -196,8 +224,12 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     }
 
   protected:
-    using Shapes = BatchShapes<Dim>;
     using Carried = CarriedByVertices<Dim>;
+
+    // f(shape of a domain, of its ring with axial symmetry).
+    template <class F> decltype(auto) inShape(const CornerNumbers<Dim>& X, F&& f) const {
+        return grid.inGeometry([&](auto isRound) { return f(DomainShape<Dim, isRound>(X)); });
+    }
 
     // f(node, part, S) for the nodes of vertex v, or of its masters where it hangs, which take their parts of
     // it.
@@ -224,8 +256,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
     DomainMesh<Dim> mesh_;
     HourglassControl<Dim> hourglass_;
     CarriedByVertices<Dim> carried_;
-    Field skew_{
-        "skew", "-", "What the corner weights differ from 1/2^Dim by, for the step.", {Dim == 2 ? 2 : 7}};
+    Field skew_;
     DomainPieces<Dim> pieces_;
     DistortedList distorted_; // found in the last takeGradient()
 
@@ -235,16 +266,17 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
 
     // moves: and the volume after the step. Not asked in the loop: its stores would be masked ones, which are
     // slow.
-    template <bool moves, class Number>
+    template <bool moves, bool isRound, class Number>
     void gradients(const Batch<Dim>& batch, double dt, const std::array<Number*, Dim>& velocityPlanes) {
         double *volume = particles.volume.plane(), *L[Dim * Dim];
+        double* hoopRate = isRound ? particles.hoopRate.plane() : nullptr;
         for (int c = 0; c < Dim * Dim; ++c) L[c] = particles.velocityGradient.plane(c);
         const int first = batch.first, count = batch.count;
         const AtCorners<Dim, Dim> X(batch, vectorPlanes<Dim>(mesh_.vertices.position)),
             V(batch, velocityPlanes);
         double quality[Batch<Dim>::most];
         auto one = [&](int p) MPM_INLINE_LAMBDA {
-            const ClosedShape<Dim> shape(X.at(p));
+            const DomainShape<Dim, isRound> shape(X.at(p));
             MPM_UNROLL
             for (int i = 0; i < Dim; ++i) MPM_UNROLL
             for (int j = 0; j < Dim; ++j) {
@@ -253,13 +285,19 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
                 for (int a = 0; a < NC; ++a) sum += V.x[a][i][p] * shape.g[a][j];
                 L[Dim * i + j][first + p] = sum;
             }
+            if constexpr (isRound) {
+                double sum = 0;
+                MPM_UNROLL
+                for (int a = 0; a < NC; ++a) sum += V.x[a][0][p] * shape.hoop[a];
+                hoopRate[first + p] = sum;
+            }
             if constexpr (!moves) return;
             const auto before = X.at(p), velocity = V.at(p);
             CornerNumbers<Dim> x;
             MPM_UNROLL
             for (int k = 0; k < Dim; ++k) MPM_UNROLL
             for (int a = 0; a < NC; ++a) x[k][a] = before[k][a] + dt * velocity[k][a];
-            const ClosedShape<Dim> after(x);
+            const DomainShape<Dim, isRound> after(x);
             volume[first + p] = after.volume;
             quality[p] = qualityOf<Dim>(after, smallestCorner(after, x));
         };

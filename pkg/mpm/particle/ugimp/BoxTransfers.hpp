@@ -33,7 +33,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
             if (!withForce)
                 for (auto& b : B)
                     for (int k = 0; k < (Dim == 2 ? 1 : 3); ++k) b[k] = Quad{};
-            scatter(nodes, first, count, w, value, B);
+            scatter(nodes, first, count, w, value, B, withForce ? stress[8] : nullptr);
             if (hasBodyForce) {
                 double given[Dim][batch];
                 q.bodyForces(first, count, given);
@@ -50,7 +50,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
             typename L::Set B[batch];
             std::fill(value, value + count, Quad{});
             q.forces(first, count, tensor, B);
-            scatter(nodes, first, count, w, value, B);
+            scatter(nodes, first, count, w, value, B, tensor[8]);
         });
     }
 
@@ -78,7 +78,8 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
         const Planes q(particles);
         for (int first = begin; first < end; first += batch) {
             const int count = std::min(batch, end - first);
-            gatherGradient(nodes, first, count, weightsOf(first, count), q.velocityGradient);
+            const Weights w = weightsOf(first, count);
+            grid.inGeometry([&](auto isRound) { gatherGradient<isRound>(nodes, first, count, w, q); });
         }
     }
 
@@ -121,7 +122,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     size_t bytes() const override { return sizeof(int) * runEnd_.size() + Base::bytes(); }
 
   protected:
-    using Base::cell_, Base::local_, Base::half_;
+    using Base::cell_, Base::local_, Base::half_, Base::overRadius_;
 
     void cellsChanged(int begin, int end) override {
         for (int p = end - 1, last = end; p >= begin; --p) {
@@ -156,10 +157,40 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
     Weights weightsOf(int first, int count) const {
         Weights w(local_, half_, grid.smallestCell(), first, count);
         if (grid.isGraded()) takeUnequalCells(w, first, count);
+        if (grid.isAxisymmetric) weighByRadius(w, first, count);
         return w;
     }
 
+    // The derivative along r as the mean over the box weighted with r: what is beyond the middle node counts
+    // A B/(4 l r) more, A and B the parts of the box before and beyond it, m. Weights stay the plain means: then
+    // sum phi r_i = r_p, and phi/r_p is the mean of N/r weighted with r.
+    void weighByRadius(Weights& w, int first, int count) const {
+        const double half = half_.plane()[0];
+        auto& x = w.axis[0];
+        if (!grid.isGraded()) return weighByRadius(w, first, count, grid.smallestCell()[0]);
+        for (int p = 0; p < count; ++p) {
+            const int line = grid.indices(cell_[first + p])[0];
+            const double a = grid.cellSize(0, line), b = grid.cellSize(0, line + 1);
+            const double more = -x.G[0][p] * a * x.G[2][p] * b * half * overRadius_[first + p];
+            x.G[0][p] += more / a;
+            x.G[2][p] += more / b;
+            x.G[1][p] = -x.G[0][p] - x.G[2][p];
+        }
+    }
+    void weighByRadius(Weights& w, int first, int count, double h) const {
+        const double factor = -h * half_.plane()[0], *overRadius = overRadius_.data() + first;
+        auto& x = w.axis[0];
+#pragma omp simd
+        for (int p = 0; p < count; ++p) {
+            const double more = factor * x.G[0][p] * x.G[2][p] * overRadius[p];
+            x.G[0][p] += more;
+            x.G[2][p] += more;
+            x.G[1][p] -= 2 * more;
+        }
+    }
+
     bool takesUnequalCells() const override { return true; }
+    bool takesAxialSymmetry() const override { return true; }
 
     // Which particles have, beside the middle of their nodes, a cell that is not of the smallest size.
     void findUnequal(int begin, int end) {
@@ -232,17 +263,36 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
         });
     }
 
-    // First Quad of node += phi * value, second one += B grad phi; as many rows of nodes at a time as
-    // registers can hold the sums of.
+    // First Quad of node += phi * value, second one += B grad phi; with axial symmetry its radial force also
+    // -= phi V sigma_theta/r. sigmaTheta: nullptr for no force.
     MPM_INLINE void scatter(typename NF::Sum* nodes, int first, int count, const Weights& w,
-                            const Quad* value, const typename L::Set* B) const {
+                            const Quad* value, const typename L::Set* B, const double* sigmaTheta) const {
+        grid.inGeometry([&](auto isRound) {
+            double hoop[isRound ? batch : 1] = {};
+            for (int p = 0; isRound && sigmaTheta && p < count; ++p)
+                hoop[p] =
+                    -particles.volume.plane()[first + p] * sigmaTheta[first + p] * overRadius_[first + p];
+            this->template scatter<isRound>(nodes, first, count, w, value, B, hoop);
+        });
+    }
+
+    // As many rows of nodes at a time as registers can hold the sums of.
+    template <bool isRound>
+    MPM_INLINE void scatter(typename NF::Sum* nodes, int first, int count, const Weights& w,
+                            const Quad* value, const typename L::Set* B, const double* hoop) const {
+        const auto rowOf = [&](int p, int row) MPM_INLINE_LAMBDA {
+            if constexpr (isRound)
+                return typename L::Row(value[p], B[p], w.across(row, p), hoop[p]);
+            else
+                return typename L::Row(value[p], B[p], w.across(row, p));
+        };
         const auto& x = w.axis[0];
         forRuns(first, count, [&](int begin, int end, int cell) {
             for (int top = 0; top < rows; top += rowsAtOnce) {
                 typename NF::Sum sum[rowsAtOnce][3] = {};
                 for (int p = begin; p < end; ++p) MPM_UNROLL
                 for (int row = 0; row < rowsAtOnce; ++row) {
-                    const typename L::Row given(value[p], B[p], w.across(top + row, p));
+                    const typename L::Row given = rowOf(p, top + row);
                     MPM_UNROLL
                     for (int i = 0; i < 3; ++i) given.add(sum[row][i], x.S[i][p], x.G[i][p]);
                 }
@@ -283,14 +333,20 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
         });
     }
 
-    // gradient[Dim i + j] = sum v_i d_j phi, of the particles of the batch alone: the next ones may be
-    // another thread's.
-    template <class Node>
+    // velocityGradient[Dim i + j] = sum v_i d_j phi, and with axial symmetry hoopRate = sum v_r phi/r, of the
+    // particles of the batch alone: the next ones may be another thread's.
+    template <bool isRound, class Node>
     MPM_INLINE void gatherGradient(const Node* nodes, int first, int count, const Weights& w,
-                                   double* const (&gradient)[Dim * Dim]) const {
+                                   const Planes& q) const {
+        const auto keep = [&](double* plane, int p, const Several& sum) MPM_INLINE_LAMBDA {
+            if (p + lanes <= count)
+                store(plane + first + p, sum);
+            else
+                std::memcpy(plane + first + p, &sum, (count - p) * sizeof(double));
+        };
         forLanes(first, count, [&](int p, int cell) MPM_INLINE_LAMBDA {
             const auto S = w.alongS(p), G = w.alongG(p);
-            Several sum[Dim * Dim] = {};
+            Several sum[Dim * Dim] = {}, radial = {};
             MPM_UNROLL
             for (int row = 0; row < rows; ++row) {
                 const auto* node = inRegister(nodes + cell + rowOffset(row));
@@ -299,18 +355,17 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
                 for (int i = 0; i < Dim; ++i) {
                     const double a = node[0][i], b = node[1][i], c = node[2][i];
                     const Several along = a * S[0] + b * S[1] + c * S[2];
+                    if (isRound && i == 0) radial += across.S * along;
                     sum[Dim * i] += across.S * (a * G[0] + b * G[1] + c * G[2]);
                     MPM_UNROLL
                     for (int j = 1; j < Dim; ++j) sum[Dim * i + j] += across.G[j - 1] * along;
                 }
             }
             MPM_UNROLL
-            for (int c = 0; c < Dim * Dim; ++c)
-                if (p + lanes <= count)
-                    store(gradient[c] + first + p, sum[c]);
-                else
-                    std::memcpy(gradient[c] + first + p, &sum[c], (count - p) * sizeof(double));
+            for (int c = 0; c < Dim * Dim; ++c) keep(q.velocityGradient[c], p, sum[c]);
+            if constexpr (isRound) keep(q.hoopRate, p, radial);
         });
+        for (int p = first; isRound && p < first + count; ++p) q.hoopRate[p] *= overRadius_[p];
     }
 
     std::vector<int> runEnd_;     // of the run, in its block, that each particle is in

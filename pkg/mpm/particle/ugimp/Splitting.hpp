@@ -132,9 +132,17 @@ template <int Dim> class Splitting {
             if (!(stretch > limit_)) continue;
             const Vec<Dim> along = stretches.eigenvectors().col(Dim - 1);
             const double half = 0.5 * along.cwiseProduct(halfSize).norm();
-            cuts.push_back({p, along, half * D * along, half * shareOf(p) * along});
+            const Vec<Dim> offset = half * D * along;
+            const double part = partInside(particles, p, offset[0]);
+            cuts.push_back({p, along, part * offset, part * half * shareOf(p) * along});
         }
         return cuts;
+    }
+
+    // With axial symmetry, what of an offset leaves the inner half between the axis and its middle.
+    static double partInside(const Particles<Dim>& particles, int p, double offset) {
+        const double most = 0.5 * particles.position.plane(0)[p];
+        return particles.isAxisymmetric && std::abs(offset) > most ? most / std::abs(offset) : 1;
     }
 
     void halve(Particles<Dim>& particles, const Cut& cut) {
@@ -154,6 +162,9 @@ template <int Dim> class Splitting {
     }
 
     static void shift(Particles<Dim>& particles, int p, const Vec<Dim>& offset) {
+        if (particles.isAxisymmetric) // the outer half is the longer ring
+            for (Field* extensive : {&particles.mass, &particles.volume, &particles.initialVolume})
+                extensive->plane()[p] *= 1 + offset[0] / particles.position.plane(0)[p];
         for (int k = 0; k < Dim; ++k) {
             particles.position.plane(k)[p] += offset[k];
             particles.reference.plane(k)[p] += offset[k];

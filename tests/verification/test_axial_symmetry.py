@@ -1,0 +1,353 @@
+# SPDX-License-Identifier: GPL-2.0-or-later
+"""Axial symmetry: x is the distance from the axis, and rings strain by v_r/r round it.
+
+Closed forms: volume of a ring, a uniform strain, Lame's thick cylinder, the rotating cylinder, the weight of the soil
+above, the lowest period of a sphere (Love 1944, art. 196). Each has a control in plane strain.
+"""
+
+import numpy as np
+import pytest
+import yade_mpm as mpm
+from setups import restarted, withAnyThreads
+
+DENSITY, YOUNG, POISSON = 2.0, 1e3, 0.25
+TYPES = {"UGIMP": lambda h: mpm.UGIMP(perCell=2), "APDI": lambda h: mpm.APDI(size=h)}
+both = pytest.mark.parametrize("kind", TYPES)
+
+
+def elastic():
+    return mpm.LinearElastic(density=DENSITY, young=YOUNG, poisson=POISSON)
+
+
+def block(kind, upper=(1.0, 1.0), lower=(0.0, 0.0), cell=0.1, isRound=True, **options):
+    """A scene with an elastic block, and the block."""
+    scene = mpm.Scene((0, 0), (2.0, 2.0), cell=cell, axisymmetric=isRound, threads=1, **options)
+    return scene, scene.add("block", mpm.box(lower, upper), elastic(), TYPES[kind](cell))
+
+
+# --- measure and kinematics ---------------------------------------------------------------------------------
+@both
+@pytest.mark.verifies("Axial symmetry: mass of a hollow cylinder", reference="exact", tolerance=1e-12)
+def test_mass_is_that_of_the_whole_ring(kind, verified):
+    _, body = block(kind, lower=(0.3, 0.2))
+    verified(body.mass.sum(), DENSITY * np.pi * (1 - 0.3**2) * 0.8)
+
+
+@both
+@pytest.mark.verifies("Axial symmetry: free fall, a second", reference="g t", tolerance=1e-12)
+def test_a_body_falls_freely(kind, verified):
+    scene, body = block(kind, lower=(0, 0.6), upper=(0.5, 1.6), gravity=10.0)
+    scene.dt = 1e-3
+    scene.run(until=0.3, progress=False)
+    verified(body.velocity[:, 1], -3.0)
+    verified(body.velocity[:, 0], 0.0, scale=1)
+    assert np.abs(body.stress).max() < 1e-9
+
+
+@pytest.mark.parametrize("kind", ["UGIMP", "APDI, skewed"])
+@pytest.mark.verifies("Axial symmetry: uniform strain, graded grid", reference="exact", tolerance=1e-12)
+def test_a_uniform_motion_strains_all_particles_alike(kind, verified):
+    """The gradient of (r, z) is one, and of boxes the mean of r/r, weighted with r, too."""
+    rng = np.random.default_rng(3)
+    lines = [np.r_[0, np.cumsum(rng.uniform(0.08, 0.12, 12))] for _ in range(2)]
+    scene = mpm.Scene((0, 0), [x[-1] for x in lines], grading=lines, axisymmetric=True, threads=1)
+    if kind == "UGIMP":
+        shape = mpm.box((0, 4 * scene.cell[1]), 8 * scene.cell)
+        body = scene.add("block", shape, elastic(), mpm.UGIMP(perCell=2))
+    else:
+        x, y = np.meshgrid(np.linspace(0, 0.8, 8), np.linspace(0.2, 1, 8))
+        x[1:-1, 1:-1] += rng.uniform(-0.02, 0.02, (6, 6))
+        body = scene.add("block", mpm.geotech.quadrilaterals(x, y + 0.1 * x), elastic(), mpm.APDI())
+    for p in range(body.count):
+        at, phi, gradient = (np.array(a) for a in zip(*body.weights(p)))
+        verified(gradient.T @ at, np.eye(2), scale=1)
+        if kind == "UGIMP":
+            verified(phi @ at[:, 0], body.position[p, 0])
+
+
+@both
+@pytest.mark.verifies("Axial symmetry: forces of a uniform stress inside", reference="none", tolerance=1e-11)
+def test_a_uniform_stress_is_in_equilibrium(kind, verified):
+    """At the axis, too; round the body the forces are those of its surface."""
+    _, body = block(kind, lower=(0, 0.5), upper=(1.0, 1.5))
+    stress = np.diag([-100.0, -100.0, -100.0])
+    stress[1, 1] = -250.0
+    body.stress = np.broadcast_to(stress, (body.count, 3, 3))
+    found = body._core.internalForces()
+    x, f = (np.reshape(found[name], (-1, 2)) for name in ("position", "force"))
+    isInner = (x[:, 0] < 0.85) & (abs(x[:, 1] - 1.0) < 0.35) & (x[:, 0] > 0.05)
+    verified(f[isInner], 0, scale=250 * 2 * np.pi * 0.1)
+    assert isInner.sum() > 20
+    body.stress[:, 2, 2] = -90.0  # control: stress round the axis counts
+    f = np.reshape(body._core.internalForces()["force"], (-1, 2))
+    assert np.abs(f[isInner, 0]).min() > 0.05
+
+
+# --- closed forms ----------------------------------------------------------------------------------------
+def settled(scene, time):
+    scene.damping = 0.5
+    scene.run(until=time, progress=False)
+
+
+def ofCells(r, values, isIn, cell=0.1):
+    """Means of the cells: within one, stress swings as in plane strain."""
+    number = np.floor(r / cell).astype(int)
+    return np.array([values[isIn & (number == k)].mean() for k in np.unique(number[isIn])])
+
+
+@both
+@pytest.mark.verifies("Axial symmetry: rotating cylinder, stress", reference="closed form", tolerance=0.01)
+def test_a_rotating_cylinder_has_its_stress(kind, verified):
+    """Plane strain along the axis; omega^2 = 1/s2, R = 1 m: sigma_r = (3 - 2 nu)/(8 (1 - nu)) rho (1 - r^2),
+    sigma_theta the same less 2 (1 - 2 nu)/(8 (1 - nu)) rho r^2 ... with the factor (1 + 2 nu) for r^2."""
+    scene = mpm.Scene((0, 0), (1.5, 0.2), cell=0.1, axisymmetric=True, threads=1)
+    scene.roller("bottom", "top")
+    body = scene.add("disc", mpm.box((0, 0), (1.0, 0.2)), elastic(), TYPES[kind](0.1))
+    body.bodyForce[:, 0] = body.position[:, 0]
+    settled(scene, 1.0)
+    r = body.position[:, 0]
+    factor = DENSITY / (8 * (1 - POISSON))
+    radial = factor * (3 - 2 * POISSON) * (1 - r**2)
+    hoop = factor * ((3 - 2 * POISSON) - (1 + 2 * POISSON) * r**2)
+    inner = r < 0.8
+    scale = factor * (3 - 2 * POISSON)
+    verified(ofCells(r, body.stress[:, 0, 0] - radial, inner), 0, scale=scale)
+    verified(ofCells(r, body.stress[:, 2, 2] - hoop, inner), 0, scale=scale)
+
+
+@pytest.mark.verifies(
+    "Axial symmetry: thick cylinder under pressure, stress", reference="Lame", tolerance=0.005
+)
+def test_a_thick_cylinder_is_lames(verified):
+    a, b, p = 0.5, 1.5, 1.0
+    scene = mpm.Scene((0, 0), (2.0, 0.1), cell=0.05, axisymmetric=True, threads=1)
+    scene.roller("bottom", "top")
+    body = scene.add("ring", mpm.box((a, 0), (b, 0.1)), elastic(), mpm.APDI(size=0.025))
+    scene.load(body, mpm.box((a - 0.01, -1), (a + 0.01, 1)), pressure=p)
+    settled(scene, 1.0)
+    r = body.position[:, 0]
+    c = p * a**2 / (b**2 - a**2)
+    inner = (r > a + 0.1) & (r < b - 0.1)
+    verified(ofCells(r, body.stress[:, 0, 0] - c * (1 - b**2 / r**2), inner, 0.05), 0, scale=p)
+    verified(ofCells(r, body.stress[:, 2, 2] - c * (1 + b**2 / r**2), inner, 0.05), 0, scale=p)
+
+
+@both
+@pytest.mark.verifies("Axial symmetry: weight of a cylinder on its base", reference="exact", tolerance=1e-3)
+def test_the_base_resists_with_the_weight(kind, verified):
+    scene, body = block(kind, gravity=10.0)
+    scene.roller("bottom", "right")
+    settled(scene, 2.0)
+    base = next(c for c in scene.constraints if c.name == "bottom")
+    verified(base.reaction[1], 10 * body.mass.sum())
+    assert abs(body.stress[:, 0, 0] - body.stress[:, 2, 2]).max() < 0.02 * 10 * DENSITY
+
+
+def test_control_plane_strain_has_another_stress():
+    """The rotating cylinder of one metre in plane strain between a wall and a free side: sigma = rho (1 - x^2)/2."""
+    scene = mpm.Scene((0, 0), (1.5, 0.2), cell=0.1, threads=1)
+    scene.roller("bottom", "top", "left")
+    body = scene.add("disc", mpm.box((0, 0), (1.0, 0.2)), elastic(), mpm.UGIMP(perCell=2))
+    body.bodyForce[:, 0] = body.position[:, 0]
+    settled(scene, 1.0)
+    x = body.position[:, 0]
+    inner = x < 0.8
+    assert body.stress[inner, 0, 0] == pytest.approx(DENSITY * (1 - x[inner] ** 2) / 2, abs=0.02 * DENSITY)
+
+
+def breathing(implicit, isRound=True):
+    """Mean displacement of a ring, m, at ten times of nearly a period, from a velocity of 0.01/r."""
+    scene = mpm.Scene((0, 0), (2.0, 0.1), cell=0.05, axisymmetric=isRound, threads=1)
+    scene.roller("bottom", "top")
+    body = scene.add("ring", mpm.box((0.5, 0), (1.5, 0.1)), elastic(), mpm.APDI(size=0.05), implicit=implicit)
+    scene.dt = 5e-5
+    body.velocity[:, 0] = 0.01 / body.position[:, 0]
+    found = []
+    for time in 0.02 * np.arange(1, 11):
+        scene.run(until=time, progress=False)
+        found.append(body.mass @ body.displacement[:, 0] / body.mass.sum())
+    return np.array(found)
+
+
+@pytest.mark.verifies("Axial symmetry: implicit ring that breathes", reference="explicit", tolerance=0.01)
+def test_an_implicit_ring_breathes_as_an_explicit_one(verified):
+    """Only the stress round the axis holds it: in plane strain it drifts away."""
+    explicit = breathing(False)
+    assert explicit.min() < -0.9 * explicit.max()
+    verified(breathing(True), explicit, scale=explicit.max())
+    drifting = breathing(True, isRound=False)
+    assert drifting == pytest.approx(drifting[0] * np.arange(1, 11), rel=1e-6)
+
+
+# --- soil ------------------------------------------------------------------------------------------------
+@pytest.mark.filterwarnings("ignore:.*they lock")
+@pytest.mark.parametrize(
+    "kind, fbar, tolerance", [("UGIMP", False, 1e-4), ("UGIMP", True, 0.1), ("APDI", True, 1e-4)]
+)
+def test_far_from_the_axis_it_is_plane_strain(kind, fbar, tolerance):
+    """Soil that yields and flows, 1e5 m away. F-bar gives a change of volume to three axes, not to two: boxes
+    then move otherwise by a few percent."""
+    moved = []
+    for isRound in (True, False):
+        left = 1e5 if isRound else 0.0
+        scene = mpm.Scene((left, 0), (left + 3, 2), cell=0.125, gravity=10.0, axisymmetric=isRound, threads=1)
+        scene.fix("bottom")
+        scene.roller("left")
+        clay = mpm.Tresca(density=1.8, young=400.0, poisson=0.45, undrainedStrength=3.0)
+        soil = scene.add("soil", mpm.box((left, 0), (left + 1, 1)), clay, TYPES[kind](0.125), fbar=fbar)
+        scene.dt = 1e-3
+        scene.run(until=0.3, progress=False)
+        moved.append(soil.byId("displacement"))
+    assert np.abs(moved[1]).max() > 0.1
+    assert moved[0] == pytest.approx(moved[1], abs=tolerance * np.abs(moved[1]).max())
+
+
+def footing(isRough, cells=7, su=10.0, shear=1e4, poisson=0.49):
+    """Load of a circular footing of one metre over its area and the strength, late in the run."""
+    h = 1 / (cells + 0.5)  # what holds nodes presses half a cell beyond the last one
+    wide, deep = np.ceil(4 / h) * h, np.ceil(3 / h) * h
+    scene = mpm.Scene((0, 0), (wide, deep + 4 * h), h, axisymmetric=True, threads=1, damping=0.5)
+    clay = mpm.Tresca(
+        density=2.0, lame=(2 * shear * poisson / (1 - 2 * poisson), shear), undrainedStrength=su
+    )
+    scene.add("soil", mpm.box((0, 0), (wide, deep)), clay, mpm.APDI(size=h))
+    scene.roller("right")
+    scene.fix("bottom")
+    nodes = mpm.box((-3 * h, deep - 0.1 * h), ((cells + 0.1) * h, deep + 3 * h))
+    across = 0.0 if isRough else None
+    press = scene.drive(nodes, velocity=(across, -0.02), ramp=0.1, name="footing")
+    scene.run(until=0.85, progress=False)
+    before = press.impulse[1]
+    scene.run(until=1.05, progress=False)
+    return (before - press.impulse[1]) / 0.2 / np.pi / su
+
+
+@pytest.mark.parametrize("isRough, exact", [(True, 6.05), (False, 5.69)])
+@pytest.mark.filterwarnings("ignore:.*is a mesh and flows")
+@pytest.mark.verifies("Circular footing on clay, 7 cells: load", reference="Cox et al. 1961", tolerance=0.03)
+def test_a_circular_footing_has_its_limit_load(isRough, exact, verified):
+    verified(footing(isRough), exact)
+
+
+@pytest.mark.verifies("Axial symmetry: adhesion on a shaft", reference="2 pi R L a", tolerance=0.05)
+def test_adhesion_acts_on_the_whole_shaft(verified):
+    scene = mpm.Scene((0, 0), (1.5, 2), cell=0.1, axisymmetric=True, threads=1, damping=0.3)
+    scene.fix("bottom", "right")
+    soil = scene.add("soil", mpm.box((0.5, 0), (1.5, 1)), elastic(), mpm.APDI(size=0.1))
+    soil.stress = np.broadcast_to(np.diag([-5.0, 0, 0]), (soil.count, 3, 3))  # it stays in contact
+    pile = scene.add("pile", mpm.box((0, 0.2), (0.5, 1.8)), elastic(), mpm.APDI(size=0.1), implicit=False)
+    scene.contact(pile, soil, friction=0.0, adhesion=1.0)
+    press = scene.drive(pile, velocity=(0, 0.05), ramp=0.2)
+    scene.run(until=0.3, progress=False)
+    before = press.impulse[1]
+    scene.run(until=0.6, progress=False)
+    length = 0.8 - 0.05 * (0.45 - 0.1)  # m, in the middle of that time
+    verified((press.impulse[1] - before) / 0.3, 1.0 * np.pi * length)
+
+
+@pytest.mark.verifies("Axial symmetry: contact force under a weight", reference="weight", tolerance=0.01)
+def test_contact_resists_with_the_weight(verified):
+    scene = mpm.Scene((0, 0), (1.5, 2), cell=0.1, axisymmetric=True, threads=1, damping=0.5, gravity=10.0)
+    scene.fix("bottom")
+    scene.roller("right")
+    soil = scene.add("soil", mpm.box((0, 0), (1.5, 0.5)), elastic(), mpm.UGIMP(perCell=2))
+    disc = scene.add("disc", mpm.box((0, 0.5), (0.6, 0.8)), elastic(), mpm.APDI(size=0.1), implicit=False)
+    scene.contact(disc, soil, friction=0.3)
+    scene.run(until=2.0, progress=False)
+    contact = next(e for e in scene.engines if isinstance(e, mpm.Contact))
+    (force,) = contact.forces().values()
+    verified(abs(force[1]), 10 * disc.mass.sum())
+
+
+def test_halves_of_a_box_keep_volume_and_mass():
+    """Boxes at the axis and beside it are drawn out along r and cut."""
+    scene = mpm.Scene((0, 0), (3, 1), cell=0.1, axisymmetric=True, threads=1)
+    body = scene.add("body", mpm.box((0, 0.2), (1, 0.6)), elastic(), mpm.UGIMP(perCell=2, splitAt=1.3))
+    mass = body.mass.sum()
+    body.velocity[:, 0] = 15 * body.position[:, 0]
+    count = body.count
+    scene.run(until=0.05, progress=False)
+    assert body.count > count
+    assert body.mass.sum() == pytest.approx(mass, rel=1e-12)
+    assert body.mass.min() > 0 and body.position[:, 0].min() > 0
+
+
+def test_pictures_are_mirrored():
+    scene, body = block("UGIMP", lower=(0.2, 0.2))
+    drawn = scene.plot("position", "x").collections[0]
+    assert len(drawn.get_paths()) == 2 * body.count
+    assert drawn.get_array().sum() == pytest.approx(0, abs=1e-9)
+
+
+# --- steps, threads, files ----------------------------------------------------------------------------------
+def denseCriticalStep(scene, body):
+    """2/omega_max of M^-1 K, with the strain v_r/r round the axis, from weights found here."""
+    positions = scene.nodePositions()
+    number = {tuple(x.round(6)): i for i, x in enumerate(positions)}
+    K, M = np.zeros((2 * len(positions),) * 2), np.zeros(len(positions))
+    stretch = body.material.lame[0] + 2 * body.material.lame[1]
+    D = np.full((4, 4), body.material.lame[0])
+    np.fill_diagonal(D, stretch)
+    D[3], D[:, 3] = 0, 0
+    D[3, 3] = body.material.lame[1]
+    for p in range(body.count):
+        B = np.zeros((4, 2 * len(positions)))
+        hoop = np.zeros(len(positions))
+        for x, phi, (gr, gz) in body.weights(p):
+            i = number[tuple(np.round(x, 6))]
+            M[i] += phi * body.mass[p]
+            B[:, 2 * i] += (gr, 0, 0, gz)
+            B[:, 2 * i + 1] += (0, gz, 0, gr)
+            hoop[i] += phi / body.position[p, 0]
+        if body.cells is not None:  # domains are rectangles: each corner has a quarter of the area
+            away = np.abs(positions[:, None] - body.vertices[body.cells[p]]) / scene.cell
+            area = np.prod(np.ptp(body.vertices[body.cells[p]], axis=0))
+            hoop = np.maximum(0, 1 - away).prod(axis=2).sum(axis=1) * 2 * np.pi * area / 4 / body.volume[p]
+        B[2, ::2] = hoop
+        K += body.volume[p] * B.T @ D @ B
+    free = np.repeat(M > 1e-12 * body.mass.max(), 2)
+    root = np.sqrt(np.repeat(M, 2)[free])
+    return 2 / np.sqrt(np.linalg.eigvalsh(K[np.ix_(free, free)] / np.outer(root, root)).max())
+
+
+@pytest.mark.parametrize("kind", ["UGIMP", "APDI"])
+@pytest.mark.verifies("Axial symmetry: critical step", reference="dense eigenvalues", tolerance=1e-2)
+def test_the_critical_step_is_that_of_all_eigenvalues(kind, verified):
+    scene = mpm.Scene((0, 0), (0.8, 0.6), cell=0.1, axisymmetric=True, threads=1)
+    type_ = mpm.UGIMP(perCell=2) if kind == "UGIMP" else mpm.APDI(size=0.1, hourglass=0.0)
+    body = scene.add("block", mpm.box((0.1, 0.1), (0.5, 0.4)), elastic(), type_)
+    scene.criticalTimeStep()
+    verified(scene.dtCritical, denseCriticalStep(scene, body))
+
+
+def falling(threads=1):
+    scene = mpm.Scene((0, 0), (2.0, 2.0), cell=0.1, gravity=10.0, axisymmetric=True, threads=threads)
+    scene.roller("bottom", "right")
+    clay = mpm.Tresca(density=1.8, young=500.0, poisson=0.3, undrainedStrength=1.0)
+    scene.add("soil", mpm.box((0, 0), (1.0, 1.0)), clay, mpm.UGIMP(perCell=2))
+    scene.add("cap", mpm.box((0, 1.0), (0.6, 1.3)), elastic(), mpm.APDI(size=0.1), implicit=False)
+    return scene
+
+
+def test_threads_and_a_restart_do_not_change_a_bit():
+    scene = withAnyThreads(falling, steps=60)
+    assert restarted(scene, steps=30).isAxisymmetric
+
+
+# --- what is refused -----------------------------------------------------------------------------------------
+def test_what_is_not_made_for_rings_is_refused():
+    with pytest.raises(ValueError, match="give two"):
+        mpm.Scene((0, 0, 0), (1, 1, 1), cell=0.5, axisymmetric=True)
+    with pytest.raises(ValueError, match="begin it at 0"):
+        mpm.Scene((-1, 0), (1, 1), cell=0.5, axisymmetric=True)
+    scene, body = block("UGIMP")
+    with pytest.raises(ValueError, match="knows plane strain"):
+        scene.engines = [mpm.ParticleToGrid(), mpm.UniformAlong(axis="y"), *scene.engines[1:]]
+        scene.run(steps=1, progress=False)
+    scene, body = block("UGIMP")
+    scene.fix("left")
+    with pytest.raises(ValueError, match="it is the axis"):
+        scene.run(steps=1, progress=False)
+    scene = mpm.Scene((0, 0), (1, 1), cell=0.1, axisymmetric=True)
+    with pytest.raises(ValueError, match="do not know the radius"):
+        scene.add("block", mpm.box((0, 0), (0.5, 0.5)), elastic(), mpm.BSpline(perCell=2))

@@ -190,7 +190,7 @@ def ground(dim=2, kind="boxes", level=1.1, threads=1, permeability=1e-4):
     sand = mpm.MohrCoulomb(
         density=2.0, young=2e4, poisson=0.3, cohesion=1, frictionAngle=radians(30), dilatancyAngle=0
     )
-    water = mpm.PoreWater(table=level, permeability=permeability)
+    water = mpm.PoreWater(table=level, permeability=permeability, tolerance=1e-11)
     soil = box(lower, (1.0,) * (dim - 1) + (2.0,))
     body = scene.add("soil", soil, sand, KINDS[kind](h), water=water)
     scene.groundStress(K0=0.5)

@@ -13,7 +13,6 @@ from ..base.wording import shown
 from ..engine.engines import classes
 from ..engine.prescribed import FACES
 from ..engine.supports import timeRows
-from ..geotech.shaking import Record
 from ..material.materials import Material
 from .running import refuseDuringStep
 
@@ -93,7 +92,7 @@ def _made(scene, side, motion, times, behind):
 
 
 def _rows(motion, times, dim):
-    if isinstance(motion, Record):
+    if hasattr(motion, "acceleration"):  # of geotech.readRecord
         motion = np.column_stack((motion.time, motion.velocity))
     along = not callable(motion) and np.ndim(motion) == 2 and np.shape(motion)[1] == 2 and dim > 1
     rows = timeRows("viscous", "motion", motion, 1 if along else dim, times)

@@ -10,6 +10,7 @@ import numpy as np
 from ..base.kinds import BODY, Kind, takes
 from ..base.wording import shown
 from ..engine.contact import Contact
+from ..geometry.mesh import facetAreas
 
 SIDES = {
     2: {"left": (-1, 0), "right": (1, 0), "bottom": (0, -1), "top": (0, 1)},
@@ -138,7 +139,7 @@ def facePressure(body, since: FacePressure | None = None) -> FacePressure:
     if not end > begin and since is not None:
         raise ValueError(f"facePressure: since is of the same time, {end:g} s; run the scene in between")
     corners = body.vertices[facets]
-    vector = _outward(corners)
+    vector = facetAreas(corners)
     length = np.linalg.norm(vector, axis=1)
     middle = corners.mean(axis=1)
     area = length * body.scene._thicknessAt(middle[:, 0])
@@ -174,11 +175,3 @@ def _sums(contact, body, count):
         if int(found) == number and int(facets) == count:
             return begin, sums[first:at].reshape(-1, 3)[:, :dim].copy()
     return body.scene.time, np.zeros((count, dim))
-
-
-def _outward(corners):
-    """Area of facets times their outward normal, m or m2 (N, dim)."""
-    if corners.shape[1] == 2:
-        edge = corners[:, 1] - corners[:, 0]
-        return np.stack([edge[:, 1], -edge[:, 0]], axis=1)
-    return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])

@@ -6,7 +6,7 @@ import numpy as np
 from ..base.warn import warnUser
 from ..base.wording import shown
 from ..geometry.contained import insideBoxes, insideCells
-from ..geometry.mesh import FACETS, boundaryFacets
+from ..geometry.mesh import FACETS, boundaryFacets, facetAreas
 from ..geometry.numbers import floats
 from ..geometry.region import Region
 from ..particle.body import Body
@@ -104,7 +104,7 @@ pressureTable=np.column_stack((t, f(t))); `pressure` is then the value of the la
         """Centres of the facets, m (N, dim), and the forces on them, kN, under a pressure of 1 kPa and under
         tractions of 1 kPa along each axis (1 + dim, N, dim). For bodies without converted domains."""
         corners = body.vertices[_vertices(body.cells, self.facets)]
-        areas = _outward(corners)
+        areas = facetAreas(corners)
         along = np.linalg.norm(areas, axis=1)[:, None] * np.eye(body.scene.dim)[:, None]
         return corners.mean(axis=1), np.concatenate((-areas[None], along))
 
@@ -237,19 +237,11 @@ def _vertices(cells, pairs):
 
 def _probes(corners):
     """Points in front of facets, half way between their centre and their corners (N, 2 or 4, dim)."""
-    centre, outward = corners.mean(axis=1, keepdims=True), _outward(corners)
+    centre, outward = corners.mean(axis=1, keepdims=True), facetAreas(corners)
     size = np.linalg.norm(outward, axis=1)
     reach = size if corners.shape[1] == 2 else np.sqrt(size)
     outward *= (PROBE * reach / size)[:, None]
     return centre + 0.5 * (corners - centre) + outward[:, None]
-
-
-def _outward(corners):
-    """Area of facets times their outward normal, m or m2 (N, dim)."""
-    if corners.shape[1] == 2:
-        edge = corners[:, 1] - corners[:, 0]
-        return np.stack([edge[:, 1], -edge[:, 0]], axis=1)
-    return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
 
 
 def _facetNumber(cell, facet):

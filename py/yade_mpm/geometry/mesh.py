@@ -92,6 +92,14 @@ def _isInterface(mesh, facets):
     return isInterface
 
 
+def facetAreas(corners):
+    """Area of facets times their outward normal, m or m2 (N, dim), with corners in the order of `FACETS`."""
+    if corners.shape[1] == 2:
+        edge = corners[:, 1] - corners[:, 0]
+        return np.stack([edge[:, 1], -edge[:, 0]], axis=1)
+    return 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+
+
 def cellVolumes(points, cells):
     """Areas (2D) or volumes (3D) of cells, exact for bilinear and trilinear cells (2^dim Gauss points).
 

@@ -29,7 +29,7 @@ class Prescribed(Guarded):
 
     Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D),
     both exerted by the constraint on the material (plane strain: per metre). Since the start: `work` kJ, and
-    `impulse` (dim,) kN s, the time integral of the reaction, whose difference between two times makes the mean.
+    `impulse` (dim,) kN s, the time integral of the reaction: its difference between two times makes the mean.
     The impulse is the change of momentum of what is held, less that by other forces. Work is done with the
     mean of the velocities prescribed at the start and the end of a step; one that begins takes over the
     velocity that it finds.
@@ -106,8 +106,8 @@ class Prescribed(Guarded):
     @property
     def reaction(self) -> np.ndarray:
         """Force on the material in the last step, kN (plane strain: kN/m): what the drive adds to the weight.
-        The ground below a pile that is pressed down bears -reaction and the weight of the pile. RuntimeError as
-        long as it is in no scene that was run."""
+        The ground below a pile that is pressed down bears -reaction and the weight of the pile. RuntimeError
+        as long as it is in no scene that was run."""
         if not self._hasBegun:
             kind = type(self).__name__
             raise RuntimeError(

@@ -187,10 +187,10 @@ void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNo
     const Vec<Dim>& x = contact.position;
     // What the particles of the other side get, who keep the share flip of their velocity: the holder gives it.
     const double sign = side == 0 ? -1 : 1;
-    const Vec<Dim> force = sign / scene.dt * (flip_ * contact.impulse + (1 - flip_) * J.all);
+    const Vec<Dim> force = sign / scene.dt * (flip_ * contact.impulse[side] + (1 - flip_) * J.all);
     double gained = 0;
     for (int k = 0; k < Dim; ++k) {
-        const double change = answer.row(k) * J.all, taken = answer.row(k).dot(contact.impulse);
+        const double change = answer.row(k) * J.all, taken = answer.row(k).dot(contact.impulse[side]);
         gained += gravity[k] * (change - 0.5 * taken);
         motion.set(Dim + k, motion[Dim + k] + taken / scene.dt);
         motion.set(k, motion[k] + change);
@@ -205,11 +205,11 @@ void Contact::change(Scene<Dim>& scene, const Vec<Dim>& gravity, const ContactNo
     scene.energies.gravity += field.sum[contact.node][NF::weightMass] * gained * scene.dt;
 }
 
-// slip: with the velocity that strains the groups. Nodes that a body hardly feels may have quite another one
+// With the velocities that strain the groups. Nodes that a body hardly feels may have quite another one
 // in the solution.
 template <int Dim>
-void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const Vec<Dim>& slip) {
-    const double rubbed = contact.friction.dot(slip);
+void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const NodeMotion<Dim>& node) {
+    const double rubbed = contact.friction[0].dot(node.v[0]) - contact.friction[1].dot(node.v[1]);
     frictionWork += rubbed;
     scene.energies.contact += rubbed;
     const auto inSpace = [](const Vec<Dim>& v) {
@@ -218,9 +218,10 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const V
         return all;
     };
     table.push_back({contact.field[0], contact.field[1], inSpace(contact.position), inSpace(contact.normal),
-                     contact.gap, contact.area, inSpace(contact.impulse / scene.dt), inSpace(slip)});
+                     contact.gap, contact.area, inSpace(contact.impulse[1] / scene.dt),
+                     inSpace(node.v[0] - node.v[1])});
     double* force = &forces[3 * pairOf(contact.field[0], contact.field[1])];
-    for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[k] / scene.dt;
+    for (int k = 0; k < Dim; ++k) force[k] += contact.impulse[1][k] / scene.dt;
     if (!contact.hasPoints) largestPenetration = std::max(largestPenetration, contact.overlap);
     sliding += contact.slides;
 }
@@ -228,7 +229,7 @@ void Contact::record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const V
 // Where there is friction, and how far meshes overlap.
 template <int Dim>
 void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double loss) {
-    const auto add = [&](ContactSite<Dim>& site, const int* at, const double* S, int count) {
+    const auto add = [&](ContactSite<Dim>& site, const SiteNodes<Dim>& at) {
         site.sticks = site.J.sticks;
         site.parts = site.J.parts;
         if (site.J.all.isZero(0)) return;
@@ -236,19 +237,19 @@ void Contact::addFriction(ContactSearch<Dim>& search, const ContactPair<Dim>& pa
         site.presses = site.J.all.dot(site.normal) > 1e-9 * site.J.all.norm() || !separation;
         const Vec<Dim> taken = site.J.all - (1 - loss) * site.J.agreeing;
         const Vec<Dim> along = taken - taken.dot(site.normal) * site.normal;
-        for (int i = 0; i < count; ++i) {
-            ContactNode<Dim>& contact = search.nodes[at[i]];
-            contact.friction += S[i] * along;
+        for (int i = 0; i < at.count; ++i) {
+            ContactNode<Dim>& contact = search.nodes[at.at[i]];
+            for (int side = 0; side < 2; ++side) contact.friction[side] += at.S[side][i] * along;
             contact.touches |= site.presses;
             contact.slides |= !site.sticks;
         }
     };
     const double one = 1;
-    for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) add(search.nodes[i], &i, &one, 1);
+    for (int i = int(pair.firstNode); i < int(pair.endNode); ++i) add(search.nodes[i], {1, &i, {&one, &one}});
     for (size_t i = pair.firstPoint; i < pair.endPoint; ++i) {
         ContactPoint<Dim>& point = search.points[i];
         largestPenetration = std::max(largestPenetration, -point.gap);
-        add(point, point.contact, point.S, point.size);
+        add(point, point.sites());
     }
 }
 
@@ -384,17 +385,17 @@ template <int Dim> void Contact::recordShared(const Scene<Dim>& scene) {
 template <int Dim>
 void Contact::exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<Dim>& contact,
                        const NodeMotion<Dim>& node) {
-    if (node.J.all.isZero(0)) return;
+    if (node.J[0].all.isZero(0) && node.J[1].all.isZero(0)) return;
     const double loss = this->loss();
-    contact.impulse = node.J.all - (1 - loss) * node.J.agreeing;
     contact.acts = true;
     for (int side = 0; side < 2; ++side) {
+        contact.impulse[side] = node.J[side].all - (1 - loss) * node.J[side].agreeing;
         const bool isMovedLater = node.responding[side] >= 0; // with all impulses on the body
         const double sign = isMovedLater ? 0 : side == 0 ? -1 : 1;
-        change<Dim>(scene, gravity, contact, side, sign * node.inverseMass[side], node.J);
+        change<Dim>(scene, gravity, contact, side, sign * node.inverseMass[side], node.J[side]);
     }
     scene.energies.contact += node.lostByStart(loss);
-    if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node.v[0] - node.v[1]);
+    if (!scene.scheme->remapsSolution()) record<Dim>(scene, contact, node);
 }
 
 // The same for velocities that have been made anew from the momentum of the particles. An implicit body is strained
@@ -430,8 +431,7 @@ template <int Dim> void Contact::tie(Scene<Dim>& scene) {
             for (int side = 0; side < 2; ++side)
                 for (int k = 0; k < Dim; ++k)
                     scene.grid.fields[contact.field[side]].setVelocity(contact.node, k, nodes[i].v[side][k]);
-            if (scene.scheme->remapsSolution() && contact.acts)
-                record<Dim>(scene, contact, nodes[i].v[0] - nodes[i].v[1]);
+            if (scene.scheme->remapsSolution() && contact.acts) record<Dim>(scene, contact, nodes[i]);
         }
     }
     if (scene.scheme->remapsSolution()) recordShared(scene);

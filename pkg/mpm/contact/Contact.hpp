@@ -93,7 +93,8 @@ class Contact : public EngineOf<Contact>, public VelocityCoupling, public Lookin
     template <int Dim>
     void exchange(Scene<Dim>& scene, const Vec<Dim>& gravity, ContactNode<Dim>& contact,
                   const NodeMotion<Dim>& node);
-    template <int Dim> void record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const Vec<Dim>& slip);
+    template <int Dim>
+    void record(Scene<Dim>& scene, const ContactNode<Dim>& contact, const NodeMotion<Dim>& node);
     FrictionLaw lawOf(int a, int b) const;
     // What particles lose of the velocities with which groups meet; nothing where these move as one body.
     double loss() const { return separation || slip ? impactLoss : 0; }

@@ -15,30 +15,30 @@ template <int Dim> struct NodeMotion {
     Mat<Dim> inverseMass[2];           // of an implicit body: its answer to impulses
     Mat<Dim> startInverseMass[2];      // of the node alone
     Vec<Dim> first[2], start[2], v[2]; // first: at the start, before the pairs that came earlier
-    Impulses<Dim> J;
+    Impulses<Dim> J[2];                // what the first group loses, and what the second gets
     // Place in the response of implicit bodies, -1: none. ImplicitSides has v then, until it tells the nodes.
     int responding[2] = {-1, -1};
 
-    void take(const Impulses<Dim>& more, double weight) {
-        J.all += weight * more.all;
-        J.agreeing += weight * more.agreeing;
-        for (int side = 0; side < 2; ++side) {
-            const double sign = side == 0 ? -weight : weight;
-            if (responding[side] < 0) v[side] += sign * inverseMass[side] * more.all;
-            start[side] += sign * startInverseMass[side] * more.agreeing;
-        }
+    static double sign(int side) { return side == 0 ? -1 : 1; }
+    void take(int side, const Impulses<Dim>& more, double weight) {
+        J[side].all += weight * more.all;
+        J[side].agreeing += weight * more.agreeing;
+        weight *= sign(side);
+        if (responding[side] < 0) v[side] += weight * inverseMass[side] * more.all;
+        start[side] += weight * startInverseMass[side] * more.agreeing;
     }
     // Energy, kJ, that particles lose when they take a part of what makes the starts agree; of earlier pairs they have
     // taken the same part.
     double lostByStart(double part) const {
-        const Mat<Dim> mobility = startMobility();
-        const Vec<Dim> before = start[0] - start[1] + mobility * J.agreeing;
-        const Vec<Dim> met = part * J.agreeing,
-                       ofParticles = (1 - part) * (first[0] - first[1]) + part * before;
-        return met.dot(ofParticles - 0.5 * mobility * met);
+        double lost = 0;
+        for (int side = 0; side < 2; ++side) {
+            const Vec<Dim> met = -sign(side) * part * J[side].agreeing;
+            const Mat<Dim>& W = startInverseMass[side];
+            const Vec<Dim> before = start[side] - sign(side) * W * J[side].agreeing;
+            lost += met.dot((1 - part) * first[side] + part * before - 0.5 * W * met);
+        }
+        return lost;
     }
-    Mat<Dim> startMobility() const { return startInverseMass[0] + startInverseMass[1]; }
-    Mat<Dim> mobility() const { return inverseMass[0] + inverseMass[1]; }
 };
 
 template <int Dim> class ContactImpulses {
@@ -49,20 +49,19 @@ template <int Dim> class ContactImpulses {
     // lawOf(site): the friction law there. Returns whether the rounds have come to an end of their own.
     template <class LawOf>
     bool solve(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double dt, LawOf&& lawOf) {
-        const double one = 1;
         const bool isCoupled = !implicit.isEmpty();
         if (pair.ownsFacets && !isCoupled) share(search, pair, dt, lawOf);
         const bool hasPoints = pair.firstPoint < pair.endPoint; // else no node sees another one
         const int most = isCoupled ? mostCoupledRounds : hasPoints ? mostRounds : 1;
-        before_.assign(pair.endNode - pair.firstNode, Vec<Dim>::Zero());
+        before_.assign(pair.endNode - pair.firstNode, {Vec<Dim>::Zero(), Vec<Dim>::Zero()});
         const auto updateNode = [&](int i) {
-            if (!search.nodes[i].isLeftOut) update(search.nodes[i], lawOf(search.nodes[i]), dt, &i, &one, 1);
+            if (!search.nodes[i].isLeftOut) update(search.nodes[i], lawOf(search.nodes[i]), dt, alone(i));
         };
         const auto updatePoint = [&](int i) {
             ContactPoint<Dim>& point = search.points[i];
             const FrictionLaw law = lawOf(point);
             // Else what shares a node stays together, and nothing crosses between nodes.
-            if (law.separation) update(point, law, dt, point.contact, point.S, point.size);
+            if (law.separation) update(point, law, dt, point.sites());
         };
         bool isSettled = most == 1;
         for (int round = 0; round < most && (round == 0 || !isSettled); ++round) {
@@ -87,16 +86,21 @@ template <int Dim> class ContactImpulses {
         double stopped = 0, answered = 0;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
             const NodeMotion<Dim>& node = nodes[i];
-            const Vec<Dim> change = implicit.isEmpty() ? Vec<Dim>(node.mobility() * node.J.all)
-                                                       : implicit.changeSince(i - pair.firstNode, node.v);
-            stopped += node.J.all.dot(node.v[0] - node.v[1] + change);
-            answered += node.J.all.dot(change);
+            for (int side = 0; side < 2; ++side) {
+                const Vec<Dim> taken = node.sign(side) * node.J[side].all,
+                               change = implicit.isEmpty()
+                                            ? Vec<Dim>(node.inverseMass[side] * taken)
+                                            : implicit.changeSince(i - pair.firstNode, side, node.v[side]);
+                stopped -= taken.dot(node.v[side] - change);
+                answered += taken.dot(change);
+            }
         }
         isReduced = !(stopped >= 0.5 * answered);
         if (!isReduced) return stopped - 0.5 * answered;
         const double part = stopped > 0 ? stopped / answered : 0;
         for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
-            give(int(i), Impulses<Dim>(nodes[i].J), part - 1);
+            for (int side = 0; side < 2; ++side)
+                give(int(i), side, Impulses<Dim>(nodes[i].J[side]), part - 1);
             search.nodes[i].J.scale(part);
         }
         implicit.tell(nodes);
@@ -117,49 +121,62 @@ template <int Dim> class ContactImpulses {
     // Looks at nodes: sites that take from each other what one node gets may do so for ever, and move nothing.
     bool isDone(const ContactPair<Dim>& pair) {
         double changed = 0, size = 0;
-        for (size_t i = pair.firstNode; i < pair.endNode; ++i) {
-            const Vec<Dim>&J = nodes[i].J.all, more = J - before_[i - pair.firstNode];
-            const Mat<Dim> mobility = nodes[i].mobility();
-            changed += more.dot(mobility * more);
-            size += J.dot(mobility * J);
-            before_[i - pair.firstNode] = J;
-        }
+        for (size_t i = pair.firstNode; i < pair.endNode; ++i)
+            for (int side = 0; side < 2; ++side) {
+                Vec<Dim>& before = before_[i - pair.firstNode][side];
+                const Vec<Dim>&J = nodes[i].J[side].all, more = J - before;
+                const Mat<Dim>& W = nodes[i].inverseMass[side];
+                changed += more.dot(W * more);
+                size += J.dot(W * J);
+                before = J;
+            }
         return changed <= convergence * convergence * size;
     }
-    std::vector<Vec<Dim>> before_; // impulses on the nodes of the pair after the last round
+    std::vector<std::array<Vec<Dim>, 2>> before_; // impulses on the nodes of the pair after the last round
 
-    void give(int i, const Impulses<Dim>& more, double weight) {
-        nodes[i].take(more, weight);
-        for (int side = 0; side < 2; ++side)
-            if (const int pushed = nodes[i].responding[side]; pushed >= 0)
-                implicit.push(pushed, (side == 0 ? -weight : weight) * more.all);
+    void give(int i, int side, const Impulses<Dim>& more, double weight) {
+        nodes[i].take(side, more, weight);
+        if (const int pushed = nodes[i].responding[side]; pushed >= 0)
+            implicit.push(pushed, nodes[i].sign(side) * weight * more.all);
+    }
+    void give(const SiteNodes<Dim>& at, const Impulses<Dim>& more) {
+        for (int i = 0; i < at.count; ++i)
+            for (int side = 0; side < 2; ++side) give(at.at[i], side, more, at.S[side][i]);
+    }
+    static SiteNodes<Dim> alone(const int& node) {
+        static constexpr double one = 1;
+        return {1, &node, {&one, &one}};
     }
 
-    // Relative velocities at a site between nodes with weights S, and its mobilities.
+    // Relative velocities at a site between nodes, and its mobilities.
     struct Relative {
         Mat<Dim> mobility = Mat<Dim>::Zero(), startMobility = mobility;
         Vec<Dim> start = Vec<Dim>::Zero(), w = start;
     };
-    // shares: for each node the sum of the weights with which sites push it; nullptr: a site is alone.
-    Relative relativeAt(const int* at, const double* S, int count, const double* shares) const {
+    // shares: for each node the sums of the weights with which sites push its groups; nullptr: a site is alone.
+    Relative relativeAt(const SiteNodes<Dim>& at, const std::array<double, 2>* shares) const {
         Relative found;
-        for (int i = 0; i < count; ++i) {
-            const NodeMotion<Dim>& node = nodes[at[i]];
-            const double weight = S[i] * (shares ? shares[at[i]] : S[i]);
-            found.mobility += weight * node.mobility();
-            found.startMobility += weight * node.startMobility();
-            found.start += S[i] * (node.start[0] - node.start[1]);
-            found.w += S[i] * velocityAt(node);
-        }
+        for (int i = 0; i < at.count; ++i)
+            for (int side = 0; side < 2; ++side) {
+                const NodeMotion<Dim>& node = nodes[at.at[i]];
+                const double S = at.S[side][i], weight = S * (shares ? shares[at.at[i]][side] : S);
+                found.mobility += weight * node.inverseMass[side];
+                found.startMobility += weight * node.startInverseMass[side];
+                found.start -= node.sign(side) * S * node.start[side];
+            }
+        found.w = velocityAt(at);
         return found;
     }
     // Of the first group against the second.
-    Vec<Dim> velocityAt(const NodeMotion<Dim>& node) const {
-        const auto of = [&](int side) {
-            const int place = node.responding[side];
-            return place < 0 ? node.v[side] : implicit.velocity(place);
-        };
-        return of(0) - of(1);
+    Vec<Dim> velocityAt(const SiteNodes<Dim>& at) const {
+        Vec<Dim> w = Vec<Dim>::Zero();
+        for (int i = 0; i < at.count; ++i)
+            for (int side = 0; side < 2; ++side) {
+                const NodeMotion<Dim>& node = nodes[at.at[i]];
+                const int place = node.responding[side];
+                w -= node.sign(side) * at.S[side][i] * (place < 0 ? node.v[side] : implicit.velocity(place));
+            }
+        return w;
     }
 
     // Sites near each other stop the same approach. The first that is asked would take it all, and the others, which
@@ -167,45 +184,38 @@ template <int Dim> class ContactImpulses {
     // all of them pushed alike (Jacobi's rule with the sums of the rows).
     template <class LawOf>
     void share(ContactSearch<Dim>& search, const ContactPair<Dim>& pair, double dt, LawOf&& lawOf) {
-        const double one = 1;
-        shares_.assign(nodes.size(), 0.0);
+        shares_.assign(nodes.size(), {0.0, 0.0});
         const auto forSites = [&](auto&& visit) {
             for (int i = int(pair.firstNode); i < int(pair.endNode); ++i)
-                if (!search.nodes[i].isLeftOut) visit(search.nodes[i], &i, &one, 1);
+                if (!search.nodes[i].isLeftOut) visit(search.nodes[i], alone(i));
             for (size_t i = pair.firstPoint; i < pair.endPoint; ++i)
-                visit(search.points[i], search.points[i].contact, search.points[i].S, search.points[i].size);
+                visit(search.points[i], search.points[i].sites());
         };
-        forSites([&](const ContactSite<Dim>&, const int* at, const double* S, int count) {
-            for (int i = 0; i < count; ++i) shares_[at[i]] += S[i];
+        forSites([&](const ContactSite<Dim>&, const SiteNodes<Dim>& at) {
+            for (int i = 0; i < at.count; ++i)
+                for (int side = 0; side < 2; ++side) shares_[at.at[i]][side] += at.S[side][i];
         });
-        forSites([&](ContactSite<Dim>& site, const int* at, const double* S, int count) {
-            const Relative r = relativeAt(at, S, count, shares_.data());
+        forSites([&](ContactSite<Dim>& site, const SiteNodes<Dim>& at) {
+            const Relative r = relativeAt(at, shares_.data());
             site.J = lawOf(site).template impulses<Dim>(site, dt, r.mobility, r.startMobility, r.start, r.w);
         });
-        forSites([&](const ContactSite<Dim>& site, const int* at, const double* S, int count) {
-            for (int i = 0; i < count; ++i) give(at[i], site.J, S[i]);
-        });
+        forSites([&](const ContactSite<Dim>& site, const SiteNodes<Dim>& at) { give(at, site.J); });
     }
-    std::vector<double> shares_;
+    std::vector<std::array<double, 2>> shares_;
 
-    // The impulse at a site between nodes with weights S, anew, in view of what the others exchange.
-    void update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const int* at, const double* S,
-                int count) {
-        if (!implicit.isEmpty()) implicit.goTo(nodes, at, count);
-        if (site.J.all.isZero(0)) { // and so nothing makes it agree
-            Vec<Dim> w = Vec<Dim>::Zero();
-            for (int i = 0; i < count; ++i) w += S[i] * velocityAt(nodes[at[i]]);
-            if (law.isApart(site, dt, w)) return;
-        }
-        auto [mobility, startMobility, start, w] = relativeAt(at, S, count, nullptr);
-        if (count > 1 && !implicit.isEmpty()) mobility += implicit.mutualMobility(nodes, at, S, count);
+    // The impulse at a site between nodes anew, in view of what the others exchange.
+    void update(ContactSite<Dim>& site, const FrictionLaw& law, double dt, const SiteNodes<Dim>& at) {
+        if (!implicit.isEmpty()) implicit.goTo(nodes, at.at, at.count);
+        if (site.J.all.isZero(0) && law.isApart(site, dt, velocityAt(at)))
+            return; // and nothing makes it agree
+        auto [mobility, startMobility, start, w] = relativeAt(at, nullptr);
+        if (at.count > 1 && !implicit.isEmpty()) mobility += implicit.mutualMobility(nodes, at);
         start += startMobility * site.J.agreeing;
         w += mobility * site.J.all;
         const Impulses<Dim> J = law.impulses<Dim>(site, dt, mobility, startMobility, start, w);
         const Impulses<Dim> more{J.all - site.J.all, J.agreeing - site.J.agreeing};
         site.J = J;
-        if (!more.all.isZero(0) || !more.agreeing.isZero(0))
-            for (int i = 0; i < count; ++i) give(at[i], more, S[i]);
+        if (!more.all.isZero(0) || !more.agreeing.isZero(0)) give(at, more);
     }
 };
 

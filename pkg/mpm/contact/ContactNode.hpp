@@ -53,8 +53,8 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     bool hasPoints = false;  // contact points, which tell better how far the surfaces overlap
     bool isLeftOut = false;  // contact points do all that it would
     bool acts = false, slides = false, touches = false; // with what it shares with contact points
-    Vec<Dim> impulse = Vec<Dim>::Zero();                // kN s, on the second group in this step,
-    Vec<Dim> friction = Vec<Dim>::Zero();               // and what of it is friction
+    // kN s, what the first group loses and the second gets in this step, and what of it is friction.
+    Vec<Dim> impulse[2] = {Vec<Dim>::Zero(), Vec<Dim>::Zero()}, friction[2] = {impulse[0], impulse[1]};
 
     // Of the surface of a side, along the normal, m2.
     double areaOf(int side) const {
@@ -62,10 +62,25 @@ template <int Dim> struct ContactNode : ContactSite<Dim> {
     }
 };
 
-// A vertex of a mesh at the surface of the other group, between nodes that both move.
+// Numbers of contact nodes, and for each group the weights with which they move its surface at a site.
+template <int Dim> struct SiteNodes {
+    int count;
+    const int* at;
+    const double* S[2];
+};
+
+// A vertex of a mesh at the surface of the other group, between nodes that both move. Where shared cells hold surfaces
+// together across a gap, each group has the hat functions where its own surface is: nodes that a surface hardly reaches
+// are light, and at the vertex they would take any velocity and nothing would be held.
 template <int Dim> struct ContactPoint : ContactSite<Dim>, SurroundingNodes<Dim> {
     int side = 0, body = -1, vertex = -1; // the group whose mesh it belongs to, that body, and its vertex
     Vec<Dim> position = Vec<Dim>::Zero();
+    double otherS[SurroundingNodes<Dim>::size]; // of the other group
+
+    SiteNodes<Dim> sites() const {
+        const double* other = this->carried > 0 ? otherS : this->S;
+        return {this->size, this->contact, {side == 0 ? this->S : other, side == 0 ? other : this->S}};
+    }
 };
 
 // What is told of a contact node after a step.

@@ -38,7 +38,7 @@ template <int Dim> class ImplicitSides {
             start_.push_back(node.v[places_[r].side]);
         }
         for (size_t i = pair.firstNode; i < pair.endNode; ++i)
-            before_.push_back(nodes[i].v[0] - nodes[i].v[1]);
+            before_.push_back({nodes[i].v[0], nodes[i].v[1]});
     }
 
     void clear() {
@@ -67,18 +67,17 @@ template <int Dim> class ImplicitSides {
             nodes[places_[r].contact].v[places_[r].side] = velocity(int(r));
     }
 
-    // Change of the relative velocity at contact node number i of the pair.
-    Vec<Dim> changeSince(size_t i, const Vec<Dim> (&v)[2]) const { return before_[i] - (v[0] - v[1]); }
+    // Change of the velocity of a side at contact node number i of the pair.
+    Vec<Dim> changeSince(size_t i, int side, const Vec<Dim>& v) const { return v - before_[i][side]; }
 
     // What the mobility of a site between nodes has beyond that of each of them.
-    template <class Nodes>
-    Mat<Dim> mutualMobility(const Nodes& nodes, const int* at, const double* S, int count) const {
+    template <class Nodes> Mat<Dim> mutualMobility(const Nodes& nodes, const SiteNodes<Dim>& at) const {
         Mat<Dim> sum = Mat<Dim>::Zero();
-        for (int i = 0; i < count; ++i)
-            for (int j = 0; j < count; ++j)
+        for (int i = 0; i < at.count; ++i)
+            for (int j = 0; j < at.count; ++j)
                 for (int side = 0; side < 2 && i != j; ++side) {
-                    const int a = nodes[at[i]].responding[side], b = nodes[at[j]].responding[side];
-                    if (a >= 0 && b >= 0) sum += S[i] * S[j] * response_.of(a, b);
+                    const int a = nodes[at.at[i]].responding[side], b = nodes[at.at[j]].responding[side];
+                    if (a >= 0 && b >= 0) sum += at.S[side][i] * at.S[side][j] * response_.of(a, b);
                 }
         return sum;
     }
@@ -90,9 +89,10 @@ template <int Dim> class ImplicitSides {
         std::vector<Vec<Dim>> impulses, unfelt;
         for (const Place& place : places_) {
             const auto& node = nodes[place.contact];
-            const double sign = place.side == 0 ? -1 : 1;
-            impulses.push_back(sign * node.J.all);
-            unfelt.push_back(sign * part * node.startInverseMass[place.side] * node.J.agreeing);
+            const auto& J = node.J[place.side];
+            const double sign = node.sign(place.side);
+            impulses.push_back(sign * J.all);
+            unfelt.push_back(sign * part * node.startInverseMass[place.side] * J.agreeing);
         }
         scene.template find<ImplicitBodies>()->take(scene, response_, impulses, unfelt);
     }
@@ -104,8 +104,8 @@ template <int Dim> class ImplicitSides {
     ImpulseResponse<Dim> response_;
     std::vector<Place> places_;
     std::vector<Site> sites_;
-    std::vector<Vec<Dim>> start_;  // velocities of those that respond before all impulses, m/s
-    std::vector<Vec<Dim>> before_; // relative velocities of the contact nodes of the pair
+    std::vector<Vec<Dim>> start_;                 // velocities of those that respond before all impulses, m/s
+    std::vector<std::array<Vec<Dim>, 2>> before_; // of both sides of the contact nodes of the pair
 
     // f(body, lowest, highest unknown) for the bodies that move some nodes.
     template <class Nodes, class F>

@@ -15,6 +15,14 @@ template <int Dim> struct SurroundingNodes {
     static constexpr int size = 1 << Dim;
     int contact[size];
     double S[size];
+
+    // The hat functions of a place in the cell that has the part of its edges below it.
+    void weigh(const double* part, double* weights) const {
+        for (int corner = 0; corner < size; ++corner) {
+            weights[corner] = 1;
+            for (int k = 0; k < Dim; ++k) weights[corner] *= corner >> k & 1 ? part[k] : 1 - part[k];
+        }
+    }
 };
 
 template <int Dim> class NearbyNodes {
@@ -73,15 +81,10 @@ template <int Dim> class NearbyNodes {
         SurroundingNodes<Dim> around;
         for (int corner = 0; corner < around.size; ++corner) {
             int node = first;
-            double S = 1;
-            for (int k = 0; k < Dim; ++k) {
-                const bool isUpper = corner >> k & 1;
-                node += isUpper ? grid.strides[k] : 0;
-                S *= isUpper ? part[k] : 1 - part[k];
-            }
+            for (int k = 0; k < Dim; ++k) node += corner >> k & 1 ? grid.strides[k] : 0;
             around.contact[corner] = contact_[node];
-            around.S[corner] = S;
         }
+        around.weigh(part, around.S);
         return around;
     }
 

@@ -205,6 +205,17 @@ template <int Dim> SurroundingNodes<Dim> withFeeling(SurroundingNodes<Dim> aroun
     return around;
 }
 
+// The hat functions where the other surface is, a gap away, in the cell of the point.
+template <int Dim> void weighOther(const Grid<Dim>& grid, ContactPoint<Dim>& point) {
+    const Vec<Dim> outward = point.side == 0 ? point.normal : Vec<Dim>(-point.normal),
+                   other = point.position + std::max(point.gap, 0.0) * outward;
+    double part[Dim];
+    for (int k = 0; k < Dim; ++k)
+        part[k] =
+            std::clamp(grid.inCells(other[k], k) - std::floor(grid.inCells(point.position[k], k)), 0.0, 1.0);
+    point.weigh(part, point.otherS);
+}
+
 } // namespace
 
 template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoint<Dim>>& points) {
@@ -232,6 +243,7 @@ template <int Dim> void findPoints(PairSearch<Dim>& pair, std::vector<ContactPoi
             point.position = own.position;
             if (std::abs(point.gap) > furthest * h) continue;
             static_cast<SurroundingNodes<Dim>&>(point) = own.around;
+            weighOther(pair.grid(), point);
             for (int contact : point.contact) (*pair.nodes)[contact].hasPoints = true;
             if (pair.ownsFacets) takeFacets(pair, own, h, point);
             points.push_back(point);

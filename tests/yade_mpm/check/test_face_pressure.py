@@ -68,18 +68,24 @@ def test_the_facets_take_all_of_the_contact_force():
     assert sum(sides) == pytest.approx(after.total, rel=1e-9, abs=1e-9)
 
 
-def test_a_wall_that_gives_way_gets_the_pressure_of_rankine():
+@pytest.mark.parametrize("options, foot", [({}, 1.5), (dict(constraints="nodes", sharedCells=False), 1)])
+def test_a_wall_that_gives_way_gets_the_pressure_of_rankine(options, foot):
+    """options : of the contact. foot : cells above the foot from which on each facet has its own pressure.
+
+    While the soil's velocity was taken at the vertices of the wall, beyond the surface of the soil, nodes that
+    it hardly reaches bore all, the soil came off, and the thrust was 16 % too large."""
     sand = mpm.MohrCoulomb(
         density=2.0, young=2e4, poisson=0.3, cohesion=0.5, frictionAngle=radians(30), dilatancyAngle=0
     )
     scene, wall, contact, _ = walled(material=sand, velocity=(0.02, 0))
-    contact.constraints, contact.sharedCells = "nodes", False  # a plane face; the default: 15 % too much
+    for name, value in options.items():
+        setattr(contact, name, value)
     scene.damping = 0.1
     face = mean(scene, wall, first=0.3, time=0.2).side("left")
     y = face.centre[:, 1]
     exact = np.maximum(2 * G * (HEIGHT - y) / 3 - 2 * 0.5 / np.sqrt(3), 0)
     assert (face.pressure * face.area).sum() == pytest.approx((exact * face.area).sum(), rel=0.03)
-    inside = (y > CELL) & (y < HEIGHT - CELL)
+    inside = (y > foot * CELL) & (y < HEIGHT - CELL)
     assert face.pressure[inside] == pytest.approx(exact[inside], abs=0.03 * exact.max())
 
 

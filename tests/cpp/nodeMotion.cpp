@@ -22,7 +22,7 @@ TEST(NodeMotion, pairsBookTheEnergyThatParticlesOfThreeGroupsLose) {
                 motion.first[side] = first[group];
                 motion.start[side] = motion.v[side] = start[group];
             }
-            motion.take({agreeing[pair], agreeing[pair]}, 1);
+            for (int side = 0; side < 2; ++side) motion.take(side, {agreeing[pair], agreeing[pair]}, 1);
             booked += motion.lostByStart(part);
             for (int side = 0; side < 2; ++side) {
                 const int group = pairs[pair][side];

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """A cone (CPT) is pressed into undrained clay, axisymmetric: N_kt beside Lu et al. 2004.
 
-A cone of 60 degrees and the radius R in Tresca soil of the strength su and the rigidity index Ir = G/su, under its own
-weight, horizontal stress by Delta = (sigma_v - sigma_h)/(2 su), interface strength alpha su. Starts deep, in a hole
-of its shape, and goes on until its resistance is level:
+A cone of 60 degrees and the radius R in Tresca soil of the strength su and the rigidity index Ir = G/su,
+under its own weight, horizontal stress by Delta = (sigma_v - sigma_h)/(2 su), interface strength alpha su.
+Starts deep, in a hole of its shape, and goes on until its resistance is level:
 N_kt = (q - sigma_v)/su = 3.4 + 1.6 ln Ir - 1.9 Delta + 1.3 alpha (finite elements with remeshing).
 
 Units: Mg, m, s, kPa; forces are of the whole circumference, kN.

@@ -138,6 +138,17 @@ def test_body_force_acts_like_gravity_along_either_axis(kind, axis):
 
 
 @pytest.mark.parametrize("kind", KINDS)
+def test_the_work_of_a_body_force_is_booked(kind):
+    scene = blockScene(kind, 2, "MUSL")
+    for body in scene.bodies:
+        body.bodyForce = (0.0, -3.0)
+    history = scene.history(every=0.01)
+    scene.run(steps=50, progress=False)
+    energy = history["kineticEnergy"][-1]
+    assert energy > 1e-6 and abs(history["energyError"][-1]) < 1e-9 * energy
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_control_damped_fall_has_the_reduced_acceleration(kind):
     """Local damping a slows a fall to g (1 - a): far outside the tolerance of g, inside that of g (1 - a)."""
     g = np.array(GRAVITY[2])

@@ -14,8 +14,8 @@ def begin(core, lower):
         )
     if lower[0] < 0:
         raise ValueError(
-            f"Scene: axisymmetric=True, and the grid begins at x = {lower[0]:g} m; x is the distance from the "
-            "axis: begin it at 0, or beyond"
+            f"Scene: axisymmetric=True, and the grid begins at x = {lower[0]:g} m; x is the distance from "
+            "the axis: begin it at 0, or beyond"
         )
     core.isAxisymmetric = True
 

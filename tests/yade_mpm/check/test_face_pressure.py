@@ -72,8 +72,8 @@ def test_the_facets_take_all_of_the_contact_force():
 def test_a_wall_that_gives_way_gets_the_pressure_of_rankine(options, foot):
     """options : of the contact. foot : cells above the foot from which on each facet has its own pressure.
 
-    While the soil's velocity was taken at the vertices of the wall, beyond the surface of the soil, nodes that
-    it hardly reaches bore all, the soil came off, and the thrust was 16 % too large."""
+    With the soil's velocity at the vertices of the wall, beyond the surface of the soil, nodes that it hardly
+    reaches bear all, the soil comes off, and the thrust is 16 % too large."""
     sand = mpm.MohrCoulomb(
         density=2.0, young=2e4, poisson=0.3, cohesion=0.5, frictionAngle=radians(30), dilatancyAngle=0
     )

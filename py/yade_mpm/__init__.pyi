@@ -534,6 +534,8 @@ class PoreWater(_PoreWater):
     table: float | Sequence[float]
     rise: float | Sequence[float]
     heads: float | Sequence[float]
+    permeability: float
+    porosity: float
     sealed: bool
     bulkModulus: float
     density: float
@@ -543,11 +545,11 @@ class PoreWater(_PoreWater):
     def __init__(
         self,
         table: float | Sequence[float] = None,
-        permeability: Any = 1e-07,
-        porosity: Any = 0.4,
         rise: float | Sequence[float] = None,
         heads: float | Sequence[float] = None,
         *,
+        permeability: float = 1e-07,
+        porosity: float = 0.4,
         sealed: bool = False,
         bulkModulus: float = 2200000.0,
         density: float = 1.0,

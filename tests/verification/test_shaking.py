@@ -123,7 +123,9 @@ def noGround():
 
 @cases(
     ("no side 'botom'; ... did you mean 'bottom'", lambda: layer()[0].viscous("botom")),
-    ("of several materials, or there is none", noGround),
+    ("what is at the side 'bottom' (none) has ... one density", noGround),
+    ("is viscous already", lambda: [s := layer()[0], s.viscous("bottom"), s.viscous("bottom")]),
+    ("fix: the side 'bottom' is viscous", lambda: [s := layer()[0], s.viscous("bottom"), s.fix("bottom")]),
     ("behind = 3", lambda: layer()[0].viscous("bottom", behind=3), TypeError),
     ("motion is a function; give times", lambda: layer()[0].viscous("bottom", motion=lambda t: (t, 0))),
     ("sides = ()", lambda: layer()[0].viscous(), TypeError),

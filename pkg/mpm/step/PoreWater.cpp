@@ -38,6 +38,9 @@ std::vector<Parameter> PoreWater::attributes() {
     return {{"table", "m", "Rows (x, level) of the water table, linear between them.", &table},
             {"rise", "s, m", "Rows (time, height) that the table rises by.", &rise},
             {"heads", "m", "Rows (face, level of the water behind it); others are closed.", &heads},
+            {"permeability", "m/s", "Hydraulic conductivity of the soil that it is given to; 0: undrained.",
+             &permeability, Range::notNegative()},
+            {"porosity", "-", "Volume of the pores over that of this soil.", &porosity, Range::inside(0, 1)},
             {"sealed", "", "No water passes the surface of the soil.", &sealed},
             {"bulkModulus", "kPa", "Bulk modulus of water.", &bulkModulus, Range::positive()},
             {"density", "Mg/m3", "Density of water.", &density, Range::positive()},
@@ -54,12 +57,28 @@ void PoreWater::finish() {
     checkTable("PoreWater", "heads", heads, 2);
 }
 
+// Nodes between the corners of a domain that is larger than a cell have no mass, and the pressure of its cells would
+// strain nothing.
+template <int Dim> void PoreWater::checkSizes(const Scene<Dim>& scene, const Body<Dim>& body) {
+    constexpr double most = 1.01; // over the cell
+    if (!body.domains->mesh()) return;
+    for (int p = 0; p < body.particles.size(); ++p)
+        require(
+            body.particles.initialVolume.plane()[p] <=
+                most * scene.grid.sizeAt(vectorAt<Dim>(body.particles.position, p)).prod(),
+            "PoreWater: domains of '", body.name,
+            "' are larger than the cells around them; give particles=mpm.APDI(size=...) of at most a cell");
+}
+
 template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
     if (dead) return;
     require(scene.scheme->name == "MUSL", "PoreWater: needs the scheme MUSL, not ", scene.scheme->name);
     const Vec<Dim> g = gravityOf(scene);
-    require(g.template head<Dim - 1>().isZero(),
-            "PoreWater: gravity points along an axis that is level; give "
+    require(
+        heads.empty() || unitWeight(scene) > 0,
+        "PoreWater: heads are given, and there is no gravity: water of any level has no pressure; give gravity");
+    require(g.template head<Dim - 1>().isZero() && !(g[Dim - 1] > 0),
+            "PoreWater: gravity does not point down; give "
             "gravity along the last axis alone");
     const Body<Dim>* first = nullptr;
     auto& state = std::get<State<Dim>>(states_);
@@ -71,12 +90,13 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
         require(first->velocityField == body->velocityField, "PoreWater: '", first->name, "' and '",
                 body->name, "' have water and are in different groups; give them one");
         state.field = body->velocityField;
+        checkSizes(scene, *body);
         WetBody<Dim> wet(*body);
         lift(scene, wet, scene.time);
     }
     for (auto& body : scene.bodies)
         require(!first || !body->isImplicit, "PoreWater: '", body->name,
-                "' is implicit; leave implicit=True out in a scene with water");
+                "' is implicit; give scene.add(..., implicit=False) in a scene with water");
     require(!first || scene.grid.fields.size() == 1,
             "PoreWater: bodies in contact with soil that has water are "
             "not possible; give all bodies one group, and drive a structure by its particles");

@@ -13,6 +13,7 @@ namespace mpm {
 class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
   public:
     std::vector<double> table, rise, heads, debt;
+    double permeability = 1e-7, porosity = 0.4; // of what is added with it
     double bulkModulus = 2.2e6, density = 1.0, tolerance = 0.1, outflow = 0;
     int iterations = 0;
     bool sealed = false;
@@ -39,6 +40,7 @@ class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
     std::tuple<State<2>, State<3>> states_;
 
     template <int Dim> void check(Scene<Dim>& scene);
+    template <int Dim> static void checkSizes(const Scene<Dim>& scene, const Body<Dim>& body);
     template <int Dim> double levelAt(const Vec<Dim>& x, double time) const;
     template <int Dim> double reference(const Scene<Dim>& scene, const Vec<Dim>& x, double time) const;
     template <int Dim> double headAt(const Scene<Dim>& scene, const Vec<Dim>& x) const;

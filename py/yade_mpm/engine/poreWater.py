@@ -30,7 +30,6 @@ the ground, that is under water, with its pressure on the ground. Water leaves t
 soil; faces of the grid, bodies without water and what is driven are closed.
 
 table : m, level; or rows (x, level), linear between them; default: 0 kPa everywhere, and no buoyancy.
-permeability : m/s, hydraulic conductivity, default 1e-7; 0: undrained. porosity : -, default 0.4.
 rise : rows (time, height), s and m, that the table rises by, as a boundary of the soil that is full of water.
 heads : dict face -> level, m, of the water behind a face of the grid ("left", "right", "bottom" ...).
 sealed : True: no water passes the surface of the soil.
@@ -45,26 +44,24 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
     def __init__(
         self,
         table: float | ArrayLike | None = None,
-        permeability: float = 1e-7,
-        porosity: float = 0.4,
         rise: ArrayLike | None = None,
         heads: dict[str, float] | Sequence[float] | None = None,
         **attributes,
     ) -> None:
-        for name, value, isAllowed, what in (
-            ("permeability", permeability, lambda v: v >= 0, "zero or a positive number, m/s"),
-            ("porosity", porosity, lambda v: 0 < v < 1, "a number between 0 and 1"),
-        ):
-            if not (isNumber(value) and isAllowed(value)):
-                raise ValueError(f"PoreWater: {name} = {shown(value)} is not allowed; give {what}")
         for name, rows in (("table", table), ("rise", rise)):
             if rows is not None:
                 attributes[name] = rows
         named = heads if isinstance(heads, dict) else {}
-        if heads is not None and not isinstance(heads, dict):
+        if not (heads is None or isinstance(heads, (dict, list, tuple))):
+            raise TypeError(f"PoreWater: heads = {shown(heads)}; give a dict face -> level, m")
+        if wrong := [face for face, level in named.items() if not isNumber(level)]:
+            raise TypeError(
+                f"PoreWater: heads has {shown(named[wrong[0]])} for '{wrong[0]}'; give a level in m"
+            )
+        if heads is not None and not isinstance(heads, dict):  # from a checkpoint
             attributes["heads"] = list(heads)
         super().__init__(**attributes)
-        self.__dict__.update(permeability=float(permeability), porosity=float(porosity), _named=named)
+        self.__dict__["_named"] = named
 
     def _assign(self, name, value):
         """Tables as numbers, rows, or rows one behind the other, as checkpoints have them."""
@@ -87,8 +84,8 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
 
     def _sameAs(self, other):
         """What two of them disagree on, or nothing."""
-        mine, its = ({**one.attributes(), "heads": one._named or None} for one in (self, other))
-        ignored = ("iterations", "outflow", "debt", "label")
+        mine, its = (one.attributes() for one in (self, other))
+        ignored = ("permeability", "porosity", "iterations", "outflow", "debt", "label")
         return [name for name in mine if name not in ignored and mine[name] != its.get(name)]
 
     def hydrostatic(self, body):

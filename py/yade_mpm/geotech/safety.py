@@ -201,6 +201,11 @@ class _Search:
         built = self._build()
         if not isinstance(built, Scene):
             raise TypeError(f"safety: build() returns {type(built).__name__}; return the scene")
+        if wet := [body.name for body in built.bodies if body._core.hasPores]:
+            raise ValueError(
+                f"safety: '{wet[0]}' has pore water, and gravity that grows in seconds would load it "
+                "undrained; leave water out and give buoyant densities, or load the scene by hand"
+            )
         scene = self._copy(built)  # with materials of its own: those of build() keep their strength
         self._gravity = np.array(scene._gridSolver("safety").gravity, float)
         if not self._gravity.any():

@@ -77,6 +77,8 @@ def _addSides(scene, call, sides):
                 f"{call}: there is no side {shown(side)}; sides are "
                 f"{names}{didYouMean(side, FACES[scene.dim])}"
             )
+        if any(engine.label == f"viscous {side}" for engine in scene.engines):
+            raise ValueError(f"{call}: the side {shown(side)} is viscous; leave one of the two out")
         if side in other:
             has = "rollers" if call == "fix" else "fixed"
             raise ValueError(

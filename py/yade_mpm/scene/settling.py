@@ -16,12 +16,14 @@ from ..base.wording import shown
 from ..engine.prescribed import Steering
 from ..geometry.numbers import isCount, isNumber
 from .run import NotedSignals
+from .wetting import waterOf
 
 TELL_EVERY = 30.0  # s of wall time between lines about how far it has come
 STUCK = 50  # looks without a smaller out-of-balance force after which it may be there to stay
 STEADY = 5  # looks whose median tells how many changes are still to come
 NO_DRIFT = 2  # times the change between two looks is that over many, where stresses only waver
 MOST_NOISE = 0.01  # share of the stress; what wavers more is not at rest
+EXCESS = 0.05  # of the largest pore pressure: excess above which settle warns
 
 
 @checked("Scene.settle")
@@ -87,6 +89,7 @@ def settle(
         solver.damping = scene._dampingAfterSettling
         keep(scene, _dampingAfterSettling=None)
     _tellWhatMoved(scene, began)
+    _tellOfExcess(scene)
     for body in scene.bodies:
         body.velocity[...] = 0
         body.zeroDisplacement()
@@ -94,6 +97,19 @@ def settle(
     for motion in motions:
         motion._core.began = scene.time
     return taken
+
+
+def _tellOfExcess(scene):
+    """Warns of water that bears what soil will bear in the end: forces balance long before it has left."""
+    water = waterOf(scene)
+    for body in (b for b in scene.bodies if water is not None and b.count and b._core.hasPores):
+        excess, scale = np.abs(water.excess(body)).max(), np.abs(body.porePressure).max()
+        if excess > EXCESS * scale:
+            warnUser(
+                f"settle: the water in '{body.name}' has an excess of up to {excess:.3g} kPa: where "
+                "it is not meant to flow, it bears what the soil bears in the end; begin with "
+                "scene.groundStress(K0=...), or let it drain"
+            )
 
 
 def _tellWhatMoved(scene, began):

@@ -15,6 +15,7 @@ from ..engine.prescribed import FACES
 from ..engine.supports import timeRows
 from ..material.materials import Material
 from .running import refuseDuringStep
+from .wetting import waterOf
 
 NUMBERS = {2: ("left", "right", "bottom", "top"), 3: ("left", "right", "front", "back", "bottom", "top")}
 
@@ -50,6 +51,9 @@ def viscous(
     refuseDuringStep(scene, "viscous")
     if not sides or not all(isinstance(side, str) for side in sides):
         raise TypeError(f"viscous: sides = {shown(sides)}; give names, e.g. scene.viscous('bottom')")
+    there = {engine.label for engine in scene.engines}
+    if twice := [side for side in sides if f"viscous {side}" in there or sides.count(side) > 1]:
+        raise ValueError(f"viscous: the side '{twice[0]}' is viscous already; give each side once")
     made = [_made(scene, side, motion, times, behind) for side in sides]
     solver = scene._gridSolver("viscous")
     for side, engine in zip(sides, made):
@@ -67,20 +71,27 @@ def _made(scene, side, motion, times, behind):
         raise ValueError(
             f"viscous: there is no side {shown(side)}; sides are {known}{didYouMean(side, FACES[scene.dim])}"
         )
-    soil = _groundAt(scene, side)
+    near = _bodiesAt(scene, side)
+    soil = _stiffness(near)
+    if len({body.material.density for body in near}) != 1 or any(body.inertiaScale != 1 for body in near):
+        raise ValueError(
+            f"viscous: what is at the side '{side}' ({', '.join(body.name for body in near) or 'none'}) has "
+            "not one density, or an inertiaScale; give the side one soil"
+        )
     rock = soil if behind is None else behind
     if rock is None:
         raise ValueError(
-            f"viscous: the ground at the side '{side}' is of several materials, or there is none; give "
-            "behind=, the material of the ground behind it"
+            f"viscous: the ground at the side '{side}' is of several materials, or of one without a "
+            "stiffness of its own; give behind=, the material of the ground behind it"
         )
     if not isinstance(rock, Material):
         raise TypeError(f"viscous: behind = {shown(behind)}; give a material, e.g. mpm.LinearElastic(...)")
     first, second = rock.lame
-    density = rock.density if soil is None else soil.density
+    if behind is None and (water := waterOf(scene)) and any(body._core.hasPores for body in near):
+        first += water.bulkModulus / water.porosity  # waves of pressure run through the water
     engine = classes["ViscousBoundary"](
         face=NUMBERS[scene.dim].index(side),
-        density=density,
+        density=near[0].material.density,
         normal=float(np.sqrt((first + 2 * second) * rock.density)),
         shear=float(np.sqrt(second * rock.density)),
         label=f"viscous {side}",
@@ -99,12 +110,16 @@ def _rows(motion, times, dim):
     return np.column_stack((rows, np.zeros((len(rows), dim - 1)))) if along else rows
 
 
-def _groundAt(scene, side):
-    """The material of the bodies at a side, None where they are of several."""
-    number = NUMBERS[scene.dim].index(side)
-    axis, isUpper = divmod(number, 2)
+def _bodiesAt(scene, side):
+    """Bodies that reach within half a cell of a side."""
+    axis, isUpper = divmod(NUMBERS[scene.dim].index(side), 2)
     face = (scene.upper if isUpper else scene.lower)[axis]
-    near = [b for b in scene.bodies if b.count and (np.abs(b.corners()[..., axis] - face) < 1e-6).any()]
-    materials = [body.material for body in near]
+    reach = 0.5 * scene.cell[axis]
+    return [b for b in scene.bodies if b.count and (np.abs(b.corners()[..., axis] - face) < reach).any()]
+
+
+def _stiffness(bodies):
+    """The elastic material of some bodies, None where they are of several."""
+    materials = [body.material for body in bodies]
     isOne = materials and all(m == materials[0] for m in materials)
     return materials[0] if isOne and hasattr(materials[0], "lame") else None

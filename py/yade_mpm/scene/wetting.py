@@ -19,13 +19,13 @@ def checkWater(scene, name, material, water, implicit):
         raise ValueError(f"body '{name}': water and implicit=True are given together; leave one out")
     if scene.scheme != "MUSL":
         raise ValueError(f"body '{name}': water needs scheme='MUSL', and this is {scene.scheme}")
+    water._enter(scene)
     there = waterOf(scene)
     if there is not None and there is not water and (different := there._sameAs(water)):
         raise ValueError(
             f"body '{name}': water has another {different[0]} than that of the scene; only permeability and "
             "porosity may differ"
         )
-    water._enter(scene)
 
 
 def giveWater(scene, body, water):

@@ -48,6 +48,8 @@ def test_threads_and_a_checkpoint_change_no_bit(tmp_path, dim):
     assert scene["clay"].porePressure.max() > 1.0 and same(scene, other)
     scene.save(tmp_path / "c.h5")
     loaded = mpm.load(tmp_path / "c.h5")
+    water = next(engine for engine in loaded.engines if isinstance(engine, mpm.PoreWater))
+    assert water.permeability == 1e-3 and water.porosity == 0.4
     for one in (scene, loaded):
         one.run(steps=30, progress=False)
     assert same(scene, loaded)
@@ -92,6 +94,16 @@ def test_a_pit_that_is_pumped_dry_has_water_flow_in_from_below():
     assert 0 < soil.porePressure[below].mean() < 0.5 * wet
 
 
+def test_settle_warns_of_water_that_bears_the_soil():
+    scene = mpm.Scene((0, 0), (0.5, 2), 0.25, gravity=9.81)
+    scene.fix("bottom")
+    scene.roller("left", "right")
+    water = mpm.PoreWater(table=1.5, permeability=0)
+    scene.add("clay", box((0, 0), (0.5, 1.5)), mpm.MohrCoulomb(**CLAY), mpm.UGIMP(), water=water)
+    with pytest.warns(UserWarning, match="excess of up to"):
+        scene.settle()
+
+
 def made(**options):
     def make():
         scene = mpm.Scene((0, 0), (1, 1), 0.25, scheme=options.pop("scheme", "MUSL"))
@@ -99,7 +111,8 @@ def made(**options):
         body = box((0, 0), (1, 0.5))
         water = options.pop("water", None) or mpm.PoreWater(**options.pop("of", {}))
         law = options.pop("law", None) or mpm.MohrCoulomb(**CLAY)
-        return scene.add("soil", body, law, mpm.UGIMP(), water=water, **options)
+        particles = options.pop("particles", None) or mpm.UGIMP()
+        return scene.add("soil", body, law, particles, water=water, **options)
 
     return make
 
@@ -124,6 +137,14 @@ def inContact():
 
 
 @cases(
+    (
+        "heads are given, and there is no gravity",
+        lambda: made(of={"heads": {"left": 1.0}})().scene.run(steps=1),
+    ),
+    ("larger than the cells", lambda: made(particles=mpm.APDI(size=0.5))().scene.run(steps=1)),
+    ("'sand' has pore water ... buoyant", lambda: mpm.safety(lambda: pressed(), progress=False)),
+    ("heads = 3", lambda: mpm.PoreWater(heads=3.0), TypeError),
+    ("heads has '6' for 'left'", lambda: mpm.PoreWater(heads={"left": "6"}), TypeError),
     ("permeability = -1", lambda: mpm.PoreWater(permeability=-1)),
     ("porosity = 1.2", lambda: mpm.PoreWater(porosity=1.2)),
     ("table: times do not grow", lambda: mpm.PoreWater(table=[(1, 2), (0, 3)])),

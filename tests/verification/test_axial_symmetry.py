@@ -353,6 +353,17 @@ def test_what_is_not_made_for_rings_is_refused():
     scene.fix("left")
     with pytest.raises(ValueError, match="it is the axis"):
         scene.run(steps=1, progress=False)
+    scene, body = block("UGIMP")
+    scene.drive("left", velocity=(0.0, 0.0), name="axis")
+    with pytest.raises(ValueError, match="the left side is moved, and it is the axis"):
+        scene.run(steps=1, progress=False)
+    scene, body = block("UGIMP")
+    scene.gravity = (1.0, -10.0)
+    with pytest.raises(ValueError, match="points away from the axis"):
+        scene.run(steps=1, progress=False)
+    with pytest.raises(TypeError, match="give True or False"):
+        mpm.Scene((0, 0), (1, 1), cell=0.1, axisymmetric="no")
+    assert mpm.Scene((1e-13, 0), (1, 1), cell=0.1, axisymmetric=True)._hasAxis
     scene = mpm.Scene((0, 0), (1, 1), cell=0.1, axisymmetric=True)
     with pytest.raises(ValueError, match="do not know the radius"):
         scene.add("block", mpm.box((0, 0), (0.5, 0.5)), elastic(), mpm.BSpline(perCell=2))

@@ -92,6 +92,14 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
             tops.resize(all);
             for (auto& top : tops) top.clear();
             heights_.assign(all, -HUGE_VAL);
+            double largest = 0; // m3, of the particles, with a thickness of 1 m in plane scenes
+            for (double number : load.bodies) {
+                const auto& particles = scene.bodies[size_t(number)]->particles;
+                for (int p = 0; p < particles.size(); ++p)
+                    largest = std::max(largest, particles.initialVolume.plane()[p] /
+                                                    scene.grid.thicknessAt(particles.position.plane()[p]));
+            }
+            reach_ = std::max(2, int(std::ceil(std::pow(largest, 1.0 / Dim) / width.minCoeff())));
             const auto forParticles = [&](auto&& f) {
                 for (double number : load.bodies) {
                     Body<Dim>& body = *scene.bodies[size_t(number)];
@@ -108,9 +116,9 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
             });
         }
         // f(strip, share) of a strip that has a particle. The load of an empty one is that of the nearest ones within a
-        // cell, in equal parts.
+        // cell, or the size of a particle, in equal parts.
         template <class F> void forNearest(int strip, F&& f) const {
-            constexpr int reach = 2;
+            const int reach = reach_;
             const int rows = Dim == 3 ? size[1] : 1, i = strip % size[0], j = strip / size[0];
             int nearest = reach * reach + 1, found = 0;
             const auto forFilled = [&](auto&& g) {
@@ -155,6 +163,7 @@ class SurfaceLoad : public EngineOf<SurfaceLoad> {
         Vec<Dim> origin_;
         const Grid<Dim>* grid_ = nullptr;
         std::vector<double> heights_;
+        int reach_ = 2; // strips
 
         // f(strip) of the strip that a point is in, of both where it is on their edge.
         template <class F> void forStripsAt(const Vec<Dim>& x, F&& f) const {

@@ -165,7 +165,7 @@ def _check(body):
     if body.scene.isAxisymmetric:
         raise ValueError(
             f"sectionForces: '{body.name}' is in an axisymmetric scene, where stress round the axis acts, "
-            "too; use axialForce, or the stress of the body"
+            "too; use diagnostics.sectionForce, or the stress of the body"
         )
     if body.fbar:
         raise ValueError(

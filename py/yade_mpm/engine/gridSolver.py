@@ -71,6 +71,11 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
             if not any(h is self._faceHolds[face] for h in faces):
                 faces.append(self._faceHolds[face])
         everything = faces + self._holds + self._drives
+        if scene._hasAxis and any(c.where == AXIS for c in self._holds if isinstance(c.where, str)):
+            raise ValueError(
+                "GridSolver: the left side is moved, and it is the axis of the scene, where bodies slide; "
+                "leave it out: it has rollers"
+            )
         names = [c.name for c in everything]
         for c in everything:
             if names.count(c.name) > 1:

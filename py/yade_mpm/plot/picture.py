@@ -130,7 +130,7 @@ def drawArrows(axes, parts, field):
     _quiver(axes, at[some], vectors[some], field, unit, "k")
 
 
-def drawForces(axes, engines):
+def drawForces(axes, engines, unit="kN/m"):
     """Arrows of the forces in contact, of the engines that have any."""
     tables = [e.contactTable() for e in engines if hasattr(e, "contactTable")]
     if not tables:
@@ -138,7 +138,7 @@ def drawForces(axes, engines):
     for table in tables:
         node, force = table["node" if "node" in table else "point"], table["force"]
         if len(node):
-            _quiver(axes, node, force, "contact force", "kN/m", "C3")
+            _quiver(axes, node, force, "contact force", unit, "C3")
 
 
 def _quiver(axes, at, vectors, name, unit, colour):

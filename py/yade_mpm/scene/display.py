@@ -47,7 +47,7 @@ def plot(
     options = dict(axes=axes, colours=colours, window=window, arrows=arrows)
     axes = picture.draw(picture.partsOf(chosen), field, component, limits, **options)
     if forces:
-        picture.drawForces(axes, scene.engines)
+        picture.drawForces(axes, scene.engines, f"kN{scene._perMetre}")
     return axes
 
 

@@ -169,6 +169,7 @@ class Scene(HasEngines, HasClock, Guarded):
         dim = len(lower)
         if len(upper) != dim:
             raise ValueError(f"Scene: lower has {dim} components, upper {len(upper)}; give 2 or 3 for both")
+        axial.check(axisymmetric, lower, upper)
         cell = None if cell is None and grading is not None else cellSize(cell, dim)
         lines = linesOf(grading, lower, upper, cell)
         core = makeCore(lower, upper, cell, lines)

@@ -86,6 +86,18 @@ def test_a_function_of_time_becomes_a_table_that_checkpoints_keep(tmp_path):
     assert next(e for e in other.engines if isinstance(e, mpm.PointForce)).table == force.table
 
 
+@pytest.mark.parametrize("size", [0.5, 1, 2, 4])
+@pytest.mark.parametrize("axisymmetric", [False, True])
+def test_a_load_on_coarse_domains_is_whole(size, axisymmetric):
+    """On domains of half a cell to four cells."""
+    scene = mpm.Scene((0, 0), (4, 2), CELL, axisymmetric=axisymmetric)
+    elastic = mpm.LinearElastic(density=2, young=1e4, poisson=0.2)
+    body = scene.add("ground", box((0, 0), (4, 1)), elastic, mpm.APDI(size=size * CELL))
+    load = scene.attach(mpm.SurfaceLoad(body, (0, 4), pressure=1.0))
+    scene.run(steps=1, progress=False)
+    assert -load.force[1] == pytest.approx(16 * np.pi if axisymmetric else 4)
+
+
 def limited(**options):
     """A force of 20 kN that grows within a second, against a spring."""
     scene, body = block(damping=0.5)

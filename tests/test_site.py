@@ -75,7 +75,7 @@ def test_pages_load_nothing_from_elsewhere(site):
         if 'class="math' in text:
             isWithFormulas.append(page.stem)
             assert "tex-svg.js" in {Path(name).name for name in files}, page
-    assert {"method", "graded-grids"} <= set(isWithFormulas)
+    assert {"method", "water"} <= set(isWithFormulas)
 
 
 PICTURES = {  # that the cells of a page draw
@@ -165,7 +165,7 @@ attach detach groundStress load report stage stages
 add bodies cellSizeAt changes close constraints contact criticalTimeStep damping describe drive dt
 dtSpeed engines faceNodes fix gravity history initialStress lines nodePositions nodesInside
 particleCount pause plot prepare quasiStatic record remove roller run running save settle step steps
-threads time timing unbalancedForce wait
+threads time timing unbalancedForce viscous wait
 """
 
 

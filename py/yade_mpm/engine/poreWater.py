@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..base.kinds import BODY, NUMBER, NUMBERS, takes
 from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from .engine import generated
@@ -88,15 +89,18 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
         ignored = ("permeability", "porosity", "iterations", "outflow", "debt", "label")
         return [name for name in mine if name not in ignored and mine[name] != its.get(name)]
 
+    @takes(body=BODY)
     def hydrostatic(self, body):
         """Pressure at rest below the table at the particles of a body, kPa (N,)."""
         depth = self.level(body.position, body.scene.time) - body.position[:, -1]
         return self._unitWeight(body.scene) * np.maximum(depth, 0)
 
+    @takes(body=BODY)
     def excess(self, body):
         """Pore pressure over the hydrostatic one at the particles of a body, kPa (N,); 0 where dry."""
         return np.where(body.saturation > 0, body.porePressure - self.hydrostatic(body), 0.0)
 
+    @takes(body=BODY)
     def head(self, body):
         """Height of the level in a standpipe at the particles of a body, m (N,); nan where dry, or without
         gravity."""
@@ -106,6 +110,7 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
     def _unitWeight(self, scene):
         return self.density * abs((scene._gridSolver("water").gravity or (0.0,))[-1])
 
+    @takes(positions=NUMBERS, time=NUMBER)
     def level(self, positions, time=0.0):
         """Level of the table over places (N, dim), m: -inf where there is none."""
         rows = np.reshape(self.table, (-1, 2))

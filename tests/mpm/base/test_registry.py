@@ -32,11 +32,13 @@ ENGINES = [
     "ImplicitBodies",
     "ParticleToGrid",
     "PointForce",
+    "PoreWater",
     "RigidContact",
     "Spring",
     "SurfaceLoad",
     "UniformAlong",
     "VelocityRemap",
+    "ViscousBoundary",
 ]
 
 

@@ -6,10 +6,11 @@ import yade_mpm as mpm
 from setups import soft
 from yade_mpm import box
 
+SOLUTION = "BoundaryLoad GridSolver PoreWater Contact GridToParticle"
 ORDER = {
-    "MUSL": "ParticleToGrid BoundaryLoad GridSolver Contact GridToParticle VelocityRemap DomainUpdater",
-    "USF": "ParticleToGrid VelocityRemap DomainUpdater BoundaryLoad GridSolver Contact GridToParticle",
-    "USL": "ParticleToGrid BoundaryLoad GridSolver Contact GridToParticle DomainUpdater",
+    "MUSL": f"ParticleToGrid {SOLUTION} VelocityRemap DomainUpdater",
+    "USF": f"ParticleToGrid VelocityRemap DomainUpdater {SOLUTION}",
+    "USL": f"ParticleToGrid {SOLUTION} DomainUpdater",
 }
 
 
@@ -17,9 +18,11 @@ ORDER = {
 def test_a_scheme_tells_the_order_of_the_stages(scheme):
     places = mpm.Scene((0, 0), (1, 1), 0.5, scheme=scheme)._core.stageOrder
     assert [place["engines"][0] for place in places] == ORDER[scheme].split()
-    assert [p["engines"][0] for p in places if not p["isNeeded"]] == ["BoundaryLoad", "Contact"]
+    assert [p["engines"][0] for p in places if not p["isNeeded"]] == ["BoundaryLoad", "PoreWater", "Contact"]
     many = [p["engines"] for p in places if p["takesMany"]]
-    assert many == [["BoundaryLoad", "SurfaceLoad", "Spring", "PointForce", "RigidContact"]]
+    assert many == [
+        ["BoundaryLoad", "SurfaceLoad", "Spring", "PointForce", "ViscousBoundary", "RigidContact"]
+    ]
 
 
 @pytest.mark.parametrize("scheme, share", [("MUSL", 0.8), ("USF", 0.8), ("USL", 0.55)])

@@ -4,6 +4,7 @@
 
 #include "mpm/scene/CellPoints.hpp"
 #include "mpm/scene/Scene.hpp"
+#include "mpm/step/WaterTable.hpp"
 
 #include <algorithm>
 
@@ -65,12 +66,11 @@ template <int Dim> class PoreFill {
         return cells_[number].strange > fullFrom * grid.edges(number).prod();
     }
 
-    // reference(x): of the pressure, kPa. weight: of water, kN/m3.
-    template <class Reference> void find(const Scene<Dim>& scene, double weight, Reference&& reference) {
+    void find(const Scene<Dim>& scene, const WaterTable& water) {
         cells_.resize(scene.grid.count);
         for (int number : touched_) cells_[number] = {};
         touched_.clear();
-        for (auto& one : wet) addPoints(scene.grid, one, weight, reference);
+        for (auto& one : wet) addPoints(scene.grid, one, water);
         addStrange(scene);
         std::sort(touched_.begin(), touched_.end());
         for (int number : touched_) takeMeans(scene.grid, number);
@@ -86,8 +86,7 @@ template <int Dim> class PoreFill {
         return cell;
     }
 
-    template <class Reference>
-    void addPoints(const Grid<Dim>& grid, WetBody<Dim>& one, double weight, Reference&& reference) {
+    void addPoints(const Grid<Dim>& grid, WetBody<Dim>& one, const WaterTable& water) {
         auto& particles = one.body->particles;
         one.points.start(particles, one.body->domains->mesh());
         one.cell.resize(one.points.size());
@@ -98,7 +97,7 @@ template <int Dim> class PoreFill {
             const int count = one.points.per(p);
             const double volume = particles.volume.plane()[p] / count;
             const Vec<Dim> at = vectorAt<Dim>(particles.position, p);
-            const double there = reference(at);
+            const double there = water.pressure<Dim>(at);
             for (int point = one.points.at(p); point < one.points.at(p) + count; ++point) {
                 Cell& cell = touch(one.cell[point]);
                 if (!(one.saturation[p] > 0)) {
@@ -107,7 +106,7 @@ template <int Dim> class PoreFill {
                 }
                 cell.saturated += volume;
                 cell.excess += volume * (one.pressure[p] - there);
-                cell.head += volume * (there + weight * at[Dim - 1]);
+                cell.head += volume * (there + water.weight * at[Dim - 1]);
                 cell.permeability += volume * one.permeability[p];
                 cell.porosity += volume * one.porosity[p];
                 for (int k = 0; k < Dim; ++k) cell.centre[k] += volume * one.points.position(p, point, k);

@@ -75,7 +75,7 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
     require(scene.scheme->name == "MUSL", "PoreWater: needs the scheme MUSL, not ", scene.scheme->name);
     const Vec<Dim> g = gravityOf(scene);
     require(
-        heads.empty() || unitWeight(scene) > 0,
+        heads.empty() || tableAt(scene, 0).weight > 0,
         "PoreWater: heads are given, and there is no gravity: water of any level has no pressure; give gravity");
     require(g.template head<Dim - 1>().isZero() && !(g[Dim - 1] > 0),
             "PoreWater: gravity does not point down; give "
@@ -92,7 +92,7 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
         state.field = body->velocityField;
         checkSizes(scene, *body);
         WetBody<Dim> wet(*body);
-        lift(scene, wet, scene.time);
+        lift(scene, wet, tableAt(scene, scene.time));
     }
     for (auto& body : scene.bodies)
         require(!first || !body->isImplicit, "PoreWater: '", body->name,
@@ -102,26 +102,8 @@ template <int Dim> void PoreWater::check(Scene<Dim>& scene) {
             "not possible; give all bodies one group, and drive a structure by its particles");
 }
 
-// Of the water table over a place.
-template <int Dim> double PoreWater::levelAt(const Vec<Dim>& x, double time) const {
-    if (table.empty()) return -std::numeric_limits<double>::infinity();
-    const double level = table.size() == 2 ? table[1] : rowAt(table, 2, x[0])[0];
-    return rise.empty() ? level : level + rowAt(rise, 2, time)[0];
-}
-
-template <int Dim> double PoreWater::unitWeight(const Scene<Dim>& scene) const {
-    return -density * gravityOf(scene)[Dim - 1];
-}
-
-// Hydrostatic pressure below the table, kPa.
-template <int Dim>
-double PoreWater::reference(const Scene<Dim>& scene, const Vec<Dim>& x, double time) const {
-    return unitWeight(scene) > 0 ? unitWeight(scene) * std::max(0.0, levelAt<Dim>(x, time) - x[Dim - 1]) : 0;
-}
-
-// Of the water outside of the soil at a place, or of a surface that drips, kPa.
-template <int Dim> double PoreWater::headAt(const Scene<Dim>& scene, const Vec<Dim>& x) const {
-    return reference(scene, x, scene.time) + unitWeight(scene) * x[Dim - 1];
+template <int Dim> WaterTable PoreWater::tableAt(const Scene<Dim>& scene, double time) const {
+    return {table, rise.empty() ? 0 : rowAt(rise, 2, time)[0], -density * gravityOf(scene)[Dim - 1]};
 }
 
 template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
@@ -131,8 +113,7 @@ template <int Dim> void PoreWater::act(Scene<Dim>& scene) {
     for (auto& body : scene.bodies)
         if (PoreState::in(body->particles) >= 0 && body->particles.size() > 0) wet.emplace_back(*body);
     if (wet.empty()) return;
-    state.fill.find(scene, unitWeight(scene),
-                    [&](const Vec<Dim>& x) { return reference(scene, x, scene.time); });
+    state.fill.find(scene, tableAt(scene, scene.time));
     addCells(scene, state);
     addFlow(scene, state);
     state.system.addNodes(scene.grid);
@@ -182,6 +163,7 @@ template <int Dim> bool PoreWater::isHeld(const Scene<Dim>& scene, int field, in
 // Between cells, to the surface and to the faces of the grid (two-point flux).
 template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& state) {
     const Grid<Dim>& grid = scene.grid;
+    const WaterTable water = tableAt(scene, scene.time);
     auto& system = state.system;
     const double overWeight = 1 / (density * standardGravity);
     for (int c = 0; c < int(system.cells.size()); ++c) {
@@ -210,7 +192,8 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                     const double conductance = own.permeability * overWeight * area / way;
                     const bool isTable = own.dry > 0 || there.dry > 0; // and no surface of the soil
                     system.cells[c].flow += conductance;
-                    system.cells[c].source += isTable ? 0 : conductance * (headAt(scene, surface) - own.head);
+                    system.cells[c].source +=
+                        isTable ? 0 : conductance * (water.head<Dim>(surface) - own.head);
                     continue;
                 }
                 if (!side) continue; // once
@@ -247,7 +230,7 @@ void PoreWater::addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int a
     const double way = std::max(std::abs(x[axis] - fill.centre[axis]), leastCover * edges[axis]);
     const double conductance =
         fill.permeability / (density * standardGravity) * edges.prod() / edges[axis] / way;
-    const double gamma = unitWeight(scene),
+    const double gamma = tableAt(scene, scene.time).weight,
                  head = gamma > 0 ? std::max(gamma * level, gamma * x[Dim - 1]) : 0;
     cell.flow += conductance;
     cell.source += conductance * (head - fill.head);
@@ -371,7 +354,7 @@ Vec<Dim> PoreWater::slopeOf(const Scene<Dim>& scene, const State<Dim>& state, in
 template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>& state) {
     std::vector<Vec<Dim>> slope(state.system.cells.size());
     for (size_t c = 0; c < slope.size(); ++c) slope[c] = slopeOf(scene, state, int(c));
-    const double end = scene.time + scene.dt;
+    const WaterTable end = tableAt(scene, scene.time + scene.dt);
     for (auto& wet : state.fill.wet) {
         for (int p = 0; p < wet.body->particles.size(); ++p) {
             if (!(wet.saturation[p] > 0)) continue;
@@ -381,26 +364,26 @@ template <int Dim> void PoreWater::giveToParticles(Scene<Dim>& scene, State<Dim>
                 const int c = state.system.cellAt(wet.cell[point]);
                 excess += state.excess[c] + slope[c].dot(x - state.fill[wet.cell[point]].centre);
             }
-            wet.pressure[p] = excess / wet.points.per(p) + reference(scene, x, end);
+            wet.pressure[p] = excess / wet.points.per(p) + end.pressure<Dim>(x);
         }
         lift(scene, wet, end);
     }
 }
 
 // Buoyancy below the table, and what its slope drives: the body force of the hydrostatic pressure, m/s2.
-template <int Dim> void PoreWater::lift(Scene<Dim>& scene, WetBody<Dim>& wet, double time) {
+template <int Dim> void PoreWater::lift(const Scene<Dim>& scene, WetBody<Dim>& wet, const WaterTable& water) {
     auto& particles = wet.body->particles;
     particles.needBodyForce();
-    const double gamma = unitWeight(scene), h = scene.grid.smallestCell()[0];
+    const double h = scene.grid.smallestCell()[0];
     for (int p = 0; p < particles.size(); ++p) {
         const Vec<Dim> x = vectorAt<Dim>(particles.position, p);
         Vec<Dim> force = Vec<Dim>::Zero();
-        if (wet.saturation[p] > 0 && reference(scene, x, time) > 0) {
-            force[Dim - 1] = gamma;
+        if (wet.saturation[p] > 0 && water.pressure<Dim>(x) > 0) {
+            force[Dim - 1] = water.weight;
             Vec<Dim> before = x, after = x;
             before[0] -= 0.5 * h;
             after[0] += 0.5 * h;
-            force[0] -= gamma * (levelAt<Dim>(after, time) - levelAt<Dim>(before, time)) / h;
+            force[0] -= water.weight * (water.level<Dim>(after) - water.level<Dim>(before)) / h;
         }
         force *= particles.initialVolume.plane()[p] / particles.mass.plane()[p];
         for (int k = 0; k < Dim; ++k) particles.bodyForce.plane(k)[p] = force[k];

@@ -41,10 +41,7 @@ class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
 
     template <int Dim> void check(Scene<Dim>& scene);
     template <int Dim> static void checkSizes(const Scene<Dim>& scene, const Body<Dim>& body);
-    template <int Dim> double levelAt(const Vec<Dim>& x, double time) const;
-    template <int Dim> double reference(const Scene<Dim>& scene, const Vec<Dim>& x, double time) const;
-    template <int Dim> double headAt(const Scene<Dim>& scene, const Vec<Dim>& x) const;
-    template <int Dim> double unitWeight(const Scene<Dim>& scene) const;
+    template <int Dim> WaterTable tableAt(const Scene<Dim>& scene, double time) const;
     template <int Dim> void addCells(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> static bool isHeld(const Scene<Dim>& scene, int field, int cell, int axis, int side);
     template <int Dim> void addFlow(const Scene<Dim>& scene, State<Dim>& state);
@@ -55,7 +52,7 @@ class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
     template <int Dim> void coupleAs(Scene<Dim>& scene);
     template <int Dim> void giveToParticles(Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> Vec<Dim> slopeOf(const Scene<Dim>& scene, const State<Dim>& state, int cell) const;
-    template <int Dim> void lift(Scene<Dim>& scene, WetBody<Dim>& wet, double time);
+    template <int Dim> void lift(const Scene<Dim>& scene, WetBody<Dim>& wet, const WaterTable& water);
 };
 
 } // namespace mpm

@@ -12,9 +12,8 @@ from ..base.kinds import BODY, NUMBER, NUMBERS, takes
 from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from .engine import generated
+from .prescribed import FACES
 from .supports import timeRows
-
-FACES = {2: ("left", "right", "bottom", "top"), 3: ("left", "right", "front", "back", "bottom", "top")}
 
 
 class PoreWater(generated["PoreWater"]):
@@ -74,7 +73,7 @@ A soil with another permeability or porosity has another `PoreWater`, equal in t
 
     def _enter(self, scene):
         """What is known of the faces only with a scene."""
-        faces = FACES[scene.dim]
+        faces = list(FACES[scene.dim])  # in the order of their numbers
         if unknown := [face for face in self._named if face not in faces]:
             raise ValueError(
                 f"PoreWater: heads has {shown(unknown[0])}, which is no face; give {', '.join(faces)}"

@@ -17,8 +17,6 @@ from ..material.materials import Material
 from .running import refuseDuringStep
 from .wetting import waterOf
 
-NUMBERS = {2: ("left", "right", "bottom", "top"), 3: ("left", "right", "front", "back", "bottom", "top")}
-
 
 def viscous(
     scene,
@@ -87,10 +85,11 @@ def _made(scene, side, motion, times, behind):
     if not isinstance(rock, Material):
         raise TypeError(f"viscous: behind = {shown(behind)}; give a material, e.g. mpm.LinearElastic(...)")
     first, second = rock.lame
+    axis, isUpper = FACES[scene.dim][side]
     if behind is None and (water := waterOf(scene)) and any(body._core.hasPores for body in near):
         first += water.bulkModulus / water.porosity  # waves of pressure run through the water
     engine = classes["ViscousBoundary"](
-        face=NUMBERS[scene.dim].index(side),
+        face=2 * axis + isUpper,
         density=near[0].material.density,
         normal=float(np.sqrt((first + 2 * second) * rock.density)),
         shear=float(np.sqrt(second * rock.density)),
@@ -112,7 +111,7 @@ def _rows(motion, times, dim):
 
 def _bodiesAt(scene, side):
     """Bodies that reach within half a cell of a side."""
-    axis, isUpper = divmod(NUMBERS[scene.dim].index(side), 2)
+    axis, isUpper = FACES[scene.dim][side]
     face = (scene.upper if isUpper else scene.lower)[axis]
     reach = 0.5 * scene.cell[axis]
     return [b for b in scene.bodies if b.count and (np.abs(b.corners()[..., axis] - face) < reach).any()]

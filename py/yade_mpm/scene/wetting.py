@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Soil with water in its pores."""
 
-import numpy as np
-
 from ..base.wording import shown
 from ..engine.poreWater import PoreWater
 
@@ -36,8 +34,7 @@ def giveWater(scene, body, water):
     depth = water.level(body.position, scene.time) - body.position[:, -1]
     body.saturation = (depth > 0) | (not water.table)
     body.permeability, body.porosity = water.permeability, water.porosity
-    gravity = scene._gridSolver("add").gravity or (0,)
-    body.porePressure = water.density * abs(gravity[-1]) * np.maximum(depth, 0)
+    body.porePressure = water.hydrostatic(body)
 
 
 def addPores(body):

@@ -144,7 +144,7 @@ template <int Dim> std::vector<double> moved(Sample<Dim>& sample) {
     append(all, sample.particles, sample.particles.velocity);
     for (const auto& node : momentum)
         for (int k = 0; k < Dim; ++k) all.push_back(node[k]);
-    all.push_back(sample.domains->dampedEnergy());
+    all.push_back(sample.domains->movedEnergy().damped);
     return all;
 }
 

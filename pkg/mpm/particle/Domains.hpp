@@ -27,6 +27,16 @@ namespace mpm {
 struct Move {
     double dt, flip, damping, inertiaScale;
 };
+// kJ, what particles lost to local damping and got from body forces as they moved.
+struct MovedEnergy {
+    double damped = 0, byBodyForce = 0;
+
+    MovedEnergy& operator+=(const MovedEnergy& other) {
+        damped += other.damped;
+        byBodyForce += other.byBodyForce;
+        return *this;
+    }
+};
 
 template <int Dim> class MPM_PUBLIC Domains {
   public:
@@ -98,8 +108,11 @@ template <int Dim> class MPM_PUBLIC Domains {
     virtual Mesh<Dim>* mesh() { return nullptr; }
     virtual Distortion<Dim>* distortion() { return nullptr; }
 
-    // Energy that local damping took in the last move(), kJ.
-    double dampedEnergy() const { return std::accumulate(damped_.begin(), damped_.end(), 0.0); }
+    // Of the last move(), over its pieces in their order.
+    MovedEnergy movedEnergy() const {
+        return std::accumulate(moved_.begin(), moved_.end(), MovedEnergy{},
+                               [](MovedEnergy sum, const MovedEnergy& piece) { return sum += piece; });
+    }
 
     // Stands in for the diagonal of the stress in addSum() where some of it acts otherwise; nullptr: does not.
     std::array<const double*, 3> diagonal{};
@@ -115,7 +128,7 @@ template <int Dim> class MPM_PUBLIC Domains {
     std::function<void(int begin, int end, double* strength)> shearStrength;
 
   protected:
-    std::vector<double> damped_; // energy taken by damping, per piece of work
+    std::vector<MovedEnergy> moved_; // per piece of work
 };
 
 class MPM_PUBLIC ParticleType : public Configurable {

@@ -19,9 +19,10 @@ template <int Dim> struct ParticlePlanes {
 
     double* hoopRate;
     double *mass, *volume, *position[Dim], *velocity[Dim], *bodyForce[Dim], *velocityGradient[Dim * Dim];
+    bool hasBodyForce;
     explicit ParticlePlanes(Particles<Dim>& p)
         : hoopRate(p.isAxisymmetric ? p.hoopRate.plane() : nullptr), mass(p.mass.plane()),
-          volume(p.volume.plane()) {
+          volume(p.volume.plane()), hasBodyForce(p.hasBodyForce) {
         for (int i = 0; i < Dim; ++i) {
             position[i] = p.position.plane(i);
             velocity[i] = p.velocity.plane(i);
@@ -79,24 +80,30 @@ template <int Dim> struct ParticlePlanes {
     }
     // v_p <- flip (v_p + dt a) + (1 - flip) v ;  x_p <- x_p + dt v  (v, a interpolated from the nodes:
     // motion(k, i)), with a <- a [1 - damping sgn(a (v_p + dt a / 2))] for each component, and v less what
-    // that takes from a. Returns the energy that damping took.
-    template <class Motion> double move(int first, int count, const Move& m, Motion&& motion) const {
-        return m.damping > 0 ? move<true>(first, count, m, motion) : move<false>(first, count, m, motion);
+    // that takes from a. Returns the energy that damping took, and what body forces gave.
+    template <class Motion> MovedEnergy move(int first, int count, const Move& m, Motion&& motion) const {
+        if (hasBodyForce)
+            return m.damping > 0 ? move<true, true>(first, count, m, motion)
+                                 : move<false, true>(first, count, m, motion);
+        return m.damping > 0 ? move<true, false>(first, count, m, motion)
+                             : move<false, false>(first, count, m, motion);
     }
 
-    template <bool damped, class Motion>
-    double move(int first, int count, const Move& how, Motion&& motion) const {
+    template <bool damped, bool pushed, class Motion>
+    MovedEnergy move(int first, int count, const Move& how, Motion&& motion) const {
         const ParticlePlanes q =
             *this; // pointers of its own: the compiler need not fear that the loop overwrites them
         const double dt = how.dt, flip = how.flip, damping = how.damping;
-        double taken = 0;
-#pragma omp simd reduction(+ : taken)
+        double taken = 0, given = 0;
+#pragma omp simd reduction(+ : taken, given)
         for (int i = 0; i < count; ++i) {
             double power = 0;
             MPM_UNROLL
             for (int k = 0; k < Dim; ++k) {
                 double &velocity = q.velocity[k][first + i], v = motion(k, i), a = motion(Dim + k, i);
                 const double before = velocity;
+                if constexpr (pushed) // with the mean of the velocities at the nodes
+                    given += q.mass[first + i] * q.bodyForce[k][first + i] * (v - 0.5 * dt * a);
                 if constexpr (damped) {
                     const double resisting = damping * std::copysign(std::abs(a), before + 0.5 * dt * a);
                     v -= dt * resisting;
@@ -108,7 +115,7 @@ template <int Dim> struct ParticlePlanes {
             }
             if constexpr (damped) taken += q.mass[first + i] * power;
         }
-        return how.inertiaScale * dt * taken;
+        return {how.inertiaScale * dt * taken, dt * given};
     }
 };
 

@@ -32,7 +32,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
 
   public:
     using Base = Transfers<Dim>;
-    using Base::particles, Base::grid, Base::order, Base::damped_, Base::Base;
+    using Base::particles, Base::grid, Base::order, Base::moved_, Base::Base;
     using typename Base::NF, typename Base::Planes;
 
     // --- making -------------------------------------------------------------------------------------
@@ -75,7 +75,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     bool resort() override {
         isSorted_ = !isSorted_ && (order.broken(grid) || isScattered());
         if (isSorted_) group();
-        damped_.assign(order.blocks(), 0.0);
+        moved_.assign(order.blocks(), {});
         return isSorted_;
     }
 
@@ -96,7 +96,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     void move(ParallelRegion& region, const typename NF::Motion* nodes, typename NF::Velocity* momentum,
               const Move& how) override {
         forParticles(region, [&](int p, int block) {
-            if (nodes) damped_[block] += gather(nodes, p, how);
+            if (nodes) moved_[block] += gather(nodes, p, how);
             if (momentum) scatter(momentum, p, how.inertiaScale);
         });
     }
@@ -256,7 +256,7 @@ template <int Dim, class Kernel> class StencilDomains : public Transfers<Dim>, p
     }
 
     // Particle p follows the nodes; returns the energy that damping took.
-    double gather(const typename NF::Motion* nodes, int p, const Move& how) {
+    MovedEnergy gather(const typename NF::Motion* nodes, int p, const Move& how) {
         double motion[2 * Dim] = {};
         stencil(p, [&](int node, double phi, const Vec<Dim>&) {
             for (int k = 0; k < 2 * Dim; ++k) motion[k] += phi * nodes[node][k];

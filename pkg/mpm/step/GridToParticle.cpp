@@ -4,7 +4,6 @@
 // (2D, Mohr-Coulomb, 20000 particles, one thread), and gave the same bits.
 #include "mpm/step/GridToParticle.hpp"
 
-#include "mpm/base/parallel/OrderedSum.hpp"
 #include "mpm/step/Conversion.hpp"
 #include "mpm/step/GridSolver.hpp"
 #include "mpm/step/ImplicitBodies.hpp"
@@ -50,31 +49,6 @@ template <int Dim> void reflectMotion(Scene<Dim>& scene) {
     }
 }
 
-// Work of the body forces of one body in the step, kJ: with the means of the velocities at its nodes.
-template <int Dim> double workOfBodyForce(const Scene<Dim>& scene, const Body<Dim>& body) {
-    using NF = NodalField<Dim>;
-    const auto& particles = body.particles;
-    const auto& motion = scene.grid.fields[body.velocityField].motion;
-    OrderedSum sum;
-    sum.clear(particles.size());
-    parallel(scene.threads, [&](ParallelRegion& region) {
-        region.chunks(particles.size(), [&](int begin, int end) {
-            for (int p = begin; p < end; ++p) {
-                const Vec<Dim> given = particles.mass.plane()[p] * vectorAt<Dim>(particles.bodyForce, p);
-                if (given.isZero(0)) continue;
-                Vec<Dim> mean = Vec<Dim>::Zero();
-                body.domains->weights(p, [&](int node, double phi, const Vec<Dim>&) {
-                    for (int k = 0; k < Dim; ++k)
-                        mean[k] +=
-                            phi * (motion[node][k] - 0.5 * scene.dt * motion[node][NF::acceleration + k]);
-                });
-                sum.of(begin) += given.dot(mean);
-            }
-        });
-    });
-    return scene.dt * sum.total();
-}
-
 } // namespace
 
 template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
@@ -85,8 +59,6 @@ template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
     const bool givesMomentum =
         fields.front().straining == Straining::noMomentum && scene.template next<VelocityRemap>(*this);
     const double damping = dampingOf(scene);
-    for (auto& body : scene.bodies)
-        if (body->particles.hasBodyForce) scene.energies.gravity += workOfBodyForce(scene, *body);
     parallel(scene.threads, [&](ParallelRegion& region) {
         for (auto& body : scene.bodies) {
             auto& field = fields[body->velocityField];
@@ -98,7 +70,11 @@ template <int Dim> void GridToParticle::act(Scene<Dim>& scene) {
     });
     for (auto& field : fields)
         if (givesMomentum) field.straining = Straining::momentum;
-    for (auto& body : scene.bodies) scene.energies.damping += body->domains->dampedEnergy();
+    for (auto& body : scene.bodies) {
+        const MovedEnergy energy = body->domains->movedEnergy();
+        scene.energies.damping += energy.damped;
+        scene.energies.gravity += energy.byBodyForce;
+    }
     if (scene.scheme->stressFirst) convertDistorted(scene);
 }
 

@@ -14,7 +14,7 @@ namespace mpm {
 template <int Dim> class MeshTransfers : public Transfers<Dim> {
   public:
     using Base = Transfers<Dim>;
-    using Base::particles, Base::grid, Base::order, Base::damped_;
+    using Base::particles, Base::grid, Base::order, Base::moved_;
     using typename Base::NF, typename Base::Planes;
     static constexpr int NC = corners<Dim>;
 
@@ -51,7 +51,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
 
     bool resort() override {
         distorted_.clear();
-        damped_.assign(pieces_.count(), 0.0);
+        moved_.assign(pieces_.count(), {});
         isCleared_ = true;
         mesh_.vertices.resort();
         return false;
@@ -135,7 +135,7 @@ template <int Dim> class MeshTransfers : public Transfers<Dim> {
             const BatchWeights<Dim, isRound> d(batch, skew_);
             if (nodes) {
                 const AtCorners<Dim, 2 * Dim> at(batch, carried_.template planes<2 * Dim>(Carried::motion));
-                damped_[piece] += q.move(batch.first, batch.count, how, [&](int k, int p) MPM_INLINE_LAMBDA {
+                moved_[piece] += q.move(batch.first, batch.count, how, [&](int k, int p) MPM_INLINE_LAMBDA {
                     double sum = 0;
                     MPM_UNROLL
                     for (int a = 0; a < NC; ++a) sum += d.w[a][p] * at.x[a][k][p];

@@ -12,7 +12,7 @@ namespace mpm {
 template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> {
   public:
     using Base = StencilDomains<Dim, AveragedHat>;
-    using Base::particles, Base::grid, Base::order, Base::damped_, Base::Base;
+    using Base::particles, Base::grid, Base::order, Base::moved_, Base::Base;
     using typename Base::L, typename Base::NF, typename Base::Planes;
 
     void restored() override {
@@ -61,7 +61,7 @@ template <int Dim> class BoxTransfers : public StencilDomains<Dim, AveragedHat> 
             if (nodes) {
                 double taken[2 * Dim][padded];
                 gather(nodes, first, count, w, taken);
-                damped_[block] +=
+                moved_[block] +=
                     q.move(first, count, how, [&](int k, int i) MPM_INLINE_LAMBDA { return taken[k][i]; });
             }
             if (momentum) {

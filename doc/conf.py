@@ -97,8 +97,8 @@ class Verification(SphinxDirective):
             stated = (row[name] for name in ("what", "reference", "error", "tolerance", "order", "runs"))
             lines.append([*stated, link, f"`{file}`"])
         table = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
-        versions = sorted({row["version"] for row in rows} - {""})
-        return self.parse_text_to_nodes(f"{table}\n\nMeasured with yade-mpm {'; '.join(versions)}.")
+        days = sorted({row["day"] for row in rows} - {""})
+        return self.parse_text_to_nodes(f"{table}\n\nMeasured from {days[0]} to {days[-1]}.")
 
 
 class CheckpointArrays(SphinxDirective):

@@ -62,6 +62,11 @@ def test_errors_of_all_runs_make_a_row(monkeypatch, tmp_path):
     assert (row["error"], row["order"], row["runs"]) == ("3e-15", "2.0", "2")
     records.write({})  # a later run of other tests keeps it
     assert records.committed()[test] == row
+    changed = records.statements()
+    changed[test]["tolerance"] = "0.1 %"
+    monkeypatch.setattr(records, "statements", lambda: changed)
+    records.write({})  # but not what a test with another tolerance measured
+    assert records.committed()[test]["error"] == records.NOT_RUN
     assert records.asText([-0.013, 0.00521], True) == "-1.3 to +0.52 %"
 
 

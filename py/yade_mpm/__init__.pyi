@@ -729,6 +729,7 @@ class Tresca(Material):
     lame: float | Sequence[float]
     young: float | None
     poisson: float | None
+    rigidity: float | None
     undrainedStrength: float | None
     remouldedRatio: float | None
     softeningStrain: float | None
@@ -742,6 +743,7 @@ class Tresca(Material):
         lame: float | Sequence[float] = (),
         young: float | None = None,
         poisson: float | None = None,
+        rigidity: float | None = None,
         undrainedStrength: float | None = None,
         remouldedRatio: float | None = None,
         softeningStrain: float | None = None,

@@ -4,21 +4,26 @@
 #include "mpm/material/Material.hpp"
 #include "mpm/material/criticalState.hpp"
 #include "mpm/material/hypoelastic.hpp"
+#include "mpm/material/logarithm.hpp"
 #include "mpm/material/opening.hpp"
 #include "mpm/material/undrained.hpp"
 
 namespace mpm {
 namespace {
 
-// Elastic pressure: p = p_s exp(e/c) with c = kappa/v, where e is the elastic volumetric strain (compression
-// positive) from the smallest pressure p_s on; below that the stiffness is the one at p_s, and there is no tension.
+// Elastic pressure: dp/de = p/c with c = kappa/v, where e is the elastic volumetric strain (compression positive), down to
+// the smallest pressure p_s; below that the stiffness is the one at p_s, and there is no tension.
 struct Swelling {
     double smallest, c;
 
-    double pressure(double e) const {
+    // Pressure by a strain e from another pressure on.
+    double pressure(double before, double e) const {
+        const double p = before * std::exp(e / c);
+        if (before > smallest && p > smallest) return p;
+        e += strain(before);
         return e > 0 ? smallest * std::exp(e / c) : std::max(0.0, smallest * (1 + e / c));
     }
-    double strain(double p) const {
+    double strain(double p) const { // from p_s on
         return p > smallest ? c * std::log(p / smallest) : c * (p / smallest - 1);
     }
     double energy(double p) const { // int p de
@@ -31,35 +36,20 @@ struct Swelling {
 // From a trial state beyond yield back to the surface, pressures positive in compression. Unknown are the multiplier
 // and the plastic volumetric strain x = multiplier (2 p - pc), with
 //     p of the elastic strain e - x,  pc = pc_0 exp(plastic x),  q = q_trial/(1 + 6 mu multiplier/M^2)
+// solveAll() does the usual ones side by side, solve() the others.
 struct Return {
     Swelling swelling;
-    double e, qTrial, pcBefore, mu, M2; // strain of the trial; kPa; M^2
-    double plastic;                     // v/(lambda - kappa)
-    double x = 0, p = swelling.pressure(e), pc = pcBefore, shrink = 1;
-    double size = std::max(p, swelling.smallest);
+    double pBefore, compressed, qTrial, pcBefore, mu, M2; // kPa; strain; kPa; M^2
+    double plastic;                                       // v/(lambda - kappa)
+    double pTrial = swelling.pressure(pBefore, compressed);
+    double x = 0, p = pTrial, pc = pcBefore, shrink = 1;
+    bool isSolved = qTrial * qTrial / M2 + p * (p - pc) <= 0;
 
-    double yield() const { return qTrial * qTrial / M2 + p * (p - pc); } // of the trial
-    // Yield function at a multiplier, over size^2; its slope over the multiplier.
-    double at(double multiplier, double& slope) {
-        double steep = 1; // of x - multiplier (2 p - pc), which rises with x
-        for (int n = 0; n < 50; ++n) {
-            p = swelling.pressure(e - x);
-            pc = pcBefore * std::exp(plastic * x);
-            const double left = x - multiplier * (2 * p - pc);
-            steep = 1 + multiplier * (2 * swelling.stiffness(p) + plastic * pc);
-            const double step = left / steep;
-            x -= step;
-            if (std::abs(step) <= 1e-15) break;
-        }
-        shrink = 1 / (1 + 6 * mu * multiplier / M2);
-        const double q = qTrial * shrink, perMultiplier = (2 * p - pc) / steep, scale = 1 / (size * size);
-        slope = scale * (-12 * mu * q * q * shrink / (M2 * M2) -
-                         perMultiplier * ((2 * p - pc) * swelling.stiffness(p) + p * plastic * pc));
-        return scale * (q * q / M2 + p * (p - pc));
-    }
-    // Newton's method within a bracket.
+    double size() const { return std::max(pTrial, swelling.smallest); }
+    // Newton's method for the multiplier within a bracket, and for x at each multiplier.
     void solve() {
         double low = 0, high = std::numeric_limits<double>::infinity(), multiplier = 0, slope;
+        x = 0;
         for (int n = 0; n < 100; ++n) {
             const double f = at(multiplier, slope);
             if (std::abs(f) <= 1e-14) return;
@@ -72,6 +62,87 @@ struct Return {
             multiplier = next;
         }
     }
+
+  private:
+    // Yield function at a multiplier, over size^2; its slope over the multiplier.
+    double at(double multiplier, double& slope) {
+        double steep = 1; // of x - multiplier (2 p - pc), which rises with x
+        for (int n = 0; n < 50; ++n) {
+            p = swelling.pressure(pBefore, compressed - x);
+            pc = pcBefore * std::exp(plastic * x);
+            const double left = x - multiplier * (2 * p - pc);
+            steep = 1 + multiplier * (2 * swelling.stiffness(p) + plastic * pc);
+            const double step = left / steep;
+            x -= step;
+            if (std::abs(step) <= 1e-15) break;
+        }
+        shrink = 1 / (1 + 6 * mu * multiplier / M2);
+        const double q = qTrial * shrink, perMultiplier = (2 * p - pc) / steep, scale = 1 / (size() * size());
+        slope = scale * (-12 * mu * q * q * shrink / (M2 * M2) -
+                         perMultiplier * ((2 * p - pc) * swelling.stiffness(p) + p * plastic * pc));
+        return scale * (q * q / M2 + p * (p - pc));
+    }
+};
+
+// Newton's method for x and multiplier at once, with lengths over pTrial and only while p > p_s: then p = pTrial exp(-x/c),
+// and the exponents are small in a usual step.
+class Returns {
+  public:
+    // Filled up to whole vectors, so that a particle is treated alike at each place of a run.
+    explicit Returns(int count) : count_((count + 15) / 16 * 16), planes_(all, std::vector<double>(count_)) {}
+
+    void set(int i, const Return& one) {
+        const double perM = one.qTrial / one.pTrial;
+        const double values[] = {perM * perM / one.M2, one.pcBefore / one.pTrial, 1 / one.swelling.c,
+                                 one.plastic, 6 * one.mu / (one.M2 * one.pTrial)};
+        for (int k = 0; k < given; ++k) planes_[k][i] = values[k];
+    }
+    void solve() {
+        const double *square = planes_[0].data(), *pcs = planes_[1].data(), *elastic = planes_[2].data(),
+                     *plastic = planes_[3].data(), *softer = planes_[4].data();
+        double *xs = planes_[5].data(), *ps = planes_[6].data(), *pcAfter = planes_[7].data(),
+               *shrinks = planes_[8].data(), *errors = planes_[9].data();
+#pragma omp simd
+        for (int i = 0; i < count_; ++i) {
+            double x = 0, multiplier = 0, p = 1, pc = pcs[i], error = 0;
+            for (int n = 0; n < rounds; ++n) {
+                const double shrink = 1 / (1 + softer[i] * multiplier), q2 = square[i] * shrink * shrink;
+                const double f = q2 + p * (p - pc), wet = 2 * p - pc, left = x - multiplier * wet;
+                error = std::max(std::abs(f), std::abs(left));
+                const double K = elastic[i] * p, hardening = plastic[i] * pc;
+                const double steep = 1 + multiplier * (2 * K + hardening);
+                const double byMultiplier = -2 * softer[i] * q2 * shrink,
+                             byStrain = -(K * wet + p * hardening);
+                const double over = 1 / (steep * byMultiplier + wet * byStrain);
+                x -= (byMultiplier * left + wet * f) * over;
+                multiplier -= (steep * f - byStrain * left) * over;
+                p = smallExponential(-elastic[i] * x);
+                pc = pcs[i] * smallExponential(plastic[i] * x);
+            }
+            xs[i] = x;
+            ps[i] = p;
+            pcAfter[i] = pc;
+            shrinks[i] = 1 / (1 + softer[i] * multiplier);
+            errors[i] = error;
+        }
+    }
+    // Whether the solution was found; `one` takes it.
+    bool give(int i, Return& one) const {
+        const double x = planes_[5][i], p = one.pTrial * planes_[6][i];
+        const bool isSmall = std::abs(x) * std::max(planes_[2][i], planes_[3][i]) <= exponentialLimit;
+        if (!(planes_[9][i] <= 1e-9 && isSmall && p > one.swelling.smallest)) return false;
+        one.x = x;
+        one.p = p;
+        one.pc = one.pTrial * planes_[7][i];
+        one.shrink = planes_[8][i];
+        return true;
+    }
+
+  private:
+    // With an error of 1e-9 before the last round, it leaves round-off.
+    static constexpr int given = 5, all = 10, rounds = 5;
+    int count_;
+    std::vector<std::vector<double>> planes_;
 };
 
 class ModifiedCamClay : public MaterialOf<ModifiedCamClay> {
@@ -171,10 +242,28 @@ Behaviour and Critical State Soil Mechanics.)";
     }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
-        std::array<double*, effective> state;
-        for (int i = 0; i < points.count; ++i)
-            undrained_.withEffective(points, i, effective,
-                                     [&] { advance(one(points, i, state), specificVolume(points, i)); });
+        const int count = points.count;
+        std::vector<double> excess(count), mu(count), lambda(count), mean(count);
+        for (int i = 0; i < count; ++i) {
+            excess[i] = undrained_.takeOut(points, i, effective);
+            mean[i] = invariants(points, i).mean;
+            mu[i] = lameAt(-mean[i], specificVolume(points, i))[1];
+            lambda[i] = mu[i] / 3; // of bulk modulus mu: the mean of the stress tells the change of volume
+        }
+        trialStress(lambda.data(), mu.data(), points);
+        std::vector<Return> returns;
+        Returns usual(count);
+        for (int i = 0; i < count; ++i) {
+            returns.push_back(returnOf(points, i, mean[i], mu[i]));
+            usual.set(i, returns.back());
+        }
+        usual.solve();
+        for (int i = 0; i < count; ++i) {
+            Return& back = returns[i];
+            if (!back.isSolved && !usual.give(i, back)) back.solve();
+            take(points, i, back);
+            undrained_.putBack(points, i, effective, excess[i]);
+        }
     }
     template <int Dim> void findStiffness(const MaterialPoints<Dim>& points, double* l, double* mu) const {
         for (int i = 0; i < points.count; ++i) {
@@ -201,63 +290,45 @@ Behaviour and Critical State Soil Mechanics.)";
     static constexpr int effective = 4; // place of the effective pressure among the state variables
 
     std::array<double, 2> lameAt(double p, double v) const {
-        const double K = v * std::max(p, smallest_) / kappa_,
-                     mu = 1.5 * K * (1 - 2 * poisson_) / (1 + poisson_);
-        return {K - 2.0 / 3 * mu, mu};
+        return lameOf(v * std::max(p, smallest_) / kappa_, poisson_);
     }
     template <int Dim> double specificVolume(const MaterialPoints<Dim>& points, int i) const {
         return (1 + voidRatio_) * points.volume[i] / points.initialVolume[i] * std::exp(-points.state[2][i]);
     }
-    // Particle i alone.
+    // From the trial stress; closes what had opened.
     template <int Dim>
-    static MaterialPoints<Dim> one(const MaterialPoints<Dim>& points, int i,
-                                   std::array<double*, effective>& state) {
-        MaterialPoints<Dim> its = points;
-        its.count = 1;
-        for (auto& plane : its.velocityGradient) plane += i;
-        for (auto& plane : its.stress) plane += i;
-        for (size_t k = 0; k < state.size(); ++k) state[k] = points.state[k] + i;
-        its.state = state.data();
-        return its;
+    Return returnOf(const MaterialPoints<Dim>& points, int i, double meanBefore, double mu) const {
+        const auto [mean, J2] = invariants(points, i);
+        const double v = specificVolume(points, i), change = std::clamp((meanBefore - mean) / mu, -0.5, 0.5);
+        const double closed = points.hasFbar ? std::clamp(change, 0.0, points.state[2][i]) : 0;
+        points.state[2][i] -= closed;
+        points.state[1][i] -= closed;
+        return {Swelling{smallest_, kappa_ / v},
+                std::max(0.0, -meanBefore),
+                change - closed,
+                std::sqrt(3 * J2),
+                points.state[3][i],
+                mu,
+                M_ * M_,
+                v / (lambda_ - kappa_)};
     }
-    template <int Dim> void advance(const MaterialPoints<Dim>& point, double v) const {
-        double *const *s = point.stress, *const *state = point.state;
-        const auto mean = [&] { return (s[0][0] + s[4][0] + s[8][0]) / 3; };
-        const Swelling swelling{smallest_, kappa_ / v};
-        const double before = mean(), pBefore = std::max(0.0, -before), mu = lameAt(pBefore, v)[1];
-        trialStress(mu / 3, mu,
-                    point); // of bulk modulus mu: the mean of the stress tells the change of volume
-        double compressed = std::clamp((before - mean()) / mu, -0.5, 0.5);
-        const double closed = point.hasFbar ? std::clamp(compressed, 0.0, *state[2]) : 0;
-        compressed -= closed;
-        Return back{swelling,
-                    swelling.strain(pBefore) + compressed,
-                    deviator(s, mean()),
-                    state[3][0],
-                    mu,
-                    M_ * M_,
-                    v / (lambda_ - kappa_)};
-        if (back.yield() > 0) back.solve();
-        const double after = back.p, middle = mean();
-        for (int c : {0, 1, 2, 4, 5, 8}) {
-            if (Dim == 2 && (c == 2 || c == 5)) continue;
-            const double spherical = c % 4 == 0 ? middle : 0;
-            s[c][0] = back.shrink * (s[c][0] - spherical) - (c % 4 == 0 ? after : 0);
+    // Stress and state at the end of the step.
+    template <int Dim> void take(const MaterialPoints<Dim>& points, int i, const Return& back) const {
+        double *const *s = points.stress, *const *state = points.state;
+        const double mean = invariants(points, i).mean;
+        for (int c : {0, 4, 8}) s[c][i] = back.shrink * (s[c][i] - mean) - back.p;
+        s[1][i] = s[3][i] = back.shrink * s[1][i];
+        if (Dim == 3) {
+            s[2][i] = s[6][i] = back.shrink * s[2][i];
+            s[5][i] = s[7][i] = back.shrink * s[5][i];
         }
-        s[3][0] = s[1][0];
-        if (Dim == 3) s[6][0] = s[2][0], s[7][0] = s[5][0];
-        state[0][0] += (1 - back.shrink) * back.qTrial / (3 * mu);
-        const double gap = std::max(swelling.strain(0) - (back.e - back.x), 0.0);
-        state[1][0] += gap - closed - back.x;
-        if (point.hasFbar) state[2][0] += gap - closed;
-        state[3][0] = std::max(back.pc, smallest_);
-    }
-    // q = sqrt(3 J2) from the upper triangle.
-    static double deviator(double* const* s, double mean) {
-        double square = 0;
-        for (int k = 0; k < 3; ++k) square += 0.5 * (s[4 * k][0] - mean) * (s[4 * k][0] - mean);
-        for (int c : {1, 2, 5}) square += s[c][0] * s[c][0];
-        return std::sqrt(3 * square);
+        const double gap = back.p > 0 ? 0
+                                      : back.swelling.strain(0) - back.swelling.strain(back.pBefore) -
+                                            back.compressed + back.x;
+        state[0][i] += (1 - back.shrink) * back.qTrial / (3 * back.mu);
+        state[1][i] += gap - back.x;
+        if (points.hasFbar) state[2][i] += gap;
+        state[3][i] = std::max(back.pc, smallest_);
     }
 
     double lambda_ = notGiven, kappa_ = notGiven, poisson_ = 0.3, phi_ = notGiven, voidRatio_ = notGiven;

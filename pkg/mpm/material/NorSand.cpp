@@ -3,6 +3,7 @@
 #include "mpm/material/Material.hpp"
 #include "mpm/material/criticalState.hpp"
 #include "mpm/material/hypoelastic.hpp"
+#include "mpm/material/logarithm.hpp"
 #include "mpm/material/opening.hpp"
 #include "mpm/material/pressureStiffness.hpp"
 
@@ -12,12 +13,15 @@ namespace {
 // From a trial state back to the yield surface q = M p (1 - u), u = ln(p/pi), pressures positive in compression. Unknown
 // is the plastic shear strain g of the step:
 //     q = q_trial - 3 mu g,  p of the elastic strain e - g M u,  ln(pi/pi_0) = h g e^u (limit e^u - 1)
-// with the dilatancy M u and the hardening towards pi/p = limit. For a g, u is found by Newton's method.
+// with the dilatancy M u and the hardening towards pi/p = limit. SandReturns does the usual ones side by side, solve() the
+// others: for a g, u is found by Newton's method.
 struct SandReturn {
     PressureStiffness elastic;
     double e, qTrial, pi0, mu, M, h, limit;
-    double p = elastic.pressure(e), u = std::log(std::max(p, least()) / pi0), g = 0;
+    double pTrial = elastic.pressure(e), p = pTrial, u = std::log(std::max(p, least()) / pi0), g = 0;
 
+    bool parts() const { return pTrial <= least(); } // the grains
+    bool yields() const { return !parts() && qTrial > M * pTrial * (1 - std::log(pTrial / pi0)); }
     double least() const { return 1e-6 * elastic.smallest; }
     double q() const { return std::max(qTrial - 3 * mu * g, 0.0); }
     double pi() const { return p * std::exp(-u); }
@@ -59,6 +63,75 @@ struct SandReturn {
             }
         }
     }
+};
+
+// Newton's method for g and u at once, with lengths over the trial pressure P and only while p is above the smallest
+// pressure: then ln(p/P) = b ln(1 - a g M u), and the exponents are small in a usual step.
+class SandReturns {
+  public:
+    // Filled up to whole vectors, so that a particle is treated alike at each place of a run.
+    explicit SandReturns(int count)
+        : count_((count + 15) / 16 * 16), planes_(all, std::vector<double>(count_)) {}
+
+    void set(int i, const SandReturn& one) {
+        const double P = one.pTrial, power = 1 - one.elastic.power;
+        const double values[] = {
+            one.qTrial / P, 3 * one.mu / P, one.M,       one.h,
+            one.limit,      one.u,          P / one.pi0, power * one.elastic.stiffness(P) / P,
+            1 / power};
+        for (int k = 0; k < given; ++k) planes_[k][i] = values[k];
+    }
+    void solve() {
+        const double *qs = planes_[0].data(), *softer = planes_[1].data(), *Ms = planes_[2].data(),
+                     *hs = planes_[3].data(), *limits = planes_[4].data(), *starts = planes_[5].data(),
+                     *ratios = planes_[6].data(), *as = planes_[7].data(), *bs = planes_[8].data();
+        double *gs = planes_[9].data(), *us = planes_[10].data(), *ps = planes_[11].data(),
+               *errors = planes_[12].data();
+#pragma omp simd
+        for (int i = 0; i < count_; ++i) {
+            const double M = Ms[i], h = hs[i], limit = limits[i], start = starts[i];
+            double g = 0, u = start, y = 0, p = 1, error = 0; // y = ln p
+            for (int n = 0; n < rounds; ++n) {
+                const double grown = ratios[i] * smallExponential(u - start), beyond = limit * grown - 1;
+                const double hardening = u - start - y + h * g * grown * beyond;
+                const double yield = qs[i] - softer[i] * g - M * p * (1 - u);
+                error = std::max(std::abs(hardening), std::abs(yield));
+                const double steep = as[i] * bs[i] * M / (1 - as[i] * g * M * u),
+                             own = M * p * (1 - u) * steep;
+                const double hardeningByG = steep * u + h * grown * beyond,
+                             hardeningByU = 1 + steep * g + h * g * grown * (beyond + limit * grown);
+                const double yieldByG = own * u - softer[i], yieldByU = M * p + own * g;
+                const double over = 1 / (hardeningByG * yieldByU - hardeningByU * yieldByG);
+                g -= (yieldByU * hardening - hardeningByU * yield) * over;
+                u -= (hardeningByG * yield - yieldByG * hardening) * over;
+                y = bs[i] * logOnePlus(-as[i] * g * M * u);
+                p = smallExponential(y);
+            }
+            gs[i] = g;
+            us[i] = u;
+            ps[i] = p;
+            errors[i] = error;
+        }
+    }
+    // Whether the solution was found; `one` takes it.
+    bool give(int i, SandReturn& one) const {
+        const double g = planes_[9][i], u = planes_[10][i], p = one.pTrial * planes_[11][i];
+        const bool isSmall = std::abs(u - planes_[5][i]) <= exponentialLimit &&
+                             std::abs(std::log(planes_[11][i])) <= exponentialLimit;
+        if (!(planes_[12][i] <= 1e-9 && isSmall && g >= 0 && 3 * one.mu * g <= one.qTrial &&
+              p > one.elastic.smallest))
+            return false;
+        one.g = g;
+        one.u = u;
+        one.p = p;
+        return true;
+    }
+
+  private:
+    // With an error of 1e-9 before the last round, it leaves round-off.
+    static constexpr int given = 9, all = 13, rounds = 5;
+    int count_;
+    std::vector<std::vector<double>> planes_;
 };
 
 class NorSand : public MaterialOf<NorSand> {
@@ -145,20 +218,18 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
     }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
+        std::vector<SandReturn> returns;
+        SandReturns usual(points.count);
         for (int i = 0; i < points.count; ++i) {
-            const Increment step = incrementOf(points, i);
-            Symmetric s{
-                points.stress[0][i], points.stress[4][i], points.stress[8][i], points.stress[1][i], 0, 0};
-            if constexpr (Dim == 3) s.xz = points.stress[2][i], s.yz = points.stress[5][i];
-            s = advance(congruence(step.rotation, s), step.strain, points, i);
-            points.stress[0][i] = s.xx;
-            points.stress[4][i] = s.yy;
-            points.stress[8][i] = s.zz;
-            points.stress[1][i] = points.stress[3][i] = s.xy;
-            if constexpr (Dim == 3) {
-                points.stress[2][i] = points.stress[6][i] = s.xz;
-                points.stress[5][i] = points.stress[7][i] = s.yz;
-            }
+            returns.push_back(returnOf(points, i));
+            usual.set(i, returns.back());
+        }
+        usual.solve();
+        for (int i = 0; i < points.count; ++i) {
+            SandReturn& back = returns[i];
+            const bool yields = back.yields();
+            if (yields && !usual.give(i, back)) back.solve();
+            take(points, i, back, yields);
         }
     }
     template <int Dim> void findStiffness(const MaterialPoints<Dim>& points, double* l, double* mu) const {
@@ -169,7 +240,7 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
         }
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        for (int i = 0; i < points.count; ++i) strength[i] = M_ * pressureOf(points, i) / std::sqrt(3.0);
+        criticalStrength(M_, points, strength);
     }
     // Of the pressure the integral of p dp/K.
     template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
@@ -184,13 +255,7 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
     PressureStiffness elastic() const {
         return {2 * shear_ * (1 + poisson_) / (3 * (1 - 2 * poisson_)), reference_, power_, smallest_};
     }
-    std::array<double, 2> lameAt(double p) const {
-        const double K = elastic().stiffness(p), mu = 1.5 * K * (1 - 2 * poisson_) / (1 + poisson_);
-        return {K - 2.0 / 3 * mu, mu};
-    }
-    template <int Dim> static double pressureOf(const MaterialPoints<Dim>& points, int i) {
-        return std::max(0.0, -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
-    }
+    std::array<double, 2> lameAt(double p) const { return lameOf(elastic().stiffness(p), poisson_); }
     // M of the Lode angle of a deviator, tension positive: theta is 30 degrees in triaxial compression. With S = sin(3
     // theta), cos(3 theta/2 + 45 deg) is the root of (1 - S)/2; near S = 1 it comes from cos(3 theta), which lode.hpp
     // finds without the loss of half the digits.
@@ -206,46 +271,49 @@ Source: Jefferies 1993, Geotechnique 43, 91-103; Jefferies & Shuttle 2005, in So
         return M_ - M_ * M_ / (3 + M_) * std::min(root, 1.0);
     }
 
-    // Stress of a point from the one at the start in the axes at the end, and the strain.
-    template <int Dim>
-    Symmetric advance(const Symmetric& before, const Symmetric& D, const MaterialPoints<Dim>& points,
-                      int i) const {
-        double *shear = points.state[0] + i, *volumetric = points.state[1] + i,
-               *opening = points.state[2] + i, *image = points.state[3] + i;
+    // Leaves the trial deviator as the stress, and closes what had opened.
+    template <int Dim> SandReturn returnOf(const MaterialPoints<Dim>& points, int i) const {
+        double* const* state = points.state;
+        const Increment step = incrementOf(points, i);
+        const Symmetric before = congruence(step.rotation, stressOf(points, i));
         const PressureStiffness law = elastic();
         const double mean = (before.xx + before.yy + before.zz) / 3, pBefore = std::max(-mean, 0.0);
-        const double mu = lameAt(pBefore)[1], dilation = D.xx + D.yy + D.zz;
-        const double closed = points.hasFbar ? std::clamp(-dilation, 0.0, *opening) : 0;
-        *opening -= closed;
-        *volumetric -= closed;
-        const double solid = points.volume[i] / points.initialVolume[i] * std::exp(-*opening);
-        const double voidRatio = (1 + points.state[4][i]) * solid - 1;
+        const double mu = lameAt(pBefore)[1], dilation = step.strain.xx + step.strain.yy + step.strain.zz;
+        const double closed = points.hasFbar ? std::clamp(-dilation, 0.0, state[2][i]) : 0;
+        state[2][i] -= closed;
+        state[1][i] -= closed;
+        const double solid = points.volume[i] / points.initialVolume[i] * std::exp(-state[2][i]);
+        const double voidRatio = (1 + state[4][i]) * solid - 1;
 
-        const Symmetric s = plusSpherical(before, -mean) + 2 * mu * plusSpherical(D, -dilation / 3);
-        const double psi = voidRatio - critical(*image), M0 = frictionAt(s);
+        const Symmetric s = plusSpherical(before, -mean) + 2 * mu * plusSpherical(step.strain, -dilation / 3);
+        setStress(points, i, s);
+        double& image = state[3][i];
+        const double psi = voidRatio - critical(image), M0 = frictionAt(s);
         const double M = M0 * std::max(1 - N_ * chi_ * std::abs(psi) / M_, 0.5);
         const double limit = std::exp(std::clamp(-chi_ * psi / M_, -0.9, 2.0));
-        *image = std::max(std::min(*image, limit * std::max(pBefore, smallest_)), 0.1 * smallest_);
-
+        image = std::max(std::min(image, limit * std::max(pBefore, smallest_)), 0.1 * smallest_);
         const double e = law.strain(pBefore) - dilation - closed;
-        SandReturn back{law, e, std::sqrt(3 * halfSquare(s)), *image, mu, M, H_ * M / M_, limit};
-        if (back.p <= back.least()) { // the grains part
-            const double gap = std::max(0.0, -e - smallest_ / law.stiffness(smallest_));
-            if (points.hasFbar) *opening += gap;
-            *volumetric += gap;
-            *shear += back.qTrial / (3 * mu);
-            return Symmetric{};
-        }
-        if (back.qTrial > M * back.p * (1 - back.u)) {
-            back.solve();
-            *volumetric -= back.g * M * back.u;
-            *image = std::max(back.pi(), 0.1 * smallest_);
-        }
-        *shear += (back.qTrial - back.q()) / (3 * mu);
-        const double scale = back.qTrial > 0 ? back.q() / back.qTrial : 1;
-        return plusSpherical(scale * s, -back.p);
+        return {law, e, std::sqrt(3 * halfSquare(s)), image, mu, M, H_ * M / M_, limit};
     }
-
+    // Stress and state at the end of the step.
+    template <int Dim>
+    void take(const MaterialPoints<Dim>& points, int i, const SandReturn& back, bool yields) const {
+        double* const* state = points.state;
+        if (back.parts()) {
+            const double gap = std::max(0.0, -back.e - smallest_ / back.elastic.stiffness(smallest_));
+            if (points.hasFbar) state[2][i] += gap;
+            state[1][i] += gap;
+            state[0][i] += back.qTrial / (3 * back.mu);
+            return setStress(points, i, Symmetric{});
+        }
+        if (yields) {
+            state[1][i] -= back.g * back.M * back.u;
+            state[3][i] = std::max(back.pi(), 0.1 * smallest_);
+        }
+        state[0][i] += (back.qTrial - back.q()) / (3 * back.mu);
+        const double scale = back.qTrial > 0 ? back.q() / back.qTrial : 1;
+        setStress(points, i, plusSpherical(scale * stressOf(points, i), -back.p));
+    }
     double shear_ = notGiven, poisson_ = 0.2, power_ = 0.5, reference_ = 100, phi_ = notGiven,
            gamma_ = notGiven;
     double lambda_ = notGiven, chi_ = 3.5, N_ = 0.3, H_ = 100;

@@ -117,7 +117,7 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         }
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
-        for (int i = 0; i < points.count; ++i) strength[i] = M_ * pressureOf(points, i) / std::sqrt(3.0);
+        criticalStrength(M_, points, strength);
     }
     // Of the pressure the integral of p dp/K.
     template <int Dim> void findStoredEnergy(const MaterialPoints<Dim>& points, double* energy) const {
@@ -134,13 +134,8 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         const double G = shear_ * reference_ * (2.97 - e) * (2.97 - e) / (1 + e);
         return {2 * G * (1 + poisson_) / (3 * (1 - 2 * poisson_)), reference_, 0.5, smallest_};
     }
-    double shearOf(double bulk) const { return 1.5 * bulk * (1 - 2 * poisson_) / (1 + poisson_); }
     std::array<double, 2> lameAt(double p, double e) const {
-        const double K = elastic(e).stiffness(p), mu = shearOf(K);
-        return {K - 2.0 / 3 * mu, mu};
-    }
-    template <int Dim> static double pressureOf(const MaterialPoints<Dim>& points, int i) {
-        return std::max(0.0, -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
+        return lameOf(elastic(e).stiffness(p), poisson_);
     }
     template <int Dim> double voidRatio(const MaterialPoints<Dim>& points, int i) const {
         const double solid = points.volume[i] / points.initialVolume[i] * std::exp(-points.state[2][i]);
@@ -159,11 +154,8 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
     }
 
     template <int Dim> void advance(const MaterialPoints<Dim>& points, int i) const {
-        double* const* s = points.stress;
         const Increment step = incrementOf(points, i);
-        Symmetric before{s[0][i], s[4][i], s[8][i], s[1][i], 0, 0};
-        if constexpr (Dim == 3) before.xz = s[2][i], before.yz = s[5][i];
-        before = congruence(step.rotation, before);
+        const Symmetric before = congruence(step.rotation, stressOf(points, i));
         const double mean = (before.xx + before.yy + before.zz) / 3;
         double dilation = step.strain.xx + step.strain.yy + step.strain.zz, *opening = points.state[2] + i;
         const Symmetric shear = -1.0 * plusSpherical(step.strain, -dilation / 3);
@@ -187,10 +179,7 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         keep(points, 9, i, now.reversal);
         keep(points, 14, i, now.fabric);
 
-        const Symmetric after = plusSpherical(-1.0 * now.s, -now.p);
-        s[0][i] = after.xx, s[4][i] = after.yy, s[8][i] = after.zz;
-        s[1][i] = s[3][i] = after.xy;
-        if constexpr (Dim == 3) s[2][i] = s[6][i] = after.xz, s[5][i] = s[7][i] = after.yz;
+        setStress(points, i, plusSpherical(-1.0 * now.s, -now.p));
     }
 
     // Strains a state in parts; the dilation that opens a gap.
@@ -198,7 +187,7 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
         const PressureStiffness law = elastic(e);
         double left = 1, gap = 0;
         for (int n = 0; left > 0 && n < mostParts; ++n) {
-            const double K = law.stiffness(now.p), G = shearOf(K);
+            const double K = law.stiffness(now.p), G = shearModulus(K, poisson_);
             const double size = (2 * G * norm(shear) + K * std::abs(compressed)) / std::max(now.p, smallest_);
             const double part =
                 n + 1 == mostParts ? left : std::min(left, largestPart / std::max(size, 1e-300));
@@ -210,7 +199,8 @@ Source: Dafalias & Manzari 2004, J. Eng. Mech. 130, 622-634.)";
 
     double advancePart(SandState& now, const Symmetric& shear, double compressed, double e,
                        const PressureStiffness& law) const {
-        const double K = law.stiffness(now.p), G = shearOf(K), radius = std::sqrt(2.0 / 3) * m_;
+        const double K = law.stiffness(now.p), G = shearModulus(K, poisson_),
+                     radius = std::sqrt(2.0 / 3) * m_;
         const Symmetric trial = now.s + 2 * G * shear;
         const double pTrial = law.pressure(law.strain(now.p) + compressed);
         Symmetric away = trial - pTrial * now.alpha;

@@ -36,7 +36,8 @@ class Tresca : public MaterialOf<Tresca> {
 su_0 is the undrainedStrength of a particle as it was placed: a number, a function of position, a profile or an
 array. d is the remouldedRatio (one over the sensitivity), xi the plasticShearStrain, sum of de1 - de3; m the
 rateFactor for each factor of ten of the rate of shear d1 - d3. Stress is total; the volume changes elastically
-(give poisson = 0.49). The return to the hexagon is exact, edges included.
+(give poisson = 0.49). With rigidity in place of young, mu = rigidity su_0 of each particle. The return to the hexagon
+is exact, edges included.
 
 Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou & Randolph 2009, Int. J. Geomech. 9,
 173-182.)";
@@ -45,6 +46,9 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
         std::vector<Parameter> all{
             {"density", "Mg/m3", "required: mass density, initial", &density, Range::positive()}};
         for (auto& p : elasticity_.parameters()) all.push_back(p);
+        all.push_back({"rigidity", "-",
+                       "shear modulus over undrainedStrength, together with poisson in place of young",
+                       &rigidity_, Range::positive()});
         all.push_back({"undrainedStrength",
                        "kPa",
                        "required: undrained shear strength su_0 at the reference rate",
@@ -70,7 +74,7 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     void finish() override {
         const std::string who = className();
         requireDensity(who, density);
-        elasticity_.finish(who);
+        finishElasticity(who);
         require(
             !std::isnan(strength_) || varies("undrainedStrength"), who,
             ": undrainedStrength is required; give su in kPa, a number, a function of position or a profile");
@@ -89,12 +93,18 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
         return all;
     }
     bool yields() const override { return true; }
-    std::array<double, 2> lame() const override { return {elasticity_.lambda(), elasticity_.mu()}; }
+    // Of varying strength without a particle: no stiffness.
+    std::array<double, 2> lame() const override { return lameAt(std::isnan(strength_) ? 0 : strength_); }
     // Any Cauchy stress may be given; one beyond yield returns to the surface in the first step.
     void stateFromStress(const double*, double* state) const override { state[0] = 0; }
 
     template <int Dim> void stress(const MaterialPoints<Dim>& points) const {
-        trialStress(elasticity_.lambda(), elasticity_.mu(), points);
+        if (isRigid()) {
+            std::vector<double> lambda(points.count), mu(points.count);
+            findStiffness(points, lambda.data(), mu.data());
+            trialStress(lambda.data(), mu.data(), points);
+        } else
+            trialStress(elasticity_.lambda(), elasticity_.mu(), points);
         for (int i = 0; i < points.count; ++i) {
             PrincipalStress<Dim> principal(points, i);
             double* s = principal.value;
@@ -112,7 +122,15 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
             s[1] = p - 2 * middle;
             s[2] = p + middle - su;
             principal.write();
-            points.state[0][i] += excess / (2 * elasticity_.mu());
+            points.state[0][i] += excess / (2 * lameAt(points.state[1][i])[1]);
+        }
+    }
+    template <int Dim>
+    void findStiffness(const MaterialPoints<Dim>& points, double* lambda, double* mu) const {
+        for (int i = 0; i < points.count; ++i) {
+            const auto its = lameAt(points.state[1][i]);
+            lambda[i] = its[0];
+            mu[i] = its[1];
         }
     }
     template <int Dim> void findStrength(const MaterialPoints<Dim>& points, double* strength) const {
@@ -120,6 +138,20 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     }
 
   private:
+    bool isRigid() const { return !std::isnan(rigidity_); }
+    void finishElasticity(const std::string& who) {
+        if (!isRigid()) return elasticity_.finish(who);
+        require(elasticity_.lame.empty() && std::isnan(elasticity_.young), who, ": rigidity = ", rigidity_,
+                " is given with ", elasticity_.lame.empty() ? "young" : "lame", "; give one of them");
+        require(!std::isnan(elasticity_.poisson), who, ": rigidity = ", rigidity_,
+                " is given without poisson; give both, e.g. poisson = 0.49");
+    }
+    // Of particles with the strength su_0.
+    std::array<double, 2> lameAt(double strength) const {
+        if (!isRigid()) return {elasticity_.lambda(), elasticity_.mu()};
+        const double mu = rigidity_ * strength, nu = elasticity_.poisson;
+        return {2 * mu * nu / (1 - 2 * nu), mu};
+    }
     template <int Dim> double strengthOf(const MaterialPoints<Dim>& points, int i, double rate) const {
         double su = points.state[1][i];
         if (softening_.isGiven()) {
@@ -131,7 +163,8 @@ Source: Einav & Randolph 2005, Int. J. Numer. Methods Eng. 63, 1991-2016; Zhou &
     }
 
     Elasticity elasticity_;
-    double strength_ = notGiven, remouldedRatio_ = notGiven, rateFactor_ = 0, referenceRate_ = notGiven;
+    double rigidity_ = notGiven, strength_ = notGiven, remouldedRatio_ = notGiven, rateFactor_ = 0,
+           referenceRate_ = notGiven;
     Softening softening_;
 };
 

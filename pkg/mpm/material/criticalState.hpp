@@ -2,6 +2,7 @@
 // Parameters that laws of critical states share, and what they require.
 #pragma once
 
+#include "mpm/material/Material.hpp"
 #include "mpm/material/required.hpp"
 
 #include <cmath>
@@ -22,6 +23,23 @@ inline double criticalRatio(double phi) { return 6 * std::sin(phi) / (3 - std::s
 
 inline Parameter leastPressure(double* p, const char* doc = "mean pressure below which the stiffness stays") {
     return {"smallestPressure", "kPa", doc, p, Range::positive()};
+}
+
+// Mean pressure of particle i, compression positive and not below zero.
+template <int Dim> double pressureOf(const MaterialPoints<Dim>& points, int i) {
+    return std::max(0.0, -(points.stress[0][i] + points.stress[4][i] + points.stress[8][i]) / 3);
+}
+// Shear stress at the critical state.
+template <int Dim> void criticalStrength(double M, const MaterialPoints<Dim>& points, double* strength) {
+    for (int i = 0; i < points.count; ++i) strength[i] = M * pressureOf(points, i) / std::sqrt(3.0);
+}
+inline double shearModulus(double bulk, double poisson) {
+    return 1.5 * bulk * (1 - 2 * poisson) / (1 + poisson);
+}
+// {lambda, mu}
+inline std::array<double, 2> lameOf(double bulk, double poisson) {
+    const double mu = shearModulus(bulk, poisson);
+    return {bulk - 2.0 / 3 * mu, mu};
 }
 
 // Density of sand, by the void ratio or by the state parameter.

@@ -10,14 +10,20 @@
 
 namespace mpm {
 
+// Moduli are one number for all particles, or a plane with those of each.
+template <class At> MPM_INLINE double modulus(const At&, double x) { return x; }
+template <class At> MPM_INLINE auto modulus(const At& at, const double* plane) { return at(plane); }
+
 // Plane strain in closed form. With D2 = det(I + g/2), Cayley-Hamilton gives g (I + g/2)^-1 = (g + det(g)/2
 // I)/D2, and R rotates by the angle whose half has the tangent spin/D2.
-inline void trialStress(double lambda, double mu, const MaterialPoints<2>& points) {
+template <class Moduli>
+void trialStress(const Moduli& lambdas, const Moduli& mus, const MaterialPoints<2>& points) {
     const double dt = points.dt;
     auto L = points.velocityGradient;
     const double *L11 = L[0], *L12 = L[1], *L21 = L[2], *L22 = L[3];
     double *xx = points.stress[0], *xy = points.stress[1], *yy = points.stress[4], *zz = points.stress[8];
     forEachSimdPair(points.count, [&](auto at) MPM_INLINE_LAMBDA {
+        const auto lambda = modulus(at, lambdas), mu = modulus(at, mus);
         const auto g11 = dt * at(L11), g12 = dt * at(L12), g21 = dt * at(L21), g22 = dt * at(L22);
         const auto detG = g11 * g22 - g12 * g21, D2 = 1 + 0.5 * (g11 + g22) + 0.25 * detG;
         const auto spin = 0.25 * (g12 - g21), D4 = D2 * D2, norm = D4 + spin * spin;
@@ -66,6 +72,20 @@ MPM_INLINE Midpoint midpointOf(const Tensor& h) {
     return {D, r};
 }
 
+// Stress of a particle as one tensor.
+template <int Dim> Symmetric stressOf(const MaterialPoints<Dim>& points, int i) {
+    double* const* s = points.stress;
+    Symmetric all{s[0][i], s[4][i], s[8][i], s[1][i], 0, 0};
+    if constexpr (Dim == 3) all.xz = s[2][i], all.yz = s[5][i];
+    return all;
+}
+template <int Dim> void setStress(const MaterialPoints<Dim>& points, int i, const Symmetric& all) {
+    double* const* s = points.stress;
+    s[0][i] = all.xx, s[4][i] = all.yy, s[8][i] = all.zz;
+    s[1][i] = s[3][i] = all.xy;
+    if constexpr (Dim == 3) s[2][i] = s[6][i] = all.xz, s[5][i] = s[7][i] = all.yz;
+}
+
 // What a particle does in the step: strain in the axes at its end, and the rotation there from those at its start. A
 // hypoelastic law is sigma <- R sigma R^T + C : strain, and tensors of state turn alike.
 struct Increment {
@@ -82,13 +102,15 @@ template <int Dim> Increment incrementOf(const MaterialPoints<Dim>& points, int 
     return {congruence(step.r, step.D), step.r * step.r};
 }
 
-inline void trialStress(double lambda, double mu, const MaterialPoints<3>& points) {
+template <class Moduli>
+void trialStress(const Moduli& lambdas, const Moduli& mus, const MaterialPoints<3>& points) {
     const double halfStep = 0.5 * points.dt;
     const auto L = planes<9>(points.velocityGradient);
     const auto stress = planes<9>(points.stress);
     const int count = points.count;
 #pragma omp simd
     for (int i = 0; i < count; ++i) {
+        const double lambda = modulus(OneNumber{i}, lambdas), mu = modulus(OneNumber{i}, mus);
         const Midpoint step = midpointOf(halfStep * gather(L, i));
         const Symmetric half = congruence(step.r, gatherUpper(stress, i)) + (2 * mu) * step.D;
         const Symmetric trial = plusSpherical(congruence(step.r, half), lambda * trace(step.D));

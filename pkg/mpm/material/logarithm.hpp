@@ -38,6 +38,16 @@ MPM_INLINE double logOnePlus(double x) {
     return x > -1 ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
+// exp(x) of |x| <= exponentialLimit, to 3e-16 relative: thirteen terms of the series.
+constexpr double exponentialLimit = 0.35;
+
+MPM_INLINE double smallExponential(double x) {
+    double sum = 1;
+#pragma GCC unroll 12
+    for (int n = 12; n > 0; --n) sum = 1 + x * ((1.0 / n) * sum);
+    return sum;
+}
+
 // a I + b y + c y^2
 struct Quadratic {
     double a, b, c;

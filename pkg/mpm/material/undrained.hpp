@@ -35,15 +35,17 @@ class Undrained {
         const double u = excess(points, i, place);
         return isGiven() ? 0.5 * u * u / bulk : 0;
     }
-    // Calls update() while the stress of particle i is the effective one.
-    template <int Dim, class F>
-    void withEffective(const MaterialPoints<Dim>& points, int i, int place, F&& update) const {
-        if (!isGiven()) return update();
+    // Makes the stress of particle i the effective one; returns the excess pressure that it leaves out.
+    template <int Dim> double takeOut(const MaterialPoints<Dim>& points, int i, int place) const {
+        const double u = excess(points, i, place);
+        if (isGiven()) addPressure(points, i, -u);
+        return u;
+    }
+    // Makes it the total one again, with the excess pressure u of the start and what it has grown by.
+    template <int Dim> void putBack(const MaterialPoints<Dim>& points, int i, int place, double u) const {
+        if (!isGiven()) return;
         double dilation = 0;
         for (int k = 0; k < Dim; ++k) dilation += points.dt * points.velocityGradient[(Dim + 1) * k][i];
-        const double u = excess(points, i, place);
-        addPressure(points, i, -u);
-        update();
         points.state[place][i] = total(points, i);
         addPressure(points, i, u - bulk * dilation);
     }

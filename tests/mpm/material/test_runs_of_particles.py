@@ -67,6 +67,7 @@ MATERIALS = {
         rateFactor=0.1,
         referenceRate=0.1,
     ),
+    "rigid clay": lambda: mpm.Tresca(density=1.5, poisson=0.45, rigidity=500, undrainedStrength=8.5),
     "Cam-Clay": lambda: mpm.ModifiedCamClay(
         density=1.5,
         compression=0.2,

@@ -227,6 +227,7 @@ SAND = {"cohesion": 5, "frictionAngle": 0.5}
         ("Tresca", {}, "undrainedStrength is required"),
         ("Tresca", {"undrainedStrength": 5, "softeningStrain": 1}, "without remouldedRatio"),
         ("Tresca", {"undrainedStrength": 5, "rateFactor": 0.1}, "belong together"),
+        ("Tresca", {"undrainedStrength": 5, "rigidity": 100}, "rigidity = 100 is given with lame"),
         ("Tresca", {"undrainedStrength": 5, "bandWidth": 0.1}, "without softeningStrain"),
         ("MohrCoulomb", {**SAND, "residualCohesion": 2}, "without softeningStrain"),
         ("MohrCoulomb", {**SAND, "residualCohesion": 9, "softeningStrain": 0.1}, "exceeds cohesion"),
@@ -236,6 +237,11 @@ SAND = {"cohesion": 5, "frictionAngle": 0.5}
 def testWhatDoesNotFitIsRefused(law, given, error):
     with pytest.raises(ValueError, match=error):
         getattr(mpm, law)(**ELASTIC, **given)
+
+
+def testRigidityNeedsPoisson():
+    with pytest.raises(ValueError, match="rigidity = 100 is given without poisson"):
+        mpm.Tresca(density=1.7, undrainedStrength=5, rigidity=100)
 
 
 def testCamClayNeedsOneWayToItsPreconsolidation():

@@ -140,3 +140,39 @@ def testARandomFieldHasItsMomentsAndItsLength():
 def testARandomFieldIsCheckedWhenItIsMade(mean, deviation, lengths):
     with pytest.raises(ValueError, match="RandomField: "):
         mpm.RandomField(mean, deviation, lengths, seed=1)
+
+
+def shearStiffness(material, strength):
+    """Of a particle with this strength, kPa."""
+    point = mpm.MaterialPoint(material)
+    point.body.undrainedStrength = strength
+    small = np.zeros((3, 3))
+    small[0, 1] = small[1, 0] = 1e-6
+    return point.strain(small)[0, 1] / 2e-6
+
+
+def testRigidityFollowsTheStrengthOfEachParticle():
+    """G = rigidity su; the particles are those of clay with that young and poisson, to round-off."""
+    given = dict(density=1.7, poisson=0.45, undrainedStrength=lambda x: np.full(len(x), 8.0))
+    stress = []
+    for elastic in ({"rigidity": 100}, {"young": 2 * 1.45 * 800}, {"rigidity": 110}):
+        scene, body = block(mpm.Tresca(**given, **elastic))
+        scene.run(steps=300, progress=False)
+        stress.append(body.byId("stress"))
+    np.testing.assert_allclose(stress[0], stress[1], atol=1e-9)
+    assert np.abs(stress[2] - stress[1]).max() > 1e-3
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def testTheStepFollowsTheStrongestClay(dim):
+    def step(strength):
+        scene, _ = block(
+            mpm.Tresca(density=1.7, poisson=0.45, rigidity=100, undrainedStrength=strength), dim=dim
+        )
+        return scene.criticalTimeStep()
+
+    of = {
+        name: step(strength)
+        for name, strength in (("strongest", linear(np.zeros((1, 1)))[0]), ("weakest", 5))
+    }
+    assert of["strongest"] < step(linear) < 0.95 * of["weakest"]

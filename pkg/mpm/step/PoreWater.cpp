@@ -160,6 +160,11 @@ template <int Dim> bool PoreWater::isHeld(const Scene<Dim>& scene, int field, in
     return is;
 }
 
+// Part of a face of a cell that soil touches: a prism of the volume in the cell, with its middle as far from the face.
+template <class Cell> double coverOf(const Cell& cell, double way, double area) {
+    return cell.saturated < 2 * way * area ? cell.saturated / (2 * way * area) : 1;
+}
+
 // Between cells, to the surface and to the faces of the grid (two-point flux).
 template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& state) {
     const Grid<Dim>& grid = scene.grid;
@@ -201,10 +206,9 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                 const double to = std::max(face - own.centre[k], 0.0),
                              from = std::max(there.centre[k] - face, 0.0);
                 const double way = to + from, least = leastWay * edges[k];
-                const double cover = own.isInside || there.isInside
-                                         ? 1
-                                         : std::min({1.0, own.saturated / edges.prod(),
-                                                     there.saturated / grid.edges(beside).prod()});
+                const double cover = own.isInside || there.isInside ? 1
+                                                                    : std::min({1.0, coverOf(own, to, area),
+                                                                                coverOf(there, from, area)});
                 const double resistance =
                     way > 0 ? to / own.permeability + from / there.permeability : least / own.permeability;
                 const double conductance =

@@ -206,9 +206,10 @@ template <int Dim> void PoreWater::addFlow(const Scene<Dim>& scene, State<Dim>& 
                 const double to = std::max(face - own.centre[k], 0.0),
                              from = std::max(there.centre[k] - face, 0.0);
                 const double way = to + from, least = leastWay * edges[k];
-                const double cover = own.isInside || there.isInside ? 1
-                                                                    : std::min({1.0, coverOf(own, to, area),
-                                                                                coverOf(there, from, area)});
+                const double cover =
+                    own.isInside || there.isInside
+                        ? 1
+                        : std::min({1.0, coverOf(own, to, area), coverOf(there, from, area)});
                 const double resistance =
                     way > 0 ? to / own.permeability + from / there.permeability : least / own.permeability;
                 const double conductance =

@@ -54,7 +54,6 @@ except ImportError as _error:
 from . import app, diagnostics, engine, geotech, io, rigid, study
 from .app.parameter import Parameter
 from .app.parameters import Parameters
-from .base import oldModules as _oldModules
 from .base.notebook import makeInlineReady as _makeInlineReady
 from .diagnostics.certificate import Certificate, quasiStatic, rateSensitivity
 from .diagnostics.facePressure import FacePressure, facePressure
@@ -91,7 +90,6 @@ from .scene.restoring import load
 from .scene.scene import Scene
 from .scene.undoing import undo
 
-_sys.meta_path.append(_oldModules.OldModules)
 _makeInlineReady()
 if hasattr(_sys.modules.get("yade"), "O"):  # inside YADE: its O.load has to know our engines
     from . import yade as yade
@@ -115,13 +113,13 @@ __all__ = sorted(
 
 
 def __getattr__(name):
-    """Classes of the solver, those of a plugin too, rooms on demand, modules by their old names."""
+    """Classes of the solver, those of a plugin too, and rooms on demand."""
     for room in (_materials, _particles, _engines):
         if name in room.classes:
             return room.classes[name]
     if name == "inYade":
         return _importlib.import_module(f"{__name__}.yade").inYade
-    if name in ("plot", "yade", *_oldModules.MODULES):  # what few scenes need
+    if name in ("plot", "yade"):  # what few scenes need
         return _importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
 

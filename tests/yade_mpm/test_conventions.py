@@ -12,6 +12,8 @@ import pytest
 import yade_mpm as mpm
 from setups import elastic
 from yade_mpm.base import research
+from yade_mpm.base.attributes import Guarded
+from yade_mpm.base.keywords import checked
 from yade_mpm.io.files import takeLock
 
 ROOT = Path(__file__).parents[2]
@@ -24,35 +26,46 @@ def block(**options):
 
 
 # --- old spellings ------------------------------------------------------------------------------------
+class Load(mpm.SurfaceLoad):
+    _renamed = {"size": "pressure"}
+
+    def __init__(self, **options):
+        super(mpm.SurfaceLoad, self).__init__(**options)
+
+
+class Old(Guarded):
+    _renamed, _inner = {"inner": "_inner"}, 1
+
+
+@checked("wait", seconds="time")
+def wait(time):
+    return time
 
 
 def test_an_old_spelling_runs_and_the_warning_in_the_users_line_says_what_to_write():
-    with pytest.warns(DeprecationWarning, match=r"PyRunner\(virtPeriod=...\) .* write period=...") as told:
-        runner = mpm.PyRunner("pass", virtPeriod=0.5)
-    assert [w.filename for w in told] == [__file__] and runner.period == 0.5
-    with pytest.warns(DeprecationWarning, match=r"PyRunner.virtPeriod .* write period") as told:
-        runner.virtPeriod = 0.25
-    assert [w.filename for w in told] == [__file__] and runner.period == 0.25
-    with pytest.warns(DeprecationWarning, match=r"Scene.add\(type=...\) .* write particles=..."):
-        scene = mpm.Scene((0, 0), (1, 1), cell=0.5)
-        scene.add("block", mpm.box((0, 0), (1, 1)), elastic(100.0), type=mpm.UGIMP(perCell=1))
-    with pytest.warns(DeprecationWarning, match="GridSolver.drive .* write drives"):
-        assert mpm.GridSolver().drive == []
-    with pytest.warns(DeprecationWarning, match="Scene.loop .* internal"):
-        assert block()[0].loop is None
+    with pytest.warns(DeprecationWarning, match=r"Load\(size=...\) .* write pressure=...") as told:
+        load = Load(size=0.5)
+    assert [w.filename for w in told] == [__file__] and load.pressure == 0.5
+    with pytest.warns(DeprecationWarning, match=r"Load.size .* write pressure") as told:
+        load.size = 0.25
+    assert [w.filename for w in told] == [__file__] and load.pressure == 0.25
+    with pytest.warns(DeprecationWarning, match=r"wait\(seconds=...\) .* write time=..."):
+        assert wait(seconds=2) == 2
+    with pytest.warns(DeprecationWarning, match="Old.inner .* internal"):
+        assert Old().inner == 1
 
 
 def test_control_present_spellings_warn_of_nothing():
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        runner = mpm.PyRunner("pass", period=0.5)
-        runner.period = 0.25
-        assert mpm.GridSolver().drives == [] and block()[0].time == 0
+        load = Load(pressure=0.5)
+        load.pressure = 0.25
+        assert wait(time=2) == 2 and block()[0].time == 0
 
 
 def test_an_argument_by_both_of_its_names_is_refused():
-    with pytest.warns(DeprecationWarning), pytest.raises(TypeError, match="are one argument; give period"):
-        mpm.PyRunner("pass", period=1, virtPeriod=1)
+    with pytest.warns(DeprecationWarning), pytest.raises(TypeError, match="are one argument; give time"):
+        wait(time=1, seconds=1)
 
 
 # --- unknown names ------------------------------------------------------------------------------------

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
-"""The public name of a module is its room; old spellings work for one version, and warn."""
+"""The public name of a module is its room."""
 
 import importlib
 import subprocess
 import sys
-import warnings
 
 import pytest
 import yade_mpm as mpm
-from yade_mpm.base import oldModules
 
 ROOMS = {
     "app": ["Parser", "Run", "below", "between", "count", "notNegative", "partOf", "positive", "run"],
@@ -35,37 +33,7 @@ def test_the_rooms_of_every_scene_are_there_at_once():
     assert done.stdout == "False\n", done.stderr
 
 
-IMPORTS = "import {0}", "from {1} import {2}"
-OLD = [(how, *names) for names in oldModules.MODULES.items() for how in IMPORTS]
-OLD += [("{0}", old, new) for old, new in oldModules.MODULES.items() if "." not in old]
-OLD = [one for one in OLD if one[1] != "inYade" or one[0] == IMPORTS[0]]  # a function has the name
-
-
-@pytest.mark.parametrize("how, old, new", OLD)
-def test_a_module_has_its_old_name_for_one_version(how, old, new):
-    """On the line that says it; a control: the new name says nothing."""
-    sys.modules.pop(f"yade_mpm.{old}", None)
-    room, _, name = f"yade_mpm.{old}".rpartition(".")
-    vars(importlib.import_module(room)).pop(name, None)
-    line, space = how.format(f"yade_mpm.{old}", room, name), {"yade_mpm": mpm}
-    with pytest.warns(DeprecationWarning, match=f"yade_mpm.{old} is .*; write yade_mpm.{new}$") as told:
-        exec(compile(line, "scene.py", "exec"), space)
-    assert {one.filename for one in told} == {"scene.py"}
-    assert importlib.import_module(f"yade_mpm.{old}") is importlib.import_module(f"yade_mpm.{new}")
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        exec(compile(f"import yade_mpm.{new}", "scene.py", "exec"), space)
-
-
-def test_the_function_inYade_has_what_the_room_of_that_name_had():
-    sys.modules.pop("yade_mpm.inYade", None)
-    vars(mpm).pop("inYade", None)
-    assert mpm.inYade.attach is mpm.inYade and mpm.inYade.Bodies is mpm.yade.Bodies
-
-
-def test_a_name_that_has_moved_warns_and_an_unknown_one_is_refused():
-    with pytest.warns(DeprecationWarning, match="study.Run is deprecated.*; write yade_mpm.app.Run"):
-        assert mpm.study.Run is mpm.app.Run
+def test_an_unknown_name_is_refused():
     for room in (mpm, mpm.study, mpm.engine):
         with pytest.raises(AttributeError, match="nothing"):
             _ = room.nothing

@@ -32,7 +32,7 @@ class Guarded:
 
     _elsewhere = {}  # name that users look for here -> what to do instead
     _instead = "make another one"  # of a copy
-    _renamed = {"core": "_core"}  # names that were others: old -> new
+    _renamed = {}  # names that were others: old -> new
 
     def __reduce__(self):
         kind = type(self).__name__
@@ -79,11 +79,10 @@ class Attributed:
 
     _make = None  # name -> C++ object
     _found = ()  # parameters that a run counts on: only a checkpoint sets them
-    _gone = {}  # options of earlier versions -> what to do instead
     _coreName = None
     _usedBy = None  # name of the body made with it
     _fixed = ()  # attributes that cannot change from then on; None: all
-    _renamed = {"core": "_core"}  # names that were others: old -> new
+    _renamed = {}  # names that were others: old -> new
     _hooks = ("restoreState", "state")  # what engines and types offer to the scene, not to users
 
     def __init_subclass__(cls, **options):
@@ -103,7 +102,7 @@ class Attributed:
         kind = type(self)
         attributes = currentKeywords(kind.__name__, self._renamed, attributes)
         allowed = [*_ownArguments(kind), *self._attributeNames()]
-        refuseUnknown(kind.__name__, attributes, allowed, {*hiddenOf(kind), *self._found, *self._gone})
+        refuseUnknown(kind.__name__, attributes, allowed, {*hiddenOf(kind), *self._found})
         return attributes
 
     def __reduce__(self):
@@ -141,8 +140,6 @@ class Attributed:
             if name in self._found:
                 raise ValueError(f"{kind}: {name} is what a run has found; it can be read, not set")
             known = [*taken, *self._attributeNames()]
-            if name in self._gone:
-                raise ValueError(f"{kind}: {name} is gone; {self._gone[name]}")
             raise AttributeError(
                 f"{kind} has no attribute '{name}'{didYouMean(name, known)} "
                 f"(allowed: {', '.join(map(repr, known))})"

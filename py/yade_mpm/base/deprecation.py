@@ -3,7 +3,7 @@
 
 from .warn import warnUser
 
-LAST = "0.2"  # the minor version that is the last to know them
+LAST = "0.3"  # the minor version that is the last to know them
 
 
 def warnDeprecated(old, new):

@@ -23,10 +23,9 @@ class Callback(Engine):
     checkpoints.
     """
 
-    _renamed = {**Engine._renamed, "virtPeriod": "period"}
     _hooks = ("act", "bind", "flush", "restoreState", "spec", "state", "stepsToCall")
 
-    @checked("Callback", virtPeriod="period")
+    @checked("Callback")
     def __init__(self, iterPeriod: int = 0, period: float = 0.0, label: str = "", dead: bool = False) -> None:
         # The solver refers to the object weakly: a cycle through it would never be collected.
         method = weakref.WeakMethod(self._call)
@@ -78,7 +77,7 @@ class PyRunner(Callback):
     dead : leave the engine out; default False.
     """
 
-    @checked("PyRunner", virtPeriod="period")
+    @checked("PyRunner")
     def __init__(
         self,
         command: Callable | str,

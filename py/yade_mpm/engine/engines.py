@@ -15,10 +15,5 @@ from .supports import PointForce, Spring, SurfaceLoad
 OWN = (GridSolver, BoundaryLoad, RigidContact, Contact, PoreWater, PyRunner, Spring, PointForce, SurfaceLoad)
 classes = {**generated, **{own.__name__: own for own in OWN}}
 __getattr__ = classAttribute(classes)
-classes["GridToParticle"]._gone = {
-    "transfer": "leave it out: 'flip' is all there is, for 'affine' made energy from nothing "
-    "(doc/explanation/angular-momentum.md)"
-}
-Contact._gone = {"normals": "leave it out: normals come from surfaces"}
 __all__ = ["Callback", "Drive", "Engine", "Hold", "Prescribed", "classes"]
 __all__ += classes

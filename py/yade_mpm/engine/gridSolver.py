@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """The engine that moves the nodes, with the motions that are prescribed to them."""
 
-from ..base.deprecation import warnDeprecated
 from ..base.wording import shown
 from ..geometry.numbers import isNumber
 from .engine import generated
@@ -21,8 +20,6 @@ drive : `Drive` or list of them.
 Where several apply to a node, the later in this order wins: roller, fixed, hold, drive."""
     )
 
-    _renamed = {**generated["GridSolver"]._renamed, "hold": "holds"}
-
     def __init__(self, roller=(), fixed=(), hold=(), drive=(), **attributes):
         super().__init__(**attributes)
         self._roller, self._fixed = _names("roller", roller), _names("fixed", fixed)
@@ -41,12 +38,6 @@ Where several apply to a node, the later in this order wins: roller, fixed, hold
     fixed = property(lambda self: self._fixed, doc="Faces with zero velocity.")
     holds = property(lambda self: self._holds, doc="List of `Hold`, the prescribed motions of nodes.")
     drives = property(lambda self: self._drives, doc="List of `Drive`, the driven parts.")
-
-    def __getattr__(self, name):
-        if name != "drive":
-            return super().__getattr__(name)
-        warnDeprecated("GridSolver.drive", "write drives, which is a list")
-        return self._drives[0] if len(self._drives) == 1 else self._drives
 
     def _constraints(self, scene):
         """All prescribed motions of the scene, in the order in which later ones win."""

@@ -69,8 +69,6 @@ class History(Callback):
     all before the first step.
     """
 
-    _renamed = {**Callback._renamed, "to_pandas": "toPandas"}
-
     @checked("History", research=("average",))
     def __init__(
         self,

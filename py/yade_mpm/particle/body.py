@@ -282,7 +282,7 @@ class Body(BodyShape, Guarded):
         self._scene._core.convertTo(self.name, other.name)
         self._convertsTo = other.name
 
-    @checked("Body.convert", type="particles")
+    @checked("Body.convert")
     def convert(self, region: Region, particles: ParticleType, tolerance: float = 1e-6) -> Body:
         """Makes particles of another type of those of this body in a region, between two runs; returns the
         body that has them.

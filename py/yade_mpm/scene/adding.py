@@ -41,7 +41,7 @@ class Bodies(tuple):
         raise AttributeError(f"Scene: bodies has no attribute '{name}'; it is a tuple of Body")
 
 
-@checked("Scene.add", research=("inertiaScale",), type="particles")
+@checked("Scene.add", research=("inertiaScale",))
 def add(
     scene,
     name: str,

@@ -14,10 +14,6 @@ from ..particle.part import BodyPart
 from .restoringBodies import classOf
 from .saving import CONSTRAINT_STATE
 
-# Class, parameter and value that files of earlier versions have and that go without saying.
-GONE = {("Contact", "normals", "surface"), ("GridToParticle", "transfer", "flip")}
-RENAMED = {"virtPeriod": "period"}  # arguments of callbacks that such files have by other names
-
 
 def buildEngine(spec, scene, callbacks, permissions, file):
     """The engine of an entry of a checkpoint; None: it is left out.
@@ -43,15 +39,10 @@ def buildEngine(spec, scene, callbacks, permissions, file):
         raise ValueError(
             f"checkpoint '{file}' has a {spec['class']} without what it was made from; use another"
         )
-    isGone = {n: isinstance(v, str) and (spec["class"], n, v) in GONE for n, v in spec["attributes"].items()}
-    attributes = {n: v for n, v in spec["attributes"].items() if not isGone[n]}
     if not cls._found:
-        return cls(**attributes)
+        return cls(**spec["attributes"])
     engine = cls()
-    # Files of development versions have what a run has found among the attributes.
-    state = {n: v for n, v in attributes.items() if n in cls._found}
-    options = {n: v for n, v in attributes.items() if n not in state}
-    engine.restoreState({**state, **spec.get("state", {})}, options)
+    engine.restoreState(spec.get("state", {}), spec["attributes"])
     return engine
 
 
@@ -66,18 +57,13 @@ def _callbackClasses():
 
 
 def _buildCallback(cls, spec):
-    state = dict(spec.get("state", {}))
-    arguments = {RENAMED.get(name, name): value for name, value in spec["spec"].items()}
-    if not state and spec["class"] in ("Recorder", "History"):  # as above
-        old = {"Recorder": "run", "History": "state"}[spec["class"]]
-        state = arguments.pop(old)
-        state = state if old == "state" else {"run": state}
+    arguments = dict(spec["spec"])
     if spec["class"] == "History":
         arguments["columns"] = {name: _columnOf(name, text) for name, text in arguments["columns"].items()}
     engine = cls(**arguments)
-    engine.restoreState(state)
+    engine.restoreState(spec.get("state", {}))
     for name, value in spec["attributes"].items():
-        engine._core.set(RENAMED.get(name, name), value)
+        engine._core.set(name, value)
     return engine
 
 
@@ -105,7 +91,7 @@ def _givenCallback(spec, callbacks, file):
         raise TypeError(
             f"load: callbacks['{label}'] = {shown(given)}; give an engine of the class {spec['class']}"
         )
-    return PyRunner(given, **{RENAMED.get(name, name): value for name, value in attributes.items()})
+    return PyRunner(given, **attributes)
 
 
 def _buildSolver(spec, scene):

@@ -111,16 +111,6 @@ class Scene(HasEngines, HasClock, Guarded):
         "contact": "call scene.contact(pile, soil, friction=0.3)",
         "flip": "flip is of GridToParticle: scene.engines[2] = mpm.GridToParticle(flip=1)",
     }
-    _renamed = {
-        **Guarded._renamed,
-        "givenDt": "_dt",
-        "givenThreads": "_threads",
-        **{
-            name: f"_{name}"
-            for name in ("checkTimeStep", "gridSolver", "handOver", "hasEngines", "holder", "isMidStep")
-            + ("loadsAndDrives", "loop", "refuseDuringStep", "refuseWhileRunning")
-        },
-    }
     _instead = "scene.save(file) keeps it, mpm.load(file) makes another one"
 
     lower: np.ndarray

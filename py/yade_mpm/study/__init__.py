@@ -7,8 +7,6 @@ calibrate(scene, ranges, measured, ...)     parameters fitted to a measured curv
 `scripts/run study` is the same from the command line; `yade_mpm.app` has what scenes of studies are made of.
 """
 
-from ..base.oldModules import moved
-
 
 def run(build, cases, results=None, *, until=None, out="results/study", parameters=None, **how):
     """Runs a scene for many cases and returns a table (pandas.DataFrame) with a row for each.
@@ -36,12 +34,3 @@ def calibrate(scene, ranges, measured, curve, out, *what, **how):
     from .calibration import calibrate
 
     return calibrate(scene, ranges, measured, curve, out, *what, **how)
-
-
-_OF_APP = "ARGUMENTS", "SUMMARY", "Parameter", "Parameters", "Run", "keep", "record", "resumed", "saveCurve"
-_OF_GEOTECH = "TYPES", "addGround", "atSteps", "movingAverage", "quadrilaterals", "scatter", "travel"
-__getattr__ = moved(
-    __name__,
-    {name: f"app.{name}" for name in _OF_APP}
-    | {name: f"geotech.{name}" for name in (*_OF_GEOTECH, "wedgedColumn")},
-)

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 import yade_mpm as mpm
 from yade_mpm import box, geotech
-from yade_mpm.scene.permissions import Permissions
-from yade_mpm.scene.restoringEngines import buildEngine
 
 ELASTIC = dict(density=1.0, lame=(1e3, 1e3))
 
@@ -94,22 +92,6 @@ def test_control_edges_and_vertices_that_are_off_by_more_than_single_precision_a
     scene.add("long", (corners, cells), soil, mpm.APDI())
     with pytest.raises(ValueError, match="is longer than the cell 0.1 m within one cell of uGIMP"):
         scene.run(steps=1, progress=False)
-
-
-def test_options_that_are_gone_say_what_to_do():
-    with pytest.raises(ValueError, match="GridToParticle: transfer is gone; leave it out"):
-        mpm.GridToParticle(transfer="affine")
-    with pytest.raises(ValueError, match="Contact: normals is gone; leave it out"):
-        mpm.Contact(normals="mass")
-
-
-def test_files_that_have_them_are_read_where_they_went_without_saying():
-    spec = {"class": "GridToParticle", "attributes": {"flip": 0.9, "transfer": "flip"}}
-    permissions = Permissions("old.h5", False, {}, {})
-    assert buildEngine(spec, None, {}, permissions, "old.h5").flip == 0.9
-    spec["attributes"]["transfer"] = "affine"
-    with pytest.raises(ValueError, match="transfer is gone"):
-        buildEngine(spec, None, {}, permissions, "old.h5")
 
 
 # --- a strength that varies with depth ------------------------------------------------------------------

@@ -49,11 +49,13 @@ template <int Dim> class CellAverage {
 
     // Which particles are in which cell, see ParticleCells; called by all threads, and so is all that takes a region.
     // mesh: of domains, nullptr: boxes; isAmongBoxes: they fill cells together with boxes, and act by the cells if none
-    // was made larger than a cell. (Nodes between the vertices of larger ones have no mass.)
+    // was made larger than a cell. (Nodes between the vertices of larger ones have no mass.) half: of the edge of boxes
+    // along the first axis, m.
     void locate(ParallelRegion& region, const Particles<Dim>& particles, const Grid<Dim>& grid,
-                Mesh<Dim>* mesh, bool isAmongBoxes) {
+                Mesh<Dim>* mesh, bool isAmongBoxes, double half) {
         region.once([&] {
             isMesh_ = mesh;
+            half_ = half;
             if (mesh && isAmongBoxes && measured_ != particles.size()) {
                 measured_ = particles.size();
                 fitInCells_ = doFit(particles, grid, *mesh);
@@ -202,23 +204,23 @@ template <int Dim> class CellAverage {
 
     // (V' - V_c)/(V_c dt), V' the volume between the corners of a cell after they moved for dt.
     template <class Velocity>
-    static double growth(const Grid<Dim>& grid, const Velocity* nodes, double dt, int number,
-                         const Vec<Dim>& edges) {
+    double growth(const Grid<Dim>& grid, const Velocity* nodes, double dt, int number,
+                  const Vec<Dim>& edges) const {
         CornerNumbers<Dim> x;
         for (int a = 0; a < corners<Dim>; ++a) {
             const int node = cornerOf(grid, number, a);
             for (int k = 0; k < Dim; ++k)
                 x[k][a] = 0.5 * cornerSign(a, k) + dt * nodes[node][k] / edges[k]; // in cells
         }
-        return (grown(grid, number, x) - 1) / dt;
+        return (grown(grid, number, x, half_) - 1) / dt;
     }
-    // V'/V_c of a cell with its corners at x, in cells from its middle.
-    static double grown(const Grid<Dim>& grid, int number, CornerNumbers<Dim>& x) {
+    // V'/V_c of a cell with its corners at x, in cells from its middle. half: see Grid::ringMoment().
+    static double grown(const Grid<Dim>& grid, int number, CornerNumbers<Dim>& x, double half) {
         if constexpr (Dim == 2)
             if (grid.isAxisymmetric) {
                 const double middle = grid.centre(grid.indices(number))[0] / grid.edges(number)[0];
                 for (double& r : x[0]) r += middle;
-                return RingShape(x).volume / (2 * M_PI * std::abs(middle));
+                return RingShape::volumeOf(x, grid.ringMoment(number, half)) / (2 * M_PI * std::abs(middle));
             }
         return ClosedShape<Dim>(x).volume;
     }
@@ -416,7 +418,7 @@ template <int Dim> class CellAverage {
             for (int k = 0; k < Dim; ++k) number -= cornerSign(a, k) > 0 ? grid.strides[k] : 0;
             if (number < 0) continue;
             if (isAxisymmetric && acting_[Dim - 1][number] != 0) {
-                const Vec<Dim> slopes = grid.volumeSlopes(number, node);
+                const Vec<Dim> slopes = grid.volumeSlopes(number, node, half_);
                 for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * slopes[k] * acting_[k][number];
             } else
                 for (int k = 0; k < Dim; ++k) sum[k] -= cornerSign(a, k) * acting_[k][number];
@@ -428,6 +430,7 @@ template <int Dim> class CellAverage {
     bool isMesh_ = false, actByCells_ = false;
     bool fitInCells_ = false;   // whether no domain was made larger than a cell,
     int measured_ = -1;         // found when there were so many domains
+    double half_ = 0;           // of the edge of boxes along the first axis, m
     std::vector<double> value_; // of particles
     std::vector<Cell> cells_;
     std::vector<double> cover_,

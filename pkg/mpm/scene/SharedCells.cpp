@@ -162,6 +162,7 @@ template <int Dim> void SharedCells<Dim>::findGroups(const Scene<Dim>& scene) {
         if (body->particles.size() == 0) continue;
         if (body->domains->boxes()) {
             isSolid_[group] = 0;
+            if (body->fbar && heaviest == 0) half_ = body->domains->boxes()->halfSize()[0];
             if (body->fbar) isSoil_[group] = 1;
             if (body->fbar) heaviest = std::max(heaviest, density);
         } else if (!isDrivenWhole(scene, *body)) {
@@ -491,7 +492,7 @@ template <int Dim> void SharedCells<Dim>::addForces(Scene<Dim>& scene) {
                 const double own = volumeOf(g, node), part = own > 0 ? own / volumeAt(node) : 0;
                 if (part == 0) continue;
                 Vec<Dim> force;
-                const Vec<Dim> slopes = grid.volumeSlopes(giver.cell, node);
+                const Vec<Dim> slopes = grid.volumeSlopes(giver.cell, node, half_);
                 for (int k = 0; k < Dim; ++k) force[k] = -part * pull[k] * cornerSign(a, k) * slopes[k];
                 for (int k = 0; k < Dim; ++k) NF::addForce(grid.fields[g].sum[node], k, force[k]);
                 if (isSolid_[g]) forces_.push_back({soil, g, node, force});

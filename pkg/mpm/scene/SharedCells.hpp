@@ -124,6 +124,7 @@ template <int Dim> class SharedCells {
     void addAcross(const Grid<Dim>& grid, int cell, int soil, int solid, const Vec<Dim>& force);
 
     long step_ = -1;
+    double half_ = 0;                    // of the edge of the boxes of the first soil along the first axis, m
     double lightness_ = 1;               // of the lightest body, its density over that of the soil; at most 1
     std::vector<char> isSoil_, isSolid_; // of groups
     std::vector<std::vector<double>> volumes_; // of each group at the nodes, m3
@@ -167,7 +168,7 @@ double SharedCells<Dim>::rate(const Scene<Dim>& scene, int taker, VelocityOf&& v
             if (volume > 0) u /= volume;
             for (int k = 0; k < Dim; ++k) x[k][a] = 0.5 * cornerSign(a, k) + scene.dt * u[k] / edges[k];
         }
-        sum += from.part * (CellAverage<Dim>::grown(grid, from.cell, x) - 1) * grid.volume(from.cell);
+        sum += from.part * (CellAverage<Dim>::grown(grid, from.cell, x, half_) - 1) * grid.volume(from.cell);
     }
     return sum / (scene.dt * its.volume);
 }

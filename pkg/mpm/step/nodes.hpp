@@ -107,7 +107,9 @@ template <int Dim> void locateCells(ParallelRegion& region, const Scene<Dim>& sc
             return other->velocityField == body.velocityField && other->fbar && other->domains->boxes() &&
                    other->particles.size() > 0;
         });
-    body.cellAverage.locate(region, body.particles, scene.grid, mesh, isAmongBoxes);
+    const auto* boxes = body.domains->boxes();
+    const double half = boxes ? boxes->halfSize()[0] : 0;
+    body.cellAverage.locate(region, body.particles, scene.grid, mesh, isAmongBoxes, half);
 }
 
 // Which particles are in which cell, for the bodies with F-bar, and how far inside of the material the cells of

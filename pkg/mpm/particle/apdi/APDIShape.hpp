@@ -227,6 +227,27 @@ template <int Dim> using ClosedShape = std::conditional_t<Dim == 2, Quadrilatera
 // With r and z bilinear, r = r0 + r1 xi + r2 eta + r3 xi eta, the determinant is j0 + j1 xi + j2 eta, and all
 // integrals are closed. g_a V + hoop_a V e_r is the slope of V over the position of corner a.
 struct RingShape {
+    // Of r, z and the determinant.
+    struct Coefficients {
+        double r0, r1, r2, r3, z1, z2, z3, j0, j1, j2;
+
+        MPM_INLINE explicit Coefficients(const CornerNumbers<2>& X) {
+            const auto &x = X[0], &y = X[1];
+            r0 = 0.25 * (x[0] + x[1] + x[2] + x[3]);
+            r1 = 0.25 * (x[1] - x[0] + x[2] - x[3]);
+            r2 = 0.25 * (x[2] - x[0] + x[3] - x[1]);
+            r3 = 0.25 * (x[0] - x[1] + x[2] - x[3]);
+            z1 = 0.25 * (y[1] - y[0] + y[2] - y[3]);
+            z2 = 0.25 * (y[2] - y[0] + y[3] - y[1]);
+            z3 = 0.25 * (y[0] - y[1] + y[2] - y[3]);
+            j0 = r1 * z2 - r2 * z1;
+            j1 = r1 * z3 - r3 * z1;
+            j2 = r3 * z2 - r2 * z3;
+        }
+        // int r dA / 4, with a part of the second moments over xi and eta.
+        MPM_INLINE double moment(double part) const { return r0 * j0 + part / 3 * (r1 * j1 + r2 * j2); }
+    };
+
     double w[4], g[4][2], hoop[4], volume, overVolume;
     double smallestCorner;      // that of the quadrilateral times the mean thickness
     std::array<double, 3> skew; // w_a = 1/4 + what follows from it
@@ -237,16 +258,17 @@ struct RingShape {
                 0.25 - k[0] + k[1] - k[2]};
     }
 
+    // The volume with a part of the second moments over xi and eta: 1 is exact, see Grid::ringMoment().
+    static double volumeOf(const CornerNumbers<2>& X, double part) {
+        return 8 * M_PI * Coefficients(X).moment(part);
+    }
+
     MPM_INLINE explicit RingShape(const CornerNumbers<2>& X) {
         const QuadrilateralShape flat(X);
-        const auto &x = X[0], &y = X[1];
-        const double r0 = 0.25 * (x[0] + x[1] + x[2] + x[3]), r1 = 0.25 * (x[1] - x[0] + x[2] - x[3]),
-                     r2 = 0.25 * (x[2] - x[0] + x[3] - x[1]), r3 = flat.pattern[0][0],
-                     z1 = 0.25 * (y[1] - y[0] + y[2] - y[3]), z2 = 0.25 * (y[2] - y[0] + y[3] - y[1]),
-                     z3 = flat.pattern[0][1];
-        const double j0 = r1 * z2 - r2 * z1, j1 = r1 * z3 - r3 * z1, j2 = r3 * z2 - r2 * z3;
+        const Coefficients of(X);
+        const auto& [r0, r1, r2, r3, z1, z2, z3, j0, j1, j2] = of;
         constexpr double third = 1.0 / 3, ninth = 1.0 / 9;
-        const double moment = r0 * j0 + third * (r1 * j1 + r2 * j2), over = 1 / moment; // int r dA/4
+        const double moment = of.moment(1), over = 1 / moment;
         volume = 8 * M_PI * moment;
         overVolume = 1 / volume;
         smallestCorner = flat.smallestCorner * volume * flat.overVolume;

@@ -304,6 +304,51 @@ def test_pictures_are_mirrored():
     assert drawn.get_array().sum() == pytest.approx(0, abs=1e-9)
 
 
+def recorded(isRound):
+    """Frames of a hollow cylinder, or of a plane block, under a shear that varies with its place."""
+    scene, body = block("UGIMP", lower=(0.2, 0.2), upper=(0.6, 0.6), isRound=isRound)
+    body.stress[:, 0, 0], body.stress[:, 2, 2] = -3.0, -2.0
+    body.stress[:, 0, 1] = body.stress[:, 1, 0] = body.position[:, 0]
+    fields = ("position", "stress", "stressComponents", "velocity")
+    scene.engines = [*scene.engines, mpm.Recorder("ring.vtkhdf", iterPeriod=1, fields=fields)]
+    scene.run(steps=1, progress=False)
+    return mpm.read("ring.vtkhdf"), body
+
+
+def test_pictures_of_recorded_frames_are_mirrored():
+    results, body = recorded(isRound=True)
+    for field, component in (("position", "x"), ("stress", "xy"), ("stressComponents", "xy")):
+        drawn = results[0].plot(field, component).collections[0]
+        assert len(drawn.get_paths()) == 2 * body.count
+        values = np.array(drawn.get_array()).reshape(2, -1)
+        assert values[1] == pytest.approx(-values[0]) and values[0].min() > 0
+    assert results[0].plot("stress", "xx").collections[0].get_array().max() < 0
+    plain, body = recorded(isRound=False)
+    assert len(plain[0].plot("position", "x").collections[0].get_paths()) == body.count
+
+
+def test_a_recorded_ring_becomes_a_body_in_space():
+    """Its volume is that of the ring, and stress turns with the angle."""
+    results, body = recorded(isRound=True)
+    results.revolve("body.vtkhdf", angle=np.pi, pieces=50)
+    whole, frame = mpm.read("body.vtkhdf")[0], results[0]
+    assert whole.count == 50 * frame.count
+    a, b, d, e = (whole.corners[:, k] for k in (0, 1, 3, 4))
+    volume = np.einsum("ni,ni->n", np.cross(b - a, d - a), e - a)
+    assert volume.min() > 0
+    assert volume.sum() == pytest.approx(0.5 * body.volume.sum(), rel=0.1)
+    quarter = whole["stress"].reshape(-1, 50, 3, 3)[:, 24:26].mean(axis=1)  # where r goes along z
+    assert quarter[:, 2, 2] == pytest.approx(-3.0, rel=0.01)
+    assert quarter[:, 0, 0] == pytest.approx(-2.0, rel=0.01)
+    assert quarter[:, 1, 2] == pytest.approx(frame["stress"][:, 0, 1], rel=0.01)
+    six = whole["stressComponents"].reshape(-1, 50, 6)[:, 24:26].mean(axis=1)
+    assert six[:, 4] == pytest.approx(quarter[:, 1, 2])
+    with pytest.raises(ValueError, match="not axisymmetric"):
+        recorded(isRound=False)[0].revolve("body.vtkhdf")
+    with pytest.raises(ValueError, match="above 0 to 2 pi"):
+        results.revolve("body.vtkhdf", angle=360)
+
+
 # --- steps, threads, files ----------------------------------------------------------------------------------
 def denseCriticalStep(scene, body):
     """2/omega_max of M^-1 K, with the strain v_r/r round the axis, from weights found here."""

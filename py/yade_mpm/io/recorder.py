@@ -233,7 +233,7 @@ class Recorder(Callback):
             )
         image, frame = io.BytesIO(), self._frameOf(scene)  # HDF5 does not survive a disk that becomes full
         with h5py.File(image, "w") as h5:
-            createLayout(h5, self._run)
+            createLayout(h5, self._run, scene.isAxisymmetric)
             self._frames, self._topology = 0, None
             self._append(h5, frame)
         try:

@@ -10,9 +10,11 @@ FILTERS = (h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_DEFLATE)  # that arrays may 
 CHUNK = 16384  # rows at most in a piece of a growing array
 
 
-def createLayout(h5, run):
+def createLayout(h5, run, isAxisymmetric=False):
     h5.attrs["run"] = run
     root = h5.create_group("VTKHDF", track_order=True)
+    if isAxisymmetric:
+        root.attrs["axisymmetric"] = True
     root.attrs["Version"] = (2, 0)
     root.attrs.create("Type", b"UnstructuredGrid", dtype="S16")
     root.create_group("CellData", track_order=True)

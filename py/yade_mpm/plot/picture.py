@@ -33,14 +33,15 @@ class Part(NamedTuple):
 
 def partsOf(bodies):
     """Parts of bodies as they are now."""
-    parts = [Part(b.name, b.cells is not None, b.deformedCorners(), _Fields(b)) for b in bodies if b.count]
-    return [_mirrored(p) if p.field.body.scene.isAxisymmetric else p for p in parts]
+    bodies = [body for body in bodies if body.count]
+    parts = [Part(b.name, b.cells is not None, b.deformedCorners(), _Fields(b)) for b in bodies]
+    return [mirrored(part) if b.scene.isAxisymmetric else part for part, b in zip(parts, bodies)]
 
 
-def _mirrored(part):
+def mirrored(part):
     """A part and its image beyond the axis of symmetry, x = 0."""
     corners = np.concatenate([part.corners, part.corners[:, ::-1] * (-1, 1)])
-    return part._replace(corners=corners, field=_MirroredFields(part.field.body))
+    return part._replace(corners=corners, field=_MirroredFields(part.field))
 
 
 class _Fields:
@@ -58,15 +59,20 @@ class _Fields:
         return np.asarray(of(self.body)), self.units[name]
 
 
-class _MirroredFields(_Fields):
-    """The same with those of the image behind: components across the axis change their sign."""
+class _MirroredFields:
+    """Fields with those of the image behind: components across the axis change their sign."""
+
+    def __init__(self, fields):
+        self.fields, self.units = fields, fields.units
 
     def __call__(self, name):
-        found = super().__call__(name)
+        found = self.fields(name)
         if found is None:
             return None
         values, image = found[0], found[0].copy()
-        if values.ndim > 1 and values.shape[1:] != (6,):
+        if values.shape[1:] == (6,):
+            image[:, [k for k, name in enumerate(COMPONENTS[6]) if name.count("x") == 1]] *= -1
+        elif values.ndim > 1:
             for k in range(1, values.ndim):
                 image[(slice(None),) * k + (0,)] *= -1
         return np.concatenate([values, image]), found[1]

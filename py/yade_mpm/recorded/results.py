@@ -130,6 +130,23 @@ class Results(Sequence):
 
         animation.write(self, file, field, limits, fps, picture)
 
+    @takes(file=FILE, angle=NUMBER, pieces=NUMBER)
+    def revolve(self, file, angle=1.5 * np.pi, pieces=24):
+        """Writes all frames of an axisymmetric scene as bodies in space, a VTKHDF file for ParaView.
+
+        Parameters
+        ----------
+        file : name of the file, ending in .vtkhdf. It is `pieces` times as large as the one that is read.
+        angle : about the axis that is filled, rad; default 1.5 pi, so that a quarter is open.
+        pieces : of the angle; default 24.
+
+        Vectors and tensors are turned with their piece. Raises ValueError for a scene that is not
+        axisymmetric.
+        """
+        from . import revolved
+
+        revolved.write(self, file, angle, pieces)
+
     def __repr__(self):
         times = self.times
         span = f", t = {times[0]:g} to {times[-1]:g} s" if len(times) else ""
@@ -148,10 +165,12 @@ class ResultFrame(Mapping):
     units : dict name of a field -> unit.
     bodies : names of the bodies; the field "body" is the number of each particle's.
     corners : (N, 4 or 8, 3), m, of the domains as they are deformed.
+    isAxisymmetric : whether x is the distance from an axis of symmetry; pictures then show both sides of it.
     """
 
-    def __init__(self, time, step, bodies, corners, shared, data, units):
+    def __init__(self, time, step, bodies, corners, shared, data, units, isAxisymmetric=False):
         self.time, self.step, self.bodies, self.corners, self.units = time, step, bodies, corners, units
+        self.isAxisymmetric = isAxisymmetric
         self._shared, self._data = shared, data
 
     def __getitem__(self, name):
@@ -178,9 +197,8 @@ class ResultFrame(Mapping):
             raise KeyError(f"ResultFrame: there is no body {shown(name)}; bodies: {', '.join(self.bodies)}")
         rows = self["body"] == self.bodies.index(name)
         data = {field: values[rows] for field, values in self._data.items()}
-        return ResultFrame(
-            self.time, self.step, self.bodies, self.corners[rows], self._shared[rows], data, self.units
-        )
+        parts = self.corners[rows], self._shared[rows], data, self.units
+        return ResultFrame(self.time, self.step, self.bodies, *parts, self.isAxisymmetric)
 
     @takes(limits=LIMITS)
     def plot(self, field=None, component=None, limits=None, **options):
@@ -202,11 +220,12 @@ class ResultFrame(Mapping):
         from ..plot import picture
 
         frames = [(name, self.body(name)) for name in bodies or self.bodies]
-        return [
+        parts = [
             picture.Part(name, bool(f._shared.any()), f.corners[:, :, :2], _Fields(f))
             for name, f in frames
             if f.count
         ]
+        return [picture.mirrored(part) for part in parts] if self.isAxisymmetric else parts
 
     def __repr__(self):
         return f"<ResultFrame t = {self.time:g} s: {self.count} particles, fields {', '.join(self._data)}>"

@@ -90,7 +90,8 @@ def frame(root, k, bodies):
     data = {name: v.reshape(-1, 3, 3) if v.shape[1:] == (9,) else v for name, v in data.items()}
     shared = (used[corners] > 1).any(axis=1)
     time, step = float(steps["Values"][k]), int(steps["step"][k])
-    return time, step, bodies, where[corners], shared, data, units(cells)
+    isRound = bool(root.attrs.get("axisymmetric", False))
+    return time, step, bodies, where[corners], shared, data, units(cells), isRound
 
 
 def _row(array, k):

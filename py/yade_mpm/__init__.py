@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Material point method for large deformation of soils and solids.
 
-Units: Mg, m, s, kPa (2D: per metre of thickness); tension positive; angles in radians.
+Units: Mg, m, s, kPa; tension positive; angles in radians. Masses, forces and energies are per metre of
+thickness in plane strain, and of the whole circumference in axisymmetric scenes.
 
 Scene, load, undo              a scene (`help(mpm.Scene)` is the place to start); one from a checkpoint
 Grading                        a grid whose cells grow outside of a box

@@ -24,7 +24,8 @@ class PointForce : public EngineOf<PointForce> {
             {"body", "", "Name of the body.", &body},
             {"at", "m", "Point of the body that it acts on.", &at},
             {"table", "s, kN",
-             "Rows (time, one component per axis), linear between them and constant outside (2D: kN per metre).",
+             "Rows (time, one component per axis), linear between them and constant outside (plane strain: kN per "
+             "metre; axisymmetric: of the whole circumference).",
              &table},
             {"ids", "", "Particles of the body that it acts on, by id.", &ids},
             {"parts", "-", "Parts of the force that they take.", &parts},

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-2.0-or-later
 """Numbers that tell how a run is doing, each a function of a scene.
 
-In 2D masses, forces and energies are per metre of thickness.
+Masses, forces and energies are per metre of thickness in plane strain, and of the whole circumference in
+axisymmetric scenes.
 """
 
 from .balance import (

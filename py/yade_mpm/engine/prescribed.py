@@ -28,7 +28,8 @@ class Prescribed(Guarded):
     """A prescribed velocity; base of `Drive` and `Hold`.
 
     Outputs of the last step: `reaction` (dim,) kN, `moment` kN m about `centre` (a number in 2D, (3,) in 3D),
-    both exerted by the constraint on the material (plane strain: per metre). Since the start: `work` kJ, and
+    both exerted by the constraint on the material (plane strain: per metre; axisymmetric: of the whole
+    circumference, and along x the sum of the radial forces). Since the start: `work` kJ, and
     `impulse` (dim,) kN s, the time integral of the reaction: its difference between two times makes the mean.
     The impulse is the change of momentum of what is held, less that by other forces. Work is done with the
     mean of the velocities prescribed at the start and the end of a step; one that begins takes over the

@@ -32,7 +32,8 @@ width : m, particles of a body up to half of it from the point take the force, s
     default: a cell of the grid.
 
 It begins with the step after `scene.attach`, with its prestress and no elongation. `limit` makes it yield,
-`only="tension"` slack under compression. In 2D a row of props has a stiffness and forces per metre. Results:
+`only="tension"` slack under compression. In plane strain a row of props has a stiffness and forces per metre,
+in an axisymmetric scene a ring of props those of the whole circumference. Results:
 `force` kN, tension positive, `impulse` kN s, `work` kJ, `slip` m. The force follows from the positions at the
 start of a step: a stiffness that the nodes cannot follow ends the run at once, and the error names one."""
     )
@@ -147,8 +148,9 @@ def Force(
     Parameters
     ----------
     body, at : Body, and its point, m.
-    force : kN (2D: per metre): one component per axis; or rows (time, components), linear between them; or a
-        function of the time, which is made such rows at `times` (checkpoints keep them).
+    force : kN (plane strain: per metre; axisymmetric: of the whole circumference): one component per axis; or
+        rows (time, components), linear between them; or a function of the time, which is made such rows at
+        `times` (checkpoints keep them).
     times : s, for a function.
     width : m, see `Spring`.
     label : name of its columns in a history; default "force".

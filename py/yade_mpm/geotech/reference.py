@@ -2,7 +2,7 @@
 """What scenes beside a closed form share: clay, a rigid body driven through it, a picture, the program.
 
 To import by name, `from yade_mpm.geotech import reference`: it draws with matplotlib. Units: Mg, m, s, kPa,
-per metre of thickness.
+per metre of thickness in plane strain, of the whole circumference in axisymmetric scenes.
 """
 
 import os

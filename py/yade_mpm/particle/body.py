@@ -63,7 +63,7 @@ class Body(BodyShape, Guarded):
     )
     hourglassEnergy = property(
         lambda self: self._core.hourglassEnergy,
-        doc="Energy stored in the hourglass patterns of the domains, kJ (2D: per metre); 0 for uGIMP.",
+        doc="Energy stored in the hourglass patterns of the domains, kJ; 0 for uGIMP.",
     )
     distortedCount = property(
         lambda self: self._core.poorDomains(POOR_QUALITY)["count"],

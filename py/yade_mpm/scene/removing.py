@@ -39,9 +39,10 @@ def remove(scene, body: Body | None = None, region: Region | None = None) -> flo
         the centre of what is left of them; of a mesh whole domains go, by their centre, and a warning says
         how many are cut.
 
-    Returns the mass that was taken out, Mg (2D: per metre). Raises ValueError for a body of another scene,
-    one that a Drive, a BoundaryLoad, a Spring or a Force is for, and in scenes with a RigidContact; TypeError
-    for what is no body; RuntimeError during a step.
+    Returns the mass that was taken out, Mg (plane strain: per metre; axisymmetric: of the whole
+    circumference). Raises ValueError for a body of another scene, one that a Drive, a BoundaryLoad, a Spring
+    or a Force is for, and in scenes with a RigidContact; TypeError for what is no body; RuntimeError during a
+    step.
     """
     refuseDuringStep(scene, "remove")
     refuseMidStep(scene, "remove")

@@ -32,8 +32,7 @@ def checkInterface(scene, limit):
     if initial > limits.INTERFACE_BUILD * cell:
         text = (
             f"{place} of {edge:.6g} m is longer than the cell {cell:.6g} m within one cell of uGIMP "
-            "particles; "
-            f"refine '{meshed}' there, e.g. APDI(size=..., matched=...)"
+            f"particles; refine '{meshed}' there, e.g. APDI(size=..., matched=...)"
         )
     else:
         text = (
@@ -78,8 +77,7 @@ def distortion(scene):
     return (
         f"{number} of '{body.name}' distorted, most that of particle {body.id[particle]} at "
         f"{placeText(body.position[particle])}: smallest corner {100 * quality:.3g} % of its area, and at 5 "
-        "% "
-        f"{'it becomes uGIMP' if converts else 'the run stops'}; use UGIMP there"
+        f"% {'it becomes uGIMP' if converts else 'the run stops'}; use UGIMP there"
         + ("" if converts else ', or APDI(onDistortion="convert")')
         + (", or half the time step, or MUSL: USF is first order in time" if scene.scheme == "USF" else "")
     )
@@ -124,8 +122,7 @@ def flowing(body):
     return (
         f"body '{body.name}' is a mesh and flows: {100 * share:.3g} % of its domains have a plastic shear "
         f"strain above {100 * limits.MESH_FLOW_STRAIN:g} %, and their edges stay straight where the flow "
-        f"bends ({error}); make boxes (UGIMP) of all that flows, or compare with "
-        "a run that has them"
+        f"bends ({error}); make boxes (UGIMP) of all that flows, or compare with a run that has them"
     )
 
 

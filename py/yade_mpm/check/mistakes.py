@@ -50,8 +50,7 @@ def likelyMistakes(scene, gravity):
     ):
         yield (
             f"Scene: initialStress was made for {scene._geostaticGravity:g} m/s2 downwards, the GridSolver "
-            f"has gravity = {gravity} m/s2; the "
-            f"ground will move"
+            f"has gravity = {gravity} m/s2; the ground will move"
         )
     yield from _leftOut(scene)
     yield from _water(scene)
@@ -59,8 +58,7 @@ def likelyMistakes(scene, gravity):
     if len(groups) > 1 and not any(isinstance(e, Contact) for e in scene.engines):
         yield (
             f"Scene: the groups {', '.join(map(repr, groups))} stick together, for there is no Contact among "
-            "the "
-            f"engines"
+            "the engines"
         )
     for engine in (e for e in scene.engines if not e.dead):
         if isinstance(engine, Contact):
@@ -72,8 +70,7 @@ def likelyMistakes(scene, gravity):
         if ANGLES[0] <= friction <= ANGLES[1]:
             yield (
                 f"{type(engine).__name__}: friction = {friction:g} looks like an angle in degrees; give its "
-                "tangent, "
-                f"{np.tan(np.radians(friction)):.3g}, if it is one"
+                f"tangent, {np.tan(np.radians(friction)):.3g}, if it is one"
             )
 
 
@@ -107,9 +104,8 @@ def _overlap(scene, contact):
         )
         yield (
             f"RigidContact: rigid body {body} is {depth:.3g} m deep in '{scene.bodies[soil].name}'{others}; "
-            "what overlaps at the start is thrown out, the "
-            f"faster the smaller the time step; start where the two only touch, or leave the place of the "
-            "body empty: scene.add(..., exclude=contact)"
+            "what overlaps at the start is thrown out, the faster the smaller the time step; start where the "
+            "two only touch, or leave the place of the body empty: scene.add(..., exclude=contact)"
         )
 
 
@@ -159,8 +155,7 @@ def _leftOut(scene):
         if isinstance(part, Drive):
             yield (
                 f"Drive: '{part.name}' of '{part.part.body.name}' is not given to the GridSolver and moves "
-                "nothing; give GridSolver(drive=...), or make it when "
-                f"it is needed"
+                "nothing; give GridSolver(drive=...), or make it when it is needed"
             )
         else:
             yield (
@@ -177,8 +172,7 @@ def _units(body, gravity):
     if UNIT_WEIGHTS[0] <= density <= UNIT_WEIGHTS[1]:
         yield (
             f"body '{body.name}': density = {density:g} Mg/m3 looks like a unit weight in kN/m3; give "
-            f"{density / 9.81:.3g} "
-            f"if it is one"
+            f"{density / 9.81:.3g} if it is one"
         )
     weight = density * np.linalg.norm(gravity) * np.ptp(body.corners()[..., -1]) if body.count else 0.0
     isCrushed = weight > bulk + 4 / 3 * shear
@@ -197,8 +191,7 @@ def _units(body, gravity):
     if body.material.waveSpeed > FASTEST:
         yield (
             f"body '{body.name}': compression waves travel at {body.material.waveSpeed:.3g} m/s, faster than "
-            "in any solid; units are Mg/m3, m "
-            f"and kPa: is the stiffness in Pa?"
+            "in any solid; units are Mg/m3, m and kPa: is the stiffness in Pa?"
         )
 
 

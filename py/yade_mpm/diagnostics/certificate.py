@@ -197,8 +197,7 @@ def quasiStatic(
     if rateSensitivity is not None and not rateSensitivity >= 0:
         raise ValueError(
             f"quasiStatic: rateSensitivity = {shown(rateSensitivity)} is not allowed; give zero or a "
-            "positive "
-            f"number"
+            "positive number"
         )
     needed = columns("quasiStatic", **{name: _column(history, name) for name in NEEDED})
     kinetic, damped, error, work, unbalanced = (column[rows] for column in needed[1:])

@@ -147,6 +147,5 @@ def checkPeriod(who, period, iterPeriod):
     ):
         raise ValueError(
             f"{who}: period = {shown(period)} s, iterPeriod = {shown(iterPeriod)} is not allowed; give one "
-            "of the two, "
-            f"positive: scene time or number of steps between records"
+            "of the two, positive: scene time or number of steps between records"
         )

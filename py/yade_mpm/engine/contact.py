@@ -46,8 +46,7 @@ class Contact(generated["Contact"]):
             if not (isinstance(value, (int, float, np.number)) and value >= 0):
                 raise ValueError(
                     f"Contact: {name} = {shown(value)} between '{first}' and '{second}'; give zero or a "
-                    "positive "
-                    "number"
+                    "positive number"
                 )
         self._pairs[first, second] = float(friction), float(adhesion)
         if self._groups:

@@ -265,8 +265,7 @@ class Hold(Prescribed):
         if len(nodes) == 0:
             raise ValueError(
                 f"Hold: no grid node is inside {shown(self.where)}; make it reach a node (multiples of the "
-                "cell "
-                "size)"
+                "cell size)"
             )
         self._core.nodes = np.ascontiguousarray(nodes, np.int32)
         self._core.centre = list(scene.nodePositions()[nodes].mean(axis=0))

@@ -96,16 +96,14 @@ too."""
         if not abs(np.linalg.norm(state["orientation"]) - 1) < 1e-6:
             raise ValueError(
                 f"RigidContact: orientation = {shown(orientation)} is not allowed; give a unit quaternion "
-                "(w, x, "
-                "y, z)"
+                "(w, x, y, z)"
             )
         impulse = {"force": [0.0] * 3, "torque": [0.0] * 3}
         rows = [shapeRow(number, shape) for shape in shapes]
         if not (isinstance(mass, (int, float, np.number)) and 0 <= mass < np.inf):
             raise ValueError(
                 f"RigidContact: mass = {shown(mass)} is not allowed; give Mg, or zero for a body that does "
-                "not "
-                "yield"
+                "not yield"
             )
         self._core.set("friction", [*self.friction, friction])
         self._core.set("masses", [*self.masses, float(mass)])

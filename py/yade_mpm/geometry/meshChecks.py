@@ -140,8 +140,7 @@ def _refuseOverlap(name, points, cells):
         place = formatPoint(points[cells[twice[0]]].mean(axis=0).round(9))
         raise ValueError(
             f"mesh '{name}': cell {twice[0]} at {place} lies on another one; each place may be covered once: "
-            "remove cells that "
-            f"are twice there"
+            "remove cells that are twice there"
         )
 
 

@@ -63,9 +63,8 @@ def _requireSimple(points):
         hits = others[_segmentsMeet(points[i], ends[i], points[others], ends[others], eps)]
         if len(hits):
             raise ValueError(
-                f"polygon: the sides from {formatPoint(points[i])} and from "
-                f"{formatPoint(points[hits[0]])} intersect; reorder the corners, or split the "
-                "polygon and unite the parts"
+                f"polygon: the sides from {formatPoint(points[i])} and from {formatPoint(points[hits[0]])} "
+                "intersect; reorder the corners, or split the polygon and unite the parts"
             )
 
 

@@ -38,8 +38,7 @@ def divideStrength(scene, factor):
         names = ", ".join(sorted({type(body.material).__name__ for body in scene.bodies}))
         raise ValueError(
             f"divideStrength: no material has a strength to divide (there is {names or 'no body'}); give "
-            "soil "
-            f"with {', '.join((*STRENGTHS, *ANGLES))}"
+            f"soil with {', '.join((*STRENGTHS, *ANGLES))}"
         )
 
 

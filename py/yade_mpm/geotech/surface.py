@@ -145,8 +145,7 @@ def groundSurface(scene, bodies, level, hole=None):
     if not pieces:
         raise ValueError(
             f"groundSurface: no mesh has edges that lay at level = {level:g} m, and there are no boxes; give "
-            "the height of the "
-            f"initial surface"
+            "the height of the initial surface"
         )
     x, y, explicit = (np.concatenate([p[k] for p in pieces]) for k in range(3))
     piece = np.concatenate([np.full(len(p[0]), k) for k, p in enumerate(pieces)])

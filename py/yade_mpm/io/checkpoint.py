@@ -60,8 +60,7 @@ def write(file, description, bodies):
         raise OSError(
             error.errno,
             f"checkpoint '{file}' could not be written: {error.strerror or error}; an older file of that "
-            "name is as "
-            f"it was",
+            "name is as it was",
         ) from error
 
 

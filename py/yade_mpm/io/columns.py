@@ -54,8 +54,7 @@ class Columns(dict):
         except Exception as error:
             raise ValueError(
                 f"History: column '{name}' ({column if isinstance(column, str) else 'a function'}) gives no "
-                f"number: {type(error).__name__}: "
-                f"{error}"
+                f"number: {type(error).__name__}: {error}"
             ) from error
 
 

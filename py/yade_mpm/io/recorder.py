@@ -101,8 +101,7 @@ class Recorder(Callback):
         if os.path.splitext(self._file)[1].lower() in OTHERS:
             raise ValueError(
                 f"Recorder: file = {shown(self._file)} would be taken for another format; give a name that "
-                "ends "
-                "in .vtkhdf"
+                "ends in .vtkhdf"
             )
         self._fields = None if fields is None else [str(f) for f in fields]
         self._bodies = None if bodies is None else [b if isinstance(b, str) else b.name for b in bodies]
@@ -247,8 +246,7 @@ class Recorder(Callback):
             raise OSError(
                 error.errno,
                 f"Recorder: '{self._file}' cannot be written ({error.strerror}); give a file in a folder "
-                "that "
-                f"exists, may be written to and has room",
+                "that exists, may be written to and has room",
             ) from None
         if self._path is not None and self._path != self._file:
             removeIfThere(self._path)

@@ -346,8 +346,7 @@ class Body(BodyShape, Guarded):
         if region.dim != self.scene.dim:
             raise ValueError(
                 f"body '{self.name}': inside: {shown(region)} is {region.dim}D and the scene "
-                f"{self.scene.dim}D; "
-                "give one of the scene's"
+                f"{self.scene.dim}D; give one of the scene's"
             )
         return BodyPart(self, ids=self.id[region.contains(self.position)])
 

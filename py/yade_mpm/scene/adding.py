@@ -180,8 +180,7 @@ def _without(contact, boxes, scene, how):
     if not isinstance(boxes, Boxes):
         raise ValueError(
             f"body '{how[0]}': exclude leaves boxes out, and the type is {shown(how[2])}; give UGIMP, or a "
-            "region "
-            "without the place of the bodies"
+            "region without the place of the bodies"
         )
     body = newBody(scene, *how)
     try:

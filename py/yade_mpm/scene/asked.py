@@ -20,6 +20,5 @@ class Asked(list):
                 )
                 raise ValueError(
                     f"Scene: the engines are without the {kind} that calls of the scene have edited "
-                    f"({call}); "
-                    f"keep it in the list, or give the chain first and call then"
+                    f"({call}); keep it in the list, or give the chain first and call then"
                 )

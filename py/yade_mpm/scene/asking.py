@@ -134,8 +134,7 @@ def drive(
     if not (isinstance(velocity, (tuple, list, np.ndarray)) and len(velocity) == scene.dim):
         raise ValueError(
             f"drive: velocity = {shown(velocity)} is not allowed; give {scene.dim} components, m/s (None "
-            "leaves "
-            "one free)"
+            "leaves one free)"
         )
     if isinstance(what, (str, Region)):
         motion = Hold(what, velocity, ramp, name)

@@ -102,8 +102,7 @@ def _contactLines(scene):
             yield f"Contact   '{a}' and '{b}': friction {friction:g}, adhesion {adhesion:g} kPa"
         yield (
             f"          impactLoss {engine.impactLoss:g}, constraints {engine.constraints!r}; other groups "
-            "that "
-            f"meet: friction {engine.friction:g}, adhesion {engine.adhesion:g} kPa"
+            f"that meet: friction {engine.friction:g}, adhesion {engine.adhesion:g} kPa"
         )
 
 

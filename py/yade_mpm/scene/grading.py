@@ -34,9 +34,8 @@ class Grading:
         lower, upper = (numbers("Grading", "a corner of the box", corner) for corner in corners)
         if lower.shape != upper.shape or lower.shape not in ((2,), (3,)) or not (lower < upper).all():
             raise ValueError(
-                f"Grading: box = {shown(box)} is not allowed; give a lower corner and an upper one above "
-                "it, with "
-                "two or three numbers each, m"
+                f"Grading: box = {shown(box)} is not allowed; give a lower corner and an upper one above it, "
+                "with two or three numbers each, m"
             )
         if not (isNumber(growth) and 1 < growth <= MOST_GROWTH):
             raise ValueError(

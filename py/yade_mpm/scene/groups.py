@@ -125,9 +125,8 @@ def _check(scene, pair):
             raise ValueError(f"contact: '{a.name}' is on both sides; give two bodies")
         if not {"group"} <= set(a._chosen) | set(b._chosen) and a.group == b.group:
             raise ValueError(
-                f"contact: '{a.name}' and '{b.name}' were both added with group = {shown(a.group)}, so "
-                "they stick "
-                "together; leave group out in scene.add"
+                f"contact: '{a.name}' and '{b.name}' were both added with group = {shown(a.group)}, so they "
+                "stick together; leave group out in scene.add"
             )
 
 
@@ -255,9 +254,8 @@ def _setLaws(engine, pairs):
             if known[0] != law:
                 raise ValueError(
                     f"contact: '{a.name}' and '{b.name}' have friction = {law[0]:g}, adhesion = {law[1]:g} "
-                    "kPa, "
-                    f"'{known[1].name}' and '{known[2].name}' {known[0][0]:g} and {known[0][1]:g} kPa, but "
-                    "what sticks together has one law; give both the same"
+                    f"kPa, '{known[1].name}' and '{known[2].name}' {known[0][0]:g} and {known[0][1]:g} kPa, "
+                    "but what sticks together has one law; give both the same"
                 )
     engine._clearPairs()
     for (friction, adhesion), a, b in laws.values():

@@ -38,8 +38,7 @@ class HasClock:
         if value is not None and not (isNumber(value) and 0 < value < np.inf):
             raise ValueError(
                 f"Scene: dt = {shown(value)} s is not allowed; give a positive number, or None for an "
-                "automatic "
-                "step"
+                "automatic step"
             )
         self._dt = None if value is None else float(value)
         self.stepper.noteChange()
@@ -71,8 +70,7 @@ class HasClock:
         if value is not None and not (isCount and 1 <= value <= MOST_THREADS):
             raise ValueError(
                 f"Scene: threads = {shown(value)} is not allowed; give a whole number from 1 to "
-                f"{MOST_THREADS}, "
-                f"or None for a choice by the number of particles"
+                f"{MOST_THREADS}, or None for a choice by the number of particles"
             )
         self._threads = None if value is None else int(value)
         self.stepper.noteChange(mayBeUnstable=False)

@@ -39,9 +39,7 @@ def flowZone(scene, name, flow):
     if not (isNear and isNumber(flow[1]) and 0 < flow[1] < np.inf):
         raise TypeError(
             f"body '{name}': flow = {shown(flow)}; give the region that flows, or (pile, 2.0): the pile, a "
-            "body "
-            "or "
-            "a region, and how far from it the soil flows, m"
+            "body or a region, and how far from it the soil flows, m"
         )
     what, distance = flow
     if isinstance(what, Body):

@@ -71,8 +71,7 @@ def load(
             raise
         raise ValueError(
             f"checkpoint '{file}' does not describe a scene: {type(error).__name__}: "
-            f"{str(error)[:MOST_SHOWN]}; it was "
-            f"made by hand, or by another version"
+            f"{str(error)[:MOST_SHOWN]}; it was made by hand, or by another version"
         ) from error
 
 
@@ -135,8 +134,7 @@ def _warn(scene, spec, file):
     if spec["midStep"]:
         warnUser(
             f"checkpoint '{file}' holds the state of an interrupted step {spec['steps']}: look at it, but do "
-            "not "
-            f"continue from it"
+            "not continue from it"
         )
     if spec["settling"] is not None:
         scene._gridSolver("load").damping = spec["settling"]

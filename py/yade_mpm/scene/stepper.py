@@ -234,9 +234,8 @@ class Stepper(TimeStep, Guarded):
         isWhole = isinstance(steps, (int, np.integer)) and not isinstance(steps, bool)
         if not (isWhole and steps >= 0 and isNumber(seconds)):
             raise ValueError(
-                f"Stepper.advance: steps = {shown(steps)}, seconds = {shown(seconds)} is not allowed; give "
-                "a whole "
-                "number from 0 on, and a wall time in s"
+                f"Stepper.advance: steps = {shown(steps)}, seconds = {shown(seconds)} is not allowed; give a "
+                "whole number from 0 on, and a wall time in s"
             )
         with self._alone("advance"):
             began, advance = time.monotonic(), self._scene._core.advance
@@ -260,9 +259,8 @@ class Stepper(TimeStep, Guarded):
         """
         if not any(engine is other for other in self._chain or ()):
             raise ValueError(
-                f"Stepper.act: {shown(engine)} is not in the chain as it was prepared; call "
-                "scene.prepare() and "
-                "give one of scene.engines"
+                f"Stepper.act: {shown(engine)} is not in the chain as it was prepared; call scene.prepare() "
+                "and give one of scene.engines"
             )
         self._refuseUnprepared("act")
         with self._alone("act"):

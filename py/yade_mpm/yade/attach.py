@@ -177,8 +177,7 @@ def _fromTag(omega, label, callbacks):
     saved = json.loads(omega.tags[tag])
     if saved["iter"] != omega.iter:
         raise ValueError(
-            f"inYade: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE "
-            "is at "
+            f"inYade: the checkpoint that O.tags name was written at O.iter = {saved['iter']}, YADE is at "
             f"{omega.iter}; load a file that O.save wrote with the scene attached, or give the scene"
         )
     file = os.path.join(os.path.dirname(omega.filename or ""), saved["file"])

@@ -140,9 +140,8 @@ class Bodies:
             and sum(e.contact is self.contact for e in coupling.exchanges if isinstance(e, Bodies)) > 1
         ):
             raise RuntimeError(
-                "yade.Bodies: two of them serve one RigidContact, and its forces would count twice; take "
-                "one out of "
-                "exchanges (after O.load, mpm.inYade() has brought it back)"
+                "yade.Bodies: two of them serve one RigidContact, and its forces would count twice; take one "
+                "out of exchanges (after O.load, mpm.inYade() has brought it back)"
             )
         isNewRun = coupling.runs != self._run
         steps = coupling.scene.steps
@@ -183,10 +182,9 @@ class Bodies:
             density = densityOf(self._O, self._O.bodies[number], self.thickness if scene.dim == 2 else None)
             if density > most:
                 print(
-                    f"warning: yade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the "
-                    "densest of the scene "
-                    f"{most / DENSER:.3g}; YADE's default material has 1000 (kg/m3): give it a material with "
-                    "a density in Mg/m3",
+                    f"warning: yade.Bodies: body {number} has a density of {density:.3g} Mg/m3, the densest "
+                    f"of the scene {most / DENSER:.3g}; YADE's default material has 1000 (kg/m3): give it a "
+                    "material with a density in Mg/m3",
                     file=sys.stderr,
                 )
                 break

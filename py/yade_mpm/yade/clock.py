@@ -71,8 +71,7 @@ class Clock:
         if (scene.steps, scene.time) != (self._stepsSeen, self._timeSeen):
             raise RuntimeError(
                 f"the scene '{label}' has taken steps outside of YADE (it is at step {scene.steps}, YADE "
-                "left "
-                f"it at {self._stepsSeen}); call mpm.inYade(scene) again"
+                f"left it at {self._stepsSeen}); call mpm.inYade(scene) again"
             )
 
     def meet(self):
@@ -103,6 +102,5 @@ class Clock:
         raise RuntimeError(
             f"the clocks differ: scene.time = {self._scene.time!r} s, O.time + timeOffset = "
             f"{self._omega.time + self.timeOffset!r} s. O.time was set back, or O.dt was changed in a step "
-            "after the "
-            f"MPM engines; mend that, and call mpm.inYade(scene) again"
+            "after the MPM engines; mend that, and call mpm.inYade(scene) again"
         )

@@ -124,9 +124,8 @@ class Coupling(Views):
         self._refusePeriodic()
         if steppersIn(self._list.others[self._list.place :]):
             raise ValueError(
-                "inYade: a time stepper stands behind the place of the MPM engines and would change "
-                "O.dt "
-                "in the middle of a step; put it before the NewtonIntegrator"
+                "inYade: a time stepper stands behind the place of the MPM engines and would change O.dt in "
+                "the middle of a step; put it before the NewtonIntegrator"
             )
         self.scene._refuseWhileRunning("attach")
         if any(isinstance(e, RigidContact) and not e._frictions() for e in self.scene.engines):

@@ -84,8 +84,7 @@ class EngineList:
         if changed:
             raise ValueError(
                 f"{engine.label}: {changed[0]} = {shown(own[changed[0]])} is not allowed; an engine of a "
-                "scene "
-                f"acts in every step ({shown(PACE[changed[0]])})"
+                f"scene acts in every step ({shown(PACE[changed[0]])})"
             )
 
     def _checkForces(self, given, places):

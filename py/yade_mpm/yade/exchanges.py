@@ -13,9 +13,8 @@ def checkExchanges(coupling):
     for bodies in (e for e in coupling.exchanges if isinstance(e, Bodies)):
         if not any(bodies.contact is c for c in contacts):
             raise RuntimeError(
-                f"yade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the "
-                f"scene '{coupling.label}'; put it behind "
-                f"ParticleToGrid, and attach the scene again"
+                f"yade.Bodies: the RigidContact of bodies {bodies.ids} is not among the engines of the scene "
+                f"'{coupling.label}'; put it behind ParticleToGrid, and attach the scene again"
             )
         bodies.pairUp(coupling.scene)
         bodies.warnOfDensities(coupling.scene)

@@ -30,9 +30,8 @@ def omega():
         from yade import O
     except ImportError as error:
         raise ImportError(
-            f"yade needs YADE ({error}); run the script with the command `yade` (Debian: apt install "
-            "yade), or "
-            f"put the folder that holds YADE's Python package on sys.path"
+            f"yade needs YADE ({error}); run the script with the command `yade` (Debian: apt install yade), "
+            "or put the folder that holds YADE's Python package on sys.path"
         ) from None
     return O
 

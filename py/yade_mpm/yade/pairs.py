@@ -95,8 +95,7 @@ def _check(name, unit, given):
     if isinstance(given, bool) or not isinstance(given, (int, float)):
         raise TypeError(
             f"yade.Bodies: {name} = {shown(given)}; give a number ({unit}), or a function of the materials "
-            "of "
-            "body and soil"
+            "of body and soil"
         )
     if not 0 <= given < math.inf:
         raise ValueError(
@@ -109,7 +108,6 @@ def _number(name, law, ofBody, ofSoil):
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0 <= value < math.inf:
         raise ValueError(
             f"yade.Bodies: the rule for {name} has returned {shown(value)} for {shown(ofBody)} and "
-            f"{shown(ofSoil)}; it "
-            "has to return zero or a positive number"
+            f"{shown(ofSoil)}; it has to return zero or a positive number"
         )
     return float(value)

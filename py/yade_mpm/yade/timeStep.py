@@ -101,10 +101,8 @@ class TimeStep:
         if not 0 < dt <= self.criticalDt * (1 + 1e-9):
             raise ValueError(
                 f"O.dt = {dt:.3g} s is not allowed: the critical step of '{self._label}' is "
-                f"{self.criticalDt:.3g} s "
-                f"(stiffest: '{self._scene.stiffest}'; {self._mpmSteps} MPM steps in {self._demSteps} DEM "
-                "steps); "
-                f"lower O.dt, or attach with more mpmSteps"
+                f"{self.criticalDt:.3g} s (stiffest: '{self._scene.stiffest}'; {self._mpmSteps} MPM steps in "
+                f"{self._demSteps} DEM steps); lower O.dt, or attach with more mpmSteps"
             )
 
     def checkBefore(self):

@@ -37,11 +37,10 @@ def ran(tmp_path_factory):
 
 def test_importing_plot_changes_no_setting_of_matplotlib():
     program = (
-        "import matplotlib; matplotlib.use('svg'); before = dict(matplotlib.rcParams)\n"
-        "from yade_mpm import plot\n"
-        "assert matplotlib.get_backend() == 'svg' and dict(matplotlib.rcParams) == before\n"
-        "plot.drawToFiles()\n"
-        "assert matplotlib.get_backend().lower() == 'agg' and dict(matplotlib.rcParams) != before\n"
+        "import matplotlib; matplotlib.use('svg'); before = dict(matplotlib.rcParams)\nfrom yade_mpm import "
+        "plot\nassert matplotlib.get_backend() == 'svg' and dict(matplotlib.rcParams) == "
+        "before\nplot.drawToFiles()\nassert matplotlib.get_backend().lower() == 'agg' and "
+        "dict(matplotlib.rcParams) != before\n"
     )
     subprocess.run([sys.executable, "-c", program], check=True)
 
@@ -77,14 +76,10 @@ def test_a_backend_that_a_notebook_chooses_stays(monkeypatch):
 
 def test_a_program_that_does_not_draw_does_not_wait_for_matplotlib():
     code = (
-        "import sys; from yade_mpm import app\n"
-        "def main():\n"
-        "    assert 'matplotlib' not in sys.modules\n"
-        "    import matplotlib.pyplot\n"
-        "    assert matplotlib.get_backend().lower() == 'agg'\n"
-        "    from yade_mpm import plot\n"
-        "    assert matplotlib.rcParams['savefig.dpi'] == plot.STYLE['savefig.dpi']\n"
-        "app.run(main)"
+        "import sys; from yade_mpm import app\ndef main():\n    assert 'matplotlib' not in sys.modules\n    "
+        "import matplotlib.pyplot\n    assert matplotlib.get_backend().lower() == 'agg'\n    from yade_mpm "
+        "import plot\n    assert matplotlib.rcParams['savefig.dpi'] == "
+        "plot.STYLE['savefig.dpi']\napp.run(main)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 

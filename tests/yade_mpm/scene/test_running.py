@@ -165,9 +165,8 @@ def test_a_signal_behind_the_last_run_of_settle_is_not_lost():
 
 def test_what_the_user_catches_is_left_to_it_and_nohup_holds():
     run = process(
-        "signal.signal(signal.SIGUSR1, lambda *_: print('mine', flush=True))\n"
-        "signal.signal(signal.SIGHUP, signal.SIG_IGN)\ngo.iterPeriod = 10**9\nprint('go', flush=True)\n"
-        "scene.run(steps=10**9)"
+        "signal.signal(signal.SIGUSR1, lambda *_: print('mine', flush=True))\nsignal.signal(signal.SIGHUP, "
+        "signal.SIG_IGN)\ngo.iterPeriod = 10**9\nprint('go', flush=True)\nscene.run(steps=10**9)"
     )
     assert run.stdout.readline() == "go\n"
     time.sleep(0.5)

@@ -29,9 +29,8 @@ def test_the_scene_of_the_page_can_be_studied(tmp_path):
 def test_a_scene_that_runs_when_it_is_read_is_refused(tmp_path):
     file = tmp_path / "eager.py"
     file.write_text(
-        "import yade_mpm as mpm\n"
-        "PARAMETERS = mpm.Parameters('eager', 'A scene.', mpm.Parameter('cell', 1.0))\n"
-        "a = PARAMETERS.parse()\n"
+        "import yade_mpm as mpm\nPARAMETERS = mpm.Parameters('eager', 'A scene.', mpm.Parameter('cell', "
+        "1.0))\na = PARAMETERS.parse()\n"
     )
     with pytest.raises(
         ValueError, match="it runs when it is read, for a study: .* below `if __name__ =="

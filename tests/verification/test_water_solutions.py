@@ -49,7 +49,7 @@ def mandel(T, x, count=40):
 
 
 def sample(kinds, ramp, cells=10):
-    """A quarter of the sample, of parts side by side: a plate presses on it, and water leaves at the right."""
+    """A quarter of the sample, of parts side by side. A plate presses on it, water leaves at the right."""
     h, width = HALF / cells, HALF / len(kinds)
     scene = mpm.Scene((0, 0), (HALF + 2 * h, HEIGHT + 2 * h), h)
     scene.roller("left", "bottom")

@@ -165,7 +165,7 @@ def test_a_wave_goes_as_fast_as_water_and_soil_together(kind, verified):
     assert sqrt(modulus / 2.0) < 0.2 * speed  # that of the soil without its water
 
 
-# --- loose sand that liquefies ----------------------------------------------------------------------
+# --- sand that keeps its volume ----------------------------------------------------------------------
 SAND = dict(
     density=2.0,
     shearModulus=2e4,
@@ -174,6 +174,39 @@ SAND = dict(
     compression=0.02,
     dilatancy=4.0,
 )
+
+
+def keptVolume(sand, pressure, strain):
+    """Stress of a point that is squeezed and keeps its volume, kPa."""
+    point, step = mpm.MaterialPoint(sand, -pressure * np.eye(3)), -np.log(1 - strain) / 1000
+    for _ in range(1000):
+        point.strain(np.diag([step, -step, 0.0]))
+    return point.stress
+
+
+@pytest.mark.verifies(
+    "dense sand that nothing but its suction holds, squeezed",
+    reference="NorSand at constant volume",
+    tolerance=0.02,
+)
+@pytest.mark.filterwarnings("ignore")
+@everyKind
+def test_pore_pressure_and_effective_stress_balance_at_a_free_surface(kind, verified):
+    """The total stress is zero there: both act on the same nodes. A sample of 50 kPa bulges by 3 %."""
+    strain, rate, h = 0.03, 0.02, 0.25
+    scene, sand = mpm.Scene((0, 0), (1.5, 1.5), h, damping=0.05), mpm.NorSand(**SAND, stateParameter=-0.1)
+    scene.roller("left", "bottom")
+    water = mpm.PoreWater(permeability=0.0, tolerance=1e-3)
+    body = scene.add("sand", box((0, 0), (1, 1)), sand, KINDS[kind](h), water=water)
+    body.setStress(-50 * np.eye(3))
+    body.porePressure[:] = -50
+    scene.drive(box((-h, 1 - 1e-6), (2, 2)), velocity=(None, -rate), ramp=0.05)
+    scene.run(until=0.025 + strain / rate, progress=False)
+    exact, found = keptVolume(sand, 50, strain), body.stress.mean(axis=0)
+    verified(np.trace(found), np.trace(exact))
+    verified(found[0, 0] - found[1, 1], exact[0, 0] - exact[1, 1])
+    verified(body.porePressure.mean(), exact[0, 0])
+    assert body.volume.sum() == pytest.approx(1.0, rel=1e-4)
 
 
 def squeezed(kind, state, strain=0.02, pressure=50.0, water=50.0, rate=0.02, cells=4):
@@ -193,14 +226,14 @@ def squeezed(kind, state, strain=0.02, pressure=50.0, water=50.0, rate=0.02, cel
         row = box((-h, j * h - 1e-6), (2, j * h + 1e-6))
         scene.drive(row, velocity=(None, -rate * j * h), ramp=0.05, name=f"row {j}")
     side = box((1 - 1e-6, -h), (2, 2))
-    load, speed = lambda _: -(pressure + water), lambda time: rate * min(time / 0.05, 1.0)
-    press(scene, side, load, 0, mass=20.0, damping=3000.0, speed=speed)
+
+    def load(time):  # on the height that is left
+        return -(pressure + water) * (1 - rate * max(time - 0.025, 0.0))
+
+    press(scene, side, load, 0, mass=20.0, damping=3000.0, speed=lambda time: rate * min(time / 0.05, 1.0))
     scene.run(until=0.025 + strain / rate, progress=False)
-    point, step = mpm.MaterialPoint(sand, -pressure * np.eye(3)), -np.log(1 - strain) / 1000
-    for _ in range(1000):
-        point.strain(np.diag([step, -step, 0.0]))
-    mean = -np.trace(body.stress, axis1=1, axis2=2).mean() / 3
-    exact = -np.trace(point.stress) / 3, pressure + point.stress[0, 0]
+    point, mean = keptVolume(sand, pressure, strain), -np.trace(body.stress, axis1=1, axis2=2).mean() / 3
+    exact = -np.trace(point) / 3, pressure + point[0, 0]
     return (mean, body.porePressure.mean() - water), exact
 
 

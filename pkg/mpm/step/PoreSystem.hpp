@@ -2,7 +2,8 @@
 // Pore pressure as one unknown u per cell of saturated soil: the excess over a reference. B takes nodal velocities to
 // the flow out of the cells, its transpose u to nodal forces (doc/theory/water.md):
 //     (B v)_c = V_c v_i . grad phi_ic      f_i = sum_c V_c u_c grad phi_ic
-// with the volume V_c that the pressure of a cell acts with and the mean of the gradient over the cell. The matrix
+// with the volume V_c that the pressure of a cell acts with and the gradient of its rate of volume change: the mean of
+// the gradient over the cell inside of the soil, and that of its particles at a surface (parts). The matrix
 //     A = C + H + dt B M^-1 B^T,   C = n V_c/(K_w dt)
 // with the flow H u between cells and to where the water is free, is symmetric and positive; it is never formed.
 #pragma once
@@ -12,7 +13,9 @@
 #include "mpm/particle/apdi/APDIShape.hpp"
 #include "mpm/state/cover.hpp"
 
+#include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace mpm {
@@ -23,7 +26,7 @@ template <int Dim> class PoreSystem {
 
     struct Cell {
         int number;                 // of the grid
-        double volume;              // that its pressure acts with, m3
+        double volume = 0;          // that its pressure acts with by its corners, m3
         Vec<Dim> slope;             // of a hat function over the cell, 1/m: with the sign of the corner
         double storage = 0;         // C, m3/(kPa s)
         double flow = 0;            // diagonal of H, m3/(kPa s)
@@ -41,9 +44,15 @@ template <int Dim> class PoreSystem {
         double drive;       // flow from `before` to `beyond` at equal u, m3/s
     };
 
+    struct Part { // of B: what particles at a surface have of a cell
+        int cell, node;
+        Vec<Dim> flow; // of a velocity of 1 m/s, m2
+    };
+
     std::vector<Cell> cells;
     std::vector<Node> nodes;
     std::vector<Face> faces;
+    std::vector<Part> parts; // with nodes of the grid until addNodes()
 
     // One by one, after a new start: the cells first.
     void start(int gridCount) {
@@ -54,6 +63,7 @@ template <int Dim> class PoreSystem {
         cells.clear();
         nodes.clear();
         faces.clear();
+        parts.clear();
     }
     Cell& addCell(const Grid<Dim>& grid, int number) {
         cellAt_[number] = int(cells.size());
@@ -68,17 +78,12 @@ template <int Dim> class PoreSystem {
     void addNodes(const Grid<Dim>& grid) {
         for (int c = 0; c < int(cells.size()); ++c)
             for (int a = 0; a < NC; ++a) {
-                const int number = cornerOf(grid, cells[c].number, a);
-                int& at = nodeAt_[number];
-                if (at < 0) {
-                    at = int(nodes.size());
-                    Node& node = nodes.emplace_back();
-                    node.number = number;
-                    node.cells.fill(-1);
-                }
+                const int at = addNode(cornerOf(grid, cells[c].number, a));
                 nodes[at].cells[a] = c;
                 cells[c].corner[a] = at;
             }
+        for (Part& part : parts) part.node = addNode(part.node);
+        sortParts();
     }
     // Once all is known: who is beside whom.
     void finish() {
@@ -109,12 +114,20 @@ template <int Dim> class PoreSystem {
                         sum += cornerSign(a, k) * cells[c].slope[k] *
                                velocity(nodes[cells[c].corner[a]].number, k);
                 out[c] = cells[c].volume * sum;
+                for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
+                    for (int k = 0; k < Dim; ++k)
+                        out[c] += parts[i].flow[k] * velocity(nodes[parts[i].node].number, k);
             }
         });
     }
     // B^T u on a node, kN.
     Vec<Dim> force(const Node& node, const std::vector<double>& u) const {
         Vec<Dim> f = Vec<Dim>::Zero();
+        const size_t number = &node - nodes.data();
+        for (int i = ofNode_[number]; i < ofNode_[number + 1]; ++i) {
+            const Part& part = parts[byNode_[i]];
+            f += u[part.cell] * part.flow;
+        }
         for (int a = 0; a < NC; ++a) {
             const int c = node.cells[a];
             if (c < 0) continue;
@@ -174,13 +187,18 @@ template <int Dim> class PoreSystem {
                 for (int a = 0; a < NC; ++a)
                     for (int k = 0; k < Dim; ++k)
                         sum += cornerSign(a, k) * cells[c].slope[k] * impulse_[cells[c].corner[a]][k];
-                y[c] = cells[c].storage * x[c] + flowAway(c, x) + cells[c].volume * sum;
+                sum *= cells[c].volume;
+                for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
+                    sum += parts[i].flow.dot(impulse_[parts[i].node]);
+                y[c] = cells[c].storage * x[c] + flowAway(c, x) + sum;
             }
         });
     }
 
   private:
     std::vector<int> cellAt_, nodeAt_; // of the grid; -1: none
+    std::vector<int> ofCell_, ofNode_; // first part of each, and the end
+    std::vector<int> byNode_;          // parts, by their node
     std::vector<std::array<std::pair<int, double>, 2 * Dim>> beside_;
     std::vector<double> overDiagonal_, direction_, product_;
     std::vector<Vec<Dim>> impulse_;
@@ -188,13 +206,49 @@ template <int Dim> class PoreSystem {
     double total_ = 0;
     char isDone_ = 0;
 
+    int addNode(int number) {
+        int& at = nodeAt_[number];
+        if (at < 0) {
+            at = int(nodes.size());
+            nodes.emplace_back().number = number;
+            nodes.back().cells.fill(-1);
+        }
+        return at;
+    }
+    // One part for each cell and node.
+    void sortParts() {
+        const auto key = [](const Part& part) { return std::pair(part.cell, part.node); };
+        std::stable_sort(parts.begin(), parts.end(),
+                         [&](const Part& a, const Part& b) { return key(a) < key(b); });
+        int n = 0;
+        for (const Part& part : parts)
+            if (n > 0 && key(parts[n - 1]) == key(part))
+                parts[n - 1].flow += part.flow;
+            else
+                parts[n++] = part;
+        parts.resize(n);
+        const auto starts = [&](std::vector<int>& first, size_t size, auto&& ownerOf) {
+            first.assign(size + 1, 0);
+            for (const Part& part : parts) ++first[ownerOf(part) + 1];
+            for (size_t i = 0; i < size; ++i) first[i + 1] += first[i];
+        };
+        starts(ofCell_, cells.size(), [](const Part& part) { return part.cell; });
+        starts(ofNode_, nodes.size(), [](const Part& part) { return part.node; });
+        byNode_.resize(n);
+        std::vector<int> next(ofNode_.begin(), ofNode_.end() - 1);
+        for (int i = 0; i < n; ++i) byNode_[next[parts[i].node]++] = i;
+    }
+
     void findDiagonal() {
         overDiagonal_.resize(cells.size());
         for (size_t c = 0; c < cells.size(); ++c) {
             const Cell& cell = cells[c];
             double sum = 0;
             for (int a = 0; a < NC; ++a) sum += cell.slope.cwiseAbs2().dot(nodes[cell.corner[a]].step);
-            overDiagonal_[c] = 1 / (cell.storage + cell.flow + cell.volume * cell.volume * sum);
+            sum *= cell.volume * cell.volume;
+            for (int i = ofCell_[c]; i < ofCell_[c + 1]; ++i)
+                sum += parts[i].flow.cwiseAbs2().dot(nodes[parts[i].node].step);
+            overDiagonal_[c] = 1 / (cell.storage + cell.flow + sum);
         }
     }
     template <class F> double sumOf(ParallelRegion& region, F&& f) {

@@ -144,10 +144,37 @@ template <int Dim> void PoreWater::addCells(const Scene<Dim>& scene, State<Dim>&
     for (int number : state.fill.touched()) {
         const auto& fill = state.fill[number];
         if (!(fill.saturated > 0)) continue;
-        auto& cell = system.addCell(scene.grid, number);
-        cell.volume = fill.isInside ? scene.grid.edges(number).prod() : fill.saturated;
-        cell.storage = fill.porosity * cell.volume / (bulkModulus * scene.dt);
+        system.addCell(scene.grid, number);
         state.before.push_back(fill.excess);
+    }
+    for (const auto& wet : state.fill.wet) addActing(wet, system);
+    for (auto& cell : system.cells)
+        cell.storage *= state.fill[cell.number].porosity / (bulkModulus * scene.dt);
+}
+
+// The pressure acts with the volume and on the nodes as the mean stress of the soil does (step/CellForces.hpp), so what
+// it strains is what the particles get: by the cell inside of the soil, by the particles at a surface.
+template <int Dim> void PoreWater::addActing(const WetBody<Dim>& wet, PoreSystem<Dim>& system) {
+    const auto& body = *wet.body;
+    const bool byCells = body.fbar && body.cellAverage.actByCells();
+    for (int p = 0; p < body.particles.size(); ++p) {
+        if (!(wet.saturation[p] > 0)) continue;
+        const double own = body.particles.volume.plane()[p] / wet.points.per(p);
+        for (int point = wet.points.at(p); point < wet.points.at(p) + wet.points.per(p); ++point) {
+            const int c = system.cellAt(wet.cell[point]);
+            const auto* average = byCells ? body.cellAverage.occupied(wet.cell[point]) : nullptr;
+            const double inside = average ? average->inside : 0;
+            const double all = average ? average->volume : own; // of the body in the cell
+            const double acting =
+                inside > 0 ? own / all * (inside * average->share * average->whole + (1 - inside) * all)
+                           : own;
+            system.cells[c].volume += inside * acting;
+            system.cells[c].storage += acting;
+            if (inside < 1)
+                body.domains->weights(p, [&](int node, double, const Vec<Dim>& slope) {
+                    system.parts.push_back({c, node, (1 - inside) * acting * slope});
+                });
+        }
     }
 }
 

@@ -43,6 +43,7 @@ class PoreWater : public EngineOf<PoreWater>, public VelocityCoupling {
     template <int Dim> static void checkSizes(const Scene<Dim>& scene, const Body<Dim>& body);
     template <int Dim> WaterTable tableAt(const Scene<Dim>& scene, double time) const;
     template <int Dim> void addCells(const Scene<Dim>& scene, State<Dim>& state);
+    template <int Dim> static void addActing(const WetBody<Dim>& wet, PoreSystem<Dim>& system);
     template <int Dim> static bool isHeld(const Scene<Dim>& scene, int field, int cell, int axis, int side);
     template <int Dim> void addFlow(const Scene<Dim>& scene, State<Dim>& state);
     template <int Dim> void addWall(const Scene<Dim>& scene, State<Dim>& state, int c, int axis, int side);
